@@ -22,10 +22,11 @@ use std::process::{Command, Stdio};
 use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
 
-use support::invariants::Vitals;
-use support::process::CpuTicks;
-use support::verb::program;
-use support::{Booth, Setting, body, coarse_body, names};
+use rig::invariants::Vitals;
+use rig::process::CpuTicks;
+use rig::verb::program;
+use rig::{Booth, Setting, names};
+use support::{body, coarse_body};
 
 /// How long the idle station is observed.
 const IDLE: Duration = Duration::from_secs(60);

@@ -15,11 +15,11 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use gaiter::cad::{FileHeader, Output};
 use gaiter::config::words::FILES;
-use gaiter::leg::{Method, extract};
-use gaiter::scan::Format;
-use gaiter::spline::Surface;
+use gaiter_cad::{FileHeader, Output};
+use gaiter_leg::{Method, extract};
+use gaiter_scan::Format;
+use gaiter_spline::Surface;
 use nalgebra::Point3;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -9,15 +9,16 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
-use gaiter::language::Language;
-use gaiter::leg::Method;
-use gaiter::record::report::{AgeMax, document_page};
-use gaiter::record::{Acquired, AcquiredFrom, Patient, Record, sha256};
 use gaiter::store::revision::visits::of_patient;
-use gaiter::visits::report::ReportOf;
-use gaiter::visits::{Choice, Course, GIRTH_COMMON_MM, last_of_days};
+use gaiter_language::Language;
+use gaiter_leg::Method;
+use gaiter_record::report::{AgeMax, document_page};
+use gaiter_record::{Acquired, AcquiredFrom, Patient, Record, sha256};
+use gaiter_visits::report::ReportOf;
+use gaiter_visits::{Choice, Course, GIRTH_COMMON_MM, last_of_days};
 use jiff::{Timestamp, ToSpan};
-use support::geometry::bodies::{export, record_of};
+use support::recorded::export;
+use support::records::record_of;
 
 const PATIENTS: usize = 2000;
 const VISITS: i64 = 5;
@@ -56,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let document = report.document();
         compared.push(begin.elapsed());
-        document_page(&document, gaiter::record::report::Paper::A4)?;
+        document_page(&document, gaiter_record::report::Paper::A4)?;
         page.push(begin.elapsed());
     }
     for (what, mut times) in [

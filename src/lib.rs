@@ -1,8 +1,8 @@
 //! gaiter: measures both legs from a whole-body scan, unattended.
 //!
 //! ```
-//! use gaiter::leg::{Level, Method, extract};
-//! use gaiter::scan::Format;
+//! use gaiter_leg::{Level, Method, extract};
+//! use gaiter_scan::Format;
 //!
 //! # use std::io::Read;
 //! # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/scans/m_average_clean.obj.gz");
@@ -62,21 +62,7 @@
 //! | `visits` | jiff (calendar only), nalgebra, serde, thiserror |
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 
-pub mod cad;
-#[cfg(feature = "station")]
 pub mod cli;
-#[cfg(feature = "station")]
 pub mod config;
-#[cfg(feature = "station")]
-pub mod flow;
-pub mod language;
-pub mod leg;
-pub mod record;
-pub mod scan;
-pub mod sizes;
-pub mod spline;
-#[cfg(feature = "station")]
 pub mod station;
-#[cfg(feature = "station")]
 pub mod store;
-pub mod visits;

@@ -8,11 +8,11 @@ use std::thread::{scope, sleep};
 use std::time::{Duration, Instant};
 
 use gaiter::config;
-use gaiter::flow::booth::Signal;
-use gaiter::flow::trigger::{Input, PortFault};
 use gaiter::station::booth::trigger::port::{Port, PortOpener};
 use gaiter::station::booth::trigger::{Attendant, Attended, of_config};
 use gaiter::station::demo::button::SimulatedButton;
+use gaiter_flow::booth::Signal;
+use gaiter_flow::trigger::{Input, PortFault};
 use serialport::{SerialPort, TTYPort};
 
 /// How long an idle port is observed.

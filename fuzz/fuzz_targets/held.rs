@@ -1,7 +1,6 @@
 //! What every decoder must guarantee for any bytes.
 
-#[path = "../../src/scan/mod.rs"]
-pub mod scan;
+pub use gaiter_scan as scan;
 
 use scan::{Format, ScanFault, completeness, lacks_line_end_only, read};
 

@@ -1,13 +1,7 @@
 //! Any bytes as a size table, as a garment and as a mapping: read or refused with places, then used.
 #![no_main]
 
-#[path = "../../src/leg/level.rs"]
-mod level;
-pub mod leg {
-    pub use super::level::Level;
-}
-#[path = "../../src/sizes/mod.rs"]
-pub mod sizes;
+use gaiter_sizes as sizes;
 
 use jiff::civil::date;
 use sizes::check::remarks;

@@ -11,11 +11,11 @@ use super::args::CalibrateArgs;
 use super::terminal::paint::{self, painted};
 use super::{Exit, complain, explain_config, print, shown};
 use crate::config;
-use crate::leg::Method;
-use crate::leg::phantom::{self, Phantom};
-use crate::record::phantom::{CheckFigures, CheckRecord, CheckResult};
-use crate::record::sha256;
-use crate::scan::Format;
+use gaiter_leg::Method;
+use gaiter_leg::phantom::{self, Phantom};
+use gaiter_record::phantom::{CheckFigures, CheckRecord, CheckResult};
+use gaiter_record::sha256;
+use gaiter_scan::Format;
 
 /// The tolerance without a configuration, mm: a tape reads to 1 to 2 mm.
 const TOLERANCE_MM: f64 = 2.0;

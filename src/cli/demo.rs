@@ -22,12 +22,12 @@ use super::terminal::progress::Progress;
 use super::terminal::{paint, screen, table};
 use super::{Exit, complain, explain_config, print};
 use crate::config::{self, Config};
-use crate::record::Record;
-use crate::sizes::Garment;
 use crate::station::demo::button::{self, SimulatedButton};
 use crate::station::demo::scanner;
 use crate::station::{self, Orders, StationEvent};
 use exports::{Expected, exports};
+use gaiter_record::Record;
+use gaiter_sizes::Garment;
 
 /// The folder for everything the demo makes, below the working folder.
 const FOLDER: &str = "demo";

@@ -19,14 +19,16 @@ use super::parallel::{in_order, usual_jobs};
 use super::terminal::progress::Progress;
 use super::terminal::{paint, screen, table};
 use super::{Exit, complain, explain_config, ord, print, shown};
-use crate::cad::Output;
 use crate::config::{self, words};
-use crate::leg::method::Up;
-use crate::leg::{Method, Refusal, extract as measure};
-use crate::record::{self, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile};
-use crate::scan::Format;
-use crate::sizes::Garment;
 use found::{FolderFault, found};
+use gaiter_cad::Output;
+use gaiter_leg::method::Up;
+use gaiter_leg::{Method, Refusal, extract as measure};
+use gaiter_record::{
+    self as record, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile,
+};
+use gaiter_scan::Format;
+use gaiter_sizes::Garment;
 use names::Names;
 use place::{Foreign, put_folder};
 use summary::{Row, summary};

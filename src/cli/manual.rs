@@ -7,7 +7,7 @@ use clap::Command;
 
 use super::args::{self, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 use super::{Exit, complain, shown};
-use crate::record::{order, schema};
+use gaiter_record::{order, schema};
 
 /// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> Exit {

@@ -5,10 +5,10 @@ use std::io::{self, Read};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use crate::leg::comparison::opinion::SecondOpinion;
-use crate::leg::comparison::second_opinion::compare;
-use crate::leg::{Extraction, Finding};
-use crate::scan::ord;
+use gaiter_leg::comparison::opinion::SecondOpinion;
+use gaiter_leg::comparison::second_opinion::compare;
+use gaiter_leg::{Extraction, Finding};
+use gaiter_scan::ord;
 
 /// The measurement file next to a scan and the findings from comparing it with the scan's extraction.
 /// Both are empty if there is no such file.

@@ -13,16 +13,16 @@ use serde_json::json;
 use super::args::ReportArgs;
 use super::sizes::tables;
 use super::{Exit, complain, print, shown};
-use crate::record::report::Print;
-use crate::record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
-use crate::record::sizing::SizeChoice;
-use crate::record::{
-    FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
-};
-use crate::sizes::Garment;
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
 use found::{NotFound, found};
+use gaiter_record::report::Print;
+use gaiter_record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
+use gaiter_record::sizing::SizeChoice;
+use gaiter_record::{
+    FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
+};
+use gaiter_sizes::Garment;
 
 /// Writes the report and prints its paths.
 pub fn report(args: &ReportArgs) -> Exit {

@@ -14,9 +14,9 @@ use tracing_subscriber::EnvFilter;
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
 use crate::config::{self, ConfigError, LogFormat};
-use crate::flow::access::Access;
 use crate::station::runtime::causes::chain;
 use crate::station::{self, Orders, Reload, StationError};
+use crate::store::access::Access;
 
 /// Logs that contain file names stay off in every case, because the names may identify patients.
 const SILENT: &str = "notify=off";

@@ -6,9 +6,9 @@ use std::os::unix::ffi::OsStringExt;
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
 use super::terminal::clock::local;
 use super::{Exit, ask, complain, shown};
-use crate::flow::account::{Happened, Listed, Whole};
-use crate::flow::health::bytes;
 use crate::station::operator::control::protocol::{Answer, Request};
+use gaiter_flow::account::{Happened, Listed, Whole};
+use gaiter_flow::health::bytes;
 
 /// Lists scans.
 pub fn scans(args: &ScansArgs) -> Exit {

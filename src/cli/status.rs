@@ -14,10 +14,10 @@ use super::terminal::clock::local;
 use super::terminal::paint::{self, painted};
 use super::terminal::screen::{self, wrapped};
 use super::{Exit, complain, scans, shown};
-use crate::flow::account::{Filter, Listed};
-use crate::flow::health::{ago, bytes, words};
 use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::operator::control::status::{SourceStatus, Status};
+use gaiter_flow::account::{Filter, Listed};
+use gaiter_flow::health::{ago, bytes, words};
 
 /// How many of the last scans are shown. A screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;

@@ -9,9 +9,9 @@ use super::OrdersConfig;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER, WithoutTrigger};
-use crate::flow::OrdersWhen;
-use crate::flow::capture::Rules;
-use crate::flow::patient::check_digit::CheckDigit;
+use gaiter_flow::OrdersWhen;
+use gaiter_flow::capture::Rules;
+use gaiter_flow::patient::check_digit::CheckDigit;
 
 /// `[capture]`: how the station waits for the export of a press.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

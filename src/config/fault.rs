@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::words::{COLUMNS, HEIGHTS_CM, ROWS};
-use crate::leg::phantom::PhantomTextFault;
+use gaiter_leg::phantom::PhantomTextFault;
 
 /// One fault in a configuration file.
 #[derive(Debug, Clone, PartialEq, Eq)]

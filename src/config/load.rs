@@ -19,11 +19,11 @@ use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
     StoreConfig, capture, gdt, notation, observability, page, phantom, sizes, trigger, watch,
 };
-use crate::cad::Output;
-use crate::flow::retention::Retention;
-use crate::leg::Method;
-use crate::leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
-use crate::record::report::Print;
+use gaiter_cad::Output;
+use gaiter_flow::retention::Retention;
+use gaiter_leg::Method;
+use gaiter_leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
+use gaiter_record::report::Print;
 
 /// Reads the text of a configuration that names no other files.
 ///

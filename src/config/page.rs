@@ -6,7 +6,7 @@ use super::fault::What;
 use super::parse;
 use super::reader::{Absent, Reader};
 use super::words::IDS_SHOWN;
-use crate::flow::page::IdsShown;
+use gaiter_flow::page::IdsShown;
 
 /// `[page]`: who may read the operator's page, and what it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::capture::PatientConfig;
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
-use crate::leg::phantom::Phantom;
+use gaiter_leg::phantom::Phantom;
 
 /// `[phantom]`: the daily check.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::fault::What;
 use super::parse;
 use super::words::Words;
-use crate::flow::trigger::lines::LINE_MOST;
+use gaiter_flow::trigger::lines::LINE_MOST;
 
 /// A USB device by the ids that it reports.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -11,7 +11,7 @@ pub(super) use self::orders::orders;
 use super::fault::What;
 use super::parse;
 use super::reader::{Absent, Found, Reader};
-use crate::sizes::{Fault, Garment, SizeTable};
+use gaiter_sizes::{Fault, Garment, SizeTable};
 
 /// The most bytes of all files together: every measuring process gets them before its scan.
 const BYTES_MOST: usize = 4 << 20;
@@ -62,7 +62,7 @@ pub(super) fn tables(
 ) -> Vec<SizeTable> {
     let mut tables: Vec<SizeTable> = Vec::new();
     for NamedFile { key, at, path, text } in named_files(reader, "sizes.tables", files, read) {
-        match crate::sizes::parse(text.as_bytes()) {
+        match gaiter_sizes::parse(text.as_bytes()) {
             Err(faults) => note(reader, key, &at, &path, &faults),
             Ok(table) if tables.iter().any(|of| of.id == table.id) => {
                 reader.note(at, key, What::Twice(table.id));

@@ -7,7 +7,7 @@ use super::load::{config, load};
 use super::reader::{Absent, Key, Reader};
 use super::sizes::beside::Files;
 use super::words::{FITS, TAPES};
-use crate::leg::method::{AxisFit, Tape};
+use gaiter_leg::method::{AxisFit, Tape};
 
 const SHIPPED: &str = include_str!("../../config/station.toml");
 

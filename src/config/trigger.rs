@@ -10,12 +10,12 @@ use super::port::{
     WIRES,
 };
 use super::reader::{Absent, Found, Reader};
-use crate::flow::booth::Signal;
-use crate::flow::trigger::button::Times;
-use crate::flow::trigger::code::Codes;
-use crate::flow::trigger::input_decoder::Hearing;
-use crate::flow::trigger::report::Pattern;
-use crate::flow::trigger::token::Tokens;
+use gaiter_flow::booth::Signal;
+use gaiter_flow::trigger::button::Times;
+use gaiter_flow::trigger::code::Codes;
+use gaiter_flow::trigger::input_decoder::Hearing;
+use gaiter_flow::trigger::report::Pattern;
+use gaiter_flow::trigger::token::Tokens;
 
 /// The devices on the ports of the booth; none unless the configuration names them.
 #[derive(Debug, Clone)]

@@ -4,8 +4,8 @@ use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 use super::words::{LIMBS, LIMITED};
-use crate::record::report::AgeMax;
-use crate::visits::threshold::{Limited, Threshold};
+use gaiter_record::report::AgeMax;
+use gaiter_visits::threshold::{Limited, Threshold};
 
 /// `[visits]`: how the visits of a patient are compared.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -7,9 +7,9 @@ use super::fault::What;
 use super::nearest::nearest;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
-use crate::flow::export::file_system::KINDS;
-use crate::flow::export::mount::Expected;
-use crate::flow::{DoneFile, FileSystem};
+use gaiter_flow::export::file_system::KINDS;
+use gaiter_flow::export::mount::Expected;
+use gaiter_flow::{DoneFile, FileSystem};
 
 /// How export folders are watched.
 #[derive(Debug, Clone)]

@@ -2,22 +2,22 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use crate::cad::{FileFormat, FileKind, Schema, Shape};
-use crate::flow::access::Access;
-use crate::flow::confinement::Confine;
-use crate::flow::page::IdsShown;
-use crate::flow::patient::check_digit::CheckDigit;
-use crate::language::Language;
-use crate::leg::Side;
-use crate::leg::method::{
+use crate::store::access::Access;
+use gaiter_cad::{FileFormat, FileKind, Schema, Shape};
+use gaiter_flow::confinement::Confine;
+use gaiter_flow::page::IdsShown;
+use gaiter_flow::patient::check_digit::CheckDigit;
+use gaiter_language::Language;
+use gaiter_leg::Side;
+use gaiter_leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Posture, Scope, SectionFit, SurfaceFrom, Tape, Unit,
     UnitChoice, Up, VolumeBy, Winding,
 };
-use crate::record::FigureFormat;
-use crate::record::order::OrderFile;
-use crate::record::report::Paper;
-use crate::visits::Affected;
-use crate::visits::threshold::Limited;
+use gaiter_record::FigureFormat;
+use gaiter_record::order::OrderFile;
+use gaiter_record::report::Paper;
+use gaiter_visits::Affected;
+use gaiter_visits::threshold::Limited;
 
 /// The choices for `method.b1`; the distance for the second has a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

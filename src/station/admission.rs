@@ -6,10 +6,10 @@ use std::sync::{Mutex, PoisonError};
 
 use tracing::{info, warn};
 
-use crate::flow::Space;
-use crate::flow::facts::IntakeState;
 use crate::station::board::Board;
 use crate::station::share::file_system;
+use gaiter_flow::Space;
+use gaiter_flow::facts::IntakeState;
 
 /// The gate.
 #[derive(Debug)]

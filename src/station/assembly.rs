@@ -24,11 +24,11 @@ use super::persons::erase;
 use super::rebuild;
 use super::stores::Stores;
 use crate::config::Config;
-use crate::flow::facts::{Alarm, IntakeState};
-use crate::flow::health::counted;
-use crate::flow::phantom::PHANTOM_ALARM;
-use crate::flow::{Facts, Identity};
 use crate::store::RecordStore;
+use gaiter_flow::facts::{Alarm, IntakeState};
+use gaiter_flow::health::counted;
+use gaiter_flow::phantom::PHANTOM_ALARM;
+use gaiter_flow::{Facts, Identity};
 
 /// The parts of a station; each worker gets those that it uses.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::flow::Facts;
+use gaiter_flow::Facts;
 
 /// The current facts of a station.
 #[derive(Debug)]

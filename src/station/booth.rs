@@ -1,5 +1,5 @@
 //! The station's side of the booth: takes the input of the ports, keeps the captures, and determines
-//! what the light shows. [`crate::flow::capture`] decides what a capture means. Every step is in the
+//! what the light shows. [`gaiter_flow::capture`] decides what a capture means. Every step is in the
 //! journal before anything acts on it.
 
 mod hearing;
@@ -23,13 +23,13 @@ use super::overview::Overview;
 use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
 use super::runtime::stop::Stop;
-use crate::flow::booth::Signal;
-use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
-use crate::flow::light::{self, Light, Outcome, Scene};
-use crate::flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
-use crate::flow::page::Situation;
-use crate::flow::settle::Sights;
-use crate::flow::{OrdersWhen, ScanId};
+use gaiter_flow::booth::Signal;
+use gaiter_flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
+use gaiter_flow::light::{self, Light, Outcome, Scene};
+use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
+use gaiter_flow::page::Situation;
+use gaiter_flow::settle::Sights;
+use gaiter_flow::{OrdersWhen, ScanId};
 pub use hearing::NameFault;
 
 /// Interval between updates of the light: a person notices no shorter delay.

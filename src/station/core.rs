@@ -20,9 +20,9 @@ use super::runtime::causes::chain;
 use super::runtime::clock::Clock;
 use super::stores::Stores;
 use crate::config::{Config, PhantomConfig};
-use crate::flow::facts::IntakeState;
-use crate::flow::phantom::is_phantom;
-use crate::flow::{Facts, Identity, ScanId};
+use gaiter_flow::facts::IntakeState;
+use gaiter_flow::phantom::is_phantom;
+use gaiter_flow::{Facts, Identity, ScanId};
 
 /// What the workers of a station share.
 #[derive(Debug)]

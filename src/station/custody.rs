@@ -32,12 +32,12 @@ use self::phantom_series::PhantomSeries;
 use self::quarantine::{Quarantine, Reason, Stage};
 use self::spool::{Companion, Spool};
 use super::journal::{Due, Entry, Journal, JournalError};
-use crate::flow::capture::Judged;
-use crate::flow::patient::identity;
-use crate::flow::{ScanId, ScanState, Verdict, Whose};
-use crate::record::Patient;
-use crate::scan::Format;
 use crate::store::durable;
+use gaiter_flow::capture::Judged;
+use gaiter_flow::patient::identity;
+use gaiter_flow::{ScanId, ScanState, Verdict, Whose};
+use gaiter_record::Patient;
+use gaiter_scan::Format;
 
 /// Spool, quarantine and journal of one state folder.
 #[derive(Debug)]

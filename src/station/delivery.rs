@@ -29,8 +29,8 @@ use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
-use crate::flow::Outbox;
-use crate::flow::outbox::{Ended, Key};
+use gaiter_flow::Outbox;
+use gaiter_flow::outbox::{Ended, Key};
 
 /// How often the journal is read without a hint.
 const RECHECK: Duration = Duration::from_secs(5);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use tokio::sync::mpsc::UnboundedSender;
 
-use crate::flow::ScanId;
+use gaiter_flow::ScanId;
 
 /// Something that happened at the station.
 #[derive(Debug, Clone, PartialEq, Eq)]

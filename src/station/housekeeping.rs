@@ -18,8 +18,8 @@ use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
 use super::runtime::stop::Stop;
 use super::service::{status_line, tell_status};
-use crate::flow::facts::Alarm;
-use crate::flow::retention::before;
+use gaiter_flow::facts::Alarm;
+use gaiter_flow::retention::before;
 
 /// Interval between deletions.
 const ROUND: Duration = Duration::from_secs(3600);

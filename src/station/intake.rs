@@ -31,9 +31,9 @@ use super::runtime::beat::Beat;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
 use super::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
-use crate::flow::export::mount::MountGuard;
-use crate::flow::settle::Memory;
-use crate::flow::{Look, LookTime, Mark, Settled, Settling};
+use gaiter_flow::export::mount::MountGuard;
+use gaiter_flow::settle::Memory;
+use gaiter_flow::{Look, LookTime, Mark, Settled, Settling};
 use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.

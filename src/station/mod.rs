@@ -1,4 +1,4 @@
-//! The station: effects around the decisions of [`crate::flow`].
+//! The station: effects around the decisions of [`gaiter_flow`].
 //!
 //! ```text
 //! export folder ─ look ─▶ settle ─ ingest ─▶ custody (spool, journal) ─ work ─▶ store

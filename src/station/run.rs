@@ -22,8 +22,8 @@ use super::service;
 use super::state_dir::take_state_dir;
 use super::workers::{Lasting, Workers};
 use crate::config::Config;
-use crate::flow::backoff;
-use crate::flow::confinement::Confine;
+use gaiter_flow::backoff;
+use gaiter_flow::confinement::Confine;
 
 /// How long to wait for the first looks before the station reports that it is ready: a share that does
 /// not answer must not keep the station from starting with its other folders.

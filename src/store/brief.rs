@@ -8,7 +8,7 @@ use jiff::Timestamp;
 use serde::Deserialize;
 
 use super::{StoreFault, tried};
-use crate::record::{Acquired, Patient};
+use gaiter_record::{Acquired, Patient};
 
 /// The longest `record.json` that is read, bytes; one with shapes has under one million.
 const RECORD_MOST: u64 = 16_000_000;

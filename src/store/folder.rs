@@ -21,10 +21,10 @@ use super::listing::folders;
 use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
-use crate::flow::ScanId;
-use crate::flow::access::Access;
-use crate::flow::patient::naming;
-use crate::record::{FIRST_REVISION, RecordFile};
+use crate::store::access::Access;
+use gaiter_flow::ScanId;
+use gaiter_flow::patient::naming;
+use gaiter_record::{FIRST_REVISION, RecordFile};
 pub use person::PersonFolder;
 
 /// The file that marks a store's folder.

@@ -26,12 +26,12 @@ use jiff::tz::TimeZone;
 use sha2::{Digest, Sha256};
 
 use super::{Delivery, FoundRecord, Misfit, Receipt, StoreFault};
-use crate::flow::ScanId;
-use crate::record::gdt::rules::FileName;
-use crate::record::gdt::{self, GdtRules};
-use crate::record::{FIRST_REVISION, Record, hex};
-use crate::sizes::Garment;
 pub use attach::Attach;
+use gaiter_flow::ScanId;
+use gaiter_record::gdt::rules::FileName;
+use gaiter_record::gdt::{self, GdtRules};
+use gaiter_record::{FIRST_REVISION, Record, hex};
+use gaiter_sizes::Garment;
 pub use person::Given;
 use place::Place;
 use register::{Entry, Register};

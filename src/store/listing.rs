@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::{StoreFault, tried};
-use crate::flow::patient::naming::RecordName;
+use gaiter_flow::patient::naming::RecordName;
 
 /// The folders in a patient's folder that are named like records, sorted by the meaning of their names:
 /// a scan's revisions follow one another.

@@ -1,6 +1,7 @@
 //! Record stores: where finished records go. Each store's `put` is idempotent: a second call leaves one
 //! record and returns a receipt again.
 
+pub mod access;
 pub mod brief;
 pub mod durable;
 pub mod folder;
@@ -15,10 +16,10 @@ use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
 
-use crate::flow::ScanId;
-use crate::record::RecordFile;
-use crate::record::gdt::ResultFault;
 pub use folder::FolderStore;
+use gaiter_flow::ScanId;
+use gaiter_record::RecordFile;
+use gaiter_record::gdt::ResultFault;
 pub use gdt::GdtStore;
 
 /// A store of records, one of the kinds that gaiter knows.

@@ -20,9 +20,9 @@ use rustix::fs::{FlockOperation, flock};
 
 use super::listing::{folders, records_in};
 use super::{StoreFault, durable};
-use crate::flow::access::Access;
-use crate::flow::patient::naming::{self, RecordName};
-use crate::record::RecordFile;
+use crate::store::access::Access;
+use gaiter_flow::patient::naming::{self, RecordName};
+use gaiter_record::RecordFile;
 
 /// Prefix of staged revisions; no station's staged records have it.
 const STAGING: &str = ".reextract.";

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::flow::ScanId;
+use gaiter_flow::ScanId;
 
 /// The file that lists all others of a record folder; written last.
 pub const SUMS: &str = "SHA256SUMS";

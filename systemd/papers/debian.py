@@ -93,7 +93,7 @@ def copyright_file(program):
             place = f"vendor/{crate.name}-*/{path.parent.relative_to(crate.folder)}/*"
             if f"Files: {place}\n" not in template:
                 raise Unclear(f"{crate.id} has {path.name} in a folder: copyright.in does not name {place}")
-    fonts = program.root / "src/record/picture/fonts"
+    fonts = program.root / "crates/record/src/picture/fonts"
     parts = {
         "crates": "\n".join(crates).rstrip(),
         "libusb": program.libusb_version,

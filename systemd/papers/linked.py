@@ -84,7 +84,7 @@ class Program:
 
     @property
     def fonts(self):
-        return sorted((self.root / "src/record/picture/fonts").glob("*.ttf"))
+        return sorted((self.root / "crates/record/src/picture/fonts").glob("*.ttf"))
 
 
 def read(path):

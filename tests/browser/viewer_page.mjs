@@ -6,7 +6,7 @@ import { inflateSync } from "node:zlib";
 
 import { chromium } from "playwright-core";
 
-const VIEWER = new URL("../../src/record/report/viewer/", import.meta.url);
+const VIEWER = new URL("../../crates/record/src/report/viewer/", import.meta.url);
 
 /** The parts of the script in the order of their names behind the English words, as the program has them. */
 export async function script() {
@@ -17,7 +17,7 @@ export async function script() {
 
 /** The words of the view in a language, from its table of the language's file, with what the program adds. */
 export async function words(language) {
-  const file = await readFile(new URL(`../../src/language/${language}.toml`, import.meta.url), "utf8");
+  const file = await readFile(new URL(`../../crates/language/src/${language}.toml`, import.meta.url), "utf8");
   const table = file.split("\n[viewer]\n")[1].split("\n[")[0];
   const pairs = [...table.matchAll(/^(\w+) = "(.*)"$/gm)].map(([, key, text]) => [key, text]);
   return { ...Object.fromEntries(pairs), point: language === "de" ? "," : ".", tag: language };

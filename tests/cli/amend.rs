@@ -6,12 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use gaiter::leg::Method;
 use gaiter::store::sums;
+use gaiter_leg::Method;
+use rig::names;
+use rig::stored::{content, store};
+use rig::verb::{code, gaiter, stderr, stdout};
 use serde_json::{Value, json};
-use support::stored::{content, store};
-use support::verb::{code, gaiter, stderr, stdout};
-use support::{coarse_body, names};
+use support::coarse_body;
 
 const AT: &str = "20261121T091500Z";
 
@@ -88,7 +89,7 @@ fn a_measure_that_a_person_sets_is_a_revision_in_which_all_of_the_scan_stays() {
 #[test]
 fn measuring_the_scan_again_keeps_what_people_set() {
     let dir = tempfile::tempdir().unwrap();
-    let method = Method { fit: gaiter::leg::method::SectionFit::Paper, ..Method::default() };
+    let method = Method { fit: gaiter_leg::method::SectionFit::Paper, ..Method::default() };
     let old = store(dir.path(), "4711", AT, &coarse_body(1), &method);
     assert_eq!(code(&amend(&old, &["--level", "c", "--girth-cm", "38.5", "--sure"])), Some(0));
     let output = gaiter(&["reextract", dir.path().to_str().unwrap()]);

@@ -5,7 +5,7 @@
 
 use std::process::{Command, Output};
 
-use support::verb::{code, gaiter, program, stderr, stdout};
+use rig::verb::{code, gaiter, program, stderr, stdout};
 
 /// Runs a verb with `GAITER_CONFIG` set to this.
 fn with_config(args: &[&str], config: &str) -> Output {

@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::PathBuf;
 
+use rig::verb::{gaiter, stderr, stdout};
 use serde_json::Value;
-use support::geometry::mesh::Mesh;
-use support::verb::{gaiter, stderr, stdout};
+use support::mesh::Mesh;
 use tempfile::TempDir;
 
 /// A cylinder of 55 mm radius, as a scanner of this scale exports it.

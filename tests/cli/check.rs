@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use support::verb::{code, gaiter, stderr, stdout};
+use rig::verb::{code, gaiter, stderr, stdout};
 use tempfile::TempDir;
 
 /// A configuration over folders in `root`, of which only the export folder exists.
@@ -251,7 +251,7 @@ fn a_reader_that_has_gone_is_no_fault() {
     let file = station(root.path(), "");
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
-    let status = Command::new(support::verb::program())
+    let status = Command::new(rig::verb::program())
         .args(["check", "--config"])
         .arg(&file)
         .stdout(writer)

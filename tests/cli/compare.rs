@@ -6,12 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use gaiter::leg::Method;
-use gaiter::record::{Acquired, AcquiredFrom, Patient, Record, sha256};
+use gaiter_leg::Method;
+use gaiter_record::{Acquired, AcquiredFrom, Patient, Record, sha256};
 use jiff::ToSpan;
+use rig::verb::{code, gaiter, gaiter_told, stderr, stdout};
 use serde_json::Value;
-use support::geometry::bodies::{export, record_of};
-use support::verb::{code, gaiter, gaiter_told, stderr, stdout};
+use support::recorded::export;
+use support::records::record_of;
 use tempfile::TempDir;
 
 static BODY: LazyLock<Record> =

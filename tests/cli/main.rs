@@ -8,5 +8,6 @@ mod compare;
 mod config_faults;
 mod manual;
 mod reextract;
+mod report;
 mod sizes;
 mod terminal;

@@ -6,7 +6,7 @@ use std::fs;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-use support::verb::{code, gaiter, stdout};
+use rig::verb::{code, gaiter, stdout};
 
 /// Verbs that every table of verbs must hold.
 const VERBS: [&str; 5] = ["status", "extract", "reextract", "completions", "man"];

@@ -10,13 +10,14 @@ use std::process::{Command, Output, Stdio};
 use std::thread::yield_now;
 
 use flate2::read::GzDecoder;
-use gaiter::leg::Method;
-use gaiter::leg::method::{SectionFit, Tape};
 use gaiter::store::sums;
+use gaiter_leg::Method;
+use gaiter_leg::method::{SectionFit, Tape};
+use rig::stored::{content, store};
+use rig::verb::{code, gaiter, program, stderr, stdout};
+use rig::{Booth, names, sha256};
 use serde_json::Value;
-use support::stored::{content, store};
-use support::verb::{code, gaiter, program, stderr, stdout};
-use support::{Booth, coarse_body, names, sha256};
+use support::coarse_body;
 
 const AT: &str = "20261121T091500Z";
 

@@ -6,12 +6,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use gaiter::leg::Method;
-use gaiter::record::sha256;
+use gaiter_leg::Method;
+use gaiter_record::sha256;
+use rig::stored::{content, store};
+use rig::verb::{code, gaiter, stderr, stdout};
 use serde_json::Value;
 use support::coarse_body;
-use support::stored::{content, store};
-use support::verb::{code, gaiter, stderr, stdout};
 use tempfile::TempDir;
 
 const EXAMPLE: &str = include_str!("../../config/sizes/invented-example.toml");

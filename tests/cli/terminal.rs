@@ -7,11 +7,12 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 
+use rig::pty;
+use rig::verb::{code, gaiter, program, stdout};
+use rig::{Booth, Daemon};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
-use support::pty;
-use support::verb::{code, gaiter, program, stdout};
-use support::{Booth, Daemon, coarse_body};
+use support::coarse_body;
 
 /// To the other screen of the terminal, back, and to the upper left corner.
 const ENTER: &str = "\x1b[?1049h";

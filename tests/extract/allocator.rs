@@ -7,12 +7,12 @@ use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use support::geometry::mesh::Mesh;
+use support::mesh::Mesh;
 use tempfile::TempDir;
 
 /// The environment of `gaiter extract` while it prints a record, which does not fit into a pipe.
 fn environment_while_it_measures(folder: &Path, name: &str, value: Option<&str>) -> String {
-    let mut command = Command::new(support::verb::program());
+    let mut command = Command::new(rig::verb::program());
     command.current_dir(folder).args(["extract", "--json", "a.obj"]).stdout(Stdio::piped());
     match value {
         Some(value) => command.env(name, value),

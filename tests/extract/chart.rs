@@ -8,11 +8,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use support::geometry::mesh::{Mesh, fixture};
+use support::mesh::{Mesh, fixture};
 use tempfile::TempDir;
 
 fn gaiter(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(support::verb::program());
+    let mut command = Command::new(rig::verb::program());
     command.current_dir(folder).arg("extract").args(arguments).output().unwrap()
 }
 

@@ -8,15 +8,15 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-use gaiter::cad::Output;
-use gaiter::leg::method::{Axis, FacingChoice, SectionFit};
-use gaiter::leg::{self, Method};
-use gaiter::record::{Provenance, Record, ReportChoice, ScanFile, record, record_files};
-use gaiter::scan::Format;
+use gaiter_cad::Output;
+use gaiter_leg::method::{Axis, FacingChoice, SectionFit};
+use gaiter_leg::{self as leg, Method};
+use gaiter_record::{Provenance, Record, ReportChoice, ScanFile, record, record_files};
+use gaiter_scan::Format;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::RngSeed;
-use support::geometry::mesh::Mesh;
+use support::mesh::Mesh;
 
 /// A scan of 14 000 points takes some tenths of a second, on a machine that does much else seconds; this
 /// long is a hang.

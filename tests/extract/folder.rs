@@ -6,9 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use rig::verb::{code, program, stderr, stdout};
 use serde_json::Value;
-use support::geometry::mesh::Mesh;
-use support::verb::{code, program, stderr, stdout};
+use support::mesh::Mesh;
 
 /// Runs `gaiter extract` in a folder.
 fn extract(within: &Path, args: &[&str]) -> Output {

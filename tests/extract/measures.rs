@@ -10,12 +10,12 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
-use support::geometry::mesh::{Mesh, fixture};
+use support::mesh::{Mesh, fixture};
 use tempfile::TempDir;
 
 /// Runs `gaiter extract` in `folder`.
 fn extract<A: AsRef<OsStr>>(folder: &Path, arguments: &[A]) -> Output {
-    let mut command = Command::new(support::verb::program());
+    let mut command = Command::new(rig::verb::program());
     command.current_dir(folder).arg("extract").args(arguments).output().unwrap()
 }
 
@@ -348,7 +348,7 @@ fn a_folder_that_cannot_be_written_ends_as_input_output_fault() {
 #[test]
 fn a_reader_that_goes_away_is_no_fault() {
     let folder = folder_with(&["a.obj", "b.obj"]);
-    let mut gaiter = Command::new(support::verb::program())
+    let mut gaiter = Command::new(rig::verb::program())
         .current_dir(folder.path())
         .args(["extract", "a.obj", "b.obj", "--json"])
         .stdout(Stdio::piped())
@@ -366,7 +366,7 @@ fn a_reader_that_goes_away_is_no_fault() {
 fn a_full_disk_behind_standard_output_is_a_fault() {
     let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else { return };
     let folder = folder_with(&["a.obj"]);
-    let done = Command::new(support::verb::program())
+    let done = Command::new(rig::verb::program())
         .current_dir(folder.path())
         .args(["extract", "a.obj", "--json"])
         .stdout(full)

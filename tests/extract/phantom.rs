@@ -4,11 +4,11 @@
 
 use std::f64::consts::TAU;
 
-use gaiter::leg::Method;
-use gaiter::leg::phantom::{Phantom, PhantomCheck, PhantomFault, check};
-use gaiter::scan::Format;
-use support::geometry::mesh::{Mesh, Ring};
-use support::geometry::solids::near;
+use gaiter_leg::Method;
+use gaiter_leg::phantom::{Phantom, PhantomCheck, PhantomFault, check};
+use gaiter_scan::Format;
+use support::mesh::{Mesh, Ring};
+use support::solids::near;
 
 /// A cone: its radius falls by 0.1 mm per mm, from 80 mm at the floor. 500 mm high.
 const RADIUS_MM: f64 = 80.0;

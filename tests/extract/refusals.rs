@@ -5,11 +5,11 @@
 
 use std::process::Command;
 
-use gaiter::leg::method::Scope;
-use gaiter::leg::{self, Extraction, Level, Method, Side};
-use gaiter::scan::Format;
-use support::geometry::mesh::{Mesh, Ring};
-use support::refusal::{case, check, declared, method};
+use gaiter_leg::method::Scope;
+use gaiter_leg::{self as leg, Extraction, Level, Method, Side};
+use gaiter_scan::Format;
+use rig::refusal::{case, check, declared, method};
+use support::mesh::{Mesh, Ring};
 
 #[test]
 fn a_thing_that_is_no_body_is_refused() {
@@ -303,7 +303,7 @@ fn a_facing_along_the_up_axis_is_a_wrong_command_line() {
     assert_eq!(refusal.unwrap_err().code(), "body-facing-vertical");
     for options in [["--facing=+y", "--up=y"], ["--facing=-z", "--up=z"], ["--facing=+x", "--up=x"]]
     {
-        let done = Command::new(support::verb::program())
+        let done = Command::new(rig::verb::program())
             .args(["extract", "no-such-file.obj"])
             .args(options)
             .output()

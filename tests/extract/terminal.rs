@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use support::geometry::bodies::export;
-use support::verb::{code, stderr, stdout};
+use rig::verb::{code, stderr, stdout};
+use support::recorded::export;
 use tempfile::TempDir;
 
 /// All bodies of `fixtures/scans`.
@@ -16,7 +16,7 @@ const BODIES: [&str; 3] = ["f_average_clean", "f_average_tc2", "m_average_clean"
 
 /// Runs `gaiter extract` in a folder, 80 columns wide.
 fn extract(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(support::verb::program());
+    let mut command = Command::new(rig::verb::program());
     command.current_dir(folder).arg("extract").args(arguments).env("COLUMNS", "80");
     command.output().unwrap()
 }

@@ -11,8 +11,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use support::geometry::mesh::{Mesh, fixture};
-use support::refusal::{case, check};
+use rig::refusal::{case, check};
+use support::mesh::{Mesh, fixture};
 use tempfile::TempDir;
 
 /// The mannequin with one of its lines replaced by another.
@@ -144,7 +144,7 @@ fn a_real_export_cut_at_a_line_end_among_its_faces_is_cut_short() {
 /// How `gaiter extract NAME` ends in `folder`, and the one line it says. It must not hang.
 fn refused(folder: &Path, name: &str) -> (Option<i32>, String) {
     let stderr = folder.join("stderr");
-    let mut gaiter = Command::new(support::verb::program())
+    let mut gaiter = Command::new(rig::verb::program())
         .current_dir(folder)
         .args([OsStr::new("extract"), OsStr::new("--"), OsStr::new(name)])
         .stdout(fs::File::create(folder.join("stdout")).unwrap())
@@ -219,7 +219,7 @@ fn extract(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, String
     for name in ["a.obj", "b.obj", "a.OBJ"] {
         fs::write(folder.path().join(name), Mesh::mannequin().obj()).unwrap();
     }
-    let mut gaiter = Command::new(support::verb::program());
+    let mut gaiter = Command::new(rig::verb::program());
     let done = gaiter.current_dir(folder.path()).arg("extract").args(arguments).output().unwrap();
     let [stdout, stderr] = [done.stdout, done.stderr].map(|said| String::from_utf8(said).unwrap());
     (done.status.code(), stdout, stderr)

@@ -10,13 +10,14 @@ use std::process::Command;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use support::faults::disk::{Disk, can_be_cut, power_cut};
-use support::faults::matrix::{
+use rig::faults::disk::{Disk, can_be_cut, power_cut};
+use rig::faults::matrix::{
     PATIENCE, Struck, booth, empty_folders, strike_everywhere, thinned, what,
 };
-use support::faults::tracer::{self, Answer, Kind, Run, can_trace};
-use support::verb::program;
-use support::{Booth, coarse_body, names};
+use rig::faults::tracer::{self, Answer, Kind, Run, can_trace};
+use rig::verb::program;
+use rig::{Booth, names};
+use support::coarse_body;
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;

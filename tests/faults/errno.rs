@@ -10,15 +10,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use nix::errno::Errno;
-use support::Booth;
-use support::day::Day;
-use support::faults::matrix;
-use support::faults::matrix::{
+use rig::Booth;
+use rig::day::Day;
+use rig::faults::matrix;
+use rig::faults::matrix::{
     DAY_HANDS, Struck, Tally, acknowledged, booth, day_step, faults, is_ready, renew, restarted,
     rests, strike_everywhere, strikes_all, struck_at_until, struck_until, what,
 };
-use support::faults::tracer::{Answer, Call, Kind, Run, can_trace};
-use support::invariants::Moment;
+use rig::faults::tracer::{Answer, Call, Kind, Run, can_trace};
+use rig::invariants::Moment;
 
 /// Runs at a time: most of them wait most of the time.
 const HANDS: usize = 4;

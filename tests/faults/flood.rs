@@ -14,10 +14,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
+use rig::invariants::PutKind;
+use rig::{Booth, Daemon, names, sha256};
 use rustix::fs::{CWD, FileType, Mode};
 use rustix::process::{Pid, Signal, kill_process};
-use support::invariants::PutKind;
-use support::{Booth, Daemon, coarse_body as coarse, names, sha256};
+use support::coarse_body as coarse;
 
 /// What the kernel keeps of events that nobody has read yet; more overflow.
 const QUEUE: &str = "/proc/sys/fs/inotify/max_queued_events";

@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
+use rig::faults::matrix::thinned;
+use rig::invariants::PutKind;
+use rig::{Booth, Setting, names, sha256};
 use rusqlite::Connection;
-use support::faults::matrix::thinned;
-use support::invariants::PutKind;
-use support::{Booth, Setting, coarse_body as coarse, names, sha256};
+use support::coarse_body as coarse;
 
 /// What the log says where a journal was ruined and made anew.
 const ALARM: &str = "journal-rebuilt";

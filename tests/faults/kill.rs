@@ -6,13 +6,13 @@
 
 use std::fs;
 
-use support::Booth;
-use support::day::Day;
-use support::faults::matrix::{
+use rig::Booth;
+use rig::day::Day;
+use rig::faults::matrix::{
     DAY_HANDS, POINTS_MIN, Struck, Tally, booth, day_step, found_at_once, renew, restarted,
     strike_everywhere, struck_at, struck_at_until, thinned,
 };
-use support::faults::tracer::{Answer, Call, can_trace};
+use rig::faults::tracer::{Answer, Call, can_trace};
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;

@@ -6,9 +6,10 @@
 use std::fs;
 use std::time::Instant;
 
-use gaiter::record::gdt::{Charset, message};
-use support::invariants::PutKind;
-use support::{Booth, Daemon, coarse_body};
+use gaiter_record::gdt::{Charset, message};
+use rig::invariants::PutKind;
+use rig::{Booth, Daemon};
+use support::coarse_body;
 
 /// Of each kind.
 const FLOOD: usize = 20_000;

@@ -5,14 +5,14 @@
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use support::Booth;
-use support::day::Day;
-use support::faults::disk::{Disk, can_be_cut, power_cut};
-use support::faults::matrix::{
+use rig::Booth;
+use rig::day::Day;
+use rig::faults::disk::{Disk, can_be_cut, power_cut};
+use rig::faults::matrix::{
     DAY_HANDS, FOLDERS, POINTS_MIN, Struck, booth, day_step, found_at_once, renew, restarted,
     strike_everywhere, strike_until_violated, struck_at, struck_at_until, thinned,
 };
-use support::faults::tracer::{Answer, Call, Kind, can_trace};
+use rig::faults::tracer::{Answer, Call, Kind, can_trace};
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;

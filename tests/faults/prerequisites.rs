@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use support::faults::{disk, share, tracer};
+use rig::faults::{disk, share, tracer};
 
 #[test]
 #[ignore = "a question of .ci/run: can programs be traced?"]

@@ -8,12 +8,13 @@ use std::os::unix::fs::symlink;
 use std::path::PathBuf;
 use std::process::Command;
 
-use support::invariants::PutKind;
-use support::verb::stdout;
-use support::{Booth, coarse_body as coarse, names};
+use rig::invariants::PutKind;
+use rig::verb::stdout;
+use rig::{Booth, names};
+use support::coarse_body as coarse;
 
 /// A station that has delivered one scan, `4711_1.obj`, that still lies in the export folder.
-fn booth_at_work() -> (Booth, support::Daemon) {
+fn booth_at_work() -> (Booth, rig::Daemon) {
     let booth = Booth::new();
     let daemon = booth.start();
     booth.export("4711_1.obj", &coarse(1));
@@ -21,7 +22,7 @@ fn booth_at_work() -> (Booth, support::Daemon) {
     (booth, daemon)
 }
 
-fn settles(booth: &Booth, daemon: support::Daemon, scans: usize) {
+fn settles(booth: &Booth, daemon: rig::Daemon, scans: usize) {
     assert_eq!(daemon.stop().code(), Some(0));
     let scans: Vec<Vec<u8>> = (1..=scans).map(coarse).collect();
     let expected: Vec<(&str, &[u8])> = scans.iter().map(|scan| ("4711", scan.as_slice())).collect();

@@ -8,10 +8,11 @@ use std::io::Write;
 use std::thread::sleep;
 use std::time::Duration;
 
-use support::faults::share::Share;
-use support::invariants::PutKind;
-use support::process::waits_on_share;
-use support::{Booth, QUIET, coarse_body as coarse, names};
+use rig::faults::share::Share;
+use rig::invariants::PutKind;
+use rig::process::waits_on_share;
+use rig::{Booth, QUIET, names};
+use support::coarse_body as coarse;
 
 /// The station's own grace at a stop, and as much again for a busy machine.
 const STOP: Duration = Duration::from_secs(40);
@@ -119,7 +120,7 @@ fn a_share_that_stalls_at_the_start_keeps_no_other_folder_from_starting() {
     let stall = share.stall();
     export_locally(&booth, "4711_local.obj", &coarse(2));
     booth.wait_for("the local scan", || {
-        booth.records().contains(&("4711".to_owned(), support::sha256(&coarse(2))))
+        booth.records().contains(&("4711".to_owned(), rig::sha256(&coarse(2))))
     });
     booth.wait_for("readiness", || booth.log().contains("station-ready"));
     drop(stall);

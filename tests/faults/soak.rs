@@ -10,8 +10,9 @@ use std::env;
 use std::fs;
 use std::time::Instant;
 
-use support::invariants::{Delivered, Vitals};
-use support::{Booth, Setting, coarse_body as coarse, names, sha256};
+use rig::invariants::{Delivered, Vitals};
+use rig::{Booth, Setting, names, sha256};
+use support::coarse_body as coarse;
 
 /// Scans where the environment says nothing else: enough for a tenth to fill the journal's pages.
 const SCANS: usize = 600;

@@ -8,19 +8,19 @@ use std::path::Path;
 
 /// Files whose `code` functions give codes to records, `reason.json`, standard error or `check`.
 const SOURCES: [&str; 13] = [
-    "src/scan/fault.rs",
-    "src/leg/mod.rs",
-    "src/leg/frame/body_fault.rs",
-    "src/leg/parting/segment.rs",
-    "src/leg/finding.rs",
-    "src/leg/doubt.rs",
-    "src/leg/comparison/opinion.rs",
+    "crates/scan/src/fault.rs",
+    "crates/leg/src/lib.rs",
+    "crates/leg/src/frame/body_fault.rs",
+    "crates/leg/src/parting/segment.rs",
+    "crates/leg/src/finding.rs",
+    "crates/leg/src/doubt.rs",
+    "crates/leg/src/comparison/opinion.rs",
     "src/store/mod.rs",
-    "src/cad/kind.rs",
-    "src/record/gdt/order.rs",
-    "src/record/report/pdf/mod.rs",
+    "crates/cad/src/kind.rs",
+    "crates/record/src/gdt/order.rs",
+    "crates/record/src/report/pdf/mod.rs",
     "src/cli/reextract/again.rs",
-    "src/flow/patient/name_check.rs",
+    "crates/flow/src/patient/name_check.rs",
 ];
 
 /// Codes that a source hands out: what stands in quotes behind an arrow.

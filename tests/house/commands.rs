@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use regex::Regex;
-use support::verb::{gaiter, stdout};
+use rig::verb::{gaiter, stdout};
 
 use crate::layering::{collect, root};
 

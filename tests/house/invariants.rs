@@ -5,12 +5,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rig::invariants;
+use rig::invariants::{Evidence, Moment, NOBODY, Put, PutKind, Told, Vitals, left_at, patient_of};
+use rig::whole::{names, sha256};
 use rusqlite::Connection;
-use support::invariants;
-use support::invariants::{
-    Evidence, Moment, NOBODY, Put, PutKind, Told, Vitals, left_at, patient_of,
-};
-use support::whole::{names, sha256};
 use tempfile::TempDir;
 
 const DELIVERED: &[u8] = b"v 1";

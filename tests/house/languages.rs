@@ -7,12 +7,12 @@ use std::fs;
 use std::path::Path;
 
 use gaiter::config::words::LANGUAGES;
-use gaiter::flow::booth::Signal;
-use gaiter::flow::trigger::PortState;
-use gaiter::language::Language;
-use gaiter::leg::sections::around::Around;
-use gaiter::leg::{Level, Side};
-use gaiter::record::report::VIEWER;
+use gaiter_flow::booth::Signal;
+use gaiter_flow::trigger::PortState;
+use gaiter_language::Language;
+use gaiter_leg::sections::around::Around;
+use gaiter_leg::{Level, Side};
+use gaiter_record::report::VIEWER;
 use regex::Regex;
 use toml::{Table, Value};
 
@@ -71,7 +71,7 @@ const BY_CODE: [(&str, &str); 46] = [
 
 /// The keys and texts of a language's file, in its order.
 fn texts(language: Language) -> Vec<(String, String)> {
-    let path = root().join(format!("src/language/{}.toml", language.tag()));
+    let path = root().join(format!("crates/language/src/{}.toml", language.tag()));
     let mut texts = Vec::new();
     gather("", &fs::read_to_string(path).unwrap().parse().unwrap(), &mut texts);
     assert!(texts.len() > 400, "only {} texts of {language:?}", texts.len());
@@ -90,7 +90,7 @@ fn gather(before: &str, table: &Table, texts: &mut Vec<(String, String)>) {
 #[test]
 fn every_language_has_its_file_and_can_be_chosen() {
     let tags: BTreeSet<&str> = Language::ALL.map(Language::tag).into();
-    let files = fs::read_dir(root().join("src/language")).unwrap();
+    let files = fs::read_dir(root().join("crates/language/src")).unwrap();
     let files: Vec<String> =
         files.map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
     let files = files.iter().filter_map(|name| name.strip_suffix(".toml"));
@@ -249,7 +249,7 @@ fn every_word_that_the_program_hands_out_has_its_text() {
 
 #[test]
 fn every_statement_of_a_record_has_its_text() {
-    let source = include_str!("../../src/record/statement.rs");
+    let source = include_str!("../../crates/record/src/statement.rs");
     // Figures and files have names of one word or with underscores.
     let key = Regex::new(r#""([a-z]+(?:-[a-z]+)+)""#).unwrap();
     let keys: BTreeSet<&str> =

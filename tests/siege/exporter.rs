@@ -9,8 +9,9 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use support::invariants::{self, PutKind};
-use support::{Booth, coarse_body, names, rescanned, sha256};
+use rig::invariants::{self, PutKind};
+use rig::{Booth, names, sha256};
+use support::{coarse_body, rescanned};
 
 use crate::chance::Chance;
 use crate::exports::{Act, Whom};

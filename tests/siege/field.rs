@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use support::{Booth, Setting};
+use rig::{Booth, Setting};
 
 use crate::clock::Clock;
 use crate::keeper::Keeper;
@@ -148,7 +148,7 @@ impl Field {
         for name in ["journal.db", "journal.db-wal"] {
             let _ = fs::copy(self.booth.path("state").join(name), folder.join(name));
         }
-        let quarantined = support::names(&self.booth.path("state/quarantine")).join("\n");
+        let quarantined = rig::names(&self.booth.path("state/quarantine")).join("\n");
         fs::write(folder.join("quarantine"), quarantined).unwrap();
         folder
     }

@@ -7,10 +7,10 @@ use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use rig::invariants::PutKind;
 use rustix::fs::{CWD, FileType, Mode, makedev, mkfifoat, mknodat};
 use rustix::process::{Pid, Signal, kill_process};
 use support::coarse_body;
-use support::invariants::PutKind;
 
 use crate::chance::Chance;
 use crate::field::Field;

@@ -4,8 +4,8 @@
 use std::sync::{Mutex, RwLock};
 use std::time::{Duration, Instant};
 
+use rig::Daemon;
 use rustix::process::{Pid, Signal, kill_process};
-use support::Daemon;
 
 use crate::chance::Chance;
 use crate::field::{Field, Tail};

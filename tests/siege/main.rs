@@ -28,10 +28,11 @@ use exporter::Fleeting;
 use failing::Disks;
 use field::{Field, Tail};
 use plan::Plan;
+use rig::faults::{disk, share};
+use rig::invariants::{Moment, Violation, Vitals};
+use rig::process;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-use support::faults::{disk, share};
-use support::invariants::{Moment, Violation, Vitals};
-use support::{chance, coarse_body, process};
+use support::{chance, coarse_body};
 use watch::{PAGES, Samples};
 
 /// So many open files are allowed to the station by its unit, and are enough for the crowd.

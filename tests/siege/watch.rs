@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use support::invariants::Vitals;
+use rig::invariants::Vitals;
 
 use crate::field::Field;
 

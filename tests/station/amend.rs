@@ -7,10 +7,11 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Output;
 
+use rig::verb::{code, stderr, stdout};
+use rig::{Booth, names, sha256};
 use serde_json::Value;
+use support::coarse_body;
 use support::gdt_check::{Line, contents};
-use support::verb::{code, stderr, stdout};
-use support::{Booth, coarse_body, names, sha256};
 
 use crate::gdt::{fetch, practice, visible};
 

@@ -5,10 +5,11 @@
 
 use std::fs;
 
+use rig::pty;
+use rig::verb::{code, gaiter_told, stderr};
+use rig::{Booth, Daemon, sha256};
 use serde_json::Value;
-use support::pty;
-use support::verb::{code, gaiter_told, stderr};
-use support::{Booth, Daemon, body, coarse_body, sha256};
+use support::{body, coarse_body};
 
 /// The light in letters, one a signal.
 const SAY: &str = "[trigger.serial.say]\nready = 'g'\narmed = 'a'\nreceiving = 'r'\ndone = 'd'\n\

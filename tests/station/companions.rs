@@ -6,8 +6,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rig::{Booth, sha256, verb};
 use serde_json::Value;
-use support::{Booth, coarse_body as coarse, sha256, verb};
+use support::coarse_body as coarse;
 
 /// The body of the fixture in the hundredth of its unit, as a scanner set otherwise writes it.
 const WRONG_UNIT: &str = "OPTION UNITS=cm\nMEASURE Height=16043\n";

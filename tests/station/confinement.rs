@@ -7,10 +7,11 @@
 use std::collections::BTreeMap;
 use std::thread;
 
+use rig::Booth;
+use rig::verb::{code, stderr, stdout};
 use rustix::process::{Pid, Signal, kill_process};
 use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch};
-use support::verb::{code, stderr, stdout};
-use support::{Booth, coarse_body};
+use support::coarse_body;
 
 /// Answers this thread, and every process that it starts, as a kernel would that does not know these calls.
 fn kernel_without(calls: &[(i64, i32)]) {

@@ -9,9 +9,10 @@ use std::os::unix::net::UnixStream;
 use std::process::Output;
 use std::thread;
 
+use rig::verb::{self, code, stderr, stdout};
+use rig::{Booth, sha256};
 use serde_json::Value;
-use support::verb::{self, code, stderr, stdout};
-use support::{Booth, coarse_body, sha256};
+use support::coarse_body;
 
 fn gaiter(booth: &Booth, args: &[&str]) -> Output {
     booth.gaiter(args)

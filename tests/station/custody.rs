@@ -4,9 +4,10 @@
 
 use std::fs;
 
+use rig::verb::{code, stderr, stdout};
+use rig::{Booth, names};
 use rustix::process::{Pid, Signal, kill_process};
-use support::verb::{code, stderr, stdout};
-use support::{Booth, coarse_body, names};
+use support::coarse_body;
 
 #[test]
 fn a_folder_that_somebody_removed_is_a_fault_at_once_and_made_anew() {

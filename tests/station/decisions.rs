@@ -7,10 +7,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use rig::verb::{code, gaiter_told, stderr, stdout};
+use rig::{Booth, Daemon, names, sha256};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
-use support::verb::{code, gaiter_told, stderr, stdout};
-use support::{Booth, Daemon, body, coarse_body, names, sha256};
+use support::{body, coarse_body};
 
 /// Nothing is to be delivered and nothing to be taken back.
 const OPEN: &str = "SELECT count(*) FROM deliveries WHERE state IN ('pending', 'withdrawing')";
@@ -62,7 +63,7 @@ fn lose_journal(booth: &Booth) {
 fn at_rest(booth: &Booth, what: &str, patients: &[&str], scan: &[u8]) {
     let expected: Vec<_> = patients.iter().map(|id| ((*id).to_owned(), sha256(scan))).collect();
     booth.wait_for(what, || {
-        let (records, _) = support::invariants::records(&booth.path("records"));
+        let (records, _) = rig::invariants::records(&booth.path("records"));
         booth.journal(OPEN) == Some(0) && records == expected
     });
 }

@@ -9,8 +9,9 @@ use std::os::unix::net::UnixDatagram;
 use std::thread::{self, sleep};
 use std::time::Duration;
 
-use support::invariants::PutKind;
-use support::{Booth, QUIET, Setting, body, names, sha256};
+use rig::invariants::PutKind;
+use rig::{Booth, QUIET, Setting, names, sha256};
+use support::body;
 
 /// Appends to an export in pieces with a pause after each, as a slow scanner does.
 fn write_slowly(path: &std::path::Path, bytes: &[u8], pieces: usize, pause: Duration) {

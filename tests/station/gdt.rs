@@ -6,11 +6,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gaiter::record::gdt::{Charset, message};
+use gaiter_record::gdt::{Charset, message};
+use rig::Booth;
+use rig::verb::{stderr, stdout};
+use support::coarse_body;
 use support::gdt_check;
 use support::gdt_check::{checked, contents};
-use support::verb::{stderr, stdout};
-use support::{Booth, coarse_body};
 
 /// What stands in orders and may appear nowhere.
 const PLANTED: [&str; 3] = ["Quastenflosser", "Hammerhai", "03021960"];

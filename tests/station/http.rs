@@ -11,9 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use rig::Booth;
 use rusqlite::Connection;
 use rustix::process::{Pid, Signal, kill_process};
-use support::Booth;
 
 /// A small scan that can be measured.
 fn coarse() -> Vec<u8> {

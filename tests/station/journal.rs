@@ -5,10 +5,11 @@
 use std::fs;
 
 use gaiter::station::journal::Journal;
+use rig::process;
+use rig::{Booth, names};
 use rusqlite::Connection;
 use rustix::process::{Pid, Signal, kill_process};
-use support::process;
-use support::{Booth, coarse_body, names};
+use support::coarse_body;
 
 fn in_journal(booth: &Booth, sql: &str) {
     let journal = Connection::open(booth.path("state/journal.db")).unwrap();

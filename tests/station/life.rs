@@ -10,9 +10,10 @@ use std::path::Path;
 use std::process::{Child, Command};
 use std::time::Duration;
 
+use rig::faults::disk;
+use rig::{Booth, names, sha256};
 use rustix::process::{Pid, Signal, kill_process};
-use support::faults::disk;
-use support::{Booth, body, names, sha256};
+use support::body;
 
 /// A service manager that listens, and a station that tells it.
 struct Manager {

@@ -20,4 +20,5 @@ mod persons;
 mod phantom;
 mod sizes;
 mod trigger_pty;
+mod trigger_scripts;
 mod watch;

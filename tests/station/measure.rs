@@ -8,11 +8,12 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use gaiter::flow::confinement::Confine;
-use gaiter::record::Provenance;
 use gaiter::station::measure::{Answer, Job, Limits, Subject};
+use gaiter_flow::confinement::Confine;
+use gaiter_record::Provenance;
+use rig::{Booth, Daemon, sha256};
 use rustix::process::{Pid, Signal, kill_process};
-use support::{Booth, Daemon, body, sha256};
+use support::body;
 
 /// A configuration with these lines more.
 fn booth(more: &str) -> Booth {
@@ -51,7 +52,7 @@ fn signal(booth: &Booth, hash: &str, signal: Signal) {
 
 /// A process that was given a job, and has been told all but the scan's bytes.
 fn begun(limits: Limits, scan: &[u8]) -> Child {
-    let mut child = Command::new(support::verb::program())
+    let mut child = Command::new(rig::verb::program())
         .args(["measure", &sha256(scan)])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -131,7 +132,7 @@ fn the_answer_is_the_record_that_extract_makes() {
     let booth = Booth::new();
     fs::write(booth.path("a.obj"), &scan).unwrap();
     let (scan_path, out) = (booth.path("a.obj"), booth.path("out"));
-    let status = Command::new(support::verb::program())
+    let status = Command::new(rig::verb::program())
         .args([Path::new("extract"), &scan_path, Path::new("--out"), &out])
         .stdout(Stdio::null())
         .status()

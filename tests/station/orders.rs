@@ -7,10 +7,10 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use gaiter::record::gdt::{Charset, message};
+use gaiter_record::gdt::{Charset, message};
+use rig::{Booth, Daemon};
 use rusqlite::{Connection, TransactionBehavior};
 use serde_json::Value;
-use support::{Booth, Daemon};
 
 /// A booth beside a practice that puts its orders into a folder; `after` says what becomes of them.
 fn practice(after: &str) -> Booth {

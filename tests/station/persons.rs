@@ -5,9 +5,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rig::verb::{code, gaiter_told, stderr, stdout};
+use rig::{Booth, Daemon, names, sha256};
 use serde_json::Value;
-use support::verb::{code, gaiter_told, stderr, stdout};
-use support::{Booth, Daemon, coarse_body, names, sha256};
+use support::coarse_body;
 
 /// An id that nothing else in a station's folders holds.
 const ID: &str = "73190426";

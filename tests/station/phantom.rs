@@ -6,10 +6,11 @@
 use std::f64::consts::TAU;
 use std::fs;
 
+use rig::Booth;
+use rig::invariants::PutKind;
 use serde_json::Value;
-use support::geometry::mesh::{Mesh, Ring};
-use support::invariants::PutKind;
-use support::{Booth, coarse_body as body};
+use support::coarse_body as body;
+use support::mesh::{Mesh, Ring};
 
 /// Two cylinders on top of each other, radius 80 mm up to 250 mm and 50 mm above; `scale` is the scanner's.
 fn phantom(scale: f64) -> Vec<u8> {

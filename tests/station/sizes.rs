@@ -6,11 +6,12 @@
 use std::fs;
 use std::path::PathBuf;
 
+use rig::verb::{code, stderr};
+use rig::{Booth, names, sha256};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
+use support::coarse_body;
 use support::gdt_check::contents;
-use support::verb::{code, stderr};
-use support::{Booth, coarse_body, names, sha256};
 
 use crate::gdt::{fetch, practice, visible};
 

@@ -5,9 +5,9 @@
 use std::fs;
 use std::time::Duration;
 
+use rig::pty;
+use rig::{Booth, Daemon, verb};
 use serde_json::Value;
-use support::pty;
-use support::{Booth, Daemon, verb};
 
 /// A booth whose station attends the port behind `button`.
 fn booth(more: &str) -> Booth {
@@ -130,7 +130,7 @@ fn a_flood_takes_no_memory_and_the_press_after_it_is_heard() {
     let booth = booth(TOKENS);
     let mut button = pty::Box::behind(&booth.path("button"));
     let daemon = listening(&booth);
-    let resident = || support::invariants::Vitals::of(daemon.id()).unwrap().resident_kb;
+    let resident = || rig::invariants::Vitals::of(daemon.id()).unwrap().resident_kb;
     let before = resident();
     let noise: Vec<u8> = (0..4096_u32).map(|n| (n * 37 % 251) as u8 | 0x80).collect();
     let mut poured = 0;

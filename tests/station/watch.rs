@@ -8,9 +8,10 @@ use std::io::Write;
 use std::os::unix::fs::{FileExt, symlink};
 use std::time::{Duration, SystemTime};
 
+use rig::invariants::PutKind;
+use rig::{Booth, names, sha256};
 use rustix::fs::{CWD, Mode, mkfifoat};
-use support::invariants::PutKind;
-use support::{Booth, coarse_body as body, names, sha256};
+use support::coarse_body as body;
 
 /// A booth with other lines in the section of the configuration that has this header.
 fn booth_with(header: &str, lines: &str) -> Booth {

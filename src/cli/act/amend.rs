@@ -10,13 +10,13 @@ use crate::cli::args::{AmendArgs, Named};
 use crate::cli::terminal::{paint, screen, table};
 use crate::cli::{Exit, ask, complain, explain_config, print, shown};
 use crate::config::{self, ConfigError};
-use crate::record::measure::amendment::Deed;
-use crate::record::rounding;
-use crate::record::{RECORD, ReportChoice};
 use crate::station::operator::act::{Measured, Setting};
 use crate::station::operator::control::protocol::Request;
 use crate::station::runtime::causes::chain;
 use crate::store::revision::amend::{Amended, Fault, amend as amend_record};
+use gaiter_record::measure::amendment::Deed;
+use gaiter_record::rounding;
+use gaiter_record::{RECORD, ReportChoice};
 
 /// Sets the measure.
 pub fn amend(args: &AmendArgs) -> Exit {

@@ -6,8 +6,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::{AskArgs, of_words};
 use crate::config::words::Words;
-use crate::leg::Side;
-use crate::record::measure::amendment::Subject;
+use gaiter_leg::Side;
+use gaiter_record::measure::amendment::Subject;
 
 /// The words for the legs.
 const LEGS: Words<Side> = &[("right", Side::Right), ("left", Side::Left)];

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::usual_config;
-use crate::flow::account::{FILTERS, Filter};
 use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
+use gaiter_flow::account::{FILTERS, Filter};
 
 /// The options of every verb that queries a running station.
 #[derive(Debug, Clone, clap::Args)]

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use super::of_words;
 use crate::config::words::{self, UNITS, UPS};
-use crate::leg::method::{UnitChoice, Up};
-use crate::leg::phantom::Phantom;
+use gaiter_leg::method::{UnitChoice, Up};
+use gaiter_leg::phantom::Phantom;
 
 /// `gaiter calibrate`
 #[derive(Debug, clap::Args)]

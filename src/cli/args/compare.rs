@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use super::{of_words, usual_config};
 use crate::config::words::{AFFECTED, LANGUAGES, PAPERS, VOLUMES};
-use crate::language::Language;
-use crate::leg::comparison::tape_volume::VolumeBy;
-use crate::record::report::Paper;
-use crate::visits::Affected;
+use gaiter_language::Language;
+use gaiter_leg::comparison::tape_volume::VolumeBy;
+use gaiter_record::report::Paper;
+use gaiter_visits::Affected;
 
 /// `gaiter compare`
 #[derive(Debug, clap::Args)]

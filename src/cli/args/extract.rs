@@ -5,13 +5,13 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use super::{GarmentArgs, of_words};
-use crate::cad::FileKind;
 use crate::config::words::{
     self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, POSTURES, SCOPES, UNITS, UPS, WINDINGS,
 };
-use crate::language::Language;
-use crate::leg::method::{FacingChoice, Posture, Scope, UnitChoice, Up, Winding};
-use crate::record::FigureFormat;
+use gaiter_cad::FileKind;
+use gaiter_language::Language;
+use gaiter_leg::method::{FacingChoice, Posture, Scope, UnitChoice, Up, Winding};
+use gaiter_record::FigureFormat;
 
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
 #[derive(Debug, clap::Args)]
@@ -97,7 +97,7 @@ mod tests {
 
     use super::{ExtractArgs, FILES, words};
     use crate::cli::args::{Args, Verb};
-    use crate::leg::method::{Axis, FacingChoice, Unit, UnitChoice, Up};
+    use gaiter_leg::method::{Axis, FacingChoice, Unit, UnitChoice, Up};
 
     fn extract(words: &[&str]) -> ExtractArgs {
         let line = ["gaiter", "extract"].iter().chain(words);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::cli::{Exit, complain, shown};
 use crate::config::sizes::{add, beside};
-use crate::sizes::Garment;
+use gaiter_sizes::Garment;
 
 /// The garment.
 #[derive(Debug, Clone, Default, clap::Args)]

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use super::{GarmentArgs, of_words};
 use crate::config::words::{LANGUAGES, PAPERS};
-use crate::language::Language;
-use crate::record::report::Paper;
+use gaiter_language::Language;
+use gaiter_record::report::Paper;
 
 /// `gaiter report`
 #[derive(Debug, clap::Args)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{GarmentArgs, of_words, usual_config};
 use crate::config::words::LANGUAGES;
-use crate::language::Language;
+use gaiter_language::Language;
 
 /// `gaiter sizes`
 #[derive(Debug, clap::Args)]

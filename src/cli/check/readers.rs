@@ -8,7 +8,7 @@ use rustix::io::Errno;
 
 use super::row::{Row, Verdict};
 use crate::config::{Config, FolderStoreConfig};
-use crate::flow::access::Access;
+use crate::store::access::Access;
 
 /// The bit that hands a folder's group on to what is made in it.
 const SET_GROUP_ID: u32 = 0o2000;

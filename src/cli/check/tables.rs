@@ -5,10 +5,10 @@ use jiff::Zoned;
 use super::row::{Row, Verdict};
 use crate::cli::sizes::remark_in_words;
 use crate::config::Config;
-use crate::language::Language;
-use crate::record::shown::id;
-use crate::sizes::check::{Remark, remarks};
-use crate::sizes::{Garment, SizeTable};
+use gaiter_language::Language;
+use gaiter_record::shown::id;
+use gaiter_sizes::check::{Remark, remarks};
+use gaiter_sizes::{Garment, SizeTable};
 
 /// The check's name in the table.
 const CHECK: &str = "size table";

@@ -16,15 +16,15 @@ use super::report::put;
 use super::terminal::{paint, screen};
 use super::{Exit, complain, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, FolderStoreConfig, VisitsConfig};
-use crate::language::Language;
-use crate::record::report::{AgeMax, Paper, PdfFault, document_page, document_paper};
-use crate::record::{Record, RecordFile, SUMS};
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::folder::FolderStore;
-use crate::visits::report::ReportOf;
-use crate::visits::schema::figures;
-use crate::visits::{Choice, Course, CourseFault, GIRTH_COMMON_MM};
+use gaiter_language::Language;
+use gaiter_record::report::{AgeMax, Paper, PdfFault, document_page, document_paper};
+use gaiter_record::{Record, RecordFile, SUMS};
+use gaiter_visits::report::ReportOf;
+use gaiter_visits::schema::figures;
+use gaiter_visits::{Choice, Course, CourseFault, GIRTH_COMMON_MM};
 
 /// Why nothing was compared, or not written.
 #[derive(Debug, thiserror::Error)]

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::report::{Fault, record_at};
 use crate::cli::{Exit, complain, shown};
-use crate::record::schema::NOT_VOUCHED;
-use crate::record::{Record, SUMS};
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::revision::{families, visits};
-use crate::visits::last_of_days;
+use gaiter_record::schema::NOT_VOUCHED;
+use gaiter_record::{Record, SUMS};
+use gaiter_visits::last_of_days;
 
 /// The record's file within its folder.
 const RECORD: &str = "record.json";

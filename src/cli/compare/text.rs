@@ -2,9 +2,9 @@
 
 use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::indented;
-use crate::record::report::content::{Section, Table};
-use crate::record::report::document::{Block, Document};
-use crate::record::report::{Figure, Mark};
+use gaiter_record::report::content::{Section, Table};
+use gaiter_record::report::document::{Block, Document};
+use gaiter_record::report::{Figure, Mark};
 
 /// The report in lines of at most this many characters; pictures are left out.
 pub(super) fn of(document: &Document, columns: usize) -> String {

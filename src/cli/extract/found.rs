@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Exit, shown};
-use crate::scan::Format;
+use gaiter_scan::Format;
 
 /// Why a folder gave no scans.
 #[derive(Debug, thiserror::Error)]

@@ -10,9 +10,9 @@ use rustix::io::Errno;
 
 use super::Undelivered;
 use crate::cli::shown;
-use crate::record::{self, RecordFile};
 use crate::store::durable;
 use crate::store::sums::SUMS;
+use gaiter_record::{self as record, RecordFile};
 
 /// Something in a record's place that is not an earlier record of the same scan.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]

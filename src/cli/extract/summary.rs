@@ -6,14 +6,14 @@ use std::fmt::Write;
 use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::{indented, shortened};
 use crate::cli::terminal::table::colour;
-use crate::flow::health::counted;
-use crate::language::Language;
-use crate::leg::{Level, Side};
-use crate::record::Record;
-use crate::record::completeness::{Completeness, Kind};
-use crate::record::measure::Measure;
-use crate::record::rounding::cm_words;
-use crate::sizes::Garment;
+use gaiter_flow::health::counted;
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_record::Record;
+use gaiter_record::completeness::{Completeness, Kind};
+use gaiter_record::measure::Measure;
+use gaiter_record::rounding::cm_words;
+use gaiter_sizes::Garment;
 
 /// The levels whose girths are shown, as on the measuring sheet: those of a stocking that ends below the
 /// knee.

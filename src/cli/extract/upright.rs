@@ -1,9 +1,9 @@
 //! Whether a refused scan can be measured with another axis up: only for the message, because the operator
 //! must decide which way is up.
 
-use crate::leg::method::Up;
-use crate::leg::{BodyFault, Method, Refusal, extract};
-use crate::scan::Format;
+use gaiter_leg::method::Up;
+use gaiter_leg::{BodyFault, Method, Refusal, extract};
+use gaiter_scan::Format;
 
 /// The axis with which the scan can be measured, if the declared one may be what is wrong.
 pub fn other_up(bytes: &[u8], format: Format, method: &Method, refusal: &Refusal) -> Option<Up> {

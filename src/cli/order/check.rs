@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use crate::cli::args::OrderCheckArgs;
 use crate::cli::{Exit, complain, print, shown};
 use crate::config::sizes::beside::{TextFile, on_disk};
-use crate::sizes::mapping::parse;
-use crate::sizes::{Fault, Mapping};
+use gaiter_sizes::mapping::parse;
+use gaiter_sizes::{Fault, Mapping};
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.order-check/1";

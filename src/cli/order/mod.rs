@@ -12,14 +12,14 @@ use jiff::Zoned;
 use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat, usual_config};
 use super::{Exit, complain, explain_config, print, report, shown};
 use crate::config::{self, ConfigError};
-use crate::record::order::{
+use gaiter_record::order::{
     BYTES_MAX, LastFault, Order, OrderFile, OrderRef, RefFault, ReorderFault, csv, json, mapped,
     mapped_name, read,
 };
-use crate::record::schema::NOT_VOUCHED;
-use crate::record::sizing::SCANNER_GIRTH_MM;
-use crate::record::{Record, RecordFile, SUMS};
-use crate::sizes::{Garment, Mapping};
+use gaiter_record::schema::NOT_VOUCHED;
+use gaiter_record::sizing::SCANNER_GIRTH_MM;
+use gaiter_record::{Record, RecordFile, SUMS};
+use gaiter_sizes::{Garment, Mapping};
 
 /// Checks mappings, or writes an order.
 pub fn order(args: &OrderArgs) -> Exit {

@@ -1,6 +1,6 @@
 //! What a person must know before an order is sent: boxes that are open, and what is to be made sure of.
 
-use crate::record::order::{OpenBox, Order, OrderSide, State};
+use gaiter_record::order::{OpenBox, Order, OrderSide, State};
 
 /// The sentences; empty if there is nothing.
 pub fn told(order: &Order) -> Vec<String> {

@@ -10,8 +10,8 @@ use super::reach::{Fault, Reached};
 use crate::cli::args::DiscloseArgs;
 use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print, shown};
-use crate::flow::patient::person::{Person, WhoseScan};
-use crate::language::Language;
+use gaiter_flow::patient::person::{Person, WhoseScan};
+use gaiter_language::Language;
 
 /// What the station notes of a scan that comes in: it also names others to whom the scan might have belonged.
 const INTAKE: &str = "intake.json";

@@ -11,9 +11,9 @@ use super::reach::{Fault, Reached};
 use crate::cli::args::EraseArgs;
 use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print};
-use crate::flow::patient::erasure::Erasure;
-use crate::language::Language;
 use crate::store::polling::poll;
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_language::Language;
 
 /// How long the station may take to begin anew and to clear its folder and the stores.
 const PATIENCE: Duration = Duration::from_secs(60);

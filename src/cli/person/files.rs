@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use super::reach::Fault;
 use crate::cli::shown;
-use crate::flow::ScanId;
-use crate::flow::access::Access;
-use crate::record::SUMS;
+use crate::store::access::Access;
 use crate::store::{durable, sums};
+use gaiter_flow::ScanId;
+use gaiter_record::SUMS;
 
 /// A disclosure that is being written.
 pub(super) struct Bundle {

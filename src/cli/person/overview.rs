@@ -6,9 +6,9 @@ use std::path::Path;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
-use crate::flow::health::local;
-use crate::flow::patient::person::{Person, PersonRecord, WhoseScan};
-use crate::language::Language;
+use gaiter_flow::health::local;
+use gaiter_flow::patient::person::{Person, PersonRecord, WhoseScan};
+use gaiter_language::Language;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem}\
 table{border-collapse:collapse;width:100%;margin:.5rem 0 1.5rem}\
@@ -172,7 +172,7 @@ fn captures(person: &Person) -> Vec<Vec<String>> {
 }
 
 fn history(person: &Person) -> Vec<Vec<String>> {
-    let row = |of: &crate::flow::patient::person::PersonEvent| {
+    let row = |of: &gaiter_flow::patient::person::PersonEvent| {
         let short = of.scan.get(..8).unwrap_or_default();
         let happened = &of.happened;
         vec![

@@ -3,8 +3,8 @@
 use std::fmt::Display;
 
 use crate::cli::shown;
-use crate::flow::patient::person::{Person, PersonStore, WhoseScan};
-use crate::language::Language;
+use gaiter_flow::patient::person::{Person, PersonStore, WhoseScan};
+use gaiter_language::Language;
 
 /// The text for the terminal.
 pub(super) fn of(person: &Person, language: Language) -> String {

@@ -7,13 +7,13 @@ use std::path::Path;
 use crate::cli::ask::{AskFault, ask};
 use crate::cli::{Exit, shown};
 use crate::config::{self, ConfigError};
-use crate::flow::patient::erasure::Erasure;
-use crate::flow::patient::person::Person;
-use crate::language::Language;
 use crate::station::StationError;
 use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::persons::stopped::{Stopped, StoppedFault};
 use crate::station::runtime::causes::chain;
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_flow::patient::person::Person;
+use gaiter_language::Language;
 
 /// Why a person was neither disclosed nor erased.
 #[derive(Debug, thiserror::Error)]

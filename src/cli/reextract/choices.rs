@@ -4,12 +4,12 @@ use std::path::Path;
 
 use jiff::Zoned;
 
-use crate::cad::Output;
 use crate::cli::{Exit, explain_config};
 use crate::config::words::{self, FACINGS, POSTURES, UNITS, UPS, WINDINGS};
-use crate::leg::method::{B1, Scope, UnitChoice};
-use crate::leg::{Method, Side};
-use crate::record::{Record, ReportChoice};
+use gaiter_cad::Output;
+use gaiter_leg::method::{B1, Scope, UnitChoice};
+use gaiter_leg::{Method, Side};
+use gaiter_record::{Record, ReportChoice};
 
 /// The choice on the command line, which applies to all records.
 #[derive(Debug)]
@@ -76,7 +76,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::leg::method::{Axis, FacingChoice, Posture, Unit, Up, Winding};
+    use gaiter_leg::method::{Axis, FacingChoice, Posture, Unit, Up, Winding};
 
     #[test]
     fn what_a_record_was_asked_for_is_asked_again() {

@@ -5,9 +5,9 @@ use std::fmt::Write;
 
 use super::{Again, Outcome};
 use crate::cli::terminal::paint::{self, painted};
-use crate::flow::health::counted;
-use crate::leg::Level;
-use crate::record::change::{Change, LevelChange, Place};
+use gaiter_flow::health::counted;
+use gaiter_leg::Level;
+use gaiter_record::change::{Change, LevelChange, Place};
 
 /// The most records that are named: those that changed most.
 const WORST: usize = 20;
@@ -238,8 +238,8 @@ fn findings(told: &[Told]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::change::{Changes, Sameness};
-    use crate::record::schema::FindingNote;
+    use gaiter_record::change::{Changes, Sameness};
+    use gaiter_record::schema::FindingNote;
 
     fn place(leg: &str, level: &str) -> Place {
         Place { leg: leg.to_owned(), level: level.to_owned() }

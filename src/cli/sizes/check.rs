@@ -11,12 +11,12 @@ use crate::cli::args::{GarmentArgs, SizesCheckArgs};
 use crate::cli::terminal::screen::{self, indented};
 use crate::cli::{Exit, complain, print, shown};
 use crate::config::sizes::beside::{Beside, on_disk};
-use crate::language::Language;
-use crate::record::rounding::limit_words;
-use crate::record::shown::id;
-use crate::sizes::check::{Neighbours, Remark, remarks};
-use crate::sizes::table::Limits;
-use crate::sizes::{Fault, Garment, SizeTable, What, garment, parse};
+use gaiter_language::Language;
+use gaiter_record::rounding::limit_words;
+use gaiter_record::shown::id;
+use gaiter_sizes::check::{Neighbours, Remark, remarks};
+use gaiter_sizes::table::Limits;
+use gaiter_sizes::{Fault, Garment, SizeTable, What, garment, parse};
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.size-check/1";

@@ -12,11 +12,11 @@ use super::args::{SizesArgs, SizesOf, SizesVerb, usual_config};
 use super::terminal::{paint, screen};
 use super::{Exit, complain, explain_config, print, report, shown};
 use crate::config::{self, ConfigError};
-use crate::record::SUMS;
-use crate::record::schema::NOT_VOUCHED;
-use crate::record::sizing::{SizeChoice, SizeVerdicts};
-use crate::sizes::Garment;
 pub use check::in_words as remark_in_words;
+use gaiter_record::SUMS;
+use gaiter_record::schema::NOT_VOUCHED;
+use gaiter_record::sizing::{SizeChoice, SizeVerdicts};
+use gaiter_sizes::Garment;
 pub use tables::tables;
 
 /// Checks tables, or judges a record.
@@ -66,7 +66,7 @@ fn judged(args: &SizesOf) -> Result<(), Exit> {
 struct Configured {
     garments: Vec<Garment>,
     garment: Garment,
-    language: crate::language::Language,
+    language: gaiter_language::Language,
     sizes: SizeChoice,
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::cli::{Exit, complain, shown};
 use crate::config::sizes::beside::on_disk;
-use crate::sizes::{SizeTable, parse};
+use gaiter_sizes::{SizeTable, parse};
 
 /// The tables of these files and folders, in their order.
 ///

@@ -6,11 +6,11 @@ use anstyle::Style;
 
 use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::indented;
-use crate::language::Language;
-use crate::record::rounding::{cm_margin, cm_words, limit_words, number, shortest};
-use crate::record::sizing::{LegSizes, SizeVerdicts, TableVerdict, words};
-use crate::sizes::Garment;
-use crate::sizes::verdict::{Fit, PointVerdict, Reading, SURE, UNLIKELY};
+use gaiter_language::Language;
+use gaiter_record::rounding::{cm_margin, cm_words, limit_words, number, shortest};
+use gaiter_record::sizing::{LegSizes, SizeVerdicts, TableVerdict, words};
+use gaiter_sizes::Garment;
+use gaiter_sizes::verdict::{Fit, PointVerdict, Reading, SURE, UNLIKELY};
 
 /// Widths of the columns of points, characters: point, measure, limits, margins, probability.
 const WIDTHS: [usize; 5] = [6, 15, 13, 17, 10];
@@ -37,7 +37,7 @@ pub fn of(
     if has_legs {
         reading_help(verdicts, language).iter().for_each(|said| line(said));
     }
-    for side in crate::leg::Side::FROM_FRONT {
+    for side in gaiter_leg::Side::FROM_FRONT {
         text += &leg(verdicts, side.word(), language, columns);
     }
     text += &calibre(verdicts, language, columns);

@@ -2,9 +2,9 @@
 
 use jiff::Timestamp;
 
-use crate::flow::health::ago;
-use crate::record::phantom::{CheckResult, LastCheck};
 use crate::station::operator::control::status::PhantomStatus;
+use gaiter_flow::health::ago;
+use gaiter_record::phantom::{CheckResult, LastCheck};
 
 /// Heights of the chart's bars, from −2 tolerances to +2.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];

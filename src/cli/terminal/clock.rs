@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
-use crate::flow::health;
+use gaiter_flow::health;
 
 /// A time in the time zone of this machine, as the operator's page shows it.
 pub fn local(time: Timestamp) -> String {

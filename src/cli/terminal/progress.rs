@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::flow::health::words;
+use gaiter_flow::health::words;
 
 /// How often the remaining time is updated.
 const TICK: Duration = Duration::from_secs(1);

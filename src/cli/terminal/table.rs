@@ -5,17 +5,17 @@ use std::fmt::Write;
 
 use super::paint::{self, painted};
 use super::screen::indented;
-use crate::language::Language;
-use crate::leg::{Level, Side};
-use crate::record::Record;
-use crate::record::chart::AtFigures;
-use crate::record::completeness::{Completeness, Kind};
-use crate::record::measure::amendment::Subject;
-use crate::record::measure::{Absent, Length, Measure};
-use crate::record::report::{Content, Mark};
-use crate::record::rounding::{cm_margin, cm_words};
-use crate::record::schema::{FindingNote, LegFigures};
-use crate::sizes::Garment;
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_record::Record;
+use gaiter_record::chart::AtFigures;
+use gaiter_record::completeness::{Completeness, Kind};
+use gaiter_record::measure::amendment::Subject;
+use gaiter_record::measure::{Absent, Length, Measure};
+use gaiter_record::report::{Content, Mark};
+use gaiter_record::rounding::{cm_margin, cm_words};
+use gaiter_record::schema::{FindingNote, LegFigures};
+use gaiter_sizes::Garment;
 
 /// Width of the column of level names, characters.
 const NAME: usize = 12;

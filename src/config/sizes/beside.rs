@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::sizes::BYTES_MAX;
+use gaiter_sizes::BYTES_MAX;
 
 /// The ending of these files in a folder.
 const ENDING: &str = "toml";

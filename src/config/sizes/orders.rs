@@ -8,9 +8,9 @@ use crate::config::fault::What;
 use crate::config::parse;
 use crate::config::reader::{Absent, Found, Reader};
 use crate::config::words::ORDER_FILES;
-use crate::record::order::{OrderChoice, OrderFile};
-use crate::sizes::Mapping;
-use crate::sizes::mapping;
+use gaiter_record::order::{OrderChoice, OrderFile};
+use gaiter_sizes::Mapping;
+use gaiter_sizes::mapping;
 
 /// Reads `orders.files` and `orders.mappings`.
 pub(in crate::config) fn orders(

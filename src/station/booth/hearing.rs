@@ -6,17 +6,17 @@ use serde_json::{Value, json};
 use tracing::{info, warn};
 
 use super::{Booth, Inner};
-use crate::flow::booth::{Heard, Press};
-use crate::flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
-use crate::flow::facts::Alarm;
-use crate::flow::light::{NO_EXPORT, Outcome};
-use crate::flow::orders::habit::{ORDERS_MOST, OrderCame};
-use crate::flow::patient::identity::ID_NOT_ALLOWED;
-use crate::flow::{Appeared, ScanId};
-use crate::record::{Patient, SourceKind};
 use crate::station::event::StationEvent;
 use crate::station::journal::{BoothChange, Event, JournalError};
 use crate::station::runtime::causes::chain;
+use gaiter_flow::booth::{Heard, Press};
+use gaiter_flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
+use gaiter_flow::facts::Alarm;
+use gaiter_flow::light::{NO_EXPORT, Outcome};
+use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
+use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
+use gaiter_flow::{Appeared, ScanId};
+use gaiter_record::{Patient, SourceKind};
 
 /// Why a patient was not named.
 #[derive(Debug, thiserror::Error)]

@@ -2,7 +2,7 @@
 //!
 //! An order names its patient at most once. It is noted as heard before it is heard, and removed
 //! afterwards. So after any interruption, no old order is heard again while another patient stands in
-//! the booth. [`crate::flow::orders::news`] decides which file is a new order. An order that cannot be
+//! the booth. [`gaiter_flow::orders::news`] decides which file is a new order. An order that cannot be
 //! read is set aside with its reason and reported to the operator.
 
 mod aside;
@@ -24,11 +24,6 @@ use tokio::time::sleep;
 use tracing::{info, warn};
 
 use crate::config::OrdersConfig;
-use crate::flow::booth::Heard;
-use crate::flow::facts::Alarm;
-use crate::flow::{Look, LookTime, Settled, Settling};
-use crate::record::SourceKind;
-use crate::record::gdt::{Charset, Order, OrderFault, order};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::journal::JournalError;
@@ -37,6 +32,11 @@ use crate::station::runtime::causes::chain;
 use crate::station::runtime::jitter;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
+use gaiter_flow::booth::Heard;
+use gaiter_flow::facts::Alarm;
+use gaiter_flow::{Look, LookTime, Settled, Settling};
+use gaiter_record::SourceKind;
+use gaiter_record::gdt::{Charset, Order, OrderFault, order};
 use take::{Before, Taken, take};
 
 /// Alarm: the station had lost its journal.

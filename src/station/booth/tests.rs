@@ -2,9 +2,9 @@
 
 use super::super::journal::{BoothChange, Entry, ScanRow};
 use super::*;
-use crate::flow::ScanState;
-use crate::flow::capture::{Doubt, Named};
-use crate::record::SourceKind;
+use gaiter_flow::ScanState;
+use gaiter_flow::capture::{Doubt, Named};
+use gaiter_record::SourceKind;
 
 /// What tells this start of the machine from another.
 const BOOT: &str = "this start";

@@ -6,12 +6,12 @@ use std::sync::PoisonError;
 
 use super::decided::by_operator;
 use super::{Custody, CustodyFault, intake_of, io};
-use crate::flow::decision::{Decided, Ruling};
-use crate::flow::{DeliveryState, ScanId};
-use crate::record::Patient;
 use crate::station::custody::spool::Companion;
 use crate::station::journal::{Due, ScanRow};
 use crate::store::StoredScan;
+use gaiter_flow::decision::{Decided, Ruling};
+use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_record::Patient;
 
 /// The outcome of an operator's decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,11 +8,11 @@ use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::{Custody, CustodyFault, io};
-use crate::flow::decision::{Decided, Decision, Ruling};
-use crate::flow::{ScanId, ScanState};
-use crate::record::{Patient, Source, SourceKind};
 use crate::station::journal::{FoundThere, Journal, JournalError, ScanRow};
 use crate::store::{FoundRecord, StoredScan};
+use gaiter_flow::decision::{Decided, Decision, Ruling};
+use gaiter_flow::{ScanId, ScanState};
+use gaiter_record::{Patient, Source, SourceKind};
 
 /// The operators' decisions about a scan.
 struct Known {

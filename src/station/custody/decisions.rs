@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::flow::ScanId;
-use crate::flow::decision::Decision;
 use crate::store::durable;
+use gaiter_flow::ScanId;
+use gaiter_flow::decision::Decision;
 
 /// The file-name ending of a scan's decisions.
 const ENDING: &str = ".json";
@@ -123,7 +123,7 @@ mod tests {
     use jiff::Timestamp;
 
     use super::*;
-    use crate::flow::decision::Decided;
+    use gaiter_flow::decision::Decided;
 
     fn assigned(id: &str) -> Decision {
         let at = "2026-11-21T09:15:00Z".parse::<Timestamp>().unwrap();

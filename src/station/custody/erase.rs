@@ -12,12 +12,12 @@ use serde_json::json;
 use self::naming::{remove_journals, remove_orders};
 use super::spool::Intake;
 use super::{Custody, CustodyFault, io};
-use crate::flow::ScanId;
-use crate::flow::capture::Judged;
-use crate::flow::patient::erasure::{ErasedScan, Erasure};
-use crate::flow::patient::person::WhoseScan;
 use crate::station::journal::{Erasing, Event};
 use crate::store::durable;
+use gaiter_flow::ScanId;
+use gaiter_flow::capture::Judged;
+use gaiter_flow::patient::erasure::{ErasedScan, Erasure};
+use gaiter_flow::patient::person::WhoseScan;
 pub(in crate::station) use naming::{journals_naming, orders_naming};
 
 /// The folder of the previews of held scans in the state folder.

@@ -12,10 +12,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use crate::flow::ScanId;
-use crate::flow::patient::erasure::{Erasure, Next};
-use crate::record::{hex, sha256};
 use crate::store::durable;
+use gaiter_flow::ScanId;
+use gaiter_flow::patient::erasure::{Erasure, Next};
+use gaiter_record::{hex, sha256};
 
 /// The folder of the erasures in the state folder.
 const FOLDER: &str = "erasures";
@@ -142,7 +142,7 @@ impl Erasures {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flow::patient::erasure::ErasedScan;
+    use gaiter_flow::patient::erasure::ErasedScan;
 
     fn asked(patient: &str) -> Erasure {
         let at = "2027-01-01T00:00:00Z".parse().unwrap();

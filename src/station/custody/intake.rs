@@ -3,14 +3,14 @@
 use jiff::Timestamp;
 
 use super::Arrival;
-use crate::flow::capture::{Judged, Why};
-use crate::flow::patient::identity::{
-    ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
-};
-use crate::flow::{ScanId, ScanState};
-use crate::record::Patient;
 use crate::station::custody::spool::Intake;
 use crate::station::journal::ScanRow;
+use gaiter_flow::capture::{Judged, Why};
+use gaiter_flow::patient::identity::{
+    ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
+};
+use gaiter_flow::{ScanId, ScanState};
+use gaiter_record::Patient;
 
 /// The intake data of bytes that came in. The time of first sight never changes.
 pub(super) fn intake(

@@ -5,10 +5,10 @@ use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 use super::{Custody, CustodyFault, io};
-use crate::flow::ScanId;
-use crate::flow::capture::{Judged, Named};
-use crate::record::SourceKind;
 use crate::store::sums;
+use gaiter_flow::ScanId;
+use gaiter_flow::capture::{Judged, Named};
+use gaiter_record::SourceKind;
 
 /// A refused scan with fewer bytes than this is not compared with the beginning of another: exports may
 /// share a header.

@@ -3,7 +3,7 @@
 use tracing::info;
 
 use super::{Arrival, Custody, CustodyFault, intake_of, io};
-use crate::flow::{DeliveryState, ScanId, ScanState};
+use gaiter_flow::{DeliveryState, ScanId, ScanState};
 
 impl Custody {
     /// Reports whether the bytes of a refused scan are missing from the state folder but were not
@@ -46,10 +46,10 @@ mod tests {
 
     use super::super::tests::{BYTES, admit, open, reason, refused, says};
     use super::*;
-    use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-    use crate::flow::{Verdict, Whose};
     use crate::station::journal::Due;
     use crate::store::sums;
+    use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+    use gaiter_flow::{Verdict, Whose};
 
     fn for_whom(custody: &Custody) -> Vec<String> {
         let due = custody.journal.pending().unwrap();

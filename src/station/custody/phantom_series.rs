@@ -8,9 +8,9 @@ use std::sync::{Mutex, PoisonError};
 
 use jiff::Timestamp;
 
-use crate::flow::ScanId;
-use crate::record::phantom::{CheckRecord, LastCheck, PHANTOM_SCHEMA};
 use crate::store::durable;
+use gaiter_flow::ScanId;
+use gaiter_record::phantom::{CheckRecord, LastCheck, PHANTOM_SCHEMA};
 
 /// The file-name ending of a check.
 const ENDING: &str = ".json";
@@ -78,7 +78,7 @@ impl PhantomSeries {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::leg::phantom::{GirthCheck, PhantomCheck};
+    use gaiter_leg::phantom::{GirthCheck, PhantomCheck};
 
     fn at(seconds: i64) -> Timestamp {
         Timestamp::from_second(1_800_000_000 + seconds).unwrap()

@@ -11,8 +11,8 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::spool::{self, Intake};
-use crate::flow::ScanId;
 use crate::store::durable;
+use gaiter_flow::ScanId;
 
 /// The folder of refused scans.
 #[derive(Debug)]

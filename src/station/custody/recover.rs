@@ -7,11 +7,11 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 use super::{Custody, CustodyFault, held_code, io, row};
-use crate::flow::capture::Judged;
-use crate::flow::{ScanId, ScanState};
 use crate::station::custody::quarantine::{Reason, Stage};
 use crate::station::custody::spool::Intake;
 use crate::station::journal::{Entry, ScanRow};
+use gaiter_flow::capture::Judged;
+use gaiter_flow::{ScanId, ScanState};
 
 impl Custody {
     /// Makes spool, quarantine and journal agree after the last run, however it ended. Returns how many

@@ -11,12 +11,12 @@ use std::path::{Path, PathBuf};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::flow::ScanId;
-use crate::flow::access::Access;
-use crate::flow::capture::Judged;
-use crate::record::Patient;
 use crate::station::runtime::jitter;
+use crate::store::access::Access;
 use crate::store::durable;
+use gaiter_flow::ScanId;
+use gaiter_flow::capture::Judged;
+use gaiter_record::Patient;
 
 /// The folder of the scans to be delivered.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use jiff::Timestamp;
 use tracing::{error, warn};
 
 use super::Custody;
-use crate::flow::facts::Alarm;
 use crate::station::board::Board;
+use gaiter_flow::facts::Alarm;
 
 /// Alarm: folders were removed while the station ran. It stays until the next start, because the files
 /// that were in them are lost.

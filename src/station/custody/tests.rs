@@ -4,12 +4,12 @@ use std::fs;
 use std::sync::atomic::Ordering;
 
 use super::*;
-use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-use crate::record::{Source, SourceKind};
 use crate::station::custody::quarantine::Stage;
 use crate::station::custody::spool::Intake;
 use crate::station::journal::Task;
 use crate::store::{FoundRecord, StoredScan, sums};
+use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_record::{Source, SourceKind};
 
 pub(super) const BYTES: &[u8] = b"v 0 0 0\n";
 

@@ -3,9 +3,9 @@
 
 use jiff::Timestamp;
 
-use crate::flow::trusted_time::{Seen, TrustedTime};
 use crate::station::journal::{Journal, JournalError};
 use crate::station::runtime::clock::Clock;
+use gaiter_flow::trusted_time::{Seen, TrustedTime};
 
 /// What is known about the clock; nothing before the first reading.
 #[derive(Debug, Default)]

@@ -7,15 +7,15 @@ use tracing::info;
 
 use super::store_reach;
 use super::work::{self, Setback};
-use crate::flow::facts::StoreAttempt;
-use crate::flow::outbox::Ended;
-use crate::record::{RecordFile, SUMS};
 use crate::station::booth::Booth;
 use crate::station::event::short;
 use crate::station::journal::Due;
 use crate::store::revision::stored::{Stored, StoredFault};
 use crate::store::revision::{self, families};
 use crate::store::{Delivery, StoreFault};
+use gaiter_flow::facts::StoreAttempt;
+use gaiter_flow::outbox::Ended;
+use gaiter_record::{RecordFile, SUMS};
 
 /// Puts the latest revision of a record into a store that keeps its own copy.
 pub fn hand_over(booth: &Booth, due: &Due) -> Ended {

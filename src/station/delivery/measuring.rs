@@ -8,10 +8,6 @@ use std::path::{Path, PathBuf};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
-use crate::flow::acquired::acquired;
-use crate::flow::confinement::{Confine, Confinement};
-use crate::flow::facts::Alarm;
-use crate::record::{Acquired, Patient, Provenance, RecordFile};
 use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
@@ -19,6 +15,10 @@ use crate::station::measure::{
 };
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::clock::utc_offset_min;
+use gaiter_flow::acquired::acquired;
+use gaiter_flow::confinement::{Confine, Confinement};
+use gaiter_flow::facts::Alarm;
+use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
 
 /// How often a measurement that may have failed because of the scan is tried before the scan is
 /// refused.

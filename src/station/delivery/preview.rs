@@ -16,8 +16,6 @@ use tokio::time::sleep;
 use tracing::{info, warn};
 
 use super::measuring::{self, Outcome};
-use crate::flow::ScanId;
-use crate::flow::facts::IntakeState;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::event::short;
@@ -25,6 +23,8 @@ use crate::station::journal::{JournalError, ScanRow};
 use crate::station::runtime::beat::Beat;
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::stop::Stop;
+use gaiter_flow::ScanId;
+use gaiter_flow::facts::IntakeState;
 pub use shelf::{Preview, Previews};
 
 /// The largest number of previews kept, of the scans held last; the page shows fewer.

@@ -8,11 +8,6 @@ use tracing::{info, warn};
 
 use super::measuring::{self, Outcome};
 use super::store_reach;
-use crate::flow::facts::{Alarm, StoreAttempt};
-use crate::flow::lifecycle::HANDED_OVER;
-use crate::flow::outbox::Ended;
-use crate::flow::{Facts, ScanState, light};
-use crate::record::{FIRST_REVISION, RecordFile};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::custody::CustodyFault;
@@ -21,6 +16,11 @@ use crate::station::event::{StationEvent, short};
 use crate::station::journal::{Due, JournalError, KEPT, ScanRow};
 use crate::station::runtime::causes::chain;
 use crate::store::{Delivery, Misfit, StoreFault};
+use gaiter_flow::facts::{Alarm, StoreAttempt};
+use gaiter_flow::lifecycle::HANDED_OVER;
+use gaiter_flow::outbox::Ended;
+use gaiter_flow::{Facts, ScanState, light};
+use gaiter_record::{FIRST_REVISION, RecordFile};
 
 /// A scan that has been measured for a patient.
 #[derive(Debug)]

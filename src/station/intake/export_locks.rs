@@ -14,10 +14,10 @@ use std::time::Duration;
 
 use tracing::info;
 
-use crate::record::sha256;
 use crate::station::share::file_system;
 use crate::store::durable::FileId;
 use crate::store::polling::poll;
+use gaiter_record::sha256;
 
 /// Where locks for shares are: a folder in which every user of the machine may create files.
 const LOCKS: &str = "/run/lock";

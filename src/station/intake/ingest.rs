@@ -10,13 +10,6 @@ use tracing::{info, warn};
 use super::phantom::{self, CheckFault};
 use super::stable_read::Export;
 use crate::config::WithoutTrigger;
-use crate::flow::capture::{Content, Judged, Opener};
-use crate::flow::export::companions;
-use crate::flow::facts::IntakeState;
-use crate::flow::light::Outcome;
-use crate::flow::patient::identity::{self, ID_NOT_ALLOWED};
-use crate::flow::{Appeared, NameSays, Settled, Verdict};
-use crate::scan::{self, Format};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::custody::quarantine::{self, Reason, Stage};
@@ -26,6 +19,13 @@ use crate::station::event::{StationEvent, short};
 use crate::station::journal::JournalError;
 use crate::station::runtime::caught::caught;
 use crate::store::sums;
+use gaiter_flow::capture::{Content, Judged, Opener};
+use gaiter_flow::export::companions;
+use gaiter_flow::facts::IntakeState;
+use gaiter_flow::light::Outcome;
+use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED};
+use gaiter_flow::{Appeared, NameSays, Settled, Verdict};
+use gaiter_scan::{self as scan, Format};
 
 /// Whether a settled file may be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

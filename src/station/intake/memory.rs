@@ -8,13 +8,13 @@ use tokio::task::{JoinError, spawn_blocking};
 use tracing::warn;
 
 use super::Intake;
-use crate::flow::settle::Memory;
-use crate::flow::{Mark, Stamp};
 use crate::station::core::Core;
 use crate::station::intake::stable_read;
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, Pulse, patiently};
+use gaiter_flow::settle::Memory;
+use gaiter_flow::{Mark, Stamp};
 
 /// What the last run knew about a folder; nothing if the journal cannot answer.
 pub(super) async fn recall(core: &Arc<Core>, folder: &Path) -> Result<Memory, JoinError> {

@@ -11,13 +11,13 @@ use std::time::Duration;
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use crate::flow::export::mount::MountGuard;
-use crate::flow::facts::{SourceFacts, SourceState, WaitingFile};
-use crate::flow::settle::Waiting;
-use crate::flow::{Look, Settling, Stamp};
 use crate::station::booth::Booth;
 use crate::station::intake::scan_dir::Found;
 use crate::station::runtime::causes::chain;
+use gaiter_flow::export::mount::MountGuard;
+use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
+use gaiter_flow::settle::Waiting;
+use gaiter_flow::{Look, Settling, Stamp};
 
 /// What has been logged about one export folder, and where its facts are on the board.
 pub(super) struct Notes {

@@ -9,13 +9,13 @@ use std::time::Duration;
 use jiff::Timestamp;
 use rustix::fs::Mode;
 
-use crate::flow::export::writing::END_BYTES;
-use crate::flow::{Mark, ScanId, Settled, Stamp};
-use crate::scan::{self, Format};
 use crate::station::custody::spool::Companion;
 use crate::station::share::stall::Pulse;
 use crate::station::share::stamped_file::{READ, bytes};
 use crate::store::sums;
+use gaiter_flow::export::writing::END_BYTES;
+use gaiter_flow::{Mark, ScanId, Settled, Stamp};
+use gaiter_scan::{self as scan, Format};
 
 /// The bytes of one state of an export.
 #[derive(Debug)]
@@ -88,8 +88,8 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::flow::{self, Appeared, Writing};
     use crate::station::share::stamped_file::{self, PIECE_BYTES};
+    use gaiter_flow::{self as flow, Appeared, Writing};
 
     fn settled(path: &Path) -> Settled {
         let stamp = stamped_file::stamp(&path.symlink_metadata().unwrap());

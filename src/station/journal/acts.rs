@@ -8,9 +8,9 @@ use super::deliveries::{finish_if_done, has_served, owners};
 use super::delivery_row::{count, step};
 use super::scans::{insert_delivery, set_state, state_of};
 use super::{Due, Event, Journal, JournalError, Task, cell, history, withdrawal};
-use crate::flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
-use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
-use crate::record::Patient;
+use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
+use gaiter_record::Patient;
 
 impl Journal {
     /// All deliveries of a scan in this state.

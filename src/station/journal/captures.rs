@@ -13,10 +13,10 @@ use serde_json::{Value, json};
 
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, cell, history};
-use crate::flow::capture::{Capture, Captures, Judged, Named};
-use crate::flow::orders::habit::{ORDERS_MOST, OrderCame};
-use crate::flow::{ScanId, ScanState};
 use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
+use gaiter_flow::capture::{Capture, Captures, Judged, Named};
+use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
+use gaiter_flow::{ScanId, ScanState};
 pub(super) use next::{clear as clear_names, names_patient, upgrade};
 
 /// The states of a capture that is over.

@@ -13,9 +13,9 @@ use super::integrity::seal;
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, cell, history};
-use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
-use crate::record::Patient;
+use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
+use gaiter_record::Patient;
 
 impl Journal {
     /// All deliveries to make or withdraw, newest scan first: an operator at the booth must not wait for

@@ -5,8 +5,8 @@ use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
 
 use super::{JournalError, cell};
-use crate::flow::{DeliveryState, DeliveryStep, ScanId};
-use crate::record::Patient;
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
+use gaiter_record::Patient;
 
 /// A delivery to make or withdraw.
 #[derive(Debug, Clone, PartialEq, Eq)]

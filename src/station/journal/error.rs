@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::flow::IllegalStep;
+use gaiter_flow::IllegalStep;
 
 /// Why the journal cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -16,8 +16,8 @@ use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::Value;
 
 use super::{Journal, JournalError};
-use crate::flow::ScanId;
-use crate::record::sha256;
+use gaiter_flow::ScanId;
+use gaiter_record::sha256;
 
 /// The events of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

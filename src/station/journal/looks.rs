@@ -11,7 +11,7 @@ use std::time::Duration;
 use rusqlite::{OptionalExtension, params};
 
 use super::{Journal, JournalError, cell};
-use crate::flow::settle::Memory;
+use gaiter_flow::settle::Memory;
 
 impl Journal {
     /// What the last run since this machine start knew about a folder; empty if there was none.

@@ -4,7 +4,7 @@ use rusqlite::{OptionalExtension, Transaction};
 use serde_json::json;
 
 use super::{Event, Journal, JournalError, cell, history};
-use crate::flow::trusted_time::TrustedTime;
+use gaiter_flow::trusted_time::TrustedTime;
 
 /// Present while the station is paused by an operator.
 const PAUSED: &str = "paused";

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use rusqlite::{OptionalExtension, Row, Transaction, params};
 
 use super::{Journal, JournalError, cell};
-use crate::flow::OrderState;
-use crate::flow::orders::news::FolderId;
+use gaiter_flow::OrderState;
+use gaiter_flow::orders::news::FolderId;
 
 /// The name of the fact: the folder in which the known orders were seen.
 const FOLDER: &str = "orders-folder";
@@ -136,7 +136,7 @@ fn key(path: &Path) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flow::Stamp;
+    use gaiter_flow::Stamp;
 
     fn state(mtime_ns: i128) -> OrderState {
         OrderState { size: 3, mtime_ns, digest: "d".into() }

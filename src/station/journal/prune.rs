@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::deliveries::IS_NEEDED;
 use super::{Event, Journal, JournalError, history};
-use crate::flow::{ScanId, ScanState};
+use gaiter_flow::{ScanId, ScanState};
 
 impl Journal {
     /// Reports whether a scan has been in a state since before a time and nothing is left to do for it.

@@ -9,9 +9,9 @@ use serde_json::json;
 
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, captures, cell, history};
-use crate::flow::capture::Judged;
-use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
-use crate::record::Patient;
+use gaiter_flow::capture::Judged;
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
+use gaiter_record::Patient;
 
 /// What the journal knows of a scan itself.
 #[derive(Debug, Clone, PartialEq, Eq)]

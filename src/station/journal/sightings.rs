@@ -7,7 +7,7 @@ use std::path::Path;
 use rusqlite::{OptionalExtension, params};
 
 use super::{Journal, JournalError, cell};
-use crate::flow::{ScanId, Stamp};
+use gaiter_flow::{ScanId, Stamp};
 
 impl Journal {
     /// Reports whether this state of the file was taken in or refused before.

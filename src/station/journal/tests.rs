@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use crate::flow::capture::Judged;
-use crate::flow::{DeliveryState, ScanId, ScanState, Stamp};
-use crate::record::{Patient, Source, SourceKind};
+use gaiter_flow::capture::Judged;
+use gaiter_flow::{DeliveryState, ScanId, ScanState, Stamp};
+use gaiter_record::{Patient, Source, SourceKind};
 
 mod ruin;
 

@@ -13,7 +13,7 @@ use rustix::process::{
 use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch};
 
 use super::Limits;
-use crate::flow::confinement::{Confine, Confinement, Enforced};
+use gaiter_flow::confinement::{Confine, Confinement, Enforced};
 
 /// The newest landlock interface whose rights are given up; older kernels give up the rights they know.
 const NEWEST: ABI = ABI::V6;

@@ -8,8 +8,8 @@ use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Beside, Config, MeasureConfig};
-use crate::flow::confinement::Confine;
-use crate::record::{Provenance, RecordFile};
+use gaiter_flow::confinement::Confine;
+use gaiter_record::{Provenance, RecordFile};
 
 /// The longest line of an answer.
 const LINE_MAX: u64 = 1 << 20;

@@ -16,8 +16,8 @@ use rustix::io::Errno;
 use super::VERB;
 use super::job::{Answer, Job};
 use super::trouble::Trouble;
-use crate::flow::ScanId;
 use crate::store::sums;
+use gaiter_flow::ScanId;
 
 /// This same program, even if the file it was started from has been replaced.
 const SELF: &str = "/proc/self/exe";

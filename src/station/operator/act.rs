@@ -5,11 +5,6 @@ mod amend;
 use jiff::Timestamp;
 use tracing::info;
 
-use crate::flow::capture::NamedNext;
-use crate::flow::{DeliveryState, ScanId};
-use crate::language::Language;
-use crate::record::SourceKind;
-use crate::record::measure::amendment::AmendFault;
 use crate::station::booth::{Booth, NameFault};
 use crate::station::core::Core;
 use crate::station::custody::{Acted, CustodyFault};
@@ -19,6 +14,11 @@ use crate::station::runtime::causes::chain;
 use crate::store::revision::amend as amend_record;
 use crate::store::{StoreFault, StoredScan};
 pub use amend::{Measured, Setting};
+use gaiter_flow::capture::NamedNext;
+use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_language::Language;
+use gaiter_record::SourceKind;
+use gaiter_record::measure::amendment::AmendFault;
 
 /// A decision.
 #[derive(Debug, Clone, PartialEq)]

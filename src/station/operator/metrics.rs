@@ -11,11 +11,11 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::Registry;
 
 use super::control::status::state_words;
-use crate::flow::facts::{IntakeState, SourceState, TriggerFacts};
-use crate::flow::health::age;
-use crate::flow::trigger::PortState;
-use crate::record::phantom::CheckResult;
 use crate::station::overview::Overview;
+use gaiter_flow::facts::{IntakeState, SourceState, TriggerFacts};
+use gaiter_flow::health::age;
+use gaiter_flow::trigger::PortState;
+use gaiter_record::phantom::CheckResult;
 
 /// The content type of the text, for HTTP.
 pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
@@ -183,8 +183,8 @@ mod tests {
     use jiff::Timestamp;
 
     use super::*;
-    use crate::flow::Facts;
-    use crate::flow::facts::WaitingFile;
+    use gaiter_flow::Facts;
+    use gaiter_flow::facts::WaitingFile;
 
     #[test]
     fn metrics_say_how_the_station_is_and_name_no_file() {

@@ -5,13 +5,13 @@ use std::path::Path;
 use jiff::Timestamp;
 use tracing::{info, warn};
 
-use crate::flow::ScanId;
-use crate::flow::facts::{Alarm, Facts};
-use crate::flow::patient::erasure::{ErasedScan, Erasure, Next};
 use crate::station::core::Core;
 use crate::station::custody::{Custody, CustodyFault};
 use crate::station::runtime::causes::chain;
 use crate::store::{RecordStore, StoreFault};
+use gaiter_flow::ScanId;
+use gaiter_flow::facts::{Alarm, Facts};
+use gaiter_flow::patient::erasure::{ErasedScan, Erasure, Next};
 
 /// Alarm: an erasure waits, for a store or for the disk.
 pub(in crate::station) const PENDING: &str = "erasure-pending";

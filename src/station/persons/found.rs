@@ -8,17 +8,17 @@ use std::path::{Path, PathBuf};
 use jiff::Timestamp;
 
 use crate::config::Config;
-use crate::flow::patient::naming::RecordName;
-use crate::flow::patient::person::{
-    HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
-};
-use crate::flow::{Identity, NameSays, ScanId};
-use crate::record::RECORD;
 use crate::station::custody::{Custody, CustodyFault, journals_naming, orders_naming};
 use crate::station::journal::Theirs;
 use crate::station::stores::Stores;
 use crate::store::brief::Brief;
 use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
+use gaiter_flow::patient::naming::RecordName;
+use gaiter_flow::patient::person::{
+    HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
+};
+use gaiter_flow::{Identity, NameSays, ScanId};
+use gaiter_record::RECORD;
 
 /// The version of what is put together.
 const SCHEMA: &str = "gaiter.person/1";

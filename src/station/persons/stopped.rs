@@ -6,9 +6,6 @@ use std::path::PathBuf;
 use super::erase::{self, ClearFault};
 use super::found::person;
 use crate::config::Config;
-use crate::flow::Identity;
-use crate::flow::patient::erasure::Erasure;
-use crate::flow::patient::person::Person;
 use crate::station::assembly::open_custody;
 use crate::station::custody::{Custody, CustodyFault};
 use crate::station::error::StationError;
@@ -16,6 +13,9 @@ use crate::station::journal::Event;
 use crate::station::state_dir::{OwnStateDir, take_state_dir};
 use crate::station::stores::Stores;
 use crate::store::{FolderStore, RecordStore};
+use gaiter_flow::Identity;
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_flow::patient::person::Person;
 
 /// A station that does not run.
 #[derive(Debug)]

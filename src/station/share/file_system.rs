@@ -8,8 +8,8 @@ use std::path::Path;
 use rustix::fs::statfs;
 
 use crate::config::WatchConfig;
-use crate::flow::FileSystem;
-use crate::flow::export::mount::Mount;
+use gaiter_flow::FileSystem;
+use gaiter_flow::export::mount::Mount;
 
 /// The file system that a folder is on.
 ///

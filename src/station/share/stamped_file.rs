@@ -9,7 +9,7 @@ use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
 
 use super::stall::Pulse;
-use crate::flow::Stamp;
+use gaiter_flow::Stamp;
 
 /// How much is read at a time, bytes: a step that a slow share makes well within the deadline.
 pub const PIECE_BYTES: u64 = 1 << 20;

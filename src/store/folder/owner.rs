@@ -7,8 +7,8 @@ use std::io;
 use std::path::PathBuf;
 
 use super::FolderStore;
-use crate::flow::patient::naming;
 use crate::store::{Misfit, StoreFault, durable, tried};
+use gaiter_flow::patient::naming;
 
 impl FolderStore {
     /// The patient's folder, made durable under the root.

@@ -9,12 +9,12 @@ use std::time::SystemTime;
 use jiff::Timestamp;
 
 use super::FolderStore;
-use crate::flow::ScanId;
-use crate::flow::patient::naming::RecordName;
-use crate::record::RECORD;
 use crate::store::brief::Brief;
 use crate::store::listing::records_in;
 use crate::store::{StoreFault, durable, sums, tried};
+use gaiter_flow::ScanId;
+use gaiter_flow::patient::naming::RecordName;
+use gaiter_record::RECORD;
 
 /// What lies in a person's folder.
 #[derive(Debug, Default, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! The folder store on real folders.
 
 use super::*;
-use crate::flow::ScanId;
-use crate::record::{FIRST_REVISION, RecordFile};
 use crate::store::StoredScan;
 use crate::store::sums::SumsFault;
+use gaiter_flow::ScanId;
+use gaiter_record::{FIRST_REVISION, RecordFile};
 
 struct Case {
     dir: tempfile::TempDir,

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::super::StoreFault;
 use super::place::Place;
-use crate::record::RecordFile;
-use crate::record::gdt::{Attachment, Reference};
+use gaiter_record::RecordFile;
+use gaiter_record::gdt::{Attachment, Reference};
 
 /// The description of an attachment, as the practice software shows it.
 const DESCRIPTION: &str = "Beinvermessung";

@@ -10,7 +10,7 @@ use rustix::fs::{AtFlags, Mode, OFlags, statat};
 use rustix::io::Errno;
 
 use super::super::{StoreFault, durable, tried};
-use crate::record::gdt::rules::{COUNTER_MOST, FileName};
+use gaiter_record::gdt::rules::{COUNTER_MOST, FileName};
 
 /// The file that marks the folder of staged results.
 const MARK: &str = ".gaiter-store";

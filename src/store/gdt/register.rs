@@ -11,7 +11,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::super::{FoundRecord, StoreFault, durable, tried};
-use crate::flow::ScanId;
+use gaiter_flow::ScanId;
 
 /// The file-name ending of an entry.
 const ENDING: &str = ".json";

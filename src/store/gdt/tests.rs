@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::*;
-use crate::record::gdt::{AttachmentFields, Charset, Reference};
-use crate::record::{FIRST_REVISION, RecordFile};
-use crate::sizes::Garment;
 use crate::store::sums;
+use gaiter_record::gdt::{AttachmentFields, Charset, Reference};
+use gaiter_record::{FIRST_REVISION, RecordFile};
+use gaiter_sizes::Garment;
 
 struct Case {
     dir: tempfile::TempDir,

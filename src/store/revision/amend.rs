@@ -9,12 +9,12 @@ use serde_json::Value;
 
 use super::stored::{Stored, StoredFault};
 use super::{Added, Family, add, families};
-use crate::record::measure::amendment::{AmendFault, Amendment};
-use crate::record::schema::SCHEMA;
-use crate::record::{
+use crate::store::StoreFault;
+use gaiter_record::measure::amendment::{AmendFault, Amendment};
+use gaiter_record::schema::SCHEMA;
+use gaiter_record::{
     FigureFormat, FilesFault, RECORD, Record, RecordFile, ReportChoice, amended_files,
 };
-use crate::store::StoreFault;
 
 /// What precedes the number in the folder name of a later revision.
 const REVISION: &str = "_r";

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Family;
-use crate::record::{RECORD, Record, RecordFault};
 use crate::store::sums::{self, SumsFault};
+use gaiter_record::{RECORD, Record, RecordFault};
 
 /// Why a stored record cannot be used.
 #[derive(Debug, thiserror::Error)]

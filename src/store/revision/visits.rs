@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 use super::stored::StoredFault;
 use super::{Family, families};
-use crate::flow::patient::naming::patient_folder;
-use crate::record::{RECORD, Record};
 use crate::store::{StoreFault, sums};
+use gaiter_flow::patient::naming::patient_folder;
+use gaiter_record::{RECORD, Record};
 
 /// The records of a patient.
 #[derive(Debug, Default)]

@@ -5,8 +5,9 @@
 
 use std::fs;
 
-use support::verb::{code, gaiter_told, stderr, stdout};
-use support::{Booth, coarse_body, sha256};
+use rig::verb::{code, gaiter_told, stderr, stdout};
+use rig::{Booth, sha256};
+use support::coarse_body;
 
 /// Folders for a station whose scans' names say nothing.
 fn booth() -> Booth {

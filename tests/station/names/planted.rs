@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{scope, sleep};
 use std::time::Duration;
 
-use support::process::{family, public_words};
-use support::{Booth, Daemon, coarse_body, sha256};
+use rig::process::{family, public_words};
+use rig::{Booth, Daemon, sha256};
+use support::coarse_body;
 
 /// What may never appear. The numbers are ids, one of them none that is allowed; the names stand in
 /// file names, folders, contents and companions.

@@ -7,8 +7,9 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::os::unix::fs::PermissionsExt;
 
-use support::booth::{At, Room};
-use support::{Daemon, coarse_body, rescanned, sha256};
+use rig::booth::{At, Room};
+use rig::{Daemon, sha256};
+use support::{coarse_body, rescanned};
 
 /// The patient's folder in the store holds exactly these scans.
 #[track_caller]

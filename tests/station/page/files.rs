@@ -4,9 +4,10 @@
 
 use std::fs;
 
-use support::web::Site;
-use support::whole::names;
-use support::{Booth, coarse_body, sha256};
+use rig::web::Site;
+use rig::whole::names;
+use rig::{Booth, sha256};
+use support::coarse_body;
 
 use super::{booth, record_of};
 

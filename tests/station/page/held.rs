@@ -5,11 +5,12 @@
 
 use std::fs;
 
+use rig::verb::{gaiter_told, stdout};
+use rig::web::{Answer, Site};
+use rig::{Booth, sha256};
 use rusqlite::Connection;
 use serde_json::{Value, json};
-use support::verb::{gaiter_told, stdout};
-use support::web::{Answer, Site};
-use support::{Booth, coarse_body, sha256};
+use support::coarse_body;
 
 /// A station with its page, which holds what nobody pressed for; `more` is added to its configuration.
 fn booth(more: &str) -> Booth {

@@ -10,10 +10,11 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 
+use rig::verb::{code, stdout};
+use rig::web::{Answer, Site};
+use rig::{Booth, sha256};
 use serde_json::{Value, json};
-use support::verb::{code, stdout};
-use support::web::{Answer, Site};
-use support::{Booth, body, coarse_body, sha256};
+use support::{body, coarse_body};
 
 /// A station whose page is served on some port of this machine.
 fn booth(more: &str) -> Booth {

@@ -5,9 +5,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rig::web::Site;
+use rig::{Booth, sha256};
 use serde_json::Value;
-use support::web::Site;
-use support::{Booth, coarse_body, sha256};
+use support::coarse_body;
 
 /// Puts a record of another day and scan beside one, as another visit of the patient has it.
 fn earlier_visit(folder: &Path) -> PathBuf {

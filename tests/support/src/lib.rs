@@ -1,28 +1,28 @@
-//! What the tests, benches and examples of gaiter share.
+//! What the tests of every crate share: bodies, solids and strips, noise, writers of scan files, readers of
+//! what gaiter writes.
 
-pub mod booth;
 pub mod chance;
-pub mod day;
-pub mod faults;
+pub mod cloud;
 pub mod gdt_check;
-pub mod geometry;
-pub mod invariants;
+pub mod mesh;
+pub mod metric;
+pub mod noise;
 pub mod page;
-pub mod process;
-pub mod pty;
-pub mod refusal;
+pub mod recorded;
+#[cfg(feature = "record")]
+pub mod records;
 pub mod scans;
-pub mod station;
-pub mod stored;
-pub mod verb;
-pub mod web;
-pub mod whole;
+pub mod solids;
+pub mod stance;
+pub mod strip;
+pub mod test_leg;
+pub mod tubes;
+pub mod wavefront;
 pub mod writers;
 
 use std::path::{Path, PathBuf};
 
 pub use scans::*;
-pub use station::*;
 
 /// The folder of the project.
 pub fn root() -> PathBuf {

@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use gaiter::scan::{Format, Scan};
+use gaiter_scan::{Format, Scan};
 
 /// How a scan is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,11 +6,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::removal;
-use crate::flow::orders::news::FolderId;
-use crate::flow::{Group, Mask};
 use crate::station::share::file_system::folder_id;
 use crate::station::share::stall::Pulse;
 use crate::station::share::stamped_file::stamp;
+use gaiter_flow::orders::news::FolderId;
+use gaiter_flow::{Group, Mask};
 
 /// What a look found.
 #[derive(Debug)]

@@ -9,15 +9,15 @@ use super::read::{self, Read};
 use super::removal::{self, Removal};
 use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, alarm, aside};
 use crate::config::{AfterOrder, OrdersConfig};
-use crate::flow::booth::Heard;
-use crate::flow::capture::Doubt;
-use crate::flow::orders::news::{self, News};
-use crate::flow::{OrderState, Settled};
-use crate::record::SourceKind;
-use crate::record::gdt::{Order, OrderFault, order};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::share::stall::Pulse;
+use gaiter_flow::booth::Heard;
+use gaiter_flow::capture::Doubt;
+use gaiter_flow::orders::news::{self, News};
+use gaiter_flow::{OrderState, Settled};
+use gaiter_record::SourceKind;
+use gaiter_record::gdt::{Order, OrderFault, order};
 
 /// The code of an order that is too old.
 const TOO_OLD: &str = "order-too-old";

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use super::removal::Removal;
-use crate::flow::Mask;
 use crate::station::booth::orders::*;
 use crate::station::share::stamped_file::stamp;
+use gaiter_flow::Mask;
 
 #[test]
 fn a_refused_order_is_kept_once_with_its_bytes_and_reason() {

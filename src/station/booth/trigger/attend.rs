@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use super::port::{Port, PortOpener};
-use crate::flow::booth::{Heard, Signal};
-use crate::flow::trigger::port_lifecycle::Want;
-use crate::flow::trigger::{FaultKind, Input, InputDecoder, PortFault, PortLifecycle, PortState};
+use gaiter_flow::booth::{Heard, Signal};
+use gaiter_flow::trigger::port_lifecycle::Want;
+use gaiter_flow::trigger::{FaultKind, Input, InputDecoder, PortFault, PortLifecycle, PortState};
 
 /// How long one read waits on a port that wakes its reader. Changes of the light and a stop of the
 /// station are delayed by at most this time.

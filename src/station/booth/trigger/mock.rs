@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use super::port::{Port, PortOpener, fault};
 use crate::config::port::escaped;
-use crate::flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// What a line of a script does.
 #[derive(Debug, Clone, PartialEq, Eq)]

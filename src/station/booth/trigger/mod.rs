@@ -17,8 +17,8 @@ pub use worker::worker;
 
 use crate::config::TriggerConfig;
 use crate::config::trigger::ReaderPlace;
-use crate::flow::trigger::InputDecoder;
-use crate::flow::trigger::input_decoder::Shows;
+use gaiter_flow::trigger::InputDecoder;
+use gaiter_flow::trigger::input_decoder::Shows;
 use keys::KeysOpener;
 use port::PortOpener;
 use serial::SerialOpener;

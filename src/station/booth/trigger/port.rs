@@ -3,7 +3,7 @@
 use std::io;
 use std::time::Duration;
 
-use crate::flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// An open port; dropping it closes it.
 pub trait Port {

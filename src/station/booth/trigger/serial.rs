@@ -16,7 +16,7 @@ use serialport::{
 use super::port::{Port, PortOpener, fault, of_io};
 use crate::config::port::{self as written, ModemLine, SerialPlace, UsbName};
 use crate::config::trigger::SerialLine;
-use crate::flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// How many bytes are read at once.
 const PIECE: usize = 256;

@@ -7,7 +7,7 @@ use rusb::{Context, DeviceHandle, Direction, Error, Recipient, RequestType, UsbC
 use super::port::{Port, PortOpener, fault};
 use crate::config::port::UsbName;
 use crate::config::trigger::UsbTrigger;
-use crate::flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// The longest input report, bytes: the limit of an interrupt endpoint at full speed.
 const REPORT_MOST: usize = 64;

@@ -10,14 +10,14 @@ use tokio::time::timeout;
 use tracing::{info, warn};
 
 use super::{Attendant, Attended};
-use crate::flow::booth::Heard;
-use crate::flow::facts::TriggerFacts;
-use crate::flow::trigger::PortState;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::runtime::beat::Beat;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, Pulse, patiently};
+use gaiter_flow::booth::Heard;
+use gaiter_flow::facts::TriggerFacts;
+use gaiter_flow::trigger::PortState;
 
 /// The longest sleep of the thread before it checks whether to stop.
 const NAP: Duration = Duration::from_millis(200);

@@ -6,9 +6,9 @@ use std::path::Path;
 use super::super::tests::{BYTES, admit, found_record, open, patient, reason, says, stored};
 use super::super::{Acted, Verdict};
 use super::*;
-use crate::flow::{DeliveryState, Whose};
 use crate::station::journal::{Due, Task};
 use crate::store::sums;
+use gaiter_flow::{DeliveryState, Whose};
 
 /// Custody whose journal was lost, at its next start.
 fn rebuilt(custody: Custody, dir: &Path) -> Custody {

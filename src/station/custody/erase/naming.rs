@@ -6,8 +6,8 @@ use std::io;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use crate::flow::patient::erasure::names;
 use crate::store::durable;
+use gaiter_flow::patient::erasure::names;
 
 /// The folder of refused orders in the state folder.
 const ORDERS: &str = "orders-refused";

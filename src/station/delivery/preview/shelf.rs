@@ -9,12 +9,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
-use crate::flow::ScanId;
-use crate::flow::page::files::FIRST;
-use crate::record::RecordFile;
 use crate::station::runtime::jitter;
 use crate::store::durable;
 use crate::store::sums::{self, SUMS};
+use gaiter_flow::ScanId;
+use gaiter_flow::page::files::FIRST;
+use gaiter_record::RecordFile;
 
 /// The folder's name in the state folder.
 const NAME: &str = "previews";

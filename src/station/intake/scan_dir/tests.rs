@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use rustix::fs::{CWD, Mode, mkfifoat};
 
-use crate::flow::export::mount::Expected;
 use crate::station::intake::scan_dir::*;
+use gaiter_flow::export::mount::Expected;
 
 fn config() -> WatchConfig {
     WatchConfig {

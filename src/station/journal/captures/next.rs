@@ -6,10 +6,10 @@ use rusqlite::{Connection, OptionalExtension, Transaction};
 use serde::{Deserialize, Serialize};
 
 use super::cells::json_text;
-use crate::flow::capture::{Captures, Doubt, Named, Next};
-use crate::record::SourceKind;
 use crate::station::journal::integrity::seal;
 use crate::station::journal::{Journal, JournalError, cell};
+use gaiter_flow::capture::{Captures, Doubt, Named, Next};
+use gaiter_record::SourceKind;
 
 /// The name of the fact.
 const NEXT: &str = "next-patient";

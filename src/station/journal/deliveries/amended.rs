@@ -10,8 +10,8 @@ use serde_json::json;
 use super::super::delivery_row::detail;
 use super::super::withdrawal::UNWANTED;
 use super::super::{Due, Event, Journal, JournalError, history};
-use crate::flow::{DeliveryState, ScanId};
 use crate::store::FolderStore;
+use gaiter_flow::{DeliveryState, ScanId};
 
 /// The revision is being written: a crash may leave it unwritten.
 const BEGUN: &str = "begun";

@@ -16,9 +16,9 @@ use serde_json::{Value, json};
 use super::deliveries::finish_if_done;
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, captures, cell, history, withdrawal};
-use crate::flow::ScanId;
-use crate::flow::capture::Named;
-use crate::flow::patient::erasure::names;
+use gaiter_flow::ScanId;
+use gaiter_flow::capture::Named;
+use gaiter_flow::patient::erasure::names;
 pub use person::Theirs;
 use redact::redact;
 

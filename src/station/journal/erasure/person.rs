@@ -6,12 +6,12 @@ use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension};
 use serde_json::Value;
 
-use crate::flow::account::Happened;
-use crate::flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
-use crate::flow::{DeliveryState, ScanId};
-use crate::record::Source;
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, captures, cell};
+use gaiter_flow::account::Happened;
+use gaiter_flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
+use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_record::Source;
 
 /// What stands for another patient's id where a person's data is disclosed.
 const ANOTHER: &str = "(another patient)";

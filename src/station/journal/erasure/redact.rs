@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::flow::patient::erasure::ERASED;
+use gaiter_flow::patient::erasure::ERASED;
 
 /// Puts a word in the place of an id wherever it is a whole text, and drops it from lists. Returns whether
 /// there was one.

@@ -3,8 +3,8 @@
 
 use rusqlite::{Connection, Transaction, params};
 
-use crate::record::sha256;
 use crate::station::journal::JournalError;
+use gaiter_record::sha256;
 
 /// Hexadecimal digits of a seal: a damaged row passes with a probability of 2⁻⁶⁴.
 const DIGITS: usize = 16;

@@ -5,9 +5,9 @@ use rusqlite::{Row, params};
 
 use super::count;
 
-use crate::flow::{DeliveryState, ScanId, ScanState};
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, cell};
+use gaiter_flow::{DeliveryState, ScanId, ScanState};
 
 impl Journal {
     /// A number that differs after each commit: while it stays the same, nothing has changed. `None` if

@@ -4,10 +4,10 @@
 use rusqlite::params;
 
 use super::newest::{is_unassigned, is_undecided};
-use crate::flow::account::{Search, SearchState};
-use crate::flow::{DeliveryState, ScanId, ScanState};
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, cell};
+use gaiter_flow::account::{Search, SearchState};
+use gaiter_flow::{DeliveryState, ScanId, ScanState};
 
 impl Journal {
     /// The scans that a search finds, newest first: one more than `limit` if there are more.

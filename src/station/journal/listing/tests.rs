@@ -1,11 +1,11 @@
 //! Lists and counts of a journal on a real file.
 
 use super::*;
-use crate::flow::DeliveryState::{Delivered as Done, Held, Pending};
-use crate::flow::account::{Search, SearchState};
-use crate::flow::capture::Judged;
-use crate::record::{Patient, Source, SourceKind};
 use crate::station::journal::{Entry, ScanRow};
+use gaiter_flow::DeliveryState::{Delivered as Done, Held, Pending};
+use gaiter_flow::account::{Search, SearchState};
+use gaiter_flow::capture::Judged;
+use gaiter_record::{Patient, Source, SourceKind};
 
 fn scan(digits: &str) -> ScanId {
     ScanId::parse(&format!("{digits:0<64}")).unwrap()

@@ -7,11 +7,11 @@ use std::time::Duration;
 use proptest::prelude::*;
 
 use super::*;
-use crate::flow::capture::Judged;
-use crate::flow::outbox::{Ended, Key};
-use crate::flow::{Outbox, ScanState};
-use crate::record::{Patient, Source, SourceKind};
 use crate::station::journal::{Entry, ScanRow, Task};
+use gaiter_flow::capture::Judged;
+use gaiter_flow::outbox::{Ended, Key};
+use gaiter_flow::{Outbox, ScanState};
+use gaiter_record::{Patient, Source, SourceKind};
 
 const STORES: [&str; 2] = ["copy", "folder"];
 
@@ -315,7 +315,7 @@ fn what_practice_software_was_handed_stays_and_is_nobodys_any_more() {
     assert_eq!(world.journal.owners(&scan()).unwrap(), ["2"]);
     let whole = world.journal.whole(&scan()).unwrap().unwrap();
     let of = |store: &str| {
-        let theirs = |of: &&crate::flow::account::Delivered| {
+        let theirs = |of: &&gaiter_flow::account::Delivered| {
             of.store == store && of.patient.as_deref() == Some("1")
         };
         whole.deliveries.iter().find(theirs).unwrap().clone()

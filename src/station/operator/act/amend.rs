@@ -8,16 +8,16 @@ use serde::{Deserialize, Serialize};
 use tracing::info;
 
 use super::ActFault;
-use crate::flow::{ScanId, light};
-use crate::language::Language;
-use crate::record::completeness::{Completeness, Kind};
-use crate::record::measure::amendment::{Amendment, Deed};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::event::short;
 use crate::station::journal::ScanRow;
 use crate::store::FolderStore;
 use crate::store::revision::amend::{Fault, amend};
+use gaiter_flow::{ScanId, light};
+use gaiter_language::Language;
+use gaiter_record::completeness::{Completeness, Kind};
+use gaiter_record::measure::amendment::{Amendment, Deed};
 
 /// What a person sets, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

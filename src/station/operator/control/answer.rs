@@ -10,14 +10,6 @@ use jiff::tz::TimeZone;
 use super::persons;
 use super::protocol::{Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request};
 use super::status::{PhantomStatus, SourceStatus, Status};
-use crate::flow::explain::{Known, of_file};
-use crate::flow::facts::IntakeState;
-use crate::flow::health::age;
-use crate::flow::page::next_shown;
-use crate::flow::{ScanId, account};
-use crate::language::Language;
-use crate::record::SourceKind;
-use crate::record::gdt::OrderFault;
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::{HistoryRow, JournalError};
@@ -25,6 +17,14 @@ use crate::station::operator::act::{Act, ActFault, act};
 use crate::station::operator::page::desk::Desk;
 use crate::station::overview::Overview;
 use crate::station::runtime::causes::chain;
+use gaiter_flow::explain::{Known, of_file};
+use gaiter_flow::facts::IntakeState;
+use gaiter_flow::health::age;
+use gaiter_flow::page::next_shown;
+use gaiter_flow::{ScanId, account};
+use gaiter_language::Language;
+use gaiter_record::SourceKind;
+use gaiter_record::gdt::OrderFault;
 
 /// Answers a request.
 pub fn answer(desk: &Desk, request: &Request) -> Answer {

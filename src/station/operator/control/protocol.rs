@@ -4,10 +4,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::status::Status;
-use crate::flow::account::{Filter, Listed, Whole};
-use crate::flow::patient::erasure::Erasure;
-use crate::flow::patient::person::Person;
 use crate::station::operator::act::Setting;
+use gaiter_flow::account::{Filter, Listed, Whole};
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_flow::patient::person::Person;
 
 /// The longest request, bytes: a path and a patient's id fit many times over.
 pub const REQUEST_MOST: u64 = 64 * 1024;

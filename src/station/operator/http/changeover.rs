@@ -11,8 +11,8 @@ use tokio::net::TcpListener;
 
 use super::accept;
 use super::connections::Connections;
-use crate::language::Language;
 use crate::station::runtime::stop::Stop;
+use gaiter_language::Language;
 
 /// What monitors are told.
 const CHANGES_OVER: &str = "station-changes-over";

@@ -12,10 +12,10 @@ use tokio::task::spawn_blocking;
 
 use super::endpoint::HttpEndpoint;
 use super::{assets, guard};
-use crate::flow::page::of_fault;
-use crate::language::Language;
 use crate::station::operator::control::answer;
 use crate::station::operator::control::protocol::{self, Answer, FaultKind};
+use gaiter_flow::page::of_fault;
+use gaiter_language::Language;
 
 /// The longest decision, bytes; an id fits many times over.
 const MOST: usize = 16 * 1024;

@@ -8,10 +8,10 @@ use axum::response::Html;
 use axum::routing::get;
 
 use super::endpoint::HttpEndpoint;
-use crate::language::Language;
-use crate::record::report::viewer;
-use crate::record::sha256;
 use crate::station::operator::http::listeners::Way;
+use gaiter_language::Language;
+use gaiter_record::report::viewer;
+use gaiter_record::sha256;
 
 const PAGE: &str = include_str!("../web/page.html");
 const KIOSK: &str = include_str!("../web/kiosk.html");
@@ -90,7 +90,7 @@ fn fill(template: &str, language: Language, way: Way) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::report::VIEWER;
+    use gaiter_record::report::VIEWER;
 
     fn keys(template: &str) -> Vec<&str> {
         template.split("{{").skip(1).filter_map(|part| part.split("}}").next()).collect()

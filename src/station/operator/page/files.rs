@@ -20,10 +20,10 @@ use tokio::task::spawn_blocking;
 use super::body::Pieces;
 use super::endpoint::HttpEndpoint;
 use super::snapshot;
-use crate::flow::ScanId;
-use crate::flow::page::files::served;
 use crate::station::share::stamped_file::{PIECE_BYTES, READ};
 use crate::store::{revision, sums};
+use gaiter_flow::ScanId;
+use gaiter_flow::page::files::served;
 
 /// Why a file is not served.
 enum NotServed {

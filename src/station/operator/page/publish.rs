@@ -10,9 +10,9 @@ use tokio::time::sleep;
 use super::desk::Desk;
 use super::feed::Texts;
 use super::{snapshot, summaries};
-use crate::flow::Facts;
 use crate::station::booth::BoothState;
 use crate::station::runtime::stop::Stop;
+use gaiter_flow::Facts;
 
 /// How often to check for changes; people do not notice a shorter delay.
 const PACE: Duration = Duration::from_millis(400);

@@ -13,9 +13,9 @@ use super::desk::Desk;
 use super::endpoint::HttpEndpoint;
 use super::files::Row;
 use super::{assets, snapshot};
-use crate::flow::ScanId;
-use crate::flow::account::{Search, SearchState};
-use crate::flow::page::ScanShown;
+use gaiter_flow::ScanId;
+use gaiter_flow::account::{Search, SearchState};
+use gaiter_flow::page::ScanShown;
 
 /// How many scans one answer lists.
 const LIMIT: u32 = 50;

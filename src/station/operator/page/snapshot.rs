@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use super::desk::Desk;
 use super::{assets, summaries};
-use crate::flow::ScanId;
-use crate::flow::account::{Search, Whole};
-use crate::flow::page::{self, Known, ScanShown, Shown, Told};
-use crate::record::SheetLine;
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
 use crate::store::FolderStore;
+use gaiter_flow::ScanId;
+use gaiter_flow::account::{Search, Whole};
+use gaiter_flow::page::{self, Known, ScanShown, Shown, Told};
+use gaiter_record::SheetLine;
 
 /// How many of the last scans are shown: what fits a screen.
 const LAST: u32 = 12;

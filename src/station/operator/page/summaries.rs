@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::flow::page::Told;
-use crate::flow::page::files::in_order;
-use crate::language::Language;
-use crate::record::{self, Record, RecordSummary, SheetLine};
-use crate::sizes::Garment;
 use crate::store::{revision, sums};
+use gaiter_flow::page::Told;
+use gaiter_flow::page::files::in_order;
+use gaiter_language::Language;
+use gaiter_record::{self as record, Record, RecordSummary, SheetLine};
+use gaiter_sizes::Garment;
 
 /// A summary is read again after this time: a report may have been made since.
 const FRESH: Duration = Duration::from_secs(60);

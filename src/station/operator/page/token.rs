@@ -10,8 +10,8 @@ use std::path::Path;
 use axum::http::{HeaderMap, header};
 use tracing::info;
 
-use crate::record::{hex, sha256};
 use crate::store::durable;
+use gaiter_record::{hex, sha256};
 
 /// The token's file in the state folder.
 pub const FILE: &str = "page-token";

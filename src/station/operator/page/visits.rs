@@ -14,16 +14,16 @@ use super::endpoint::HttpEndpoint;
 use super::files::Row;
 use super::snapshot;
 use crate::config::Config;
-use crate::flow::ScanId;
-use crate::flow::page;
-use crate::flow::page::files::served;
-use crate::record::Record;
-use crate::record::report::{document_page, document_paper};
 use crate::station::runtime::causes::chain;
 use crate::store::FolderStore;
 use crate::store::revision::visits::of_patient;
-use crate::visits::report::ReportOf;
-use crate::visits::{Choice, Course, last_of_days};
+use gaiter_flow::ScanId;
+use gaiter_flow::page;
+use gaiter_flow::page::files::served;
+use gaiter_record::Record;
+use gaiter_record::report::{document_page, document_paper};
+use gaiter_visits::report::ReportOf;
+use gaiter_visits::{Choice, Course, last_of_days};
 
 /// Why there is no comparison.
 enum NoVisits {

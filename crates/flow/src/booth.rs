@@ -1,0 +1,87 @@
+//! Messages between the booth and the station: what the ports hear, and what the light shows.
+
+use super::capture::Doubt;
+use gaiter_record::SourceKind;
+
+/// What a port has heard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Heard {
+    /// The button was pressed and released, or was held for the time of a long press.
+    Press(Press),
+    /// The patient of the next scan was named: a card or barcode was read, an order arrived, or the
+    /// operator entered the id. The id is as it was read; the station decides whether it is valid.
+    Named {
+        /// The id.
+        id: String,
+        /// The source that named it.
+        by: SourceKind,
+    },
+    /// An order names a patient, but it is in doubt whether that patient is next: the order repeats the
+    /// words of an earlier one with a newer time, or it could not be kept when it arrived.
+    Doubtful {
+        /// The id.
+        id: String,
+        /// Why it is in doubt.
+        doubt: Doubt,
+    },
+    /// An attempt to name the patient of the next scan could not be understood: an order was refused, a
+    /// card misread, a line cut off, a check digit wrong.
+    Unread {
+        /// The source that tried.
+        by: SourceKind,
+    },
+}
+
+/// How long the button was held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Press {
+    /// A scan is about to begin.
+    Short,
+    /// The scan is called off: the presses that still wait for their export, and the patient's name.
+    Long,
+}
+
+/// What the light at the booth shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Signal {
+    /// The next press will be heard.
+    Ready,
+    /// A press was heard; the station waits for its export.
+    Armed,
+    /// Its export is arriving, or is being measured.
+    Receiving,
+    /// Its record is in every store.
+    Done,
+    /// Operator action is needed: a scan is held or refused, or the station is not ready.
+    Attention,
+    /// No export arrived after a press.
+    NoExport,
+    /// The operator has paused the station: exports stay where they are.
+    Paused,
+}
+
+impl Signal {
+    /// All of them, in the order in which they are documented.
+    pub const ALL: [Signal; 7] = [
+        Signal::Ready,
+        Signal::Armed,
+        Signal::Receiving,
+        Signal::Done,
+        Signal::Attention,
+        Signal::NoExport,
+        Signal::Paused,
+    ];
+
+    /// Its stable word, in the configuration and in `status --json`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Signal::Ready => "ready",
+            Signal::Armed => "armed",
+            Signal::Receiving => "receiving",
+            Signal::Done => "done",
+            Signal::Attention => "attention",
+            Signal::NoExport => "no_export",
+            Signal::Paused => "paused",
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! Each line of the table above, and the ways time and people can cross them.
+
+use super::*;
+use crate::settle::Sights;
+use gaiter_record::SourceKind;
+
+const SECOND: Duration = Duration::from_secs(1);
+
+fn at(seconds: u64) -> Duration {
+    SECOND * u32::try_from(1000 + seconds).unwrap()
+}
+
+fn rules() -> Rules {
+    Rules {
+        by_press: true,
+        window: 60 * SECOND,
+        late: 300 * SECOND,
+        name_lasts: 600 * SECOND,
+        orders: OrdersWhen::BeforePress,
+    }
+}
+
+/// A station that has listened for long.
+fn captures() -> Captures {
+    let mut captures = Captures::new(rules(), Vec::new(), None);
+    captures.hears(at(0) - 360 * SECOND);
+    captures
+}
+
+fn named(id: &str) -> Named {
+    Named { id: id.to_owned(), by: SourceKind::Operator }
+}
+
+/// First seen in this second, in which a look began, and absent in the second before.
+fn seen(second: u64) -> Appeared {
+    Appeared { absent: Some(at(second - 1)), seen: at(second) }
+}
+
+/// Every folder was looked at a moment ago, and no file is coming in.
+fn all_seen(second: u64) -> Sights {
+    Sights { looked: Some(at(second)), ..Sights::default() }
+}
+
+/// Judges and takes.
+fn taken(captures: &mut Captures, appeared: Appeared) -> Judged {
+    let judged = captures.judge(appeared);
+    captures.answer(&judged, appeared.seen);
+    judged
+}
+
+/// Judges, takes and measures.
+fn export(captures: &mut Captures, appeared: Appeared) -> Judged {
+    let judged = taken(captures, appeared);
+    let answered = match &judged {
+        Judged::Unpressed => None,
+        Judged::Of(capture) => Some(capture.number),
+        Judged::Held { answered, .. } => *answered,
+    };
+    answered.into_iter().for_each(|number| captures.measured(number));
+    judged
+}
+
+fn patient_of(judged: &Judged) -> Option<&str> {
+    match judged {
+        Judged::Of(capture) => capture.patient.as_ref().map(|patient| patient.id.as_str()),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn by_whom(id: &str, by: SourceKind) -> Named {
+    Named { id: id.to_owned(), by }
+}
+
+fn order(id: &str) -> Named {
+    by_whom(id, SourceKind::Order)
+}
+
+fn candidates(judged: &Judged) -> Vec<&str> {
+    match judged {
+        Judged::Held { candidates, .. } => candidates.iter().map(|named| &*named.id).collect(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The export of the capture that the last one answered is refused.
+fn refuse(captures: &mut Captures, judged: &Judged, now: Duration) {
+    match judged {
+        Judged::Of(capture) => assert!(captures.refused(capture.number, now).is_some()),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn code(judged: &Judged) -> &'static str {
+    match judged {
+        Judged::Held { why, .. } => why.code(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_export_of_a_press_is_the_patients_who_was_named_before() {
+    let mut captures = captures();
+    assert_eq!(
+        captures.named(named("4711"), 1, at(0), &[]),
+        NamedNext::Waits { replaced: false, in_doubt: false }
+    );
+    captures.pressed(1, at(5));
+    assert!(captures.is_armed());
+    assert_eq!(captures.next(), None, "a name is used once");
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
+    assert!(!captures.is_armed());
+    assert_eq!(captures.pass(at(10_000), &[all_seen(10_000)]), Passed::default());
+}
+
+#[test]
+fn a_press_without_a_name_is_nobodys_and_the_second_export_is_unpressed() {
+    let mut captures = captures();
+    captures.pressed(1, at(0));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), None);
+    assert_eq!(export(&mut captures, seen(21)), Judged::Unpressed);
+}
+
+#[test]
+fn an_export_that_was_seen_before_the_press_is_none_of_its_own() {
+    let mut captures = captures();
+    captures.pressed(1, at(10));
+    assert_eq!(export(&mut captures, seen(10)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(5)), Judged::Unpressed);
+    assert!(captures.is_armed());
+}
+
+#[test]
+fn an_export_that_may_have_lain_there_before_the_press_is_held_and_leaves_the_capture_open() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0), &[]);
+    captures.pressed(1, at(10));
+    for absent in [None, Some(at(9))] {
+        let judged = export(&mut captures, Appeared { absent, seen: at(12) });
+        assert_eq!(code(&judged), UNCLEAR);
+        assert!(
+            matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711")
+        );
+    }
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
+}
+
+#[test]
+fn two_presses_for_nobody_or_for_the_same_patient_are_answered_in_turn() {
+    for id in [None, Some("4711")] {
+        let mut captures = captures();
+        for number in [1, 2] {
+            if let Some(id) = id {
+                captures.named(named(id), number, at(0), &[]);
+            }
+            captures.pressed(number, at(number.unsigned_abs()));
+        }
+        for number in [1, 2] {
+            let judged = export(&mut captures, seen(20));
+            assert!(matches!(&judged, Judged::Of(capture) if capture.number == number));
+            assert_eq!(patient_of(&judged), id);
+        }
+    }
+}
+
+#[test]
+fn exports_that_two_patients_may_claim_are_held_every_one_of_them() {
+    let mut captures = captures();
+    for (number, id) in [(1, "4711"), (2, "0815")] {
+        captures.named(named(id), number, at(0), &[]);
+        captures.pressed(number, at(number.unsigned_abs()));
+    }
+    let first = export(&mut captures, seen(20));
+    assert_eq!(code(&first), AMBIGUOUS);
+    assert!(matches!(first, Judged::Held { patient: None, answered: Some(1), .. }));
+    // That only one capture is left does not make the second export its own.
+    assert_eq!(code(&export(&mut captures, seen(30))), AMBIGUOUS);
+    assert_eq!(export(&mut captures, seen(31)), Judged::Unpressed);
+}
+
+#[test]
+fn a_second_press_without_a_name_after_one_with_a_name_is_not_taken_for_the_same_patient() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0), &[]);
+    captures.pressed(1, at(1));
+    captures.pressed(2, at(10));
+    let judged = export(&mut captures, seen(20));
+    assert_eq!(code(&judged), AMBIGUOUS);
+    // The one patient who was named can be told to the person who decides.
+    assert!(matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711"));
+}
+
+#[test]
+fn an_export_first_seen_before_the_second_press_is_the_first_ones() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0), &[]);
+    captures.pressed(1, at(1));
+    captures.named(named("0815"), 2, at(30), &[]);
+    captures.pressed(2, at(31));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
+    assert_eq!(patient_of(&export(&mut captures, seen(40))), Some("0815"));
+}
+
+#[test]
+fn a_late_export_does_not_pass_for_the_next_patients() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0), &[]);
+    captures.pressed(1, at(0));
+    captures.pass(at(61), &[all_seen(61)]);
+    captures.named(named("0815"), 2, at(70), &[]);
+    captures.pressed(2, at(71));
+    assert_eq!(code(&export(&mut captures, seen(75))), AMBIGUOUS);
+    // Long after the first window nobody awaits that export any more.
+    let mut captures = Captures::new(rules(), captures.waiting, None);
+    captures.pass(at(1000), &[all_seen(1000)]);
+    assert!(captures.waiting().is_empty());
+}
+
+#[test]
+fn a_name_that_is_not_used_in_time_is_dropped_by_time_and_by_a_press() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0), &[]);
+    captures.pressed(1, at(601));
+    assert_eq!(captures.waiting()[0].patient, None);
+    captures.named(named("4711"), 2, at(700), &[]);
+    assert!(!captures.pass(at(1300), &[all_seen(1300)]).name_expired);
+    assert!(captures.pass(at(1301), &[all_seen(1301)]).name_expired);
+}
+
+#[test]
+fn a_name_replaces_the_one_before_and_says_so() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0), &[]);
+    assert_eq!(
+        captures.named(named("4711"), 1, at(1), &[]),
+        NamedNext::Waits { replaced: false, in_doubt: false }
+    );
+    assert_eq!(
+        captures.named(named("0815"), 1, at(2), &[]),
+        NamedNext::Waits { replaced: true, in_doubt: false }
+    );
+    captures.pressed(1, at(3));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("0815"));
+}
+
+#[test]
+fn what_a_person_gave_up_is_awaited_no_more_and_the_next_capture_is_not_in_doubt() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0), &[]);
+    captures.pressed(1, at(0));
+    captures.named(named("4711"), 1, at(0), &[]);
+    assert_eq!(captures.call_off(), CalledOff { captures: vec![1], name: true });
+    assert!(!captures.is_armed());
+    assert_eq!(
+        captures.pass(at(61), &[all_seen(61)]),
+        Passed::default(),
+        "no alarm for what was given up"
+    );
+    captures.named(named("0815"), 2, at(62), &[]);
+    captures.pressed(2, at(62));
+    assert_eq!(patient_of(&export(&mut captures, seen(70))), Some("0815"));
+}
+
+#[test]
+fn without_a_button_the_name_awaits_the_export_and_is_used_once() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Captures::new(rules, Vec::new(), None);
+    assert!(matches!(captures.named(named("4711"), 1, at(0), &[]), NamedNext::Opened(..)));
+    let again = captures.named(named("4711"), 2, at(100), &[]);
+    assert!(matches!(again, NamedNext::Prolonged(capture) if capture.until == at(700)));
+    assert_eq!(patient_of(&export(&mut captures, seen(650))), Some("4711"));
+    assert_eq!(export(&mut captures, seen(651)), Judged::Unpressed);
+}
+
+#[test]
+fn without_a_button_two_cards_or_orders_hold_the_export_and_a_word_of_a_person_replaces() {
+    let rules = Rules { by_press: false, ..rules() };
+    for by in [SourceKind::Order, SourceKind::Reader] {
+        let mut captures = Captures::new(rules, Vec::new(), None);
+        captures.named(by_whom("4711", by), 1, at(0), &[]);
+        captures.named(by_whom("0815", by), 2, at(5), &[]);
+        let judged = export(&mut captures, seen(20));
+        assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, vec!["4711", "0815"]));
+    }
+    let mut captures = Captures::new(rules, Vec::new(), None);
+    captures.named(named("4711"), 1, at(0), &[]);
+    let replaced = captures.named(named("0815"), 2, at(5), &[]);
+    assert!(matches!(replaced, NamedNext::Opened(_, given_up) if given_up == [1]));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("0815"));
+    // Whose export is coming in is not given up by another name.
+    let mut captures = Captures::new(rules, Vec::new(), None);
+    captures.named(named("4711"), 1, at(0), &[]);
+    captures.named(named("0815"), 2, at(5), &[seen(3)]);
+    assert_eq!(patient_of(&export(&mut captures, seen(3))), Some("4711"));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("0815"));
+}
+
+#[test]
+fn a_press_that_may_have_gone_unheard_casts_doubt_on_captures_with_a_patient() {
+    // A port that goes away; one that has just come back; a station that has just started.
+    let mut away = captures();
+    away.named(named("4711"), 1, at(0), &[]);
+    away.pressed(1, at(1));
+    away.deaf();
+    let mut back = captures();
+    back.deaf();
+    back.hears(at(0));
+    back.named(named("4711"), 1, at(0), &[]);
+    back.pressed(1, at(359));
+    let mut begun = Captures::new(rules(), Vec::new(), None);
+    begun.named(named("4711"), 1, at(0), &[]);
+    begun.pressed(1, at(1));
+    for (mut captures, second) in [(away, 20), (back, 370), (begun, 20)] {
+        let judged = export(&mut captures, seen(second));
+        assert_eq!(code(&judged), UNHEARD);
+        assert!(
+            matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711")
+        );
+    }
+    let mut long_back = captures();
+    long_back.deaf();
+    long_back.hears(at(0));
+    long_back.named(named("4711"), 1, at(0), &[]);
+    long_back.pressed(1, at(360));
+    assert_eq!(patient_of(&export(&mut long_back, seen(370))), Some("4711"));
+}
+
+#[test]
+fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
+    let mut captures = Captures::new(rules(), Vec::new(), None);
+    captures.pressed(1, at(1));
+    captures.deaf();
+    assert_eq!(patient_of(&export(&mut captures, seen(5))), None);
+    captures.pressed(2, at(10));
+    let unclear = Appeared { absent: None, seen: at(11) };
+    assert_eq!(export(&mut captures, unclear), Judged::Unpressed);
+    assert_eq!(captures.pass(at(71), &[all_seen(71)]).expired, [2]);
+    assert_eq!(export(&mut captures, seen(80)), Judged::Unpressed);
+}
+
+#[test]
+fn an_order_for_another_patient_before_the_press_holds_the_scan_unless_the_booth_says_who_it_is() {
+    let mut two_orders = captures();
+    two_orders.named(order("4711"), 1, at(0), &[]);
+    two_orders.named(order("0815"), 1, at(1), &[]);
+    two_orders.named(order("0815"), 1, at(2), &[]);
+    two_orders.pressed(1, at(3));
+    assert_eq!(code(&export(&mut two_orders, seen(20))), AMBIGUOUS);
+
+    let mut card_read = captures();
+    card_read.named(order("4711"), 1, at(0), &[]);
+    card_read.named(order("0815"), 1, at(1), &[]);
+    card_read.named(by_whom("4711", SourceKind::Reader), 1, at(2), &[]);
+    card_read.pressed(1, at(3));
+    assert_eq!(patient_of(&export(&mut card_read, seen(20))), Some("4711"));
+
+    let mut order_again = captures();
+    order_again.named(order("4711"), 1, at(0), &[]);
+    order_again.named(order("4711"), 1, at(1), &[]);
+    order_again.pressed(1, at(3));
+    assert_eq!(patient_of(&export(&mut order_again, seen(20))), Some("4711"));
+}
+
+mod answers;
+mod laws;
+mod time;

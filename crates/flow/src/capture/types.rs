@@ -1,0 +1,217 @@
+//! What a capture is, and the rules for it.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::export::writing::Appeared;
+use crate::orders::when::OrdersWhen;
+use gaiter_record::SourceKind;
+
+/// Times and habits that control captures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rules {
+    /// Captures are opened by presses; without a button, by naming the patient.
+    pub by_press: bool,
+    /// How long to wait for the export of a press.
+    pub window: Duration,
+    /// How long after its window a late export is still accepted; it is then held.
+    pub late: Duration,
+    /// How long a patient's name waits for its press, or without a button for its export.
+    pub name_lasts: Duration,
+    /// When orders arrive.
+    pub orders: OrdersWhen,
+}
+
+impl Rules {
+    /// How long after a press its export may still arrive.
+    pub(super) fn awaited(&self) -> Duration {
+        self.window + self.late
+    }
+}
+
+/// The patient named for the next scan.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Named {
+    /// The id, accepted as valid.
+    pub id: String,
+    /// The source that named it.
+    pub by: SourceKind,
+}
+
+/// The time in which the export of a press is expected. All times are since the machine's start.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Capture {
+    /// Its number in the journal.
+    pub number: i64,
+    /// When the button was pressed, or the patient named.
+    pub opened: Duration,
+    /// The end of its window.
+    pub until: Duration,
+    /// What opened it.
+    pub by: Opener,
+    /// The patient whose scan it is said to be.
+    pub patient: Option<Named>,
+    /// Other patients whose scan it may be.
+    pub others: Vec<Named>,
+    /// The state of the wait for its export.
+    pub state: CaptureState,
+    /// The export that answered it was refused, and another is expected.
+    pub is_refused: bool,
+    /// Why its export could be another patient's, apart from what other captures show.
+    pub doubt: Option<Doubt>,
+}
+
+impl Capture {
+    /// Every patient whom it names.
+    pub fn named(&self) -> impl Iterator<Item = &Named> {
+        self.patient.iter().chain(&self.others)
+    }
+
+    pub(super) fn is_of(&self, id: &str) -> bool {
+        let is_sure = self.doubt.is_none() && self.others.is_empty();
+        is_sure && self.patient.as_ref().is_some_and(|patient| patient.id == id)
+    }
+
+    /// Whether it names exactly these patients.
+    pub(super) fn is_of_all(&self, whose: &[Named]) -> bool {
+        let ours: BTreeSet<&str> = self.named().map(|named| named.id.as_str()).collect();
+        ours == whose.iter().map(|named| named.id.as_str()).collect()
+    }
+
+    pub(super) fn is_unnamed(&self) -> bool {
+        self.patient.is_none() && self.others.is_empty()
+    }
+
+    /// Another patient may be meant, too.
+    pub fn may_also_be(&mut self, named: &Named) {
+        if self.named().all(|known| known.id != named.id) {
+            self.others.push(named.clone());
+        }
+        self.doubt.get_or_insert(Doubt::Shared);
+    }
+
+    /// The capture after a restart of the machine, if its export may still arrive: it was opened before
+    /// the restart, so the operator must decide whose an export now is. `age` is how long ago it was
+    /// opened by the wall clock; `None` if that clock has gone back.
+    pub fn carried_over(
+        self,
+        age: Option<Duration>,
+        late: Duration,
+        now: Duration,
+    ) -> Option<Capture> {
+        let lasts = self.until.saturating_sub(self.opened);
+        let may_come = age.is_none_or(|age| age <= lasts + late);
+        may_come.then(|| Capture {
+            opened: Duration::ZERO,
+            until: now + lasts,
+            state: CaptureState::Expired,
+            doubt: self.doubt.or(Some(Doubt::Unheard)),
+            ..self
+        })
+    }
+
+    /// Whether an export that appeared then may be its own.
+    pub(super) fn may_have(&self, export: Appeared, late: Duration) -> bool {
+        let began = export.absent.unwrap_or(Duration::ZERO);
+        self.opened < export.seen && began.max(self.opened) <= self.until + late
+    }
+}
+
+/// What is known about the content of an export before it is judged.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Content {
+    /// When it was written.
+    pub began: Appeared,
+    /// The scan arrived before, with these bytes or this geometry.
+    pub is_known: bool,
+    /// Its format shows that it was cut short.
+    pub is_cut_short: bool,
+    /// It begins with an earlier scan, of one of these patients or of nobody.
+    pub completes: Option<Vec<Named>>,
+}
+
+/// Why an export that may be a capture's is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Why {
+    /// It could belong to captures of different patients.
+    Ambiguous,
+    /// It may have been written before the press.
+    Unclear,
+    /// It arrived after the window of the press it must belong to.
+    Late,
+    /// The station could not hear for a while, and a missed press may have made this export.
+    Unheard,
+    /// An attempt to name a patient before it could not be read.
+    Unread,
+    /// The order that names its patient repeats an earlier one, with a newer time.
+    Repeated,
+}
+
+impl Why {
+    /// All of them.
+    pub const ALL: [Why; 6] =
+        [Why::Ambiguous, Why::Unclear, Why::Late, Why::Unheard, Why::Unread, Why::Repeated];
+
+    /// The finding's code.
+    pub const fn code(self) -> &'static str {
+        match self {
+            Why::Ambiguous => "capture-ambiguous",
+            Why::Unclear => "capture-unclear",
+            Why::Late => "export-late",
+            Why::Unheard => "press-unheard",
+            Why::Unread => "name-unread",
+            Why::Repeated => "order-repeated",
+        }
+    }
+}
+
+/// Why the export of a capture could be another patient's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Doubt {
+    /// An export that could have been its own was held, or more than one patient was named.
+    Shared,
+    /// An order and a press without a name crossed: each may belong to the other, or to the next one.
+    Crossed,
+    /// A press may have been missed.
+    Unheard,
+    /// An attempt to name a patient could not be read.
+    Unread,
+    /// An order arrived again with the same words.
+    Repeated,
+}
+
+impl Doubt {
+    /// Why its export is held.
+    pub const fn why(self) -> Why {
+        match self {
+            Doubt::Shared | Doubt::Crossed => Why::Ambiguous,
+            Doubt::Unheard => Why::Unheard,
+            Doubt::Unread => Why::Unread,
+            Doubt::Repeated => Why::Repeated,
+        }
+    }
+}
+
+/// What opened a capture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Opener {
+    /// The button.
+    Press,
+    /// The patient's name, where there is no button.
+    Name,
+}
+
+/// The states of a capture whose export has not arrived.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CaptureState {
+    /// The station waits for its export.
+    Open,
+    /// Its window is over.
+    Expired,
+}

@@ -1,0 +1,285 @@
+//! When the content of a file was written, as far as looks and short reads can tell.
+//!
+//! A look sees sizes and times, never content. So a few bytes of each file that is not taken yet are
+//! read whenever it has changed, and kept as a [`Mark`]. A later content that begins with the marked
+//! part has grown since; one that does not was written anew. A capture's export is judged by when its
+//! content began, not by when its name appeared.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use gaiter_record::sha256;
+
+/// How much of each end of a part is compared, bytes. Two bodies differ within their first points.
+pub const END_BYTES: usize = 4096;
+
+/// A shorter part is no evidence, bytes: two exports may begin with the same header.
+pub const MARK_LEAST: u64 = END_BYTES as u64;
+
+/// How many marks of one file are kept: the first, and the last ones.
+const MARKS_MOST: usize = 8;
+
+/// How many lengths at which a file was read whole are kept: the last ones.
+const READ_MOST: usize = 8;
+
+/// A file whose content is older than its name by more than this came from elsewhere. The coarsest file
+/// systems keep times to 2 s.
+const STAMPS_APART: Duration = Duration::from_secs(2);
+
+/// Digits of a mark's sum: two contents are taken for the same with a probability of 2⁻⁶⁴.
+const DIGITS: usize = 16;
+
+/// When a content began, as far as is known; times are since the machine's start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Appeared {
+    /// It was not there at this time; `None` if there was no look before.
+    pub absent: Option<Duration>,
+    /// It was there at this time.
+    pub seen: Duration,
+}
+
+impl Appeared {
+    /// For a file that appeared under its name `moved` after its content was last written: it may have
+    /// been written elsewhere that much earlier.
+    pub fn moved_in(self, moved: Duration) -> Appeared {
+        if moved <= STAMPS_APART {
+            return self;
+        }
+        let written = self.seen.saturating_sub(moved);
+        Appeared { absent: self.absent.map(|absent| absent.min(written)), ..self }
+    }
+}
+
+/// The part of a file that existed at some time.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mark {
+    /// The time before it was read.
+    pub began: Duration,
+    /// The time after it was read.
+    pub ended: Duration,
+    /// Its length, bytes.
+    pub size: u64,
+    /// The sum of its two ends.
+    pub sum: String,
+}
+
+impl Mark {
+    /// The mark of a part of `size` bytes with these ends, each of [`END_BYTES`] or all of it.
+    pub fn new(began: Duration, ended: Duration, size: u64, head: &[u8], tail: &[u8]) -> Mark {
+        Mark { began, ended, size, sum: sum(head, tail) }
+    }
+
+    /// The mark of a whole content that was read at once.
+    pub fn of(began: Duration, ended: Duration, bytes: &[u8]) -> Mark {
+        let (head, tail) = ends(bytes);
+        Mark::new(began, ended, bytes.len() as u64, head, tail)
+    }
+
+    /// Whether a content begins with this part.
+    fn begins(&self, bytes: &[u8]) -> bool {
+        let part = usize::try_from(self.size).ok().and_then(|size| bytes.get(..size));
+        part.is_some_and(|part| {
+            let (head, tail) = ends(part);
+            self.size >= MARK_LEAST && sum(head, tail) == self.sum
+        })
+    }
+}
+
+fn ends(bytes: &[u8]) -> (&[u8], &[u8]) {
+    let length = bytes.len().min(END_BYTES);
+    (&bytes[..length], &bytes[bytes.len() - length..])
+}
+
+fn sum(head: &[u8], tail: &[u8]) -> String {
+    let mut digest = sha256(&[head, tail].concat());
+    digest.truncate(DIGITS);
+    digest
+}
+
+/// What is known about how a file was written. It stays with the file when it is renamed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Writing {
+    first: Appeared,
+    /// When its content was last seen to have changed since; `None` if it has not.
+    changed: Option<Duration>,
+    marks: Vec<Mark>,
+    /// Its lengths each time it was read whole, bytes.
+    #[serde(default)]
+    read: Vec<u64>,
+}
+
+impl Writing {
+    /// A file that was seen for the first time, or started anew.
+    pub fn new(first: Appeared) -> Writing {
+        Writing { first, changed: None, marks: Vec::new(), read: Vec::new() }
+    }
+
+    /// Whether there was no look before it was first seen.
+    pub fn is_from_before_the_first_look(&self) -> bool {
+        self.first.absent.is_none()
+    }
+
+    /// When the file appeared, regardless of what was written into it since.
+    pub fn appeared(&self) -> Appeared {
+        self.first
+    }
+
+    /// Whether part of it was read.
+    pub fn is_marked(&self) -> bool {
+        !self.marks.is_empty()
+    }
+
+    /// Its content was seen to have changed.
+    pub fn change(&mut self, seen: Duration) {
+        self.changed = Some(seen);
+    }
+
+    /// Part of it was read.
+    pub fn mark(&mut self, mark: Mark) {
+        if mark.size < MARK_LEAST {
+            return;
+        }
+        if self.marks.len() == MARKS_MOST {
+            self.marks.remove(1);
+        }
+        self.marks.push(mark);
+    }
+
+    /// All of it was read, in a state that is known from now on: what came before only matters if it
+    /// grows.
+    pub fn known(&mut self, mark: Mark) {
+        self.marks.retain(|known| known.ended <= mark.began);
+        if self.read.last() != Some(&mark.size) {
+            self.read.drain(..(self.read.len() + 1).saturating_sub(READ_MOST));
+            self.read.push(mark.size);
+        }
+        self.mark(mark);
+    }
+
+    /// The lengths at which it was read whole, bytes, the latest one last: a longer content that begins
+    /// with one of them continues it.
+    pub fn read(&self) -> &[u64] {
+        &self.read
+    }
+
+    /// When this content of the file began.
+    pub fn began(&self, bytes: &[u8]) -> Appeared {
+        let Some(changed) = self.changed else { return self.first };
+        self.seen_in(bytes).unwrap_or_else(|| {
+            let absent = self.marks.iter().map(|mark| mark.began).max().max(self.first.absent);
+            Appeared { absent, seen: changed }
+        })
+    }
+
+    /// When a part of this content was seen in this file, whatever the file holds now; `None` if no part
+    /// is known to have been seen.
+    pub fn seen_in(&self, bytes: &[u8]) -> Option<Appeared> {
+        let mut absent = self.first.absent;
+        for mark in &self.marks {
+            if mark.begins(bytes) {
+                return Some(Appeared { absent, seen: mark.ended.max(self.first.seen) });
+            }
+            absent = absent.max(Some(mark.began));
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn s(seconds: u64) -> Duration {
+        Duration::from_secs(seconds)
+    }
+
+    fn content(of: u8, length: usize) -> Vec<u8> {
+        (0..length).map(|at| of.wrapping_add((at % 251) as u8)).collect()
+    }
+
+    fn first(absent: u64, seen: u64) -> Writing {
+        Writing::new(Appeared { absent: Some(s(absent)), seen: s(seen) })
+    }
+
+    #[test]
+    fn a_file_that_grows_at_its_end_began_when_it_was_first_seen() {
+        let whole = content(1, 30_000);
+        let mut writing = first(9, 10);
+        for (at, size) in [(10, 5_000), (20, 12_000), (30, 30_000)] {
+            if at > 10 {
+                writing.change(s(at));
+            }
+            writing.mark(Mark::of(s(at), s(at), &whole[..size]));
+        }
+        let began = Appeared { absent: Some(s(9)), seen: s(10) };
+        assert_eq!(writing.began(&whole), began);
+    }
+
+    #[test]
+    fn a_content_that_does_not_begin_with_what_was_there_began_after_it() {
+        let (first_body, second_body) = (content(1, 9_000), content(2, 30_000));
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(11), &first_body));
+        writing.change(s(60));
+        writing.mark(Mark::of(s(60), s(61), &second_body[..20_000]));
+        writing.change(s(70));
+        let began = Appeared { absent: Some(s(10)), seen: s(61) };
+        assert_eq!(writing.began(&second_body), began);
+    }
+
+    #[test]
+    fn a_header_that_two_exports_share_is_no_evidence() {
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), b"# exported\n"));
+        writing.change(s(60));
+        let began = Appeared { absent: Some(s(9)), seen: s(60) };
+        assert_eq!(writing.began(&[b"# exported\n", content(2, 9_000).as_slice()].concat()), began);
+    }
+
+    #[test]
+    fn a_touched_file_began_when_it_did() {
+        let body = content(1, 9_000);
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), &body));
+        writing.change(s(60));
+        assert_eq!(writing.began(&body), Appeared { absent: Some(s(9)), seen: s(10) });
+    }
+
+    #[test]
+    fn of_many_marks_the_first_and_the_last_are_kept() {
+        let whole = content(1, 100_000);
+        let mut writing = first(9, 10);
+        for at in 0..20 {
+            writing.change(s(10 + at));
+            writing.mark(Mark::of(s(10 + at), s(10 + at), &whole[..5_000 * (at as usize + 1)]));
+        }
+        assert_eq!(writing.marks.len(), MARKS_MOST);
+        assert_eq!(writing.began(&whole).seen, s(10));
+        assert_eq!(writing.marks.last().map(|mark| mark.size), Some(100_000));
+    }
+
+    #[test]
+    fn what_came_from_elsewhere_may_be_as_old_as_its_content() {
+        let appeared = Appeared { absent: Some(s(99)), seen: s(100) };
+        assert_eq!(appeared.moved_in(s(2)), appeared);
+        assert_eq!(appeared.moved_in(s(60)).absent, Some(s(40)));
+        let unlooked = Appeared { absent: None, seen: s(100) };
+        assert_eq!(unlooked.moved_in(s(60)).absent, None);
+    }
+
+    #[test]
+    fn the_lengths_at_which_a_file_was_read_whole_are_kept_the_last_ones_each_once() {
+        let whole = content(1, 100_000);
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), &whole[..4_500]));
+        for size in [5_000, 5_000, 6_000] {
+            writing.known(Mark::of(s(11), s(11), &whole[..size]));
+        }
+        assert_eq!(writing.read(), [5_000, 6_000]);
+        for size in 7..=20 {
+            writing.known(Mark::of(s(12), s(12), &whole[..size * 1000]));
+        }
+        assert_eq!((writing.read().len(), writing.read()[7]), (READ_MOST, 20_000));
+    }
+}

@@ -1,0 +1,239 @@
+//! What the station knows about itself at one moment, for `gaiter status`, metrics and health. Workers
+//! record their own part; nothing here makes decisions.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use jiff::Timestamp;
+use serde::Serialize;
+
+use super::confinement::Confinement;
+use super::trigger::PortState;
+use gaiter_record::phantom::LastCheck;
+
+/// Everything that is known about a running station apart from its journal.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Facts {
+    /// When this run began.
+    pub started: Timestamp,
+    /// The export folders, in the order of the configuration.
+    pub sources: Vec<SourceFacts>,
+    /// The record stores by their name in the journal.
+    pub stores: BTreeMap<&'static str, StoreFacts>,
+    /// The ports of the booth by their names: serial, usb, keys, reader.
+    pub triggers: BTreeMap<&'static str, TriggerFacts>,
+    /// The endpoints of the page whose address is unavailable, and why: local, network.
+    pub endpoints: BTreeMap<&'static str, String>,
+    /// Whether scans are taken in.
+    pub intake: IntakeState,
+    /// What the operator must know and nothing else shows, by code; kept until the station restarts.
+    pub alarms: BTreeMap<&'static str, Alarm>,
+    /// The checks with the phantom; `None` if none is configured.
+    pub phantom: Option<PhantomFacts>,
+    /// What was wrong with the configuration at the last reload; `None` if it was accepted.
+    pub refused_reload: Option<String>,
+    /// The guards around measuring processes; `None` if they could not be tested.
+    pub confinement: Option<Confinement>,
+    /// Scans measured in this run, including refused ones.
+    pub measured: u64,
+    /// How long the last measurement took, seconds.
+    pub last_measurement_s: Option<f64>,
+}
+
+/// One export folder.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SourceFacts {
+    /// The folder; `None` before its worker starts. Paths are never shown in a status.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
+    /// Its state.
+    pub state: SourceState,
+    /// Since when it is in this state.
+    pub since: Timestamp,
+    /// The kind of its file system, such as "ext4" or "SMB"; `None` before the first look.
+    pub file_system: Option<String>,
+    /// Changes are not reported there, so that it is only looked through at intervals.
+    pub polled: bool,
+    /// When it was last looked through to the end.
+    pub last_look: Option<Timestamp>,
+    /// Files that are not taken yet, and why. Names may name patients: never shown in a status.
+    #[serde(skip)]
+    pub waiting: BTreeMap<PathBuf, WaitingFile>,
+    /// Files that are ignored, and why. Never shown in a status either.
+    #[serde(skip)]
+    pub ignored: BTreeMap<PathBuf, &'static str>,
+}
+
+/// The state of an export folder.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "is", content = "why")]
+pub enum SourceState {
+    /// It has not been looked at yet.
+    NotLooked,
+    /// It is looked through regularly.
+    Watched,
+    /// It cannot be listed; the error without the path.
+    OutOfReach(String),
+    /// It is there, but what should be mounted is not.
+    NotMounted(String),
+    /// Another station on this machine uses it.
+    Taken,
+    /// A look has not returned within its deadline.
+    Stalled,
+}
+
+/// A file that is not taken yet.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct WaitingFile {
+    /// What it waits for, in words that follow "it".
+    pub why: String,
+    /// Since when, by the station's wall clock.
+    pub since: Timestamp,
+    /// It has waited longer than a file should.
+    pub overdue: bool,
+}
+
+/// One record store.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct StoreFacts {
+    /// The fault of the last attempt; `None` if it succeeded.
+    pub fault: Option<String>,
+    /// Since when it is in this state.
+    pub since: Timestamp,
+    /// A delivery met the fault. That the store can be reached does not disprove it.
+    #[serde(skip)]
+    pub is_of_delivery: bool,
+}
+
+/// What was done at a store, with the fault it met.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StoreAttempt {
+    /// A look whether it can be reached.
+    Look(Option<String>),
+    /// A delivery.
+    Delivery(Option<String>),
+}
+
+impl StoreFacts {
+    /// The facts after an attempt. `is_awaited` says whether a record still waits for the store: until one is
+    /// delivered, or none waits, the fault of a delivery stays.
+    pub fn after(
+        before: Option<&StoreFacts>,
+        attempt: StoreAttempt,
+        is_awaited: bool,
+        now: Timestamp,
+    ) -> StoreFacts {
+        let was_of_delivery = before.is_some_and(|before| before.is_of_delivery);
+        let (fault, is_of_delivery) = match attempt {
+            StoreAttempt::Look(None) if was_of_delivery && is_awaited => {
+                (before.and_then(|before| before.fault.clone()), true)
+            }
+            StoreAttempt::Look(fault) => (fault, was_of_delivery),
+            StoreAttempt::Delivery(fault) => (fault, true),
+        };
+        let is_same = before.is_some_and(|before| before.fault.is_some() == fault.is_some());
+        let since = before.filter(|_| is_same).map_or(now, |before| before.since);
+        let is_of_delivery = is_of_delivery && fault.is_some();
+        StoreFacts { fault, since, is_of_delivery }
+    }
+}
+
+/// One port of the booth.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TriggerFacts {
+    /// Its state.
+    pub state: PortState,
+    /// Why it is not open, without its path.
+    pub why: Option<String>,
+    /// Since when it is in this state.
+    pub since: Timestamp,
+    /// Since when it has not worked steadily; `None` if it works steadily.
+    pub unsound_since: Option<Timestamp>,
+    /// Presses in this run.
+    pub presses: u64,
+    /// Ids read in this run.
+    pub ids: u64,
+    /// Bytes or keys in this run that had no meaning.
+    pub garbage: u64,
+}
+
+impl TriggerFacts {
+    /// A port that has not been looked for.
+    pub fn new(now: Timestamp) -> TriggerFacts {
+        TriggerFacts {
+            state: PortState::NotLooked,
+            why: None,
+            since: now,
+            unsound_since: Some(now),
+            presses: 0,
+            ids: 0,
+            garbage: 0,
+        }
+    }
+}
+
+/// What is known of the checks with the phantom.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhantomFacts {
+    /// How often the phantom should be scanned.
+    pub every: Duration,
+    /// The last checks, oldest first; a month at most.
+    pub checks: Vec<LastCheck>,
+}
+
+/// Whether scans are taken in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "is")]
+pub enum IntakeState {
+    /// Scans are taken in.
+    Open,
+    /// The operator has paused the station.
+    Paused,
+    /// The disk of the state folder is nearly full; exports stay where they are.
+    DiskLow {
+        /// Free space, bytes.
+        free: u64,
+        /// Space that must stay free, bytes.
+        floor: u64,
+    },
+}
+
+/// Something that the operator must know.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Alarm {
+    /// The message for the operator.
+    pub message: String,
+    /// Since when.
+    pub since: Timestamp,
+}
+
+impl Facts {
+    /// A station that has just started.
+    pub fn new(started: Timestamp, sources: usize) -> Facts {
+        let source = SourceFacts {
+            folder: None,
+            state: SourceState::NotLooked,
+            since: started,
+            file_system: None,
+            polled: false,
+            last_look: None,
+            waiting: BTreeMap::new(),
+            ignored: BTreeMap::new(),
+        };
+        Facts {
+            started,
+            sources: vec![source; sources],
+            stores: BTreeMap::new(),
+            triggers: BTreeMap::new(),
+            endpoints: BTreeMap::new(),
+            intake: IntakeState::Open,
+            alarms: BTreeMap::new(),
+            phantom: None,
+            refused_reload: None,
+            confinement: None,
+            measured: 0,
+            last_measurement_s: None,
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What the station complains of, and what not.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile};
+use crate::trigger::PortState;
+
+const OVERDUE: Duration = Duration::from_secs(600);
+const EMPTY: Backlog = Backlog { pending: 0, oldest: None };
+
+fn at(second: i64) -> Timestamp {
+    Timestamp::from_second(1_800_000_000 + second).unwrap()
+}
+
+fn facts() -> Facts {
+    let mut facts = Facts::new(at(0), 2);
+    facts.sources.iter_mut().for_each(|source| source.state = SourceState::Watched);
+    facts
+}
+
+fn codes(facts: &Facts, backlog: &Backlog, now: Timestamp) -> Vec<String> {
+    complaints(facts, backlog, OVERDUE, now).into_iter().map(|found| found.code).collect()
+}
+
+fn source(state: SourceState) -> Facts {
+    let mut facts = facts();
+    facts.sources[1].state = state;
+    facts
+}
+
+#[test]
+fn a_station_in_order_is_ready_before_its_first_look_too() {
+    assert_eq!(complaints(&facts(), &EMPTY, OVERDUE, at(99)), []);
+    assert_eq!(complaints(&Facts::new(at(0), 3), &EMPTY, OVERDUE, at(99)), []);
+}
+
+#[test]
+fn every_fault_has_its_code_and_something_to_do() {
+    let stored =
+        StoreFacts { fault: Some("writing failed".into()), since: at(0), is_of_delivery: false };
+    let alarm = Alarm { message: "the journal was rebuilt".into(), since: at(0) };
+    let waiting = WaitingFile { why: String::new(), since: at(0), overdue: true };
+    let cases: Vec<(&str, Facts)> = vec![
+        ("paused", Facts { intake: IntakeState::Paused, ..facts() }),
+        ("disk-low", Facts { intake: IntakeState::DiskLow { free: 1, floor: 2 }, ..facts() }),
+        ("store-fault", Facts { stores: BTreeMap::from([("folder", stored)]), ..facts() }),
+        ("source-out-of-reach", source(SourceState::OutOfReach("no such file".into()))),
+        ("source-not-mounted", source(SourceState::NotMounted("no marker file".into()))),
+        ("source-stalled", source(SourceState::Stalled)),
+        ("export-not-taken", {
+            let mut facts = facts();
+            facts.sources[0].waiting.insert(PathBuf::from("/e/4711.obj"), waiting);
+            facts
+        }),
+        (
+            "journal-rebuilt",
+            Facts { alarms: BTreeMap::from([("journal-rebuilt", alarm)]), ..facts() },
+        ),
+        ("reload-refused", Facts { refused_reload: Some("1 fault".into()), ..facts() }),
+    ];
+    for (code, facts) in cases {
+        let found = complaints(&facts, &EMPTY, OVERDUE, at(60));
+        assert_eq!(found.iter().map(|found| found.code.as_str()).collect::<Vec<_>>(), [code]);
+        assert!(!found[0].message.is_empty() && !found[0].remedy.is_empty(), "{code}");
+        assert!(!found[0].message.contains("4711"), "{code} names a file");
+    }
+}
+
+#[test]
+fn a_fault_that_passes_at_once_is_no_complaint() {
+    let gone = source(SourceState::OutOfReach("timed out".into()));
+    assert_eq!(codes(&gone, &EMPTY, at(4)), [""; 0]);
+    assert_eq!(codes(&gone, &EMPTY, at(5)), ["source-out-of-reach"]);
+    let fault = StoreFacts { fault: Some("busy".into()), since: at(0), is_of_delivery: false };
+    let store = Facts { stores: BTreeMap::from([("folder", fault)]), ..facts() };
+    assert_eq!(codes(&store, &EMPTY, at(4)), [""; 0]);
+    assert_eq!(codes(&store, &EMPTY, at(5)), ["store-fault"]);
+}
+
+#[test]
+fn the_fault_of_a_delivery_stays_until_a_record_is_delivered_or_none_waits() {
+    let after = |before: &StoreFacts, attempt: StoreAttempt, is_awaited: bool, second: i64| {
+        StoreFacts::after(Some(before), attempt, is_awaited, at(second))
+    };
+    let well = StoreFacts::after(None, StoreAttempt::Look(None), true, at(0));
+    assert_eq!((well.fault.as_deref(), well.since), (None, at(0)));
+    let full = after(&well, StoreAttempt::Delivery(Some("full".into())), true, 10);
+    // The folder can be written, as long as the file is small.
+    let looked = after(&full, StoreAttempt::Look(None), true, 20);
+    assert_eq!((looked.fault.as_deref(), looked.since), (Some("full"), at(10)));
+    let away = after(&looked, StoreAttempt::Look(Some("away".into())), true, 30);
+    let back = after(&away, StoreAttempt::Look(None), true, 40);
+    assert_eq!((back.fault.as_deref(), back.since), (Some("away"), at(10)));
+    assert_eq!(after(&back, StoreAttempt::Look(None), false, 50).fault, None);
+    let delivered = after(&back, StoreAttempt::Delivery(None), true, 50);
+    assert_eq!((delivered.fault, delivered.since), (None, at(50)));
+    // What a look finds, a look disproves.
+    let away = after(&well, StoreAttempt::Look(Some("away".into())), true, 60);
+    assert_eq!(after(&away, StoreAttempt::Look(None), true, 70).fault, None);
+}
+
+#[test]
+fn a_scan_is_overdue_only_after_the_time_and_whatever_the_reason() {
+    let backlog = Backlog { pending: 1, oldest: Some(at(0)) };
+    assert_eq!(codes(&facts(), &backlog, at(600)), [""; 0]);
+    assert_eq!(codes(&facts(), &backlog, at(601)), ["delivery-overdue"]);
+}
+
+#[test]
+fn a_clock_that_was_set_back_hides_no_fault() {
+    let stalled = source(SourceState::Stalled);
+    assert_eq!(codes(&stalled, &EMPTY, at(-7200)), ["source-stalled"]);
+    let backlog = Backlog { pending: 1, oldest: Some(at(0)) };
+    assert_eq!(codes(&facts(), &backlog, at(-1)), ["delivery-overdue"]);
+}
+
+#[test]
+fn durations_and_sizes_are_said_as_people_say_them() {
+    let said = [0, 1, 90, 119, 120, 7199, 7200, 200_000].map(|s| words(Duration::from_secs(s)));
+    let expected = [
+        "0 seconds",
+        "1 second",
+        "90 seconds",
+        "119 seconds",
+        "2 minutes",
+        "119 minutes",
+        "2 hours",
+        "2 days",
+    ];
+    assert_eq!(said, expected);
+    assert_eq!([bytes(999), bytes(1500), bytes(12_340_000_000)], ["999 B", "1.5 kB", "12.3 GB"]);
+}
+
+proptest! {
+    /// However old a backlog is, it is complained of from one moment on and ever after.
+    #[test]
+    fn a_backlog_once_overdue_stays_overdue(seen in 0_i64..10_000, a in 0_i64..20_000, b in 0_i64..20_000) {
+        let backlog = Backlog { pending: 1, oldest: Some(at(seen)) };
+        let late = |now: i64| !codes(&facts(), &backlog, at(seen + now)).is_empty();
+        prop_assert!(!late(a.min(b)) || late(a.max(b)));
+    }
+}
+
+#[test]
+fn a_port_that_is_not_sound_for_a_minute_has_the_code_of_its_state() {
+    let at_port = |state, unsound_since| {
+        let port = TriggerFacts { state, unsound_since, ..TriggerFacts::new(at(0)) };
+        Facts { triggers: BTreeMap::from([("serial", port)]), ..facts() }
+    };
+    let cases = [
+        (PortState::Absent, "trigger-absent"),
+        (PortState::Busy, "trigger-busy"),
+        (PortState::Denied, "trigger-denied"),
+        (PortState::Failed, "trigger-failed"),
+        (PortState::Stuck, "trigger-stuck"),
+        (PortState::Hung, "trigger-hung"),
+        (PortState::Open, "trigger-unsteady"),
+    ];
+    for (state, code) in cases {
+        let facts = at_port(state, Some(at(0)));
+        assert_eq!(codes(&facts, &EMPTY, at(59)), Vec::<String>::new());
+        assert_eq!(codes(&facts, &EMPTY, at(60)), [code]);
+        assert_eq!(codes(&at_port(state, None), &EMPTY, at(600)), Vec::<String>::new());
+    }
+}

@@ -1,0 +1,45 @@
+//! The station's decisions as functions of state and `now`: when a file has settled, whose scan it is,
+//! which steps a scan and its deliveries may take, when to try again, how folders are named.
+//!
+//! Nothing here touches a file, a clock or a random source: looks, times and chances are passed in.
+
+#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+
+pub mod account;
+pub mod acquired;
+pub mod backoff;
+pub mod booth;
+pub mod capture;
+pub mod confinement;
+pub mod decision;
+pub mod explain;
+pub mod export;
+pub mod facts;
+pub mod health;
+pub mod lifecycle;
+pub mod light;
+pub mod orders;
+pub mod outbox;
+pub mod page;
+pub mod patient;
+pub mod phantom;
+pub mod retention;
+pub mod scan_id;
+pub mod settle;
+pub mod trigger;
+pub mod trusted_time;
+
+pub use export::companions::{Companion, DoneFile, Group};
+pub use export::file_system::FileSystem;
+pub use export::mask::Mask;
+pub use export::space::Space;
+pub use export::stamp::Stamp;
+pub use export::writing::{Appeared, Mark, Writing};
+pub use facts::Facts;
+pub use lifecycle::{DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
+pub use orders::news::{News, OrderState};
+pub use orders::when::OrdersWhen;
+pub use outbox::Outbox;
+pub use patient::identity::{Identity, NameSays, Verdict, Whose};
+pub use scan_id::ScanId;
+pub use settle::{Look, LookTime, Settled, Settling};

@@ -1,0 +1,186 @@
+//! What the operator's page shows, ready to be displayed: which sentence, which decisions, in which
+//! language. The page itself only puts these texts into place.
+//!
+//! ```text
+//! facts, complaints, booth ─▶ light, next patient, parts ┐
+//! scans of the journal, their measures ─▶ scans ─────────┴▶ Shown
+//! ```
+
+pub mod files;
+mod light;
+mod next;
+mod parts;
+mod reasons;
+pub mod rows;
+mod scans;
+
+use jiff::Timestamp;
+use serde::Serialize;
+
+use super::facts::{Facts, IntakeState};
+use super::health::Complaint;
+use gaiter_language::Language;
+use gaiter_record::shown;
+pub use light::{LightShown, Situation};
+pub use next::{NextShown, shown as next_shown};
+pub use parts::PartShown;
+pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
+pub use scans::{
+    ScanShown, Told, is_held, needs_decision, of as row_key, record_folder, record_patient,
+    shown as scan_shown,
+};
+
+/// Name and number of the snapshot's schema.
+pub const SCHEMA: &str = "gaiter.page/1";
+
+/// Who sees patients' ids on the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IdsShown {
+    /// Nobody.
+    Nobody,
+    /// People with the station's token.
+    Operator,
+    /// Everyone who can read the page.
+    Everyone,
+}
+
+impl IdsShown {
+    /// Whether they are shown to a reader.
+    pub fn to(self, is_operator: bool) -> bool {
+        match self {
+            IdsShown::Nobody => false,
+            IdsShown::Operator => is_operator,
+            IdsShown::Everyone => true,
+        }
+    }
+}
+
+/// The station as the page shows it at one moment. Every text is ready to be displayed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shown {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// The version of the page's files: a page loaded from another version reloads itself.
+    pub page: String,
+    /// The station's name.
+    pub station: String,
+    /// The one light.
+    pub light: LightShown,
+    /// Who is next.
+    pub next: NextShown,
+    /// The operator has paused the station.
+    pub paused: bool,
+    /// What keeps the station from being ready.
+    pub complaints: Vec<ComplaintShown>,
+    /// Scans that wait for the operator's decision, newest first.
+    pub undecided: Vec<ScanShown>,
+    /// How many more of these there are than are shown.
+    pub more_undecided: u64,
+    /// The latest scans, newest first, whatever their outcome.
+    pub scans: Vec<ScanShown>,
+    /// Export folders, ports and stores.
+    pub parts: Vec<PartShown>,
+    /// Patients' ids are shown to this reader.
+    pub ids: bool,
+}
+
+/// A patient on the page.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PatientShown {
+    /// The id, as it is sent back with a decision.
+    pub id: String,
+    /// The id in readable form: nothing in it is hidden.
+    pub shown: String,
+}
+
+impl PatientShown {
+    /// The patient of this id.
+    pub fn of(id: &str) -> PatientShown {
+        PatientShown { id: id.to_owned(), shown: shown::id(id) }
+    }
+}
+
+/// Patients by their ids, each once, in the given order.
+fn distinct<'a>(ids: impl IntoIterator<Item = &'a String>) -> Vec<PatientShown> {
+    let mut found: Vec<PatientShown> = Vec::new();
+    for id in ids {
+        if found.iter().all(|patient| patient.id != *id) {
+            found.push(PatientShown::of(id));
+        }
+    }
+    found
+}
+
+/// Something that keeps the station from being ready.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ComplaintShown {
+    /// Stable code.
+    pub code: String,
+    /// What is wrong and what to do.
+    #[serde(flatten)]
+    pub advice: Advice,
+}
+
+/// What is known about the station apart from its scans.
+#[derive(Debug, Clone, Copy)]
+pub struct Known<'a> {
+    /// The version of its page's files.
+    pub page: &'a str,
+    /// Its name.
+    pub station: &'a str,
+    /// What its workers know.
+    pub facts: &'a Facts,
+    /// What keeps it from being ready.
+    pub complaints: &'a [Complaint],
+    /// The booth.
+    pub booth: Situation<'a>,
+    /// The current time.
+    pub now: Timestamp,
+}
+
+/// Assembles the page.
+pub fn shown(
+    known: &Known<'_>,
+    undecided: Vec<ScanShown>,
+    more_undecided: u64,
+    scans: Vec<ScanShown>,
+    language: Language,
+) -> Shown {
+    let complaints = known.complaints.iter().map(|complaint| ComplaintShown {
+        code: complaint.code.clone(),
+        advice: of_complaint(complaint, language),
+    });
+    let first = known.complaints.first().map(|first| of_complaint(first, language));
+    Shown {
+        schema: SCHEMA,
+        page: known.page.to_owned(),
+        station: known.station.to_owned(),
+        light: light::shown(&known.booth, first.as_ref(), !undecided.is_empty(), language),
+        next: next::shown(&known.booth, language),
+        paused: known.facts.intake == IntakeState::Paused,
+        complaints: complaints.collect(),
+        undecided,
+        more_undecided,
+        scans,
+        parts: parts::shown(known.facts, known.now, language),
+        ids: true,
+    }
+}
+
+impl Shown {
+    /// The same for readers who may not know whose scans these are.
+    pub fn without_ids(mut self) -> Shown {
+        self.ids = false;
+        self.next.hide_ids();
+        for scan in self.undecided.iter_mut().chain(&mut self.scans) {
+            scan.patients.clear();
+            scan.candidates.clear();
+            scan.owner = None;
+            scan.again = None;
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests;

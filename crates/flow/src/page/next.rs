@@ -1,0 +1,152 @@
+//! Who is next: the named patients, and the expected exports.
+
+use serde::Serialize;
+
+use super::light::Situation;
+use super::{PatientShown, distinct};
+use gaiter_language::{Language, Piece, pieces};
+
+/// The next patient on the page.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NextShown {
+    /// Who is next, in a sentence or two.
+    pub sentence: String,
+    /// The same sentence in pieces, words and ids in turn, so that an id is set apart from the words.
+    pub pieces: Vec<String>,
+    /// The patients who may be next: one if it is certain, several if it is in doubt.
+    pub who: Vec<PatientShown>,
+    /// There is something to call off.
+    pub can_be_called_off: bool,
+    /// The warning that a press may have been missed.
+    pub doubt: Option<&'static str>,
+    /// The same sentence without an id.
+    #[serde(skip)]
+    anonymous: String,
+}
+
+impl NextShown {
+    /// Removes the ids.
+    pub(super) fn hide_ids(&mut self) {
+        self.sentence.clone_from(&self.anonymous);
+        self.pieces = vec![self.anonymous.clone()];
+        self.who.clear();
+    }
+}
+
+/// Who is next.
+pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
+    let who = next(booth);
+    let Text(pieces) = told(booth, &who, language);
+    NextShown {
+        sentence: pieces.concat(),
+        pieces,
+        anonymous: anonymous(booth, &who, language),
+        can_be_called_off: !who.is_empty() || booth.awaited > 0,
+        who,
+        doubt: booth.is_in_doubt.then(|| language.text("page.next.in_doubt")),
+    }
+}
+
+/// The patients who may be next. Without a button there is no press to come, so they are those whose
+/// export is expected.
+fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
+    let awaited = if booth.has_button { &[] } else { booth.awaited_for };
+    distinct(booth.next.iter().chain(awaited))
+}
+
+/// Words and ids in turn, starting and ending with words.
+struct Text(Vec<String>);
+
+impl Text {
+    fn new() -> Text {
+        Text(vec![String::new()])
+    }
+
+    fn words(mut self, words: &str) -> Text {
+        if let Some(last) = self.0.last_mut() {
+            last.push_str(words);
+        }
+        self
+    }
+
+    fn id(mut self, patient: &PatientShown) -> Text {
+        self.0.extend([patient.shown.clone(), String::new()]);
+        self
+    }
+
+    /// Ids separated by commas, with this word before the last.
+    fn ids(self, patients: &[PatientShown], before_last: &str) -> Text {
+        let last = patients.len().saturating_sub(1);
+        patients.iter().enumerate().fold(self, |text, (at, patient)| match at {
+            0 => text.id(patient),
+            at if at == last => text.words(before_last).id(patient),
+            _ => text.words(", ").id(patient),
+        })
+    }
+
+    /// A sentence with the ids in its place, after a space if there is a sentence before.
+    fn sentence(self, words: &str, patients: &[PatientShown], before_last: &str) -> Text {
+        let text = if self.is_empty() { self } else { self.words(" ") };
+        pieces(words).fold(text, |text, piece| match piece {
+            Piece::Words(words) => text.words(words),
+            Piece::Place { .. } => text.ids(patients, before_last),
+        })
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.iter().all(String::is_empty)
+    }
+}
+
+/// Who is next and whose exports are expected.
+fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text {
+    let [or, and] = ["page.next.or", "page.next.and"].map(|key| language.text(key));
+    let text = match who {
+        [_, _, ..] => Text::new().sentence(language.text("page.next.who"), who, or),
+        [_] if booth.has_button => Text::new().sentence(language.text("page.next.next"), who, or),
+        _ => Text::new(),
+    };
+    let is_asked = !booth.has_button && who.len() > 1;
+    let awaited_for = if is_asked { Vec::new() } else { distinct(booth.awaited_for) };
+    let text = match awaited_for.as_slice() {
+        [] => text,
+        [_] => text.sentence(language.text("page.next.export_of"), &awaited_for, and),
+        _ => text.sentence(language.text("page.next.exports_of"), &awaited_for, and),
+    };
+    let text = match counted(unnamed(booth), language) {
+        Some(count) => text.sentence(&count, &[], and),
+        None => text,
+    };
+    if text.is_empty() { text.words(language.text("page.next.nobody")) } else { text }
+}
+
+/// The same without ids.
+fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> String {
+    let named = match who.len() {
+        0 => None,
+        1 => Some(language.text("page.next.one").to_owned()),
+        _ => Some(language.text("page.next.several").to_owned()),
+    };
+    // Without a button, the expected export is that of the named patient.
+    let awaited = if booth.has_button { booth.awaited } else { unnamed(booth) };
+    let sentences: Vec<String> = named.into_iter().chain(counted(awaited, language)).collect();
+    if sentences.is_empty() {
+        language.text("page.next.nobody").to_owned()
+    } else {
+        sentences.join(" ")
+    }
+}
+
+/// How many exports are expected without a known patient.
+fn unnamed(booth: &Situation<'_>) -> usize {
+    booth.awaited.saturating_sub(booth.awaited_for.len())
+}
+
+/// A sentence on how many exports are expected.
+fn counted(count: usize, language: Language) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some(language.text("page.next.one_export").to_owned()),
+        _ => Some(language.filled("page.next.exports", &[("count", &count)])),
+    }
+}

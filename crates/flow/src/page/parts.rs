@@ -1,0 +1,94 @@
+//! The parts of the station that can fail: export folders, ports of the booth, stores.
+
+use jiff::Timestamp;
+use serde::Serialize;
+
+use crate::Facts;
+use crate::facts::{PhantomFacts, SourceState, TriggerFacts};
+use crate::health::{BLIP, has_lasted};
+use crate::trigger::PortState;
+use gaiter_language::Language;
+use gaiter_record::phantom::CheckResult;
+
+/// One part on the page.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PartShown {
+    /// What it is.
+    pub name: String,
+    /// Its state, in a word or two.
+    pub word: &'static str,
+    /// `good`, `wait` or `bad`; it decides colour and sign.
+    pub health: &'static str,
+    /// Why, in the system's own words.
+    pub why: Option<String>,
+}
+
+/// All parts; a short fault that clears itself does not count, as in the complaints.
+pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<PartShown> {
+    let is_only = facts.sources.len() == 1;
+    let sources = facts.sources.iter().enumerate().map(|(place, source)| {
+        let name = match is_only {
+            true => language.text("page.part.folder").to_owned(),
+            false => language.filled("page.part.folder_numbered", &[("number", &place)]),
+        };
+        let (state, health, why) = source_state(&source.state);
+        let word = language.word("page.part.folder_state", state);
+        PartShown { name, word, health, why: why.cloned() }
+    });
+    let stores = facts.stores.iter().map(|(store, facts)| {
+        let health = match &facts.fault {
+            None => "good",
+            Some(_) if !has_lasted(facts.since, now, BLIP) => "wait",
+            Some(_) => "bad",
+        };
+        let name = language.word("page.part.store", store).to_owned();
+        let word = language.word("page.part.store_state", health);
+        PartShown { name, word, health, why: facts.fault.clone() }
+    });
+    let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
+    let phantom = facts.phantom.iter().map(|phantom| phantom_shown(phantom, now, language));
+    sources.chain(ports).chain(stores).chain(phantom).collect()
+}
+
+fn phantom_shown(phantom: &PhantomFacts, now: Timestamp, language: Language) -> PartShown {
+    let result = phantom.checks.last().map(|check| check.result);
+    let (key, health) = match result {
+        Some(CheckResult::Beyond) => ("page.part.phantom.beyond", "bad"),
+        Some(CheckResult::NotMeasured) => ("page.part.phantom.not_measured", "bad"),
+        Some(CheckResult::Within) if !phantom.is_due(now) => ("page.part.phantom.within", "good"),
+        Some(CheckResult::Within) | None => ("page.part.phantom.due", "wait"),
+    };
+    let name = language.text("page.part.phantom.name").to_owned();
+    PartShown { name, word: language.text(key), health, why: None }
+}
+
+fn source_state(state: &SourceState) -> (&'static str, &'static str, Option<&String>) {
+    match state {
+        SourceState::NotLooked => ("not_looked", "wait", None),
+        SourceState::Watched => ("watched", "good", None),
+        SourceState::OutOfReach(why) => ("out_of_reach", "bad", Some(why)),
+        SourceState::NotMounted(why) => ("not_mounted", "bad", Some(why)),
+        SourceState::Taken => ("taken", "bad", None),
+        SourceState::Stalled => ("stalled", "bad", None),
+    }
+}
+
+fn port_shown(port: &str, facts: &TriggerFacts, language: Language) -> PartShown {
+    let name = language.find(&format!("page.part.port.{port}"));
+    let health = match facts.state {
+        PortState::Open => "good",
+        PortState::NotLooked | PortState::Settling => "wait",
+        PortState::Absent
+        | PortState::Busy
+        | PortState::Denied
+        | PortState::Failed
+        | PortState::Stuck
+        | PortState::Hung => "bad",
+    };
+    PartShown {
+        name: name.unwrap_or_else(|| language.text("page.part.port.reader")).to_owned(),
+        word: language.word("page.part.port_state", facts.state.word()),
+        health,
+        why: facts.why.clone(),
+    }
+}

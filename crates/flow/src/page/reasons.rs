@@ -1,0 +1,73 @@
+//! Codes → the situation and what to do, each in one sentence. docs/codes.md and docs/patients.md say the same in more
+//! detail; an unknown code is shown as it is.
+
+use serde::Serialize;
+
+use crate::health::Complaint;
+use gaiter_language::Language;
+
+/// The situation, and what the operator can do.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Advice {
+    /// A sentence on the situation.
+    pub what: String,
+    /// A sentence on what to do.
+    pub next: String,
+}
+
+impl Advice {
+    fn new(what: impl Into<String>, next: impl Into<String>) -> Advice {
+        Advice { what: what.into(), next: next.into() }
+    }
+
+    /// Both sentences.
+    pub(super) fn in_a_row(&self) -> String {
+        format!("{} {}", self.what, self.next)
+    }
+
+    /// The advice for a code in a table of texts; `None` for an unknown code.
+    fn of(table: &str, code: &str, language: Language) -> Option<Advice> {
+        let what = language.find(&format!("{table}.{code}.what"))?;
+        Some(Advice::new(what, language.find(&format!("{table}.{code}.next"))?))
+    }
+}
+
+/// Why a scan is held.
+pub fn of_held(code: &str, language: Language) -> Advice {
+    Advice::of("page.held", code, language).unwrap_or_else(|| {
+        let [what, next] = ["page.held.other.what", "page.held.other.next"];
+        Advice::new(language.text(what), language.text(next))
+    })
+}
+
+/// Why a scan was refused.
+pub fn of_refused(code: &str, language: Language) -> Advice {
+    Advice::of("page.refused", code, language)
+        .unwrap_or_else(|| said_as_it_is(code, "page.do.retry", language))
+}
+
+/// What keeps the station from being ready.
+pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
+    let code = complaint.code.as_str();
+    let of = if code.starts_with("trigger-") { "trigger-any" } else { code };
+    Advice::of("page.complaint", of, language).unwrap_or_else(|| match language {
+        Language::En => Advice::new(sentence(&complaint.message), sentence(&complaint.remedy)),
+        _ => said_as_it_is(code, "page.do.technician", language),
+    })
+}
+
+/// Why a decision was not carried out; `None` for an unknown code.
+pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
+    language.find(&format!("page.fault.{code}"))
+}
+
+fn said_as_it_is(code: &str, next: &'static str, language: Language) -> Advice {
+    Advice::new(language.filled("page.says", &[("code", &code)]), language.text(next))
+}
+
+/// Turns words without a full stop into a sentence.
+fn sentence(words: &str) -> String {
+    let mut rest = words.chars();
+    let first = rest.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", rest.as_str())
+}

@@ -1,0 +1,58 @@
+//! What the light says: after a scan, while a person is needed, in a pause.
+
+use super::{BOTH, booth, page};
+use crate::booth::Signal;
+use crate::health::Complaint;
+use crate::light::Outcome;
+use crate::page::Situation;
+use gaiter_language::Language;
+
+fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> String {
+    let booth = Situation { last: Some(last), ..booth(Signal::Attention) };
+    page(booth, complaints, language).light.sentence
+}
+
+#[test]
+fn what_is_to_be_done_with_the_patient_stands_at_the_light_and_a_fault_before_it() {
+    let to_do = ["Scan again: legs apart.", "Or measure by hand: right C."].map(str::to_owned);
+    let last = Outcome::Incomplete { to_do: to_do.into() };
+    let said = sentence(&last, &[], Language::En);
+    assert_eq!(said, "Scan again: legs apart. Or measure by hand: right C.");
+    let said = sentence(&last, &[Complaint::journal()], Language::En);
+    assert!(!said.contains("legs apart"), "{said}");
+}
+
+#[test]
+fn a_refused_scan_is_told_with_its_reason_and_what_to_do_at_the_booth() {
+    for (code, english, german) in [
+        ("scan-empty", "Export it again.", "noch einmal exportieren"),
+        ("body-side-unclear", "Scan again with the legs apart.", "die Beine auseinander"),
+        ("no-leg", "Scan again with the legs bare and apart.", "frei und auseinander"),
+    ] {
+        let last = Outcome::Refused { code: code.to_owned() };
+        for (language, words) in BOTH.into_iter().zip([english, german]) {
+            let said = sentence(&last, &[], language);
+            assert!(said.to_lowercase().contains(&words.to_lowercase()), "{code}: {said}");
+            assert!(!said.contains(language.text("page.decide")), "{code}: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_held_scan_is_told_with_its_reason_before_an_export_that_is_expected() {
+    let last = Outcome::Held { code: "patients-differ".to_owned() };
+    let booth = Situation { last: Some(&last), awaited: 1, ..booth(Signal::Attention) };
+    let said = page(booth, &[], Language::En).light.sentence;
+    assert_eq!(
+        said,
+        "The last scan is held. Two sources name different patients. Decide on the page whose it is."
+    );
+}
+
+#[test]
+fn a_pause_has_its_own_word_and_says_how_it_ends() {
+    for (language, word) in BOTH.into_iter().zip(["Paused", "Pause"]) {
+        let light = page(booth(Signal::Paused), &[], language).light;
+        assert_eq!((light.signal, light.word), ("paused", word));
+    }
+}

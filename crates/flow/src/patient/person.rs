@@ -1,0 +1,181 @@
+//! All that a station knows of one person, as it is disclosed, and shown before it is erased. Of other
+//! patients it says nothing but that there are some.
+
+use std::path::PathBuf;
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use crate::account::{Happened, Summary};
+use gaiter_record::{Acquired, SourceKind};
+
+/// What a station knows of a person.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Person {
+    /// `gaiter.person/1`
+    pub schema: String,
+    /// The patient's id.
+    pub patient: String,
+    /// The station.
+    pub station: String,
+    /// When this was put together.
+    pub at: Timestamp,
+    /// The scans that are or may be theirs, in the order in which they came.
+    pub scans: Vec<PersonScan>,
+    /// The record stores that are folders.
+    pub stores: Vec<PersonStore>,
+    /// What was given to practice software.
+    pub handed_over: Vec<HandedOver>,
+    /// The waits for a scan of theirs.
+    pub captures: Vec<PersonCapture>,
+    /// Refused orders that name them: folders in the state folder.
+    pub orders: Vec<PathBuf>,
+    /// Files that still lie in an export folder: gaiter only reads there.
+    pub exports: Vec<PathBuf>,
+    /// Journals that were set aside and name them.
+    pub journals: Vec<PathBuf>,
+    /// What the journal says of them and of scans that are theirs alone, oldest first.
+    pub history: Vec<PersonEvent>,
+}
+
+/// A scan of a person.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PersonScan {
+    /// The hash of its bytes, 64 hexadecimal digits.
+    pub sha256: String,
+    /// Whether it is theirs.
+    pub whose: WhoseScan,
+    /// The scan itself.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// Where its record was delivered for them.
+    pub deliveries: Vec<PersonDelivery>,
+    /// The folders in the state folder that hold its bytes: spool, quarantine, preview.
+    pub kept: Vec<PathBuf>,
+}
+
+/// Whether a scan is a person's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WhoseScan {
+    /// It is theirs, and no one else has it.
+    Theirs,
+    /// Others have it, too.
+    Shared,
+    /// It waits for a person's decision, and may be another's: its bytes are not disclosed.
+    Uncertain,
+    /// It was theirs once, and a person took it back.
+    TakenBack,
+}
+
+/// A delivery of a scan for a person.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PersonDelivery {
+    /// The store.
+    pub store: String,
+    /// Its state, as a word.
+    pub state: String,
+    /// Since when it is in this state.
+    pub at: Option<Timestamp>,
+    /// The record's folder.
+    pub folder: Option<String>,
+    /// Who named the patient.
+    pub sources: Vec<SourceKind>,
+}
+
+/// What a folder store holds of a person.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PersonStore {
+    /// Its name in the journal.
+    pub store: String,
+    /// Its folder.
+    pub place: PathBuf,
+    /// Why it cannot be read now.
+    pub fault: Option<String>,
+    /// The records, every revision, oldest first.
+    pub records: Vec<PersonRecord>,
+    /// Other files and folders that lie in the person's folder.
+    pub others: Vec<PathBuf>,
+    /// Records in the person's folder that name another patient, or no patient: they are not theirs.
+    pub of_another: usize,
+}
+
+/// A record of a person.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PersonRecord {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// When the scan was taken; `None` if the record does not say.
+    pub acquired: Option<Acquired>,
+    /// The revision.
+    pub revision: Option<u32>,
+    /// What people set, when and who.
+    pub amendments: Vec<PersonAmendment>,
+}
+
+/// A measure that a person set in a record.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PersonAmendment {
+    /// Leg and measure.
+    pub what: String,
+    /// Who.
+    pub by: String,
+    /// When.
+    pub at: Timestamp,
+    /// Why.
+    pub reason: String,
+}
+
+/// A result that was given to practice software.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HandedOver {
+    /// The scan, 64 hexadecimal digits.
+    pub sha256: String,
+    /// The result's file in the exchange folder.
+    pub file: PathBuf,
+    /// When.
+    pub at: Timestamp,
+    /// It still lies there: the practice software has not fetched it.
+    pub waits: bool,
+    /// Files that belong to it and lie in the exchange folder.
+    pub attachments: Vec<PathBuf>,
+}
+
+/// A wait for a scan of a person: a press, or a name without a button.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PersonCapture {
+    /// Its number.
+    pub number: i64,
+    /// When it began.
+    pub at: Timestamp,
+    /// Its state, as a word.
+    pub state: String,
+}
+
+/// An entry of the journal.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PersonEvent {
+    /// The scan, 64 hexadecimal digits; '' if it is about none.
+    pub scan: String,
+    /// What happened.
+    #[serde(flatten)]
+    pub happened: Happened,
+}
+
+impl Person {
+    /// Whether nothing is known of the person.
+    pub fn is_unknown(&self) -> bool {
+        let stores = self.stores.iter();
+        self.scans.is_empty()
+            && self.history.is_empty()
+            && self.handed_over.is_empty()
+            && self.captures.is_empty()
+            && self.orders.is_empty()
+            && stores.fold(0, |count, store| count + store.records.len() + store.others.len()) == 0
+    }
+
+    /// Whether a scan of theirs is expected: a name waits, or an export has not come.
+    pub fn is_awaited(&self) -> bool {
+        self.captures.iter().any(|capture| matches!(capture.state.as_str(), "named" | "open"))
+    }
+}

@@ -1,0 +1,95 @@
+//! The daily check with a phantom: which exports are scans of it, and what people must know of the last
+//! checks.
+
+use jiff::Timestamp;
+
+use super::facts::{Alarm, PhantomFacts};
+use super::health::age;
+use gaiter_record::phantom::CheckResult;
+
+/// The code of the alarm about the last check.
+pub const PHANTOM_ALARM: &str = "phantom-check";
+
+/// How many of the last checks are shown: a month.
+pub const SHOWN_MOST: usize = 30;
+
+/// Whether an export with this name is a scan of the phantom: it begins with the phantom's name, in capitals
+/// or not, and the name ends there.
+pub fn is_phantom(file_name: &str, phantom: &str) -> bool {
+    let Some((start, rest)) = file_name.split_at_checked(phantom.len()) else { return false };
+    start.eq_ignore_ascii_case(phantom) && !rest.starts_with(|c: char| c.is_alphanumeric())
+}
+
+impl PhantomFacts {
+    /// Whether the phantom has not been scanned for too long. A check of the future is none.
+    pub fn is_due(&self, now: Timestamp) -> bool {
+        let last = self.checks.iter().rev().find_map(|check| age(check.at, now));
+        last.is_none_or(|age| age > self.every)
+    }
+
+    /// The alarm about the last check; `None` if it found nothing wrong.
+    pub fn alarm(&self) -> Option<Alarm> {
+        let last = self.checks.last()?;
+        let message = match (last.result, last.worst_mm) {
+            (CheckResult::Within, _) => return None,
+            (CheckResult::Beyond, Some(worst_mm)) => format!(
+                "the known body was measured wrong by up to {worst_mm:+.1} mm; the tolerance is {} mm",
+                last.tolerance_mm
+            ),
+            (CheckResult::Beyond | CheckResult::NotMeasured, _) => {
+                "the known body could not be measured".to_owned()
+            }
+        };
+        Some(Alarm { message, since: last.at })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use gaiter_record::phantom::LastCheck;
+
+    fn facts(checks: &[(i64, CheckResult, Option<f64>)]) -> PhantomFacts {
+        let check = |&(at, result, off_mm): &(i64, CheckResult, Option<f64>)| LastCheck {
+            at: Timestamp::from_second(at).unwrap(),
+            result,
+            bias_mm: off_mm,
+            worst_mm: off_mm,
+            tolerance_mm: 2.0,
+        };
+        let checks = checks.iter().map(check).collect();
+        PhantomFacts { every: Duration::from_secs(100), checks }
+    }
+
+    #[test]
+    fn only_the_phantom_s_own_name_is_the_phantom() {
+        for name in ["PHANTOM.obj", "phantom_20261124.obj", "Phantom-2.ply", "PHANTOM"] {
+            assert!(is_phantom(name, "PHANTOM"), "{name}");
+        }
+        for name in ["PHANTOMIAS.obj", "4711_PHANTOM.obj", "PHANT", "PHANTOM7.obj", "phantomé"] {
+            assert!(!is_phantom(name, "PHANTOM"), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_check_is_due_after_its_time_and_after_none() {
+        let at = |second| Timestamp::from_second(second).unwrap();
+        let one = facts(&[(1000, CheckResult::Within, Some(0.1))]);
+        assert!(!one.is_due(at(1100)) && one.is_due(at(1101)));
+        assert!(facts(&[]).is_due(at(0)));
+        assert!(one.is_due(at(900)), "the clock was set back");
+    }
+
+    #[test]
+    fn the_last_check_alone_raises_the_alarm() {
+        let good = (2, CheckResult::Within, Some(0.3));
+        let bad = (1, CheckResult::Beyond, Some(-4.06));
+        assert_eq!(facts(&[bad, good]).alarm(), None);
+        let alarm = facts(&[good, bad]).alarm().unwrap();
+        assert!(alarm.message.contains("-4.1 mm") && alarm.message.contains("2 mm"), "{alarm:?}");
+        let lost = facts(&[(1, CheckResult::NotMeasured, None)]).alarm().unwrap();
+        assert!(lost.message.contains("could not be measured"));
+    }
+}

@@ -1,0 +1,185 @@
+//! Which content a file has, whatever its name: a file is followed by device and inode.
+//!
+//! Scanners write under a temporary name and rename; people and programs link, move and copy. A name
+//! does not tell when its content was written, so what is known about the content goes with the inode,
+//! even through names that are not scans.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::{Remembered, Settled, Settling, Watched};
+use crate::export::stamp::Stamp;
+use crate::export::writing::{Appeared, Mark, Writing};
+use crate::settle::LookTime;
+
+/// How many files are marked after one look at most: a backlog of old files is no reason to read the
+/// beginnings of all of them.
+const MARKED_A_LOOK: usize = 16;
+
+/// A file whose present name is not a scan's.
+#[derive(Debug, Clone)]
+pub struct Passer {
+    pub(super) stamp: Stamp,
+    pub(super) writing: Writing,
+    pub(super) is_unmarked: bool,
+}
+
+/// How long departed files are remembered, and how many of the latest: a rename during a look hides a
+/// file from it, and a stale listing of a share hides it for longer.
+const DEPARTED_KEPT: Duration = Duration::from_secs(600);
+const DEPARTED_MOST: usize = 1000;
+
+/// A file that was not taken and is no longer seen under any name.
+#[derive(Debug)]
+pub(super) struct Departed {
+    file: Remembered,
+    since: Duration,
+}
+
+/// What was known about inodes before a look.
+pub(super) struct Lineages<'a> {
+    known: BTreeMap<(u64, u64), (Stamp, &'a Writing)>,
+    by_path: BTreeMap<&'a Path, (Stamp, &'a Writing)>,
+}
+
+impl<'a> Lineages<'a> {
+    pub(super) fn of(
+        files: &'a BTreeMap<PathBuf, Watched>,
+        passers: &'a BTreeMap<PathBuf, Passer>,
+        remembered: impl Iterator<Item = &'a Remembered>,
+    ) -> Lineages<'a> {
+        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
+        let remembered = remembered.map(|file| (&file.stamp, &file.writing));
+        let passers = passers.values().map(|file| (&file.stamp, &file.writing));
+        let watched = files.values().map(|file| (&file.group.stamp, &file.writing));
+        let all = remembered.chain(passers).chain(watched);
+        let known = all.map(|(stamp, writing)| (inode(stamp), (*stamp, writing))).collect();
+        let by_path = files.iter();
+        let by_path =
+            by_path.map(|(path, file)| (path.as_path(), (file.group.stamp, &file.writing)));
+        Lineages { known, by_path: by_path.collect() }
+    }
+
+    /// What is known about the content of a file that a look found in this state.
+    pub(super) fn writing(&self, path: &Path, stamp: Stamp, appeared: Appeared) -> Writing {
+        let same_inode =
+            |(before, _): &&(Stamp, &Writing)| (before.dev, before.ino) == (stamp.dev, stamp.ino);
+        // Two names of one inode may have been examined with a change in between: the state under the
+        // file's own name is more reliable.
+        let own = self.by_path.get(path).filter(same_inode);
+        let Some((before, writing)) = own.or_else(|| self.known.get(&(stamp.dev, stamp.ino)))
+        else {
+            return Writing::new(appeared.moved_in(moved(stamp)));
+        };
+        let mut writing = (*writing).clone();
+        if stamp.size < before.size {
+            return Writing::new(appeared);
+        }
+        if !stamp.has_content_of(before) {
+            writing.change(appeared.seen);
+        }
+        writing
+    }
+}
+
+/// How long after its content was last written a file got its name, by the clock of its own file system.
+fn moved(stamp: Stamp) -> Duration {
+    let apart_ns = u64::try_from(stamp.ctime_ns - stamp.mtime_ns).unwrap_or(0);
+    Duration::from_nanos(apart_ns)
+}
+
+impl Settling {
+    /// Takes in the files of a look that are not scans, before [`Settling::observe`] takes in the scans.
+    pub fn pass_over(&mut self, others: BTreeMap<PathBuf, Stamp>, when: LookTime) {
+        let lineages = self.lineages();
+        let appeared = Appeared { absent: self.last_look, seen: when.ended };
+        let passers = others.into_iter().map(|(path, stamp)| {
+            let before = self.passers.get(&path);
+            let writing = match before.filter(|before| before.stamp == stamp) {
+                Some(before) => before.writing.clone(),
+                None => lineages.writing(&path, stamp, appeared),
+            };
+            let is_unmarked = before.is_none_or(|file| file.stamp != stamp || file.is_unmarked);
+            (path, Passer { stamp, writing, is_unmarked })
+        });
+        let passers = passers.collect();
+        let before = std::mem::replace(&mut self.passers, passers);
+        // A file that has left its name may be a scan by now: the scans of this look are still to come.
+        let inode = |passer: &Passer| (passer.stamp.dev, passer.stamp.ino);
+        let left = before.into_iter().filter(|(path, old)| {
+            self.passers.get(path).is_none_or(|new| inode(new) != inode(old))
+        });
+        self.remembered
+            .extend(left.map(|(_, Passer { stamp, writing, .. })| Remembered { stamp, writing }));
+    }
+
+    /// What is known about inodes. The number of a departed file may have been reused: where part of its
+    /// content was read, [`Settling::began`] compares the content.
+    pub(super) fn lineages(&self) -> Lineages<'_> {
+        let departed = self.departed.iter().map(|departed| &departed.file);
+        let unread = departed.filter(|file| !file.writing.is_marked());
+        Lineages::of(&self.files, &self.passers, unread.chain(&self.remembered))
+    }
+
+    /// These files were not found by a look that ended now, nor were those that are still remembered.
+    pub(super) fn depart(&mut self, gone: BTreeMap<PathBuf, Watched>, now: Duration) {
+        let gone = gone.into_values().filter(|file| file.next != super::Next::Taken);
+        let gone = gone.map(|Watched { group, writing, .. }| {
+            let stamp = group.stamp;
+            Remembered { stamp, writing }
+        });
+        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
+        let watched = self.files.values().map(|file| inode(&file.group.stamp));
+        let present: BTreeSet<(u64, u64)> =
+            watched.chain(self.passers.values().map(|file| inode(&file.stamp))).collect();
+        let gone = self.remembered.drain(..).chain(gone);
+        let gone = gone.filter(|file| !present.contains(&inode(&file.stamp)));
+        self.departed.extend(gone.map(|file| Departed { file, since: now }));
+        self.departed.retain(|departed| now <= departed.since + DEPARTED_KEPT);
+        let spare = self.departed.len().saturating_sub(DEPARTED_MOST);
+        self.departed.drain(..spare);
+    }
+
+    /// When the content of a settled file began. Part of it may have been seen before in another file
+    /// that is not taken: a copy, or an export that was started anew, is no younger than that.
+    pub fn began(&self, settled: &Settled, bytes: &[u8]) -> Appeared {
+        let own = settled.writing.began(bytes);
+        let files = self
+            .files
+            .iter()
+            .filter(|(path, file)| **path != settled.path && file.next != super::Next::Taken);
+        let others = files.map(|(_, file)| &file.writing);
+        let others = others.chain(self.passers.values().map(|file| &file.writing));
+        let others = others.chain(self.departed.iter().map(|departed| &departed.file.writing));
+        let seen = others.filter_map(|writing| writing.seen_in(bytes));
+        seen.fold(own, |first, seen| if seen.seen < first.seen { seen } else { first })
+    }
+
+    /// The files of which part is to be read now, with the state in which the look found them: those
+    /// with new content first, and those from before the first look last.
+    pub fn unmarked(&self) -> Vec<(PathBuf, Stamp)> {
+        let files = self.files.iter();
+        let files = files.filter(|(_, file)| file.is_unmarked && file.next != super::Next::Taken);
+        let files = files.map(|(path, file)| (path, file.group.stamp, &file.writing));
+        let passers = self.passers.iter().filter(|(_, file)| file.is_unmarked);
+        let passers = passers.map(|(path, file)| (path, file.stamp, &file.writing));
+        let is_old = |writing: &Writing| writing.is_from_before_the_first_look();
+        let (old, new): (Vec<_>, Vec<_>) =
+            files.chain(passers).partition(|(_, _, writing)| is_old(writing));
+        let all = new.into_iter().chain(old).take(MARKED_A_LOOK);
+        all.map(|(path, stamp, _)| (path.clone(), stamp)).collect()
+    }
+
+    /// Part of a file was read in this state, or could not be read.
+    pub fn marked(&mut self, path: &Path, stamp: Stamp, mark: Option<Mark>) {
+        if let Some(file) = self.files.get_mut(path).filter(|file| file.group.stamp == stamp) {
+            file.is_unmarked = false;
+            mark.clone().into_iter().for_each(|mark| file.writing.mark(mark));
+        }
+        if let Some(file) = self.passers.get_mut(path).filter(|file| file.stamp == stamp) {
+            file.is_unmarked = false;
+            mark.into_iter().for_each(|mark| file.writing.mark(mark));
+        }
+    }
+}

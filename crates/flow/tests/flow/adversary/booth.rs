@@ -1,0 +1,394 @@
+//! The simulated booth with its station: what the ports hear and what becomes of it, composed as in
+//! `station/booth/hearing.rs`. What is decided is decided by `gaiter_flow`.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::slice;
+use std::time::Duration;
+
+use gaiter_flow::capture::{Captures, Doubt, Named, NamedNext, Rules};
+use gaiter_flow::patient::identity::Identity;
+use gaiter_flow::settle::{Memory, Sights};
+use gaiter_flow::{Appeared, Settling};
+use gaiter_record::SourceKind;
+
+use super::chance::Chance;
+use super::content::Scan;
+use super::disk::{Disk, Fault};
+use super::folder::Folder;
+use super::intake::{Phase, TakeFault};
+use super::laws::Off;
+use super::truth::Truth;
+
+/// The times of the shipped configuration.
+pub const QUIET: Duration = Duration::from_secs(2);
+pub const SHORT_WAIT: Duration = Duration::from_secs(60);
+pub const RESCAN_MS: u64 = 10_000;
+pub const WINDOW: Duration = Duration::from_secs(90);
+pub const LATE: Duration = Duration::from_secs(90);
+pub const NAME_LASTS: Duration = Duration::from_secs(900);
+
+/// How often captures and names are asked whether their time is over, milliseconds.
+const PASS_MS: u64 = 500;
+
+/// A look takes less than this, milliseconds, and so many steps.
+const LOOK_MS: u64 = 200;
+const LOOK_STEPS: usize = 5;
+
+/// Never.
+pub const NEVER: u64 = u64::MAX;
+
+/// What differs from station to station.
+#[derive(Clone)]
+pub struct Setup {
+    pub rules: Rules,
+    /// The folder tells of its changes.
+    pub hints: bool,
+    /// How the scanner's own measures name the patient, where they do.
+    pub identity: Rc<Identity>,
+    pub has_measures: bool,
+    pub hold_unpressed: bool,
+    pub off: Off,
+}
+
+/// What a crash takes away.
+pub struct Run {
+    pub settling: Settling,
+    pub captures: Captures,
+    /// What the journal has of the looks.
+    pub kept: Option<Memory>,
+    /// What the looks have found.
+    pub sights: Sights,
+    pub phase: Phase,
+    pub step_at_ms: u64,
+    /// Measurements in hand, by when they end.
+    pub work: BTreeMap<u64, Scan>,
+    /// When names were first seen, and when they were absent: for the law of contents switched off.
+    pub names: BTreeMap<String, Appeared>,
+    pub last_look: Option<Duration>,
+    /// Where nothing is to be found, when the next look is due; it is made when it is missed.
+    pub idle_ms: Option<u64>,
+    /// How the folder was when it was listed last.
+    pub listed: u64,
+    pass_at_ms: u64,
+}
+
+/// Everything there is, at one time.
+pub struct Booth {
+    pub setup: Setup,
+    pub chance: Chance,
+    pub now_ms: u64,
+    boot_ms: u64,
+    pub folder: Folder,
+    pub disk: Disk,
+    /// None while the station does not run.
+    pub run: Option<Run>,
+    pub truth: Truth,
+    pub is_paused: bool,
+    pub is_away: bool,
+    pub is_unplugged: bool,
+    /// When the journal can be written again.
+    pub unlock_ms: Option<u64>,
+    /// When somebody starts the process again.
+    pub start_ms: Option<u64>,
+    /// What goes wrong with the next scan that comes in.
+    pub fault: Option<TakeFault>,
+    /// What happened, in words; kept only where somebody will read it.
+    pub story: Option<Vec<String>>,
+}
+
+impl Booth {
+    /// A station that has been running for long.
+    pub fn new(setup: Setup, seed: u64, tells: bool) -> Booth {
+        let now_ms = 3_600_000;
+        let mut booth = Booth {
+            setup,
+            chance: Chance(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)),
+            now_ms,
+            boot_ms: 0,
+            folder: Folder::default(),
+            disk: Disk::default(),
+            run: None,
+            truth: Truth::default(),
+            is_paused: false,
+            is_away: false,
+            is_unplugged: false,
+            unlock_ms: None,
+            start_ms: None,
+            fault: None,
+            story: tells.then(Vec::new),
+        };
+        booth.start();
+        let heard = Duration::from_secs(1);
+        let looked = booth.clock();
+        if let Some(run) = &mut booth.run {
+            run.captures = Captures::new(booth.setup.rules, Vec::new(), None);
+            run.captures.hears(heard);
+            let memory = Memory { looked: Some(looked), files: Vec::new() };
+            run.settling = settling().remembering(memory);
+        }
+        booth
+    }
+
+    /// The station's clock: since the machine's start.
+    pub fn clock(&self) -> Duration {
+        Duration::from_millis(self.now_ms - self.boot_ms)
+    }
+
+    pub fn tell(&mut self, what: impl FnOnce() -> String) {
+        let at = self.now_ms as f64 / 1000.0 - 3600.0;
+        if let Some(story) = &mut self.story {
+            story.push(format!("{at:9.3}  {}", what()));
+        }
+    }
+
+    /// The process starts and takes up what the journal holds.
+    pub fn start(&mut self) {
+        self.start_ms = None;
+        (self.disk.is_locked, self.unlock_ms) = (false, None);
+        self.disk.recover(self.setup.off);
+        let (waiting, next) = self.disk.captures();
+        let mut captures = Captures::new(self.setup.rules, waiting, next)
+            .with_doubts(self.disk.unsure.clone(), self.disk.unread.clone())
+            .with_measuring(self.disk.measuring(), self.clock());
+        if !self.setup.rules.by_press {
+            captures.hears(Duration::ZERO);
+        } else if !self.is_unplugged {
+            captures.hears(self.clock());
+        }
+        let memory = self.disk.look();
+        let last_look = memory.looked;
+        let mut work = BTreeMap::new();
+        for (scan, row) in self.disk.scans() {
+            if row.state == gaiter_flow::ScanState::Spooled || row.is_held() {
+                work.insert(self.now_ms + 1000 + work.len() as u64, scan);
+            }
+        }
+        self.run = Some(Run {
+            settling: settling().remembering(memory),
+            captures,
+            kept: None,
+            sights: Sights::default(),
+            phase: Phase::Rest,
+            step_at_ms: self.now_ms,
+            work,
+            names: BTreeMap::new(),
+            last_look,
+            idle_ms: None,
+            listed: 0,
+            pass_at_ms: self.now_ms,
+        });
+        self.tell(|| "the station starts".to_owned());
+    }
+
+    pub fn crash(&mut self) {
+        self.run = None;
+        self.start_ms = Some(self.now_ms + 1000 + self.chance.below(120_000) as u64);
+        self.tell(|| "the station is killed".to_owned());
+    }
+
+    /// The machine starts anew: its clock begins again.
+    pub fn reboot(&mut self) {
+        self.run = None;
+        self.disk.machine_was_off(self.boot_ms, self.now_ms, self.setup.rules.late);
+        self.boot_ms = self.now_ms - 20_000;
+        self.start_ms = Some(self.now_ms + 1000);
+        self.tell(|| "the machine starts anew".to_owned());
+    }
+
+    /// Time goes on; everything happens that is due.
+    pub fn advance(&mut self, by_ms: u64) {
+        let until = self.now_ms + by_ms;
+        self.wake();
+        loop {
+            let export = self.truth.next_end_ms().unwrap_or(NEVER);
+            let (step, work, pass) = self.run.as_ref().map_or((NEVER, NEVER, NEVER), |run| {
+                let is_idle = run.captures.waiting().is_empty() && run.captures.next().is_none();
+                let pass = if is_idle { NEVER } else { run.pass_at_ms };
+                (run.step_at_ms, run.work.keys().next().copied().unwrap_or(NEVER), pass)
+            });
+            let unlock = self.unlock_ms.unwrap_or(NEVER);
+            let start = self.start_ms.unwrap_or(NEVER);
+            let due = export.min(step).min(work).min(pass).min(unlock).min(start);
+            if due > until {
+                break;
+            }
+            self.now_ms = self.now_ms.max(due);
+            if unlock == due {
+                (self.disk.is_locked, self.unlock_ms) = (false, None);
+                self.tell(|| "the journal can be written again".to_owned());
+            } else if start == due {
+                self.start();
+            } else if export == due {
+                self.make_up_looks();
+                self.end_due_export();
+                self.wake();
+            } else if work == due {
+                self.measure_due();
+            } else if step == due {
+                self.step();
+            } else {
+                self.pass();
+            }
+        }
+        self.now_ms = until;
+        self.make_up_looks();
+    }
+
+    /// Looks go on where something has changed.
+    fn wake(&mut self) {
+        let is_quiet = !self.is_away && !self.is_paused;
+        let version = self.folder.version;
+        if let Some(run) = &mut self.run
+            && let Some(at) = run.idle_ms.filter(|_| !is_quiet || run.listed != version)
+        {
+            (run.idle_ms, run.step_at_ms) = (None, run.step_at_ms.min(at.max(self.now_ms)));
+        }
+    }
+
+    /// Makes the last of the looks at which nothing was to be found: only its time matters.
+    fn make_up_looks(&mut self) {
+        let now_ms = self.now_ms;
+        let Some(at) = self.run.as_ref().and_then(|run| run.idle_ms) else { return };
+        if now_ms < at + LOOK_MS {
+            return;
+        }
+        let missed = (now_ms - LOOK_MS - at) / RESCAN_MS;
+        self.now_ms = at + missed * RESCAN_MS;
+        if let Some(run) = &mut self.run {
+            run.idle_ms = None;
+        }
+        for _ in 0..LOOK_STEPS {
+            self.step();
+            let step_at = self.run.as_ref().map_or(NEVER, |run| run.step_at_ms);
+            self.now_ms = if step_at == NEVER { self.now_ms } else { step_at.min(now_ms) };
+        }
+        self.now_ms = now_ms;
+    }
+
+    fn pass(&mut self) {
+        let now = self.clock();
+        let Some(run) = &mut self.run else { return };
+        run.pass_at_ms = self.now_ms + PASS_MS;
+        let mut after = run.captures.clone();
+        after.pass(now, slice::from_ref(&run.sights));
+        if after != run.captures {
+            let _ = change(self.setup.off, &mut self.disk, run, after);
+        }
+    }
+
+    /// The button is pressed; whether the press was heard.
+    pub fn heard_press(&mut self) -> bool {
+        let now = self.clock();
+        let Some(run) = self.run.as_mut().filter(|_| !self.is_unplugged) else { return false };
+        let mut after = run.captures.clone();
+        after.pressed(self.disk.next_capture(), now);
+        if change(self.setup.off, &mut self.disk, run, after).is_err() {
+            run.captures.missed_press(now);
+        }
+        self.look_at_once();
+        true
+    }
+
+    /// A card was read or an order came in.
+    pub fn heard_name(&mut self, id: &str, by: SourceKind, doubt: Option<Doubt>) {
+        let now = self.clock();
+        if self.name(id, by, doubt).is_err()
+            && let Some(run) = &mut self.run
+        {
+            run.captures.unread(now);
+        }
+    }
+
+    /// Somebody names the patient of the next scan.
+    pub fn name(&mut self, id: &str, by: SourceKind, doubt: Option<Doubt>) -> Result<(), Fault> {
+        let now = self.clock();
+        let Some(run) = &mut self.run else { return Err(Fault) };
+        let number = self.disk.next_capture();
+        let Sights { coming, .. } = run.sights.clone();
+        let mut after = run.captures.clone();
+        let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by, now) };
+        let came = match doubt {
+            None => after.named(named, number, now, &coming),
+            Some(doubt) => after.doubtful(named, doubt, number, now, &coming),
+        };
+        change(self.setup.off, &mut self.disk, run, after)?;
+        if !matches!(came, NamedNext::Waits { .. }) {
+            self.look_at_once();
+        }
+        Ok(())
+    }
+
+    /// Somebody tried to name a patient, and it could not be read.
+    pub fn unread(&mut self) {
+        let now = self.clock();
+        let Some(run) = self.run.as_mut().filter(|_| self.setup.off != Off::FailedNamingDisarms)
+        else {
+            return;
+        };
+        let mut after = run.captures.clone();
+        after.unread(now);
+        let _ = change(self.setup.off, &mut self.disk, run, after.clone());
+        run.captures = after;
+    }
+
+    /// A person gives up what waits.
+    pub fn call_off(&mut self) -> Result<(), Fault> {
+        let Some(run) = &mut self.run else { return Err(Fault) };
+        let mut after = run.captures.clone();
+        let called_off = after.call_off();
+        if called_off.name || !called_off.captures.is_empty() {
+            change(self.setup.off, &mut self.disk, run, after)?;
+        }
+        Ok(())
+    }
+
+    /// The scan that answered a capture was refused: another export is awaited.
+    pub fn reopen_capture(&mut self, scan: Scan) -> Result<(), Fault> {
+        let now = self.clock();
+        let Some(run) = &mut self.run else { return Err(Fault) };
+        let Some(capture) = self.disk.answered_by(scan) else { return Ok(()) };
+        if self.setup.off == Off::RefusalOpensAgain {
+            run.captures.measured(capture.number);
+            return Ok(());
+        }
+        let mut after = run.captures.clone();
+        after.refused(capture.number, now);
+        change(self.setup.off, &mut self.disk, run, after)
+    }
+
+    /// The port of the button is open, or is not any more.
+    pub fn port(&mut self, is_open: bool) {
+        let now = self.clock();
+        self.is_unplugged = !is_open;
+        if let Some(run) = &mut self.run {
+            if is_open { run.captures.hears(now) } else { run.captures.deaf() }
+        }
+    }
+}
+
+pub fn settling() -> Settling {
+    Settling::new(QUIET, SHORT_WAIT, Duration::from_secs(3600))
+}
+
+/// As `Station::change_booth`: the journal first.
+fn change(off: Off, disk: &mut Disk, run: &mut Run, after: Captures) -> Result<(), Fault> {
+    let written = disk.booth_changed(&run.captures, &after);
+    if written.is_ok() || off == Off::JournalFirst {
+        run.captures = after;
+    }
+    written
+}
+
+/// With a law of orders switched off an order is heard as if somebody at the booth had said it.
+fn as_heard(off: Off, run: &Run, id: &str, by: SourceKind, now: Duration) -> SourceKind {
+    let others_wait =
+        run.captures.next().is_some_and(|next| next.names.iter().any(|said| said.named.id != id));
+    let is_unsure = run.captures.unsure_at().iter().any(|at| now <= *at + WINDOW + LATE);
+    let as_said = match off {
+        Off::OrdersAddUp => others_wait,
+        Off::OrderAfterUnnamedPress => !others_wait && is_unsure,
+        _ => false,
+    };
+    if by == SourceKind::Order && as_said { SourceKind::Reader } else { by }
+}

@@ -1,0 +1,397 @@
+//! Looks and takes, step by step as the intake makes them, so that anything may happen in between:
+//! composed as in `station/intake.rs`, `station/intake/ingest.rs` and
+//! `station/custody.rs`.
+
+#![allow(clippy::large_enum_variant)]
+use std::collections::{BTreeMap, VecDeque};
+use std::time::Duration;
+
+use gaiter_flow::capture::{Content as Judge, Judged, Named};
+use gaiter_flow::export::companions::{self, Done};
+use gaiter_flow::patient::identity;
+use gaiter_flow::{Look, LookTime, Mark, NameSays, Settled, Stamp, Verdict};
+use gaiter_record::SourceKind;
+
+use super::booth::{Booth, NEVER, RESCAN_MS, Run};
+use super::content::Content;
+use super::disk::{Fault, Intake};
+use super::folder::{self, Held};
+use super::laws::Off;
+use super::work::first_sights;
+
+/// A refused scan with fewer bytes than this tells nothing by being the beginning of another: the
+/// station's `COMPLETED_LEAST`, in proportion to the contents of the model.
+pub const COMPLETED_LEAST: usize = 4096;
+
+/// The shortest time from one look to the next, milliseconds.
+const BREATH_MS: u64 = 100;
+
+/// What the intake does next.
+pub enum Phase {
+    /// A look begins.
+    Rest,
+    /// The folder is listed.
+    List { began: Duration },
+    /// The look ends.
+    Decide { began: Duration, found: Vec<(String, Stamp)> },
+    /// Parts of files are read.
+    Mark { due: VecDeque<Settled> },
+    /// A file that has settled is read.
+    Read { due: VecDeque<Settled> },
+    /// What was read is taken.
+    Take { due: VecDeque<Settled>, settled: Settled, mark: Mark, content: Content },
+}
+
+/// What goes wrong with one scan that comes in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakeFault {
+    /// The spool keeps nothing.
+    Spool,
+    /// The bytes are kept and the sync of their name fails.
+    Sync,
+    /// The bytes are kept and the journal fails.
+    Journal,
+    /// The process ends when the bytes are kept.
+    Crash,
+    /// The process ends when the journal has the scan.
+    CrashEntered,
+}
+
+impl Booth {
+    /// Something in the folder changed, or the button was pressed.
+    pub fn look_at_once(&mut self) {
+        if let Some(run) = &mut self.run
+            && matches!(run.phase, Phase::Rest)
+        {
+            run.step_at_ms = run.step_at_ms.min(self.now_ms + BREATH_MS);
+            run.idle_ms = None;
+        }
+    }
+
+    pub fn hint(&mut self) {
+        if self.setup.hints && !self.is_away {
+            self.look_at_once();
+        }
+    }
+
+    /// The next step of the intake.
+    pub fn step(&mut self) {
+        let Some(run) = &mut self.run else { return };
+        let phase = std::mem::replace(&mut run.phase, Phase::Rest);
+        let (next, pause_ms) = match phase {
+            Phase::Rest => (Phase::List { began: self.clock() }, self.chance.below(60) as u64),
+            Phase::List { began } => {
+                run.listed = self.folder.version;
+                let found = self.folder.list();
+                (Phase::Decide { began, found }, self.chance.below(60) as u64)
+            }
+            Phase::Decide { began, found } => {
+                let due = self.decide(began, found);
+                (Phase::Mark { due }, self.chance.below(30) as u64)
+            }
+            Phase::Mark { due } => {
+                self.mark();
+                (Phase::Read { due }, 1)
+            }
+            Phase::Read { due } => self.read(due),
+            Phase::Take { due, settled, mark, content } => {
+                self.taken(&settled, &mark, &content);
+                (Phase::Read { due }, 1)
+            }
+        };
+        if let Some(run) = &mut self.run {
+            (run.phase, run.step_at_ms) = (next, self.now_ms + pause_ms);
+        }
+    }
+
+    fn decide(&mut self, began: Duration, found: Vec<(String, Stamp)>) -> VecDeque<Settled> {
+        let ended = self.clock();
+        let off = self.setup.off;
+        let is_away = self.is_away;
+        let Some(run) = &mut self.run else { return VecDeque::new() };
+        let when = LookTime { began, ended };
+        if is_away {
+            run.settling.observe(Look::OutOfReach, when);
+            run.sights = run.settling.sights();
+            return VecDeque::new();
+        }
+        first_sights(run, &found, began, ended);
+        let (mut scans, mut beside, mut passers) =
+            (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+        for (name, mut stamp) in found {
+            if off == Off::Inodes {
+                // Each name stands for itself.
+                stamp.ino =
+                    name.bytes().fold(7, |sum, byte| sum * 31 % 1_000_003 + u64::from(byte));
+            }
+            let ending = name.rsplit_once('.').filter(|_| !name.starts_with('.'));
+            let of = match ending {
+                Some((_, "obj")) => &mut scans,
+                Some((_, "ord")) => &mut beside,
+                _ => &mut passers,
+            };
+            of.insert(folder::path(&name), stamp);
+        }
+        run.settling.pass_over(passers, when);
+        let groups = companions::groups(scans, beside, |_| Done::NotAsked);
+        let due = run.settling.observe(Look::Seen(groups), when);
+        run.sights = run.settling.sights();
+        let journal = &self.disk;
+        due.into_iter().filter(|file| !dealt_with(journal, run, file)).collect()
+    }
+
+    fn mark(&mut self) {
+        let now = self.clock();
+        let Some(run) = self.run.as_mut().filter(|_| !self.is_away) else { return };
+        for (path, stamp) in run.settling.unmarked() {
+            let content = self.folder.export(&name_of(&path));
+            let mark = content.and_then(|content| content.mark(now, now, stamp.size));
+            run.settling.marked(&path, stamp, mark);
+        }
+        let memory = run.settling.memory();
+        let opened = run.captures.waiting().iter().map(|capture| capture.opened).max();
+        let is_kept = run.kept.as_ref().is_some_and(|kept| {
+            let covers = opened.is_none_or(|at| kept.looked.is_some_and(|looked| looked > at));
+            kept.files == memory.files && covers && kept.looked.is_some() == memory.looked.is_some()
+        });
+        if !is_kept {
+            run.kept = self.disk.looked(&memory).ok().map(|()| memory);
+        }
+    }
+
+    /// Reads the next file that has settled; else rests.
+    fn read(&mut self, mut due: VecDeque<Settled>) -> (Phase, u64) {
+        let now = self.clock();
+        let off = self.setup.off;
+        let is_shut = self.is_paused || self.is_away;
+        let Some(run) = &mut self.run else { return (Phase::Rest, 0) };
+        while let Some(settled) = due.pop_front().filter(|_| !is_shut) {
+            let name = name_of(&settled.path);
+            let mut stamp = settled.stamp;
+            if off == Off::Inodes {
+                stamp.ino = self.folder.inode(&name).unwrap_or(0);
+            }
+            let Some(content) = self.folder.content(&name, stamp) else {
+                run.settling.changed(&settled, now);
+                continue;
+            };
+            if let Some(mark) = content.mark(now, now, stamp.size) {
+                return (Phase::Take { due, settled, mark, content }, self.chance.below(20) as u64);
+            }
+        }
+        run.sights = run.settling.sights();
+        let is_idle = run.settling.next_due().is_none() && !is_shut;
+        if is_idle && run.listed == self.folder.version {
+            run.idle_ms = Some(self.now_ms + RESCAN_MS);
+            return (Phase::Rest, NEVER - self.now_ms);
+        }
+        let soon = run.settling.next_due().map_or(RESCAN_MS, |at| {
+            let left = at.saturating_sub(now).as_millis() as u64;
+            if is_shut { left.max(2000) } else { left }
+        });
+        (Phase::Rest, soon.clamp(BREATH_MS, RESCAN_MS))
+    }
+
+    fn taken(&mut self, settled: &Settled, mark: &Mark, content: &Content) {
+        if let Some(run) = &mut self.run {
+            run.settling.read(settled, mark);
+        }
+        let awaits_rest = !settled.awaited && content.awaits_rest();
+        let came = if awaits_rest { Ok(()) } else { self.take(settled, content) };
+        let (now, chance) = (self.clock(), self.chance.unit());
+        let Some(run) = &mut self.run else { return };
+        match came {
+            Ok(()) if awaits_rest => run.settling.cut_short(settled),
+            Ok(()) => run.settling.taken(settled),
+            Err(Fault) => run.settling.failed(settled, now, chance),
+        }
+    }
+
+    /// As `ingest::take`.
+    fn take(&mut self, settled: &Settled, content: &Content) -> Result<(), Fault> {
+        let says = self.beside(settled);
+        self.admit(settled, content, says)?;
+        if self.run.is_none() {
+            return Ok(());
+        }
+        let name = name_of(&settled.path);
+        self.note_companion(&name, settled)?;
+        self.disk.sighted(&name, settled.stamp)
+    }
+
+    /// As `ingest::admit`.
+    fn admit(&mut self, settled: &Settled, content: &Content, says: NameSays) -> Result<(), Fault> {
+        let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
+        let Some(run) = &self.run else { return Err(Fault) };
+        let mut began = run.settling.began(settled, content.bytes());
+        self.tell(|| format!("{} is read; its content began {began:?}", name_of(&settled.path)));
+        self.enter_kept()?;
+        let known = self.disk.known(scan, &content.geometry());
+        let completes = match known {
+            Some(_) => None,
+            None => self.completes(settled, content),
+        };
+        let Some(run) = &mut self.run else { return Err(Fault) };
+        if off == Off::ContentNotName
+            && let Some(first) = run.names.get(&name_of(&settled.path))
+        {
+            began = *first;
+        }
+        let is_known = known.is_some() && off != Off::KnownAnswerNothing;
+        let is_cut_short = content.awaits_rest();
+        let judge = Judge { began, is_known, is_cut_short, completes };
+        let judged = match off {
+            Off::RefusedIsCandidate => without_refused(run).judge_content(&judge),
+            _ => run.captures.judge_content(&judge),
+        };
+        let named = self.setup.identity.of_file_name(&name_of(&settled.path));
+        let says = [named, says];
+        let whose = identity::of_judged(&judged, known.is_some(), self.setup.hold_unpressed, says);
+        let patient = whose.patient.map(|patient| patient.id);
+        let patients = known.map_or_else(Vec::new, |known| self.disk.patients(known));
+        let verdict = identity::judge(patients.iter().map(Option::as_deref), patient.as_deref());
+        let verdict = match verdict {
+            Verdict::New => whose.held.map_or(Verdict::New, Verdict::Held),
+            other => other,
+        };
+        if verdict == Verdict::Already {
+            if off == Off::KnownAnswerNothing {
+                run.captures.answer(&judged, now);
+            }
+            self.tell(|| format!("{:?} is known", content.scan()));
+            return Ok(());
+        }
+        let held = match verdict {
+            Verdict::Held(why) => Some(why),
+            Verdict::New | Verdict::Already => None,
+        };
+        let intake = Intake {
+            content: content.clone(),
+            patient,
+            held,
+            geometry: content.geometry(),
+            judged: judged.clone(),
+        };
+        self.keep(content, &intake)
+    }
+
+    /// Spool, then journal, then memory; or what goes wrong in between.
+    fn keep(&mut self, content: &Content, intake: &Intake) -> Result<(), Fault> {
+        let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
+        let fault = self.fault.take();
+        let kept = match fault {
+            Some(TakeFault::Spool) => Err(Fault),
+            _ => {
+                self.disk.spool_keep(scan, intake.clone());
+                if fault == Some(TakeFault::Crash) {
+                    self.crash();
+                    return Ok(());
+                }
+                if fault == Some(TakeFault::Sync) { Err(Fault) } else { Ok(()) }
+            }
+        };
+        let was_locked = self.disk.is_locked;
+        self.disk.is_locked |= fault == Some(TakeFault::Journal);
+        let entered = kept.and_then(|()| self.disk.enter(scan, intake));
+        self.disk.is_locked = was_locked;
+        if entered.is_ok() && fault == Some(TakeFault::CrashEntered) {
+            self.crash();
+            return Ok(());
+        }
+        let (is_kept, judged) = (self.disk.spool_holds(scan), &intake.judged);
+        let Some(run) = &mut self.run else { return Err(Fault) };
+        if entered.is_ok() || (is_kept && off != Off::KeptScansAnswer) {
+            run.captures.answer(judged, now);
+        }
+        if entered.is_ok() {
+            let at = self.now_ms + 1000 + self.chance.below(3000) as u64;
+            run.work.insert(at, scan);
+        }
+        self.tell(|| {
+            let of = content.whole.body;
+            let how = if entered.is_ok() { "is taken" } else { "cannot be entered" };
+            let Intake { patient, held, .. } = intake;
+            format!(
+                "body {of} ({} bytes) {how}: {patient:?} {held:?}; {judged:?}",
+                content.length()
+            )
+        });
+        entered
+    }
+
+    /// As `Custody::enter_kept`.
+    fn enter_kept(&mut self) -> Result<(), Fault> {
+        let now = self.clock();
+        for (scan, mut intake) in self.disk.unentered() {
+            if self.setup.off == Off::KeptScansAnswer {
+                intake.judged = Judged::Unpressed;
+            }
+            self.disk.enter(scan, &intake)?;
+            let Some(run) = &mut self.run else { return Err(Fault) };
+            run.captures.answer(&intake.judged, now);
+            run.work.insert(self.now_ms + 1500, scan);
+            self.tell(|| format!("{scan:?} is entered after all"));
+        }
+        Ok(())
+    }
+
+    /// As `Custody::completed_by`.
+    fn completes(&self, settled: &Settled, content: &Content) -> Option<Vec<Named>> {
+        let part = self.disk.beginning(content, settled.writing.read(), COMPLETED_LEAST)?;
+        let whose = self.disk.whose(part).into_iter();
+        Some(whose.map(|id| Named { id, by: SourceKind::Record }).collect())
+    }
+
+    /// What the scanner's own measures beside a scan say, where they are of this scan.
+    fn beside(&self, settled: &Settled) -> NameSays {
+        let [only] = settled.companions.as_slice() else { return NameSays::Nothing };
+        let used = self.disk.companions.get(&name_of(&settled.path));
+        let is_fresh =
+            self.setup.off == Off::FreshCompanions || companions::is_fresh(&only.stamp, used);
+        if !self.setup.has_measures || !is_fresh {
+            return NameSays::Nothing;
+        }
+        let name = name_of(&only.path);
+        match self.folder.held(&name).filter(|_| self.folder.stamp(&name) == Some(only.stamp)) {
+            Some(Held::Measures(text)) => self.setup.identity.of_sidecar(text),
+            _ => NameSays::Nothing,
+        }
+    }
+
+    /// A journal that was lost knew which companions had been used: none that lies there counts.
+    pub fn pass_over_companions(&mut self) {
+        for (name, stamp) in self.folder.list() {
+            if let Some(stem) = name.strip_suffix(".ord") {
+                self.disk.companions.insert(format!("{stem}.obj"), stamp);
+            }
+        }
+    }
+
+    fn note_companion(&mut self, scan: &str, settled: &Settled) -> Result<(), Fault> {
+        if let [only] = settled.companions.as_slice() {
+            self.disk.companions.insert(scan.to_owned(), only.stamp);
+        }
+        Ok(())
+    }
+}
+
+fn dealt_with(disk: &super::disk::Disk, run: &mut Run, file: &Settled) -> bool {
+    let is_dealt_with = disk.was_sighted(&name_of(&file.path), file.stamp);
+    if is_dealt_with {
+        run.settling.taken(file);
+    }
+    is_dealt_with
+}
+
+fn without_refused(run: &Run) -> gaiter_flow::capture::Captures {
+    let mut captures = run.captures.clone();
+    for refused in run.captures.waiting().iter().filter(|capture| capture.is_refused) {
+        captures.answer(&Judged::Of(refused.clone()), Duration::ZERO);
+        captures.measured(refused.number);
+    }
+    captures
+}
+
+fn name_of(path: &std::path::Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -1,0 +1,318 @@
+//! The people: who stands in the booth, who is named, and by what rules they speak.
+
+use std::collections::BTreeMap;
+
+use gaiter_flow::ScanState;
+use gaiter_record::SourceKind;
+
+use super::booth::Booth;
+use super::desk::Order;
+use super::kinds::Kind;
+use super::truth::{Plan, id};
+
+/// One whole scan in so many cannot be measured.
+const REFUSED: usize = 6;
+
+/// After so long nobody relies on a name that was said, milliseconds.
+const RELIED_MS: u64 = 600_000;
+
+/// What was said of whoever stands in the booth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Said {
+    /// Their name, and the station heard it.
+    Name,
+    /// Their name; it was misread or lost, and nobody noticed.
+    Unheard,
+    /// That nobody is named.
+    Nobody,
+}
+
+/// The booth with its people.
+pub struct People {
+    pub booth: Booth,
+    pub standing: Option<usize>,
+    /// What was said for the next scan of whoever stands there, and when.
+    pub said: Option<(Said, u64)>,
+    /// Whose names somebody at the booth believes to be waiting.
+    pub waiting: Vec<usize>,
+    /// Patients to come whose orders were sent, and when.
+    pub ordered: BTreeMap<usize, u64>,
+    /// Patients to come, whatever became of their orders.
+    pub expected: Vec<usize>,
+    /// Patients who were scanned and never ordered, with their last scan.
+    pub not_ordered: BTreeMap<usize, usize>,
+    pub orders: Vec<Order>,
+    /// Orders that the station has not read, for it does not run or its journal cannot be written.
+    pub letters: Vec<Order>,
+    pub patients: usize,
+    pub keeps_orders: bool,
+    /// So many scans were made before somebody last said that nobody is named.
+    given_up: usize,
+    /// What the sequence has in mind: it happens without a reason, too.
+    pub theme: &'static [Kind],
+}
+
+impl People {
+    pub fn new(booth: Booth, keeps_orders: bool, theme: &'static [Kind]) -> People {
+        People {
+            booth,
+            standing: None,
+            said: None,
+            waiting: Vec::new(),
+            ordered: BTreeMap::new(),
+            expected: Vec::new(),
+            not_ordered: BTreeMap::new(),
+            orders: Vec::new(),
+            letters: Vec::new(),
+            patients: 0,
+            keeps_orders,
+            given_up: 0,
+            theme,
+        }
+    }
+
+    pub fn has_button(&self) -> bool {
+        self.booth.setup.rules.by_press
+    }
+
+    pub fn runs(&self) -> bool {
+        self.booth.run.is_some()
+    }
+
+    /// Somebody new steps in, or somebody who is known comes back.
+    pub fn step_in(&mut self, patient: usize) {
+        self.standing = Some(patient);
+        self.expected.retain(|other| *other != patient);
+        let now = self.booth.now_ms;
+        let sent = self.ordered.remove(&patient).filter(|sent| now < sent + RELIED_MS);
+        self.said = sent.filter(|_| self.waiting.contains(&patient)).map(|sent| (Said::Name, sent));
+        self.booth.tell(|| format!("{} steps in", id(patient)));
+    }
+
+    /// Mostly there are some minutes between two patients.
+    pub fn next_patient(&mut self) -> bool {
+        if !self.awaits_exports() && self.booth.chance.below(2) == 0 {
+            let by_ms = self.booth.chance.below(300_000) as u64;
+            self.booth.advance(by_ms);
+        }
+        self.steps_in()
+    }
+
+    pub fn new_patient(&mut self) -> usize {
+        self.patients += 1;
+        self.patients
+    }
+
+    /// What was said of whoever stands there and still counts.
+    pub fn said_now(&self) -> Option<Said> {
+        let (said, at_ms) = self.said?;
+        (self.booth.now_ms < at_ms + RELIED_MS).then_some(said)
+    }
+
+    /// Whether some export is still to come.
+    pub fn awaits_exports(&self) -> bool {
+        (0..self.booth.truth.bodies.len()).any(|body| !self.booth.is_settled(body))
+    }
+
+    /// Without a button: whether a scan nobody was named for has not begun to come, so that its export
+    /// would pass for that of whoever is named now.
+    pub fn is_nobodys_awaited(&self) -> bool {
+        let bodies = &self.booth.truth.bodies;
+        !self.has_button()
+            && bodies.iter().any(|body| body.plan == Plan::Scanned && !body.is_covered)
+    }
+
+    /// Whether another patient's name waits, or without a button something may still come of the scan of
+    /// one who was named.
+    pub fn is_other_awaited(&self, patient: usize) -> bool {
+        let bodies = &self.booth.truth.bodies;
+        let others = (self.given_up..bodies.len()).filter(|at| bodies[*at].patient != patient);
+        self.waiting.iter().any(|other| *other != patient)
+            || (!self.has_button() && !others.into_iter().all(|body| self.is_done(body)))
+    }
+
+    /// Whether somebody may be named at the booth now.
+    pub fn may_name(&self) -> bool {
+        self.runs() && self.standing.is_some() && !self.is_nobodys_awaited()
+    }
+
+    pub fn card(&mut self) -> bool {
+        let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
+        self.booth.tell(|| format!("{} is named by card", id(patient)));
+        let is_kept = !self.booth.disk.is_locked;
+        self.booth.heard_name(&id(patient), SourceKind::Reader, None);
+        self.is_named(patient, if is_kept { Said::Name } else { Said::Unheard });
+        true
+    }
+
+    pub fn word(&mut self) -> bool {
+        let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
+        // Without a button a word gives up the captures of others.
+        if !self.has_button() && self.awaits_exports() {
+            return false;
+        }
+        let named = self.booth.name(&id(patient), SourceKind::Operator, None);
+        self.booth.tell(|| format!("{} is named by word: {named:?}", id(patient)));
+        if named.is_ok() {
+            self.is_named(patient, Said::Name);
+            if !self.has_button() {
+                self.gives_up_refused(patient);
+            }
+        }
+        true
+    }
+
+    /// Nobody relies on refused scans of others any more.
+    fn gives_up_refused(&mut self, patient: usize) {
+        for body in self.booth.truth.bodies.iter_mut().filter(|body| body.patient != patient) {
+            body.refused_ms = None;
+        }
+    }
+
+    /// At the booth: the last word counts.
+    fn is_named(&mut self, patient: usize, said: Said) {
+        self.says(patient, said);
+        if said == Said::Name {
+            self.waiting = vec![patient];
+            self.ordered.clear();
+        } else if !self.waiting.contains(&patient) {
+            self.waiting.push(patient);
+        }
+    }
+
+    /// What was said is for the next scan; without a button not while the present one is to come.
+    pub fn says(&mut self, patient: usize, said: Said) {
+        let is_of_before = !self.has_button() && self.unsettled_of(patient);
+        self.said = (!is_of_before).then_some((said, self.booth.now_ms));
+    }
+
+    /// A card of whoever stands there cannot be read, or their order.
+    pub fn misread(&mut self) -> bool {
+        let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
+        self.booth.tell(|| format!("{}'s card cannot be read", id(patient)));
+        self.booth.unread();
+        self.says(patient, Said::Unheard);
+        true
+    }
+
+    /// Whoever takes over says that nobody is named; not while an export comes in. Scans whose exports
+    /// have not begun are given up with that.
+    pub fn nobody(&mut self) -> bool {
+        let bodies = &self.booth.truth.bodies;
+        let comes = (0..bodies.len())
+            .any(|at| !self.booth.is_settled(at) && bodies[at].plan != Plan::Scanned);
+        if !self.runs() || self.standing.is_none() || comes {
+            return false;
+        }
+        let called_off = self.booth.call_off();
+        self.booth.tell(|| format!("nobody is named: {called_off:?}"));
+        if called_off.is_ok() {
+            self.said = Some((Said::Nobody, self.booth.now_ms));
+            self.given_up = self.booth.truth.bodies.len();
+            for body in self.booth.truth.planned(Plan::Scanned) {
+                self.booth.truth.bodies[body].plan = Plan::Over;
+            }
+            self.nothing_waits();
+        }
+        true
+    }
+
+    /// Nothing waits any more, and nobody relies on what was refused.
+    pub fn nothing_waits(&mut self) {
+        self.waiting.clear();
+        self.ordered.clear();
+        for body in &mut self.booth.truth.bodies {
+            body.refused_ms = None;
+            if body.plan == Plan::Broken {
+                body.plan = Plan::Over;
+            }
+        }
+    }
+
+    pub fn was_scanned(&self) -> bool {
+        let bodies = &self.booth.truth.bodies;
+        bodies.last().is_some_and(|body| Some(body.patient) == self.standing)
+    }
+
+    /// Whoever stands there is scanned, once somebody has said who it is, or nobody.
+    pub fn press(&mut self) -> bool {
+        let Some(patient) = self.standing else { return false };
+        let Some(said) = self.ready() else { return false };
+        let is_again = self.booth.truth.bodies.iter().any(|body| body.patient == patient);
+        if !self.has_button() && is_again && self.unsettled_of(patient) {
+            return false;
+        }
+        let is_kept = self.runs() && !self.booth.disk.is_locked && !self.booth.is_unplugged;
+        if self.has_button() {
+            let is_heard = self.booth.heard_press();
+            self.booth
+                .tell(|| format!("the button is pressed for {} (heard {is_heard})", id(patient)));
+            if is_kept {
+                self.waiting.retain(|other| *other != patient);
+            }
+        } else {
+            self.booth.tell(|| format!("{} is scanned", id(patient)));
+            self.waiting.retain(|other| *other != patient);
+        }
+        let is_covered = if self.has_button() { is_kept } else { said == Said::Name };
+        let body = self.booth.scan_body(patient, is_covered);
+        self.booth.truth.bodies[body].is_refused = self.booth.chance.below(REFUSED) == 0;
+        if said != Said::Name {
+            self.not_ordered.entry(patient).or_insert(body);
+        }
+        self.said = None;
+        true
+    }
+
+    /// People do what there is reason for, and now and then what there is none for.
+    pub fn has_reason(&mut self, kind: Kind) -> bool {
+        let is_reason = match kind {
+            Kind::Press => !self.awaits_exports() && !self.was_scanned(),
+            Kind::NextPatient => self.standing.is_none() || self.was_scanned(),
+            Kind::Card | Kind::Word | Kind::Order => self.said.is_none() && !self.was_scanned(),
+            Kind::OrderEarly => self.was_scanned(),
+            _ => true,
+        };
+        is_reason || self.theme.contains(&kind) || self.booth.chance.below(8) == 0
+    }
+
+    /// Whether all that came in of a scan was measured.
+    fn is_done(&self, body: usize) -> bool {
+        let rows = self.booth.disk.scans().filter(|(_, row)| row.content.whole.body == body);
+        let mut states =
+            rows.map(|(_, row)| row.state == ScanState::Delivered && row.held.is_none()).peekable();
+        states.peek().is_some() && states.all(|is_delivered| is_delivered)
+    }
+
+    /// Whether every scan was measured since somebody last said that nobody is named.
+    fn is_all_done(&self) -> bool {
+        let count = self.booth.truth.bodies.len();
+        !self.awaits_exports() && (self.given_up..count).all(|body| self.is_done(body))
+    }
+
+    pub fn unsettled_of(&self, patient: usize) -> bool {
+        let bodies = &self.booth.truth.bodies;
+        (0..bodies.len()).any(|at| bodies[at].patient == patient && !self.booth.is_settled(at))
+    }
+
+    /// What was said of whoever is scanned now; it is said where it was not.
+    fn ready(&mut self) -> Option<Said> {
+        if let Some(said) = self.said_now() {
+            let is_true = said != Said::Nobody || self.waiting.is_empty();
+            if is_true {
+                return Some(said);
+            }
+        }
+        if self.waiting.is_empty() && (self.has_button() || self.is_all_done()) {
+            // Nobody is named, and nobody need say so.
+            return Some(Said::Nobody);
+        }
+        let draw = self.booth.chance.below(3);
+        let is_said = match draw {
+            0 => self.card(),
+            1 => self.word(),
+            _ => self.nobody(),
+        };
+        if is_said { self.said_now() } else { None }
+    }
+}

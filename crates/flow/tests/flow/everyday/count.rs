@@ -1,0 +1,100 @@
+//! What came of the days of a workflow.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use gaiter_flow::DeliveryState;
+use gaiter_flow::capture::Judged;
+
+use super::day::Day;
+use super::truth::{Plan, id};
+use super::workflow::Naming;
+
+#[derive(Debug, Default)]
+pub struct Count {
+    pub scans: usize,
+    /// Scans of patients who were named.
+    pub named: usize,
+    pub given: usize,
+    pub held: usize,
+    pub unassigned: usize,
+    pub refused: usize,
+    /// Bodies whose export never came in.
+    pub lost: usize,
+    causes: BTreeMap<&'static str, usize>,
+    /// The days on which a hold came to a third patient although the booth had said who is there.
+    pub spread: Vec<u64>,
+    /// The days on which it did so, and the light had asked and got no answer.
+    pub spread_unanswered: Vec<u64>,
+}
+
+impl Count {
+    pub fn add(&mut self, day: &Day<'_>, seed: u64) {
+        let bodies = &day.booth.truth.bodies;
+        let mut chains: Vec<BTreeSet<String>> = Vec::new();
+        for (body, of) in bodies.iter().enumerate() {
+            let rows = day.booth.disk.scans().filter(|(_, row)| row.content.whole.body == body);
+            let Some((_, row)) = rows.max_by_key(|(_, row)| row.content.length()) else {
+                self.lost += 1;
+                continue;
+            };
+            self.scans += 1;
+            self.named += usize::from(day.habits.naming != Naming::Nobody);
+            if let Some(why) = row.held {
+                self.held += 1;
+                *self.causes.entry(why).or_default() += 1;
+                let mut concerned = BTreeSet::from([id(of.patient)]);
+                if let Judged::Held { candidates, .. } = &row.judged {
+                    concerned.extend(candidates.iter().map(|named| named.id.clone()));
+                }
+                join(&mut chains, concerned);
+            } else if of.is_refused || of.plan == Plan::Broken {
+                self.refused += 1;
+            } else if row.deliveries.get(&Some(id(of.patient))) == Some(&DeliveryState::Delivered) {
+                self.given += 1;
+            } else {
+                self.unassigned += 1;
+            }
+        }
+        let unanswered: BTreeSet<String> = day.unanswered.iter().map(|who| id(*who)).collect();
+        for chain in chains.iter().filter(|chain| chain.len() > 2) {
+            let was_answered = chain.is_disjoint(&unanswered);
+            let days = if was_answered { &mut self.spread } else { &mut self.spread_unanswered };
+            days.push(seed);
+        }
+    }
+
+    pub fn held_percent(&self) -> f64 {
+        100.0 * self.held as f64 / self.named.max(1) as f64
+    }
+}
+
+/// Puts together what concerns the same patients.
+fn join(chains: &mut Vec<BTreeSet<String>>, mut concerned: BTreeSet<String>) {
+    chains.retain(|chain| {
+        let is_same = !chain.is_disjoint(&concerned);
+        if is_same {
+            concerned.extend(chain.iter().cloned());
+        }
+        !is_same
+    });
+    chains.push(concerned);
+}
+
+impl fmt::Display for Count {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Count { scans, given, held, unassigned, refused, spread, spread_unanswered, .. } = self;
+        write!(
+            out,
+            "{scans:6} scans {given:6} given {held:4} held ({:.2} %) {unassigned:5} unassigned \
+             {refused:4} refused   0 wrong   {} spread, {} unanswered ",
+            self.held_percent(),
+            spread.len(),
+            spread_unanswered.len(),
+        )?;
+        for (why, count) in &self.causes {
+            write!(out, " {why} {count}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,277 @@
+//! One day at a booth: who comes when, what people do, and what the scanner writes.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use gaiter_flow::ScanState;
+use gaiter_record::SourceKind;
+
+use super::booth::Booth;
+use super::exports::{How, Rest};
+use super::truth::{Plan, id};
+use super::workflow::{Habits, Naming};
+
+/// A day, milliseconds.
+const DAY_MS: u64 = 8 * 3600 * 1000;
+
+/// So many exports are left in the folder.
+const FILES: usize = 12;
+
+/// What happens at some time.
+#[derive(Debug, Clone, Copy)]
+enum Act {
+    Order(usize),
+    Card(usize),
+    /// The operator looks at the light, and answers what it asks, or not.
+    Ask(usize),
+    Press(usize),
+    Export(usize),
+    Grow(usize),
+    SecondExport(usize),
+    /// Whether the scan was refused, and what people do then.
+    After(usize),
+}
+
+/// A day, and what came of it.
+pub struct Day<'a> {
+    pub booth: Booth,
+    pub habits: &'a Habits,
+    acts: BTreeMap<(u64, u64), Act>,
+    acts_made: u64,
+    files: Vec<String>,
+    /// Of each body, whether it is a second scan of somebody whose first one was refused.
+    pub is_again: Vec<bool>,
+    /// Patients at whose scan the light asked who is there, and nobody answered.
+    pub unanswered: BTreeSet<usize>,
+}
+
+/// Plays the day of a seed.
+pub fn play(habits: &Habits, seed: u64, tells: bool) -> Day<'_> {
+    let booth = Booth::new(habits.setup(), seed, tells);
+    let (acts, files) = (BTreeMap::new(), Vec::new());
+    let mut day = Day {
+        booth,
+        habits,
+        acts,
+        acts_made: 0,
+        files,
+        is_again: Vec::new(),
+        unanswered: BTreeSet::new(),
+    };
+    day.plan();
+    while let Some(((at, _), act)) = day.acts.pop_first() {
+        let by_ms = at.saturating_sub(day.booth.now_ms);
+        day.booth.advance(by_ms);
+        day.act(act);
+    }
+    day.booth.advance(300_000);
+    day.booth.check_records();
+    day
+}
+
+impl Day<'_> {
+    fn at(&mut self, at_ms: u64, act: Act) {
+        self.acts_made += 1;
+        self.acts.insert((at_ms.max(self.booth.now_ms), self.acts_made), act);
+    }
+
+    /// Evenly from `least` to `most` seconds, in milliseconds.
+    fn some_s(&mut self, least: u64, most: u64) -> u64 {
+        least * 1000 + self.booth.chance.below(((most - least) * 1000) as usize) as u64
+    }
+
+    fn one_in(&mut self, count: usize) -> bool {
+        self.booth.chance.below(count) == 0
+    }
+
+    fn plan(&mut self) {
+        let patients = 40 + self.booth.chance.below(21);
+        let apart = DAY_MS / patients as u64;
+        let begin = self.booth.now_ms + 600_000;
+        let mut press_before = begin;
+        for patient in 0..patients {
+            let press = begin + apart * patient as u64 + self.some_s(0, apart / 2500);
+            let never_comes = self.habits.no_shows && self.one_in(50);
+            match self.habits.naming {
+                Naming::Order => {
+                    // Before the first patient nobody is in the booth.
+                    let early = patient > 0 && self.habits.early && self.booth.chance.below(10) < 3;
+                    let order = match early {
+                        true => press_before + self.some_s(5, 120),
+                        false => press - self.some_s(15, 120),
+                    };
+                    self.at(order.max(press_before + 1000), Act::Order(patient));
+                }
+                Naming::Card if !never_comes => {
+                    let card = press - self.some_s(5, 40);
+                    self.at(card, Act::Card(patient));
+                }
+                Naming::Card | Naming::FileName | Naming::Nobody => {}
+            }
+            if never_comes {
+                continue;
+            }
+            let ask = press - self.some_s(2, 4);
+            self.at(ask, Act::Ask(patient));
+            self.at(press, Act::Press(patient));
+            press_before = press;
+        }
+    }
+
+    fn act(&mut self, act: Act) {
+        match act {
+            Act::Order(patient) => self.name(patient, SourceKind::Order),
+            Act::Card(patient) => self.name(patient, SourceKind::Reader),
+            Act::Ask(patient) => self.ask(patient),
+            Act::Press(patient) => self.press(patient, false),
+            Act::Export(body) => self.export(body),
+            Act::Grow(body) => self.grow(body),
+            Act::SecondExport(body) => self.second_export(body),
+            Act::After(body) => self.after(body),
+        }
+    }
+
+    fn name(&mut self, patient: usize, by: SourceKind) {
+        self.booth.tell(|| format!("{} is named: {by:?}", id(patient)));
+        self.booth.heard_name(&id(patient), by, None);
+    }
+
+    /// Half of what the light asks is answered.
+    fn ask(&mut self, patient: usize) {
+        let Some(run) = &self.booth.run else { return };
+        let is_asked = match self.habits.button {
+            true => run.captures.next().is_some_and(|next| !next.is_certain()),
+            false => {
+                let waiting = run.captures.waiting();
+                waiting
+                    .iter()
+                    .any(|capture| capture.patient.as_ref().is_some_and(|p| p.id != id(patient)))
+            }
+        };
+        if !is_asked {
+            return;
+        }
+        if self.one_in(2) {
+            self.unanswered.insert(patient);
+        } else {
+            self.booth.tell(|| "the operator answers what the light asks".to_owned());
+            let _ = self.booth.name(&id(patient), SourceKind::Operator, None);
+        }
+    }
+
+    fn press(&mut self, patient: usize, is_again: bool) {
+        if self.habits.button {
+            self.booth.heard_press();
+        }
+        self.booth.tell(|| format!("{} is scanned", id(patient)));
+        let body = self.booth.scan_body(patient, true);
+        self.is_again.push(is_again);
+        let is_refused = self.habits.refused && !is_again && self.one_in(25);
+        // Half of the refused scans are cut short, half are whole and cannot be measured.
+        let is_short = is_refused && self.one_in(2);
+        let of = &mut self.booth.truth.bodies[body];
+        of.is_refused = is_refused;
+        of.is_late = false;
+        if is_short {
+            of.plan = Plan::Broken;
+        }
+        let begins = self.booth.now_ms + self.some_s(5, 40);
+        self.at(begins, Act::Export(body));
+        if is_refused {
+            // Within the window that a refusal opens again, or the operator is not quick enough.
+            let after = begins + self.some_s(90, 130);
+            self.at(after, Act::After(body));
+        }
+    }
+
+    fn export(&mut self, body: usize) {
+        let patient = id(self.booth.truth.bodies[body].patient);
+        let is_short = self.booth.truth.bodies[body].plan == Plan::Broken;
+        let whole = self.booth.truth.bodies[body].whole.clone();
+        let name = match (self.habits.one_name, self.habits.naming) {
+            (true, _) => "scan.obj".to_owned(),
+            (_, Naming::FileName) => format!("{patient}_{body}.obj"),
+            _ => self.booth.fresh_name(),
+        };
+        let how = match (self.habits.temporary, self.habits.one_name) {
+            (true, _) => How::Temporary,
+            (_, true) if self.one_in(2) => How::Rewrite,
+            (_, true) => How::Replace,
+            _ => How::New,
+        };
+        let lasts = if self.habits.slow { 60_000 } else { self.some_s(1, 10) };
+        let rest = if is_short { Rest::Open } else { Rest::After(lasts) };
+        self.booth.begin_export(body, &whole, how, &name, rest);
+        if is_short {
+            // An empty file is no export that was cut short.
+            self.at(self.booth.now_ms + 500, Act::Grow(body));
+        }
+        let grows = if self.habits.slow { 5_000 } else { 700 };
+        for at in 1..lasts / grows {
+            self.at(self.booth.now_ms + at * grows, Act::Grow(body));
+        }
+        if self.habits.two_exports {
+            let again = self.booth.now_ms + lasts + self.some_s(1, 30);
+            self.at(again, Act::SecondExport(body));
+        }
+        self.tidy(name);
+    }
+
+    /// The scanner keeps its last exports only.
+    fn tidy(&mut self, name: String) {
+        if !self.files.contains(&name) {
+            self.files.push(name);
+        }
+        if self.files.len() > FILES {
+            let oldest = self.files.remove(0);
+            self.booth.folder.unlink(&oldest);
+        }
+    }
+
+    fn grow(&mut self, body: usize) {
+        let mut exports = self.booth.truth.exports.iter();
+        if let Some(place) = exports.position(|export| export.body == body) {
+            self.booth.grow(place);
+        }
+    }
+
+    fn second_export(&mut self, body: usize) {
+        let whole = self.booth.with_another_comment(body);
+        let name = match self.habits.one_name {
+            true => "scan.obj".to_owned(),
+            false => self.booth.fresh_name(),
+        };
+        let how = if self.habits.temporary { How::Temporary } else { How::Replace };
+        let lasts = self.some_s(1, 10);
+        self.booth.begin_export(body, &whole, how, &name, Rest::After(lasts));
+        self.tidy(name);
+    }
+
+    /// Of the refused scans half are scanned again and named, a quarter scanned again without a name,
+    /// a quarter given up without a word.
+    fn after(&mut self, body: usize) {
+        let is_refused = self
+            .booth
+            .disk
+            .scans()
+            .any(|(_, row)| row.content.whole.body == body && row.state == ScanState::Refused);
+        if !is_refused {
+            return;
+        }
+        let patient = self.booth.truth.bodies[body].patient;
+        match self.booth.chance.below(4) {
+            0 | 1 => {
+                match self.habits.naming {
+                    Naming::Order => self.name(patient, SourceKind::Order),
+                    Naming::Card => self.name(patient, SourceKind::Reader),
+                    Naming::FileName | Naming::Nobody => {}
+                }
+                let soon = 5_000 + self.booth.chance.below(20_000) as u64;
+                self.booth.advance(soon);
+                self.ask(patient);
+                self.press(patient, true);
+            }
+            2 => self.press(patient, true),
+            _ => self.booth.tell(|| "given up without a word".to_owned()),
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! The stance of a body: its shanks, its feet, the direction of the toes, and the floor.
+
+use nalgebra::{Point2, Vector2, Vector3};
+
+use super::floor::{Floor, floor};
+use super::long_axis::{LongAxis, long_axis};
+use crate::parting::cluster::clusters;
+use crate::sections::hull::Hull;
+use crate::sections::slice::{Crossing, Mesh};
+
+/// Heights at which the shanks are searched for, as shares of stature: above the malleoli (0.045)
+/// and below the calf's belly (0.20), where no hand hangs and legs hardly ever touch.
+const SHANK_SHARES: [f64; 8] = [0.08, 0.09, 0.10, 0.11, 0.12, 0.13, 0.14, 0.15];
+
+/// At least this many of these heights must show exactly two shanks …
+const SHANK_SLICES_MIN: usize = 3;
+
+/// … or this many exactly one and none more: a hole that hides a shank is shorter than that.
+const LONE_SLICES_MIN: usize = 6;
+
+/// Points of one shank closer than this are connected, mm: three times the spacing of a coarse
+/// export, less than the gap between two shanks.
+const SHANK_LINK_MM: f64 = 20.0;
+
+/// Minimum and maximum diameter of a shank, mm, including lymphoedema.
+const SHANK_DIAMETER_MM: [f64; 2] = [35.0, 300.0];
+
+/// A ring surrounds its middle if its points fall into this many of eight equal sectors; a sheet,
+/// an arm seen from one side or a speck does not.
+const SHANK_SECTORS_MIN: usize = 5;
+
+/// Points below this share of stature belong to the feet: under the malleoli.
+const FOOT_SHARE: f64 = 0.035;
+
+/// Minimum and maximum length of a foot as a share of stature. ANSUR II: 0.139 to 0.169 from first to
+/// last percentile; a foot whose skin ends above the sole is a little shorter, a swollen foot longer.
+const FOOT_LENGTH_SHARE: [f64; 2] = [0.115, 0.19];
+
+/// Maximum width of a foot as a share of stature. ANSUR II: 0.066 at the last percentile; swollen
+/// feet are wider, and a plate or platform under the feet is far wider.
+const FOOT_WIDTH_MAX_SHARE: f64 = 0.10;
+
+/// Minimum ratio of a foot's reach ahead of its ankle to that behind it; a foot that is seen whole
+/// reaches 2 to 4 times as far.
+const TOE_TO_HEEL_MIN: f64 = 1.3;
+
+/// Feet that point further apart than this do not show the facing, degrees.
+const FEET_SPREAD_MAX_DEG: f64 = 100.0;
+
+/// The feet contradict the ankles if the facing found from the feet deviates by more than this from
+/// the perpendicular to the line through the ankles, degrees.
+const SQUARE_MAX_DEG: f64 = 35.0;
+
+/// The stance of an upright body whose lowest point is at about z = 0, mm.
+#[derive(Debug, Clone)]
+pub struct Stance {
+    /// Middle of each shank, one or two in any order, at their lowest common height.
+    pub shanks: Vec<Point2<f64>>,
+    /// Middle of each foot, in the order of `shanks`.
+    pub feet: Vec<Point2<f64>>,
+    /// Direction of the toes, if the feet show it.
+    pub toes: Result<Vector2<f64>, FeetUnclear>,
+    /// The floor under the soles.
+    pub floor: Floor,
+}
+
+/// Why the feet do not show the facing.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FeetUnclear {
+    /// Hardly any points near the floor.
+    #[error("a foot has only {points} points")]
+    NotSeen {
+        /// Points of the foot with fewer points.
+        points: usize,
+    },
+    /// The part on the floor is not a foot but a platform, a plate, or a leg without its foot.
+    #[error(
+        "what stands on the floor is {length_percent:.0} % of the stature long and \
+         {width_percent:.0} % wide, which is not a foot"
+    )]
+    NoFoot {
+        /// Length, percent of the stature.
+        length_percent: f64,
+        /// Width, percent of the stature.
+        width_percent: f64,
+    },
+    /// A foot reaches as far ahead of the ankle as behind it.
+    #[error("a foot reaches {ratio:.2} times as far ahead of its ankle as behind it")]
+    NoToes {
+        /// Reach ahead over reach behind.
+        ratio: f64,
+    },
+    /// The feet point apart.
+    #[error("the feet point {spread_deg:.0} degrees apart")]
+    Apart {
+        /// Angle between the feet, degrees.
+        spread_deg: f64,
+    },
+    /// The toes point along the line through the ankles.
+    #[error(
+        "the toes point {off_deg:.0} degrees away from the perpendicular to the line through the ankles"
+    )]
+    NotSquare {
+        /// Deviation from the perpendicular, degrees.
+        off_deg: f64,
+    },
+}
+
+/// What was seen where two shanks, or a single one, were expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoLegs {
+    /// Heights at which exactly two were seen.
+    pub pairs: usize,
+    /// Heights at which exactly one was seen.
+    pub singles: usize,
+    /// Heights that were examined.
+    pub heights: usize,
+    /// The largest number seen at one height.
+    pub most: usize,
+}
+
+/// Finds the stance of a body with this stature, mm.
+///
+/// # Errors
+/// [`NoLegs`] if too few heights show exactly two shanks, or one and nothing else.
+pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
+    let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
+    // Only a tenth of the body is sliced.
+    let [low, high] = [heights[0], heights[heights.len() - 1]];
+    let part = mesh.part(|facet| facet.reaches([low, high]));
+    let slices = part.slices(&Vector3::z_axis(), &heights);
+    let rings: Vec<Vec<Point2<f64>>> = slices.iter().map(|slice| shank_middles(slice)).collect();
+    let shanks = shanks(rings)?;
+    let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
+    let middle = |(points, shank): (&Vec<[f64; 3]>, &Point2<f64>)| match points.len() {
+        0 => *shank,
+        n => {
+            points.iter().fold(Point2::origin(), |sum, p| sum + Vector2::new(p[0], p[1]) / n as f64)
+        }
+    };
+    Ok(Stance {
+        feet: feet_points.iter().zip(&shanks).map(middle).collect(),
+        toes: toes(&shanks, &feet_points, stature_mm),
+        floor: floor(&feet_points, stature_mm).unwrap_or(Floor {
+            height_mm: 0.0,
+            sd_mm: f64::INFINITY,
+            doubt: None,
+        }),
+        shanks,
+    })
+}
+
+/// The shanks at the lowest height that shows the full number.
+fn shanks(rings: Vec<Vec<Point2<f64>>>) -> Result<Vec<Point2<f64>>, NoLegs> {
+    let of_count = |count: usize| rings.iter().filter(|found| found.len() == count).count();
+    let (pairs, singles) = (of_count(2), of_count(1));
+    let most = rings.iter().map(Vec::len).max().unwrap_or(0);
+    let legs = if pairs >= SHANK_SLICES_MIN {
+        2
+    } else if singles >= LONE_SLICES_MIN && most == 1 {
+        1
+    } else {
+        return Err(NoLegs { pairs, singles, heights: rings.len(), most });
+    };
+    Ok(rings.into_iter().find(|found| found.len() == legs).unwrap_or_default())
+}
+
+/// Middles of the rings in a slice that may be shanks.
+fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
+    let points: Vec<Point2<f64>> = slice.iter().map(|crossing| crossing.position.xy()).collect();
+    let rings = clusters(&points, SHANK_LINK_MM);
+    rings.iter().filter_map(|ring| shank_middle(ring)).collect()
+}
+
+fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
+    let first = *ring.first()?;
+    let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
+    let size = (high - low).max();
+    let middle = Hull::of(ring)?.centroid();
+    let mut sectors = [false; 8];
+    for point in ring {
+        let turn = (point.y - middle.y).atan2(point.x - middle.x) / std::f64::consts::TAU + 0.5;
+        sectors[((turn * 8.0) as usize).min(7)] = true;
+    }
+    let surrounded = sectors.iter().filter(|seen| **seen).count() >= SHANK_SECTORS_MIN;
+    let [least, most] = SHANK_DIAMETER_MM;
+    (surrounded && (least..=most).contains(&size)).then_some(middle)
+}
+
+/// Points of each foot: those below `top_mm`, each assigned to the nearer shank.
+fn feet(mesh: &Mesh, shanks: &[Point2<f64>], top_mm: f64) -> Vec<Vec<[f64; 3]>> {
+    let mut feet = vec![Vec::new(); shanks.len()];
+    for point in mesh.points().iter().filter(|point| point.z < top_mm) {
+        let far = |shank: &Point2<f64>| (point.xy() - shank).norm_squared();
+        let nearest =
+            (0..shanks.len()).min_by(|a, b| far(&shanks[*a]).total_cmp(&far(&shanks[*b])));
+        if let Some(nearest) = nearest {
+            feet[nearest].push([point.x, point.y, point.z]);
+        }
+    }
+    feet
+}
+
+/// The direction of the toes. For one foot, its own direction. For two, halfway between the feet's
+/// mean direction and the perpendicular to the line through the ankles, because a foot turned out
+/// distorts the former and a foot set forward the latter.
+fn toes(
+    shanks: &[Point2<f64>],
+    feet: &[Vec<[f64; 3]>],
+    stature_mm: f64,
+) -> Result<Vector2<f64>, FeetUnclear> {
+    let one =
+        |(shank, foot): (&Point2<f64>, &Vec<[f64; 3]>)| toe_direction(*shank, foot, stature_mm);
+    let directions = shanks.iter().zip(feet).map(one).collect::<Result<Vec<_>, _>>()?;
+    let &[first, second] = directions.as_slice() else {
+        return directions.first().copied().ok_or(FeetUnclear::NotSeen { points: 0 });
+    };
+    let spread_deg = first.angle(&second).to_degrees();
+    if spread_deg > FEET_SPREAD_MAX_DEG {
+        return Err(FeetUnclear::Apart { spread_deg });
+    }
+    let toes = (first + second).normalize();
+    let across = (shanks[1] - shanks[0]).normalize();
+    let square = Vector2::new(-across.y, across.x);
+    let square = if square.dot(&toes) < 0.0 { -square } else { square };
+    let off_deg = square.angle(&toes).to_degrees();
+    if off_deg > SQUARE_MAX_DEG {
+        return Err(FeetUnclear::NotSquare { off_deg });
+    }
+    Ok((toes + square).normalize())
+}
+
+/// The long axis of one foot, pointing to the end further from the ankle.
+fn toe_direction(
+    ankle: Point2<f64>,
+    foot: &[[f64; 3]],
+    stature_mm: f64,
+) -> Result<Vector2<f64>, FeetUnclear> {
+    const FOOT_POINTS_MIN: usize = 50;
+    if foot.len() < FOOT_POINTS_MIN {
+        return Err(FeetUnclear::NotSeen { points: foot.len() });
+    }
+    let LongAxis { direction: long, length, width } = long_axis(foot);
+    let [length, width] = [length, width].map(|extent| extent / stature_mm);
+    let [shortest, longest] = FOOT_LENGTH_SHARE;
+    if !(shortest..=longest).contains(&length) || width > FOOT_WIDTH_MAX_SHARE {
+        let (length_percent, width_percent) = (100.0 * length, 100.0 * width);
+        return Err(FeetUnclear::NoFoot { length_percent, width_percent });
+    }
+    let reach = foot.iter().map(|p| (Point2::new(p[0], p[1]) - ankle).dot(&long));
+    let (back, ahead) = reach.fold((0.0_f64, 0.0_f64), |(b, a), r| (b.max(-r), a.max(r)));
+    let ratio = ahead.max(back) / ahead.min(back).max(1.0);
+    if ratio < TOE_TO_HEEL_MIN {
+        return Err(FeetUnclear::NoToes { ratio });
+    }
+    Ok(if ahead > back { long } else { -long })
+}

@@ -1,0 +1,197 @@
+//! [`Scan`](gaiter_scan::Scan) → [`Extraction`]: the method of Wang, Wu and Li (2022), with one
+//! folder per step and one file per stage.
+//!
+//! | step | paper | where |
+//! |---|---|---|
+//! | unit, up, facing, floor | 1.1 | [`frame`] |
+//! | legs cut at the crotch | 1.1, fig. 2a | [`parting`] |
+//! | made upright; equidistant sections | 1.1, fig. 2b–2e | [`sections`] |
+//! | height–girth curve; B, C, D, B1; A, Y, E, F, G | 1.2, fig. 3 | [`levels`] |
+//! | curvature, feature points | 1.3, fig. 4, 5 | [`features`] |
+//! | quasi-grid, NURBS surface, its error and holes | 2 | [`surface`] |
+//! | volumes, the legs' differences, the scanner's own measures | – | [`comparison`] |
+//!
+//! [`report`] calls them in this order for one leg; its results are in [`measured`], [`finding`]
+//! and [`doubt`].
+
+#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+
+pub mod comparison;
+pub mod doubt;
+pub mod features;
+pub mod finding;
+pub mod frame;
+pub mod level;
+pub mod levels;
+pub mod measured;
+pub mod method;
+pub mod parting;
+pub mod phantom;
+pub mod report;
+pub mod sections;
+pub mod side;
+pub mod surface;
+
+use rayon::prelude::*;
+
+pub use comparison::difference::Differences;
+pub use finding::{Finding, LegFault, What};
+pub use frame::body::{Body, FacingFrom};
+pub use frame::body_fault::BodyFault;
+use gaiter_scan::{self as scan, Format, ScanFault};
+pub use level::Level;
+pub use levels::foot::Foot;
+pub use levels::landmark::{Estimate, Landmark};
+pub use measured::{LegReport, LevelSection};
+pub use method::Method;
+pub use parting::crotch::{Crotch, CrotchFrom};
+pub use parting::segment::SegmentFault;
+pub use side::Side;
+
+/// The result for one scan: the legs that could be measured, and the findings.
+#[derive(Debug, Clone)]
+pub struct Extraction {
+    /// The body they belong to.
+    pub body: Body,
+    /// Points in the scan's file.
+    pub points: usize,
+    /// Triangles in the scan's file.
+    pub triangles: usize,
+    /// The format of the scan's file.
+    pub format: Format,
+    /// The crotch.
+    pub crotch: Crotch,
+    /// Measured legs, left before right; at least one.
+    pub legs: Vec<LegReport>,
+    /// The differences between the legs; `None` if there is only one.
+    pub differences: Option<Differences>,
+    /// Findings, in the order of the stages.
+    pub findings: Vec<Finding>,
+}
+
+/// Why a whole scan cannot be measured.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// The bytes are not a scan.
+    #[error(transparent)]
+    Scan(#[from] ScanFault),
+    /// The scan is not a standing body.
+    #[error(transparent)]
+    Body(#[from] BodyFault),
+    /// The legs cannot be separated.
+    #[error(transparent)]
+    Segment(#[from] SegmentFault),
+    /// Neither leg can be measured.
+    #[error("neither leg can be measured: left: {left}; right: {right}")]
+    NoLeg {
+        /// The fault of the left leg.
+        left: LegFault,
+        /// The fault of the right leg.
+        right: LegFault,
+    },
+}
+
+impl Refusal {
+    /// The stable code of this refusal, for `reason.json` and programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Refusal::Scan(fault) => fault.code(),
+            Refusal::Body(fault) => fault.code(),
+            Refusal::Segment(fault) => fault.code(),
+            Refusal::NoLeg { .. } => "no-leg",
+        }
+    }
+}
+
+/// Measures both legs in the bytes of one export.
+///
+/// # Errors
+/// A [`Refusal`] if nothing at all can be measured; a leg or level that cannot be measured is a
+/// finding in the extraction, not an error.
+pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extraction, Refusal> {
+    let scan = scan::read(bytes, format)?;
+    let body = frame::body::body(&scan, method)?;
+    let cut = parting::segment::segment(&body)?;
+    let reports = Side::BOTH.into_par_iter().map(|side| {
+        let leg = cut.legs.get(side).as_ref().ok_or(LegFault::NotThere)?;
+        report::leg_report(leg, &body, &cut.crotch, method)
+    });
+    let reports: Vec<_> = reports.collect();
+    if let [Err(left), Err(right)] = reports.as_slice() {
+        return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
+    }
+    let mut findings = about_body(&body, &cut.crotch);
+    // Other point formats state their number of points, or contain only points by design.
+    if scan.triangles.is_empty() && format == Format::Obj {
+        findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
+    }
+    if scan::lacks_line_end_only(bytes, format) {
+        findings.insert(0, Finding { side: None, level: None, what: What::NoLineEnd });
+    }
+    let mut legs = Vec::new();
+    for (side, report) in Side::BOTH.into_iter().zip(reports) {
+        match report {
+            Ok((leg, found)) => {
+                legs.push(leg);
+                findings.extend(found);
+            }
+            // A scan of a lone leg is not missing the other one.
+            Err(LegFault::NotThere) if body.stature_mm.is_none() => {}
+            Err(fault) => {
+                let what = What::LegNotMeasured(fault);
+                findings.push(Finding { side: Some(side), level: None, what });
+            }
+        }
+    }
+    let differences = comparison::difference::differences(&legs);
+    findings.extend(differences.iter().flat_map(swellings));
+    let (points, triangles) = (scan.points.len(), scan.triangles.len());
+    Ok(Extraction {
+        body,
+        points,
+        triangles,
+        format,
+        crotch: cut.crotch,
+        legs,
+        differences,
+        findings,
+    })
+}
+
+/// Usual crotch heights of standing people as shares of stature: ANSUR II, mean 0.48, first to last
+/// percentile 0.45 to 0.52, with some room. A missing head or missing feet shift the share out of
+/// this range.
+const CROTCH_USUAL_SHARE: [f64; 2] = [0.435, 0.535];
+
+/// A crotch with a larger standard error is a finding, mm: G, 50 mm below it, moves by as much.
+const CROTCH_SURE_SD_MM: f64 = 6.0;
+
+/// The findings about the body as a whole.
+fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if let FacingFrom::Declared(unclear) = body.facing_from {
+        found.push(What::FacingUnchecked(unclear));
+    }
+    found.extend(body.floor_doubt.map(What::FloorUnclear));
+    if let Some(from_mm) = crotch.touching_from_mm {
+        found.push(What::ThighsTouch { from_mm });
+    }
+    if body.stature_mm.is_some() && !crotch.is_seen() {
+        found.push(What::CrotchNotSeen);
+    } else if body.stature_mm.is_some() && crotch.sd_mm > CROTCH_SURE_SD_MM {
+        found.push(What::CrotchUncertain { sd_mm: crotch.sd_mm });
+    }
+    if let Some(stature_mm) = body.stature_mm.filter(|_| crotch.is_seen()) {
+        let share = crotch.height_mm / stature_mm;
+        if !(CROTCH_USUAL_SHARE[0]..=CROTCH_USUAL_SHARE[1]).contains(&share) {
+            found.push(What::Proportions { percent: 100.0 * share });
+        }
+    }
+    found.into_iter().map(|what| Finding { side: None, level: None, what }).collect()
+}
+
+/// The findings about differences between the legs.
+fn swellings(differences: &Differences) -> impl Iterator<Item = Finding> {
+    let finding = |(level, differ)| Finding { side: None, level, what: What::LegsDiffer(differ) };
+    differences.swellings().into_iter().map(finding)
+}

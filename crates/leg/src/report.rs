@@ -1,0 +1,311 @@
+//! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
+
+use super::doubt::Doubt;
+use super::finding::{Finding, LegFault, What};
+use super::level::Level;
+use super::measured::{LegReport, LevelSection};
+use super::method::Tape;
+use super::side::Side;
+use super::{Body, Method};
+use crate::comparison::volume::leg_volume;
+use crate::features::feature::features;
+use crate::levels::at_height::{AtHeight, at_heights, at_lengths, profile_heights_mm};
+use crate::levels::foot::{Foot, foot};
+use crate::levels::girth::{GirthCurve, girth_curve};
+use crate::levels::landmark::{Estimate, Landmark};
+use crate::levels::level_reading::Ruler;
+use crate::levels::medial_length::surface_length_mm;
+use crate::levels::search::{Levels, levels};
+use crate::levels::thigh::{KNEE_STATURE_SHARE, g, knee_and_thigh};
+use crate::levels::tilt;
+use crate::parting::crotch::Crotch;
+use crate::parting::segment::Leg;
+use crate::sections::axis::LegAxis;
+use crate::sections::axis_fit::{self, FoundAxis};
+use crate::sections::axis_length::AxisLength;
+use crate::sections::equidistant::{Sections, sections};
+use crate::sections::hem::Hem;
+use crate::sections::section::Section;
+use crate::surface::nurbs::{LegSurface, Wanted, surface};
+use crate::surface::shape::{Shape, on_planes};
+
+/// The surface covers at least this much below B and above D, mm.
+const SURFACE_MARGIN_MM: f64 = 20.0;
+
+/// The surface begins here if B is absent, as a share of stature: above the malleoli.
+const ANKLE_STATURE_SHARE: f64 = 0.06;
+
+/// Above this bend of the knee, degrees, levels above C are in doubt.
+const BEND_DOUBT_DEG: f64 = 45.0;
+
+/// A hem changes sections up to this far below it, mm: two of the curve's pieces.
+const CLOTH_REACH_MM: f64 = 25.0;
+
+/// Below the crotch the thigh widens into the buttock within this length, mm.
+const GROIN_MM: f64 = 50.0;
+
+/// The lowest section, as a share of stature: above the instep, below every malleolus.
+const LOWEST_STATURE_SHARE: f64 = 0.035;
+
+/// Measures one leg.
+///
+/// # Errors
+/// A [`LegFault`] if the leg has no axis or hardly any closed section.
+pub fn leg_report(
+    leg: &Leg,
+    body: &Body,
+    crotch: &Crotch,
+    method: &Method,
+) -> Result<(LegReport, Vec<Finding>), LegFault> {
+    let scale_mm = body.scale_mm;
+    let end_mm = leg.cut_mm.unwrap_or(crotch.height_mm);
+    let FoundAxis { axis, no_thigh } = axis_fit::find(leg, scale_mm, end_mm, method.tape)?;
+    let span_mm = [LOWEST_STATURE_SHARE * scale_mm, end_mm];
+    let span_mm = span_mm.map(|height_mm| axis.along_at_height(height_mm));
+    let sections = sections(leg, axis, span_mm, method.fit).ok_or(LegFault::TooFewPoints)?;
+    let curve = girth_curve(&sections, scale_mm).ok_or_else(|| {
+        let measured = sections.rows.iter().filter(|row| row.section.is_some()).count();
+        LegFault::TooFewSections { measured, planes: sections.rows.len() }
+    })?;
+    let near = |along_mm: f64| sections.nearest(along_mm);
+    let mut measures = measures(leg, &sections, &curve, crotch, body, method);
+    let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
+    let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
+    tilt::complete(across, &sections, &curve, &others);
+    measures.doubt_uncertain_girths();
+    for landmark in &mut measures.levels.found {
+        landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
+    }
+    let mut findings = Findings { side: leg.side, found: Vec::new() };
+    if let Some((hem_mm, doubt)) = cloth(&sections, &curve, span_mm) {
+        findings.add(None, What::Doubtful(doubt));
+        measures.doubt_above(hem_mm - CLOTH_REACH_MM, doubt);
+    }
+    if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
+        findings.add(None, What::LegCut { end_mm });
+    }
+    if let Some(why) = no_thigh {
+        findings.add(None, What::ThighAxisMissing(why));
+    }
+    findings.about_levels(&measures.levels);
+    let found = measures.levels.found.into_iter();
+    let landmarks: Vec<Landmark> = found.filter(Landmark::is_plausible).collect();
+    let wanted_mm = surface_heights_mm(&landmarks, scale_mm);
+    let found = landmarks.iter().map(|landmark| (landmark.level, landmark.along_mm));
+    let estimated = measures.estimates.iter().map(|estimate| (estimate.level, estimate.along_mm));
+    let levels = found.chain(estimated).filter(|(level, _)| *level >= Level::B);
+    let mut levels_mm: Vec<f64> = levels.map(|(_, along_mm)| along_mm).collect();
+    levels_mm.sort_by(f64::total_cmp);
+    let wanted = Wanted { height_mm: wanted_mm, levels_mm: &levels_mm };
+    let surface = match surface(leg, &sections, &wanted, &method.surface) {
+        Ok(surface) => Some(surface),
+        Err(none) => {
+            findings.add(None, What::NoSurface(none));
+            None
+        }
+    };
+    if let Some(surface) = &surface {
+        findings.about_extent(surface, wanted_mm);
+        findings.about_holes(surface);
+    }
+    let volume = leg_volume(&sections, &curve, &landmarks);
+    let at = at_heights(&curve, &method.at_heights_mm, near);
+    let profile = at_heights(&curve, &profile_heights_mm(&curve), near);
+    let lengths = AxisLength::of(&sections, scale_mm, method.tape);
+    let along = at_lengths(&curve, &lengths, near);
+    findings.about_heights(&at);
+    let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);
+    let along_mm: Vec<f64> = across.clone().map(|landmark| landmark.along_mm).collect();
+    let at_levels = across.zip(sections.at(leg, &along_mm));
+    let at_levels: Vec<(Level, Section)> =
+        at_levels.filter_map(|(landmark, section)| Some((landmark.level, section?))).collect();
+    let planes: Vec<&Section> = at_levels.iter().map(|(_, section)| section).collect();
+    let scan = on_planes(&sections.axis, leg, &planes);
+    let level_sections = at_levels.into_iter().zip(scan).map(|((level, section), scan)| {
+        let features = features(&sections.axis.plane(section.along_mm), &section);
+        LevelSection { level, section, scan, features }
+    });
+    let report = LegReport {
+        side: leg.side,
+        level_sections: level_sections.collect(),
+        shape: Shape::of(leg, &sections, surface.as_ref()),
+        lengths,
+        axis: sections.axis,
+        landmarks,
+        estimates: measures.estimates,
+        foot: measures.foot,
+        girth_curve: curve,
+        surface,
+        volume,
+        at,
+        profile,
+        along,
+    };
+    Ok((report, findings.found))
+}
+
+/// Where cloth begins, along the axis in mm, and the doubt about all above it.
+fn cloth(
+    sections: &Sections,
+    curve: &GirthCurve,
+    [from_mm, to_mm]: [f64; 2],
+) -> Option<(f64, Doubt)> {
+    let Hem { along_mm, step_mm } = sections.hem([from_mm, to_mm - GROIN_MM])?;
+    let height_mm = curve.height_mm(along_mm)?;
+    Some((along_mm, Doubt::Cloth { step_mm, height_mm }))
+}
+
+/// The axes that a leg would have if the stature were smaller or larger by its standard error; none where
+/// they do not depend on it.
+fn other_axes(leg: &Leg, axis: &LegAxis, body: &Body, end_mm: f64, tape: Tape) -> Vec<LegAxis> {
+    let shares = match tape {
+        Tape::Shank => vec![1.0 - body.scale_sd_share, 1.0 + body.scale_sd_share],
+        Tape::Leg(_) | Tape::Horizontal => Vec::new(),
+    };
+    let other = |share: f64| axis_fit::for_stature(leg, axis, share * body.scale_mm, end_mm);
+    shares.into_iter().filter_map(other).collect()
+}
+
+/// The measurements at the levels of a leg.
+struct Measures {
+    levels: Levels,
+    estimates: Vec<Estimate>,
+    foot: Option<Foot>,
+}
+
+/// A girth with a larger standard error than this is no figure to order by, mm: within two of them it may be
+/// off by a centimetre, two steps of an order form.
+const GIRTH_DOUBT_SD_MM: f64 = 5.0;
+
+impl Measures {
+    /// Adds a doubt to all levels whose girth is poorly determined.
+    fn doubt_uncertain_girths(&mut self) {
+        for landmark in &mut self.levels.found {
+            let girth_sd_mm = landmark.girth_sd_mm;
+            if girth_sd_mm > GIRTH_DOUBT_SD_MM {
+                landmark.doubts.push(Doubt::GirthUncertain { girth_sd_mm });
+            }
+        }
+    }
+
+    /// Adds a doubt to all levels above a distance along the axis.
+    fn doubt_above(&mut self, along_mm: f64, doubt: Doubt) {
+        let found = self.levels.found.iter_mut().filter(|landmark| landmark.along_mm > along_mm);
+        found.for_each(|landmark| landmark.doubts.push(doubt));
+        let estimates = self.estimates.iter_mut().filter(|place| place.along_mm > along_mm);
+        estimates.for_each(|estimate| estimate.doubts.push(doubt));
+    }
+}
+
+/// The levels of a leg from the foot to the groin, lowest first.
+fn measures(
+    leg: &Leg,
+    sections: &Sections,
+    curve: &GirthCurve,
+    crotch: &Crotch,
+    body: &Body,
+    method: &Method,
+) -> Measures {
+    let scale_mm = body.scale_mm;
+    let near = |along_mm: f64| sections.nearest(along_mm);
+    let choices = method.levels;
+    let mut levels = levels(curve, scale_mm, crotch.height_mm, choices.b1, near);
+    let ruler = Ruler { curve, near };
+    let g = g(&ruler, crotch, choices.g_below_crotch_mm);
+    levels.found.extend(g.clone().filter(|_| crotch.is_seen()));
+    let bend_deg = sections.axis.bend_deg();
+    for landmark in &mut levels.found {
+        landmark.surface_length_mm = surface_length_mm(sections, landmark.along_mm);
+        if landmark.level > Level::C && bend_deg > BEND_DOUBT_DEG {
+            landmark.doubts.push(Doubt::KneeBent { bend_deg });
+        }
+    }
+    let d = levels.found.iter().find(|landmark| landmark.level == Level::D);
+    let stature_mm = [scale_mm, body.scale_sd_share * scale_mm];
+    let mut estimates = knee_and_thigh(&ruler, crotch, choices.g_below_crotch_mm, d, stature_mm);
+    estimates.extend(g.filter(|_| !crotch.is_seen()).map(Estimate::from));
+    let foot = foot(leg, &sections.axis, scale_mm, method.fit);
+    let (figures, a, y) = foot.map_or((None, None, None), |foot| (Some(foot.foot), foot.a, foot.y));
+    levels.found.extend(y);
+    estimates.extend(a);
+    estimates.retain(Estimate::is_plausible);
+    levels.found.sort_by_key(|landmark| landmark.level);
+    estimates.sort_by_key(|estimate| estimate.level);
+    Measures { levels, estimates, foot: figures }
+}
+
+/// The heights that the surface must cover, mm.
+fn surface_heights_mm(landmarks: &[Landmark], stature_mm: f64) -> [f64; 2] {
+    let at = |level: Level| landmarks.iter().find(|l| l.level == level).map(|l| l.height_mm);
+    let ankle_mm = ANKLE_STATURE_SHARE * stature_mm;
+    let knee_mm = KNEE_STATURE_SHARE * stature_mm;
+    [
+        at(Level::B).map_or(ankle_mm, |height_mm| height_mm - SURFACE_MARGIN_MM),
+        at(Level::D).map_or(knee_mm, |height_mm| height_mm + SURFACE_MARGIN_MM),
+    ]
+}
+
+/// The findings of one leg, collected during its stages.
+struct Findings {
+    side: Side,
+    found: Vec<Finding>,
+}
+
+impl Findings {
+    fn add(&mut self, level: Option<Level>, what: What) {
+        self.found.push(Finding { side: Some(self.side), level, what });
+    }
+
+    /// Findings for absent levels, and doubts about the others.
+    fn about_levels(&mut self, levels: &Levels) {
+        for level in Level::ALL {
+            if let Some((_, absence)) = levels.absent.iter().find(|(absent, _)| *absent == level) {
+                self.add(Some(level), What::LevelAbsent(*absence));
+            }
+            match levels.found.iter().find(|landmark| landmark.level == level) {
+                Some(landmark) if !landmark.is_plausible() => {
+                    let girth_mm = landmark.girth_tape_mm;
+                    self.add(Some(level), What::LevelImplausible { girth_mm });
+                }
+                Some(landmark) => {
+                    landmark.doubts.iter().for_each(|d| self.add(Some(level), What::Doubtful(*d)));
+                }
+                None => {}
+            }
+        }
+    }
+
+    /// Findings for requested heights without a girth.
+    fn about_heights(&mut self, at: &[AtHeight]) {
+        for AtHeight { height_mm, found } in at {
+            if let Err(why) = *found {
+                self.add(None, What::HeightNotMeasured { height_mm: *height_mm, why });
+            }
+        }
+    }
+
+    /// A finding if the surface does not cover all of the wanted heights.
+    fn about_extent(&mut self, surface: &LegSurface, wanted_mm: [f64; 2]) {
+        let [from_mm, to_mm] = surface.height_mm;
+        let [wanted_from_mm, wanted_to_mm] = wanted_mm;
+        if from_mm > wanted_from_mm || to_mm < wanted_to_mm {
+            self.add(None, What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm });
+        }
+    }
+
+    /// A finding if the surface bridges holes.
+    fn about_holes(&mut self, surface: &LegSurface) {
+        let Some(largest) = surface.holes().first() else { return };
+        let (height_mm, angle_deg) = surface.middle_of(largest);
+        self.add(
+            None,
+            What::SurfaceHoles {
+                count: surface.holes().len(),
+                length_mm: largest.length_mm,
+                width_mm: largest.width_mm,
+                height_mm,
+                angle_deg,
+            },
+        );
+    }
+}

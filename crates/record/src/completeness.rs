@@ -1,0 +1,166 @@
+//! Whether a record holds all measures that an order needs, and what is to be done before the patient
+//! dresses: nothing, measure by hand, or scan again.
+//!
+//! It is derived here and nowhere else; report, operator's page, light and terminal show it in the same words.
+
+mod rule;
+mod words;
+
+use gaiter_leg::Level;
+use gaiter_sizes::Garment;
+
+/// What a record holds for an order of one garment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Completeness {
+    /// The garment that is ordered.
+    pub garment: Garment,
+    /// What to do otherwise when the patient is scanned again; empty if another scan would not help.
+    pub again: Vec<Again>,
+    /// What is to be measured by hand on each leg, in the order of [`Side::FROM_FRONT`](gaiter_leg::Side::FROM_FRONT);
+    /// highest first.
+    pub by_hand: [Vec<Item>; 2],
+    /// What a person noted as not measurable on each leg, in the same order.
+    pub not_measurable: [Vec<Item>; 2],
+    /// What a person must make sure of before the order.
+    pub checks: Vec<Check>,
+}
+
+/// What is to be done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Every measure was taken without a doubt, or set by a person.
+    Complete,
+    /// There is nothing left to measure: a person noted that the rest cannot be measured.
+    NotMeasurable,
+    /// Some measures must be taken or made sure of by hand.
+    ByHand,
+    /// The patient should be scanned again before dressing.
+    ScanAgain,
+}
+
+impl Kind {
+    /// The stable word, for pages and programs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Complete => "complete",
+            Kind::NotMeasurable => "not-measurable",
+            Kind::ByHand => "by-hand",
+            Kind::ScanAgain => "scan-again",
+        }
+    }
+}
+
+/// A measure of one leg.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Item {
+    /// A level.
+    Level(Level, Part),
+    /// Length of the foot.
+    Foot,
+    /// Length of the inside of the leg.
+    InsideLeg,
+}
+
+/// What of a level is to be measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// Girth and height.
+    Both,
+    /// The girth: a person set the height.
+    Girth,
+    /// The height: a person set the girth.
+    Height,
+}
+
+/// What is to be different in another scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Again {
+    /// Both legs must be in view, whole.
+    WholeLegs,
+    /// The legs must be bare.
+    BareLegs,
+    /// The patient must stand still.
+    Still,
+    /// The legs must stand apart.
+    LegsApart,
+    /// The knees must be straight.
+    StraightKnees,
+    /// Both feet must stand flat on the floor.
+    FeetFlat,
+    /// The patient must be barefoot.
+    Barefoot,
+    /// A girth was found that no leg has.
+    Implausible,
+}
+
+/// What a person must make sure of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Check {
+    /// Which leg is the left one.
+    Sides,
+    /// The unit of the scan.
+    Unit,
+    /// That head and feet are whole in the scan, so that heights are right.
+    WholeBody,
+    /// Why the scanner's own measures differ.
+    ScannerMeasures,
+    /// That the export was not cut short.
+    Export,
+    /// Where the record comes from: nothing vouches for its figures.
+    Source,
+}
+
+impl Again {
+    fn key(self) -> &'static str {
+        match self {
+            Again::WholeLegs => "whole_legs",
+            Again::BareLegs => "bare_legs",
+            Again::Still => "still",
+            Again::LegsApart => "legs_apart",
+            Again::StraightKnees => "straight_knees",
+            Again::FeetFlat => "feet_flat",
+            Again::Barefoot => "barefoot",
+            Again::Implausible => "implausible",
+        }
+    }
+}
+
+impl Check {
+    /// The stable word, for programs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Check::Sides => "sides",
+            Check::Unit => "unit",
+            Check::WholeBody => "whole-body",
+            Check::ScannerMeasures => "scanner-measures",
+            Check::Export => "export",
+            Check::Source => "source",
+        }
+    }
+
+    fn key(self) -> &'static str {
+        match self {
+            Check::Sides => "sides",
+            Check::Unit => "unit",
+            Check::WholeBody => "whole_body",
+            Check::ScannerMeasures => "scanner_measures",
+            Check::Export => "export",
+            Check::Source => "source",
+        }
+    }
+}
+
+impl Completeness {
+    /// What is to be done.
+    pub fn kind(&self) -> Kind {
+        if !self.again.is_empty() {
+            Kind::ScanAgain
+        } else if self.by_hand.iter().any(|leg| !leg.is_empty()) || !self.checks.is_empty() {
+            Kind::ByHand
+        } else if self.not_measurable.iter().any(|leg| !leg.is_empty()) {
+            Kind::NotMeasurable
+        } else {
+            Kind::Complete
+        }
+    }
+}

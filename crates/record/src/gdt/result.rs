@@ -1,0 +1,197 @@
+//! Writes a record as a result (6310): girths and heights of both legs as test blocks, the verdict and a
+//! table for people, and the paths of the record's files.
+//!
+//! Order and figures are those of the measuring sheet: the right leg first, from G down to A, girths by
+//! tape and vertical heights above the floor in centimetres with one decimal.
+
+use jiff::civil::DateTime;
+
+use super::line::{WriteFault, message};
+use super::rules::{AttachmentFields, GdtRules};
+use super::{table, words};
+use crate::completeness::Completeness;
+use crate::measure::Measure;
+use crate::report::{Content, Mark};
+use crate::rounding::cm_words;
+use crate::schema::{FindingNote, Record};
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::Garment;
+
+/// The kind of message for the result of an examination.
+const RESULT: u16 = 6310;
+
+/// The longest line of free text, characters.
+const TEXT_MOST: usize = 60;
+
+/// A file that a result refers to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attachment {
+    /// Its name or number in an archive.
+    pub name: String,
+    /// Its format, such as `SVG`.
+    pub format: String,
+    /// What it contains.
+    pub description: String,
+    /// Its path, as the practice software sees it.
+    pub path: String,
+}
+
+/// Why there is no message for a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ResultFault {
+    /// The record is unassigned.
+    #[error("the record names no patient, which practice software requires")]
+    NoPatient,
+    /// The message cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteFault),
+}
+
+type Fields = Vec<(u16, String)>;
+
+/// Writes the message of a record, with the verdict for an order of this garment. `taken` is the local time
+/// of its scan.
+///
+/// # Errors
+/// See [`ResultFault`].
+pub fn result(
+    record: &Record,
+    garment: &Garment,
+    rules: &GdtRules,
+    taken: DateTime,
+    attachments: &[Attachment],
+) -> Result<Vec<u8>, ResultFault> {
+    let patient = record.patient.as_ref().ok_or(ResultFault::NoPatient)?;
+    let (date, time) = (taken.strftime("%d%m%Y").to_string(), taken.strftime("%H%M%S").to_string());
+    let mut fields = header(rules, record);
+    fields.push((3000, patient.id.clone()));
+    fields.extend([(6200, date.clone()), (6201, time.clone()), (8402, rules.procedure.clone())]);
+    for side in record.sides() {
+        for level in Level::ALL.into_iter().rev() {
+            let Ok(measure) = Measure::of(record, side, level) else { continue };
+            let block = Block { level, side, measure, date: &date, time: &time, rules };
+            block.write(&mut fields);
+        }
+    }
+    fields.extend(verdict(record, garment, rules).into_iter().map(|line| (6228, line)));
+    let table = table::lines(record).into_iter();
+    fields.extend(table.map(|line| (6228, words::written(&line, rules.charset))));
+    fields.extend(comments(record, rules).into_iter().map(|line| (6227, line)));
+    for attachment in attachments {
+        fields.extend(of_attachment(attachment, &rules.attachment_fields));
+    }
+    Ok(message(RESULT, rules.charset, &fields)?)
+}
+
+fn header(rules: &GdtRules, record: &Record) -> Fields {
+    let mut fields = vec![(8315, rules.receiver.clone()), (8316, rules.sender.clone())];
+    fields.extend(rules.charset.number().map(|number| (9206, number.to_owned())));
+    fields.extend([
+        (9218, rules.version.clone()),
+        (103, "gaiter".to_owned()),
+        (132, record.made_by.gaiter.clone()),
+    ]);
+    fields
+}
+
+/// The test blocks of a level: its girth and, unless it is on the foot, its height above the floor.
+struct Block<'a> {
+    level: Level,
+    side: Side,
+    measure: Measure<'a>,
+    date: &'a str,
+    time: &'a str,
+    rules: &'a GdtRules,
+}
+
+impl Block<'_> {
+    fn write(&self, fields: &mut Fields) {
+        let Measure { girth, height, doubts, .. } = &self.measure;
+        let figures = [("L", "Umfang", Some(girth)), ("H", "Höhe", height.as_ref())];
+        let letter = match self.side {
+            Side::Left => "L",
+            Side::Right => "R",
+        };
+        let (level, side) = (self.level.name(), words::side(self.side));
+        for (kind, name, figure) in figures {
+            // A number without its mark would be taken for a measured one, so estimates are only in the table.
+            let measured = figure.filter(|of| self.measure.mark_of(**of) != Mark::Estimated);
+            let Some(figure) = measured else { continue };
+            let name = words::written(&format!("{name} {level} {side}"), self.rules.charset);
+            fields.extend([
+                (8410, format!("{kind}{level}_{letter}")),
+                (8411, name),
+                (8420, cm_words(figure.mm, Language::En)),
+                (8421, "cm".to_owned()),
+                (8432, self.date.to_owned()),
+                (8439, self.time.to_owned()),
+            ]);
+            let remarks: Vec<&str> = match figure.is_by_hand {
+                true => vec![words::BY_HAND],
+                false => doubts.iter().map(|code| words::doubt(code)).collect(),
+            };
+            let written = |text: &str| words::written(text, self.rules.charset);
+            fields.extend(remarks.into_iter().map(|text| (8470, written(text))));
+        }
+    }
+}
+
+/// What is to be done for an order of this garment, in lines.
+fn verdict(record: &Record, garment: &Garment, rules: &GdtRules) -> Vec<String> {
+    let sentences = Completeness::of(record, garment).sentences(Language::De);
+    let written = |sentence: &String| wrapped(&words::written(sentence, rules.charset));
+    sentences.iter().flat_map(written).collect()
+}
+
+/// What readers must know about the measurement. A sentence that the character set cannot write is
+/// replaced by its code.
+fn comments(record: &Record, rules: &GdtRules) -> Vec<String> {
+    let scan = record.scan.sha256.get(..8).unwrap_or_default();
+    let mut lines = vec![format!("gaiter {}, Scan {scan}", record.made_by.gaiter)];
+    let set: Vec<String> = Content::by_hand(record, Language::De);
+    lines.extend(set.iter().flat_map(|line| comment(line, words::BY_HAND, rules)));
+    for finding in record.findings.iter().filter(|finding| finding.severity != "info") {
+        let place = place(finding);
+        let german = finding.says.as_ref().and_then(|says| says.in_words(Language::De));
+        let message = german.unwrap_or_else(|| finding.message.clone());
+        let code = format!("{place}{}", finding.code);
+        lines.extend(comment(&format!("{place}{message}"), &code, rules));
+    }
+    lines
+}
+
+/// A comment in lines; what stands instead of it if the character set cannot write it.
+fn comment(text: &str, instead: &str, rules: &GdtRules) -> Vec<String> {
+    let lines = wrapped(&words::written(text, rules.charset));
+    match lines.iter().all(|line| rules.charset.encode(line).is_ok()) {
+        true => lines,
+        false => wrapped(instead),
+    }
+}
+
+/// The leg and level of a finding, before its message.
+fn place(finding: &FindingNote) -> String {
+    let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
+    let parts: Vec<&str> =
+        side.map(words::side).into_iter().chain(finding.level.as_deref()).collect();
+    if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(" ")) }
+}
+
+fn wrapped(text: &str) -> Vec<String> {
+    words::wrapped(text, TEXT_MOST)
+}
+
+/// The fields of an attachment in the order of their numbers, which practice software expects.
+fn of_attachment(attachment: &Attachment, ids: &AttachmentFields) -> Fields {
+    let parts = [
+        (ids.name, &attachment.name),
+        (ids.format, &attachment.format),
+        (ids.description, &attachment.description),
+        (ids.path, &attachment.path),
+    ];
+    let told = parts.into_iter().filter_map(|(field, content)| Some((field?, content.clone())));
+    let mut told: Fields = told.collect();
+    told.sort_by_key(|(field, _)| *field);
+    told
+}

@@ -1,0 +1,101 @@
+//! The files of an order in the folder of a record.
+
+use std::collections::BTreeSet;
+
+use super::{Order, csv, mapped, mapped_name};
+use crate::Record;
+use crate::file::{RecordFile, file};
+use gaiter_sizes::{Garment, Mapping};
+
+/// How the names of all order files begin, and of no other file of a record.
+const BEGIN: &str = "order";
+
+/// An order as a file of gaiter's own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum OrderFile {
+    /// As a table, `order.csv`.
+    Csv,
+    /// As `order.json`, with everything that is known; a further order is made from it.
+    Json,
+}
+
+impl OrderFile {
+    /// The name of the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            OrderFile::Csv => "order.csv",
+            OrderFile::Json => "order.json",
+        }
+    }
+}
+
+/// Which files of an order are made of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrderChoice {
+    /// Those of gaiter's own.
+    pub files: BTreeSet<OrderFile>,
+    /// Those for makers and shop systems, in their order.
+    pub mappings: Vec<Mapping>,
+}
+
+impl Default for OrderChoice {
+    /// Both files of gaiter's own.
+    fn default() -> OrderChoice {
+        let files = [OrderFile::Csv, OrderFile::Json];
+        OrderChoice { files: files.into(), mappings: Vec::new() }
+    }
+}
+
+/// Whether a file of a record is one of its order.
+pub fn is_order_file(name: &str) -> bool {
+    name.starts_with(BEGIN)
+}
+
+/// An order as the bytes of its file.
+///
+/// # Errors
+/// If a figure cannot be written as JSON.
+pub fn json(order: &Order) -> Result<Vec<u8>, serde_json::Error> {
+    let mut json = serde_json::to_vec_pretty(order)?;
+    json.push(b'\n');
+    Ok(json)
+}
+
+/// The files of the order of this garment from a record, each under a name of its own.
+///
+/// # Errors
+/// If a figure cannot be written as JSON.
+pub fn order_files(
+    record: &Record,
+    garment: &Garment,
+    choice: &OrderChoice,
+    scanner_girth_mm: f64,
+) -> Result<Vec<RecordFile>, serde_json::Error> {
+    let order = Order::of(record, garment, None, scanner_girth_mm);
+    let mut files = Vec::new();
+    for kind in &choice.files {
+        let bytes = match kind {
+            OrderFile::Csv => csv(&order).into_bytes(),
+            OrderFile::Json => json(&order)?,
+        };
+        files.push(file(kind.name(), bytes));
+    }
+    let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
+    for mapping in &choice.mappings {
+        let name = own_name(mapped_name(&order, mapping), &files);
+        files.push(RecordFile { name, bytes: mapped(&order, mapping, patient) });
+    }
+    Ok(files)
+}
+
+/// A name that no file has yet, on file systems that do not tell capitals from small letters too: with a number
+/// before its ending where the places of two mappings were filled alike.
+fn own_name(name: String, files: &[RecordFile]) -> String {
+    let is_free = |name: &str| !files.iter().any(|of| of.name.eq_ignore_ascii_case(name));
+    if is_free(&name) {
+        return name;
+    }
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((&name, ""));
+    let numbered = (2..).map(|number: u32| format!("{stem}-{number}.{ending}"));
+    numbered.take(files.len() + 1).find(|name| is_free(name)).unwrap_or_default()
+}

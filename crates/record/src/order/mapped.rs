@@ -1,0 +1,350 @@
+//! An order as a file for a maker or a shop system, as its mapping says.
+
+use encoding_rs::WINDOWS_1252;
+use jiff::civil::DateTime;
+use jiff::tz::Offset;
+
+use super::cells::{guarded, line};
+use super::place::{Part, place};
+use super::{Figure, LastFigure, Order, OrderSide, OrderedScan, Row, State};
+use gaiter_sizes::Point;
+use gaiter_sizes::mapping::{
+    Cell, Column, Csv, Dated, Encoding, Fact, Layout, Mapping, Named, Of, Place, Rounding, Rows,
+    Which,
+};
+
+/// The mark by which a spreadsheet recognises UTF-8.
+const BYTE_ORDER_MARK: &str = "\u{feff}";
+
+/// The file of an order. The patient's id is only in it if the mapping asks for it.
+pub fn mapped(order: &Order, mapping: &Mapping, patient: Option<&str>) -> Vec<u8> {
+    let of = Mapped { order, mapping, patient };
+    let rows = of.rows();
+    match mapping.layout {
+        Layout::Csv(csv) => of.table(&rows, csv),
+        Layout::Json => of.objects(&rows).into_bytes(),
+    }
+}
+
+/// The name of the file of an order: ASCII, and never by a patient.
+pub fn mapped_name(order: &Order, mapping: &Mapping) -> String {
+    mapping.file_name.filled(Named {
+        id: &mapping.id,
+        scan: &order.scan.reference,
+        date: local(&order.scan).map(DateTime::date),
+        garment: &order.garment.name,
+        order_ref: order.order_ref.as_deref(),
+    })
+}
+
+/// When a scan was taken by the clock at the scanner; by UTC if that clock is not known.
+fn local(scan: &OrderedScan) -> Option<DateTime> {
+    let acquired = scan.acquired.as_ref()?;
+    let seconds = 60 * i32::from(acquired.utc_offset_min.unwrap_or_default());
+    Some(Offset::from_seconds(seconds).unwrap_or(Offset::UTC).to_datetime(acquired.at))
+}
+
+struct Mapped<'a> {
+    order: &'a Order,
+    mapping: &'a Mapping,
+    patient: Option<&'a str>,
+}
+
+/// A row of the file.
+#[derive(Clone, Default)]
+struct OfRow<'a> {
+    side: Option<OrderSide>,
+    /// The row of the order, for a row per level or box.
+    row: Option<&'a Row>,
+    /// The level.
+    level: String,
+    /// The name of the box, and its part of the row.
+    form_box: Option<(String, Part)>,
+}
+
+/// What stands in a cell.
+enum Content {
+    /// A figure, written as the mapping says.
+    Number(String),
+    /// A text of the mapping itself.
+    Own(String),
+    /// A text from elsewhere.
+    Words(String),
+}
+
+impl<'a> Mapped<'a> {
+    fn rows(&self) -> Vec<OfRow<'a>> {
+        match self.mapping.rows {
+            Rows::Order => vec![OfRow::default()],
+            Rows::Leg => {
+                let legs = self.order.sides().into_iter().filter(|side| *side != OrderSide::Body);
+                legs.map(|side| OfRow { side: Some(side), ..OfRow::default() }).collect()
+            }
+            Rows::Level => self.levels(),
+            Rows::Point => self.boxes(),
+        }
+    }
+
+    /// A row per level: those of the mapping's points, or those of the form.
+    fn levels(&self) -> Vec<OfRow<'a>> {
+        let Some(points) = &self.mapping.points else {
+            let counting = self.order.rows.iter().filter(|row| row.counts);
+            return counting
+                .map(|row| OfRow {
+                    side: Some(row.side),
+                    row: Some(row),
+                    level: row.point.clone(),
+                    form_box: None,
+                })
+                .collect();
+        };
+        let mut rows: Vec<OfRow<'a>> = Vec::new();
+        for (side, point) in self.of_sides(points) {
+            let (level, _) = place(point);
+            if !rows.iter().any(|of| of.side == Some(side) && of.level == level) {
+                let row = self.order.counting(side, &level);
+                rows.push(OfRow { side: Some(side), row, level, form_box: None });
+            }
+        }
+        rows
+    }
+
+    /// A row per box: those of the mapping's points, or those of the form, in their order.
+    fn boxes(&self) -> Vec<OfRow<'a>> {
+        if let Some(points) = &self.mapping.points {
+            let row = |(side, point): (OrderSide, Point)| {
+                let (level, part) = place(point);
+                let row = self.order.counting(side, &level);
+                OfRow { side: Some(side), row, level, form_box: Some((point.to_string(), part)) }
+            };
+            return self.of_sides(points).into_iter().map(row).collect();
+        }
+        let mut rows: Vec<OfRow<'a>> = Vec::new();
+        for side in self.order.sides() {
+            for name in &self.order.garment.boxes {
+                rows.extend(self.of_form_box(side, name));
+            }
+        }
+        rows
+    }
+
+    fn of_form_box(&self, side: OrderSide, name: &str) -> Option<OfRow<'a>> {
+        let mut rows = self.order.rows.iter().filter(|row| row.counts && row.side == side);
+        rows.find_map(|row| {
+            let is_its = |part: &Part| row.part(*part).is_some_and(|of| of.form_box == name);
+            let part = [Part::Girth, Part::Length].into_iter().find(is_its)?;
+            let form_box = Some((name.to_owned(), part));
+            Some(OfRow { side: Some(side), row: Some(row), level: row.point.clone(), form_box })
+        })
+    }
+
+    /// Points with each side that they are on.
+    fn of_sides(&self, points: &[Point]) -> Vec<(OrderSide, Point)> {
+        let sides = self.order.sides();
+        let is_of = |side: OrderSide, point: &Point| {
+            matches!(point, Point::Beyond(_)) == (side == OrderSide::Body)
+        };
+        let of_side = |side: OrderSide| {
+            points.iter().copied().filter(move |point| is_of(side, point)).map(move |of| (side, of))
+        };
+        let legs = sides.into_iter().filter(|side| *side != OrderSide::Body);
+        legs.chain([OrderSide::Body]).flat_map(of_side).collect()
+    }
+
+    fn content(&self, column: &Column, of: &OfRow<'_>) -> Content {
+        match &column.cell {
+            Cell::Text(text) => Content::Own(text.clone()),
+            Cell::Fact(Fact::Side) => Content::Own(self.side_word(of.side)),
+            Cell::Fact(fact) => Content::Words(self.fact(*fact, of)),
+            Cell::Date(dated, format) => {
+                let last = self.order.reorder.as_ref().map(|reorder| &reorder.last_scan);
+                let scan = match dated {
+                    Dated::Scan => Some(&self.order.scan),
+                    Dated::Last => last,
+                };
+                let at = scan.and_then(local);
+                Content::Words(at.map(|at| format.text(at)).unwrap_or_default())
+            }
+            Cell::Figure(which, what) => self.figure_cell(self.figure(*which, of), *what),
+        }
+    }
+
+    fn side_word(&self, side: Option<OrderSide>) -> String {
+        let [right, left, body] = &self.mapping.sides;
+        match side {
+            None => String::new(),
+            Some(OrderSide::Right) => right.clone(),
+            Some(OrderSide::Left) => left.clone(),
+            Some(OrderSide::Body) => body.clone(),
+        }
+    }
+
+    fn fact(&self, fact: Fact, of: &OfRow<'_>) -> String {
+        let Order { order_ref, reorder, garment, scan, record, posture, basis, .. } = self.order;
+        let text = |text: Option<&str>| text.unwrap_or_default().to_owned();
+        let reorder = reorder.as_ref();
+        match fact {
+            Fact::OrderRef => text(order_ref.as_deref()),
+            Fact::Reorder => text(reorder.map(|of| of.is.word())),
+            Fact::LastRef => text(reorder.and_then(|of| of.last_ref.as_deref())),
+            Fact::ScanRef => scan.reference.clone(),
+            Fact::LastScanRef => text(reorder.map(|of| of.last_scan.reference.as_str())),
+            Fact::Garment => garment.name.clone(),
+            Fact::Station => text(record.station.as_deref()),
+            Fact::Posture => text(posture.as_deref()),
+            Fact::Basis => basis.clone(),
+            Fact::PatientId => text(self.patient),
+            Fact::Side => self.side_word(of.side),
+            Fact::Level => of.level.clone(),
+            Fact::Point => of.form_box.as_ref().map(|(name, _)| name.clone()).unwrap_or_default(),
+            Fact::EditedBy => text(of.row.and_then(|row| row.edited_by.as_deref())),
+            Fact::Reason => text(of.row.and_then(|row| row.reason.as_deref())),
+        }
+    }
+
+    /// A figure with its row and part.
+    fn figure<'r>(&'r self, which: Which, of: &OfRow<'r>) -> Option<(&'r Row, Part)> {
+        match which {
+            Which::Girth => of.row.map(|row| (row, Part::Girth)),
+            Which::Length => of.row.map(|row| (row, Part::Length)),
+            Which::Box => of.row.zip(of.form_box.as_ref().map(|(_, part)| *part)),
+            Which::At(at, point) => {
+                let side = match at {
+                    Some(Place::Right) => OrderSide::Right,
+                    Some(Place::Left) => OrderSide::Left,
+                    Some(Place::Body) => OrderSide::Body,
+                    None => of.side?,
+                };
+                let (level, part) = place(point);
+                self.order.counting(side, &level).map(|row| (row, part))
+            }
+        }
+    }
+
+    fn figure_cell(&self, at: Option<(&Row, Part)>, what: Of) -> Content {
+        let figures = &self.mapping.figures;
+        let figure = at.and_then(|(row, part)| row.part(part));
+        let written = figure.filter(|figure| self.writes(figure.is));
+        let number = |mm: Option<f64>, rounding: Rounding| match mm {
+            Some(mm) => Content::Number(figures.text(mm, rounding)),
+            None => Content::Own(String::new()),
+        };
+        let last = at.and_then(|(row, part)| last(row, part));
+        match what {
+            Of::Figure => match written.and_then(|figure| figure.mm) {
+                Some(mm) => Content::Number(figures.text(mm, figures.rounding)),
+                None => Content::Own(self.instead(figure)),
+            },
+            // Rounded up, so that it is never told as smaller than it is.
+            Of::U95 => number(written.and_then(|figure| figure.u95_mm), Rounding::Up),
+            Of::Method => {
+                let way = written.and_then(|figure| figure.method);
+                Content::Words(way.map(|way| way.word()).unwrap_or_default().to_owned())
+            }
+            Of::Flag => {
+                let state = figure.map(|figure| figure.is).filter(|is| *is != State::Measured);
+                Content::Words(state.map(State::word).unwrap_or_default().to_owned())
+            }
+            Of::Last => {
+                number(last.filter(|of| self.writes(of.is)).map(|of| of.mm), figures.rounding)
+            }
+            Of::Change => number(last.and_then(|of| of.change_mm), Rounding::Nearest),
+        }
+    }
+
+    /// Whether a figure of this kind is written.
+    fn writes(&self, is: State) -> bool {
+        let instead = &self.mapping.instead;
+        match is {
+            State::Estimated => instead.writes_estimated,
+            State::Doubtful => instead.writes_doubtful,
+            is => is.is_sure(),
+        }
+    }
+
+    /// What is written in the place of a figure.
+    fn instead(&self, figure: Option<&Figure>) -> String {
+        let instead = &self.mapping.instead;
+        let text = match figure.map(|figure| figure.is) {
+            Some(State::Estimated) => &instead.estimated,
+            Some(State::Doubtful) => &instead.doubtful,
+            _ => &instead.missing,
+        };
+        text.clone()
+    }
+
+    fn table(&self, rows: &[OfRow<'_>], csv: Csv) -> Vec<u8> {
+        let Csv { separator, quotes_all, line_end, encoding, has_header } = csv;
+        let columns = &self.mapping.columns;
+        let mut text = String::new();
+        if has_header {
+            let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+            text += &line(&names, separator, quotes_all, line_end);
+        }
+        for row in rows {
+            let cells = columns.iter().map(|column| match self.content(column, row) {
+                Content::Number(text) | Content::Own(text) => text,
+                Content::Words(text) => guarded(&text),
+            });
+            text += &line(&cells.collect::<Vec<_>>(), separator, quotes_all, line_end);
+        }
+        match encoding {
+            Encoding::Utf8 => text.into_bytes(),
+            Encoding::Utf8Bom => format!("{BYTE_ORDER_MARK}{text}").into_bytes(),
+            Encoding::Cp1252 => in_cp1252(&text),
+        }
+    }
+
+    fn objects(&self, rows: &[OfRow<'_>]) -> String {
+        let objects: Vec<String> = rows.iter().map(|row| self.object(row)).collect();
+        match self.mapping.rows {
+            Rows::Order => objects.concat() + "\n",
+            _ => format!("[\n{}\n]\n", objects.join(",\n")),
+        }
+    }
+
+    /// A row as an object with the keys in the order of the columns. What is not known is null; a figure is a
+    /// number where its decimal sign is that of JSON.
+    fn object(&self, row: &OfRow<'_>) -> String {
+        let is_json_number = self.mapping.figures.sign == '.';
+        let fields = self.mapping.columns.iter().map(|column| {
+            let value = match self.content(column, row) {
+                Content::Number(text) if is_json_number => text,
+                Content::Number(text) | Content::Own(text) | Content::Words(text) => {
+                    if text.is_empty() { "null".to_owned() } else { quoted(&text) }
+                }
+            };
+            format!("  {}: {value}", quoted(&column.name))
+        });
+        format!("{{\n{}\n}}", fields.collect::<Vec<_>>().join(",\n"))
+    }
+}
+
+/// The last order's figure of a row.
+fn last(row: &Row, part: Part) -> Option<LastFigure> {
+    let last = row.last.as_ref()?;
+    match part {
+        Part::Girth => last.girth,
+        Part::Length => last.length,
+    }
+}
+
+/// A text as JSON.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+/// A text in code page 1252. A letter that the code page lacks is told by its number, so that no name becomes
+/// another.
+fn in_cp1252(text: &str) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(text.len());
+    for letter in text.chars() {
+        let mut utf8 = [0; 4];
+        let (encoded, _, lacks) = WINDOWS_1252.encode(letter.encode_utf8(&mut utf8));
+        match lacks {
+            false => bytes.extend(encoded.iter()),
+            true => bytes.extend(format!("[U+{:04X}]", u32::from(letter)).bytes()),
+        }
+    }
+    bytes
+}

@@ -1,0 +1,72 @@
+//! The figures of a record: those of the paper and a comparison of the legs, drawn only from the content of `record.json`.
+
+mod curves;
+mod differences;
+pub mod error;
+mod fit;
+mod girths;
+pub mod plot;
+mod sections;
+mod sheet;
+mod slopes;
+mod views;
+
+use super::{Picture, svg};
+use crate::Record;
+use gaiter_language::Language;
+use gaiter_leg::Level;
+
+/// A figure and its file name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Lower-case ASCII, the same in every language.
+    pub name: &'static str,
+    /// What is drawn.
+    pub picture: Picture,
+    /// Its marks as SVG, written once for the page and for files.
+    pub marks: String,
+}
+
+/// All figures for which the record has data, in reading order.
+pub fn all(record: &Record, language: Language) -> Vec<Figure> {
+    let figures = [
+        (SHEET, sheet::picture(record, language)),
+        ("views", views::picture(record, language)),
+        ("girths", girths::picture(record, language)),
+        ("differences", differences::picture(record, language)),
+        ("sections", sections::picture(record, language)),
+        ("fit", fit::picture(record, language)),
+        ("error", error::picture(record, language)),
+    ];
+    let there = |(name, picture): (&'static str, Option<Picture>)| {
+        let picture = picture?;
+        let marks = svg::marks(&picture);
+        Some(Figure { name, picture, marks })
+    };
+    figures.into_iter().filter_map(there).collect()
+}
+
+/// The legs and their girths in one drawing below each other, as an SVG file, if they are among a
+/// record's figures.
+pub fn overview(figures: &[Figure], language: Language) -> String {
+    let ([mut width, mut height], mut marks) = ([0.0_f64, 0.0], String::new());
+    for figure in figures.iter().filter(|figure| OVERVIEW.contains(&figure.name)) {
+        if height > 0.0 {
+            marks.push_str(&svg::marks(&figure.picture.moved_down(height)));
+        } else {
+            marks.push_str(&figure.marks);
+        }
+        width = width.max(figure.picture.size[0]);
+        height += figure.picture.size[1];
+    }
+    svg::file(language.text("picture.views"), [width, height], &marks)
+}
+
+/// The name of the figure on the measuring sheet.
+pub const SHEET: &str = "sheet";
+
+/// The names of the figures that show both legs at a glance.
+const OVERVIEW: [&str; 2] = ["views", "girths"];
+
+/// The levels of the paper, highest first, as on a leg.
+const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];

@@ -1,0 +1,393 @@
+//! The content of a report as data, for pages and for the PDF: all figures are rounded and in words.
+//!
+//! The patient's right leg always comes before the left one, as seen from the front. Levels are ordered
+//! from the highest to the lowest, as on a standing leg.
+
+mod by_hand;
+mod facts;
+mod landmarks;
+mod levels;
+mod notes;
+mod pictures;
+mod sizes;
+mod surfaces;
+mod tables;
+mod tilt;
+
+use std::fmt::Display;
+
+use super::Figure;
+use super::age::{Age, AgeMax};
+use crate::Record;
+use crate::completeness::{Completeness, Kind};
+use crate::schema::NOT_VOUCHED;
+use crate::sizing::{SizeChoice, SizeVerdicts};
+use gaiter_language::Language;
+use gaiter_leg::Side;
+use gaiter_sizes::Garment;
+
+/// The whole content of a report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Content {
+    /// The language of the texts.
+    pub language: Language,
+    /// The kind of document; whether its figures can be trusted, if not.
+    pub title: String,
+    /// Whether something vouches for the figures.
+    pub is_vouched: bool,
+    /// The patient's id with nothing hidden in it, or that there is none.
+    pub patient: String,
+    /// When and where the scan was taken, in one line, for the head of a page.
+    pub taken: String,
+    /// The origin: patient, time, station, scan, program.
+    pub facts: Vec<Fact>,
+    /// The heading of these facts.
+    pub origin: String,
+    /// What is to be done before the patient dresses.
+    pub verdict: Verdict,
+    /// The measuring sheet.
+    pub levels: Levels,
+    /// How old the scan is.
+    pub age: Age,
+    /// What a person fills in beside it.
+    pub open: OpenFields,
+    /// The sizes of makers' tables; `None` if there are no tables.
+    pub sizes: Option<Sizes>,
+    /// The tables that follow: both legs at the same heights, requested heights, volumes.
+    pub tables: Vec<Table>,
+    /// The volumes of slices; `None` if there are none.
+    pub slices: Option<Table>,
+    /// How well the surface follows the scan, at least one sentence per leg.
+    pub surfaces: Section,
+    /// Doubts and findings, most important first.
+    pub notes: Section<Note>,
+    /// The number of notes of each weight in one line, or that there are none.
+    pub summary: String,
+    /// How to read the figures.
+    pub legend: Section,
+    /// Every figure of every level in mm, with the exact digits of `record.json`.
+    pub landmarks: Table,
+    /// Headings of the pictures, and the text for a record without any.
+    pub pictures: PictureWords,
+}
+
+/// A heading and the content below it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section<T = String> {
+    /// The heading.
+    pub title: String,
+    /// The content, one paragraph or entry each.
+    pub entries: Vec<T>,
+}
+
+/// One fact about the record as a whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fact {
+    /// Its name.
+    pub name: String,
+    /// Its value, possibly from outside: it must be escaped and must not change the text direction.
+    pub value: String,
+}
+
+/// The measuring sheet: the figures that an order needs, in the order of order forms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Levels {
+    /// The heading.
+    pub title: String,
+    /// Headings of the columns.
+    pub columns: SheetColumns,
+    /// The levels, highest first.
+    pub rows: Vec<LevelRow>,
+    /// Foot and inside leg.
+    pub lengths: Vec<SheetRow>,
+    /// How to read the signs on the sheet.
+    pub key: String,
+    /// The doubts about these figures, a line for each leg that has any.
+    pub doubts: Vec<String>,
+    /// What people set in place of the scan's figures, a line for each measure.
+    pub by_hand: Vec<String>,
+    /// Where a tape that is not held square reads another girth; `None` where that does not matter.
+    pub tilted: Option<String>,
+}
+
+/// Headings of the measuring sheet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SheetColumns {
+    /// The level.
+    pub level: String,
+    /// The legs, each over three columns, in the order of [`Side::FROM_FRONT`].
+    pub legs: [String; 2],
+    /// A girth, with its unit.
+    pub girth: String,
+    /// A height above the floor, with its unit.
+    pub height: String,
+    /// The column that is left open for corrections by hand.
+    pub by_hand: String,
+}
+
+/// One level of both legs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelRow {
+    /// Its name, such as `B1`.
+    pub level: String,
+    /// Where it is on the leg.
+    pub place: String,
+    /// Whether the garment needs it.
+    pub is_needed: bool,
+    /// The figures of each leg, in the order of [`Side::FROM_FRONT`].
+    pub legs: [LevelFigures; 2],
+}
+
+/// One level of one leg.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelFigures {
+    /// Girth by tape, cm.
+    pub girth: Figure,
+    /// Vertical height above the floor, cm; a dash on the foot.
+    pub height: Figure,
+}
+
+/// A length of both legs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetRow {
+    /// What it is.
+    pub head: String,
+    /// The length of each leg, cm, in the order of [`Side::FROM_FRONT`].
+    pub figures: [Figure; 2],
+}
+
+/// The fields of an order that a scan cannot give, left open on paper.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpenFields {
+    /// The heading.
+    pub title: String,
+    /// Their names.
+    pub names: Vec<String>,
+}
+
+/// What is to be done before the patient dresses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// What it is.
+    pub kind: Kind,
+    /// It in sentences, the most important first; at least one.
+    pub sentences: Vec<String>,
+}
+
+/// What makers' tables say, and the boxes of an order form.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sizes {
+    /// The heading.
+    pub title: String,
+    /// On the sheet: where the sizes are; `None` without tables.
+    pub see: Option<String>,
+    /// The tables, with what a reader must know before their verdicts, one paragraph each.
+    pub about: Vec<String>,
+    /// The sizes of all tables, a table for each leg.
+    pub tables: Vec<Table>,
+    /// The calibre jumps; `None` without tables.
+    pub calibre: Option<Section>,
+    /// The boxes of the order form, as printed.
+    pub form: Table,
+}
+
+/// A table. Each row has a head and one figure for every column after the first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The heading, with the unit.
+    pub title: String,
+    /// How to read it; `None` if it needs no explanation.
+    pub explanation: Option<String>,
+    /// Headings of all columns, beginning with that of the rows' heads.
+    pub columns: Vec<String>,
+    /// The rows.
+    pub rows: Vec<TableRow>,
+}
+
+/// A row of a [`Table`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableRow {
+    /// The subject of the row.
+    pub head: String,
+    /// Its figures.
+    pub figures: Vec<Figure>,
+}
+
+/// A doubt or finding in plain words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Note {
+    /// Its stable code.
+    pub code: String,
+    /// How much it matters.
+    pub weight: Weight,
+    /// The weight in words.
+    pub weight_words: String,
+    /// The leg and level; empty for the whole scan.
+    pub place: String,
+    /// A short name, or the code if it is unknown here.
+    pub title: String,
+    /// The finding, with its figures.
+    pub message: String,
+    /// Whether the message is only available in English, the language of the record.
+    pub is_message_english: bool,
+    /// What it means; `None` for an unknown code.
+    pub meaning: Option<String>,
+    /// What to do; `None` for an unknown code.
+    pub action: Option<String>,
+}
+
+/// The weight of a note, heaviest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Weight {
+    /// Something was not measured.
+    Error,
+    /// Check this before using the record.
+    Warning,
+    /// Worth knowing.
+    Info,
+}
+
+/// The texts around the pictures.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PictureWords {
+    /// The heading.
+    pub title: String,
+    /// The heading of the appendix.
+    pub appendix: String,
+    /// What each figure of [`crate::picture::figures`] shows.
+    pub captions: Vec<Caption>,
+    /// The text if a leg of the record has no shape; `None` if all have one.
+    pub missing: Option<String>,
+    /// The heading of the interactive 3D view.
+    pub view: String,
+    /// The text if the page's script does not run.
+    pub no_script: String,
+}
+
+/// The caption of a figure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Caption {
+    /// The figure's name.
+    pub name: &'static str,
+    /// What it shows, in a few words.
+    pub title: String,
+    /// How to read it.
+    pub text: String,
+}
+
+impl Content {
+    /// The content of a report of this record in this language, for an order of this garment, without sizes.
+    pub fn of(record: &Record, language: Language, garment: &Garment) -> Content {
+        let none = SizeVerdicts::of(record, garment, &SizeChoice::default());
+        Content::with_sizes(record, language, garment, &none, AgeMax::default())
+    }
+
+    /// The content of a report with what size tables say about the record, and how old its scan may be.
+    pub fn with_sizes(
+        record: &Record,
+        language: Language,
+        garment: &Garment,
+        verdicts: &SizeVerdicts,
+        age_max: AgeMax,
+    ) -> Content {
+        let completeness = Completeness::of(record, garment);
+        let report = Report { record, language, garment };
+        let notes = report.notes();
+        let is_vouched = !record.has_finding(NOT_VOUCHED);
+        let title = if is_vouched { "report.title" } else { "report.title_not_vouched" };
+        Content {
+            language,
+            title: report.text(title),
+            is_vouched,
+            patient: report.patient(),
+            taken: report.taken(),
+            facts: report.facts(),
+            origin: report.text("report.origin"),
+            verdict: Verdict {
+                kind: completeness.kind(),
+                sentences: completeness.sentences(language),
+            },
+            levels: report.levels(),
+            age: Age::of(record, age_max, language),
+            open: report.open_fields(),
+            sizes: report.sizes(verdicts),
+            tables: report.tables(),
+            slices: report.slices(),
+            surfaces: report.surfaces(),
+            summary: report.summary(&notes.entries),
+            notes,
+            legend: report.legend(),
+            landmarks: report.landmarks(),
+            pictures: report.picture_words(),
+        }
+    }
+}
+
+impl Content {
+    /// What people set in place of the scan's figures, a line for each measure.
+    pub fn by_hand(record: &Record, language: Language) -> Vec<String> {
+        Report { record, language, garment: &Garment::default() }.by_hand()
+    }
+
+    /// How many notes of each weight a report has, in a line; empty if it has none.
+    pub fn counted(record: &Record, language: Language) -> String {
+        let garment = Garment::default();
+        let report = Report { record, language, garment: &garment };
+        let notes = report.notes().entries;
+        if notes.is_empty() { String::new() } else { report.summary(&notes) }
+    }
+}
+
+/// What a person fills in on the measuring sheet, in this order.
+const OPEN_FIELDS: [&str; 9] =
+    ["patient", "class", "knit", "product", "colour", "toe", "band", "quantity", "signature"];
+
+/// A record with the language of its report.
+struct Report<'a> {
+    record: &'a Record,
+    language: Language,
+    /// The garment that is ordered.
+    garment: &'a Garment,
+}
+
+impl Report<'_> {
+    fn text(&self, key: &'static str) -> String {
+        self.language.text(key).to_owned()
+    }
+
+    fn filled(&self, key: &'static str, words: &[(&str, &dyn Display)]) -> String {
+        self.language.filled(key, words)
+    }
+
+    fn open_fields(&self) -> OpenFields {
+        let name = |field| self.language.word("report.open.field", field).to_owned();
+        OpenFields { title: self.text("report.open.title"), names: OPEN_FIELDS.map(name).into() }
+    }
+
+    /// The name of a leg.
+    fn leg(&self, side: Side) -> &'static str {
+        self.language.word("leg", side.word())
+    }
+
+    /// The name of a leg as a heading.
+    fn leg_heading(&self, side: Side) -> String {
+        self.language.word("leg.heading", side.word()).to_owned()
+    }
+
+    /// Whether the record has a finding of this code about a leg, or about a level of it.
+    fn is_found(&self, code: &str, side: Side, level: Option<&str>) -> bool {
+        self.record.findings.iter().any(|finding| {
+            let is_there = finding.leg.as_deref() == Some(side.word());
+            finding.code == code && is_there && finding.level.as_deref() == level
+        })
+    }
+
+    /// Why a leg is not in the record.
+    fn no_leg(&self, side: Side) -> &'static str {
+        if self.is_found("leg-not-measured", side, None) {
+            self.language.text("report.missing.leg_not_measured")
+        } else {
+            self.language.text("report.missing.leg_not_in_scan")
+        }
+    }
+}

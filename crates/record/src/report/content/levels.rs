@@ -1,0 +1,181 @@
+//! The measuring sheet: girth and height at every level in the order of order forms, feet, inside leg.
+
+use super::super::words::short;
+use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
+use crate::measure::amendment::Subject;
+use crate::measure::{Absent, Length, Measure, girth_mm_at, why_absent};
+use crate::report::Mark;
+use crate::rounding::cm_words;
+use gaiter_leg::{Level, Side};
+
+impl Report<'_> {
+    pub(super) fn levels(&self) -> Levels {
+        let rows: Vec<LevelRow> =
+            Level::ALL.into_iter().rev().map(|level| self.row(level)).collect();
+        Levels {
+            title: self.text("report.sheet.title"),
+            columns: SheetColumns {
+                level: self.text("report.sheet.level"),
+                legs: Side::FROM_FRONT.map(|side| self.leg_heading(side)),
+                girth: self.text("report.sheet.girth"),
+                height: self.text("report.sheet.height"),
+                by_hand: self.text("report.sheet.by_hand"),
+            },
+            key: self.key(&rows),
+            rows,
+            lengths: self.lengths(),
+            doubts: self.doubts_of_levels(),
+            by_hand: self.by_hand(),
+            tilted: self.tilted(),
+        }
+    }
+
+    fn row(&self, level: Level) -> LevelRow {
+        LevelRow {
+            level: level.name().to_owned(),
+            place: self.language.word("level", level.name()).to_owned(),
+            is_needed: self.garment.levels().contains(&level),
+            legs: Side::FROM_FRONT.map(|side| self.level(side, level)),
+        }
+    }
+
+    fn level(&self, side: Side, level: Level) -> LevelFigures {
+        match Measure::of(self.record, side, level) {
+            Ok(measure) => self.measured(&measure),
+            Err(absent) => missing(self.no_level(side, level, absent)),
+        }
+    }
+
+    fn measured(&self, measure: &Measure<'_>) -> LevelFigures {
+        let figure = |length: Length| self.length(length, measure.mark_of(length));
+        LevelFigures {
+            girth: figure(measure.girth),
+            height: measure.height.map_or_else(|| Figure::plain(NO_HEIGHT), figure),
+        }
+    }
+
+    /// A length. What a person set has no uncertainty that is known here.
+    fn length(&self, Length { mm, sd_mm, is_by_hand }: Length, mark: Mark) -> Figure {
+        let figure = Figure::cm(mm, sd_mm, mark, self.language);
+        match is_by_hand {
+            true => Figure { margin: None, ..figure },
+            false => figure,
+        }
+    }
+
+    /// Why a level has no figure on a leg that was measured; where the other leg has it, also the girth at
+    /// the other leg's height.
+    fn no_level(&self, side: Side, level: Level, absent: Absent) -> String {
+        let why = why_absent(self.record, side, level, absent);
+        let at_other = self.girth_at_other_height(side, level);
+        match at_other.filter(|_| absent == Absent::NotFound) {
+            Some((height_mm, girth_mm)) => {
+                let [height, girth] = [height_mm, girth_mm].map(|mm| cm_words(mm, self.language));
+                let words: [(&str, &dyn std::fmt::Display); 3] =
+                    [("why", &self.text(why)), ("height", &height), ("girth", &girth)];
+                self.filled("report.missing.level_at_other", &words)
+            }
+            None => self.text(why),
+        }
+    }
+
+    /// Height of the level on the other leg, and the girth of this leg there, mm.
+    fn girth_at_other_height(&self, side: Side, level: Level) -> Option<(f64, f64)> {
+        let other = Side::FROM_FRONT.into_iter().find(|other| *other != side)?;
+        let height_mm = self.record.leg(other)?.landmarks.get(level.name())?.height_mm;
+        Some((height_mm, girth_mm_at(self.record.leg(side)?, height_mm)?))
+    }
+
+    /// Foot and inside leg, which have one figure a leg.
+    fn lengths(&self) -> Vec<SheetRow> {
+        let row = |key: &'static str, subject: Subject| SheetRow {
+            head: self.text(key),
+            figures: Side::FROM_FRONT.map(|side| self.length_of(side, subject)),
+        };
+        vec![
+            row("report.sheet.foot_length", Subject::FootLength),
+            row("report.sheet.foot_breadth", Subject::FootBreadth),
+            row("report.sheet.inside_leg", Subject::InsideLeg),
+        ]
+    }
+
+    fn length_of(&self, side: Side, subject: Subject) -> Figure {
+        let is_inside_leg = subject == Subject::InsideLeg;
+        let is_doubted = is_inside_leg && self.record.has_finding("crotch-uncertain");
+        match Length::of(self.record, side, subject) {
+            Ok(length) if length.is_by_hand => self.length(length, Mark::ByHand),
+            Ok(length) if is_inside_leg => {
+                self.length(length, if is_doubted { Mark::Doubtful } else { Mark::Sure })
+            }
+            // A foot's length has no standard error.
+            Ok(length) => Figure::plain(cm_words(length.mm, self.language)),
+            Err(Absent::NotMeasurable) => {
+                Figure::missing(self.language.text("report.missing.not_measurable"))
+            }
+            Err(Absent::NotFound) if self.record.leg(side).is_none() => {
+                Figure::missing(self.no_leg(side))
+            }
+            Err(Absent::NotFound) if is_inside_leg => {
+                Figure::missing(self.language.text("report.missing.level_not_seen"))
+            }
+            Err(Absent::NotFound) => {
+                Figure::missing(self.language.text("report.missing.foot_not_seen"))
+            }
+        }
+    }
+
+    /// How to read the signs that stand on the sheet.
+    fn key(&self, rows: &[LevelRow]) -> String {
+        let figures = rows.iter().flat_map(|row| &row.legs);
+        let figures = figures.flat_map(|leg| [&leg.girth, &leg.height]);
+        let marks: Vec<Mark> = figures.map(|figure| figure.mark).collect();
+        let has = |mark| marks.contains(&mark);
+        let keys = [
+            (true, "report.sheet.key_bold"),
+            (true, "report.sheet.key_margin"),
+            (has(Mark::Estimated), "report.sheet.key_estimated"),
+            (has(Mark::Doubtful), "report.sheet.key_doubtful"),
+            (has(Mark::ByHand), "report.sheet.key_by_hand"),
+        ];
+        let words = keys.into_iter().filter(|(is_used, _)| *is_used);
+        words.map(|(_, key)| self.language.text(key)).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The doubts about measured figures of the sheet, a line for each leg that has any: `Right leg – Height uncertain:
+    /// B1; Skin partly not seen: C, B.`
+    fn doubts_of_levels(&self) -> Vec<String> {
+        let of_leg = |side: Side| {
+            let doubted: Vec<(String, Level)> = Level::ALL
+                .into_iter()
+                .rev()
+                .filter_map(|level| Some((level, Measure::of(self.record, side, level).ok()?)))
+                // An estimate bears its own mark, and is measured by hand anyhow.
+                .filter(|(_, of)| !of.is_estimate)
+                .flat_map(|(level, of)| {
+                    of.doubts.into_iter().map(move |code| (short(code, self.language), level))
+                })
+                .collect();
+            let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
+            for (word, level) in doubted {
+                match groups.iter_mut().find(|(its, _)| *its == word) {
+                    Some((_, levels)) => levels.push(level.name()),
+                    None => groups.push((word, vec![level.name()])),
+                }
+            }
+            let group =
+                |(word, levels): &(String, Vec<&str>)| format!("{word}: {}", levels.join(", "));
+            let said: Vec<String> = groups.iter().map(group).collect();
+            let leg = self.leg_heading(side);
+            (!said.is_empty()).then(|| format!("{leg} – {}.", said.join("; ")))
+        };
+        Side::FROM_FRONT.into_iter().filter_map(of_leg).collect()
+    }
+}
+
+/// In the place of the height of a level on the foot, where the tape is not level.
+const NO_HEIGHT: &str = "–";
+
+fn missing(why: String) -> LevelFigures {
+    let figure = || Figure::missing(&why);
+    LevelFigures { girth: figure(), height: figure() }
+}

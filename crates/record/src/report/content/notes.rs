@@ -1,0 +1,157 @@
+//! Doubts and findings in plain words.
+
+use super::super::words::{self, Plain};
+use super::{Note, Report, Section, Weight};
+use crate::schema::FindingNote;
+use crate::shown;
+use gaiter_leg::Side;
+use gaiter_leg::finding::Severity;
+
+impl Report<'_> {
+    pub(super) fn notes(&self) -> Section<Note> {
+        let found = self.record.findings.iter().map(|finding| self.note(finding));
+        let doubts = self.unfound_doubts();
+        let doubts = doubts.iter().map(|doubt| self.note(doubt));
+        let mut entries = grouped(found.chain(doubts));
+        // Notes of one weight keep the order of the stages.
+        entries.sort_by_key(|note| note.weight);
+        Section { title: self.text("report.notes.title"), entries }
+    }
+
+    pub(super) fn summary(&self, notes: &[Note]) -> String {
+        let of = |weight: Weight| notes.iter().filter(|note| note.weight == weight).count();
+        let weights = [Weight::Error, Weight::Warning, Weight::Info];
+        let words = |weight: Weight| match of(weight) {
+            0 => None,
+            count => Some(format!("{}: {count}", self.weight_words(weight))),
+        };
+        let words: Vec<String> = weights.into_iter().filter_map(words).collect();
+        if words.is_empty() {
+            return self.text("report.notes.none");
+        }
+        words.join(" · ")
+    }
+
+    fn note(&self, finding: &FindingNote) -> Note {
+        let weight = match finding.severity.as_str() {
+            "error" => Weight::Error,
+            "info" => Weight::Info,
+            _ => Weight::Warning,
+        };
+        let says = finding.says.as_ref();
+        let (message, is_told) = words::told(says, &finding.message, self.language);
+        let plain = words::plain(&finding.code, self.language);
+        Note {
+            code: finding.code.clone(),
+            weight,
+            weight_words: self.weight_words(weight),
+            place: self.place(finding),
+            title: plain.as_ref().map_or_else(|| finding.code.clone(), |of| of.title.to_owned()),
+            message: sentence(&shown::id(&message)),
+            is_message_english: !is_told,
+            meaning: plain.as_ref().map(|Plain { meaning, .. }| (*meaning).to_owned()),
+            action: plain.map(|Plain { action, .. }| action.to_owned()),
+        }
+    }
+
+    fn weight_words(&self, weight: Weight) -> String {
+        match weight {
+            Weight::Error => self.text("report.notes.error"),
+            Weight::Warning => self.text("report.notes.warning"),
+            Weight::Info => self.text("report.notes.info"),
+        }
+    }
+
+    /// The leg and level of a finding.
+    fn place(&self, finding: &FindingNote) -> String {
+        let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
+        let leg = side.map(|side| self.leg(side).to_owned());
+        [leg, finding.level.as_deref().map(shown::id)]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    /// Doubts at a level without a finding of their own, such as those of estimated levels.
+    fn unfound_doubts(&self) -> Vec<FindingNote> {
+        let legs = self.record.legs.iter();
+        let levels = legs.flat_map(|leg| {
+            let (warning, info) = (Severity::Warning, Severity::Info);
+            let found = leg.landmarks.iter().map(move |(level, of)| (level, &of.doubts, warning));
+            // Estimates are already marked as such.
+            let estimated = leg.estimates.iter();
+            let estimated = estimated.map(move |(level, of)| (level, &of.doubts, info));
+            let codes = found.chain(estimated);
+            codes.flat_map(move |(level, codes, severity)| {
+                codes.iter().map(move |code| FindingNote {
+                    code: code.clone(),
+                    severity: severity.word().to_owned(),
+                    leg: Some(leg.side.clone()),
+                    level: Some(level.clone()),
+                    message: String::new(),
+                    says: None,
+                })
+            })
+        });
+        let is_new = |doubt: &FindingNote| {
+            let is_same = |of: &&FindingNote| {
+                of.code == doubt.code && of.leg == doubt.leg && of.level == doubt.level
+            };
+            !self.record.findings.iter().any(|finding| is_same(&finding))
+        };
+        levels.filter(is_new).collect()
+    }
+}
+
+/// Merges notes of the same code, with all their places and messages, at the place of the first.
+fn grouped(notes: impl Iterator<Item = Note>) -> Vec<Note> {
+    let mut groups: Vec<Vec<Note>> = Vec::new();
+    for note in notes {
+        let is_same = |group: &&mut Vec<Note>| {
+            group.iter().any(|one| (&one.code, one.weight) == (&note.code, note.weight))
+        };
+        match groups.iter_mut().find(is_same) {
+            Some(group) => group.push(note),
+            None => groups.push(vec![note]),
+        }
+    }
+    groups.into_iter().filter_map(one_of).collect()
+}
+
+fn one_of(group: Vec<Note>) -> Option<Note> {
+    let first = group.first()?.clone();
+    let places: Vec<&str> =
+        group.iter().map(|note| note.place.as_str()).filter(|place| !place.is_empty()).collect();
+    let message = if group.iter().all(|note| note.message == first.message) {
+        first.message.clone()
+    } else {
+        let told = |note: &Note| match note.place.as_str() {
+            "" => note.message.clone(),
+            place => format!("{place}: {}", note.message),
+        };
+        group.iter().map(told).collect::<Vec<_>>().join(" ")
+    };
+    Some(Note {
+        place: places.join(" · "),
+        message,
+        is_message_english: group.iter().any(|note| note.is_message_english),
+        ..first
+    })
+}
+
+/// Makes a message a sentence: a capital, unless it begins with a file name, and a full stop.
+fn sentence(message: &str) -> String {
+    let first = message.split(' ').next().unwrap_or_default();
+    let mut letters = message.chars();
+    let mut text = match letters.next() {
+        Some(letter) if !first.contains('.') => {
+            letter.to_uppercase().collect::<String>() + letters.as_str()
+        }
+        _ => message.to_owned(),
+    };
+    if text.ends_with(|end: char| end.is_alphanumeric() || matches!(end, ')' | '°' | '%' | ']')) {
+        text.push('.');
+    }
+    text
+}

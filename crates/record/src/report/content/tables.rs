@@ -1,0 +1,188 @@
+//! Both legs at the same heights, requested heights, volumes and slices.
+
+use super::{Figure, Report, Table, TableRow};
+use crate::chart::{
+    AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures, girth_difference, same_heights,
+};
+use crate::report::Mark;
+use crate::rounding::cm_words;
+use gaiter_leg::Side;
+
+impl Report<'_> {
+    pub(super) fn tables(&self) -> Vec<Table> {
+        let tables = [self.same_heights(), self.asked(), Some(self.volumes())];
+        tables.into_iter().flatten().collect()
+    }
+
+    /// Headings of a table with one column per leg and these columns of differences.
+    fn columns(&self, first: String, differences: &[String]) -> Vec<String> {
+        let legs = Side::FROM_FRONT.map(|side| self.leg_heading(side));
+        [first].into_iter().chain(legs).chain(differences.iter().cloned()).collect()
+    }
+
+    fn differences(&self) -> [String; 2] {
+        [self.text("report.volumes.difference"), self.text("report.volumes.percent")]
+    }
+
+    fn volumes(&self) -> Table {
+        let whole = self.record.differences.as_ref().and_then(|of| of.whole.as_ref());
+        let whole_row = TableRow {
+            head: self.text("report.volumes.whole_leg"),
+            figures: self.volume_row(|of| (of.whole_ml, of.sd_ml), whole),
+        };
+        let between = TableRow {
+            head: self.text("report.volumes.between"),
+            figures: self.volume_row(|of| (of.b_to_d_ml, of.b_to_d_sd_ml), None),
+        };
+        Table {
+            title: self.text("report.volumes.title"),
+            explanation: Some(self.ranges()),
+            columns: self.columns(self.text("report.volumes.part"), &self.differences()),
+            rows: vec![whole_row, between],
+        }
+    }
+
+    /// The range of each whole leg, and the range over which they are compared.
+    fn ranges(&self) -> String {
+        let cm = |mm| cm_words(mm, self.language);
+        let of_leg = |side: Side| {
+            let volume = &self.record.leg(side)?.volume;
+            let (from_mm, to_mm) = (volume.from_height_mm?, volume.to_height_mm?);
+            Some(self.filled(
+                "report.volumes.range_of_leg",
+                &[("leg", &self.leg(side)), ("from", &cm(from_mm)), ("to", &cm(to_mm))],
+            ))
+        };
+        let legs: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(of_leg).collect();
+        let ranges = match legs.as_slice() {
+            [] => self.text("report.volumes.range"),
+            legs => self.filled("report.volumes.ranges", &[("legs", &legs.join(", "))]),
+        };
+        if self.record.differences.iter().any(|of| of.whole.is_some()) {
+            format!("{ranges} {}", self.text("report.volumes.common"))
+        } else {
+            ranges
+        }
+    }
+
+    fn volume_row(
+        &self,
+        figure: fn(&VolumeFigures) -> (Option<f64>, Option<f64>),
+        difference: Option<&VolumeDifferenceFigures>,
+    ) -> Vec<Figure> {
+        let of_leg = |side: Side| match self.record.leg(side).map(|leg| figure(&leg.volume)) {
+            Some((Some(ml), sd_ml)) => Figure::ml(ml, sd_ml, self.language),
+            Some((None, _)) => {
+                Figure::missing(self.language.text("report.missing.volume_not_whole"))
+            }
+            None => Figure::missing(self.no_leg(side)),
+        };
+        Side::FROM_FRONT.map(of_leg).into_iter().chain(self.volume_difference(difference)).collect()
+    }
+
+    fn volume_difference(&self, difference: Option<&VolumeDifferenceFigures>) -> [Figure; 2] {
+        match difference {
+            Some(of) => Figure::ml_difference([of.ml, of.percent], of.sd_ml, self.language),
+            None => {
+                let why = self.language.text("report.missing.not_compared");
+                [Figure::missing(why), Figure::missing(why)]
+            }
+        }
+    }
+
+    /// Girths at the requested heights; `None` if no height was requested.
+    fn asked(&self) -> Option<Table> {
+        let heights = &self.record.legs.iter().map(|leg| &leg.at).find(|at| !at.is_empty())?;
+        let row = |(index, at): (usize, &AtFigures)| TableRow {
+            head: format!("{} cm", cm_words(at.height_mm, self.language)),
+            figures: Side::FROM_FRONT.map(|side| self.girth_asked(side, index)).into(),
+        };
+        Some(Table {
+            title: self.text("report.asked.title"),
+            explanation: None,
+            columns: self.columns(self.text("report.asked.height"), &[]),
+            rows: heights.iter().enumerate().map(row).collect(),
+        })
+    }
+
+    fn girth_asked(&self, side: Side, index: usize) -> Figure {
+        let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
+        match leg.at.get(index) {
+            Some(at) => self.girth_at(at),
+            None => Figure::missing(self.language.text("report.missing.height_not_seen")),
+        }
+    }
+
+    /// Both legs at the same heights above the floor; `None` if the record has fewer than two legs with such
+    /// girths. Levels are no place to compare legs: B1 of one may lie centimetres above that of the other.
+    fn same_heights(&self) -> Option<Table> {
+        let [Some(right), Some(left)] = Side::FROM_FRONT.map(|side| self.record.leg(side)) else {
+            return None;
+        };
+        let pairs = same_heights([&right.profile, &left.profile]);
+        let row = |[right, left]: &[&AtFigures; 2]| TableRow {
+            head: cm_words(right.height_mm, self.language),
+            figures: vec![
+                self.girth_at(right),
+                self.girth_at(left),
+                self.girth_difference(right, left),
+            ],
+        };
+        (!pairs.is_empty()).then(|| Table {
+            title: self.text("report.same_heights.title"),
+            explanation: Some(self.text("report.same_heights.explanation")),
+            columns: self.columns(
+                self.text("report.same_heights.height"),
+                &[self.text("report.same_heights.difference")],
+            ),
+            rows: pairs.iter().rev().map(row).collect(),
+        })
+    }
+
+    fn girth_at(&self, at: &AtFigures) -> Figure {
+        let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
+        match at.girth_tape_mm {
+            Some(mm) => Figure::cm(mm, at.girth_sd_mm, mark, self.language),
+            None => Figure::missing(self.language.text("report.missing.height_not_seen")),
+        }
+    }
+
+    fn girth_difference(&self, right: &AtFigures, left: &AtFigures) -> Figure {
+        match girth_difference(right, left) {
+            Some((mm, sd_mm)) => Figure::cm_difference(mm, sd_mm, self.language),
+            None => Figure::missing(self.language.text("report.missing.not_compared")),
+        }
+    }
+
+    /// Volumes of the slices of 4 cm; `None` if no leg has any.
+    pub(super) fn slices(&self) -> Option<Table> {
+        let longest = self.record.legs.iter().map(|leg| &leg.volume.slices);
+        let longest = longest.max_by_key(|slices| slices.len()).filter(|all| !all.is_empty())?;
+        let row = |slice: &SliceFigures| {
+            let figure = |side: Side| self.slice(side, slice);
+            let differences = self.record.differences.iter().flat_map(|of| &of.slices);
+            let difference = differences.into_iter().find(|at| at.from_mm == slice.from_mm);
+            let ends = [slice.from_mm, slice.to_mm].map(|mm| format!("{:.0}", mm / 10.0));
+            let legs = Side::FROM_FRONT.map(figure).into_iter();
+            TableRow {
+                head: ends.join("–"),
+                figures: legs.chain(self.volume_difference(difference)).collect(),
+            }
+        };
+        Some(Table {
+            title: self.text("report.slices.title"),
+            explanation: Some(self.text("report.slices.explanation")),
+            columns: self.columns(self.text("report.slices.from_to"), &self.differences()),
+            rows: longest.iter().rev().map(row).collect(),
+        })
+    }
+
+    fn slice(&self, side: Side, at: &SliceFigures) -> Figure {
+        let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
+        let slice = leg.volume.slices.iter().find(|slice| slice.from_mm == at.from_mm);
+        match slice.and_then(|slice| Some((slice.ml?, slice.sd_ml))) {
+            Some((ml, sd_ml)) => Figure::ml(ml, sd_ml, self.language),
+            None => Figure::missing(self.language.text("report.missing.slice_not_whole")),
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! A figure as shown in the report: rounded, in words, with its uncertainty.
+
+use crate::rounding::{
+    cm, cm_margin, cm_words, exceeds, ml_margin, number, signed, tenths_words, whole_ml,
+};
+use gaiter_language::Language;
+
+/// A figure in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Figure {
+    /// The figure in the unit of its table, or the reason why it is missing.
+    pub value: String,
+    /// Its uncertainty without `±`; `?` if it is unknown. `None` for a figure without an uncertainty to
+    /// show.
+    pub margin: Option<String>,
+    /// How to read it.
+    pub mark: Mark,
+}
+
+/// How to read a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// At face value.
+    Sure,
+    /// There is a doubt, which a note explains.
+    Doubtful,
+    /// Estimated by a proportion of the body, not seen.
+    Estimated,
+    /// A person set it.
+    ByHand,
+    /// There is no figure; the words give the reason.
+    Missing,
+    /// A difference larger than its own uncertainty, both as shown.
+    Real,
+}
+
+impl Mark {
+    /// The sign for it in tables of plain text.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Mark::Estimated => "~",
+            Mark::Doubtful => "?",
+            Mark::ByHand => "*",
+            Mark::Sure | Mark::Missing | Mark::Real => "",
+        }
+    }
+
+    /// The sign behind a girth in a picture if a person set it.
+    pub fn by_hand_sign(self) -> &'static str {
+        if self == Mark::ByHand { " *" } else { "" }
+    }
+}
+
+impl Figure {
+    /// A length or girth, cm.
+    pub(super) fn cm(value_mm: f64, sd_mm: Option<f64>, mark: Mark, language: Language) -> Figure {
+        let margin = sd_mm.map_or_else(unknown, |sd_mm| number(cm_margin(sd_mm), 1, language));
+        Figure { value: cm_words(value_mm, language), margin: Some(margin), mark }
+    }
+
+    /// A volume, mL.
+    pub(super) fn ml(value_ml: f64, sd_ml: Option<f64>, language: Language) -> Figure {
+        let margin = sd_ml.map_or_else(unknown, |sd_ml| number(ml_margin(sd_ml), 0, language));
+        Figure {
+            value: number(whole_ml(value_ml), 0, language),
+            margin: Some(margin),
+            mark: Mark::Sure,
+        }
+    }
+
+    /// A difference of lengths, cm, left minus right.
+    pub(super) fn cm_difference(value_mm: f64, sd_mm: Option<f64>, language: Language) -> Figure {
+        let mark = reality(cm(value_mm), sd_mm.map(cm_margin));
+        let figure = Figure::cm(value_mm, sd_mm, mark, language);
+        Figure { value: signed(value_mm, &figure.value), ..figure }
+    }
+
+    /// A difference of volumes, mL, left minus right, with its share of the smaller leg.
+    pub(super) fn ml_difference(
+        [value_ml, percent]: [f64; 2],
+        sd_ml: Option<f64>,
+        language: Language,
+    ) -> [Figure; 2] {
+        let mark = reality(whole_ml(value_ml), sd_ml.map(ml_margin));
+        let figure = Figure::ml(value_ml, sd_ml, language);
+        let share = signed(percent, &tenths_words(percent, language));
+        [
+            Figure { value: signed(value_ml, &figure.value), mark, ..figure },
+            Figure { value: share, margin: None, mark },
+        ]
+    }
+
+    /// A missing figure, with the reason.
+    pub(super) fn missing(why: &str) -> Figure {
+        Figure { value: why.to_owned(), margin: None, mark: Mark::Missing }
+    }
+
+    /// A figure or other text without changes.
+    pub(super) fn plain(value: impl Into<String>) -> Figure {
+        Figure { value: value.into(), margin: None, mark: Mark::Sure }
+    }
+
+    /// Whether there is a reason instead of a figure.
+    pub fn is_missing(&self) -> bool {
+        self.mark == Mark::Missing
+    }
+}
+
+/// The text for an unknown uncertainty.
+fn unknown() -> String {
+    "?".to_owned()
+}
+
+/// The mark of a difference, from the rounded values that are shown.
+fn reality(told: f64, margin: Option<f64>) -> Mark {
+    if exceeds(told, margin) { Mark::Real } else { Mark::Sure }
+}

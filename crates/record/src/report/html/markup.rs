@@ -1,0 +1,65 @@
+//! Elements of a page.
+
+use crate::report::{Figure, Mark};
+
+/// Escapes text for the content of elements and for attributes between `"`.
+pub(super) fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// An element with attributes, ` name="value"` each, around existing markup.
+pub(super) fn element(name: &str, attributes: &str, inside: &str) -> String {
+    format!("<{name}{attributes}>{inside}</{name}>\n")
+}
+
+/// An element around text, which is escaped.
+pub(super) fn words(name: &str, attributes: &str, words: &str) -> String {
+    format!("<{name}{attributes}>{}</{name}>", escaped(words))
+}
+
+/// Text from outside, isolated so that it does not change the direction of the text around it.
+pub(super) fn foreign(text: &str) -> String {
+    words("bdi", "", text)
+}
+
+/// A section of the page with its heading.
+pub(super) fn section(id: &str, title: &str, inside: &str) -> String {
+    let heading = words("h2", &format!(" id=\"{id}\""), title);
+    element("section", &format!(" aria-labelledby=\"{id}\""), &format!("{heading}\n{inside}"))
+}
+
+/// A table that may be wider than the page. It scrolls on its own, also by keyboard.
+pub(super) fn wide(named_by: &str, table: &str) -> String {
+    let attributes =
+        format!(" class=\"wide\" role=\"group\" tabindex=\"0\" aria-labelledby=\"{named_by}\"");
+    element("div", &attributes, table)
+}
+
+/// A figure in a cell.
+pub(super) fn figure(figure: &Figure) -> String {
+    let (class, before, behind) = match figure.mark {
+        Mark::Sure => ("", "", ""),
+        Mark::Doubtful => (" class=\"doubtful\"", "", "<span class=\"mark\"> ?</span>"),
+        Mark::Estimated => (" class=\"estimated\"", "~", ""),
+        Mark::ByHand => (" class=\"set-by-hand\"", "", "<span class=\"mark\">&nbsp;*</span>"),
+        Mark::Missing => (" class=\"missing\"", "", ""),
+        Mark::Real => (" class=\"real\"", "", ""),
+    };
+    let value = escaped(&figure.value);
+    let margin = figure
+        .margin
+        .as_ref()
+        .map(|margin| format!(" <span class=\"margin\">±&nbsp;{}</span>", escaped(margin)));
+    let margin = margin.unwrap_or_default();
+    format!("<td{class}><span class=\"value\">{before}{value}</span>{margin}{behind}</td>")
+}

@@ -1,0 +1,235 @@
+//! The parts of a PDF, from the most important figures to every figure of the record.
+
+use pdf_writer::types::StructRole;
+
+use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE, TITLE_TYPE};
+use super::table::{Cell, Row, Table};
+use super::wrap::Type;
+use crate::picture::figures::Figure as Drawn;
+use crate::picture::{Anchor, Ink};
+use crate::report::content::{self, Content, Note, PictureWords, Section, Sizes, Weight};
+use crate::report::{Figure, Mark};
+
+/// Letter size of the table of all figures, which has many columns, pt.
+const DENSE: f64 = 7.0;
+
+/// A note or paragraph of up to this height stays on one page, pt.
+const WHOLE_MAX: f64 = 150.0;
+
+/// The title of a report.
+pub(super) fn title(flow: &mut Flow<'_>, title: &str) {
+    flow.text(title, StructRole::H1, TITLE_TYPE, Ink::Text);
+    flow.space(6.0);
+}
+
+/// What matters most, a sentence a line.
+pub(super) fn sentences(flow: &mut Flow<'_>, sentences: &[String]) {
+    for sentence in sentences {
+        flow.need(Flow::height_of(sentence, BOLD_TYPE));
+        flow.text(sentence, StructRole::P, BOLD_TYPE, Ink::Text);
+        flow.space(3.0);
+    }
+}
+
+/// A picture below a heading.
+pub(super) fn picture(flow: &mut Flow<'_>, title: &str, drawn: &Drawn, caption: &str) {
+    let height = flow.picture_height(&drawn.picture, [caption, ""], HEADING_ROOM);
+    flow.heading(title, height);
+    flow.picture(&drawn.picture, "", caption);
+}
+
+/// Where the record comes from.
+pub(super) fn facts(flow: &mut Flow<'_>, content: &Content) {
+    let table = Table {
+        heads: Vec::new(),
+        rows: content.facts.iter().map(fact).collect(),
+        is_ruled: false,
+    };
+    flow.heading(&content.origin, table.first_height());
+    table.write(flow);
+}
+
+/// A fact, with its name before it.
+pub(super) fn fact(fact: &content::Fact) -> Row {
+    Row {
+        cells: vec![
+            Cell::new(&fact.name, SMALL_TYPE, Anchor::Start).inked(Ink::Muted),
+            Cell::new(&fact.value, SMALL_TYPE, Anchor::Start),
+        ],
+        is_joined: true,
+    }
+}
+
+/// A figure with its uncertainty and the mark that shows how to read it.
+pub(super) fn figure(figure: &Figure, letters: Type) -> Cell {
+    let margin = figure.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
+    let [before, behind] = match figure.mark {
+        Mark::Estimated => ["~", ""],
+        Mark::Doubtful => ["", " ?"],
+        Mark::ByHand => ["", " *"],
+        Mark::Sure | Mark::Missing | Mark::Real => ["", ""],
+    };
+    let words = format!("{before}{}{margin}{behind}", figure.value);
+    match figure.mark {
+        Mark::Missing => {
+            let size = letters.size.min(SMALL_TYPE.size);
+            Cell::new(&words, Type { size, ..letters }, Anchor::End).inked(Ink::Muted)
+        }
+        Mark::Real => Cell::new(&words, Type { is_bold: true, ..letters }, Anchor::End).whole(),
+        _ if has_figure(&figure.value) => Cell::new(&words, letters, Anchor::End).whole(),
+        _ => Cell::new(&words, letters, Anchor::End),
+    }
+}
+
+/// Doubts and findings.
+pub(super) fn notes(flow: &mut Flow<'_>, content: &Content) {
+    flow.heading(&content.notes.title, 3.0 * BODY_TYPE.leading());
+    flow.text(&content.summary, StructRole::P, BODY_TYPE, Ink::Text);
+    for entry in &content.notes.entries {
+        flow.space(5.0);
+        note(flow, entry);
+    }
+}
+
+fn note(flow: &mut Flow<'_>, note: &Note) {
+    let place = if note.place.is_empty() { String::new() } else { format!("{}: ", note.place) };
+    let heading = format!("{} · {place}{}", note.weight_words, note.title);
+    let ink = match note.weight {
+        Weight::Error => Ink::Right,
+        Weight::Warning | Weight::Info => Ink::Text,
+    };
+    let said = [Some(&note.message), note.meaning.as_ref(), note.action.as_ref()];
+    let said: Vec<&str> = said.into_iter().flatten().map(String::as_str).collect();
+    let said = said.join(" ");
+    let height = Flow::height_of(&heading, BOLD_TYPE) + Flow::height_of(&said, BODY_TYPE);
+    flow.need(height.min(WHOLE_MAX));
+    flow.text(&heading, StructRole::H3, BOLD_TYPE, ink);
+    if !said.trim().is_empty() {
+        flow.text(&said, StructRole::P, BODY_TYPE, Ink::Text);
+    }
+}
+
+/// Both legs at the same heights, requested heights, volumes; slices.
+pub(super) fn tables(flow: &mut Flow<'_>, tables: &[content::Table]) {
+    for table in tables {
+        figures(flow, table, BODY_TYPE, Anchor::End);
+    }
+}
+
+/// The sizes of makers' tables, on a page of their own behind the sheet.
+pub(super) fn sizes(flow: &mut Flow<'_>, sizes: Option<&Sizes>) {
+    let Some(sizes) = sizes else { return };
+    flow.turn();
+    // Without tables there is only the form.
+    if !sizes.about.is_empty() {
+        flow.heading(&sizes.title, 3.0 * SMALL_TYPE.leading());
+    }
+    for said in &sizes.about {
+        flow.text(said, StructRole::P, SMALL_TYPE, Ink::Text);
+        flow.space(2.0);
+    }
+    for table in &sizes.tables {
+        figures(flow, table, SMALL_TYPE, Anchor::Start);
+    }
+    if let Some(calibre) = &sizes.calibre {
+        section(flow, calibre);
+    }
+    figures(flow, &sizes.form, BODY_TYPE, Anchor::End);
+}
+
+/// Every figure of the levels in mm, on a page of its own.
+pub(super) fn landmarks(flow: &mut Flow<'_>, table: &content::Table) {
+    flow.turn();
+    figures(flow, table, Type { size: DENSE, is_bold: false }, Anchor::Start);
+}
+
+/// A table. Cells with text are aligned as `words` says.
+fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: Anchor) {
+    let is_words = |column: usize| {
+        let mut figures = table.rows.iter().filter_map(|row| row.figures.get(column));
+        figures.any(|figure| !figure.is_missing() && !has_figure(&figure.value))
+    };
+    let anchors: Vec<Anchor> = (0..table.columns.len())
+        .map(|column| match column.checked_sub(1) {
+            None => Anchor::Start,
+            Some(column) if is_words(column) => words,
+            Some(_) => Anchor::End,
+        })
+        .collect();
+    let small = Type { size: letters.size.min(SMALL_TYPE.size), is_bold: true };
+    let heads = table.columns.iter().zip(&anchors);
+    let heads = heads.map(|(head, anchor)| Cell::new(head, small, *anchor).inked(Ink::Muted));
+    let head = Row { cells: heads.collect(), is_joined: false };
+    let row = |row: &content::TableRow| {
+        let mut cells = vec![Cell::new(&row.head, letters, Anchor::Start)];
+        let figures = row.figures.iter().zip(&anchors[1..]);
+        cells.extend(figures.map(|(of, anchor)| figure(of, letters).anchored(*anchor)));
+        Row { cells, is_joined: false }
+    };
+    let rows = table.rows.iter().map(row).collect();
+    let laid = Table { heads: vec![head], rows, is_ruled: true };
+    let explanation = table.explanation.as_ref().map_or(0.0, |_| 3.0 * SMALL_TYPE.leading());
+    flow.heading(&table.title, explanation + laid.first_height());
+    if let Some(explanation) = &table.explanation {
+        flow.text(explanation, StructRole::P, SMALL_TYPE, Ink::Muted);
+        flow.space(3.0);
+    }
+    laid.write(flow);
+}
+
+/// Whether a text is a number: `12.3`, `+4`.
+fn has_figure(words: &str) -> bool {
+    words.trim_start_matches(['+', '−']).chars().all(|of| of.is_ascii_digit() || ".,".contains(of))
+}
+
+/// A heading with paragraphs.
+pub(super) fn section(flow: &mut Flow<'_>, section: &Section) {
+    let height = |entry: &String| (Flow::height_of(entry, BODY_TYPE) + 3.0).min(WHOLE_MAX);
+    let all: f64 = section.entries.iter().map(height).sum();
+    flow.heading(&section.title, all.min(WHOLE_MAX));
+    for entry in &section.entries {
+        flow.need(height(entry));
+        flow.text(entry, StructRole::P, BODY_TYPE, Ink::Text);
+        flow.space(3.0);
+    }
+}
+
+/// The pictures for every reader, or why there are none.
+pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[&Drawn]) {
+    let missing = words.missing.as_ref();
+    let said = missing.map_or(0.0, |words| Flow::height_of(words, BODY_TYPE) + 3.0);
+    flow.heading(&words.title, said + first_height(flow, words, drawn, said));
+    if let Some(missing) = missing {
+        flow.text(missing, StructRole::P, BODY_TYPE, Ink::Text);
+        flow.space(3.0);
+    }
+    captioned(flow, words, drawn);
+}
+
+/// The pictures of the appendix, below its heading.
+pub(super) fn appendix(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[&Drawn]) {
+    flow.heading(&words.appendix, first_height(flow, words, drawn, 0.0));
+    captioned(flow, words, drawn);
+}
+
+/// Height of the first picture with its caption, below a heading and `said` pt of text, pt.
+fn first_height(flow: &Flow<'_>, words: &PictureWords, drawn: &[&Drawn], said: f64) -> f64 {
+    let above = HEADING_ROOM + said;
+    let height = |of: &&Drawn| flow.picture_height(&of.picture, captions(words, of), above);
+    drawn.first().map_or(0.0, height)
+}
+
+fn captioned(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[&Drawn]) {
+    for drawn in drawn {
+        let [title, text] = captions(words, drawn);
+        flow.picture(&drawn.picture, title, text);
+    }
+}
+
+/// The two texts below a picture: what it shows, and how to read it.
+fn captions<'a>(words: &'a PictureWords, drawn: &'a Drawn) -> [&'a str; 2] {
+    match words.captions.iter().find(|caption| caption.name == drawn.name) {
+        Some(of) => [&of.title, &of.text],
+        None => [&drawn.picture.title, ""],
+    }
+}

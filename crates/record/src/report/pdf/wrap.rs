@@ -1,0 +1,117 @@
+//! Breaks text into lines that fit a width.
+
+use crate::picture::font::Font;
+
+/// A font size and weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Type {
+    /// Font size, pt.
+    pub size: f64,
+    /// Whether it is bold.
+    pub is_bold: bool,
+}
+
+impl Type {
+    /// Width of writable text, pt.
+    pub(super) fn width(self, words: &str) -> f64 {
+        Font::of(self.is_bold).width(words, self.size)
+    }
+
+    /// Distance of baselines, pt.
+    pub(super) fn leading(self) -> f64 {
+        self.size * 1.32
+    }
+}
+
+/// Sums of widths in a different order differ by less than this, pt.
+const ROUNDING: f64 = 1e-6;
+
+/// Breaks writable text into lines at blanks. A word that is wider than a line, such as a long id, is
+/// broken between letters.
+pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
+    let font = Font::of(letters.is_bold);
+    let blank = font.units(" ");
+    let mut lines = vec![String::new()];
+    // Width of the last line, units of the font.
+    let mut filled = 0;
+    for word in words.split(' ').filter(|word| !word.is_empty()) {
+        let own = font.units(word);
+        let is_first = lines.last().is_none_or(String::is_empty);
+        let longer = if is_first { own } else { filled + blank + own };
+        if Font::of_units(longer, letters.size) <= width + ROUNDING {
+            if let Some(line) = lines.last_mut() {
+                line.push_str(if is_first { "" } else { " " });
+                line.push_str(word);
+            }
+            filled = longer;
+        } else {
+            if is_first {
+                lines.pop();
+            }
+            lines.extend(pieces(word, width, letters));
+            filled = lines.last().map_or(0, |piece| font.units(piece));
+        }
+    }
+    lines
+}
+
+/// Pieces of a word, each as long as fits and at least one letter.
+fn pieces(word: &str, width: f64, letters: Type) -> Vec<String> {
+    let (mut pieces, mut piece, mut wide) = (Vec::new(), String::new(), 0.0);
+    for letter in word.chars() {
+        let letter_width = letters.width(letter.encode_utf8(&mut [0; 4]));
+        if wide + letter_width > width + ROUNDING && !piece.is_empty() {
+            pieces.push(std::mem::take(&mut piece));
+            wide = 0.0;
+        }
+        piece.push(letter);
+        wide += letter_width;
+    }
+    pieces.push(piece);
+    pieces
+}
+
+/// As many letters as fit, followed by `end` if something is left out.
+pub(super) fn cut(words: &str, width: f64, letters: Type, end: &str) -> String {
+    if letters.width(words) <= width {
+        return words.to_owned();
+    }
+    let first = pieces(words, width - letters.width(end), letters).into_iter().next();
+    first.unwrap_or_default() + end
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const PLAIN: Type = Type { size: 10.0, is_bold: false };
+
+    #[test]
+    fn lines_break_at_blanks_and_long_words_between_letters() {
+        // A digit is 5.72 pt wide, a blank 2.6.
+        assert_eq!(lines("11 22 33", 30.0, PLAIN), ["11 22", "33"]);
+        assert_eq!(lines("1 22222222 3", 12.0, PLAIN), ["1", "22", "22", "22", "22", "3"]);
+        assert_eq!(lines("", 30.0, PLAIN), [""]);
+    }
+
+    proptest! {
+        #[test]
+        fn no_line_is_too_wide_and_no_letter_is_lost(words in "[ -~]{0,300}", width in 10.0..300.0) {
+            let lines = lines(&words, width, PLAIN);
+            for line in &lines {
+                prop_assert!(PLAIN.width(line) <= width + 1e-5 || line.chars().count() == 1, "{line}");
+            }
+            let letters = |text: &str| text.replace(' ', "");
+            prop_assert_eq!(letters(&lines.concat()), letters(&words));
+        }
+
+        #[test]
+        fn what_is_cut_fits_and_says_so(words in "[0-9]{1,300}", width in 40.0..300.0) {
+            let short = cut(&words, width, PLAIN, "…");
+            prop_assert!(PLAIN.width(&short) <= width + 1e-5);
+            prop_assert_eq!(short.ends_with('…'), PLAIN.width(&words) > width);
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! The files of a record for people: its report as a page and as a PDF, and figures.
+
+use std::collections::BTreeSet;
+
+use super::Record;
+use super::file::{RecordFile, file};
+use super::order::OrderChoice;
+use super::picture::figures::{self, Figure};
+use super::picture::png::{PngFault, png};
+use super::picture::{Theme, svg};
+use super::report::{self, AgeMax, Content, PdfFault, Print};
+use super::sizing::{SizeChoice, SizeVerdicts};
+use gaiter_language::Language;
+use gaiter_sizes::Garment;
+
+/// The report as an HTML page.
+const PAGE: &str = "report.html";
+
+/// The report as a PDF.
+const PAPER: &str = "report.pdf";
+
+/// Both legs at a glance.
+const DRAWING: &str = "legs.svg";
+
+/// Pixels of a PNG per px of its picture: sharp on paper, with 250 per inch if a figure is as wide as an
+/// A4 page.
+const PNG_SCALE: f64 = 2.0;
+
+/// Which files for people are made of a record.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ReportChoice {
+    /// The language of the report and its figures.
+    pub language: Language,
+    /// The garment that is ordered: the sheet says what it lacks.
+    pub garment: Garment,
+    /// What the report is printed on, and how much of it.
+    pub print: Print,
+    /// The formats in which each figure also gets a file of its own. If empty, it is only in the report.
+    pub figures: BTreeSet<FigureFormat>,
+    /// How old the scan may be for an order.
+    pub age_max: AgeMax,
+    /// The size tables that the report shows, and the day on which it does.
+    pub sizes: SizeChoice,
+    /// The files of the order.
+    pub orders: OrderChoice,
+}
+
+/// The format of a figure's file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FigureFormat {
+    /// Vector graphics, for pages and for editing.
+    Svg,
+    /// Pixels on white, for programs that do not show SVG.
+    Png,
+}
+
+/// Why a file cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FilesFault {
+    /// A figure of the record cannot be written as JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// The PDF cannot be made.
+    #[error(transparent)]
+    Paper(#[from] PdfFault),
+    /// The PNG of a figure cannot be made.
+    #[error(transparent)]
+    Png(#[from] PngFault),
+}
+
+/// The report of a record. The same record with the same choice gives the same bytes, whether it was
+/// just measured or read back.
+///
+/// # Errors
+/// See [`FilesFault`].
+pub fn report_files(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, FilesFault> {
+    let figures = figures::all(record, choice.language);
+    Ok(vec![page(record, choice, &figures)?, paper(record, choice, &figures)?])
+}
+
+/// Every file for people with the record's measures: the report, the drawing, and each figure in every
+/// format.
+pub(super) fn all(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, FilesFault> {
+    let figures = figures::all(record, choice.language);
+    let mut files = vec![page(record, choice, &figures)?, paper(record, choice, &figures)?];
+    files.push(drawing(&figures, choice.language));
+    files.extend(figure_files(&figures, &choice.figures)?);
+    Ok(files)
+}
+
+pub(super) fn page(
+    record: &Record,
+    choice: &ReportChoice,
+    figures: &[Figure],
+) -> Result<RecordFile, serde_json::Error> {
+    Ok(file(
+        PAGE,
+        report::page(record, &content(record, choice), figures, choice.print.paper)?.into_bytes(),
+    ))
+}
+
+pub(super) fn paper(
+    record: &Record,
+    choice: &ReportChoice,
+    figures: &[Figure],
+) -> Result<RecordFile, PdfFault> {
+    Ok(file(PAPER, report::paper(record, &content(record, choice), figures, choice.print)?))
+}
+
+fn content(record: &Record, choice: &ReportChoice) -> Content {
+    let sizes = SizeVerdicts::of(record, &choice.garment, &choice.sizes);
+    Content::with_sizes(record, choice.language, &choice.garment, &sizes, choice.age_max)
+}
+
+/// Both legs and their girths as one drawing, shown by practice software and pages.
+pub(super) fn drawing(figures: &[Figure], language: Language) -> RecordFile {
+    file(DRAWING, figures::overview(figures, language).into_bytes())
+}
+
+fn svg_file(figure: &Figure) -> String {
+    svg::file(&figure.picture.title, figure.picture.size, &figure.marks)
+}
+
+/// The figures as files of their own, in the requested formats.
+pub(super) fn figure_files(
+    figures: &[Figure],
+    formats: &BTreeSet<FigureFormat>,
+) -> Result<Vec<RecordFile>, PngFault> {
+    let files = figures.iter().flat_map(|figure| {
+        formats.iter().map(move |format| {
+            let (ending, bytes) = match format {
+                FigureFormat::Svg => ("svg", svg_file(figure).into_bytes()),
+                FigureFormat::Png => ("png", png(&figure.picture, Theme::Light, PNG_SCALE)?),
+            };
+            Ok(file(&format!("figure-{}.{ending}", figure.name), bytes))
+        })
+    });
+    files.collect()
+}

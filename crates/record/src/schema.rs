@@ -1,0 +1,347 @@
+//! The written form of the record: `record.json`, schema `gaiter.leg-record/2`.
+//!
+//! Millimetres and degrees, in the body frame. Units are in the names. Fields may be added; the meaning
+//! of a field never changes without a new schema number.
+
+mod amendment;
+
+use std::collections::BTreeMap;
+
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+
+use super::chart::{AlongFigures, AtFigures, DifferenceFigures, VolumeFigures};
+use super::phantom::LastCheck;
+use super::provenance::{Acquired, Patient};
+use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
+use super::statement::Statement;
+use super::surface::SurfaceFigures;
+pub use amendment::{Amendment, Deed};
+use gaiter_leg::Side;
+use gaiter_leg::finding::Severity;
+
+/// Name and number of this schema.
+pub const SCHEMA: &str = "gaiter.leg-record/2";
+
+/// The schema before: its girths are square to one axis of the whole leg. Such records are still read.
+pub const OLDER_SCHEMA: &str = "gaiter.leg-record/1";
+
+/// The result for one scan and patient.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Record {
+    /// The name and number of this schema.
+    #[schemars(extend("const" = SCHEMA))]
+    pub schema: String,
+    /// 1, or more if the same scan was measured again.
+    pub revision: u32,
+    /// The station that made it; null for a bare `extract`.
+    pub station: Option<String>,
+    /// The patient; null if unknown.
+    pub patient: Option<Patient>,
+    /// When the scan was taken; null if unknown.
+    pub acquired: Option<Acquired>,
+    /// Program and method.
+    pub made_by: MadeBy,
+    /// The last check of the scanner with a body of known girths; null if there was none.
+    #[serde(default)]
+    pub phantom_check: Option<LastCheck>,
+    /// The measured file.
+    pub scan: ScanFile,
+    /// The body as a whole.
+    pub body: BodyFigures,
+    /// The measured legs.
+    pub legs: Vec<LegFigures>,
+    /// The differences of the legs, left minus right; null if one leg is missing.
+    pub differences: Option<DifferenceFigures>,
+    /// Findings that readers of the record must know.
+    pub findings: Vec<FindingNote>,
+    /// Measures that people set in place of the scan's, oldest first. `legs` and `body` are the scan's.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub amendments: Vec<Amendment>,
+}
+
+/// The JSON Schema (draft 2020-12) of a record as this version writes it.
+pub fn json_schema() -> Schema {
+    let settings = SchemaSettings::draft2020_12().for_serialize();
+    settings.into_generator().into_root_schema_for::<Record>()
+}
+
+impl Record {
+    /// The leg of a side, if it was measured.
+    pub fn leg(&self, side: Side) -> Option<&LegFigures> {
+        self.legs.iter().find(|leg| leg.side == side.word())
+    }
+
+    /// Whether there is a finding of this code.
+    pub fn has_finding(&self, code: &str) -> bool {
+        self.findings.iter().any(|finding| finding.code == code)
+    }
+}
+
+/// Program and method that made a record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MadeBy {
+    /// gaiter's version.
+    pub gaiter: String,
+    /// The options it was made with, by name.
+    pub method: BTreeMap<String, String>,
+}
+
+/// The file that was measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ScanFile {
+    /// SHA-256 of its bytes, lower-case hexadecimal.
+    #[schemars(regex(pattern = r"^[0-9a-f]{64}$"))]
+    pub sha256: String,
+    /// The usual file ending of its format.
+    pub format: String,
+    /// Unit of its coordinates.
+    pub unit: String,
+    /// Whether the unit was found rather than declared.
+    pub unit_inferred: bool,
+    /// Points in the file.
+    pub points: usize,
+    /// Triangles in the file.
+    pub triangles: usize,
+}
+
+/// Figures of the whole body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct BodyFigures {
+    /// Height of the highest point above the floor; null for a lone leg.
+    pub stature_mm: Option<f64>,
+    /// Height of the crotch above the floor; null if it is not in the scan.
+    pub crotch_height_mm: Option<f64>,
+    /// Standard error of the crotch's height, that of the floor included; null with it, and in schema 1.
+    #[serde(default)]
+    pub crotch_sd_mm: Option<f64>,
+    /// What shows the crotch, and so what G is measured from; null in schema 1.
+    #[serde(default)]
+    #[schemars(extend("enum" = ["saddle", "border", "grown-together", "thighs", "notch", "one-leg", "proportion", null]))]
+    pub crotch_from: Option<String>,
+    /// Standard error of the floor's height, from which all heights are counted; null in records of older
+    /// versions.
+    #[serde(default)]
+    pub floor_sd_mm: Option<f64>,
+    /// Direction of the toes in the export.
+    pub facing_deg: f64,
+    /// Source of the facing: `feet` or `declared`.
+    #[schemars(extend("enum" = ["feet", "declared"]))]
+    pub facing_from: String,
+    /// 4 × 4, row by row: from the export's coordinates to the body frame. Not rounded.
+    pub from_export: [f64; 16],
+}
+
+/// Figures of one leg.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LegFigures {
+    /// The patient's `left` or `right`.
+    #[schemars(extend("enum" = ["left", "right"]))]
+    pub side: String,
+    /// Angle between the axis of the shank and the vertical; in schema 1, of the whole leg.
+    pub tilt_deg: f64,
+    /// The axis of the shank with the frame of its sections; in schema 1, of the whole leg. Null in
+    /// records of older versions.
+    #[serde(default)]
+    pub axis: Option<AxisFigures>,
+    /// The axes of shank and thigh; null in schema 1, and with another `tape` than `shank`.
+    #[serde(default)]
+    pub axes: Option<AxesFigures>,
+    /// Levels found, by name; an absent level has no key.
+    pub landmarks: BTreeMap<String, LandmarkFigures>,
+    /// Levels estimated by a proportion only, by name. They are not landmarks.
+    #[serde(default)]
+    pub estimates: BTreeMap<String, EstimateFigures>,
+    /// The foot; null if it is not seen from heel to toes.
+    #[serde(default)]
+    pub foot: Option<FootFigures>,
+    /// Girth over height.
+    pub girth_curve: GirthColumns,
+    /// The section at each level found.
+    pub sections: Vec<SectionFigures>,
+    /// Feature points of these sections.
+    pub features: Vec<FeatureFigures>,
+    /// The surface; null if there is none.
+    pub surface: Option<SurfaceFigures>,
+    /// Volumes.
+    #[serde(default)]
+    pub volume: VolumeFigures,
+    /// Girths at the requested heights.
+    #[serde(default)]
+    pub at: Vec<AtFigures>,
+    /// Girths every 4 cm above the floor, lowest first, for comparing legs and scans at the same heights; empty
+    /// in records of older versions.
+    #[serde(default)]
+    pub profile: Vec<AtFigures>,
+    /// Girths every 4 cm along the axis from the floor, lowest first, for comparing scans of different days:
+    /// these places do not depend on how the leg was held. Empty in records of older versions.
+    #[serde(default)]
+    pub along: Vec<AlongFigures>,
+    /// The shape from which pictures are drawn; null in records of older versions.
+    #[serde(default)]
+    pub shape: Option<ShapeFigures>,
+}
+
+/// Figures of one level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LandmarkFigures {
+    /// The rule by which it was found, in English.
+    #[serde(default)]
+    pub by: String,
+    /// The rule as data; missing in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rule: Option<Statement>,
+    /// Vertical height of the section's centre above the floor.
+    pub height_mm: f64,
+    /// Distance along the leg's axis from the floor.
+    pub along_axis_mm: f64,
+    /// The section's centre, body frame; null in schema 1 and on the foot.
+    #[serde(default)]
+    pub centre_mm: Option<[f64; 3]>,
+    /// Length from the floor along the skin of the leg's medial side; null on the foot.
+    #[serde(default)]
+    pub surface_length_mm: Option<f64>,
+    /// Circumference of the convex hull, as a tape reads it.
+    pub girth_tape_mm: f64,
+    /// Circumference along the skin.
+    pub girth_contour_mm: f64,
+    /// Standard error of the height; null if unknown.
+    pub height_sd_mm: Option<f64>,
+    /// Standard error of the tape girth; null if unknown.
+    pub girth_sd_mm: Option<f64>,
+    /// How much the tape girth changes at most per degree by which the tape is tilted; null if unknown.
+    #[serde(default)]
+    pub girth_per_deg_mm: Option<f64>,
+    /// Codes of doubts.
+    pub doubts: Vec<String>,
+}
+
+/// Figures of one level that is estimated by proportion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EstimateFigures {
+    /// The proportion by which it was estimated, in English.
+    pub by: String,
+    /// The proportion as data; missing in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rule: Option<Statement>,
+    /// Vertical height of the section's centre above the floor.
+    pub height_mm: f64,
+    /// Distance along the leg's axis from the floor.
+    pub along_axis_mm: f64,
+    /// Circumference of the convex hull there.
+    pub girth_tape_mm: f64,
+    /// Standard error of the height, from the variation between people; null if unknown.
+    pub height_sd_mm: Option<f64>,
+    /// The standard error of the girth that follows from it; null if unknown.
+    pub girth_sd_mm: Option<f64>,
+    /// Codes of doubts.
+    pub doubts: Vec<String>,
+}
+
+/// Figures of a foot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FootFigures {
+    /// From the heel to the longest toe, along the foot.
+    pub length_mm: f64,
+    /// Largest breadth, at right angles to the length.
+    pub breadth_mm: f64,
+}
+
+/// The girth curve as columns of equal length; null if a section is open.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GirthColumns {
+    /// Heights of the sections' centres.
+    pub height_mm: Vec<Option<f64>>,
+    /// Distances along the axis.
+    pub along_axis_mm: Vec<f64>,
+    /// Tape girths.
+    pub tape_mm: Vec<Option<f64>>,
+    /// Contour girths.
+    pub contour_mm: Vec<Option<f64>>,
+    /// Growth of the continuous curve's tape girth per length along the axis, mm per mm; empty in
+    /// records of older versions.
+    #[serde(default)]
+    pub slope: Vec<Option<f64>>,
+    /// Coefficient of determination of the continuous curve.
+    pub r2: f64,
+    /// Root mean square deviation of the sections from it.
+    pub rms_mm: f64,
+}
+
+/// Figures of the section at a level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SectionFigures {
+    /// The level.
+    pub level: String,
+    /// Height of its centre.
+    pub height_mm: f64,
+    /// Coefficient of determination of the radius.
+    pub r2: f64,
+    /// Root mean square of the radial residuals.
+    pub rms_mm: f64,
+    /// Widest gap in its points.
+    pub largest_gap_deg: f64,
+    /// Its course; null in records of older versions.
+    #[serde(default)]
+    pub outline: Option<OutlineFigures>,
+}
+
+/// One feature point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FeatureFigures {
+    /// The level of its section.
+    pub level: String,
+    /// P1, P2, … around from the front towards lateral.
+    pub label: String,
+    /// `peak` or `valley`.
+    #[schemars(extend("enum" = ["peak", "valley"]))]
+    pub kind: String,
+    /// Angle around the section's centre: 0 front, 90 lateral.
+    pub angle_deg: f64,
+    /// Place in the body frame.
+    pub position_mm: [f64; 3],
+    /// Standard error of the place along the skin; null if unknown.
+    pub position_sd_mm: Option<f64>,
+    /// Curvature, positive where convex.
+    pub curvature_per_mm: f64,
+    /// How much it stands out from its neighbours.
+    pub prominence_per_mm: f64,
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FindingNote {
+    /// Stable code; docs/codes.md explains what to do.
+    pub code: String,
+    /// `info`, `warning` or `error`.
+    #[schemars(extend("enum" = ["info", "warning", "error"]))]
+    pub severity: String,
+    /// `left`, `right` or null.
+    pub leg: Option<String>,
+    /// A level or null.
+    pub level: Option<String>,
+    /// The finding in English, with figures.
+    pub message: String,
+    /// The finding as data; missing in older records and for findings with an English text only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub says: Option<Statement>,
+}
+
+/// The code of a finding that only a report has: nobody can check the record's bytes.
+pub const NOT_VOUCHED: &str = "not-vouched";
+
+impl FindingNote {
+    /// For a report of a record whose bytes nobody can check: without `SHA256SUMS` beside it, its figures
+    /// may be anybody's.
+    pub fn not_vouched() -> FindingNote {
+        FindingNote {
+            code: NOT_VOUCHED.to_owned(),
+            severity: Severity::Error.word().to_owned(),
+            leg: None,
+            level: None,
+            message: "no SHA256SUMS was beside the record".to_owned(),
+            says: Some(Statement { is: NOT_VOUCHED.to_owned(), figures: BTreeMap::new() }),
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Both legs at a glance for the operator's page: girth and height at B, B1, C and D.
+
+use serde::Serialize;
+
+use super::completeness::Completeness;
+use super::measure::amendment::Subject;
+use super::measure::{Absent, Length, Measure, why_absent};
+use super::report::Content;
+use super::rounding;
+use super::schema::Record;
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::Garment;
+
+/// The levels of a stocking that ends below the knee, highest first as on the measuring sheet.
+const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];
+
+/// The measures of a record, ready to show.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RecordSummary {
+    /// D, C, B1 and B.
+    pub levels: Vec<SummaryLevel>,
+    /// How many notes of each weight the report has, in its words; empty if it has none.
+    pub notes: String,
+    /// `complete`, `not-measurable`, `by-hand` or `scan-again`; see [`Kind`](super::completeness::Kind).
+    pub verdict: &'static str,
+    /// What is to be done before the patient dresses, in sentences; at least one.
+    pub to_do: Vec<String>,
+}
+
+/// One level of both legs. A leg on which it was not found has no figures.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SummaryLevel {
+    /// Its name.
+    pub level: &'static str,
+    /// On the patient's right leg.
+    pub right: Option<SummaryFigures>,
+    /// On the patient's left leg.
+    pub left: Option<SummaryFigures>,
+    /// Why the right leg has none, in a word or two.
+    pub right_absent: Option<&'static str>,
+    /// Why the left leg has none.
+    pub left_absent: Option<&'static str>,
+}
+
+/// The figures of one level of one leg, cm with one decimal, as text in the reader's language.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SummaryFigures {
+    /// Tape girth.
+    pub girth_cm: String,
+    /// Height above the floor.
+    pub height_cm: String,
+    /// Whether there is a doubt about it.
+    pub is_doubted: bool,
+    /// Whether a person set the girth.
+    pub is_girth_by_hand: bool,
+    /// Whether a person set the height.
+    pub is_height_by_hand: bool,
+}
+
+impl RecordSummary {
+    /// The measures of a record as text in a language, for an order of this garment.
+    pub fn of(record: &Record, language: Language, garment: &Garment) -> RecordSummary {
+        let figures = |side: Side, level: Level| {
+            Some(SummaryFigures::of(&Measure::of(record, side, level).ok()?, language))
+        };
+        let absent = |side: Side, level: Level| {
+            let absent = Measure::of(record, side, level).err()?;
+            Some(language.text(why_absent(record, side, level, absent)))
+        };
+        let levels = LEVELS.map(|level| SummaryLevel {
+            level: level.name(),
+            right: figures(Side::Right, level),
+            left: figures(Side::Left, level),
+            right_absent: absent(Side::Right, level),
+            left_absent: absent(Side::Left, level),
+        });
+        let completeness = Completeness::of(record, garment);
+        RecordSummary {
+            levels: levels.into(),
+            notes: Content::counted(record, language),
+            verdict: completeness.kind().word(),
+            to_do: completeness.sentences(language),
+        }
+    }
+}
+
+impl SummaryFigures {
+    fn of(measure: &Measure<'_>, language: Language) -> SummaryFigures {
+        let words = |length: Length| rounding::cm_words(length.mm, language);
+        SummaryFigures {
+            girth_cm: words(measure.girth),
+            height_cm: measure.height.map(words).unwrap_or_default(),
+            is_doubted: !measure.doubts.is_empty(),
+            is_girth_by_hand: measure.girth.is_by_hand,
+            is_height_by_hand: measure.height.is_some_and(|height| height.is_by_hand),
+        }
+    }
+}
+
+/// Every measure that a person can set, in the order of the measuring sheet.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SheetLine {
+    /// The word of the record: a level, or a length.
+    pub measure: &'static str,
+    /// Its name for people.
+    pub name: &'static str,
+    /// `level`, `foot` for a level without a height, or `length`.
+    pub kind: &'static str,
+    /// The values on the right leg; empty on a leg without any.
+    pub right: SheetCell,
+    /// The values on the left leg.
+    pub left: SheetCell,
+}
+
+/// The values of a measure of one leg that count now, cm, as text in the reader's language.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct SheetCell {
+    /// Girth, or length.
+    pub value: String,
+    /// Height above the floor.
+    pub height: String,
+    /// Whether a person set any of it.
+    pub is_by_hand: bool,
+}
+
+/// The whole measuring sheet of a record.
+pub fn sheet(record: &Record, language: Language) -> Vec<SheetLine> {
+    let line = |subject: Subject| SheetLine {
+        measure: subject.word(),
+        name: subject.name(language),
+        kind: match subject {
+            Subject::Level(level) if level < Level::B => "foot",
+            Subject::Level(_) => "level",
+            _ => "length",
+        },
+        right: SheetCell::of(record, Side::Right, subject, language),
+        left: SheetCell::of(record, Side::Left, subject, language),
+    };
+    Subject::all().map(line).collect()
+}
+
+impl SheetCell {
+    fn of(record: &Record, side: Side, subject: Subject, language: Language) -> SheetCell {
+        let is_by_hand = record.by_hand(side, subject).is_some();
+        let words = |length: Length| rounding::cm_words(length.mm, language);
+        let found = match subject {
+            Subject::Level(level) => Measure::of(record, side, level)
+                .map(|of| (words(of.girth), of.height.map(words).unwrap_or_default())),
+            length => Length::of(record, side, length).map(|of| (words(of), String::new())),
+        };
+        let or_why = |absent: Absent| (absent.words(language).to_owned(), String::new());
+        let (value, height) = found.unwrap_or_else(or_why);
+        SheetCell { value, height, is_by_hand }
+    }
+}

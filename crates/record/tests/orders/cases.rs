@@ -1,0 +1,90 @@
+//! Every mapping of `fixtures/cases/orders`, and those of `config/orders`, with the file that it makes of an order
+//! or the faults that are told of it.
+//!
+//! `GAITER_RENEW=1 cargo test --test sizes orders::cases::` writes the expected files anew; read the difference
+//! before you keep it.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gaiter_record::order::{Order, OrderRef, mapped, mapped_name};
+use gaiter_sizes::mapping::parse;
+
+use super::{ID, RECORD, SCANNED, garment, order};
+
+fn cases() -> Vec<PathBuf> {
+    let root = support::root();
+    let mut cases: Vec<PathBuf> = ["fixtures/cases/orders", "config/orders"]
+        .into_iter()
+        .flat_map(|folder| fs::read_dir(root.join(folder)).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .collect();
+    cases.sort();
+    assert!(cases.len() > 15, "only {} cases", cases.len());
+    cases
+}
+
+/// The expected file: beside a case, and for the shipped examples among the cases.
+fn expected(case: &Path) -> PathBuf {
+    let folder = support::root().join("fixtures/cases/orders");
+    folder.join(case.file_name().unwrap()).with_extension("expected")
+}
+
+/// The order of a case: those that begin with `again_` repeat one of what the scanner measured.
+fn ordered(name: &str) -> Order {
+    if !name.starts_with("again_") {
+        return order();
+    }
+    let order_ref = |text: &str| OrderRef::new(text, &RECORD).unwrap();
+    let last = Order::of(&SCANNED, &garment(), Some(&order_ref("A-0077")), 1.0);
+    Order::with_changes(&last, &RECORD, &garment(), Some(&order_ref("A-1042")), 1.0).unwrap()
+}
+
+/// Bytes as text: what is not printable ASCII is told by its number, a line end stays one.
+fn readable(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for byte in bytes {
+        match byte {
+            b'\n' => text.push('\n'),
+            b'\t' => text.push_str("<tab>"),
+            b'\r' => text.push_str("<cr>"),
+            b' '..=b'~' => text.push(char::from(*byte)),
+            _ => write!(text, "<{byte:02x}>").unwrap(),
+        }
+    }
+    text
+}
+
+fn said(case: &Path) -> String {
+    let name = case.file_name().unwrap().to_str().unwrap();
+    match parse(&fs::read(case).unwrap()) {
+        Ok(mapping) => {
+            let order = ordered(name);
+            let bytes = mapped(&order, &mapping, Some(ID));
+            format!("{}\n{}", mapped_name(&order, &mapping), readable(&bytes))
+        }
+        Err(faults) => faults.iter().map(|fault| format!("{fault}\n")).collect(),
+    }
+}
+
+#[test]
+fn every_mapping_makes_the_expected_file_or_is_told_its_faults() {
+    let renew = std::env::var_os("GAITER_RENEW").is_some();
+    let mut wrong = String::new();
+    for case in cases() {
+        let (said, beside) = (said(&case), expected(&case));
+        if renew {
+            fs::write(&beside, &said).unwrap();
+        }
+        let expected = fs::read_to_string(&beside).unwrap_or_default();
+        if said != expected {
+            let name = case.file_name().unwrap().display();
+            wrong += &format!("--- {name}: expected\n{expected}--- {name}: said\n{said}");
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}

@@ -1,0 +1,228 @@
+//! What is true of every order: table and JSON say the same, nobody is named, and the files are small.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+
+use gaiter_record::order::{
+    Order, OrderChoice, OrderRef, RefFault, Row, csv, json, json_schema, order_files, read,
+};
+use gaiter_record::rounding;
+use gaiter_sizes::mapping::parse;
+use gaiter_sizes::{Garment, Mapping};
+use proptest::prelude::*;
+use serde_json::Value;
+
+use super::{ID, RECORD, SCANNED, garment, order};
+
+/// The cells of a table with semicolons and quotes (RFC 4180), without gaiter's own reader.
+fn cells(text: &str) -> Vec<Vec<String>> {
+    let (mut rows, mut row, mut cell, mut is_quoted) =
+        (Vec::new(), Vec::new(), String::new(), false);
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        match (letter, is_quoted) {
+            ('"', true) if letters.peek() == Some(&'"') => {
+                letters.next();
+                cell.push('"');
+            }
+            ('"', _) => is_quoted = !is_quoted,
+            (';', false) => row.push(std::mem::take(&mut cell)),
+            ('\r', false) => {}
+            ('\n', false) => {
+                row.push(std::mem::take(&mut cell));
+                rows.push(std::mem::take(&mut row));
+            }
+            (letter, _) => cell.push(letter),
+        }
+    }
+    assert!(cell.is_empty() && row.is_empty() && !is_quoted, "the last line is whole");
+    rows
+}
+
+/// The rows of a table by the names of their columns.
+fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
+    let mut lines = cells(text).into_iter();
+    let names = lines.next().unwrap();
+    lines
+        .map(|line| {
+            assert_eq!(line.len(), names.len());
+            names.iter().cloned().zip(line).collect()
+        })
+        .collect()
+}
+
+fn number(text: &str) -> Option<f64> {
+    (!text.is_empty()).then(|| text.parse().unwrap())
+}
+
+/// The columns of `docs/orders.md`, as shops are told.
+const COLUMNS: &str = "format;order_ref;scan_ref;side;point;girth_mm;girth_u95_mm;length_mm;length_u95_mm;\
+                       length_from;basis;method;flag;printed_girth_cm;printed_length_cm;edited_by;reason\r\n";
+
+#[test]
+fn the_table_has_the_columns_that_are_documented() {
+    assert!(csv(&order()).starts_with(COLUMNS), "{}", csv(&order()));
+}
+
+#[test]
+fn table_and_json_say_the_same_to_the_last_digit() {
+    for garment in Garment::shipped() {
+        for record in [&*SCANNED, &*RECORD] {
+            let order = Order::of(record, garment, None, 1.0);
+            let again = read(&json(&order).unwrap()).unwrap();
+            assert_eq!(again, order, "JSON is read back as it was");
+            let table = rows(&csv(&order));
+            assert_eq!(table.len(), order.rows.len());
+            for (cells, row) in table.iter().zip(&order.rows) {
+                let Row { girth, length, .. } = row;
+                assert_eq!(
+                    (cells["side"].as_str(), &cells["point"]),
+                    (row.side.word(), &row.point)
+                );
+                for (name, figure) in [("girth", girth), ("length", length)] {
+                    let figure = figure.as_ref();
+                    assert_eq!(number(&cells[&format!("{name}_mm")]), figure.and_then(|of| of.mm));
+                    let u95_mm = number(&cells[&format!("{name}_u95_mm")]);
+                    assert_eq!(u95_mm, figure.and_then(|of| of.u95_mm));
+                    let printed_cm = number(&cells[&format!("printed_{name}_cm")]);
+                    assert_eq!(printed_cm, figure.and_then(|of| of.printed_cm));
+                }
+                assert_eq!(cells["basis"], "skin");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_person_set_counts_and_what_the_scan_says_stays_before_it() {
+    let order = order();
+    let of = |side: &str, point: &str| -> Vec<&Row> {
+        order.rows.iter().filter(|row| row.side.word() == side && row.point == point).collect()
+    };
+    let [scanned, set] = of("right", "C")[..] else { panic!("two rows") };
+    let girth = |row: &Row| row.girth.as_ref().and_then(|girth| girth.mm);
+    assert_eq!((girth(scanned), scanned.counts), (Some(371.25), false));
+    assert_eq!((girth(set), set.counts), (Some(380.0), true));
+    assert_eq!(set.edited_by.as_deref(), Some("Jörg Øster"));
+    assert_eq!(set.reason.as_deref(), Some("=swollen; \"hard\""));
+    // The scan lacks B1, so there is nothing to keep; the reason holds the patient's id, and is left out.
+    let [set] = of("left", "B1")[..] else { panic!("one row") };
+    assert_eq!((girth(set), &set.reason), (Some(270.0), &None));
+    let open: Vec<String> =
+        order.open.iter().map(|of| format!("{} {}", of.side.word(), of.form_box)).collect();
+    assert!(
+        open.contains(&"left cD".to_owned()) && !open.contains(&"right cC".to_owned()),
+        "{open:?}"
+    );
+    // In a spreadsheet the reason is text, not a formula.
+    assert!(csv(&order).contains("\"'=swollen; \"\"hard\"\"\""), "{}", csv(&order));
+}
+
+#[test]
+fn uncertainty_is_twice_that_of_the_girth_and_of_the_scanner_together_and_that_of_a_tape_by_hand() {
+    let of = |scanner_girth_mm: f64, point: &str| {
+        let order = Order::of(&RECORD, &garment(), None, scanner_girth_mm);
+        let mut rows = order.rows.iter();
+        let row = rows.find(|row| row.counts && row.side.word() == "right" && row.point == point);
+        row.unwrap().girth.as_ref().unwrap().u95_mm.unwrap()
+    };
+    let u95 = |sd_mm: f64| rounding::mm(rounding::MARGIN_SDS * sd_mm);
+    assert_eq!(of(0.0, "B"), u95(0.4));
+    assert_eq!(of(1.0, "B"), u95(0.4_f64.hypot(1.0)));
+    // The scanner's error is no error of a tape.
+    assert_eq!(of(0.0, "C"), of(1.0, "C"));
+}
+
+/// The mappings that are shipped, and one that asks for everything an order has.
+fn mappings() -> Vec<Mapping> {
+    let texts = [
+        include_str!("../../../../config/orders/example-points.toml"),
+        include_str!("../../../../config/orders/example-wide.toml"),
+    ];
+    texts.map(|text| parse(text.as_bytes()).unwrap()).into()
+}
+
+#[test]
+fn no_file_of_an_order_names_the_patient_and_all_are_small_with_ascii_names() {
+    for garment in Garment::shipped() {
+        let choice = OrderChoice { mappings: mappings(), ..OrderChoice::default() };
+        let files = order_files(&RECORD, garment, &choice, 1.0).unwrap();
+        let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+        assert_eq!(names.len(), 4);
+        for file in &files {
+            assert!(file.name.is_ascii() && !file.name.contains(ID), "{}", file.name);
+            // A cost estimate takes 10 MB; an order is far below.
+            assert!(file.bytes.len() < 100_000, "{}: {}", file.name, file.bytes.len());
+            let text = String::from_utf8_lossy(&file.bytes);
+            assert!(!text.contains(ID), "{}: {text}", file.name);
+        }
+    }
+}
+
+#[test]
+fn only_a_mapping_that_asks_for_the_id_writes_it() {
+    let text = include_str!("../../../../fixtures/cases/orders/asks_for_the_id.toml");
+    let mapping = parse(text.as_bytes()).unwrap();
+    let choice = OrderChoice { files: [].into(), mappings: vec![mapping] };
+    let files = order_files(&RECORD, &garment(), &choice, 1.0).unwrap();
+    assert!(String::from_utf8_lossy(&files[0].bytes).contains(ID));
+    assert!(!files[0].name.contains(ID));
+}
+
+#[test]
+fn two_mappings_that_fill_their_name_alike_have_files_of_their_own() {
+    let mut twin = mappings().remove(0);
+    twin.id = "EXAMPLE-points".to_owned();
+    let mappings = vec![mappings().remove(0), twin];
+    let choice = OrderChoice { files: [].into(), mappings };
+    let files = order_files(&RECORD, &garment(), &choice, 1.0).unwrap();
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    assert_eq!(names, ["order-example-points.csv", "order-EXAMPLE-points-2.csv"]);
+}
+
+#[test]
+fn a_reference_names_no_patient_and_fits_a_line() {
+    let of = |text: &str| OrderRef::new(text, &RECORD).map(|of| of.as_str().to_owned());
+    assert_eq!(of("  A-1042 "), Ok("A-1042".to_owned()));
+    assert_eq!(of("A-47110"), Ok("A-47110".to_owned()), "a longer number is another");
+    for text in ["4711", "A-4711", "x 4711.", "(4711)"] {
+        assert_eq!(of(text), Err(RefFault::HoldsId), "{text}");
+    }
+    for text in ["", "  ", "a\nb", "a\u{202e}b", &"x".repeat(61)] {
+        assert_eq!(of(text), Err(RefFault::NotALine), "{text:?}");
+    }
+}
+
+#[test]
+fn the_json_keeps_to_its_schema() {
+    let schema: Value = serde_json::to_value(json_schema()).unwrap();
+    let order: Value = serde_json::from_slice(&json(&order()).unwrap()).unwrap();
+    let required = schema["required"].as_array().unwrap();
+    let keys: Vec<&String> = order.as_object().unwrap().keys().collect();
+    assert_eq!(keys.len(), schema["properties"].as_object().unwrap().len());
+    for key in required {
+        assert!(keys.iter().any(|known| *known == key.as_str().unwrap()), "{key}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 500, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_words_of_a_person_are_read_back_from_the_table(
+        reason in "[=+@'\"; ,a-zäß\u{2019}-]{1,40}",
+    ) {
+        let mut order = order();
+        for row in &mut order.rows {
+            row.reason = Some(reason.clone());
+        }
+        for cells in rows(&csv(&order)) {
+            let told = &cells["reason"];
+            let is_formula = told.trim_start_matches('\'').starts_with(['=', '+', '-', '@']);
+            prop_assert!(!is_formula || told.starts_with('\''), "{told}");
+            let meant = if is_formula { told.strip_prefix('\'').unwrap() } else { told };
+            prop_assert_eq!(meant, &reason);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What is made of the orders in `fixtures/cases/gdt`: the patient or the reason, by a strict reader
+//! and by a lenient one, as `NAME.gdt.expected` says.
+//! `GAITER_RENEW=1 cargo test --test record gdt_orders::` writes them anew; read the difference.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::fs;
+use std::path::PathBuf;
+
+use gaiter_record::gdt::order::{ORDER_MOST, read};
+use gaiter_record::gdt::{Charset, Order, OrderFault, message};
+use proptest::prelude::*;
+
+/// Fewer files than this, and the folder was not found.
+const CASES_MIN: usize = 25;
+
+fn cases() -> Vec<PathBuf> {
+    let root = support::root().join("fixtures/cases/gdt");
+    let paths = fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path());
+    let is_order = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "gdt");
+    let mut found: Vec<PathBuf> = paths.filter(is_order).collect();
+    found.sort();
+    assert!(found.len() >= CASES_MIN, "only {} cases were found", found.len());
+    found
+}
+
+fn told(read: Result<Order, OrderFault>) -> String {
+    match read {
+        Ok(Order { patient, request, procedure, receiver, sender }) => {
+            let rest = [request, procedure, receiver, sender].map(Option::unwrap_or_default);
+            format!("{patient} {}", rest.join(" | "))
+        }
+        Err(fault) => format!("{}: {fault}", fault.code()),
+    }
+}
+
+#[test]
+fn every_order_is_read_or_refused_as_it_is_written_beside_it() {
+    let renew = std::env::var_os("GAITER_RENEW").is_some();
+    for path in cases() {
+        let bytes = fs::read(&path).unwrap();
+        let of = |lenient: bool| told(read(&bytes, Charset::Cp1252, lenient));
+        let told = format!("strict:  {}\nlenient: {}\n", of(false), of(true));
+        // Names are planted in all of them; none may come out, whatever is wrong.
+        for name in ["Mü", "ßig", "Jürgen", "1960"] {
+            assert!(!told.contains(name), "{}: {told}", path.display());
+        }
+        let expected = path.with_extension("gdt.expected");
+        if renew {
+            fs::write(expected, told).unwrap();
+        } else {
+            assert_eq!(told, fs::read_to_string(&expected).unwrap(), "{}", path.display());
+        }
+    }
+}
+
+#[test]
+fn an_order_beyond_all_measure_is_not_looked_at() {
+    let bytes = vec![b'0'; usize::try_from(ORDER_MOST).unwrap() + 1];
+    let fault = read(&bytes, Charset::Cp1252, true).unwrap_err();
+    assert_eq!(fault, OrderFault::TooLarge { bytes: ORDER_MOST + 1 });
+}
+
+/// Orders that are nearly right: one that is right, with a few bytes changed, gone or added.
+fn nearly() -> impl Strategy<Value = Vec<u8>> {
+    let change = (0..200_usize, any::<u8>(), 0..3_u8);
+    prop::collection::vec(change, 0..6).prop_map(|changes| {
+        let fields = [(9206, "3"), (3000, "4711"), (3101, "Test"), (8402, "ALLG00")];
+        let fields = fields.map(|(field, content)| (field, content.to_owned()));
+        let mut bytes = message(6302, Charset::Cp1252, &fields).unwrap();
+        for (at, byte, how) in changes {
+            let at = at % bytes.len();
+            match how {
+                0 => bytes[at] = byte,
+                1 => drop(bytes.remove(at)),
+                _ => bytes.insert(at, byte),
+            }
+        }
+        bytes
+    })
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_the_reader_panic(
+        bytes in prop::collection::vec(any::<u8>(), 0..600),
+        nearly in nearly(),
+        lenient: bool,
+    ) {
+        for charset in [Charset::Ascii, Charset::Cp437, Charset::Cp1252, Charset::Utf8] {
+            for bytes in [&bytes, &nearly] {
+                let (fault, order) = match read(bytes, charset, lenient) {
+                    Ok(order) => (None, Some(order)),
+                    Err(fault) => (Some(fault.to_string()), None),
+                };
+                prop_assert!(order.is_none_or(|order| !order.patient.is_empty()));
+                prop_assert!(fault.is_none_or(|fault| !fault.contains("Test")));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read(id in "[A-Za-z0-9äöüÄÖÜ]{1,20}", request in "[A-Z0-9-]{0,10}") {
+        for charset in [Charset::Cp437, Charset::Cp1252, Charset::Utf8] {
+            let mut fields = vec![(3000, id.clone()), (8310, request.clone())];
+            fields.extend(charset.number().map(|number| (9206, number.to_owned())));
+            let bytes = message(6302, charset, &fields).unwrap();
+            for lenient in [false, true] {
+                let order = read(&bytes, charset, lenient).unwrap();
+                prop_assert_eq!(&order.patient, &id);
+                prop_assert_eq!(order.request.unwrap_or_default(), request.clone());
+            }
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! What a record, its report, its figures and its messages say.
+
+mod completeness;
+mod every_finding;
+mod figure_claims;
+mod figure_sides;
+mod figures;
+mod gdt_message;
+mod gdt_orders;
+mod json_schema;
+mod levels;
+mod older_records;
+mod one_order;
+mod report_content;
+mod report_page;
+mod report_paper;
+mod report_words;
+mod sizing;
+mod sizing_report;
+mod tilt;

@@ -1,0 +1,232 @@
+//! The file of a garment → [`Profile`], or every fault of it.
+
+use toml::de::{DeTable, DeValue};
+
+use super::Words;
+use crate::document::{Faults, Known, Section, number};
+use crate::fault::{Fault, Form, What};
+use crate::parse::{is_of_format, points, readable};
+use crate::point::Point;
+use gaiter_leg::Level;
+
+/// Name and number of the format of the files.
+pub const FORMAT: &str = "gaiter-garment/1";
+
+/// The keys of a file.
+const KEYS: &str =
+    "format name boxes optional unit round_girths_mm round_lengths_mm title in_sentence notation";
+
+/// The place of a level's letter in a notation.
+const LETTER: &str = "{level}";
+
+/// The roundings for print, mm: a tenth of a millimetre to five centimetres.
+const ROUNDINGS_MM: [f64; 2] = [0.1, 50.0];
+
+/// Rounding for print if the file says nothing, mm: as on a tape.
+const ROUNDING_MM: f64 = 1.0;
+
+/// What an order form of a garment asks for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Profile {
+    /// The name on order forms and in the configuration.
+    pub(super) name: String,
+    /// It by itself, by language.
+    pub(super) titles: Words,
+    /// It within a sentence, by language.
+    pub(super) in_sentence: Words,
+    /// The boxes of the form, in its order.
+    pub(super) boxes: Vec<FormBox>,
+    /// The levels of the boxes that are needed, highest first.
+    pub(super) levels: Vec<Level>,
+    /// The unit of the form.
+    pub(super) unit: FormUnit,
+    /// Girths are printed to the next multiple of this, mm.
+    pub(super) round_girths_mm: f64,
+    /// Lengths are printed to the next multiple of this, mm.
+    pub(super) round_lengths_mm: f64,
+}
+
+/// A box of an order form.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FormBox {
+    /// What stands in it.
+    pub point: Point,
+    /// Its name on the form.
+    pub name: String,
+    /// Whether it may stay empty.
+    pub is_optional: bool,
+}
+
+/// The unit of an order form.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FormUnit {
+    /// Centimetres.
+    #[default]
+    Cm,
+    /// Millimetres.
+    Mm,
+}
+
+/// The names of the boxes.
+struct Notation {
+    girth: String,
+    length: String,
+    foot: Option<String>,
+    inside_leg: Option<String>,
+}
+
+/// Reads the file of a garment.
+pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<Fault>> {
+    let text = readable(bytes)?;
+    let (root, errors) = DeTable::parse_recoverable(text);
+    let mut faults = Faults::new(text);
+    if !errors.is_empty() {
+        faults.note_notation(&errors);
+        return Err(faults.in_order());
+    }
+    let at = 0..0;
+    let profile = profile(Section::whole(root.get_ref(), &at), &mut faults);
+    match (profile, faults.is_empty()) {
+        (Some(profile), true) => Ok(profile),
+        _ => Err(faults.in_order()),
+    }
+}
+
+fn profile(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Profile> {
+    if !is_of_format(whole, (FORMAT, "format = \"gaiter-garment/1\""), faults) {
+        return None;
+    }
+    let is_known = |name: &str| KEYS.split_whitespace().any(|known| known == name);
+    whole.only(Known::here(KEYS), is_known, faults);
+    let name = whole.required_text("name", "name = \"AD\"", faults);
+    let units = [("cm", FormUnit::Cm), ("mm", FormUnit::Mm)];
+    let unit = whole.choice("unit", &units, "cm, mm", faults).unwrap_or_default();
+    let roundings = ["round_girths_mm", "round_lengths_mm"].map(|key| rounding(whole, key, faults));
+    let notation = notation(whole, faults);
+    let boxes = boxes(whole, &notation, faults);
+    let titles = words(whole, "title", faults);
+    if titles.0.is_empty() {
+        whole.miss("title.en", "[title] and en = \"calf stocking (AD)\"", faults);
+    }
+    let is_needed = |level: &Level| {
+        let mut needed = boxes.iter().filter(|of| !of.is_optional);
+        needed.any(|of| of.point.levels().any(|its| its == *level))
+    };
+    let levels = Level::ALL.into_iter().rev().filter(is_needed).collect();
+    let in_sentence = words(whole, "in_sentence", faults);
+    let [round_girths_mm, round_lengths_mm] = roundings;
+    Some(Profile {
+        name: name?,
+        titles,
+        in_sentence,
+        levels,
+        boxes,
+        unit,
+        round_girths_mm,
+        round_lengths_mm,
+    })
+}
+
+/// The boxes of the form: those of `boxes`, of which `optional` may stay empty.
+fn boxes(whole: Section<'_, '_>, notation: &Notation, faults: &mut Faults<'_>) -> Vec<FormBox> {
+    let Some(value) = whole.get("boxes") else {
+        whole.miss("boxes", "boxes = [\"cB\", \"lB\", \"cC\", \"lC\"]", faults);
+        return Vec::new();
+    };
+    let all = points(value, "boxes", faults);
+    let optional = whole.get("optional").map(|value| (points(value, "optional", faults), value));
+    let optional = optional.map_or(Vec::new(), |(points, value)| {
+        for point in points.iter().filter(|point| !all.contains(point)) {
+            faults.note(&value.span(), "optional", What::NotABox(point.to_string()));
+        }
+        points
+    });
+    let form_box = |point: Point| FormBox {
+        point,
+        name: notation.name(point),
+        is_optional: optional.contains(&point),
+    };
+    all.into_iter().map(form_box).collect()
+}
+
+impl Notation {
+    fn name(&self, point: Point) -> String {
+        match point {
+            Point::Girth(level) => self.girth.replace(LETTER, level.name()),
+            Point::Length(level) => self.length.replace(LETTER, level.name()),
+            Point::Between(low, high) => {
+                self.length.replace(LETTER, &format!("{}{}", low.name(), high.name()))
+            }
+            Point::Foot => self.foot.clone().unwrap_or_else(|| point.to_string()),
+            Point::InsideLeg => self.inside_leg.clone().unwrap_or_else(|| point.to_string()),
+            Point::Beyond(_) => point.to_string(),
+        }
+    }
+}
+
+/// `[notation]`: how the form names its boxes.
+fn notation(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Notation {
+    let usual = || Notation {
+        girth: format!("c{LETTER}"),
+        length: format!("l{LETTER}"),
+        foot: None,
+        inside_leg: None,
+    };
+    let Some(value) = whole.get("notation") else { return usual() };
+    let DeValue::Table(table) = value.get_ref() else {
+        faults.note_form(value, "notation", Form::NOTATION);
+        return usual();
+    };
+    let at = value.span();
+    let section = Section::within(table, &at, "notation");
+    let is_known = |name: &str| ["girth", "length", "foot", "inside_leg"].contains(&name);
+    section.only(Known { here: "girth length foot inside_leg", above: KEYS }, is_known, faults);
+    let mut of_level = |name: &str| {
+        let found = section.text(name, faults)?;
+        if !found.contains(LETTER) {
+            faults.note(&at, section.key(name), What::NoPlace(found.clone()));
+        }
+        Some(found)
+    };
+    let (girth, length) = (of_level("girth"), of_level("length"));
+    let usual = usual();
+    Notation {
+        girth: girth.unwrap_or(usual.girth),
+        length: length.unwrap_or(usual.length),
+        foot: section.text("foot", faults),
+        inside_leg: section.text("inside_leg", faults),
+    }
+}
+
+/// A rounding for print, mm.
+fn rounding(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> f64 {
+    let Some(value) = whole.get(name) else { return ROUNDING_MM };
+    match number(value.get_ref()) {
+        Some((_, mm)) if (ROUNDINGS_MM[0]..=ROUNDINGS_MM[1]).contains(&mm) => mm,
+        Some((written, _)) => {
+            faults.note(&value.span(), name, What::Rounding(written));
+            ROUNDING_MM
+        }
+        None => {
+            faults.note_form(value, name, Form::ROUNDING);
+            ROUNDING_MM
+        }
+    }
+}
+
+/// A section with words by language.
+fn words(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> Words {
+    let Some(value) = whole.get(name) else { return Words::default() };
+    let DeValue::Table(table) = value.get_ref() else {
+        faults.note_form(value, name, Form::WORDS);
+        return Words::default();
+    };
+    let at = value.span();
+    let section = Section::within(table, &at, name);
+    let mut words = Vec::new();
+    for (tag, _) in section.pairs() {
+        let text = section.text(tag.get_ref(), faults);
+        words.extend(text.map(|text| (tag.get_ref().to_string(), text)));
+    }
+    Words(words)
+}

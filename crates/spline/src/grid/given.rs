@@ -1,0 +1,174 @@
+//! Plain least-squares surface through a grid of points: two small solves, one per direction.
+
+use nalgebra::Point3;
+
+use crate::basis::Basis;
+use crate::fit::{FitFault, LEAST_FREEDOM, check_places};
+use crate::knots::choice::KnotsUsed;
+use crate::knots::profiles::Profiles;
+use crate::least_squares::LeastSquares;
+use crate::normal::RIDGE;
+use crate::solve::Singular;
+use crate::surface::{Surface, SurfaceFault};
+
+/// Points on a grid of parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct GridData<'a> {
+    /// The parameter u of each row, within the domain of the basis along; in any order.
+    pub along: &'a [f64],
+    /// The parameter v of each column; wrapped; in any order.
+    pub around: &'a [f64],
+    /// The points, row-major, `along.len()` rows of `around.len()`, mm.
+    pub points: &'a [Point3<f64>],
+}
+
+impl GridData<'_> {
+    /// The lines along, one position per section.
+    pub(crate) fn profiles_along(&self) -> Profiles {
+        Profiles { places: self.along.to_vec(), values: flat(self.points) }
+    }
+
+    /// The sections, one position per column.
+    pub(crate) fn profiles_around(&self) -> Profiles {
+        let values = transposed(&flat(self.points), self.along.len(), self.around.len());
+        Profiles { places: self.around.to_vec(), values }
+    }
+}
+
+/// A fitted surface and its residuals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceFit {
+    /// The surface.
+    pub surface: Surface,
+    /// Root mean square distance between the data and the surface at the data's own parameters, mm;
+    /// an upper bound of the true distance.
+    pub rms_mm: f64,
+    /// The largest such distance, mm.
+    pub max_mm: f64,
+    /// The smaller [`crate::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12
+    /// the grid does not determine all control points, and the ridge selected one of the solutions.
+    pub smallest_pivot: f64,
+    /// The origin of the knots along and around.
+    pub knots: [KnotsUsed; 2],
+    /// Marks along and around that could not become knots, because another mark or an end is too close.
+    pub marks_missed: [Vec<f64>; 2],
+    /// Ranges along and around without data that were bridged, each from the last position before
+    /// it to the first one after it: the surface is a guess there.
+    pub gaps: [Vec<[f64; 2]>; 2],
+    /// The smoothing along and around, including the ridge of 1e-12: at 1 the penalty on the third
+    /// derivative has the same trace as the data.
+    pub lambdas: [f64; 2],
+    /// Effective degrees of freedom, at most the number of control points.
+    pub edf: f64,
+    /// Standard deviation of a point, all coordinates together, √(Σ r² / (m − edf)), mm. Infinite
+    /// if the data leave less than half a degree of freedom. Without smoothing it includes, besides
+    /// the noise, the details that the surface cannot follow.
+    pub sigma_mm: f64,
+    /// Indices of the points that a robust fit left out, ascending; they count in `rms_mm` and
+    /// `max_mm`, but not in `sigma_mm`.
+    pub outliers: Vec<usize>,
+}
+
+/// The tensor-product least-squares surface C = (AᵀA + ridge)⁻¹ Aᵀ P B (BᵀB + ridge)⁻¹.
+///
+/// The ridge, 1e-12 of the data's trace on the third derivative, keeps control points determined where
+/// there are no data. If all data of a row have a z that is an affine function of u (planar sections, u
+/// from their height), the control points' z are that function of the Greville abscissae, and the
+/// surface's own sections at constant u are planar too. Normal equations: The NURBS Book 9.4.
+///
+/// # Errors
+/// A [`FitFault`]: points that do not form a grid, data that are not finite, u outside the domain,
+/// fewer than 4 different rows or columns, `along` not clamped or `around` not periodic, or a grid
+/// that determines nothing.
+pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceFit, FitFault> {
+    check(data)?;
+    check_places(&along, data.along, data.along)?;
+    check_places(&around, data.around, data.around)?;
+    let solver = solver(data, [&along, &around], [RIDGE; 2])?;
+    let surface = surface(&solver, data.points, along, around)?;
+    let edf = surface.control_points().len().min(data.points.len()) as f64;
+    Ok(judged(surface, data, &solver, [RIDGE; 2], edf, Vec::new()))
+}
+
+/// The equations along and around.
+pub fn solver(
+    data: &GridData,
+    bases: [&Basis; 2],
+    lambdas: [f64; 2],
+) -> Result<[LeastSquares; 2], Singular> {
+    let along = LeastSquares::new(bases[0], data.along, lambdas[0])?;
+    Ok([along, LeastSquares::new(bases[1], data.around, lambdas[1])?])
+}
+
+/// The surface of the points, using the equations along and around.
+pub fn surface(
+    [along, around]: &[LeastSquares; 2],
+    points: &[Point3<f64>],
+    basis_along: Basis,
+    basis_around: Basis,
+) -> Result<Surface, SurfaceFault> {
+    let (rows, columns) = (basis_along.count(), basis_around.count());
+    let by_row = along.coefficients(&flat(points));
+    let by_column = around.coefficients(&transposed(&by_row, rows, by_row.len() / (3 * rows)));
+    let control = transposed(&by_column, columns, rows);
+    let control = control.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect();
+    Surface::new(basis_along, basis_around, control)
+}
+
+/// The statistics of a surface fit for the data; the outliers do not count in sigma.
+pub fn judged(
+    surface: Surface,
+    data: &GridData,
+    solver: &[LeastSquares; 2],
+    lambdas: [f64; 2],
+    edf: f64,
+    outliers: Vec<usize>,
+) -> SurfaceFit {
+    let fitted = surface.grid(data.along, data.around);
+    let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
+    let squares: Vec<f64> = squares.collect();
+    let (count, sum) = (squares.len() as f64, squares.iter().sum::<f64>());
+    let freedom = count - outliers.len() as f64 - edf;
+    let far: f64 = outliers.iter().map(|index| squares[*index]).sum();
+    let known = freedom > LEAST_FREEDOM;
+    SurfaceFit {
+        surface,
+        rms_mm: (sum / count).sqrt(),
+        max_mm: squares.iter().copied().fold(0.0, f64::max).sqrt(),
+        smallest_pivot: solver[0].smallest_pivot().min(solver[1].smallest_pivot()),
+        knots: [KnotsUsed::Given; 2],
+        marks_missed: [Vec::new(), Vec::new()],
+        gaps: [Vec::new(), Vec::new()],
+        lambdas,
+        edf,
+        sigma_mm: if known { ((sum - far) / freedom).sqrt() } else { f64::INFINITY },
+        outliers,
+    }
+}
+
+/// The coordinates of points, one after the other.
+pub fn flat(points: &[Point3<f64>]) -> Vec<f64> {
+    points.iter().flat_map(|point| [point.x, point.y, point.z]).collect()
+}
+
+/// A grid of xyz triples with rows and columns swapped.
+pub fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+    let places = (0..columns).flat_map(|j| (0..rows).map(move |i| 3 * (i * columns + j)));
+    places.flat_map(|place| [values[place], values[place + 1], values[place + 2]]).collect()
+}
+
+pub fn check(data: &GridData) -> Result<(), FitFault> {
+    let (rows, columns, points) = (data.along.len(), data.around.len(), data.points.len());
+    if points == 0 || points != rows * columns {
+        return Err(FitFault::NoGrid { points, along: rows, around: columns });
+    }
+    let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+    let unusable = |index: &usize| {
+        let (u, v) = (data.along[index / columns], data.around[index % columns]);
+        !finite(&[u, v]) || !finite(data.points[*index].coords.as_slice())
+    };
+    match (0..points).find(unusable) {
+        Some(index) => Err(FitFault::NotFinite { index }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,16 @@
+//! Bases, fits, surfaces: closed forms, laws, published figures.
+
+mod basis;
+mod cloud;
+mod cloud_leg;
+mod fit;
+mod grid_refusals;
+mod knots;
+mod measure;
+mod noise;
+mod schoenberg_whitney;
+mod solve;
+mod surface;
+mod surface_fit;
+mod tensor;
+mod tessellate;

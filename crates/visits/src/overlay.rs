@@ -1,0 +1,59 @@
+//! The legs of two visits laid over each other, as a record that the 3D view and the map of distances show:
+//! the later legs, on their surface the distance from the earlier ones, and the earlier skin as points.
+
+use super::registration::{Registration, Rings};
+use gaiter_leg::Side;
+use gaiter_leg::side::Sides;
+use gaiter_record::Record;
+use gaiter_record::shape::{CloudFigures, Packed};
+
+/// Two visits laid over each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Overlay {
+    /// The later record; the error of its surfaces is the distance outside the earlier skin.
+    pub record: Record,
+    /// Error of the registration of each leg, mm; `None` for one that is not shown.
+    pub error_mm: Sides<Option<f64>>,
+    /// The largest distance, mm, without the farthest hundredth.
+    pub largest_mm: f64,
+}
+
+/// The share of the distances that the scale holds.
+const SHARE: f64 = 0.99;
+
+impl Overlay {
+    /// Lays the legs of the earlier record over those of the later one. `None` if no leg can be.
+    pub fn of(earlier: &Record, later: &Record) -> Option<Overlay> {
+        let mut record = later.clone();
+        let mut error_mm = Sides::of_each(|_| None);
+        let mut all: Vec<f64> = Vec::new();
+        record.legs.retain_mut(|leg| {
+            let Some(side) = Side::BOTH.into_iter().find(|side| side.word() == leg.side) else {
+                return false;
+            };
+            let Some(before) = earlier.leg(side) else { return false };
+            let Some(registration) = Registration::of(later, before, leg) else { return false };
+            let Some(shape) = leg.shape.as_mut() else { return false };
+            let surface_before = before.shape.as_ref().and_then(|shape| shape.surface.as_ref());
+            let (Some(surface), Some(surface_before)) = (shape.surface.as_mut(), surface_before)
+            else {
+                return false;
+            };
+            let laid = Rings::of_surface(surface_before).laid(&registration);
+            let distances: Vec<Option<f64>> = surface
+                .points
+                .as_points()
+                .iter()
+                .map(|point| laid.distance(&(*point)?).map(|(distance_mm, _)| distance_mm))
+                .collect();
+            all.extend(distances.iter().flatten().map(|mm| mm.abs()));
+            surface.error = Packed::errors(&distances);
+            shape.scan = CloudFigures { points: Packed::points(laid.points().map(Some)) };
+            *error_mm.get_mut(side) = Some(registration.error_mm);
+            true
+        });
+        all.sort_by(f64::total_cmp);
+        let largest_mm = *all.get((SHARE * all.len() as f64) as usize)?;
+        Some(Overlay { record, error_mm, largest_mm })
+    }
+}

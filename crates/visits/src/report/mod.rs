@@ -1,0 +1,129 @@
+//! The report of a patient's visits for people: its content as data, which record's report prints.
+
+mod pictures;
+mod summary;
+mod tables;
+mod words;
+
+use jiff::civil::Date;
+
+use self::words::Words;
+use super::comparison::Comparison;
+use super::course::{Course, Group};
+use super::overlay::Overlay;
+use super::threshold::Threshold;
+use gaiter_language::Language;
+use gaiter_leg::Side;
+use gaiter_record::Record;
+use gaiter_record::report::content::Section;
+use gaiter_record::report::document::{Block, Document, Origin};
+use gaiter_record::report::{AgeMax, Head};
+
+/// How many visits before the last one stand beside it, except the first.
+const VISITS_BEFORE_LAST: usize = 2;
+
+/// What a report of visits needs besides the visits.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportOf<'a> {
+    /// The visits.
+    pub course: &'a Course,
+    /// The records from which it was made.
+    pub records: &'a [Record],
+    /// Thresholds of the clinic.
+    pub thresholds: &'a [Threshold],
+    /// The day on which it is read.
+    pub today: Date,
+    /// A scan that is older than this is told as old.
+    pub age_max: AgeMax,
+    /// The language of its texts.
+    pub language: Language,
+}
+
+impl ReportOf<'_> {
+    /// The report.
+    pub fn document(&self) -> Document {
+        let words = Words { course: self.course, language: self.language };
+        let mut blocks = vec![Block::Verdict(self.summary(&words))];
+        let cautions = self.cautions(&words);
+        if !cautions.is_empty() {
+            let title = words.text("visits.cautions");
+            blocks.push(Block::Section(Section { title, entries: cautions }));
+        }
+        blocks.push(Block::Table(tables::visits(&words)));
+        if let Some(group) = self.course.last_group() {
+            blocks.extend(self.of_group(&words, group));
+        }
+        let title = words.text("visits.legend");
+        blocks.push(Block::Section(Section { title, entries: self.legend(&words) }));
+        Document { head: self.head(&words), origin: self.origin(), blocks }
+    }
+
+    /// The tables of the visits that can be compared with the last one.
+    fn of_group(&self, words: &Words, group: &Group) -> Vec<Block> {
+        let mut blocks: Vec<Block> = Vec::new();
+        let compared = self.course.last_compared(group);
+        blocks.extend(compared.iter().map(|of| Block::Table(tables::volumes(words, group, of))));
+        let shown = shown(group);
+        blocks.extend(pictures::all(words, group, &shown, &compared));
+        let overlaid = compared.first();
+        blocks.extend(overlaid.map(|of| self.overlaid(words, of)).into_iter().flatten());
+        let legs = || Side::FROM_FRONT.into_iter();
+        let girths = legs().filter_map(|side| tables::girths(words, side, &shown, &compared));
+        blocks.extend(girths.map(Block::Table));
+        let slices =
+            legs().filter_map(|side| tables::slices(words, group, side, &shown, &compared));
+        blocks.extend(slices.map(Block::Table));
+        blocks.extend(tables::levels(words, &shown).map(Block::Table));
+        blocks
+    }
+
+    /// The legs of two visits laid over each other: a map of the distances, and the 3D view.
+    fn overlaid(&self, words: &Words, of: &Comparison) -> Vec<Block> {
+        let record = |visit: usize| self.records.get(self.course.visits[visit].record);
+        let (Some(earlier), Some(later)) = (record(of.earlier), record(of.later)) else {
+            return Vec::new();
+        };
+        match Overlay::of(earlier, later) {
+            Some(overlay) => pictures::overlay(words, of, overlay),
+            None => Vec::new(),
+        }
+    }
+
+    fn head(&self, words: &Words) -> Head {
+        let visits = self.course.visits.len();
+        let [first, last] = [0, visits.saturating_sub(1)].map(|visit| words.day(visit));
+        let taken =
+            words.filled("visits.taken", &[("count", &visits), ("first", &first), ("last", &last)]);
+        Head {
+            language: self.language,
+            title: words.text("visits.title"),
+            patient: words.patient(),
+            taken,
+        }
+    }
+
+    fn origin(&self) -> Origin {
+        let visits = &self.course.visits;
+        let id = visits.iter().map(|visit| format!("{} {}", visit.sha256, visit.revision));
+        let last = visits.last();
+        let station = last.and_then(|visit| visit.station.clone());
+        let record = last.and_then(|visit| self.records.get(visit.record));
+        let program = record.map(|record| record.made_by.gaiter.as_str());
+        Origin {
+            id: id.collect::<Vec<_>>().join(" "),
+            author: station.unwrap_or_else(|| "gaiter".to_owned()),
+            made_by: format!("gaiter {}", program.unwrap_or_default()),
+            at: last.and_then(|visit| visit.acquired.as_ref()).map(|acquired| acquired.at),
+        }
+    }
+}
+
+/// The visits of a group that stand beside each other: the first, and the last three.
+fn shown(group: &Group) -> Vec<usize> {
+    let from = group.visits.len().saturating_sub(VISITS_BEFORE_LAST + 1);
+    let mut shown = group.visits[from..].to_vec();
+    if let Some(first) = group.visits.first().filter(|first| !shown.contains(first)) {
+        shown.insert(0, *first);
+    }
+    shown
+}

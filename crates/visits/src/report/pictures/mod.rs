@@ -1,0 +1,88 @@
+//! The pictures of a report of visits, drawn only from the course.
+
+mod profiles;
+mod slices;
+mod volumes;
+
+use std::fmt::Display;
+
+use super::summary::between;
+use super::words::Words;
+use crate::comparison::Comparison;
+use crate::course::Group;
+use crate::overlay::Overlay;
+use gaiter_leg::Side;
+use gaiter_record::picture::figures::Figure;
+use gaiter_record::picture::figures::error::{MapScale, map_of};
+use gaiter_record::picture::{Picture, svg};
+use gaiter_record::report::document::{Block, View};
+use gaiter_record::rounding::{number, tenths_words};
+
+/// The ends of the scale of distances, mm: the smallest that holds almost all of them is taken.
+const SCALES_MM: [f64; 5] = [2.0, 4.0, 8.0, 16.0, 32.0];
+
+/// The pictures for which the course has data, in reading order: the curve of all visits, and those of the
+/// visits that stand beside each other.
+pub(super) fn all(
+    words: &Words,
+    group: &Group,
+    shown: &[usize],
+    compared: &[Comparison],
+) -> Vec<Block> {
+    let pictures = [
+        ("volumes", "visits.picture.volumes", volumes::picture(words)),
+        ("profiles", "visits.picture.profiles", profiles::picture(words, shown)),
+        ("slices", "visits.picture.slices", slices::picture(words, group, compared)),
+    ];
+    let block = |(name, key, picture): (&'static str, &'static str, Option<Picture>)| {
+        let picture = picture?;
+        let marks = svg::marks(&picture);
+        Some(Block::Picture {
+            title: words.text(key),
+            figure: Figure { name, picture, marks },
+            caption: words.of_code("visits.caption", name, &[]),
+        })
+    };
+    pictures.into_iter().filter_map(block).collect()
+}
+
+/// The legs of two visits laid over each other.
+pub(super) fn overlay(words: &Words, of: &Comparison, overlay: Overlay) -> Vec<Block> {
+    let end_mm = SCALES_MM.into_iter().find(|mm| *mm >= overlay.largest_mm);
+    let end_mm = end_mm.unwrap_or(SCALES_MM[SCALES_MM.len() - 1]);
+    // Less than what the registration is off by is not marked as a change.
+    let errors = Side::BOTH.map(|side| *overlay.error_mm.get(side));
+    let error_mm = errors.into_iter().flatten().fold(0.0, f64::max);
+    let scale = MapScale { end_mm, sign_mm: (2.0 * error_mm).max(end_mm / 8.0) };
+    let pair = between(words, of);
+    let title = words.filled("visits.picture.distances", &[("between", &pair)]);
+    let said = |side: Side| {
+        let mm = (*overlay.error_mm.get(side))?;
+        let values: [(&str, &dyn Display); 2] =
+            [("leg", &words.leg_in_sentence(side)), ("mm", &tenths_words(mm, words.language))];
+        Some(words.filled("visits.registered", &values))
+    };
+    let errors: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(said).collect();
+    let values: [(&str, &dyn Display); 2] =
+        [("errors", &errors.join(", ")), ("sign", &tenths_words(scale.sign_mm, words.language))];
+    let caption = words.filled("visits.distances_explained", &values);
+    let map = map_of(&overlay.record, scale, &title, words.language).map(|picture| {
+        let marks = svg::marks(&picture);
+        let figure = Figure { name: "distances", picture, marks };
+        Block::Picture { title, figure, caption: caption.clone() }
+    });
+    let view = View {
+        title: words.filled("visits.picture.in_3d", &[("between", &pair)]),
+        text: caption,
+        record: overlay.record,
+        words: vec![
+            ("error_mm", number(end_mm, 0, words.language)),
+            ("first_layers", "error scan".to_owned()),
+            ("error", words.text("visits.view.distance")),
+            ("scan", words.text("visits.view.earlier")),
+            ("legend", words.text("visits.view.legend")),
+            ("skin", words.text("visits.view.later")),
+        ],
+    };
+    [Some(Block::View(Box::new(view))), map].into_iter().flatten().collect()
+}

@@ -1,0 +1,118 @@
+//! How much the volume of each slice of 4 cm has changed: bars that stay grey inside their uncertainty.
+
+use std::fmt::Display;
+
+use super::super::words::Words;
+use crate::comparison::{Comparison, PlaceChange};
+use crate::course::Group;
+use crate::place::{Step, along_mm};
+use crate::quantity::Shown;
+use gaiter_leg::Side;
+use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
+use gaiter_record::picture::figures::plot::{
+    LINE, SMALL, Scale, area, heading, lines, words as label,
+};
+use gaiter_record::picture::{Anchor, Ink, Mark, Picture};
+use gaiter_record::rounding::number;
+
+/// Width, px.
+const WIDTH: f64 = 720.0;
+
+/// Left and right end of the bars of each leg, right leg first, px.
+const LEGS_PX: [[f64; 2]; 2] = [[56.0, 346.0], [412.0, 702.0]];
+
+/// From the top of a comparison to its highest slice, px.
+const HEAD: f64 = 50.0;
+
+/// Height of a slice, px.
+const ROW: f64 = 13.0;
+
+/// Half the height of a bar, px.
+const BAR: f64 = 4.5;
+
+/// Half the height of the cap of a whisker, px.
+const CAP: f64 = 2.5;
+
+/// Space below the lowest slice, px.
+const BELOW: f64 = 34.0;
+
+/// The smallest end of the scale, mL.
+const SCALE_MIN_ML: f64 = 20.0;
+
+/// Steps of which one divides the scale into at most [`STEPS_MAX`] parts on either side, mL.
+const STEPS_ML: [f64; 7] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
+const STEPS_MAX: f64 = 4.0;
+
+/// The figure; `None` if no slice can be compared.
+pub(super) fn picture(words: &Words, group: &Group, compared: &[Comparison]) -> Option<Picture> {
+    let steps = &group.pieces.left | &group.pieces.right;
+    let (low, high) = (*steps.first()?, *steps.last()?);
+    let slices = |of: &Comparison| {
+        Side::FROM_FRONT.map(|side| of.legs.get(side).as_ref().map(|leg| leg.pieces.clone()))
+    };
+    let all: Vec<_> = compared.iter().map(|of| (of, slices(of))).collect();
+    let reach = all.iter().flat_map(|(_, legs)| legs.iter().flatten().flatten());
+    let reach = reach.map(|of| of.change.by.abs() + of.change.detectable());
+    let reach = reach.filter(|ml| ml.is_finite()).fold(SCALE_MIN_ML, f64::max);
+    let step = STEPS_ML.into_iter().find(|step| reach <= STEPS_MAX * step).unwrap_or(reach);
+    let end = (reach / step).ceil() * step;
+    let (mut marks, mut top) = (Vec::new(), 0.0);
+    for (of, legs) in &all {
+        let days: [(&str, &dyn Display); 2] =
+            [("earlier", &words.day(of.earlier)), ("later", &words.day(of.later))];
+        let title = words.filled("visits.between", &days);
+        marks.push(heading([4.0, top + 16.0], Anchor::Start, Ink::Text, title));
+        let rows = Scale {
+            range: [along_mm(low), along_mm(high) + PROFILE_STEP_MM],
+            px: [top + HEAD + ROW * f64::from(high - low + 1), top + HEAD],
+        };
+        for ((side, slices), px) in Side::FROM_FRONT.into_iter().zip(legs).zip(LEGS_PX) {
+            let scale = Scale { range: [-end, end], px };
+            marks.extend(grid(words, side, &scale, step, &rows));
+            let named = slices.iter().flatten().filter(|of| (low..=high).contains(&of.step));
+            marks.extend(named.flat_map(|of| bar(side, of, &scale, &rows)));
+        }
+        top = rows.px[0] + BELOW;
+    }
+    let title = words.text("visits.picture.slices");
+    (top > 0.0).then_some(Picture { title, size: [WIDTH, top], cuts: Vec::new(), marks })
+}
+
+fn grid(words: &Words, side: Side, scale: &Scale, step: f64, rows: &Scale) -> Vec<Mark> {
+    let [bottom, top] = rows.px;
+    let upright = |ml: f64| vec![[scale.at(ml), top], [scale.at(ml), bottom]];
+    let middle = [scale.at(0.0), top - 12.0];
+    let name = words.filled("visits.picture.change_ml", &[("leg", &words.leg(side))]);
+    let mut marks = vec![
+        heading(middle, Anchor::Middle, Ink::of(side), name),
+        lines(scale.steps(step).map(upright).collect(), Ink::Grid, 1.0),
+        lines(vec![upright(0.0)], Ink::Muted, 1.0),
+    ];
+    marks.extend(scale.steps(step).map(|ml| {
+        let amount = gaiter_record::rounding::signed(ml, &number(ml, 0, words.language));
+        label([scale.at(ml), bottom + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
+    }));
+    let places =
+        rows.steps(PROFILE_STEP_MM).filter(|mm| ((mm / PROFILE_STEP_MM) as Step).is_multiple_of(2));
+    marks.extend(places.map(|mm| {
+        let at = [scale.px[0] - 6.0, rows.at(mm) + SMALL / 3.0];
+        label(at, Anchor::End, SMALL, Ink::Muted, number(mm / 10.0, 0, words.language))
+    }));
+    marks
+}
+
+/// The bar of a slice with its whisker: in the leg's ink if the change is shown, else grey.
+fn bar(side: Side, of: &PlaceChange, scale: &Scale, rows: &Scale) -> Vec<Mark> {
+    let y = rows.at(along_mm(of.step) + PROFILE_STEP_MM / 2.0);
+    let [zero, end] = [0.0, of.change.by].map(|ml| scale.at(ml));
+    let ink = match of.change.shown() {
+        Shown::NoChange => Ink::Unseen,
+        Shown::Larger | Shown::Smaller => Ink::of(side),
+    };
+    let outline = vec![[zero, y - BAR], [end, y - BAR], [end, y + BAR], [zero, y + BAR]];
+    let half = of.change.detectable();
+    let ends = [of.change.by - half, of.change.by + half].map(|ml| scale.at(ml));
+    let cap = |x: f64| vec![[x, y - CAP], [x, y + CAP]];
+    let whisker = vec![vec![[ends[0], y], [ends[1], y]], cap(ends[0]), cap(ends[1])];
+    vec![area(vec![outline], ink), lines(whisker, Ink::Muted, 0.8)]
+}

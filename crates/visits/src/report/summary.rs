@@ -1,0 +1,171 @@
+//! What a comparison of visits shows, in sentences.
+
+use std::fmt::Display;
+
+use super::ReportOf;
+use super::words::Words;
+use crate::comparison::Comparison;
+use crate::course::Group;
+use crate::excess::ExcessChange;
+use crate::place::along_mm;
+use crate::threshold::{Reached, verdicts};
+use gaiter_leg::Side;
+use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
+use gaiter_record::rounding::{number, shortest, tenths_words};
+
+impl ReportOf<'_> {
+    /// What the last visit shows, compared with the first and with the one before it.
+    pub(super) fn summary(&self, words: &Words) -> Vec<String> {
+        let Some(group) = self.course.last_group() else { return Vec::new() };
+        let compared = self.course.last_compared(group);
+        let mut said: Vec<String> =
+            compared.iter().flat_map(|of| self.of_comparison(words, of)).collect();
+        if compared.is_empty() {
+            said.push(words.text("visits.alone"));
+        }
+        said.extend(self.age(words));
+        said
+    }
+
+    fn of_comparison(&self, words: &Words, of: &Comparison) -> Vec<String> {
+        let mut said: Vec<String> =
+            Side::FROM_FRONT.into_iter().filter_map(|side| volume(words, of, side)).collect();
+        if let Some(change) = &of.excess {
+            said.push(excess(words, of, change));
+        }
+        let verdicts = verdicts(self.thresholds, of);
+        said.extend(verdicts.iter().map(|verdict| {
+            let key = match verdict.reached() {
+                Reached::Yes => "visits.threshold.reached",
+                Reached::No => "visits.threshold.not_reached",
+                Reached::Open => "visits.threshold.open",
+            };
+            let of = verdict.threshold;
+            let values: [(&str, &dyn Display); 6] = [
+                ("leg", &words.leg(verdict.side)),
+                ("name", &of.name),
+                ("source", &of.source),
+                ("of", &words.language.word("visits.limited", of.of.word())),
+                ("limit", &format!("{} {}", shortest(of.limit, words.language), of.of.unit())),
+                ("value", &format!("{} {}", words.percent_change(verdict.value), of.of.unit())),
+            ];
+            words.filled(key, &values)
+        }));
+        said
+    }
+
+    /// How old the last scan is.
+    fn age(&self, words: &Words) -> Option<String> {
+        let acquired = self.course.visits.last()?.acquired.as_ref()?;
+        let days = acquired.age_days(self.today);
+        let key = if days > i64::from(self.age_max.0) { "visits.too_old" } else { "visits.age" };
+        let values: [(&str, &dyn Display); 2] = [("days", &days), ("most", &self.age_max.0)];
+        Some(words.filled(key, &values))
+    }
+
+    /// What speaks against the comparisons, and where visits cannot be compared.
+    pub(super) fn cautions(&self, words: &Words) -> Vec<String> {
+        let mut said: Vec<String> = Vec::new();
+        for pair in self.course.groups.windows(2) {
+            let [before, after] = [&pair[0], &pair[1]];
+            let means = |group: &Group| {
+                let girths = &self.course.visits[group.visits[0]].definition.girths;
+                let volume = words.language.word("visits.volume_by", group.volume.word());
+                format!("{girths}; {volume}")
+            };
+            let values: [(&str, &dyn Display); 3] = [
+                ("date", &words.day(after.visits[0])),
+                ("before", &means(before)),
+                ("after", &means(after)),
+            ];
+            said.push(words.filled("visits.break", &values));
+        }
+        let Some(group) = self.course.last_group() else { return said };
+        // What holds for several comparisons is told once.
+        let mut all: Vec<(String, Vec<String>)> = Vec::new();
+        for of in self.course.last_compared(group) {
+            let pair = between(words, &of);
+            for caution in &of.cautions {
+                let text = words.caution(&of, caution);
+                match all.iter_mut().find(|(known, _)| *known == text) {
+                    Some((_, pairs)) => pairs.push(pair.clone()),
+                    None => all.push((text, vec![pair.clone()])),
+                }
+            }
+        }
+        said.extend(all.into_iter().map(|(text, pairs)| format!("{}: {text}", pairs.join(", "))));
+        said
+    }
+
+    /// How to read the figures.
+    pub(super) fn legend(&self, words: &Words) -> Vec<String> {
+        let language = self.language;
+        let mut said = vec![words.text("visits.legend_girths")];
+        if let Some(group) = self.course.last_group() {
+            let method = language.word("visits.volume_by", group.volume.word());
+            let of = |side: Side| {
+                let pieces = group.pieces.get(side);
+                let (low, high) = (pieces.first()?, pieces.last()?);
+                let cm = |mm: f64| number(mm / 10.0, 0, language);
+                let values: [(&str, &dyn Display); 3] = [
+                    ("leg", &words.leg_in_sentence(side)),
+                    ("from", &cm(along_mm(*low))),
+                    ("to", &cm(along_mm(*high) + PROFILE_STEP_MM)),
+                ];
+                Some(words.filled("visits.legend_range", &values))
+            };
+            let ranges: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(of).collect();
+            let values: [(&str, &dyn Display); 2] =
+                [("method", &method), ("ranges", &ranges.join(", "))];
+            said.push(words.filled("visits.legend_volumes", &values));
+        }
+        said.push(words.text("visits.legend_percent"));
+        let mm = shortest(self.course.choice.girth_common_mm, language);
+        said.push(words.filled("visits.legend_uncertainty", &[("mm", &mm)]));
+        said.push(words.text("visits.legend_limits"));
+        said
+    }
+}
+
+/// The days of a comparison.
+pub(super) fn between(words: &Words, of: &Comparison) -> String {
+    let days: [(&str, &dyn Display); 2] =
+        [("earlier", &words.day(of.earlier)), ("later", &words.day(of.later))];
+    words.filled("visits.between", &days)
+}
+
+fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
+    let change = of.legs.get(side).as_ref()?.volume?;
+    let values: [(&str, &dyn Display); 5] = [
+        ("leg", &words.leg(side)),
+        ("between", &between(words, of)),
+        ("ml", &words.ml_change(change.by)),
+        ("percent", &words.percent_change(change.percent)),
+        ("detectable", &words.detectable(change.detectable_percent())),
+    ];
+    Some(words.of_code("visits.volume", change.shown().word(), &values))
+}
+
+fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
+    let whole = |ml: f64| number(ml, 0, words.language);
+    let only = |side: Side| words.language.word("leg.only", side.word());
+    let values: [(&str, &dyn Display); 7] = [
+        ("side", &only(change.later.affected)),
+        ("between", &between(words, of)),
+        ("ml", &words.ml_change(change.change.by)),
+        ("before", &whole(change.earlier.ml.value)),
+        ("after", &whole(change.later.ml.value)),
+        ("other_side", &only(change.later.affected.other())),
+        ("detectable", &whole((change.change.detectable() - 1e-9).ceil())),
+    ];
+    let shown = words.of_code("visits.excess", change.change.shown().word(), &values);
+    let reduction = match &change.reduction {
+        Some(reduction) => {
+            let percent = tenths_words(reduction.percent, words.language).replace('-', "−");
+            let margin = tenths_words((10.0 * reduction.expanded).ceil() / 10.0, words.language);
+            words.filled("visits.reduction", &[("percent", &percent), ("margin", &margin)])
+        }
+        None => words.text("visits.no_reduction"),
+    };
+    format!("{shown} {reduction}")
+}

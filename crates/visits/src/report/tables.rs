@@ -1,0 +1,264 @@
+//! The tables of a report of visits.
+
+use std::fmt::Display;
+
+use super::summary::between;
+use super::words::Words;
+use crate::comparison::{Comparison, PlaceChange};
+use crate::course::Group;
+use crate::place::{Step, along_mm};
+use crate::quantity::{Change, Quantity, Shown};
+use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
+use gaiter_leg::{Level, Side};
+use gaiter_record::report::content::{Table, TableRow};
+use gaiter_record::report::{Figure, Mark};
+use gaiter_record::rounding::{cm_words, ml_margin, number, signed, tenths_words};
+
+/// All visits, newest first: conditions, volumes, excess.
+pub(super) fn visits(words: &Words) -> Table {
+    let legs = Side::FROM_FRONT
+        .map(|side| words.filled("visits.column.volume", &[("leg", &words.leg_in_sentence(side))]));
+    let [right, left] = legs;
+    let columns = ["visits.column.visit", "visits.column.posture", "visits.column.phantom"];
+    let columns = columns.map(|key| words.text(key)).into_iter();
+    let course = words.course;
+    let row = |visit: usize| {
+        let of = &course.visits[visit];
+        let group = course.groups.iter().find(|group| group.visits.contains(&visit));
+        let phantom = of.phantom_mm.map_or_else(
+            || Figure { value: words.text("visits.no_phantom"), margin: None, mark: Mark::Missing },
+            |mm| plain(signed(mm, &tenths_words(mm, words.language))),
+        );
+        let volume = |side: Side| match group.and_then(|of| course.volume(of, visit, side)) {
+            Some(volume) => ml(words, &volume),
+            None => missing(words),
+        };
+        let excess = group.and_then(|group| course.excess(group, visit));
+        let excess = excess.map_or_else(
+            || missing(words),
+            |excess| {
+                let shown = ml(words, &excess.ml);
+                let percent = words.percent_change(excess.percent);
+                let value = format!("{} ({percent} %)", signed(excess.ml.value, &shown.value));
+                Figure { value, margin: None, mark: Mark::Sure }
+            },
+        );
+        let [right, left] = Side::FROM_FRONT.map(volume);
+        let figures = vec![plain(words.posture(of)), phantom, right, left, excess];
+        TableRow { head: words.time(of), figures }
+    };
+    Table {
+        title: words.text("visits.all"),
+        explanation: Some(words.text("visits.all_explained")),
+        columns: columns.chain([right, left, words.text("visits.column.excess")]).collect(),
+        rows: (0..course.visits.len()).rev().map(row).collect(),
+    }
+}
+
+/// Volumes and excess at the two visits of a comparison.
+pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
+    let columns = ["subject", "earlier", "later", "change", "percent", "detectable", "shown"];
+    let mut columns: Vec<String> =
+        columns.iter().map(|key| words.of_code("visits.column", key, &[])).collect();
+    (columns[1], columns[2]) = (words.day(of.earlier), words.day(of.later));
+    let leg = |side: Side| {
+        let change = of.legs.get(side).as_ref()?.volume?;
+        let at = |visit: usize| words.course.volume(group, visit, side);
+        let figures = changed(words, [at(of.earlier)?, at(of.later)?], &change);
+        Some(TableRow { head: words.leg(side).to_owned(), figures })
+    };
+    let excess = of.excess.as_ref().map(|excess| {
+        let side = words.language.word("leg.only", excess.later.affected.word());
+        TableRow {
+            head: words.filled("visits.excess_of", &[("side", &side)]),
+            figures: {
+                let volumes = [excess.earlier.ml, excess.later.ml];
+                let mut figures = changed(words, volumes, &excess.change);
+                // A percent change of an excess is not told: its percent reduction is, by its own name.
+                figures[3] = missing(words);
+                figures[4] = plain(detectable_ml(words, &excess.change));
+                figures
+            },
+        }
+    });
+    Table {
+        title: words.filled("visits.volumes", &[("between", &between(words, of))]),
+        explanation: None,
+        columns,
+        rows: Side::FROM_FRONT.into_iter().filter_map(leg).chain(excess).collect(),
+    }
+}
+
+fn changed(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Vec<Figure> {
+    let mark = mark(change.shown());
+    let detectable = detectable_ml(words, change);
+    let percent = words.detectable(change.detectable_percent());
+    vec![
+        ml(words, &before),
+        ml(words, &after),
+        Figure { value: words.ml_change(change.by), margin: None, mark },
+        Figure { value: words.percent_change(change.percent), margin: None, mark },
+        plain(format!("{detectable} ({percent} %)")),
+        plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
+    ]
+}
+
+/// The smallest change of a volume that is shown, mL, rounded up.
+fn detectable_ml(words: &Words, change: &Change) -> String {
+    number((change.detectable() - 1e-9).ceil(), 0, words.language)
+}
+
+/// Girths of a leg at fixed places, highest first, at the visits beside each other; and their changes.
+pub(super) fn girths(
+    words: &Words,
+    side: Side,
+    shown: &[usize],
+    compared: &[Comparison],
+) -> Option<Table> {
+    let girth = |visit: usize, step: Step| {
+        let leg = words.course.visits[visit].legs.get(side).as_ref()?;
+        let place = leg.places.get(&step)?;
+        let mark = if place.is_doubtful { Mark::Doubtful } else { Mark::Sure };
+        Some(Figure { value: cm_words(place.girth_mm, words.language), margin: None, mark })
+    };
+    let title = words.filled("visits.girths", &[("leg", &words.leg(side))]);
+    let cell = |visit, step| girth(visit, step);
+    let change = |change: &Change| {
+        let value = signed(change.by, &cm_words(change.by, words.language));
+        Figure { value, margin: None, mark: mark(change.shown()) }
+    };
+    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.girths.clone());
+    let changes: Vec<Vec<PlaceChange>> = compared.iter().filter_map(of).collect();
+    let place = |step: Step| number(along_mm(step) / 10.0, 0, words.language);
+    places(words, title, shown, &changes, compared, (&cell, &change, &place))
+}
+
+/// The volumes of the pieces of a leg, highest first.
+pub(super) fn slices(
+    words: &Words,
+    group: &Group,
+    side: Side,
+    shown: &[usize],
+    compared: &[Comparison],
+) -> Option<Table> {
+    let cell = |visit: usize, step: Step| {
+        let leg = words.course.visits[visit].legs.get(side).as_ref()?;
+        let piece = *leg.pieces(group.volume).get(&step)?;
+        Some(plain(number(piece.ml, 0, words.language)))
+    };
+    let title = words.filled("visits.slices", &[("leg", &words.leg(side))]);
+    let change = |change: &Change| Figure {
+        value: words.ml_change(change.by),
+        margin: None,
+        mark: mark(change.shown()),
+    };
+    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.pieces.clone());
+    let changes: Vec<Vec<PlaceChange>> = compared.iter().filter_map(of).collect();
+    let place = |step: Step| {
+        let cm = |mm: f64| number(mm / 10.0, 0, words.language);
+        format!("{}–{}", cm(along_mm(step)), cm(along_mm(step) + PROFILE_STEP_MM))
+    };
+    places(words, title, shown, &changes, compared, (&cell, &change, &place))
+}
+
+/// What a table of places shows: a figure of a visit, a change, the name of a place.
+type Cells<'a> = (
+    &'a dyn Fn(usize, Step) -> Option<Figure>,
+    &'a dyn Fn(&Change) -> Figure,
+    &'a dyn Fn(Step) -> String,
+);
+
+/// A table with a row for each place. `None` if no change can be told.
+fn places(
+    words: &Words,
+    title: String,
+    shown: &[usize],
+    changes: &[Vec<PlaceChange>],
+    compared: &[Comparison],
+    (cell, change, place): Cells<'_>,
+) -> Option<Table> {
+    let all = changes.iter().flatten().map(|of| of.step);
+    let steps: std::collections::BTreeSet<Step> = all.collect();
+    let mut columns = vec![words.text("visits.column.place")];
+    columns.extend(shown.iter().map(|visit| words.day(*visit)));
+    columns.extend(
+        compared
+            .iter()
+            .map(|of| words.filled("visits.column.since", &[("date", &words.day(of.earlier))])),
+    );
+    let row = |step: Step| {
+        let figures =
+            shown.iter().map(|visit| cell(*visit, step).unwrap_or_else(|| missing(words)));
+        let changes = changes.iter().map(|of| {
+            let found = of.iter().find(|of| of.step == step);
+            found.map_or_else(|| missing(words), |of| change(&of.change))
+        });
+        TableRow { head: place(step), figures: figures.chain(changes).collect() }
+    };
+    (!steps.is_empty()).then(|| Table {
+        title,
+        explanation: Some(words.text("visits.bold")),
+        columns,
+        rows: steps.into_iter().rev().map(row).collect(),
+    })
+}
+
+/// The girths at the levels, which are found anew at each visit, of both legs beside each other.
+pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
+    let row = |(side, level): (Side, Level)| {
+        let of = |visit: usize| {
+            let levels = words.course.visits[visit].levels.get(side);
+            levels.iter().find(|of| of.level == level)
+        };
+        let figure = |visit: &usize| match of(*visit) {
+            None => missing(words),
+            Some(of) => {
+                let girth = cm_words(of.girth_mm, words.language);
+                let height = of.height_mm.map(|mm| format!(" / {}", cm_words(mm, words.language)));
+                let value = girth + &height.unwrap_or_default();
+                Figure { value, margin: None, mark: of.mark }
+            }
+        };
+        let values: [(&str, &dyn Display); 2] =
+            [("level", &level.name()), ("leg", &words.language.word("leg.only", side.word()))];
+        let is_any = shown.iter().any(|visit| of(*visit).is_some());
+        is_any.then(|| TableRow {
+            head: words.filled("visits.level", &values),
+            figures: shown.iter().map(figure).collect(),
+        })
+    };
+    let all = Side::FROM_FRONT
+        .into_iter()
+        .flat_map(|side| Level::ALL.into_iter().rev().map(move |level| (side, level)));
+    let rows: Vec<TableRow> = all.filter_map(row).collect();
+    let days = shown.iter().map(|visit| words.day(*visit));
+    (!rows.is_empty()).then(|| Table {
+        title: words.text("visits.levels"),
+        explanation: Some(words.text("visits.levels_explained")),
+        columns: [words.text("visits.column.level")].into_iter().chain(days).collect(),
+        rows,
+    })
+}
+
+fn ml(words: &Words, of: &Quantity) -> Figure {
+    Figure {
+        value: number(of.value, 0, words.language),
+        margin: Some(number(ml_margin(of.parts.total()), 0, words.language)),
+        mark: Mark::Sure,
+    }
+}
+
+fn mark(shown: Shown) -> Mark {
+    match shown {
+        Shown::NoChange => Mark::Sure,
+        Shown::Larger | Shown::Smaller => Mark::Real,
+    }
+}
+
+fn plain(value: String) -> Figure {
+    Figure { value, margin: None, mark: Mark::Sure }
+}
+
+fn missing(words: &Words) -> Figure {
+    Figure { value: words.text("visits.missing"), margin: None, mark: Mark::Missing }
+}

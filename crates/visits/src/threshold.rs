@@ -1,0 +1,161 @@
+//! Thresholds that a clinic sets itself, with their sources. There are none unless it does.
+
+use super::comparison::{Comparison, LegChange};
+use gaiter_leg::Side;
+
+/// A limit that a change or an excess may reach.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Threshold {
+    /// Its name.
+    pub name: String,
+    /// Where it comes from: a paper, a guideline.
+    pub source: String,
+    /// What it limits.
+    pub of: Limited,
+    /// The limit, in the unit of `of`; positive.
+    pub limit: f64,
+}
+
+/// What a threshold limits. There is no limit in mL: 200 mL is a threshold for arms, and the legs of healthy
+/// persons differ by more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Limited {
+    /// The percent change of a leg's volume, %.
+    LegChange,
+    /// The excess volume of the affected leg at the later visit, % of the other leg.
+    Excess,
+    /// The largest change of a girth at a fixed place, mm.
+    GirthChange,
+}
+
+/// What a figure says about a threshold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reached {
+    /// It is reached, also less the uncertainty.
+    Yes,
+    /// It is not reached, also with the uncertainty.
+    No,
+    /// The uncertainty does not let it be told.
+    Open,
+}
+
+/// A threshold and the figure that it is for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ThresholdVerdict<'a> {
+    /// The threshold.
+    pub threshold: &'a Threshold,
+    /// The leg.
+    pub side: Side,
+    /// The figure, in the unit of the threshold.
+    pub value: f64,
+    /// How far it is uncertain, about 95 %.
+    pub expanded: f64,
+}
+
+impl Limited {
+    /// Everything that can be limited, with the word used in the configuration and in the JSON form.
+    pub const WORDS: [(&str, Limited); 3] = [
+        ("leg-change", Limited::LegChange),
+        ("excess", Limited::Excess),
+        ("girth-change", Limited::GirthChange),
+    ];
+
+    /// The word used in the configuration and in the JSON form.
+    pub fn word(self) -> &'static str {
+        match self {
+            Limited::LegChange => "leg-change",
+            Limited::Excess => "excess",
+            Limited::GirthChange => "girth-change",
+        }
+    }
+
+    /// The unit of its limits.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Limited::LegChange | Limited::Excess => "%",
+            Limited::GirthChange => "mm",
+        }
+    }
+}
+
+impl Reached {
+    /// The word used in the JSON form.
+    pub fn word(self) -> &'static str {
+        match self {
+            Reached::Yes => "reached",
+            Reached::No => "not-reached",
+            Reached::Open => "open",
+        }
+    }
+}
+
+impl ThresholdVerdict<'_> {
+    /// Whether the threshold is reached.
+    pub fn reached(&self) -> Reached {
+        let value = self.value.abs();
+        if value - self.expanded >= self.threshold.limit {
+            Reached::Yes
+        } else if value + self.expanded < self.threshold.limit {
+            Reached::No
+        } else {
+            Reached::Open
+        }
+    }
+}
+
+/// What a comparison says about thresholds, in their order, the patient's right leg first.
+pub fn verdicts<'a>(thresholds: &'a [Threshold], of: &Comparison) -> Vec<ThresholdVerdict<'a>> {
+    let of_side = |threshold: &'a Threshold, side: Side| {
+        let [value, expanded] = figure(threshold.of, of, side)?;
+        Some(ThresholdVerdict { threshold, side, value, expanded })
+    };
+    let each = |threshold| Side::FROM_FRONT.map(|side| of_side(threshold, side));
+    thresholds.iter().flat_map(each).flatten().collect()
+}
+
+/// A figure that can be limited and its expanded uncertainty.
+fn figure(limited: Limited, of: &Comparison, side: Side) -> Option<[f64; 2]> {
+    match limited {
+        Limited::LegChange => {
+            let volume = of.legs.get(side).as_ref()?.volume?;
+            Some([volume.percent, volume.detectable_percent()])
+        }
+        Limited::GirthChange => {
+            let largest = largest_girth(of.legs.get(side).as_ref()?)?;
+            Some([largest.by, largest.detectable()])
+        }
+        Limited::Excess => {
+            let excess = of.excess.filter(|excess| excess.later.affected == side)?.later;
+            Some([excess.percent, 100.0 * excess.ml.expanded() / excess.other_ml])
+        }
+    }
+}
+
+fn largest_girth(leg: &LegChange) -> Option<super::quantity::Change> {
+    let girths = leg.girths.iter().map(|place| place.change);
+    girths.max_by(|one, other| one.by.abs().total_cmp(&other.by.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_threshold_is_told_as_reached_or_not_only_beyond_the_uncertainty() {
+        let threshold = Threshold {
+            name: "mild".to_owned(),
+            source: "a paper".to_owned(),
+            of: Limited::LegChange,
+            limit: 3.0,
+        };
+        let reached = |value: f64, expanded: f64| {
+            let threshold = &threshold;
+            ThresholdVerdict { threshold, side: Side::Left, value, expanded }.reached()
+        };
+        assert_eq!(reached(4.5, 1.5), Reached::Yes);
+        assert_eq!(reached(-4.5, 1.5), Reached::Yes);
+        assert_eq!(reached(4.4, 1.5), Reached::Open);
+        assert_eq!(reached(1.6, 1.5), Reached::Open);
+        assert_eq!(reached(1.4, 1.5), Reached::No);
+    }
+}

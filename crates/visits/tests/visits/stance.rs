@@ -1,0 +1,124 @@
+//! Scans of one body on other days: in other stances, with other noise, as other exports.
+
+#![allow(clippy::unwrap_used)]
+
+use gaiter_leg::{Method, Side};
+use gaiter_record::Record;
+use gaiter_scan::Scan;
+use gaiter_visits::{Caution, Choice, Comparison, Course, GIRTH_COMMON_MM, Shown};
+use support::mesh::Mesh;
+use support::noise::roughened;
+use support::recorded::{obj, truth};
+use support::records::record_of;
+use support::stance::Stance;
+
+pub const CHOICE: Choice =
+    Choice { volume: None, affected: None, girth_common_mm: GIRTH_COMMON_MM };
+
+/// The noise of a good scanner, mm.
+pub const NOISE_MM: f64 = 0.5;
+
+pub const BODIES: [&str; 2] = ["f_average_clean", "m_average_clean"];
+
+pub fn scan_of(mesh: Mesh) -> Scan {
+    let points = mesh.points.iter().map(|p| (*p).into()).collect();
+    let corners = mesh.triangles.iter().map(|t| t.map(|corner| corner as u32)).collect();
+    Scan { points, triangles: corners }
+}
+
+/// The record of a body in a stance, with noise of its own.
+fn standing(name: &str, stance: Stance, seed: u64) -> Record {
+    let crotch_mm = truth(name)["crotch_height_mm"].as_f64().unwrap();
+    let scan = scan_of(stance.of(Mesh::body(name), crotch_mm));
+    record_of(&obj(&roughened(&scan, NOISE_MM, seed)), &Method::default()).1
+}
+
+pub fn compared(earlier: &Record, later: Record) -> Comparison {
+    let course = Course::comparable(&[earlier.clone(), later], CHOICE).unwrap();
+    course.last_compared(&course.groups[0]).remove(0)
+}
+
+/// Nothing of an unchanged body is told as changed.
+fn assert_unchanged(what: &str, compared: &Comparison) {
+    for side in Side::BOTH {
+        let leg = compared.legs.get(side).as_ref().unwrap();
+        let volume = leg.volume.unwrap();
+        assert_eq!(volume.shown(), Shown::NoChange, "{what} {side:?}: {volume:?}");
+        for of in leg.girths.iter().chain(&leg.pieces) {
+            assert_eq!(of.change.shown(), Shown::NoChange, "{what} {side:?}: {of:?}");
+        }
+    }
+    if let Some(excess) = &compared.excess {
+        assert_eq!(excess.change.shown(), Shown::NoChange, "{what}: {:?}", excess.change);
+    }
+}
+
+#[test]
+fn another_scan_of_the_same_stance_has_the_same_volume_within_two_parts_in_a_thousand() {
+    for name in BODIES {
+        let first = standing(name, Stance::default(), 1);
+        for seed in 2..6 {
+            let compared = compared(&first, standing(name, Stance::default(), seed));
+            assert_unchanged(name, &compared);
+            assert!(compared.cautions.iter().all(|of| !matches!(of, Caution::Stance { .. })));
+            for side in Side::BOTH {
+                let volume = compared.legs.get(side).as_ref().unwrap().volume.unwrap();
+                assert!(volume.percent.abs() < 0.2, "{name} {side:?}: {volume:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_unchanged_body_in_another_stance_shows_no_change() {
+    let apart = [-2.0, -1.0, 1.0, 2.0, 3.0].map(|deg| Stance { apart_deg: deg, bent_deg: 0.0 });
+    let bent = [2.0, 4.0, 6.0, 8.0].map(|deg| Stance { apart_deg: 0.0, bent_deg: deg });
+    let both = [Stance { apart_deg: 2.0, bent_deg: 5.0 }];
+    for name in BODIES {
+        let first = standing(name, Stance::default(), 1);
+        for (seed, stance) in apart.into_iter().chain(bent).chain(both).enumerate() {
+            let compared = compared(&first, standing(name, stance, 50 + seed as u64));
+            assert_unchanged(&format!("{name} {stance:?}"), &compared);
+        }
+    }
+}
+
+#[test]
+fn a_bent_knee_is_told_and_girths_around_it_are_not_compared() {
+    let first = standing("m_average_clean", Stance::default(), 1);
+    let bent = Stance { apart_deg: 0.0, bent_deg: 8.0 };
+    let compared = compared(&first, standing("m_average_clean", bent, 2));
+    let told = |side: Side| {
+        compared
+            .cautions
+            .iter()
+            .any(|of| matches!(of, Caution::Stance { side: of, .. } if *of == side))
+    };
+    let knee_mm = 0.285 * first.body.stature_mm.unwrap();
+    for side in Side::BOTH {
+        assert!(told(side));
+        let leg = compared.legs.get(side).as_ref().unwrap();
+        let lengths: Vec<f64> = leg.girths.iter().map(|of| 40.0 * f64::from(of.step)).collect();
+        assert!(lengths.iter().all(|mm| (mm - knee_mm).abs() >= 80.0), "{lengths:?}");
+        assert!(lengths.iter().any(|mm| *mm < knee_mm) && lengths.iter().any(|mm| *mm > knee_mm));
+    }
+}
+
+#[test]
+fn another_export_of_the_body_shows_no_change() {
+    let first = standing("m_average_clean", Stance::default(), 1);
+    let mesh = || Mesh::body("m_average_clean");
+    let metres = scan_of(mesh().scaled(0.001));
+    let turned = scan_of(mesh().turned(7.0));
+    let without_triangles = Scan { triangles: Vec::new(), ..scan_of(mesh()) };
+    let moved = scan_of(mesh().moved(|[x, y, z]| [x + 300.0, y + 1200.0, z - 80.0]));
+    for (what, scan, noise) in [
+        ("metres", metres, NOISE_MM / 1000.0),
+        ("turned", turned, NOISE_MM),
+        ("moved", moved, NOISE_MM),
+        ("points", without_triangles, NOISE_MM),
+    ] {
+        let later = record_of(&obj(&roughened(&scan, noise, 9)), &Method::default()).1;
+        assert_unchanged(what, &compared(&first, later));
+    }
+}

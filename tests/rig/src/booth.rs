@@ -1,0 +1,253 @@
+//! A booth as its people see it: a station with or without a button, names, presses, exports, orders,
+//! and what has come of them. Every step waits for what it causes.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::fs;
+use std::path::PathBuf;
+
+use rusqlite::{Connection, OpenFlags};
+use serde_json::Value;
+
+use crate::pty;
+use crate::station::{Booth, Daemon, sha256};
+use crate::verb::{code, gaiter_told, stderr, stdout};
+
+/// A booth whose scans' names say nothing.
+pub struct Room {
+    pub booth: Booth,
+    button: Option<pty::Box>,
+    orders: usize,
+}
+
+/// Further lines of the configuration, in which `AT` stands for the booth's folder.
+pub struct At;
+
+impl At {
+    /// A folder of orders.
+    pub fn orders(when: &str) -> String {
+        format!(
+            "[patient.orders]\npath = \"AT/orders\"\nrescan = \"100ms\"\nquiet = \"100ms\"\n\
+             when = \"{when}\"\n"
+        )
+    }
+}
+
+impl Room {
+    pub fn with_button(further: &str) -> Room {
+        let mut room = Room::without_button(further);
+        let port = room.booth.path("button");
+        room.button = Some(pty::Box::behind(&port));
+        room.booth.reconfigure(|config| {
+            format!(
+                "{config}[trigger]\nsettle = \"0s\"\nlock_out = \"0s\"\n[trigger.serial]\n\
+                 port = \"{}\"\ntokens = [\"PRESS\"]\nlong_tokens = [\"LONG\"]\n",
+                port.display()
+            )
+        });
+        room
+    }
+
+    pub fn without_button(further: &str) -> Room {
+        let booth = Booth::new();
+        fs::create_dir(booth.path("orders")).unwrap();
+        let further = further.replace("AT", booth.path("").to_str().unwrap().trim_end_matches('/'));
+        booth.reconfigure(|config| {
+            let lines = config.lines().filter(|line| !line.starts_with("file_name"));
+            let config: String = lines.map(|line| format!("{line}\n")).collect();
+            format!("{config}{further}[capture]\nwindow = \"8s\"\nlate = \"0s\"\n")
+        });
+        Room { booth, button: None, orders: 0 }
+    }
+
+    pub fn set_short_wait(&self, wait: &str) {
+        let line = |line: &str| match line.starts_with("short_wait") {
+            true => format!("short_wait = \"{wait}\"\n"),
+            false => format!("{line}\n"),
+        };
+        self.booth.reconfigure(|config| config.lines().map(line).collect());
+    }
+
+    /// A started station that has listened for long enough to believe that it hears every press. From
+    /// then on a capture lasts longer than any test.
+    #[track_caller]
+    pub fn start(&self) -> Daemon {
+        let before = self.booth.log().matches("station-ready").count();
+        let daemon = self.booth.start();
+        self.booth
+            .wait_for("the station", || self.booth.log().matches("station-ready").count() > before);
+        if self.button.is_some() {
+            self.booth.wait_for("a sure booth", || {
+                let status = self.status();
+                status["triggers"]["serial"]["state"] == "open"
+                    && status["booth"]["in_doubt"] == false
+            });
+        }
+        daemon
+    }
+
+    pub fn status(&self) -> Value {
+        let output = self.booth.gaiter(&["status", "--json"]);
+        serde_json::from_slice(&output.stdout).unwrap_or_default()
+    }
+
+    pub fn export(&self, name: &str) -> PathBuf {
+        self.booth.path("export").join(name)
+    }
+
+    /// Writes a file of the export folder in one go, in place where there is one.
+    pub fn write(&self, name: &str, bytes: &[u8]) {
+        fs::write(self.export(name), bytes).unwrap();
+    }
+
+    /// Names the patient of the next scan by the verb.
+    #[track_caller]
+    pub fn name(&mut self, id: &str) {
+        let (code, said) = self.try_name(id);
+        assert_eq!(code, Some(0), "{said}");
+        if self.button.is_none() {
+            self.wait_for_look();
+        }
+    }
+
+    pub fn try_name(&self, id: &str) -> (Option<i32>, String) {
+        let config = self.booth.path("station.toml");
+        let output = gaiter_told(&config, &["patient", "set"], &format!("{id}\n"));
+        (code(&output), stderr(&output) + &stdout(&output))
+    }
+
+    #[track_caller]
+    pub fn said(&self, args: &[&str]) -> String {
+        let output = self.booth.gaiter(args);
+        assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+        stdout(&output)
+    }
+
+    /// Presses, where there is a button, and waits until the station has looked for what lay there
+    /// before.
+    #[track_caller]
+    pub fn press(&mut self) {
+        let Some(button) = &mut self.button else { return };
+        let presses = "SELECT count(*) FROM history WHERE event = 'pressed'";
+        let before = self.booth.journal(presses).unwrap();
+        button.sends(b"PRESS\r\n");
+        self.booth.wait_for("the press", || self.booth.journal(presses).unwrap() > before);
+        self.wait_for_look();
+    }
+
+    /// Waits for a look that begins from now on.
+    #[track_caller]
+    pub fn wait_for_look(&self) {
+        let last_look = || self.status()["sources"][0]["last_look"].clone();
+        for _ in 0..2 {
+            let before = last_look();
+            self.booth.wait_for("another look", || last_look() != before);
+        }
+    }
+
+    #[track_caller]
+    pub fn wait_until_waiting(&self, name: &str, why: &str) {
+        self.booth.wait_until_explained(name, why);
+    }
+
+    /// Waits until the journal knows a scan.
+    #[track_caller]
+    pub fn wait_for_taken(&self, bytes: &[u8]) {
+        let scan = sha256(bytes);
+        self.booth
+            .wait_for_journal(&format!("SELECT count(*) FROM scans WHERE sha256 = '{scan}'"), 1);
+    }
+
+    #[track_caller]
+    pub fn wait_for_refusals(&self, count: i64) {
+        self.booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", count);
+    }
+
+    /// Waits until so many files were known when they were taken.
+    #[track_caller]
+    pub fn wait_for_known(&self, count: usize) {
+        self.booth
+            .wait_for("known scans", || self.booth.log().matches("scan-known").count() >= count);
+    }
+
+    /// Waits until the bytes of a scan are in the spool.
+    #[track_caller]
+    pub fn wait_for_spooled(&self, bytes: &[u8]) {
+        let entry = self.booth.path("state/spool").join(sha256(bytes));
+        self.booth.wait_for("the spool", || entry.join("intake.json").exists());
+    }
+
+    /// Waits until no scan is on its way to a record.
+    #[track_caller]
+    pub fn wait_until_at_rest(&self) {
+        self.booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'spooled'", 0);
+    }
+
+    /// The codes of the scans that are held.
+    pub fn held(&self) -> Vec<String> {
+        let output = self.booth.gaiter(&["scans", "--state", "held", "--json"]);
+        let scans: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let codes = scans.as_array().unwrap().iter();
+        codes.map(|scan| scan["code"].as_str().unwrap_or_default().to_owned()).collect()
+    }
+
+    /// Puts an order into its folder and waits until it is heard.
+    #[track_caller]
+    pub fn order(&mut self, id: &str) {
+        let text = format!("3000{id}");
+        let heard = |room: &Room| room.booth.log().matches("event=\"order-taken\"").count();
+        let before = heard(self);
+        self.put_order(&order(&text));
+        self.booth.wait_for("the order", || heard(self) > before);
+    }
+
+    #[track_caller]
+    pub fn malformed_order(&mut self) {
+        let whole = order("30001009");
+        self.put_order(&whole[..whole.len() - 4]);
+        self.booth.wait_for("the refusal", || self.booth.log().contains("order-refused"));
+    }
+
+    fn put_order(&mut self, bytes: &[u8]) {
+        self.orders += 1;
+        let (new, name) = (
+            self.booth.path("orders").join(".new"),
+            self.booth.path("orders").join(format!("{}.gdt", self.orders)),
+        );
+        fs::write(&new, bytes).unwrap();
+        fs::rename(new, name).unwrap();
+    }
+
+    /// What the journal of a stopped station holds is of an earlier start of the machine.
+    pub fn begin_another_start_of_the_machine(&self) {
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE;
+        let journal =
+            Connection::open_with_flags(self.booth.path("state/journal.db"), flags).unwrap();
+        let changed = journal.execute("UPDATE captures SET boot = 'another'", []).unwrap();
+        assert!(changed > 0);
+        journal.execute("UPDATE looks SET boot = 'another'", []).unwrap();
+    }
+
+    /// Locks the journal for writing until the connection is dropped, as another program may.
+    pub fn lock_journal(&self) -> Connection {
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE;
+        let journal =
+            Connection::open_with_flags(self.booth.path("state/journal.db"), flags).unwrap();
+        journal.busy_timeout(std::time::Duration::from_secs(5)).unwrap();
+        journal.execute_batch("BEGIN IMMEDIATE").unwrap();
+        journal
+    }
+}
+
+/// An order (GDT 6302) with this field.
+fn order(field: &str) -> Vec<u8> {
+    use gaiter_record::gdt::{Charset, message};
+    let (number, text) = field.split_at(4);
+    let fields = [(8315, "LEGSCAN1"), (8316, "PRAX_EDV"), (9206, "3"), (9218, "02.10")];
+    let fields: Vec<(u16, String)> = fields
+        .into_iter()
+        .map(|(field, text)| (field, text.to_owned()))
+        .chain([(number.parse().unwrap(), text.to_owned())])
+        .collect();
+    message(6302, Charset::Cp1252, &fields).unwrap()
+}
