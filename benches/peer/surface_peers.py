@@ -1,11 +1,11 @@
-"""Surfaces through the closed-form test leg by SciPy and geomdl, on the grid of benches/surface.rs.
+"""Surfaces through the closed-form test leg by SciPy and geomdl, on the grid of crates/spline/benches/surface.rs.
 
     pip install numpy scipy geomdl && python3 benches/peer/surface_peers.py
 
 Prints one line per method: control points along x around; mean relative error in percent and largest
-error in mm by the metric of tests/support/src/geometry/metric.rs; tangent kink across the seam in
+error in mm by the metric of tests/support/src/metric.rs; tangent kink across the seam in
 degrees; best time of some runs. The clamped peers get three more columns around, as a periodic surface
-has after export. The leg is that of tests/support/src/geometry/test_leg.rs.
+has after export. The leg is that of tests/support/src/test_leg.rs.
 """
 
 import math

@@ -4,7 +4,7 @@
     THIRD-PARTY.txt   the licence texts and copyright lines themselves
     gaiter.cdx.json   the parts of the program, as CycloneDX 1.5
     changelog         CHANGELOG.md, in Debian's form
-    source/           what a licence wants to come with the program: the source of libusb and serialport
+    source/           what a licence wants to come with the program: the source of libusb, serialport and gaiter
 
 They are made from what Cargo links, each time: no list of crates is kept anywhere. What needs a person
 is an error: a licence that nobody has read, a C library or a foreign part that copyright.in does not name.

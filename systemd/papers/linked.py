@@ -57,7 +57,9 @@ def is_licence(path):
 @dataclass
 class Program:
     root: Path
+    # With the other crates of the workspace.
     gaiter: Crate
+    # Those of others.
     crates: list[Crate]
     rust: str
     target: str
@@ -104,7 +106,8 @@ def program(root):
     lock = tomllib.loads((root / "Cargo.lock").read_text())["package"]
     sums = {f"{p['name']} {p['version']}": p.get("checksum") for p in lock}
     # Also the macros, which write a part of what is compiled, and what those use; no tests.
-    tree = run(root, "cargo", "tree", *of, "--edges", "normal", "--target", target, "--prefix", "depth")
+    of += ["--package", "gaiter", "--target", target]
+    tree = run(root, "cargo", "tree", *of, "--edges", "normal", "--prefix", "depth")
     uses, above = {}, []
     for line in tree.splitlines():
         depth, name, version = re.match(r"(\d+)(\S+) v(\S+)", line).groups()
@@ -114,7 +117,11 @@ def program(root):
             uses[above[-1]].add(crate)
         uses.setdefault(crate, set())
         above.append(crate)
-    crates = [made(packages[id], sums[id], used) for id, used in sorted(uses.items())]
+    # The crates of the workspace are the program's own: what they use, it uses.
+    gaiter = next(id for id in uses if id.split()[0] == "gaiter")
+    own = {id for id in uses if not packages[id]["source"]}
+    uses[gaiter] = set().union(*(uses[id] for id in own)) - own
+    crates = [made(packages[id], sums[id], used) for id, used in sorted(uses.items()) if id not in own]
     for crate in crates:
         compiles = {d["name"] for d in packages[crate.id]["dependencies"] if d["kind"] == "build"}
         if compiles & {"cc", "cmake", "autotools"} and crate.name not in COMPILES_C:
@@ -125,8 +132,8 @@ def program(root):
         raise Unclear(f"{notices} is missing: rustup's toolchains have it")
     return Program(
         root=root,
-        gaiter=next(crate for crate in crates if crate.name == "gaiter"),
-        crates=[crate for crate in crates if crate.name != "gaiter"],
+        gaiter=made(packages[gaiter], None, uses[gaiter]),
+        crates=crates,
         rust=re.search(r"^release: (\S+)$", rustc, re.M)[1],
         target=target,
         rust_notices=notices.read_text(encoding="utf-8"),

@@ -11,12 +11,10 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rig::faults::disk::{Disk, can_be_cut, power_cut};
-use rig::faults::matrix::{
-    PATIENCE, Struck, booth, empty_folders, strike_everywhere, thinned, what,
-};
+use rig::faults::matrix::{Struck, booth, empty_folders, strike_everywhere, thinned, what};
 use rig::faults::tracer::{self, Answer, Kind, Run, can_trace};
 use rig::verb::program;
-use rig::{Booth, names};
+use rig::{Booth, PATIENCE, names};
 use support::coarse_body;
 
 /// Runs at a time: one waits while the other works.

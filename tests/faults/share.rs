@@ -116,8 +116,11 @@ fn a_stalled_share_holds_up_no_other_folder_and_goes_on_by_itself() {
 fn a_share_that_stalls_at_the_start_keeps_no_other_folder_from_starting() {
     let (booth, share) = booth_with_shared_exports();
     export_remotely(&booth, &share, "4711_before.obj", &coarse(1));
-    let mut daemon = booth.start();
+    // It stalls before the first look. Declared first, the station ends last where the test fails: a process
+    // that waits for a share cannot be killed.
+    let mut daemon;
     let stall = share.stall();
+    daemon = booth.start();
     export_locally(&booth, "4711_local.obj", &coarse(2));
     booth.wait_for("the local scan", || {
         booth.records().contains(&("4711".to_owned(), rig::sha256(&coarse(2))))

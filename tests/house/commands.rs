@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 use regex::Regex;
 use rig::verb::{gaiter, stdout};
 
-use crate::layering::{collect, root};
+use crate::rules::{collect, packages, root};
 
 /// A command of a page.
 struct Command {
@@ -78,7 +78,10 @@ fn commands(first: &str) -> Vec<Command> {
 
 /// The paths of all tests of a test binary, as `cargo test` filters them.
 fn tests_of(name: &str) -> Vec<String> {
-    let folder = root().join("tests").join(name);
+    let folder = packages().into_iter().map(|package| package.join("tests").join(name));
+    let mut folder =
+        folder.filter(|folder| folder.exists() || folder.with_extension("rs").exists());
+    let Some(folder) = folder.next_back() else { return Vec::new() };
     let single = folder.with_extension("rs");
     let mut files = Vec::new();
     collect(&folder, &mut files);
@@ -135,7 +138,7 @@ fn what_cargo_is_asked_for_exists() {
     for command in &commands {
         for (option, folder) in [("--example", "examples"), ("--bench", "benches")] {
             if let Some(name) = command.after(option)
-                && !root().join(folder).join(format!("{name}.rs")).exists()
+                && !packages().iter().any(|p| p.join(folder).join(format!("{name}.rs")).exists())
             {
                 command.fail("there is no such file");
             }

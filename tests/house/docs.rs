@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::layering::root;
+use crate::rules::root;
 
 /// Longest README, lines: what a newcomer reads in five minutes.
 const README_LINES_MAX: usize = 200;

@@ -16,7 +16,7 @@ use gaiter_record::report::VIEWER;
 use regex::Regex;
 use toml::{Table, Value};
 
-use crate::layering::{collect, root};
+use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
@@ -196,7 +196,7 @@ impl Named {
 /// The source without its tests. The keys of `station.toml` look like those of texts.
 fn named(keys: &BTreeSet<String>) -> Named {
     let mut files = Vec::new();
-    collect(&root().join("src"), &mut files);
+    packages().iter().for_each(|package| collect(&package.join("src"), &mut files));
     let mut named = Named::default();
     let left_out = ["config", "config.rs", "tests", "tests.rs"].map(Some);
     for path in files {

@@ -6,7 +6,7 @@ use std::fs;
 
 use regex::Regex;
 
-use crate::layering::{collect, root};
+use crate::rules::{collect, packages};
 
 /// The names of an enum's variants; none if one of them holds fields.
 fn variants(source: &str, name: &str) -> Option<Vec<String>> {
@@ -23,8 +23,7 @@ fn variants(source: &str, name: &str) -> Option<Vec<String>> {
 fn a_list_of_all_variants_holds_each_of_them_once() {
     let list = Regex::new(r"const (?:ALL|BOTH): \[([A-Za-z]+); \d+\] =\s*\[([^\]]*)\]").unwrap();
     let mut files = Vec::new();
-    collect(&root().join("src"), &mut files);
-    collect(&root().join("crates"), &mut files);
+    packages().iter().for_each(|package| collect(&package.join("src"), &mut files));
     let mut lists = 0;
     for path in files {
         let source = fs::read_to_string(&path).unwrap();

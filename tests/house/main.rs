@@ -6,5 +6,5 @@ mod commands;
 mod docs;
 mod invariants;
 mod languages;
-mod layering;
 mod lists;
+mod rules;

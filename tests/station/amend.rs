@@ -156,9 +156,7 @@ fn what_is_set_before_the_practice_software_has_the_record_comes_after_it() {
     let booth = practice("");
     let daemon = booth.start_ready();
     let (results, away) = (booth.path("results"), booth.path("results-away"));
-    // Until the station has marked the folder, it makes one that is missing.
-    let is_marked = || fs::read_dir(&results).is_ok_and(|mut inside| inside.next().is_some());
-    booth.wait_for("the mark", is_marked);
+    booth.wait_until_begun("gdt");
     fs::rename(&results, &away).unwrap();
     let scan = coarse_body(1);
     booth.export("4711_a.obj", &scan);

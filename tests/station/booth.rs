@@ -4,10 +4,11 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
+use std::time::Duration;
 
 use rig::pty;
 use rig::verb::{code, gaiter_told, stderr};
-use rig::{Booth, Daemon, sha256};
+use rig::{Booth, Daemon, Setting, sha256};
 use serde_json::Value;
 use support::{body, coarse_body};
 
@@ -17,13 +18,14 @@ const SAY: &str = "[trigger.serial.say]\nready = 'g'\narmed = 'a'\nreceiving = '
 
 /// A booth with a button, whose scans' names say nothing.
 fn booth() -> Booth {
-    let booth = Booth::new();
+    // The window begins with a press, and its export comes after two looks: these are quick.
+    let booth = Booth::set(&Setting { rescan: Duration::from_millis(300), ..Setting::default() });
     let port = booth.path("button");
     booth.reconfigure(|config| {
         let lines = config.lines().filter(|line| !line.starts_with("file_name"));
         let config: String = lines.map(|line| format!("{line}\n")).collect();
         format!(
-            "{config}[capture]\nwindow = \"5s\"\nlate = \"0s\"\n[trigger]\nsettle = \"0s\"\n\
+            "{config}[capture]\nwindow = \"12s\"\nlate = \"0s\"\n[trigger]\nsettle = \"0s\"\n\
              lock_out = \"0s\"\n[trigger.serial]\nport = \"{}\"\ntokens = [\"PRESS\"]\n\
              long_tokens = [\"LONG\"]\n{SAY}",
             port.display()
@@ -55,11 +57,7 @@ fn press(booth: &Booth, button: &mut pty::Box) {
     let before = captures();
     button.sends(b"PRESS\r\n");
     booth.wait_for("the press", || captures() > before);
-    for _ in 0..2 {
-        let last_look = || booth.status()["sources"][0]["last_look"].clone();
-        let before = last_look();
-        booth.wait_for("a look after the press", || last_look() != before);
-    }
+    booth.wait_for_look();
 }
 
 fn held(booth: &Booth) -> Vec<String> {

@@ -75,9 +75,10 @@ fn a_station_without_landlock_measures_and_says_so_in_log_status_and_check() {
         required(&booth);
         let pid = Pid::from_raw(daemon.id().cast_signed()).unwrap();
         kill_process(pid, Signal::HUP).unwrap();
-        booth.wait_for("the refusal", || booth.log().contains("configuration-refused"));
-        let refused = booth.status()["refused_reload"].to_string();
-        assert!(refused.contains("measure.confine"), "{refused}");
+        // The log tells of it first.
+        let refused = || booth.status()["refused_reload"].to_string();
+        booth.wait_for("the refusal", || refused().contains("measure.confine"));
+        assert!(booth.log().contains("configuration-refused"), "{}", booth.log());
         assert_eq!(daemon.stop().code(), Some(0));
     });
 }

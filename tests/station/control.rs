@@ -136,7 +136,7 @@ fn a_file_says_why_it_is_where_it_is() {
     };
     let bytes = coarse_body(1);
     booth.export("4711_a.obj", &bytes);
-    booth.wait_for_records(1);
+    booth.wait_until_explained("4711_a.obj", "was delivered");
     let said = explained("4711_a.obj");
     assert!(said.contains(&sha256(&bytes)[..8]) && said.contains("was delivered"), "{said}");
     assert_eq!(said.lines().count(), 1, "{said}");
@@ -146,8 +146,7 @@ fn a_file_says_why_it_is_where_it_is() {
     let outside = stdout(&gaiter(&booth, &["explain", "/elsewhere.obj"]));
     assert!(outside.contains("is not in an export folder"), "{outside}");
     booth.export("4711_bad.obj", b"no scan\n");
-    booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
-    assert!(explained("4711_bad.obj").contains("was refused"), "{}", explained("4711_bad.obj"));
+    booth.wait_until_explained("4711_bad.obj", "was refused");
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

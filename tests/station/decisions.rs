@@ -42,15 +42,6 @@ fn complaints(booth: &Booth) -> Vec<String> {
     complaints.map(|complaint| complaint["code"].as_str().unwrap().to_owned()).collect()
 }
 
-/// Starts a station and waits until it has looked.
-fn start(booth: &Booth) -> Daemon {
-    let starts = || booth.log().matches("station-ready").count();
-    let before = starts();
-    let daemon = booth.start();
-    booth.wait_for("the start", || starts() > before);
-    daemon
-}
-
 /// Loses the journal of a station that is stopped.
 fn lose_journal(booth: &Booth) {
     for file in ["journal.db", "journal.db-wal", "journal.db-shm", "history.head"] {
@@ -76,10 +67,10 @@ fn copy(from: &Path, to: &Path) {
 fn what_was_taken_back_while_the_store_was_away_stays_so_when_the_journal_is_lost() {
     for next in [None, Some("990815")] {
         let booth = booth();
-        let daemon = start(&booth);
+        let daemon = booth.start_ready();
         let scan = coarse_body(1);
         booth.export("4711_a.obj", &scan);
-        booth.wait_for_records(1);
+        at_rest(&booth, "the record", &["4711"], &scan);
         let id = &sha256(&scan)[..8];
         booth.take_records_away();
         said(&booth, &["unassign", id]);
@@ -88,7 +79,7 @@ fn what_was_taken_back_while_the_store_was_away_stays_so_when_the_journal_is_los
         }
         assert_eq!(daemon.stop().code(), Some(0));
         lose_journal(&booth);
-        let daemon = start(&booth);
+        let daemon = booth.start_ready();
         assert!(booth.log().contains("journal-rebuilt"), "{}", booth.log());
         fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
         at_rest(&booth, "the decision", &[next.unwrap_or("_unassigned")], &scan);
@@ -100,10 +91,10 @@ fn what_was_taken_back_while_the_store_was_away_stays_so_when_the_journal_is_los
 #[test]
 fn a_record_put_back_from_a_backup_goes_to_whom_the_scan_was_given() {
     let booth = Booth::new();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     let scan = coarse_body(2);
     booth.export("4711_a.obj", &scan);
-    booth.wait_for_records(1);
+    at_rest(&booth, "the record", &["4711"], &scan);
     copy(&booth.path("records/4711"), &booth.path("backup"));
     let id = &sha256(&scan)[..8];
     said(&booth, &["unassign", id]);
@@ -117,7 +108,7 @@ fn a_record_put_back_from_a_backup_goes_to_whom_the_scan_was_given() {
     copy(&booth.path("backup"), &booth.path("records/4711"));
     fs::remove_file(booth.path("export/4711_a.obj")).unwrap();
     lose_journal(&booth);
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     at_rest(&booth, "the decision", &["990815"], &scan);
     assert_eq!(daemon.stop().code(), Some(0));
     assert!(booth.log().contains("record-against-decision"), "{}", booth.log());
@@ -129,12 +120,12 @@ fn a_record_put_back_from_a_backup_goes_to_whom_the_scan_was_given() {
 fn a_state_folder_older_than_the_records_gives_no_scan_to_a_second_patient() {
     for has_backup in [true, false] {
         let booth = Booth::new();
-        assert_eq!(start(&booth).stop().code(), Some(0));
+        assert_eq!(booth.start_ready().stop().code(), Some(0));
         copy(&booth.path("state"), &booth.path("backup"));
-        let daemon = start(&booth);
+        let daemon = booth.start_ready();
         let scan = coarse_body(3);
         booth.export("4711_a.obj", &scan);
-        booth.wait_for_records(1);
+        at_rest(&booth, "the record", &["4711"], &scan);
         let id = &sha256(&scan)[..8];
         said(&booth, &["unassign", id]);
         at_rest(&booth, "the take-back", &["_unassigned"], &scan);
@@ -145,7 +136,7 @@ fn a_state_folder_older_than_the_records_gives_no_scan_to_a_second_patient() {
         if has_backup {
             copy(&booth.path("backup"), &booth.path("state"));
         }
-        let daemon = start(&booth);
+        let daemon = booth.start_ready();
         let held = || booth.journal("SELECT count(*) FROM deliveries WHERE state = 'held'");
         booth.wait_for("the export to be held", || held() == Some(1));
         at_rest(&booth, "the record where it was", &["990815"], &scan);
@@ -171,10 +162,10 @@ fn measuring(daemon: &Daemon) -> Option<Pid> {
 fn a_scan_taken_back_and_assigned_again_while_a_delivery_runs_ends_with_the_last_word() {
     for (next, left) in [("4711", 0), ("990815", 1)] {
         let booth = booth();
-        let daemon = start(&booth);
+        let daemon = booth.start_ready();
         let scan = body(3);
         booth.export("4711_a.obj", &scan);
-        booth.wait_for_records(1);
+        at_rest(&booth, "the record", &["4711"], &scan);
         let id = &sha256(&scan)[..8];
         said(&booth, &["unassign", id]);
         // The unassigned delivery runs: it is stopped in the middle, and goes on after the next word.
@@ -198,10 +189,10 @@ fn a_scan_taken_back_and_assigned_again_while_a_delivery_runs_ends_with_the_last
 #[test]
 fn a_record_that_was_changed_by_hand_is_said_to_lie_there_until_it_has_left() {
     let booth = booth();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     let scan = coarse_body(4);
     booth.export("4711_a.obj", &scan);
-    booth.wait_for_records(1);
+    at_rest(&booth, "the record", &["4711"], &scan);
     let folder = booth.path("records/4711");
     let record = folder.join(&names(&folder)[0]).join("record.json");
     let sound = fs::read(&record).unwrap();
@@ -225,7 +216,7 @@ fn a_record_that_was_changed_by_hand_is_said_to_lie_there_until_it_has_left() {
 #[test]
 fn a_scan_held_for_two_is_released_for_neither() {
     let booth = Booth::new();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     let scan = coarse_body(5);
     booth.export("990011_a.obj", &scan);
     booth.wait_for_records(1);
@@ -247,7 +238,7 @@ fn a_scan_held_for_two_is_released_for_neither() {
 #[test]
 fn a_refused_scan_is_given_up_or_closed_by_the_same_patients_next_good_one() {
     let booth = Booth::new();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     let refused = |count: u64| {
         booth.wait_for("the refusal", || booth.status()["scans"]["refused"] == count);
     };
@@ -277,14 +268,14 @@ fn a_refused_scan_is_given_up_or_closed_by_the_same_patients_next_good_one() {
 #[test]
 fn a_scan_whose_bytes_were_lost_is_taken_in_again_when_it_is_exported_again() {
     let booth = Booth::new();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     let scan = coarse_body(7);
     booth.take_records_away();
     booth.export("4711_a.obj", &scan);
     booth.wait_for_journal(OPEN, 1);
     assert_eq!(daemon.stop().code(), Some(0));
     fs::remove_dir_all(booth.path("state/spool").join(sha256(&scan))).unwrap();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE code = 'spool-lost'", 1);
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
     booth.export("4711_a.obj", &scan);
@@ -298,7 +289,7 @@ fn a_patients_folder_that_is_a_link_gets_no_record() {
     let booth = Booth::new();
     fs::create_dir(booth.path("records/4712")).unwrap();
     std::os::unix::fs::symlink("4712", booth.path("records/4711")).unwrap();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     let scan = coarse_body(8);
     booth.export("4711_a.obj", &scan);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);

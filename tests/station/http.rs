@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rig::Booth;
+use rig::{Booth, PATIENCE};
 use rusqlite::Connection;
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -44,7 +44,7 @@ fn port(booth: &Booth) -> u16 {
 /// A page's status and body.
 fn page(port: u16, path: &str) -> (u16, String) {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
     write!(stream, "GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
     let mut answer = String::new();
     stream.read_to_string(&mut answer).unwrap();
@@ -120,13 +120,18 @@ fn however_many_hang_on_the_port_others_are_answered_at_once() {
     let booth = booth("[status]\nlisten = \"127.0.0.1:0\"\n");
     let daemon = booth.start();
     let port = port(&booth);
-    let mut silent = idle(port, 700);
+    let mut silent = Vec::new();
     for path in ["/healthz", "/", "/state", "/metrics"] {
-        silent.extend(idle(port, 20));
-        let began = Instant::now();
-        assert_eq!(page(port, path).0, 200, "{path}");
-        // A connection that says nothing is ended after 5 s: nobody waits for that.
-        assert!(began.elapsed() < Duration::from_secs(4), "{path}: {:?}", began.elapsed());
+        // A connection that says nothing is ended after 5 s: nobody waits for that. A busy machine is slow
+        // once; a station that lets people wait does so each time.
+        let is_at_once = |_| {
+            silent.clear();
+            silent.extend(idle(port, 700));
+            let began = Instant::now();
+            assert_eq!(page(port, path).0, 200, "{path}");
+            began.elapsed() < Duration::from_secs(4)
+        };
+        assert!((0..5).any(is_at_once), "{path}");
     }
     booth.export("4711_a.obj", &coarse());
     booth.wait_for_records(1);
@@ -181,7 +186,7 @@ fn between_two_generations_monitors_and_browsers_are_told_so_at_once() {
     booth.wait_for("the start", || page(port, "/healthz") == (200, "ready\n".to_owned()));
     // The next generation waits for its journal while another program writes to it.
     let journal = Connection::open(booth.path("state/journal.db")).unwrap();
-    journal.busy_timeout(Duration::from_secs(5)).unwrap();
+    journal.busy_timeout(PATIENCE).unwrap();
     journal.execute_batch("BEGIN IMMEDIATE").unwrap();
     kill_process(Pid::from_raw(daemon.id().cast_signed()).unwrap(), Signal::HUP).unwrap();
     let between = (503, "station-changes-over\n".to_owned());
@@ -206,12 +211,12 @@ fn a_port_that_is_taken_is_a_fault_and_keeps_no_scan_waiting_and_its_link_is_new
     let daemon = booth.start();
     booth.export("4711_a.obj", &coarse());
     booth.wait_for_records(1);
-    assert_eq!(booth.log().matches("http-unavailable").count(), 1);
-    let told = String::from_utf8(booth.gaiter(&["status"]).stdout).unwrap();
-    assert!(told.contains("[page-unavailable]"), "{told}");
+    let told = || String::from_utf8(booth.gaiter(&["status"]).stdout).unwrap();
+    booth.wait_for("the fault", || told().contains("[page-unavailable]"));
     drop(taken);
     booth.wait_for("the port", || booth.log().contains("http-listening"));
-    assert_eq!(page(port, "/healthz"), (200, "ready\n".to_owned()));
+    assert_eq!(booth.log().matches("http-unavailable").count(), 1);
+    booth.wait_for("good health", || page(port, "/healthz") == (200, "ready\n".to_owned()));
     let link = booth.gaiter(&["page"]);
     assert!(!String::from_utf8(link.stdout).unwrap().contains(&old));
     assert_eq!(daemon.stop().code(), Some(0));

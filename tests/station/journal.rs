@@ -6,14 +6,14 @@ use std::fs;
 
 use gaiter::station::journal::Journal;
 use rig::process;
-use rig::{Booth, names};
+use rig::{Booth, PATIENCE, names};
 use rusqlite::Connection;
 use rustix::process::{Pid, Signal, kill_process};
 use support::coarse_body;
 
 fn in_journal(booth: &Booth, sql: &str) {
     let journal = Connection::open(booth.path("state/journal.db")).unwrap();
-    journal.busy_timeout(std::time::Duration::from_secs(60)).unwrap();
+    journal.busy_timeout(PATIENCE).unwrap();
     journal.execute_batch(sql).unwrap();
 }
 
@@ -76,7 +76,8 @@ fn a_journal_that_a_start_began_anew_and_did_not_fill_is_filled_by_the_next_one(
 #[ignore = "waits for the end of the grace, 20 s, run by .ci/run"]
 fn a_reload_whose_work_does_not_end_ends_the_process_and_no_second_generation_begins_beside_it() {
     let booth = Booth::new();
-    let mut daemon = booth.start();
+    // At its start it tries the guards on a process of its own.
+    let mut daemon = booth.start_ready();
     let scan = coarse_body(1);
     booth.export("4711_a.obj", &scan);
     let stopped = || {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use gaiter_record::gdt::{Charset, message};
-use rig::{Booth, Daemon};
+use rig::{Booth, Daemon, PATIENCE};
 use rusqlite::{Connection, TransactionBehavior};
 use serde_json::Value;
 
@@ -32,9 +32,17 @@ fn order(id: &str) -> Vec<u8> {
     message(6302, Charset::Cp1252, &fields.map(|(field, text)| (field, text.to_owned()))).unwrap()
 }
 
+/// Puts an order into its folder in one step: of a slow writer the station would hear half.
 fn put(booth: &Booth, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = booth.path("orders").join(name);
-    fs::write(&path, bytes).unwrap();
+    put_at(booth, name, bytes, SystemTime::now())
+}
+
+/// The same with this time of its last change.
+fn put_at(booth: &Booth, name: &str, bytes: &[u8], time: SystemTime) -> PathBuf {
+    let (new, path) = (booth.path("new-order"), booth.path("orders").join(name));
+    fs::write(&new, bytes).unwrap();
+    set_time(&new, time);
+    fs::rename(new, &path).unwrap();
     path
 }
 
@@ -107,7 +115,9 @@ fn stop(daemon: Daemon) {
 
 /// The journal, for what a test must do to it itself.
 fn journal(booth: &Booth) -> Connection {
-    Connection::open(booth.path("state/journal.db")).unwrap()
+    let journal = Connection::open(booth.path("state/journal.db")).unwrap();
+    journal.busy_timeout(PATIENCE).unwrap();
+    journal
 }
 
 const KNOWN: &str = "SELECT count(*) FROM orders";
@@ -174,14 +184,14 @@ fn an_order_that_was_gone_is_heard_again_with_the_same_words_and_time() {
     booth.wait_for_journal(KNOWN, 1);
     fs::remove_file(&kept).unwrap();
     booth.wait_for_journal(KNOWN, 0);
-    set_time(&put(&booth, "a.gdt", &order("4711")), time);
+    put_at(&booth, "a.gdt", &order("4711"), time);
     wait_until_named(&booth, "4711", 2);
     stop(daemon);
     // Gone while the station was off, too.
     fs::remove_file(&kept).unwrap();
     let daemon = booth.start();
     booth.wait_for_journal(KNOWN, 0);
-    set_time(&put(&booth, "a.gdt", &order("4711")), time);
+    put_at(&booth, "a.gdt", &order("4711"), time);
     wait_until_named(&booth, "4711", 3);
     stop(daemon);
 }
@@ -192,7 +202,7 @@ fn the_same_words_are_heard_again_after_each_deletion() {
     let daemon = booth.start();
     let time = SystemTime::now();
     for count in 1..=5 {
-        set_time(&put(&booth, "a.gdt", &order("4711")), time);
+        put_at(&booth, "a.gdt", &order("4711"), time);
         wait_until_named(&booth, "4711", count);
         booth.wait_for("its deletion", || names(&booth).is_empty());
         booth.wait_for_journal(KNOWN, 0);

@@ -3,10 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::time::Duration;
 
 use rig::pty;
-use rig::{Booth, Daemon, verb};
+use rig::{Booth, Daemon, PATIENCE, verb};
 use serde_json::Value;
 
 /// A booth whose station attends the port behind `button`.
@@ -53,7 +52,11 @@ fn a_press_is_heard_through_garbage_and_the_light_is_told() {
     let booth = booth(&format!("{TOKENS}[trigger.serial.say]\nready = 'G\\r\\n'\n"));
     let mut button = pty::Box::behind(&booth.path("button"));
     let daemon = listening(&booth);
-    booth.wait_for("the light", || button.was_told() == b"G\r\n");
+    let mut told = Vec::new();
+    booth.wait_for("the light", || {
+        told.extend(button.was_told());
+        told == b"G\r\n"
+    });
     button.sends(b"AT\r\0\xff\xffPRESS\r\npress\r\n");
     button.sends(b"PRESS\r\n");
     wait_for_presses(&booth, 1);
@@ -152,10 +155,9 @@ fn a_station_without_its_port_stops_at_once_and_one_without_usb_runs() {
     let booth = booth(&format!("{TOKENS}[trigger.usb]\ndevice = \"1d34:000d\"\n"));
     let mut daemon = booth.start();
     wait_for_state(&booth, "absent");
-    let output = verb::gaiter_told(&booth.path("station.toml"), &["status"], "");
-    let said = verb::stdout(&output);
-    assert!(said.contains("usb: absent"), "{said}");
-    assert!(daemon.stop_within(Duration::from_secs(60)).unwrap().success());
+    let said = || verb::stdout(&booth.gaiter(&["status"]));
+    booth.wait_for("the other port", || said().contains("usb: absent"));
+    assert!(daemon.stop_within(PATIENCE).unwrap().success());
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::os::unix::fs::{FileExt, symlink};
 use std::time::{Duration, SystemTime};
 
 use rig::invariants::PutKind;
-use rig::{Booth, names, sha256};
+use rig::{Booth, Setting, names, sha256};
 use rustix::fs::{CWD, Mode, mkfifoat};
 use support::coarse_body as body;
 
@@ -70,16 +70,19 @@ fn a_sub_folder_that_is_made_and_written_into_at_once_is_looked_through() {
 fn a_scan_is_taken_once_its_done_file_is_there_and_waiting_for_it_is_told_once() {
     let booth = booth_with("[scanner]", "done_file = \"{name}.done\"\noverdue = \"1s\"");
     let daemon = booth.start();
-    booth.export("4711_Mustermann.obj", &body(1));
     booth.export("4711_b.obj", &body(2));
     beside(&booth, "4711_b.obj.done");
     booth.wait_for_records(1);
-    booth.wait_for("the alarm", || booth.log().contains("file-overdue"));
+    // On a slow machine that one was overdue, too.
+    let told = || booth.log().matches("file-overdue").count();
+    let before = told();
+    booth.export("4711_Mustermann.obj", &body(1));
+    booth.wait_for("the alarm", || told() > before);
     beside(&booth, "4711_Mustermann.obj.done");
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &body(1)), ("4711", &body(2))]);
-    assert_eq!(booth.log().matches("file-overdue").count(), 1, "{}", booth.log());
+    assert_eq!(told(), before + 1, "{}", booth.log());
     assert!(!booth.log().contains("Mustermann") && !booth.log().contains("files-ignored"));
 }
 
@@ -151,7 +154,9 @@ fn what_is_no_regular_file_is_passed_over_and_a_second_name_of_a_scan_is_no_seco
 
 #[test]
 fn a_file_reserved_at_its_full_size_is_awaited_until_it_is_filled() {
-    let booth = Booth::new();
+    // The wait for its rest does not end before the rest comes, however slow the machine is.
+    let short_wait = Duration::from_secs(3600);
+    let booth = Booth::set(&Setting { short_wait, ..Setting::default() });
     let bytes = body(1);
     let (path, half) = (booth.path("export/4711_a.obj"), bytes.len() / 2);
     let file = File::create(&path).unwrap();

@@ -6,7 +6,12 @@
 //! each with as many points in order around, the first of each on the same line along. ALONG and
 //! AROUND are the numbers of control points, 30 and 24 where nobody says.
 
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    clippy::print_stderr,
+    clippy::print_stdout
+)]
 
 #[path = "support/section_table.rs"]
 mod section_table;

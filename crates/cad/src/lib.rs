@@ -1,4 +1,6 @@
-//! Surface → CAD files and meshes, as bytes. Independent of legs and patients: names come in as text.
+//! [`Surface`](gaiter_spline::Surface) → CAD files and meshes.
+//!
+#![doc = include_str!("../README.md")]
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -12,11 +14,6 @@
 //! | `iges/solid.rs`, `iges/notation.rs` | its faces and edges; the notation of IGES files |
 //! | [`mesh`] | STL, OBJ and glTF: triangles within a tolerance |
 //! | [`number`] | numbers as text, for these files and for drawings |
-//!
-//! Files are in millimetres, in the frame of the surface's control points; only glTF needs metres
-//! with y up. The same input gives the same bytes.
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod ends;
 pub mod header;

@@ -1,9 +1,6 @@
-//! The station's decisions as functions of state and `now`: when a file has settled, whose scan it is,
-//! which steps a scan and its deliveries may take, when to try again, how folders are named.
+//! State and `now` → decisions.
 //!
-//! Nothing here touches a file, a clock or a random source: looks, times and chances are passed in.
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+#![doc = include_str!("../README.md")]
 
 pub mod account;
 pub mod acquired;

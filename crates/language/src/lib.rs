@@ -1,6 +1,6 @@
-//! The languages of texts for people. The texts of a language stand in a file of its own, by keys.
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+//! Keys → texts, in each [`Language`].
+//!
+#![doc = include_str!("../README.md")]
 
 mod places;
 

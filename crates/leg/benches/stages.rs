@@ -1,6 +1,8 @@
 //! How long each stage of an extraction takes, and how long tobj alone takes to read the scan:
 //! `cargo bench --bench stages`.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 use std::io::Read;
 
 use divan::Bencher;

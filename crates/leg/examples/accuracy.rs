@@ -4,6 +4,8 @@
 //! Errors are measured minus true; B1's figure is the true slope at the reported height as a share
 //! of the largest. A second table says whether all scans together keep the limits.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 #[path = "support/curve.rs"]
 mod curve;
 #[path = "support/limits.rs"]

@@ -4,6 +4,8 @@
 //! The folder holds `NAME.obj` or `NAME.obj.gz`; a name with `zup` declares the up axis z. `found`:
 //! the sections at the heights found in each measurement; `kept`: at the first one's heights.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;

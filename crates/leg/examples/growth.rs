@@ -3,7 +3,13 @@
 //!
 //! `cargo run --release --example growth -- fixtures/scans/f_average_clean.obj.gz [times]`
 
-#![allow(clippy::print_stdout, clippy::unwrap_used, clippy::expect_used)]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    clippy::expect_used,
+    clippy::print_stdout,
+    clippy::unwrap_used
+)]
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

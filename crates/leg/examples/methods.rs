@@ -3,6 +3,8 @@
 //!
 //! First every scan of the folder as it is, then its clean bodies with noise and fewer points.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 #[path = "support/degraded.rs"]
 mod degraded;
 #[path = "support/tally.rs"]

@@ -3,6 +3,8 @@
 //!
 //! The true girths are those of the plane of the tape, which `shank` looks for.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 #[path = "support/truth.rs"]
 mod truth;
 

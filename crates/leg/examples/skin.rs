@@ -11,6 +11,8 @@
 //! pairs of lambdas for a fit to the same points. No choice without the truth can be expected to do
 //! better.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 #[path = "support/skin.rs"]
 mod skin;
 #[path = "support/truth.rs"]

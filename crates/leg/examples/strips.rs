@@ -4,6 +4,8 @@
 //! The inner skin of both legs is taken out of each scan, from ankle to crotch, as wide as touching
 //! thighs or a shadowed calf hide it.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 #[path = "support/truth.rs"]
 mod truth;
 

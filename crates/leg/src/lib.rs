@@ -1,5 +1,8 @@
-//! [`Scan`](gaiter_scan::Scan) → [`Extraction`]: the method of Wang, Wu and Li (2022), with one
-//! folder per step and one file per stage.
+//! [`Scan`](gaiter_scan::Scan) → [`Extraction`].
+//!
+#![doc = include_str!("../README.md")]
+//!
+//! One folder per step of the method, one file per stage:
 //!
 //! | step | paper | where |
 //! |---|---|---|
@@ -13,8 +16,6 @@
 //!
 //! [`report`] calls them in this order for one leg; its results are in [`measured`], [`finding`]
 //! and [`doubt`].
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod comparison;
 pub mod doubt;

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --example report_paper -- OUT RECORD.json…`
 
-#![allow(clippy::print_stdout)]
+#![allow(clippy::disallowed_methods, clippy::disallowed_types, clippy::print_stdout)]
 
 use std::error::Error;
 use std::path::Path;

@@ -1,6 +1,6 @@
-//! Reports → [`Record`]: the result for one scan and patient, serialised and versioned, as bytes.
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+//! Reports → [`Record`].
+//!
+#![doc = include_str!("../README.md")]
 
 pub mod change;
 pub mod chart;

@@ -1,13 +1,10 @@
-//! Bytes → [`Scan`]: points and triangles as the scanner wrote them, in the export's own unit.
+//! Bytes → [`Scan`].
 //!
-//! One decoder per format. The file-name ending determines the format; the content must match it. A
-//! decoder also detects files that are cut short, so that the station can wait for the rest.
+#![doc = include_str!("../README.md")]
 //!
 //! Memory: besides the input, a decoder needs at most 16 MB plus twelve times the bytes of the
 //! points (24 each) and triangles (12 each) read so far. Counts in a header are trusted only as far
 //! as the bytes for them are present.
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod content;
 pub mod ending;

@@ -4,7 +4,7 @@
 //! The seed is fixed; `GAITER_FUZZ=N cargo test --test scan_fuzz` tries N spoilt copies of each
 //! file. `fuzz/run` goes on from there with a fuzzer that sees which code it has reached.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::disallowed_methods, clippy::disallowed_types, clippy::panic, clippy::unwrap_used)]
 
 use std::fs;
 use std::sync::{Mutex, MutexGuard, PoisonError};

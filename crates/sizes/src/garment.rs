@@ -16,10 +16,10 @@ pub struct Garment(Arc<Profile>);
 
 /// The files of the garments that are shipped, the shortest first.
 const SHIPPED: [&str; 4] = [
-    include_str!("../../../config/garments/AD.toml"),
-    include_str!("../../../config/garments/AF.toml"),
-    include_str!("../../../config/garments/AG.toml"),
-    include_str!("../../../config/garments/AT.toml"),
+    include_str!("../garments/AD.toml"),
+    include_str!("../garments/AF.toml"),
+    include_str!("../garments/AG.toml"),
+    include_str!("../garments/AT.toml"),
 ];
 
 impl Garment {

@@ -1,9 +1,6 @@
-//! Garments, size tables and what a table says about a leg; how an order is written for a maker. Knows no records and no files; today's date is an
-//! argument.
+//! [`SizeTable`], [`Garment`] and the measures of a leg → a [`verdict`].
 //!
-//! A verdict never chooses: every size is judged by itself, in the order of its table.
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+#![doc = include_str!("../README.md")]
 
 pub mod check;
 mod document;

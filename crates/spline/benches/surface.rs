@@ -2,6 +2,8 @@
 //! or with 100 000 points anywhere:
 //! `cargo bench --bench surface`.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 use divan::Bencher;
 use gaiter_spline::{
     Basis, CloudData, CloudFit, CloudKnots, CloudMethod, FitFault, GridData, GridDomain,

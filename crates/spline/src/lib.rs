@@ -1,4 +1,6 @@
-//! Cubic B-splines: bases, solvers, fits and surfaces. Independent of legs.
+//! Data → [`Spline`], [`Tensor`], [`Surface`].
+//!
+#![doc = include_str!("../README.md")]
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -19,10 +21,7 @@
 //! | [`knots`] | the placement of its knots |
 //! | [`cloud`] | the surface through a cloud of points |
 //!
-//! All splines have degree 3. Bases are clamped (functions on an interval) or periodic (closed curves,
-//! C2 at the seam by construction). Nothing in this module depends on the unit of the abscissa.
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+//! All splines have degree 3. Nothing in this crate depends on the unit of the abscissa.
 
 pub mod basis;
 pub mod cloud;

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example visits`
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 use std::io::{self, Write};
 
 use gaiter_leg::{Method, Side};

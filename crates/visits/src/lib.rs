@@ -1,8 +1,6 @@
-//! Records of one patient → what changed from visit to visit.
+//! Records of one patient → [`Course`].
 //!
-//! Girths are compared at fixed places along the leg, every 4 cm from the floor, never at levels that are
-//! found anew in each scan; volumes are made of these girths. What a comparison can show is limited less by
-//! noise than by what all girths of a scan have in common, so the two are kept apart ([`quantity`]).
+#![doc = include_str!("../README.md")]
 //!
 //! | step | where |
 //! |---|---|
@@ -11,8 +9,8 @@
 //! | the visits in order, and which can be compared | [`course`] |
 //! | what changed between two of them | [`comparison`], [`excess`] |
 //! | what speaks against comparing them | [`caution`] |
-
-#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+//!
+//! The two parts of an uncertainty are in [`quantity`].
 
 pub mod caution;
 pub mod comparison;

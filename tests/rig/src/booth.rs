@@ -5,12 +5,13 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags};
 use serde_json::Value;
 
 use crate::pty;
-use crate::station::{Booth, Daemon, sha256};
+use crate::station::{Booth, Daemon, PATIENCE, Setting, sha256};
 use crate::verb::{code, gaiter_told, stderr, stdout};
 
 /// A booth whose scans' names say nothing.
@@ -49,13 +50,16 @@ impl Room {
     }
 
     pub fn without_button(further: &str) -> Room {
-        let booth = Booth::new();
+        // The window begins with a press, and its export comes after two looks: these are quick. For as long
+        // as the window lasts, the station listens before it believes that it hears every press.
+        let rescan = Duration::from_millis(300);
+        let booth = Booth::set(&Setting { rescan, ..Setting::default() });
         fs::create_dir(booth.path("orders")).unwrap();
         let further = further.replace("AT", booth.path("").to_str().unwrap().trim_end_matches('/'));
         booth.reconfigure(|config| {
             let lines = config.lines().filter(|line| !line.starts_with("file_name"));
             let config: String = lines.map(|line| format!("{line}\n")).collect();
-            format!("{config}{further}[capture]\nwindow = \"8s\"\nlate = \"0s\"\n")
+            format!("{config}{further}[capture]\nwindow = \"12s\"\nlate = \"0s\"\n")
         });
         Room { booth, button: None, orders: 0 }
     }
@@ -68,14 +72,10 @@ impl Room {
         self.booth.reconfigure(|config| config.lines().map(line).collect());
     }
 
-    /// A started station that has listened for long enough to believe that it hears every press. From
-    /// then on a capture lasts longer than any test.
+    /// A started station that has listened for long enough to believe that it hears every press.
     #[track_caller]
     pub fn start(&self) -> Daemon {
-        let before = self.booth.log().matches("station-ready").count();
-        let daemon = self.booth.start();
-        self.booth
-            .wait_for("the station", || self.booth.log().matches("station-ready").count() > before);
+        let daemon = self.booth.start_ready();
         if self.button.is_some() {
             self.booth.wait_for("a sure booth", || {
                 let status = self.status();
@@ -87,8 +87,7 @@ impl Room {
     }
 
     pub fn status(&self) -> Value {
-        let output = self.booth.gaiter(&["status", "--json"]);
-        serde_json::from_slice(&output.stdout).unwrap_or_default()
+        self.booth.status()
     }
 
     pub fn export(&self, name: &str) -> PathBuf {
@@ -138,11 +137,7 @@ impl Room {
     /// Waits for a look that begins from now on.
     #[track_caller]
     pub fn wait_for_look(&self) {
-        let last_look = || self.status()["sources"][0]["last_look"].clone();
-        for _ in 0..2 {
-            let before = last_look();
-            self.booth.wait_for("another look", || last_look() != before);
-        }
+        self.booth.wait_for_look();
     }
 
     #[track_caller]
@@ -233,7 +228,7 @@ impl Room {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE;
         let journal =
             Connection::open_with_flags(self.booth.path("state/journal.db"), flags).unwrap();
-        journal.busy_timeout(std::time::Duration::from_secs(5)).unwrap();
+        journal.busy_timeout(PATIENCE).unwrap();
         journal.execute_batch("BEGIN IMMEDIATE").unwrap();
         journal
     }

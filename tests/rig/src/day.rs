@@ -14,11 +14,11 @@ use std::time::{Duration, Instant};
 use gaiter_record::gdt::{Charset, message};
 use serde_json::Value;
 
-use crate::faults::matrix::{self, PATIENCE, acknowledged, empty_folders, faults};
+use crate::faults::matrix::{self, acknowledged, empty_folders, faults};
 use crate::faults::tracer::Run;
 use crate::invariants::{self, Moment, NOBODY, PutKind};
 use crate::pty;
-use crate::station::{Booth, sha256};
+use crate::station::{Booth, PATIENCE, sha256};
 use crate::verb::{code, gaiter_told};
 use support::scans::coarse_body;
 

@@ -18,8 +18,9 @@ use crate::invariants::{self, Delivered, Evidence, Left, Moment, Put, PutKind, T
 use crate::verb;
 pub use crate::whole::{names, sha256};
 
-/// How long a condition is waited for before the test fails.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// How long what must happen is waited for before the test fails. It costs nothing where it happens: a busy
+/// machine may be slow, and a store that was away is asked again at growing pauses.
+pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// The quiet time of the stations under test.
 pub const QUIET: Duration = Duration::from_millis(300);
@@ -140,12 +141,30 @@ files = {files}
         Daemon::of(self.command())
     }
 
-    /// Starts the station and waits until it is ready.
+    /// Starts the station and waits until it is ready. The log may tell of earlier starts.
     #[track_caller]
     pub fn start_ready(&self) -> Daemon {
+        let starts = || self.log().matches("station-ready").count();
+        let before = starts();
         let daemon = self.start();
-        self.wait_for("the station", || self.log().contains("station-ready"));
+        self.wait_for("the station", || starts() > before);
         daemon
+    }
+
+    /// Waits for a look at the export folder that begins from now on. A station that does not answer has not
+    /// looked.
+    #[track_caller]
+    pub fn wait_for_look(&self) {
+        let look = || self.status()["sources"][0]["last_look"].as_str().map(str::to_owned);
+        let mut last = None;
+        // The second that ends from now on began after the first.
+        for _ in 0..3 {
+            let before = last.take();
+            self.wait_for("a look", || {
+                last = look();
+                last.is_some() && last != before
+            });
+        }
     }
 
     /// What `gaiter status --json` says; null while no station answers.
@@ -269,9 +288,20 @@ files = {files}
         assert_eq!(self.records().len(), count);
     }
 
-    /// Takes the folder of records away, once the station has begun its store there: until then it makes it.
+    /// Waits until the station has begun a store: until then it makes and marks whatever is at its place.
+    #[track_caller]
+    pub fn wait_until_begun(&self, store: &str) {
+        let begun = format!("SELECT count(*) FROM meta WHERE name = 'begun:{store}'");
+        self.wait_for_journal(&begun, 1);
+    }
+
+    /// Takes the folder of records away, once the station has begun its store there and has noted the last
+    /// delivery: a record is visible before it is synced, and a delivery whose folder goes in between is
+    /// made again.
+    #[track_caller]
     pub fn take_records_away(&self) {
-        self.wait_for_journal("SELECT count(*) FROM meta WHERE name = 'begun:folder'", 1);
+        self.wait_until_begun("folder");
+        self.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'pending'", 0);
         fs::rename(self.path("records"), self.path("unmounted")).unwrap();
     }
 

@@ -5,14 +5,10 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::station::Booth;
-
-/// How long an answer is waited for before the test fails.
-const PATIENCE: Duration = Duration::from_secs(120);
+use crate::station::{Booth, PATIENCE};
 
 /// A header of a request.
 pub type Header = (&'static str, String);

@@ -34,17 +34,8 @@ fn told(booth: &Booth, args: &[&str], id: &str) -> String {
 #[track_caller]
 fn name_next(booth: &Booth, id: &str) -> String {
     let said = told(booth, &["patient", "set"], id);
-    for _ in 0..2 {
-        let before = last_look(booth);
-        booth.wait_for("another look", || last_look(booth) != before);
-    }
+    booth.wait_for_look();
     said
-}
-
-fn last_look(booth: &Booth) -> serde_json::Value {
-    let output = booth.gaiter(&["status", "--json"]);
-    let status: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    status["sources"][0]["last_look"].clone()
 }
 
 #[track_caller]
@@ -165,6 +156,8 @@ fn a_scan_that_is_taken_back_leaves_the_patients_folder_whole_and_goes_to_the_ri
     let scan = coarse_body(9);
     booth.export("4711_a.obj", &scan);
     booth.wait_for_records(1);
+    // A delivery that is not noted yet would be called off, and not withdrawn.
+    booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'delivered'", 1);
     let id = &sha256(&scan)[..8];
     assert!(said(&booth, &["unassign", id]).contains("unassigned again"));
     let withdrawn = "SELECT count(*) FROM deliveries WHERE state = 'withdrawn'";

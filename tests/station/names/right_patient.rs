@@ -132,6 +132,8 @@ fn a_refused_export_leaves_its_press_to_the_one_that_is_made_again() {
     room.press();
     room.write("scan.obj", &first[..first.len() / 2]);
     room.wait_for_refusals(1);
+    room.booth
+        .wait_for("its press again", || room.booth.log().contains("event=\"capture-reopened\""));
     room.write("again.obj", &rescanned(first.clone(), 7));
     room.booth.wait_for_records(1);
     assert_has(&room, "1002", &[&rescanned(first, 7)]);
@@ -219,11 +221,15 @@ fn a_scan_whose_entry_fails_at_the_journal_answers_its_press_all_the_same() {
         let lock = room.lock_journal();
         room.write("a.obj", &first);
         room.wait_for_spooled(&first);
+        let failures = || room.booth.log().matches("intake-failed").count();
+        let before = failures();
         let station = if killed {
             station.kill();
             drop(lock);
             room.start()
         } else {
+            // The lock outlasts the time for which the station waits for it.
+            room.booth.wait_for("its failure", || failures() > before);
             drop(lock);
             station
         };

@@ -42,19 +42,6 @@ fn code(answer: &Answer) -> Value {
     serde_json::from_str::<Value>(&answer.body).unwrap()["code"].clone()
 }
 
-/// Waits until the export folder was looked through so many times more.
-#[track_caller]
-fn looked(booth: &Booth, times: usize) {
-    let last = || {
-        let status = stdout(&booth.gaiter(&["status", "--json"]));
-        serde_json::from_str::<Value>(&status).unwrap()["sources"][0]["last_look"].clone()
-    };
-    for _ in 0..times {
-        let before = last();
-        booth.wait_for("another look", || last() != before);
-    }
-}
-
 fn has_legs(state: &Value) -> bool {
     !state["undecided"][0]["measures"].is_null()
 }
@@ -119,16 +106,26 @@ fn a_preview_that_is_missing_is_made_again_but_not_while_the_station_is_paused()
     let booth = booth("");
     let daemon = booth.start();
     let site = Site::of(&booth, "local");
-    let bytes = coarse_body(1);
+    let place = |bytes: &[u8]| booth.path("state/previews").join(sha256(bytes));
+    let (bytes, others) = (coarse_body(1), [2, 3].map(coarse_body));
     booth.export("4711_a.obj", &bytes);
-    let folder = booth.path("state/previews").join(sha256(&bytes));
+    let folder = place(&bytes);
     booth.wait_for("the preview", || folder.exists());
+    for (n, other) in others.iter().enumerate() {
+        booth.export(&format!("4712_{n}.obj"), other);
+        booth.wait_for("another preview", || place(other).exists());
+    }
     fs::remove_dir_all(&folder).unwrap();
     booth.wait_for("the preview again", || folder.exists());
     assert_eq!(decide(&site, &json!({"ask": "pause"})).status, 200);
     fs::remove_dir_all(&folder).unwrap();
-    // A look takes a second at least, and the previews are looked after every five.
-    looked(&booth, 7);
+    // Whoever makes previews removes those that nobody needs: with the first, what is missing was looked at,
+    // and before the second it would have been made.
+    for other in &others {
+        let released = decide(&site, &json!({"ask": "release", "scan": sha256(other)}));
+        assert_eq!(released.status, 200, "{}", released.body);
+        booth.wait_for("the end of a preview", || !place(other).exists());
+    }
     assert!(!folder.exists(), "it was measured while the station was paused");
     assert_eq!(decide(&site, &json!({"ask": "resume"})).status, 200);
     booth.wait_for("the preview again", || folder.exists());

@@ -209,7 +209,8 @@ fn a_stream_tells_of_changes_and_ends_with_the_station() {
     let first = stream.find(|state| state["light"]["signal"] == "ready").unwrap();
     assert_eq!(first["ids"], true);
     assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": "4711"})).status, 200);
-    looked(&booth);
+    // What is first seen before could have lain there when the patient was named, and is held.
+    booth.wait_for_look();
     let armed = stream.find(|state| state["light"]["signal"] == "armed").unwrap();
     assert_eq!(armed["next"]["can_be_called_off"], true);
     booth.export("4711_a.obj", &body(0));
@@ -226,7 +227,7 @@ fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand()
     let daemon = booth.start();
     let site = Site::of(&booth, "local");
     assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": "4711"})).status, 200);
-    looked(&booth);
+    booth.wait_for_look();
     let stream = site.stream(&site.operator());
     // Of this body's ankle and heel too little is to be seen.
     booth.export("4711_a.obj", &coarse_body(0));
@@ -307,20 +308,6 @@ fn over_the_network_the_page_is_for_reading_only() {
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
-/// Waits until the export folder has been looked through again: what is first seen before could have
-/// lain there when the patient was named, and is held. Twice: the first look may have begun before.
-fn looked(booth: &Booth) {
-    let last = || {
-        let status: Value =
-            serde_json::from_str(&stdout(&booth.gaiter(&["status", "--json"]))).unwrap();
-        status["sources"][0]["last_look"].clone()
-    };
-    for _ in 0..2 {
-        let before = last();
-        booth.wait_for("another look", || last() != before);
-    }
-}
-
 #[test]
 fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_code_point() {
     let booth = booth("");
@@ -336,7 +323,7 @@ fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_c
         let seen = id.replace('\u{202e}', "[U+202E]").replace('\u{2066}', "[U+2066]");
         let answer = decide(&site, &json!({"ask": "name_next", "patient": id}));
         assert_eq!(answer.status, 200, "{id}: {}", answer.body);
-        looked(&booth);
+        booth.wait_for_look();
         wait_for_state(&booth, &site, "the light", |state| state["light"]["signal"] == "armed");
         booth.export(&format!("x{n}.obj"), &body(n));
         booth.wait_for("the scan", || {

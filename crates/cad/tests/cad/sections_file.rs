@@ -1,4 +1,4 @@
-//! The way of `examples/fit_sections.rs` on its shipped table.
+//! The way of `crates/cad/examples/fit_sections.rs` on its shipped table.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../../examples/support/section_table.rs"]

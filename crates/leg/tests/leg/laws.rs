@@ -6,21 +6,20 @@ use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 use gaiter_leg::method::{Unit, UnitChoice, Up, Winding};
-use gaiter_leg::{BodyFault, Extraction, Method, Refusal, extract};
-use gaiter_record::Record;
+use gaiter_leg::{BodyFault, Extraction, Level, Method, Refusal, Side, extract};
 use gaiter_scan::{Format, Scan};
-use nalgebra::{Matrix4, Point3, Rotation3, Vector3};
-use serde_json::Value;
+use nalgebra::{Point3, Rotation3, Vector3};
 use support::recorded::{obj, scan};
-use support::records::record_of;
 use support::solids::Chance;
+
+use crate::found::extraction_of;
 
 /// The body that the laws are tried on: y up, mm, looking to +z.
 static BODY: LazyLock<Scan> = LazyLock::new(|| scan("f_average_clean"));
 
 /// What is measured on it as it is.
-static PLAIN: LazyLock<(Extraction, Record)> =
-    LazyLock::new(|| record_of(&obj(&BODY), &Method::default()));
+static PLAIN: LazyLock<Extraction> =
+    LazyLock::new(|| extraction_of(&obj(&BODY), &Method::default()));
 
 /// Summing the same numbers in another order leaves this, mm.
 const SAME_MM: [f64; 2] = [0.02, 0.02];
@@ -36,30 +35,29 @@ fn yawed(degrees: f64) -> Scan {
     moved(|p| turn * p)
 }
 
-fn measured(scan: &Scan) -> Record {
+fn measured(scan: &Scan) -> Extraction {
     measured_by(scan, &Method::default())
 }
 
-fn measured_by(scan: &Scan, method: &Method) -> Record {
-    record_of(&obj(scan), method).1
+fn measured_by(scan: &Scan, method: &Method) -> Extraction {
+    extraction_of(&obj(scan), method)
 }
 
-fn stature_mm(record: &Record) -> f64 {
-    record.body.stature_mm.unwrap()
+fn stature_mm(found: &Extraction) -> f64 {
+    found.body.stature_mm.unwrap()
 }
 
 /// A level's figures: side, level, tape, contour and height, mm.
-type Figures = (String, String, [f64; 3]);
+type Figures = (Side, Level, [f64; 3]);
 
-fn figures(record: &Record) -> Vec<Figures> {
+fn figures(found: &Extraction) -> Vec<Figures> {
     let mut all = Vec::new();
-    for leg in &record.legs {
-        for (name, level) in &leg.landmarks {
-            let lengths = [level.girth_tape_mm, level.girth_contour_mm, level.height_mm];
-            all.push((leg.side.clone(), name.clone(), lengths));
+    for leg in &found.legs {
+        for at in &leg.landmarks {
+            let lengths = [at.girth_tape_mm, at.girth_contour_mm, at.height_mm];
+            all.push((leg.side, at.level, lengths));
         }
     }
-    all.sort_by(|a, b| (&a.0, &a.1).cmp(&(&b.0, &b.1)));
     assert_eq!(all.len(), 12, "two legs of B, B1, C, D, G and Y");
     all
 }
@@ -72,14 +70,14 @@ fn alike(found: &[Figures], expected: &[Figures], [girth_mm, height_mm]: [f64; 2
         assert_eq!((&a.0, &a.1), (&b.0, &b.1));
         for (which, limit) in [girth_mm, girth_mm, height_mm].into_iter().enumerate() {
             let off = (a.2[which] - b.2[which]).abs();
-            assert!(off <= limit, "{} {}: {:?} for {:?}", a.0, a.1, a.2, b.2);
+            assert!(off <= limit, "{a:?} for {b:?}");
         }
     }
 }
 
 #[track_caller]
-fn same(found: &Record) {
-    alike(&figures(found), &figures(&PLAIN.1), SAME_MM);
+fn same(found: &Extraction) {
+    alike(&figures(found), &figures(&PLAIN), SAME_MM);
 }
 
 /// Angle between two directions, degrees.
@@ -89,28 +87,34 @@ fn off_deg(a: f64, b: f64) -> f64 {
 
 #[test]
 fn a_mirrored_body_has_its_legs_swapped() {
-    let plain = figures(&PLAIN.1);
-    let b = |side: &str| plain.iter().find(|(s, level, _)| s == side && level == "B").unwrap().2[0];
-    assert!((b("left") - b("right")).abs() > 1.0, "the legs must differ");
+    let plain = figures(&PLAIN);
+    let b = |side: Side| {
+        plain.iter().find(|(of, level, _)| *of == side && *level == Level::B).unwrap().2[0]
+    };
+    assert!((b(Side::Left) - b(Side::Right)).abs() > 1.0, "the legs must differ");
     let mirrored = Scan {
         points: BODY.points.iter().map(|p| Point3::new(-p.x, p.y, p.z)).collect(),
         triangles: BODY.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
     };
-    let record = measured(&mirrored);
-    let mut swapped = figures(&record);
+    let found = measured(&mirrored);
+    let mut swapped = figures(&found);
     for (side, _, _) in &mut swapped {
-        *side = if side == "left" { "right".to_owned() } else { "left".to_owned() };
+        *side = side.other();
     }
-    swapped.sort_by(|a, b| (&a.0, &a.1).cmp(&(&b.0, &b.1)));
+    swapped.sort_by_key(|(side, level, _)| (*side, *level));
     alike(&swapped, &plain, [0.05, 0.05]);
-    assert!(off_deg(record.body.facing_deg, -PLAIN.1.body.facing_deg) < 0.05);
-    // Feature points are mirrored too: same labels, same angles.
-    let angles = |record: &Record, side: &str| -> Vec<(String, String, f64)> {
-        let leg = record.legs.iter().find(|leg| leg.side == side).unwrap();
-        leg.features.iter().map(|f| (f.level.clone(), f.label.clone(), f.angle_deg)).collect()
+    assert!(off_deg(found.body.facing_deg, -PLAIN.body.facing_deg) < 0.05);
+    // Feature points are mirrored too: same places in their order, same angles.
+    let angles = |of: &Extraction, side: Side| -> Vec<(Level, usize, f64)> {
+        let leg = of.legs.iter().find(|leg| leg.side == side).unwrap();
+        let points = leg.level_sections.iter().flat_map(|at| {
+            let points = at.features.iter().enumerate();
+            points.map(move |(index, point)| (at.level, index + 1, point.angle_deg))
+        });
+        points.collect()
     };
-    for (side, other) in [("left", "right"), ("right", "left")] {
-        let (found, expected) = (angles(&record, side), angles(&PLAIN.1, other));
+    for side in Side::BOTH {
+        let (found, expected) = (angles(&found, side), angles(&PLAIN, side.other()));
         assert!(expected.len() >= 8 && found.len() == expected.len(), "{found:?} {expected:?}");
         for (f, e) in found.iter().zip(&expected) {
             assert!(f.0 == e.0 && f.1 == e.1 && off_deg(f.2, e.2) < 0.5, "{f:?} for {e:?}");
@@ -121,10 +125,10 @@ fn a_mirrored_body_has_its_legs_swapped() {
 #[test]
 fn a_turned_body_keeps_its_girths_and_sides_and_its_facing_turns() {
     for degrees in [37.0, -90.0, 180.0] {
-        let record = measured(&yawed(degrees));
-        same(&record);
-        let expected = PLAIN.1.body.facing_deg + degrees;
-        let found = record.body.facing_deg;
+        let found = measured(&yawed(degrees));
+        same(&found);
+        let expected = PLAIN.body.facing_deg + degrees;
+        let found = found.body.facing_deg;
         assert!(off_deg(found, expected) < 0.2, "{found}° for {expected}°");
         assert!((-180.0..=180.0).contains(&found));
     }
@@ -132,71 +136,37 @@ fn a_turned_body_keeps_its_girths_and_sides_and_its_facing_turns() {
 
 #[test]
 fn a_body_a_tenth_larger_has_girths_and_heights_a_tenth_larger() {
-    let mut expected = figures(&PLAIN.1);
+    let mut expected = figures(&PLAIN);
     expected.iter_mut().for_each(|(_, _, lengths)| *lengths = lengths.map(|length| 1.1 * length));
-    let record = measured(&moved(|p| p * 1.1));
+    let found = measured(&moved(|p| p * 1.1));
     // G is a fixed distance below the crotch, which does not grow with the body.
-    let growing = |all: Vec<Figures>| all.into_iter().filter(|(_, level, _)| level != "G");
+    let growing = |all: Vec<Figures>| all.into_iter().filter(|(_, level, _)| *level != Level::G);
     let (b1, extrema): (Vec<_>, Vec<_>) =
-        growing(figures(&record)).partition(|(_, level, _)| level == "B1");
+        growing(figures(&found)).partition(|(_, level, _)| *level == Level::B1);
     let (b1_expected, expected): (Vec<_>, Vec<_>) =
-        growing(expected).partition(|(_, level, _)| level == "B1");
+        growing(expected).partition(|(_, level, _)| *level == Level::B1);
     // Sections stay 5 mm apart, so the larger body is seen in finer steps.
     // The floor under unseen soles is told by a fixed radius of the foot's edge.
     // Girths agree within the error that a scan without noise may have.
     alike(&extrema, &expected, [0.3, 0.8]);
     // B1 is sought over a fixed 30 mm; its girth moves by 1.3 mm with each mm of its height.
     alike(&b1, &b1_expected, [4.0, 3.0]);
-    assert!((stature_mm(&record) - 1.1 * stature_mm(&PLAIN.1)).abs() < 0.5);
-}
-
-/// A record's measures as JSON, without what describes the file.
-fn measures(record: &Record) -> Value {
-    let mut value = serde_json::to_value(record).unwrap();
-    value["body"].as_object_mut().unwrap().remove("from_export");
-    serde_json::json!({"body": value["body"], "legs": value["legs"], "findings": value["findings"]})
-}
-
-/// All numbers equal to 1e-6 or to the last place that is written for their unit; all else equal.
-fn equal(found: &Value, expected: &Value, name: &str, numbers: &mut usize) {
-    match (found, expected) {
-        (Value::Number(a), Value::Number(b)) => {
-            let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
-            let last_place = match name {
-                _ if name.ends_with("_per_mm") => 1e-5,
-                _ if name.ends_with("_mm") => 1e-3,
-                _ if name.ends_with("_deg") => 1e-2,
-                _ => 1e-6,
-            };
-            let limit = 1e-6 * b.abs() + 1.01 * last_place;
-            assert!((a - b).abs() <= limit, "{name}: {a} for {b}");
-            *numbers += 1;
-        }
-        (Value::Array(a), Value::Array(b)) => {
-            assert_eq!(a.len(), b.len(), "{name}");
-            a.iter().zip(b).for_each(|(a, b)| equal(a, b, name, numbers));
-        }
-        (Value::Object(a), Value::Object(b)) => {
-            assert!(a.keys().eq(b.keys()), "{name}: {:?} for {:?}", a.keys(), b.keys());
-            a.iter().for_each(|(key, value)| equal(value, &b[key], key, numbers));
-        }
-        _ => assert_eq!(found, expected, "{name}"),
-    }
+    assert!((stature_mm(&found) - 1.1 * stature_mm(&PLAIN)).abs() < 0.5);
 }
 
 #[test]
-fn every_unit_gives_the_same_record() {
+fn every_unit_gives_the_same_figures() {
+    // A micrometre, as records write lengths, or a millionth.
+    let is_same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs() + 1.01e-3;
     let units = [(Unit::Mm, 1.0), (Unit::Cm, 10.0), (Unit::In, 25.4), (Unit::M, 1000.0)];
     for (unit, in_mm) in units {
-        let bytes = obj(&moved(|p| p / in_mm));
-        for choice in [UnitChoice::Auto, UnitChoice::Declared(unit)] {
-            let method = Method { unit: choice, ..Method::default() };
-            let (_, record) = record_of(&bytes, &method);
-            assert_eq!(record.scan.unit, unit.word());
-            assert_eq!(record.scan.unit_inferred, choice == UnitChoice::Auto);
-            let mut numbers = 0;
-            equal(&measures(&record), &measures(&PLAIN.1), "record", &mut numbers);
-            assert!(numbers > 1000, "only {numbers} numbers");
+        let found = measured(&moved(|p| p / in_mm));
+        assert!(found.body.unit == unit && found.body.unit_inferred);
+        assert!(is_same(stature_mm(&found), stature_mm(&PLAIN)), "{unit:?}");
+        for (a, b) in figures(&found).iter().zip(&figures(&PLAIN)) {
+            assert_eq!((a.0, a.1), (b.0, b.1));
+            let all_same = a.2.iter().zip(b.2).all(|(a, b)| is_same(*a, b));
+            assert!(all_same, "{unit:?}: {a:?} for {b:?}");
         }
     }
 }
@@ -219,9 +189,9 @@ fn z_up_and_x_up_exports_measure_alike_when_declared_and_are_refused_when_not() 
     let x_up = moved(|p| Point3::new(p.y, p.x, -p.z));
     for (scan, up) in [(z_up, Up::Z), (x_up, Up::X)] {
         let bytes = obj(&scan);
-        let (_, record) = record_of(&bytes, &Method { up, ..Method::default() });
-        same(&record);
-        assert!(off_deg(record.body.facing_deg, PLAIN.1.body.facing_deg) < 0.05, "{up:?}");
+        let found = extraction_of(&bytes, &Method { up, ..Method::default() });
+        same(&found);
+        assert!(off_deg(found.body.facing_deg, PLAIN.body.facing_deg) < 0.05, "{up:?}");
         let refusal = extract(&bytes, Format::Obj, &Method::default()).unwrap_err();
         assert!(matches!(refusal, Refusal::Body(_)), "{up:?}: {refusal:?}");
     }
@@ -230,9 +200,9 @@ fn z_up_and_x_up_exports_measure_alike_when_declared_and_are_refused_when_not() 
 #[test]
 fn a_body_may_stand_anywhere() {
     for far in [Vector3::new(120.0, -250.0, 77.7), Vector3::new(-3e5, 2e5, 1e6)] {
-        let record = measured(&moved(|p| p + far));
-        same(&record);
-        assert!((stature_mm(&record) - stature_mm(&PLAIN.1)).abs() < 0.01);
+        let found = measured(&moved(|p| p + far));
+        same(&found);
+        assert!((stature_mm(&found) - stature_mm(&PLAIN)).abs() < 0.01);
     }
 }
 
@@ -288,8 +258,8 @@ fn from_export_brings_a_point_of_the_export_to_where_the_surface_is() {
     let export =
         moved(|p| (turn * Point3::new(p.x, -p.z, p.y)) / 25.4 + Vector3::new(40.0, 9.0, -3.0));
     let method = Method { up: Up::Z, ..Method::default() };
-    let (extraction, record) = record_of(&obj(&export), &method);
-    let map = Matrix4::from_row_slice(&record.body.from_export);
+    let found = extraction_of(&obj(&export), &method);
+    let map = found.body.from_export;
     assert_eq!(map.row(3), nalgebra::RowVector4::new(0.0, 0.0, 0.0, 1.0));
     let linear = map.fixed_view::<3, 3>(0, 0).into_owned();
     assert!((linear.determinant() / 25.4_f64.powi(3) - 1.0).abs() < 1e-9, "right-handed, mm");
@@ -300,9 +270,9 @@ fn from_export_brings_a_point_of_the_export_to_where_the_surface_is() {
     let highest = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
     // Soles are not seen; what is seen ends some millimetres above the floor.
     assert!((0.0..4.0).contains(&lowest), "the lowest skin is at {lowest} mm");
-    assert!((highest - stature_mm(&record)).abs() < 1e-3, "the crown is at {highest} mm");
+    assert!((highest - stature_mm(&found)).abs() < 1e-3, "the crown is at {highest} mm");
 
-    for leg in &extraction.legs {
+    for leg in &found.legs {
         let (surface, side) = (leg.surface.as_ref().unwrap(), leg.side.lateral_sign());
         let (low, high) = surface.surface.along().domain();
         let own = |p: &&Point3<f64>| {
@@ -325,13 +295,14 @@ fn from_export_brings_a_point_of_the_export_to_where_the_surface_is() {
 }
 
 #[test]
-fn two_runs_and_any_number_of_threads_give_the_same_bytes() {
+fn two_runs_and_any_number_of_threads_give_the_same_to_the_last_bit() {
     let bytes = obj(&scan("f_average_tc2"));
-    let json = || serde_json::to_vec(&record_of(&bytes, &Method::default()).1).unwrap();
-    let first = json();
-    assert_eq!(first, json(), "two runs");
+    let all = || format!("{:?}", extraction_of(&bytes, &Method::default()));
+    let first = all();
+    // Both as text are too long to be told.
+    assert!(first == all(), "two runs");
     for threads in [1, 4] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        assert_eq!(first, pool.install(json), "{threads} threads");
+        assert!(first == pool.install(all), "{threads} threads");
     }
 }

@@ -12,13 +12,13 @@ use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::sections::equidistant::{Sections, sections};
 use gaiter_leg::sections::slice::Mesh;
 use gaiter_leg::side::Sides;
-use gaiter_leg::{Extraction, Method};
-use gaiter_record::Record;
+use gaiter_leg::{Extraction, Level, Method, Side};
 use gaiter_scan::Scan;
 use nalgebra::{Point3, Rotation3, Vector3};
 use support::recorded::{export, obj, scan, truth};
-use support::records::record_of;
 use support::solids::principal_axis;
+
+use crate::found::{B_C_D, extraction_of, landmark};
 
 /// The paper's own axis.
 const PRINCIPAL: Tape = Tape::Leg(AxisFit::Principal);
@@ -31,12 +31,12 @@ fn paper(tape: Tape) -> Method {
 /// The body that the laws are tried on.
 static BODY: LazyLock<Scan> = LazyLock::new(|| scan("f_average_clean"));
 
-fn measured(scan: &Scan) -> (Extraction, Record) {
-    record_of(&obj(scan), &paper(PRINCIPAL))
+fn measured(scan: &Scan) -> Extraction {
+    extraction_of(&obj(scan), &paper(PRINCIPAL))
 }
 
 /// What the paper measures on it.
-static PLAIN: LazyLock<(Extraction, Record)> = LazyLock::new(|| measured(&BODY));
+static PLAIN: LazyLock<Extraction> = LazyLock::new(|| measured(&BODY));
 
 /// Its legs, and their crotch's height in mm.
 static LEGS: LazyLock<(Sides<Leg>, f64)> = LazyLock::new(|| {
@@ -50,42 +50,36 @@ fn moved(by: impl Fn(&Point3<f64>) -> Point3<f64>) -> Scan {
 }
 
 /// A level's figures: side, level, tape girth, contour and height, mm.
-fn figures(record: &Record) -> Vec<(String, String, [f64; 3])> {
+type Figures = (Side, Level, [f64; 3]);
+
+fn figures(found: &Extraction) -> Vec<Figures> {
     let mut all = Vec::new();
-    for leg in &record.legs {
+    for leg in &found.legs {
         // G is measured from the crotch and Y on the foot, by no step of the paper.
-        for (level, at) in leg.landmarks.iter().filter(|(level, _)| !"GY".contains(*level)) {
+        for at in leg.landmarks.iter().filter(|at| ![Level::G, Level::Y].contains(&at.level)) {
             let lengths = [at.girth_tape_mm, at.girth_contour_mm, at.height_mm];
-            all.push((leg.side.clone(), level.clone(), lengths));
+            all.push((leg.side, at.level, lengths));
         }
     }
-    all.sort_by(|a, b| (&a.0, &a.1).cmp(&(&b.0, &b.1)));
     assert_eq!(all.len(), 8, "two legs of four levels");
     all
 }
 
 /// The same levels with the same figures but for rounding.
 #[track_caller]
-fn same(found: &[(String, String, [f64; 3])]) {
-    for (a, b) in found.iter().zip(figures(&PLAIN.1)) {
-        assert_eq!((&a.0, &a.1), (&b.0, &b.1));
+fn same(found: &[Figures]) {
+    for (a, b) in found.iter().zip(figures(&PLAIN)) {
+        assert_eq!((a.0, a.1), (b.0, b.1));
         let is_same = a.2.iter().zip(b.2).all(|(x, y)| (x - y).abs() <= 0.02);
-        assert!(is_same, "{} {}: {:?} for {:?}", a.0, a.1, a.2, b.2);
+        assert!(is_same, "{a:?} for {b:?}");
     }
-}
-
-#[test]
-fn the_record_names_the_paper_s_method() {
-    let words = &PLAIN.1.made_by.method;
-    let words = ["fit", "tape", "axis"].map(|key| words[key].as_str());
-    assert_eq!(words, ["paper", "leg", "principal"]);
 }
 
 #[test]
 fn a_turned_body_keeps_its_girths_and_heights() {
     for degrees in [37.0_f64, -90.0, 180.0] {
         let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), degrees.to_radians());
-        same(&figures(&measured(&moved(|p| turn * p)).1));
+        same(&figures(&measured(&moved(|p| turn * p))));
     }
 }
 
@@ -95,11 +89,11 @@ fn a_mirrored_body_has_its_legs_swapped() {
         points: BODY.points.iter().map(|p| Point3::new(-p.x, p.y, p.z)).collect(),
         triangles: BODY.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
     };
-    let mut swapped = figures(&measured(&mirrored).1);
+    let mut swapped = figures(&measured(&mirrored));
     for (side, _, _) in &mut swapped {
-        *side = if side == "left" { "right".to_owned() } else { "left".to_owned() };
+        *side = side.other();
     }
-    swapped.sort_by(|a, b| (&a.0, &a.1).cmp(&(&b.0, &b.1)));
+    swapped.sort_by_key(|(side, level, _)| (*side, *level));
     same(&swapped);
 }
 
@@ -164,22 +158,22 @@ const ON_ITS_AXIS_MM: [f64; 2] = [10.0, 30.0];
 #[test]
 fn the_paper_finds_the_ankle_of_clean_bodies_and_in_our_planes_the_calf_and_the_knee_of_one() {
     let cases = [
-        ("f_average_clean", PRINCIPAL, &["B"][..], ON_ITS_AXIS_MM),
-        ("m_average_clean", PRINCIPAL, &["B"], ON_ITS_AXIS_MM),
-        ("f_average_clean", Tape::Shank, &["B", "C", "D"], IN_OUR_PLANES_MM),
+        ("f_average_clean", PRINCIPAL, &[Level::B][..], ON_ITS_AXIS_MM),
+        ("m_average_clean", PRINCIPAL, &[Level::B], ON_ITS_AXIS_MM),
+        ("f_average_clean", Tape::Shank, &B_C_D, IN_OUR_PLANES_MM),
         // On its left leg a swing of the polynomial is taken for the calf.
-        ("m_average_clean", Tape::Shank, &["B"], IN_OUR_PLANES_MM),
+        ("m_average_clean", Tape::Shank, &[Level::B], IN_OUR_PLANES_MM),
     ];
     for (name, tape, levels, [girth_mm, height_mm]) in cases {
-        let (_, record) = record_of(&export(name), &paper(tape));
+        let found = extraction_of(&export(name), &paper(tape));
         let truth = truth(name);
-        for (leg, level) in record.legs.iter().flat_map(|leg| levels.iter().map(move |l| (leg, l)))
+        for (leg, level) in found.legs.iter().flat_map(|leg| levels.iter().map(move |l| (leg, *l)))
         {
-            let true_level = &truth["legs"][&leg.side]["landmarks"][level];
-            let found = &leg.landmarks[*level];
+            let (found, side, level) = (landmark(leg, level), leg.side.word(), level.name());
+            let true_level = &truth["legs"][side]["landmarks"][level];
             let girth_off = found.girth_tape_mm - true_level["tape_mm"].as_f64().unwrap();
             let height_off = found.height_mm - true_level["height_mm"].as_f64().unwrap();
-            let what = format!("{name} {tape:?} {} {level}: {girth_off} {height_off}", leg.side);
+            let what = format!("{name} {tape:?} {side} {level}: {girth_off} {height_off}");
             assert!(girth_off.abs() < girth_mm && height_off.abs() < height_mm, "{what}");
         }
     }
@@ -187,8 +181,8 @@ fn the_paper_finds_the_ankle_of_clean_bodies_and_in_our_planes_the_calf_and_the_
 
 #[test]
 fn the_foot_pulls_the_principal_axis_aside_and_the_polynomial_is_open_at_the_back() {
-    let (centroids, _) = record_of(&obj(&BODY), &paper(Tape::Leg(AxisFit::Centroids)));
-    for (leg, ours) in PLAIN.0.legs.iter().zip(&centroids.legs) {
+    let centroids = extraction_of(&obj(&BODY), &paper(Tape::Leg(AxisFit::Centroids)));
+    for (leg, ours) in PLAIN.legs.iter().zip(&centroids.legs) {
         let off_deg = leg.axis.foot.normal.angle(&ours.axis.foot.normal).to_degrees();
         assert!((5.0..15.0).contains(&off_deg), "{off_deg}° apart");
         // The toes lie ahead of the leg, low down: the axis leans back towards its top.

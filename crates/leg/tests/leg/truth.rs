@@ -6,13 +6,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::LazyLock;
 
-use gaiter_leg::Method;
-use gaiter_record::Record;
-use gaiter_record::schema::LegFigures;
+use gaiter_leg::{Extraction, FacingFrom, LegReport, Level, Method, Side};
 use nalgebra::Vector3;
 use serde_json::Value;
 use support::recorded::{export, truth};
-use support::records::record_of;
+
+use crate::found::{B_C_D, extraction_of, features, known_mm, landmark, levels};
 
 const CLEAN: [&str; 2] = ["f_average_clean", "m_average_clean"];
 const ALL: [&str; 3] = ["f_average_clean", "m_average_clean", "f_average_tc2"];
@@ -38,6 +37,10 @@ const SURFACE_SHARE: f64 = 0.0015;
 /// … and its girth at a level this near to that of the section, mm.
 const SURFACE_GIRTH_MM: f64 = 0.05;
 
+/// Less than this is no distance: nothing was compared.
+const SOME_SHARE: f64 = 5e-7;
+const SOME_MM: f64 = 5e-4;
+
 const FACING_DEG: f64 = 5.0;
 
 /// How far an axis may be off, degrees: three times what it is; 1° of tilt changes the girth at B by
@@ -51,8 +54,8 @@ const STATURE_MM: f64 = 5.0;
 const CROTCH_MM: f64 = 12.0;
 
 /// Each body measured once for all tests, with its truth.
-static BODIES: LazyLock<BTreeMap<&str, (Record, Value)>> = LazyLock::new(|| {
-    let body = |name| (record_of(&export(name), &Method::default()).1, truth(name));
+static BODIES: LazyLock<BTreeMap<&str, (Extraction, Value)>> = LazyLock::new(|| {
+    let body = |name| (extraction_of(&export(name), &Method::default()), truth(name));
     ALL.into_iter().map(|name| (name, body(name))).collect()
 });
 
@@ -120,15 +123,22 @@ impl Table {
 }
 
 /// All legs of all bodies with their truth.
-fn each_leg(names: &[&str], mut what: impl FnMut(&str, &LegFigures, &Value)) {
+fn each_leg(names: &[&str], mut what: impl FnMut(&str, &LegReport, &Value)) {
     for name in names {
-        let (record, truth) = &BODIES[name];
-        let sides: Vec<&str> = record.legs.iter().map(|leg| leg.side.as_str()).collect();
-        assert_eq!(sides, ["left", "right"], "{name}");
-        for leg in &record.legs {
-            what(&format!("{name} {}", leg.side), leg, &truth["legs"][&leg.side]);
+        let (body, truth) = &BODIES[name];
+        let sides: Vec<Side> = body.legs.iter().map(|leg| leg.side).collect();
+        assert_eq!(sides, Side::BOTH, "{name}");
+        for leg in &body.legs {
+            let side = leg.side.word();
+            what(&format!("{name} {side}"), leg, &truth["legs"][side]);
         }
     }
+}
+
+/// The measured sections of a leg: heights and tape girths, mm.
+fn rows(leg: &LegReport) -> Vec<(f64, f64)> {
+    let measured = leg.girth_curve.rows.iter().filter_map(|row| row.measured);
+    measured.map(|(height_mm, girth)| (height_mm, girth.tape_mm)).collect()
 }
 
 #[test]
@@ -136,8 +146,9 @@ fn b_c_and_d_have_the_true_girth_and_height() {
     // Of 18 landmarks the 95th percentile is the largest: every one keeps its limit.
     let mut table = Table::default();
     each_leg(&ALL, |name, leg, truth| {
-        for level in ["B", "C", "D"] {
-            let (found, truth) = (&leg.landmarks[level], &truth["landmarks"][level]);
+        for level in B_C_D {
+            let (found, level) = (landmark(leg, level), level.name());
+            let truth = &truth["landmarks"][level];
             let girth_mm = number(&truth["tape_mm"]);
             let off = (found.girth_tape_mm - girth_mm).abs();
             table.row(
@@ -159,10 +170,13 @@ fn b_c_and_d_have_the_true_girth_and_height() {
 fn g_and_the_estimates_have_the_true_girth_of_their_heights() {
     let mut table = Table::default();
     each_leg(&ALL, |name, leg, truth| {
-        let g = &leg.landmarks["G"];
-        let estimates = ["E", "F"].map(|level| (level, &leg.estimates[level]));
-        let mut places = estimates.map(|(l, at)| (l, at.height_mm, at.girth_tape_mm)).to_vec();
-        places.push(("G", g.height_mm, g.girth_tape_mm));
+        let estimated = |level: Level| {
+            let at = leg.estimates.iter().find(|at| at.level == level).unwrap();
+            (level.name(), at.height_mm, at.girth_tape_mm)
+        };
+        let g = landmark(leg, Level::G);
+        let g = ("G", g.height_mm, g.girth_tape_mm);
+        let places = [estimated(Level::E), estimated(Level::F), g];
         for (level, height_mm, girth_mm) in places {
             // The soles are not seen, so the true girth is that of up to 5 mm further up.
             let [low, high] =
@@ -178,16 +192,16 @@ fn g_and_the_estimates_have_the_true_girth_of_their_heights() {
 fn the_feet_of_a_body_are_alike_and_as_long_as_feet_are() {
     let mut table = Table::default();
     for name in ALL {
-        let (record, _) = &BODIES[name];
+        let (found, _) = &BODIES[name];
         let feet: Vec<f64> =
-            record.legs.iter().filter_map(|leg| Some(leg.foot.as_ref()?.length_mm)).collect();
+            found.legs.iter().filter_map(|leg| Some(leg.foot.as_ref()?.length_mm)).collect();
         let [left, right] = feet[..] else { panic!("{name}: {feet:?}") };
         // The bodies' feet are mirror images; ANSUR II: 0.139 to 0.169 of stature, and these
         // bodies' are at its lower end.
         table.row(&format!("{name} feet"), left, right, (left - right).abs() <= 1.5);
-        let share = left / record.body.stature_mm.unwrap();
+        let share = left / found.body.stature_mm.unwrap();
         table.row(&format!("{name} foot share"), share, 0.14, (0.13..0.17).contains(&share));
-        let y = [0, 1].map(|leg| record.legs[leg].landmarks["Y"].girth_tape_mm);
+        let y = [0, 1].map(|leg| landmark(&found.legs[leg], Level::Y).girth_tape_mm);
         table.row(&format!("{name} Y"), y[0], y[1], (y[0] - y[1]).abs() <= 2.0);
     }
     table.check(3 * 3);
@@ -197,7 +211,7 @@ fn the_feet_of_a_body_are_alike_and_as_long_as_feet_are() {
 fn the_true_girth_grows_at_b1_nearly_as_fast_as_anywhere() {
     let mut table = Table::default();
     each_leg(&ALL, |name, leg, truth| {
-        let slope = profile(truth, "slope", leg.landmarks["B1"].height_mm).unwrap();
+        let slope = profile(truth, "slope", landmark(leg, Level::B1).height_mm).unwrap();
         let largest = number(&truth["landmarks"]["B1"]["slope"]);
         table.row(&format!("{name} B1 slope"), slope, largest, slope >= SLOPE_SHARE * largest);
     });
@@ -208,42 +222,39 @@ fn the_true_girth_grows_at_b1_nearly_as_fast_as_anywhere() {
 fn no_level_is_missed_and_none_is_invented() {
     each_leg(&ALL, |name, leg, truth| {
         let undecidable = truth["undecidable"].as_array().unwrap();
-        for level in ["B", "B1", "C", "D"] {
-            if undecidable.iter().all(|either| either != level) {
-                let is_there = truth["landmarks"].get(level).is_some();
-                assert_eq!(leg.landmarks.contains_key(level), is_there, "{name} {level}");
+        let found = levels(leg);
+        for level in Level::SOUGHT {
+            if undecidable.iter().all(|either| either != level.name()) {
+                let is_there = truth["landmarks"].get(level.name()).is_some();
+                assert_eq!(found.contains(&level), is_there, "{name} {}", level.name());
             }
         }
-        let others =
-            leg.landmarks.keys().filter(|level| !["B", "B1", "C", "D"].contains(&level.as_str()));
-        assert!(others.eq(["G", "Y"]), "{name}: {:?}", leg.landmarks.keys());
+        let others = found.iter().filter(|level| !Level::SOUGHT.contains(level));
+        assert!(others.eq(&[Level::Y, Level::G]), "{name}: {found:?}");
     });
 }
 
 #[test]
 fn the_sides_are_the_patient_s_own() {
     for name in ALL {
-        let (record, truth) = &BODIES[name];
+        let (body, truth) = &BODIES[name];
         let girths = |side: &str| {
             ["B", "C"].map(|l| number(&truth["legs"][side]["landmarks"][l]["tape_mm"]))
         };
         let differ = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
         let (left, right) = (girths("left"), girths("right"));
         assert!(differ(left, right) > 3.0 * GIRTH_MM, "{name} cannot tell its sides");
-        for leg in &record.legs {
-            let found = ["B", "C"].map(|level| leg.landmarks[level].girth_tape_mm);
-            let (own, other) = if leg.side == "left" { (left, right) } else { (right, left) };
-            assert!(differ(found, own) < differ(found, other) / 2.0, "{name} {}", leg.side);
+        for leg in &body.legs {
+            let found = [Level::B, Level::C].map(|level| landmark(leg, level).girth_tape_mm);
+            let (own, other) = if leg.side == Side::Left { (left, right) } else { (right, left) };
+            assert!(differ(found, own) < differ(found, other) / 2.0, "{name} {}", leg.side.word());
         }
         // The patient's left is +X: to the left of somebody who looks along −Y.
-        for leg in &record.legs {
-            let sign = if leg.side == "left" { 1.0 } else { -1.0 };
-            assert!(!leg.features.is_empty());
-            assert!(
-                leg.features.iter().all(|f| f.position_mm[0] * sign > 0.0),
-                "{name} {}",
-                leg.side
-            );
+        for leg in &body.legs {
+            let sign = if leg.side == Side::Left { 1.0 } else { -1.0 };
+            assert!(features(leg).count() > 0);
+            let is_beside = features(leg).all(|feature| feature.position.x * sign > 0.0);
+            assert!(is_beside, "{name} {}", leg.side.word());
         }
     }
 }
@@ -254,17 +265,21 @@ fn the_surface_of_a_clean_body_is_within_0_15_percent_of_its_sections() {
     each_leg(&CLEAN, |name, leg, _| {
         let surface = leg.surface.as_ref().unwrap();
         let share = surface.to_sections.mean_relative;
-        table.row(
-            &format!("{name} to sections"),
-            share,
-            0.0,
-            share <= SURFACE_SHARE && share > 0.0,
-        );
-        let reach = leg.landmarks["B"].height_mm - surface.from_height_mm;
-        table.row(&format!("{name} reach below B"), reach, 20.0, reach >= 20.0);
-        let girths = surface.girths.values().map(|girth| girth.minus_section_mm.abs());
-        let worst = girths.fold(0.0, f64::max);
-        table.row(&format!("{name} girth"), worst, 0.0, worst <= SURFACE_GIRTH_MM && worst > 0.0);
+        let is_good = (SOME_SHARE..=SURFACE_SHARE).contains(&share);
+        table.row(&format!("{name} to sections"), share, 0.0, is_good);
+        let (b_mm, [from_mm, _]) = (landmark(leg, Level::B).height_mm, surface.height_mm);
+        let reaches = from_mm <= b_mm - 20.0;
+        table.row(&format!("{name} reach below B"), b_mm - from_mm, 20.0, reaches);
+        let (low_mm, high_mm) = surface.surface.along().domain();
+        let sections = leg.level_sections.iter().map(|at| &at.section);
+        let covered = sections.filter(|section| (low_mm..=high_mm).contains(&section.along_mm));
+        let off = covered.map(|section| {
+            let girth_mm = surface.surface.girth_mm(section.along_mm);
+            (girth_mm - section.girth.contour_mm).abs()
+        });
+        let worst = off.fold(0.0, f64::max);
+        let is_good = (SOME_MM..=SURFACE_GIRTH_MM).contains(&worst);
+        table.row(&format!("{name} girth"), worst, 0.0, is_good);
     });
     table.check(2 * 2 * 3);
 }
@@ -272,26 +287,21 @@ fn the_surface_of_a_clean_body_is_within_0_15_percent_of_its_sections() {
 #[test]
 fn the_girth_curve_of_a_clean_body_is_the_true_one_from_below_b_to_above_d() {
     for name in CLEAN {
-        let (record, truth) = &BODIES[name];
+        let (found, truth) = &BODIES[name];
         // Heights lack what the unseen soles lack; girths do not.
-        let sole_mm = number(&truth["stature_mm"]) - record.body.stature_mm.unwrap();
-        for leg in &record.legs {
-            let column = &leg.girth_curve;
-            let rows = column.height_mm.iter().zip(&column.tape_mm);
-            let from = leg.landmarks["B"].height_mm - 20.0;
-            let to = leg.landmarks["D"].height_mm + 20.0;
+        let sole_mm = number(&truth["stature_mm"]) - found.body.stature_mm.unwrap();
+        for leg in &found.legs {
+            let side = leg.side.word();
+            let from = landmark(leg, Level::B).height_mm - 20.0;
+            let to = landmark(leg, Level::D).height_mm + 20.0;
             let mut table = Table::default();
-            for (height_mm, tape_mm) in rows.filter_map(|(h, t)| Some(((*h)?, (*t)?))) {
+            for (height_mm, tape_mm) in rows(leg) {
                 if (from..to).contains(&height_mm) {
-                    let truth = &truth["legs"][&leg.side];
+                    let truth = &truth["legs"][side];
                     let girth_mm = profile(truth, "tape_mm", height_mm + sole_mm).unwrap();
                     let off = (tape_mm - girth_mm).abs();
-                    table.row(
-                        &format!("{name} {} {height_mm}", leg.side),
-                        tape_mm,
-                        girth_mm,
-                        off <= 1.5,
-                    );
+                    let what = format!("{name} {side} {height_mm:.3}");
+                    table.row(&what, tape_mm, girth_mm, off <= 1.5);
                 }
             }
             assert!(5.5 * table.rows as f64 > to - from, "{} rows", table.rows);
@@ -306,9 +316,8 @@ fn the_girth_curve_is_the_true_one_but_for_the_height_of_the_floor() {
     each_leg(&ALL, |name, leg, truth| {
         let at_level = |level: &str| number(&truth["landmarks"][level]["height_mm"]);
         let (from_mm, to_mm) = (at_level("B"), at_level("D"));
-        let rows = leg.girth_curve.height_mm.iter().zip(&leg.girth_curve.tape_mm);
-        let rows = rows.filter_map(|(h, t)| Some(((*h)?, (*t)?)));
-        let rows: Vec<_> = rows.filter(|(h, _)| (from_mm..=to_mm).contains(h)).collect();
+        let rows: Vec<_> =
+            rows(leg).into_iter().filter(|(h, _)| (from_mm..=to_mm).contains(h)).collect();
         assert!(5.5 * rows.len() as f64 > to_mm - from_mm, "{name}: {} rows", rows.len());
         let tape = column(truth, "tape_mm");
         let off = |raised_mm: f64| -> Vec<f64> {
@@ -329,12 +338,12 @@ fn the_girth_curve_is_the_true_one_but_for_the_height_of_the_floor() {
 fn the_uncertainties_of_b_c_and_d_are_neither_too_small_nor_too_large() {
     let (mut girths, mut heights) = (Vec::new(), Vec::new());
     each_leg(&ALL, |_, leg, truth| {
-        for level in ["B", "C", "D"] {
-            let (found, truth) = (&leg.landmarks[level], &truth["landmarks"][level]);
+        for level in B_C_D {
+            let (found, truth) = (landmark(leg, level), &truth["landmarks"][level.name()]);
             let girth_off = found.girth_tape_mm - number(&truth["tape_mm"]);
-            girths.push((girth_off.abs(), found.girth_sd_mm.unwrap()));
+            girths.push((girth_off.abs(), known_mm(found.girth_sd_mm)));
             let height_off = found.height_mm - number(&truth["height_mm"]);
-            heights.push((height_off.abs(), found.height_sd_mm.unwrap()));
+            heights.push((height_off.abs(), known_mm(found.height_sd_mm)));
         }
     });
     for (what, claims) in [("girths", girths), ("heights", heights)] {
@@ -351,24 +360,20 @@ fn the_uncertainties_of_b_c_and_d_are_neither_too_small_nor_too_large() {
 fn the_axes_of_shank_and_thigh_are_true_to_a_quarter_of_a_degree() {
     let mut table = Table::default();
     each_leg(&ALL, |name, leg, truth| {
-        let axes = leg.axes.as_ref().unwrap();
-        let thigh = axes.thigh.as_ref().unwrap();
-        for (what, found) in [("shank", &axes.shank), ("thigh", thigh)] {
+        let (shank, bend) = (leg.axis.foot.normal, leg.axis.bend.as_ref().unwrap());
+        for (what, found) in [("shank", shank), ("thigh", bend.thigh.direction)] {
             let direction = &truth[what]["direction"];
             let direction = Vector3::from([0, 1, 2].map(|axis| number(&direction[axis])));
-            let off_deg = Vector3::from(found.direction).angle(&direction).to_degrees();
+            let off_deg = found.into_inner().angle(&direction).to_degrees();
             table.row(&format!("{name} {what}"), off_deg, 0.0, off_deg <= AXIS_DEG);
         }
-        let (bend_deg, true_deg) = (axes.bend_deg.unwrap(), number(&truth["bend_deg"]));
+        let (bend_deg, true_deg) = (bend.angle_deg(), number(&truth["bend_deg"]));
         let is_good = (bend_deg - true_deg).abs() <= AXIS_DEG;
         table.row(&format!("{name} bend"), bend_deg, true_deg, is_good);
-        let upright_deg = Vector3::from(axes.shank.direction).z.acos().to_degrees();
-        table.row(
-            &format!("{name} tilt"),
-            leg.tilt_deg,
-            upright_deg,
-            (leg.tilt_deg - upright_deg).abs() < 0.01,
-        );
+        let upright_deg = shank.into_inner().angle(&Vector3::z()).to_degrees();
+        let tilt_deg = leg.axis.tilt_deg();
+        let is_good = (tilt_deg - upright_deg).abs() < 0.01;
+        table.row(&format!("{name} tilt"), tilt_deg, upright_deg, is_good);
     });
     table.check(3 * 2 * 4);
 }
@@ -377,19 +382,19 @@ fn the_axes_of_shank_and_thigh_are_true_to_a_quarter_of_a_degree() {
 fn facing_stature_crotch_and_unit_are_the_body_s() {
     let mut table = Table::default();
     for name in ALL {
-        let (record, truth) = &BODIES[name];
-        let body = &record.body;
+        let (Extraction { body, crotch, .. }, truth) = &BODIES[name];
+        assert!(crotch.is_seen(), "{name}");
         let pairs = [
             ("facing", body.facing_deg, &truth["facing_deg"], FACING_DEG),
             ("stature", body.stature_mm.unwrap(), &truth["stature_mm"], STATURE_MM),
-            ("crotch", body.crotch_height_mm.unwrap(), &truth["crotch_height_mm"], CROTCH_MM),
+            ("crotch", crotch.height_mm, &truth["crotch_height_mm"], CROTCH_MM),
         ];
         for (what, found, true_value, limit) in pairs {
             let is_good = (found - number(true_value)).abs() <= limit;
             table.row(&format!("{name} {what}"), found, number(true_value), is_good);
         }
-        assert_eq!(record.scan.unit, truth["unit"], "{name}");
-        assert!(record.scan.unit_inferred && body.facing_from == "feet");
+        assert_eq!(body.unit.word(), truth["unit"], "{name}");
+        assert!(body.unit_inferred && body.facing_from == FacingFrom::Feet);
     }
     table.check(3 * 3);
 }

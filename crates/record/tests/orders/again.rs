@@ -115,7 +115,7 @@ fn another_garment_or_another_form_is_ordered_anew() {
     let fault = Order::exact(&last(), &later(), &other, None).unwrap_err();
     let expected = ReorderFault::OtherGarment { last: "AD".to_owned(), now: "AG".to_owned() };
     assert_eq!(fault, expected);
-    let text = include_str!("../../../../config/garments/AD.toml");
+    let text = include_str!("../../../sizes/garments/AD.toml");
     let form = Garment::read(text.replace("round_girths_mm = 1", "round_girths_mm = 5").as_bytes());
     let fault = Order::exact(&last(), &later(), &form.unwrap(), None).unwrap_err();
     assert_eq!(fault, ReorderFault::OtherForm("AD".to_owned()));

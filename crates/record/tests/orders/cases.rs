@@ -1,7 +1,7 @@
 //! Every mapping of `fixtures/cases/orders`, and those of `config/orders`, with the file that it makes of an order
 //! or the faults that are told of it.
 //!
-//! `GAITER_RENEW=1 cargo test --test sizes orders::cases::` writes the expected files anew; read the difference
+//! `GAITER_RENEW=1 cargo test --test orders cases::` writes the expected files anew; read the difference
 //! before you keep it.
 
 #![allow(clippy::unwrap_used)]

@@ -1,6 +1,6 @@
 //! Orders: as a table, as JSON, as mappings say, and again.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::disallowed_methods, clippy::disallowed_types, clippy::panic, clippy::unwrap_used)]
 
 mod again;
 mod cases;

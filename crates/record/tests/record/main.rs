@@ -1,10 +1,13 @@
 //! What a record, its report, its figures and its messages say.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 mod completeness;
 mod every_finding;
 mod figure_claims;
 mod figure_sides;
 mod figures;
+mod from_extraction;
 mod gdt_message;
 mod gdt_orders;
 mod json_schema;

@@ -66,7 +66,7 @@ proptest! {
         from in 0..900_usize, length in 0..60_usize,
         typed in "[\\[\\]{}\"'=.,#\\\\ü\u{1b}\n a-cB0-9-]{0,16}",
     ) {
-        let whole = include_str!("../../../../config/garments/AT.toml");
+        let whole = include_str!("../../garments/AT.toml");
         let from = whole.floor_char_boundary(from);
         let to = whole.floor_char_boundary(from + length);
         let text = [&whole[..from], &typed, &whole[to..]].concat();

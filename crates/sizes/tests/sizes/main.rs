@@ -1,5 +1,7 @@
 //! Size tables against cases, against an evaluation of another kind, and against hostile files.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 mod against_integration;
 mod boundaries;
 mod cases;

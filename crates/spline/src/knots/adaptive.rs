@@ -3,7 +3,7 @@
 //!
 //! A cubic spline's error on a span of length h grows with h⁴ times the fourth derivative f⁗, so
 //! the best density of breakpoints is proportional to |f⁗|^(1/4) (de Boor, A Practical Guide to
-//! Splines, chapter XII). `tests/spline/knots.rs` compares the result with reference figures.
+//! Splines, chapter XII). `crates/spline/tests/spline/knots.rs` compares the result with reference figures.
 
 use super::profiles::{Domain, Profiles};
 use crate::fit::FitFault;

@@ -1,5 +1,7 @@
 //! The comparison of a patient's visits.
 
+#![allow(clippy::disallowed_methods, clippy::disallowed_types)]
+
 mod refusals;
 mod stance;
 mod swelling;

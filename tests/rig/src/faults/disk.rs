@@ -6,9 +6,11 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
+
+use crate::station::PATIENCE;
 
 /// The size of a disk: room for the scans and records of one run.
 const BYTES: u64 = 32 << 20;
@@ -56,7 +58,8 @@ impl Disk {
 
     /// Unmounts it.
     pub fn unmount(&self) {
-        for _ in 0..100 {
+        let deadline = Instant::now() + PATIENCE;
+        while Instant::now() < deadline {
             if Command::new("umount").arg(&self.at).output().unwrap().status.success() {
                 return;
             }

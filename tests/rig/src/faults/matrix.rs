@@ -13,13 +13,10 @@ use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
 use crate::invariants::{self, Moment, PutKind};
-use crate::station::{Booth, Setting, names};
+use crate::station::{Booth, PATIENCE, Setting, names};
 use support::scans::coarse_body;
 
 use crate::faults::tracer::{self, Answer, BEHIND_A_GATE, Call, Kind, Run};
-
-/// How long a station without faults may take to put everything in order.
-pub const PATIENCE: Duration = Duration::from_secs(40);
 
 /// How often it is looked whether a station rests whose log says nothing new. A look reads every
 /// file, and many stations share the machine.

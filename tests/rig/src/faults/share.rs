@@ -10,8 +10,7 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-/// How long the share may take to be mounted or unmounted.
-const PATIENCE: Duration = Duration::from_secs(30);
+use crate::station::PATIENCE;
 
 const SERVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/mock_share.py");
 

@@ -25,8 +25,7 @@ use nix::sys::signal::{Signal, kill, killpg};
 use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};
 use nix::unistd::Pid;
 
-/// How long a run may take before it counts as hung.
-const PATIENCE: Duration = Duration::from_secs(60);
+use crate::station::PATIENCE;
 
 /// How often it is asked whether the run has done its work.
 const ASK: Duration = Duration::from_millis(5);
@@ -154,6 +153,7 @@ pub fn can_trace() -> bool {
 }
 
 fn end_it(root: Pid, over: &AtomicBool, hung: &AtomicBool, finished: &impl Fn() -> bool) {
+    // A run that takes longer hangs.
     let deadline = Instant::now() + PATIENCE;
     let mut asked = false;
     while !over.load(Ordering::Relaxed) {
