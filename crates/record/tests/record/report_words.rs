@@ -51,9 +51,7 @@ fn codes() -> BTreeSet<String> {
         "crates/cad/src/kind.rs",
         "crates/record/src/report/pdf/mod.rs",
     ];
-    let text = sources.map(|source| {
-        fs::read_to_string(format!("{}/{source}", env!("CARGO_MANIFEST_DIR"))).unwrap()
-    });
+    let text = sources.map(|source| fs::read_to_string(support::root().join(source)).unwrap());
     let after = text.iter().flat_map(|text| text.split("fn code(").skip(1));
     let functions = after.map(|rest| rest.split("\n    }\n").next().unwrap());
     let quoted = functions.flat_map(|function| function.split('"').skip(1).step_by(2));
