@@ -1,7 +1,7 @@
-"""Holds records to docs/record.schema.json, and damaged ones against it.
+"""Holds records to crates/record/schemas/record.schema.json, and damaged ones against it.
 
     pip install jsonschema
-    python3 tests/schema_check.py docs/record.schema.json RECORD.json...
+    python3 tests/schema_check.py crates/record/schemas/record.schema.json RECORD.json...
 
 What must hold: every record is valid, with and without a patient and a time, and as one of a lone leg; none is with a value of
 another kind anywhere, nor without one of its own parts or one of a leg's. Exit code 1 if it does not.

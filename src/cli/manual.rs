@@ -38,11 +38,10 @@ pub fn man(args: &ManArgs) -> Exit {
 /// Prints the JSON Schema of records or orders.
 pub fn schema(args: &SchemaArgs) -> Exit {
     let schema = match args.of {
-        SchemaOf::Record => schema::json_schema(),
-        SchemaOf::Order => order::json_schema(),
+        SchemaOf::Record => schema::JSON_SCHEMA,
+        SchemaOf::Order => order::JSON_SCHEMA,
     };
-    let text = serde_json::to_vec_pretty(&schema).map_err(io::Error::from);
-    ended("the schema", text.and_then(|text| write(&[text, vec![b'\n']].concat())))
+    ended("the schema", write(schema.as_bytes()))
 }
 
 /// The command line as users see it, without the verb that only the station calls.

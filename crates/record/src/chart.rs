@@ -1,7 +1,6 @@
 //! Figures that clinics chart for a swollen leg, as in `record.json`: volumes, girths at any height, and
 //! how the legs differ.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{ml, mm, percent};
@@ -15,7 +14,8 @@ use gaiter_leg::levels::at_height::{AtHeight, AtLength, PROFILE_STEP_MM};
 use gaiter_leg::sections::axis_length::AxisLength;
 
 /// Volumes of one leg.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct VolumeFigures {
     /// From the lowest measured section to the highest, at the crotch; null if a section between them is
     /// open.
@@ -39,11 +39,12 @@ pub struct VolumeFigures {
 }
 
 /// A volume made of girths at fixed places.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TapeVolumeFigures {
     /// `cones` between neighbouring places or `discs` about each. Volumes of different methods are not
     /// compared.
-    #[schemars(extend("enum" = ["cones", "discs"]))]
+    #[cfg_attr(test, schemars(extend("enum" = ["cones", "discs"])))]
     pub method: String,
     /// Distance between two places.
     pub step_mm: f64,
@@ -56,7 +57,8 @@ pub struct TapeVolumeFigures {
 }
 
 /// The volume of a slice across the axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SliceFigures {
     /// Lower end, along the axis from the floor.
     pub from_mm: f64,
@@ -69,7 +71,8 @@ pub struct SliceFigures {
 }
 
 /// The girth at a requested height; null if it was not measured.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AtFigures {
     /// Requested vertical height of the section's centre above the floor.
     pub height_mm: f64,
@@ -86,7 +89,8 @@ pub struct AtFigures {
 }
 
 /// The girth at a fixed length along the leg; null if it was not measured.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AlongFigures {
     /// Length along the leg's axis from the floor.
     pub along_axis_mm: f64,
@@ -103,7 +107,8 @@ pub struct AlongFigures {
 }
 
 /// How the legs differ: left minus right everywhere.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DifferenceFigures {
     /// Levels found on both legs, lowest first.
     pub levels: Vec<LevelDifferenceFigures>,
@@ -114,7 +119,8 @@ pub struct DifferenceFigures {
 }
 
 /// The difference at one level, left minus right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LevelDifferenceFigures {
     /// The level.
     pub level: String,
@@ -129,7 +135,8 @@ pub struct LevelDifferenceFigures {
 }
 
 /// The difference of two volumes between the same two distances along the axes, left minus right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct VolumeDifferenceFigures {
     /// Lower end, along the axis from the floor.
     pub from_mm: f64,

@@ -2,7 +2,6 @@
 //! series of checks. A record names the last one.
 
 use jiff::Timestamp;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{degrees, mm, share};
@@ -34,7 +33,8 @@ pub struct CheckRecord {
 }
 
 /// The result of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum CheckResult {
     /// Every girth is within the tolerance.
@@ -88,7 +88,8 @@ pub struct GirthFigures {
 }
 
 /// The last check before a scan, as its record names it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LastCheck {
     /// When it was measured, UTC.
     pub at: Timestamp,

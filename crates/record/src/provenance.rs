@@ -3,7 +3,6 @@
 use jiff::civil::Date;
 use jiff::tz::{Offset, TimeZone};
 use jiff::{Timestamp, Zoned};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::phantom::LastCheck;
@@ -49,7 +48,8 @@ impl Provenance {
 }
 
 /// A patient's id and the sources that named it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Patient {
     /// The id, matching the configured pattern.
     pub id: String,
@@ -58,7 +58,8 @@ pub struct Patient {
 }
 
 /// One source of a patient id.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Source {
     /// The kind of source.
     pub kind: SourceKind,
@@ -68,7 +69,8 @@ pub struct Source {
 }
 
 /// How reliable a source of a patient's id is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Confidence {
     /// A device read or sent it, and it was bound to the press of this scan.
@@ -93,7 +95,8 @@ impl Source {
 }
 
 /// The kinds of sources of a patient id.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum SourceKind {
     /// The scan's file name, matched by the configured expression.
@@ -111,7 +114,8 @@ pub enum SourceKind {
 }
 
 /// A time of acquisition and its source.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Acquired {
     /// UTC.
     pub at: Timestamp,
@@ -143,7 +147,8 @@ impl Acquired {
 }
 
 /// The source of a time of acquisition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum AcquiredFrom {
     /// The press of the button.

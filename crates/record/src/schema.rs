@@ -4,11 +4,11 @@
 //! of a field never changes without a new schema number.
 
 mod amendment;
+#[cfg(test)]
+mod tests;
 
 use std::collections::BTreeMap;
 
-use schemars::generate::SchemaSettings;
-use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::chart::{AlongFigures, AtFigures, DifferenceFigures, VolumeFigures};
@@ -28,10 +28,11 @@ pub const SCHEMA: &str = "gaiter.leg-record/2";
 pub const OLDER_SCHEMA: &str = "gaiter.leg-record/1";
 
 /// The result for one scan and patient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Record {
     /// The name and number of this schema.
-    #[schemars(extend("const" = SCHEMA))]
+    #[cfg_attr(test, schemars(extend("const" = SCHEMA)))]
     pub schema: String,
     /// 1, or more if the same scan was measured again.
     pub revision: u32,
@@ -62,10 +63,7 @@ pub struct Record {
 }
 
 /// The JSON Schema (draft 2020-12) of a record as this version writes it.
-pub fn json_schema() -> Schema {
-    let settings = SchemaSettings::draft2020_12().for_serialize();
-    settings.into_generator().into_root_schema_for::<Record>()
-}
+pub const JSON_SCHEMA: &str = include_str!("../schemas/record.schema.json");
 
 impl Record {
     /// The leg of a side, if it was measured.
@@ -80,7 +78,8 @@ impl Record {
 }
 
 /// Program and method that made a record.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MadeBy {
     /// gaiter's version.
     pub gaiter: String,
@@ -89,10 +88,11 @@ pub struct MadeBy {
 }
 
 /// The file that was measured.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ScanFile {
     /// SHA-256 of its bytes, lower-case hexadecimal.
-    #[schemars(regex(pattern = r"^[0-9a-f]{64}$"))]
+    #[cfg_attr(test, schemars(regex(pattern = r"^[0-9a-f]{64}$")))]
     pub sha256: String,
     /// The usual file ending of its format.
     pub format: String,
@@ -107,7 +107,8 @@ pub struct ScanFile {
 }
 
 /// Figures of the whole body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BodyFigures {
     /// Height of the highest point above the floor; null for a lone leg.
     pub stature_mm: Option<f64>,
@@ -118,7 +119,7 @@ pub struct BodyFigures {
     pub crotch_sd_mm: Option<f64>,
     /// What shows the crotch, and so what G is measured from; null in schema 1.
     #[serde(default)]
-    #[schemars(extend("enum" = ["saddle", "border", "grown-together", "thighs", "notch", "one-leg", "proportion", null]))]
+    #[cfg_attr(test, schemars(extend("enum" = ["saddle", "border", "grown-together", "thighs", "notch", "one-leg", "proportion", null])))]
     pub crotch_from: Option<String>,
     /// Standard error of the floor's height, from which all heights are counted; null in records of older
     /// versions.
@@ -127,17 +128,18 @@ pub struct BodyFigures {
     /// Direction of the toes in the export.
     pub facing_deg: f64,
     /// Source of the facing: `feet` or `declared`.
-    #[schemars(extend("enum" = ["feet", "declared"]))]
+    #[cfg_attr(test, schemars(extend("enum" = ["feet", "declared"])))]
     pub facing_from: String,
     /// 4 × 4, row by row: from the export's coordinates to the body frame. Not rounded.
     pub from_export: [f64; 16],
 }
 
 /// Figures of one leg.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LegFigures {
     /// The patient's `left` or `right`.
-    #[schemars(extend("enum" = ["left", "right"]))]
+    #[cfg_attr(test, schemars(extend("enum" = ["left", "right"])))]
     pub side: String,
     /// Angle between the axis of the shank and the vertical; in schema 1, of the whole leg.
     pub tilt_deg: f64,
@@ -184,7 +186,8 @@ pub struct LegFigures {
 }
 
 /// Figures of one level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LandmarkFigures {
     /// The rule by which it was found, in English.
     #[serde(default)]
@@ -218,7 +221,8 @@ pub struct LandmarkFigures {
 }
 
 /// Figures of one level that is estimated by proportion.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct EstimateFigures {
     /// The proportion by which it was estimated, in English.
     pub by: String,
@@ -240,7 +244,8 @@ pub struct EstimateFigures {
 }
 
 /// Figures of a foot.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FootFigures {
     /// From the heel to the longest toe, along the foot.
     pub length_mm: f64,
@@ -249,7 +254,8 @@ pub struct FootFigures {
 }
 
 /// The girth curve as columns of equal length; null if a section is open.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct GirthColumns {
     /// Heights of the sections' centres.
     pub height_mm: Vec<Option<f64>>,
@@ -270,7 +276,8 @@ pub struct GirthColumns {
 }
 
 /// Figures of the section at a level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SectionFigures {
     /// The level.
     pub level: String,
@@ -288,14 +295,15 @@ pub struct SectionFigures {
 }
 
 /// One feature point.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FeatureFigures {
     /// The level of its section.
     pub level: String,
     /// P1, P2, … around from the front towards lateral.
     pub label: String,
     /// `peak` or `valley`.
-    #[schemars(extend("enum" = ["peak", "valley"]))]
+    #[cfg_attr(test, schemars(extend("enum" = ["peak", "valley"])))]
     pub kind: String,
     /// Angle around the section's centre: 0 front, 90 lateral.
     pub angle_deg: f64,
@@ -310,12 +318,13 @@ pub struct FeatureFigures {
 }
 
 /// One finding.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FindingNote {
     /// Stable code; docs/codes.md explains what to do.
     pub code: String,
     /// `info`, `warning` or `error`.
-    #[schemars(extend("enum" = ["info", "warning", "error"]))]
+    #[cfg_attr(test, schemars(extend("enum" = ["info", "warning", "error"])))]
     pub severity: String,
     /// `left`, `right` or null.
     pub leg: Option<String>,

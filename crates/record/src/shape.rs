@@ -1,12 +1,9 @@
 //! The shape of a leg in `record.json`, from which the pictures of reports and pages are drawn. It is
 //! coarser than what was measured. To measure, use the CAD files of the surface.
 
-use std::borrow::Cow;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::{Point3, Vector3};
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -30,7 +27,8 @@ const ERROR_UNIT_MM: f64 = 0.01;
 const UNSEEN: i16 = i16::MIN;
 
 /// The leg's axis with the frame of its sections: unit vectors in the body frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AxisFigures {
     /// Where the axis meets the floor.
     pub foot_mm: [f64; 3],
@@ -43,7 +41,8 @@ pub struct AxisFigures {
 }
 
 /// The axes to which the sections of a leg are square.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AxesFigures {
     /// Of the shank: up to 0.30 of the stature.
     pub shank: LineFigures,
@@ -55,7 +54,8 @@ pub struct AxesFigures {
 }
 
 /// A line in the body frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LineFigures {
     /// A point on it.
     pub through_mm: [f64; 3],
@@ -65,7 +65,8 @@ pub struct LineFigures {
 
 /// The outline of the section at a level: a point lies at
 /// centre + radius · (cos angle · front + sin angle · lateral).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OutlineFigures {
     /// The section's centre, body frame.
     pub centre_mm: [f64; 3],
@@ -86,7 +87,8 @@ pub struct OutlineFigures {
 }
 
 /// A leg's shape in the body frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ShapeFigures {
     /// The measured skin.
     pub skin: GridFigures,
@@ -101,7 +103,8 @@ pub struct ShapeFigures {
 }
 
 /// Points in rows from the bottom up, at equal angles around the leg, −180° first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct GridFigures {
     /// Number of rows.
     pub rows: usize,
@@ -112,7 +115,8 @@ pub struct GridFigures {
 }
 
 /// A surface in rows from the bottom up, at equal angles around the leg, −180° first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SurfaceGridFigures {
     /// Number of rows.
     pub rows: usize,
@@ -125,7 +129,8 @@ pub struct SurfaceGridFigures {
 }
 
 /// Triangles, coarser than the scan's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MeshFigures {
     /// x, y, z of each point in 0.1 mm.
     pub points: Packed,
@@ -134,7 +139,8 @@ pub struct MeshFigures {
 }
 
 /// Points in no particular order.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CloudFigures {
     /// x, y, z of each in 0.1 mm.
     pub points: Packed,
@@ -194,13 +200,14 @@ impl Serialize for Packed {
     }
 }
 
-impl JsonSchema for Packed {
-    fn schema_name() -> Cow<'static, str> {
+#[cfg(test)]
+impl schemars::JsonSchema for Packed {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
         "Packed".into()
     }
 
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
             "description": "16-bit integers, low byte first, as base64 (RFC 4648, section 4).",
             "type": "string",
             "contentEncoding": "base64"

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding;
@@ -24,7 +23,8 @@ use gaiter_leg::{LegFault, Level, Side, What};
 use gaiter_spline::tessellate::TessellationFault;
 
 /// A statement of a record.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Statement {
     /// The stable key of its text.
     pub is: String,
@@ -34,7 +34,8 @@ pub struct Statement {
 }
 
 /// A figure in a statement.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Figure {
     /// A number, to 10⁻⁶.

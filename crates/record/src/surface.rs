@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{cm2, degrees, mm, share};
@@ -13,7 +12,8 @@ use gaiter_leg::surface::nurbs::LegSurface;
 use gaiter_spline::DEGREE;
 
 /// The surface's extent and error.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SurfaceFigures {
     /// Number along and around the leg.
     pub control_points: [usize; 2],
@@ -42,7 +42,8 @@ pub struct SurfaceFigures {
 }
 
 /// Distances from the surface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ErrorFigures {
     /// Area-weighted mean of |distance| / local radius.
     pub mean_relative: f64,
@@ -56,7 +57,8 @@ pub struct ErrorFigures {
 }
 
 /// The girth of the surface at a level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SurfaceGirth {
     /// Along the surface's own section.
     pub contour_mm: f64,
@@ -65,7 +67,8 @@ pub struct SurfaceGirth {
 }
 
 /// A hole of the scan that the surface bridges.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct HoleFigures {
     /// Height of its middle above the floor.
     pub height_mm: f64,

@@ -15,8 +15,6 @@ mod reorder;
 mod text;
 
 use jiff::Timestamp;
-use schemars::generate::SchemaSettings;
-use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::provenance::Acquired;
@@ -39,10 +37,11 @@ pub const NOT_OF_A_SCAN: [&str; 7] =
     ["class", "knit", "product", "colour", "toe", "band", "quantity"];
 
 /// An order, or a further one of the same garment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Order {
     /// The name and number of this schema.
-    #[schemars(extend("const" = SCHEMA))]
+    #[cfg_attr(test, schemars(extend("const" = SCHEMA)))]
     pub schema: String,
     /// gaiter's version that wrote the order.
     pub gaiter: String,
@@ -59,7 +58,7 @@ pub struct Order {
     /// Program and method that measured the scan.
     pub made_by: MadeBy,
     /// Always `skin`: no tension is applied to the girths.
-    #[schemars(extend("const" = BASIS))]
+    #[cfg_attr(test, schemars(extend("const" = BASIS)))]
     pub basis: String,
     /// How the patient held the legs: `both-legs`, `one-leg`, `sitting` or `lying`; null in older records.
     pub posture: Option<String>,
@@ -85,7 +84,8 @@ pub struct Order {
 }
 
 /// The garment and its form.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OrderedGarment {
     /// Its name on order forms.
     pub name: String,
@@ -98,10 +98,11 @@ pub struct OrderedGarment {
 }
 
 /// The scan of an order.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OrderedScan {
     /// SHA-256 of its bytes, lower-case hexadecimal.
-    #[schemars(regex(pattern = r"^[0-9a-f]{64}$"))]
+    #[cfg_attr(test, schemars(regex(pattern = r"^[0-9a-f]{64}$")))]
     pub sha256: String,
     /// Its short reference: the first digits of the hash, and the revision of the record from 2 on.
     pub reference: String,
@@ -112,7 +113,8 @@ pub struct OrderedScan {
 }
 
 /// The record of an order.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OrderedRecord {
     /// Its schema.
     pub schema: String,
@@ -123,13 +125,14 @@ pub struct OrderedRecord {
 }
 
 /// The units of an order.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Units {
     /// Of girths, lengths and their uncertainties.
-    #[schemars(extend("const" = "mm"))]
+    #[cfg_attr(test, schemars(extend("const" = "mm")))]
     pub figures: String,
     /// Of figures rounded for print.
-    #[schemars(extend("const" = "cm"))]
+    #[cfg_attr(test, schemars(extend("const" = "cm")))]
     pub printed: String,
 }
 
@@ -140,7 +143,8 @@ impl Default for Units {
 }
 
 /// A point of a leg.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Row {
     /// The patient's `left` or `right`; `body` for a point of neither.
     pub side: OrderSide,
@@ -165,9 +169,8 @@ pub struct Row {
 }
 
 /// Where a point lies.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OrderSide {
     /// On the right leg.
@@ -190,7 +193,8 @@ impl OrderSide {
 }
 
 /// A girth or a length.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Figure {
     /// The name of its box on the form.
     pub form_box: String,
@@ -209,7 +213,8 @@ pub struct Figure {
 }
 
 /// How sure a figure is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
     /// The scan shows it without a doubt that matters.
@@ -249,7 +254,8 @@ impl State {
 }
 
 /// How a figure was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Way {
     /// By the scanner.
@@ -272,7 +278,8 @@ impl Way {
 }
 
 /// A box of the form that is not filled.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OpenBox {
     /// Where its point lies.
     pub side: OrderSide,
@@ -285,7 +292,8 @@ pub struct OpenBox {
 }
 
 /// That an order repeats another.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Reorder {
     /// How.
     pub is: Again,
@@ -299,7 +307,8 @@ pub struct Reorder {
 }
 
 /// How an order repeats another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Again {
     /// With its figures.
@@ -319,7 +328,8 @@ impl Again {
 }
 
 /// The figures of the order that is ordered again.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LastRow {
     /// The girth; null if that order had none.
     pub girth: Option<LastFigure>,
@@ -328,7 +338,8 @@ pub struct LastRow {
 }
 
 /// A figure of the order that is ordered again, and the difference from it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LastFigure {
     /// How sure it was.
     pub is: State,
@@ -344,7 +355,4 @@ pub struct LastFigure {
 }
 
 /// The JSON Schema (draft 2020-12) of an order as this version writes it.
-pub fn json_schema() -> Schema {
-    let settings = SchemaSettings::draft2020_12().for_serialize();
-    settings.into_generator().into_root_schema_for::<Order>()
-}
+pub const JSON_SCHEMA: &str = include_str!("../../schemas/order.schema.json");

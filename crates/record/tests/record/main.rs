@@ -10,7 +10,6 @@ mod figures;
 mod from_extraction;
 mod gdt_message;
 mod gdt_orders;
-mod json_schema;
 mod levels;
 mod older_records;
 mod one_order;
