@@ -89,9 +89,11 @@ fn a_layer_uses_only_layers_above_it() {
 #[test]
 fn every_file_says_what_it_is_and_none_is_too_long() {
     let mut found = Vec::new();
-    ["src", "crates", "tests", "benches", "examples"]
-        .iter()
-        .for_each(|f| collect(&root().join(f), &mut found));
+    for package in packages() {
+        ["src", "tests", "benches", "examples"]
+            .iter()
+            .for_each(|top| collect(&package.join(top), &mut found));
+    }
     assert!(found.len() > 500, "only {} files were looked at", found.len());
     for path in found {
         let text = fs::read_to_string(&path).unwrap();

@@ -60,7 +60,7 @@ pub struct EndPlane {
 ///
 /// # Errors
 /// [`EndNotPlane`]: a point of an end's curve may lie further than [`PLANE_MM`] from its plane.
-pub fn planes(surface: &Surface) -> Result<[EndPlane; 2], EndNotPlane> {
+pub(crate) fn planes(surface: &Surface) -> Result<[EndPlane; 2], EndNotPlane> {
     let [first, last] = rings(surface);
     let (low, high) = (middle(first), middle(last));
     Ok([plane(first, high - low, End::First)?, plane(last, low - high, End::Last)?])

@@ -1,7 +1,7 @@
 //! The header of a file: its name, product and writer.
 
 /// The program that wrote the file.
-pub const SYSTEM: &str = concat!("gaiter ", env!("CARGO_PKG_VERSION"));
+pub(crate) const SYSTEM: &str = concat!("gaiter ", env!("CARGO_PKG_VERSION"));
 
 /// The header of a file. Files leave the house, so nothing here may name a patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// Appends the number that `{value:?}` gives: with a decimal point or an exponent, in the fewest digits
 /// that read back as `value`.
-pub fn push_shortest(text: &mut String, value: f64) {
+pub(crate) fn push_shortest(text: &mut String, value: f64) {
     let magnitude = value.abs();
     if magnitude < FAST.end && magnitude.trunc() == magnitude {
         text.push_str(if value.is_sign_negative() { "-" } else { "" });
@@ -60,7 +60,7 @@ pub fn push_tenths(text: &mut String, tenths: i64) {
 }
 
 /// Appends a whole number. Those of drawings have few digits, which need no detour.
-pub fn push_whole(text: &mut String, number: u64) {
+pub(crate) fn push_whole(text: &mut String, number: u64) {
     if number >= 1000 {
         return push_padded(text, number, number.ilog10() as usize + 1);
     }

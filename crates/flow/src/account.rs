@@ -233,7 +233,7 @@ impl Delivered {
 }
 
 /// Why a scan is held, in words for its code.
-pub fn why_held(code: &str) -> &'static str {
+fn why_held(code: &str) -> &'static str {
     match code {
         capture::AMBIGUOUS => "it could belong to more than one named or scanned patient",
         capture::UNCLEAR => {

@@ -6,7 +6,7 @@ use std::time::Duration;
 const FIRST: Duration = Duration::from_secs(1);
 
 /// The longest pause of all: a share that comes back is noticed within this time.
-pub const CEILING: Duration = Duration::from_secs(300);
+pub(crate) const CEILING: Duration = Duration::from_secs(300);
 
 /// The shortest pause: full jitter may draw nearly zero, and a hot loop is of no use.
 const FLOOR: Duration = Duration::from_millis(200);

@@ -54,22 +54,22 @@ pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
 
 /// Finding: the export could belong to captures of different patients.
-pub const AMBIGUOUS: &str = Why::Ambiguous.code();
+pub(crate) const AMBIGUOUS: &str = Why::Ambiguous.code();
 
 /// Finding: the export may have been written before the press.
-pub const UNCLEAR: &str = Why::Unclear.code();
+pub(crate) const UNCLEAR: &str = Why::Unclear.code();
 
 /// Finding: the export arrived after the window of the press it must belong to.
-pub const LATE: &str = Why::Late.code();
+pub(crate) const LATE: &str = Why::Late.code();
 
 /// Finding: the station could not hear for a while, and a missed press may have made this export.
-pub const UNHEARD: &str = Why::Unheard.code();
+pub(crate) const UNHEARD: &str = Why::Unheard.code();
 
 /// Finding: an attempt to name a patient before the export could not be read.
-pub const UNREAD: &str = Why::Unread.code();
+pub(crate) const UNREAD: &str = Why::Unread.code();
 
 /// Finding: the order that names the patient repeats an earlier one.
-pub const REPEATED: &str = Why::Repeated.code();
+pub(crate) const REPEATED: &str = Why::Repeated.code();
 
 /// The captures whose exports have not arrived, in the order in which they were opened, and the
 /// patients' names that wait for a press.

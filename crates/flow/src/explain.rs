@@ -10,7 +10,7 @@ use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
 use super::health::local;
 
 /// Endings that scanners and copy programs use for unfinished files.
-pub const UNFINISHED: [&str; 2] = [".part", ".tmp"];
+const UNFINISHED: [&str; 2] = [".part", ".tmp"];
 
 /// What the journal knows about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]

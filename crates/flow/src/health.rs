@@ -1,7 +1,7 @@
 //! Whether the station is ready, end to end: not whether it runs, but whether scans become records.
 //!
 //! An intermittent fault must not make the reported state flicker: a source or a store is reported once
-//! the fault has lasted for [`BLIP`]. Times are wall-clock times, because they must outlast a restart;
+//! the fault has lasted for `BLIP`. Times are wall-clock times, because they must outlast a restart;
 //! if the clock was set back and a time is in the future, the state counts as old.
 
 use std::time::Duration;
@@ -16,10 +16,10 @@ use super::trigger::PortState;
 
 /// How long a source or a store may be out of order before it is reported: longer than a look that hits
 /// a short network break, shorter than the operator's patience.
-pub const BLIP: Duration = Duration::from_secs(5);
+pub(crate) const BLIP: Duration = Duration::from_secs(5);
 
 /// How long a port may be out of order before it is reported: long enough to plug it in elsewhere.
-pub const REPLUG: Duration = Duration::from_secs(60);
+const REPLUG: Duration = Duration::from_secs(60);
 
 /// Something that keeps the station from being ready.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -230,7 +230,7 @@ pub fn age(since: Timestamp, now: Timestamp) -> Option<Duration> {
 }
 
 /// Whether something has lasted for `least`; a start in the future counts as long ago.
-pub fn has_lasted(since: Timestamp, now: Timestamp, least: Duration) -> bool {
+pub(crate) fn has_lasted(since: Timestamp, now: Timestamp, least: Duration) -> bool {
     age(since, now).is_none_or(|age| age >= least)
 }
 

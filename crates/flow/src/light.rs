@@ -39,7 +39,7 @@ pub enum Outcome {
 
 impl Outcome {
     /// Whether a person must see it before the next patient.
-    pub fn needs_person(&self) -> bool {
+    fn needs_person(&self) -> bool {
         !matches!(self, Outcome::Delivered)
     }
 }
@@ -65,7 +65,7 @@ pub struct Scene {
 pub const NO_EXPORT: &str = "no-export";
 
 /// The complaint that the operator has paused the station. The light has its own signal for it.
-pub const PAUSED: &str = "paused";
+const PAUSED: &str = "paused";
 
 /// Whether the station is not ready in a way for which the light has no signal of its own.
 pub fn is_not_ready(complaints: &[Complaint]) -> bool {

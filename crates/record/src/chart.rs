@@ -156,7 +156,7 @@ fn known(value: f64, rounded: fn(f64) -> f64) -> Option<f64> {
 }
 
 /// The volumes of a leg; `by` says how one is made of girths.
-pub fn volumes(report: &LegReport, by: VolumeBy) -> VolumeFigures {
+pub(crate) fn volumes(report: &LegReport, by: VolumeBy) -> VolumeFigures {
     let leg = &report.volume;
     let value = |volume: Option<Volume>| volume.and_then(|volume| known(volume.ml, ml));
     let sd = |volume: Option<Volume>| volume.and_then(|volume| known(volume.sd_ml, ml));
@@ -200,7 +200,7 @@ fn by_tape(along: &[AtLength], by: VolumeBy) -> Option<TapeVolumeFigures> {
 }
 
 /// The girth at a height.
-pub fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
+pub(crate) fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
     let girth = at.found.as_ref().ok();
     AtFigures {
         height_mm: mm(at.height_mm),
@@ -216,7 +216,7 @@ pub fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
 }
 
 /// The girth at a fixed length.
-pub fn along(at: &AtLength) -> AlongFigures {
+pub(crate) fn along(at: &AtLength) -> AlongFigures {
     let girth = at.found.as_ref().ok();
     let doubts = girth.iter().flat_map(|girth| &girth.doubts);
     AlongFigures {
@@ -230,21 +230,21 @@ pub fn along(at: &AtLength) -> AlongFigures {
 }
 
 /// The girths of two legs, right and left, at each height that both have, lowest first.
-pub fn same_heights([right, left]: [&[AtFigures]; 2]) -> Vec<[&AtFigures; 2]> {
+pub(crate) fn same_heights([right, left]: [&[AtFigures]; 2]) -> Vec<[&AtFigures; 2]> {
     let other = |at: &AtFigures| left.iter().find(|other| other.height_mm == at.height_mm);
     right.iter().filter_map(|at| Some([at, other(at)?])).collect()
 }
 
 /// The difference of two girths, left minus right, mm, and its standard error, `None` if unknown. `None`
 /// if one of the girths is missing.
-pub fn girth_difference(right: &AtFigures, left: &AtFigures) -> Option<(f64, Option<f64>)> {
+pub(crate) fn girth_difference(right: &AtFigures, left: &AtFigures) -> Option<(f64, Option<f64>)> {
     let sds = right.girth_sd_mm.zip(left.girth_sd_mm);
     let difference_mm = left.girth_tape_mm? - right.girth_tape_mm?;
     Some((difference_mm, sds.map(|(right, left)| right.hypot(left))))
 }
 
 /// The differences of the legs.
-pub fn differences(legs: &Differences) -> DifferenceFigures {
+pub(crate) fn differences(legs: &Differences) -> DifferenceFigures {
     DifferenceFigures {
         levels: legs.levels.iter().map(level_difference).collect(),
         whole: legs.whole.as_ref().map(volume_difference),

@@ -65,7 +65,12 @@ pub enum Absent {
 }
 
 /// The key of the words for why a record has no figures of a level.
-pub fn why_absent(record: &Record, side: Side, level: Level, absent: Absent) -> &'static str {
+pub(crate) fn why_absent(
+    record: &Record,
+    side: Side,
+    level: Level,
+    absent: Absent,
+) -> &'static str {
     let is_found = |code: &str, level: Option<&str>| {
         record.findings.iter().any(|of| {
             let is_there = of.leg.as_deref() == Some(side.word());
@@ -135,7 +140,7 @@ impl Measure<'_> {
     }
 
     /// Whether there is a doubt about girth or height by tape.
-    pub fn has_a_doubt_that_matters(&self) -> bool {
+    pub(crate) fn has_a_doubt_that_matters(&self) -> bool {
         self.doubts.iter().any(|doubt| *doubt != HARMLESS)
     }
 
@@ -246,7 +251,7 @@ impl Length {
     }
 
     /// What the scan says of such a length; `None` if it was not seen.
-    pub fn scanned_of(record: &Record, side: Side, subject: Subject) -> Option<Length> {
+    pub(crate) fn scanned_of(record: &Record, side: Side, subject: Subject) -> Option<Length> {
         let leg = record.leg(side);
         let foot = leg.and_then(|leg| leg.foot.as_ref());
         match subject {

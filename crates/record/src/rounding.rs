@@ -13,7 +13,7 @@ pub fn mm(value: f64) -> f64 {
 }
 
 /// Lengths in mm as cm, to 1 mm, as on a tape, for practice software.
-pub fn cm(value_mm: f64) -> f64 {
+pub(crate) fn cm(value_mm: f64) -> f64 {
     to_places(value_mm / 10.0, 1)
 }
 
@@ -51,7 +51,7 @@ pub fn ml(value: f64) -> f64 {
 }
 
 /// Areas in mm² as cm², to 1 mm².
-pub fn cm2(value_mm2: f64) -> f64 {
+pub(crate) fn cm2(value_mm2: f64) -> f64 {
     to_places(value_mm2 / 100.0, 2)
 }
 
@@ -61,22 +61,22 @@ pub fn percent(value: f64) -> f64 {
 }
 
 /// Angles, to 0.01°.
-pub fn degrees(value: f64) -> f64 {
+pub(crate) fn degrees(value: f64) -> f64 {
     to_places(value, 2)
 }
 
 /// Curvatures, to 10⁻⁵ per mm.
-pub fn per_mm(value: f64) -> f64 {
+pub(crate) fn per_mm(value: f64) -> f64 {
     to_places(value, 5)
 }
 
 /// Shares, ratios and coefficients of determination, to 10⁻⁶.
-pub fn share(value: f64) -> f64 {
+pub(crate) fn share(value: f64) -> f64 {
     to_places(value, 6)
 }
 
 /// Components of a unit vector, to 10⁻⁹: 1 µm at a distance of a kilometre.
-pub fn unit(value: f64) -> f64 {
+pub(crate) fn unit(value: f64) -> f64 {
     to_places(value, 9)
 }
 
@@ -87,12 +87,12 @@ pub fn cm_margin(sd_mm: f64) -> f64 {
 }
 
 /// A length in mm to a hundredth as text, for distances from a surface.
-pub fn mm_words(value_mm: f64, language: Language) -> String {
+pub(crate) fn mm_words(value_mm: f64, language: Language) -> String {
     number(value_mm, 2, language)
 }
 
 /// Volumes in mL for people: whole numbers.
-pub fn whole_ml(value_ml: f64) -> f64 {
+pub(crate) fn whole_ml(value_ml: f64) -> f64 {
     to_places(value_ml, 0)
 }
 
@@ -129,7 +129,7 @@ fn to_places(value: f64, places: i32) -> f64 {
 }
 
 /// Whether a difference is larger than its uncertainty, both as shown; never without one.
-pub fn exceeds(told: f64, margin: Option<f64>) -> bool {
+pub(crate) fn exceeds(told: f64, margin: Option<f64>) -> bool {
     margin.is_some_and(|margin| told.abs() > margin)
 }
 

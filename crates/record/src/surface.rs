@@ -83,7 +83,7 @@ pub struct HoleFigures {
 }
 
 /// The figures of a leg's surface; `None` if it has none.
-pub fn surface(report: &LegReport) -> Option<SurfaceFigures> {
+pub(crate) fn surface(report: &LegReport) -> Option<SurfaceFigures> {
     let leg = report.surface.as_ref()?;
     let [from_mm, to_mm] = leg.height_mm;
     Some(SurfaceFigures {

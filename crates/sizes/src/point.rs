@@ -83,7 +83,7 @@ impl Point {
     }
 
     /// Whether it is a girth, which a scanner that is off measures wrong by a common amount.
-    pub fn is_girth(self) -> bool {
+    pub(crate) fn is_girth(self) -> bool {
         matches!(
             self,
             Point::Girth(_) | Point::Beyond(Beyond::HipGirth) | Point::Beyond(Beyond::WaistGirth)

@@ -179,14 +179,17 @@ impl SizeTable {
     }
 
     /// The points that must fit for a garment; `None` if each must that a size has.
-    pub fn required_for(&self, garment: &str) -> Option<&[Point]> {
+    pub(crate) fn required_for(&self, garment: &str) -> Option<&[Point]> {
         let of =
             |name: Option<&str>| self.required.iter().find(move |of| of.garment.as_deref() == name);
         of(Some(garment)).or_else(|| of(None)).map(|of| of.points.as_slice())
     }
 
     /// The variants that are made for a garment.
-    pub fn variants_for<'a>(&'a self, garment: &'a str) -> impl Iterator<Item = &'a Variant> {
+    pub(crate) fn variants_for<'a>(
+        &'a self,
+        garment: &'a str,
+    ) -> impl Iterator<Item = &'a Variant> {
         let is_for = move |of: &&Variant| {
             of.applies_to.is_empty() || of.applies_to.iter().any(|name| name == garment)
         };
@@ -194,7 +197,10 @@ impl SizeTable {
     }
 
     /// The lengths in which a garment is made.
-    pub fn lengths_for<'a>(&'a self, garment: &'a str) -> impl Iterator<Item = &'a LengthRow> {
+    pub(crate) fn lengths_for<'a>(
+        &'a self,
+        garment: &'a str,
+    ) -> impl Iterator<Item = &'a LengthRow> {
         self.lengths.iter().filter(move |of| of.garment == garment)
     }
 }
@@ -207,7 +213,7 @@ impl Size {
 
     /// The ranges of a variant of it: those that the variant replaces, and its own elsewhere; `None` if it is
     /// not made in this variant.
-    pub fn ranges_of(&self, variant: &str) -> Option<Vec<Ranged>> {
+    pub(crate) fn ranges_of(&self, variant: &str) -> Option<Vec<Ranged>> {
         let (_, replaced) = self.variants.iter().find(|(name, _)| name == variant)?;
         let its = |of: &Ranged| replaced.iter().find(|new| new.point == of.point).copied();
         let own = self.ranges.iter().map(|of| its(of).unwrap_or(*of));

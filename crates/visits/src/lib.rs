@@ -21,7 +21,7 @@ pub mod leg;
 pub mod overlay;
 pub mod place;
 pub mod quantity;
-pub mod registration;
+mod registration;
 pub mod report;
 pub mod schema;
 pub mod stance;

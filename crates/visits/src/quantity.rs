@@ -45,7 +45,7 @@ pub struct Quantity {
 
 impl Quantity {
     /// This figure minus another one of the same scan: what is common to both cancels as far as it can.
-    pub fn minus_within_scan(&self, other: &Quantity) -> Quantity {
+    pub(crate) fn minus_within_scan(&self, other: &Quantity) -> Quantity {
         Quantity {
             value: self.value - other.value,
             parts: Parts {
@@ -112,7 +112,7 @@ impl Change {
 
     /// The change at one of the many places of two legs. It must exceed more of its own uncertainty, so that
     /// of all places of a pair of scans together none is told as changed by chance in 95 of 100 pairs.
-    pub fn at_place(earlier: &Quantity, later: &Quantity) -> Change {
+    pub(crate) fn at_place(earlier: &Quantity, later: &Quantity) -> Change {
         Change::of_one(earlier, later, PLACE_SDS)
     }
 
@@ -130,7 +130,7 @@ impl Change {
     }
 
     /// The change with the part of its uncertainty that comes from another stance.
-    pub fn with_stance(self, stance: f64) -> Change {
+    pub(crate) fn with_stance(self, stance: f64) -> Change {
         Change { stance, ..self }
     }
 

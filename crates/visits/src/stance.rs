@@ -79,7 +79,7 @@ impl Stance {
 
 impl StanceChange {
     /// Whether it is told: at some places at least, girths are not compared because of it.
-    pub fn matters(&self) -> bool {
+    pub(crate) fn matters(&self) -> bool {
         self.bend_deg > KNEE_BEND_DEG || self.tilt_deg > TILT_DEG
     }
 
@@ -93,18 +93,18 @@ impl StanceChange {
     }
 
     /// Its part of the standard uncertainty of the change of a volume.
-    pub fn of_volume(&self, ml: f64) -> f64 {
+    pub(crate) fn of_volume(&self, ml: f64) -> f64 {
         VOLUME_PER_DEG * self.bend_deg * ml
     }
 
     /// Its part of the standard uncertainty of the change of a girth, mm.
-    pub fn of_girth_mm(&self) -> f64 {
+    pub(crate) fn of_girth_mm(&self) -> f64 {
         GIRTH_MM_PER_DEG * self.bend_deg
     }
 
     /// Its part of the standard uncertainty of the change of a piece's volume: that of its girth, around a
     /// length of one step.
-    pub fn of_piece(&self, ml: f64) -> f64 {
+    pub(crate) fn of_piece(&self, ml: f64) -> f64 {
         // A cylinder of this volume V and height h has the girth √(4 π V / h), and dV = 2 V dC / C.
         let cubic_mm = 1000.0 * ml;
         let girth_mm = (4.0 * std::f64::consts::PI * cubic_mm / PROFILE_STEP_MM).sqrt();

@@ -104,7 +104,10 @@ impl ThresholdVerdict<'_> {
 }
 
 /// What a comparison says about thresholds, in their order, the patient's right leg first.
-pub fn verdicts<'a>(thresholds: &'a [Threshold], of: &Comparison) -> Vec<ThresholdVerdict<'a>> {
+pub(crate) fn verdicts<'a>(
+    thresholds: &'a [Threshold],
+    of: &Comparison,
+) -> Vec<ThresholdVerdict<'a>> {
     let of_side = |threshold: &'a Threshold, side: Side| {
         let [value, expanded] = figure(threshold.of, of, side)?;
         Some(ThresholdVerdict { threshold, side, value, expanded })

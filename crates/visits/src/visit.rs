@@ -1,7 +1,5 @@
 //! One visit: what a record says that comparisons need.
 
-use jiff::Timestamp;
-
 use super::leg::{Common, LegAtVisit};
 use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_leg::side::Sides;
@@ -43,8 +41,6 @@ pub struct Visit {
     pub posture: Option<String>,
     /// The phantom's mean error at the last check before, mm; `None` if there was none.
     pub phantom_mm: Option<f64>,
-    /// When that check was; `None` with it.
-    pub phantom_at: Option<Timestamp>,
     /// The errors that its figures have in common.
     pub common: Common,
     /// The legs; `None` for one that was not measured.
@@ -93,7 +89,6 @@ impl Visit {
             definition: Definition::of(record),
             posture: record.made_by.method.get("posture").cloned(),
             phantom_mm,
-            phantom_at: check.filter(|_| phantom_mm.is_some()).map(|check| check.at),
             common: Common {
                 girth_mm: phantom_mm.map_or(girth_common_mm, |mm| mm.abs().max(girth_common_mm)),
                 floor_mm: FLOOR_CHANGES_SHARE * floor_mm,

@@ -270,10 +270,12 @@ files = {files}
     /// Waits until a condition holds; fails with the log where it never does.
     #[track_caller]
     pub fn wait_for(&self, what: &str, mut holds: impl FnMut() -> bool) {
-        let deadline = Instant::now() + PATIENCE;
+        let (deadline, mut pause) = (Instant::now() + PATIENCE, Duration::from_millis(10));
         while !holds() {
             assert!(Instant::now() < deadline, "{what} never came; log:\n{}", self.log());
-            sleep(Duration::from_millis(20));
+            sleep(pause);
+            // Some of these questions start a process each time.
+            pause = (pause * 3 / 2).min(Duration::from_millis(100));
         }
     }
 

@@ -30,7 +30,7 @@ pub enum Judged {
 impl Judged {
     /// The result for an export that begins with an earlier scan of these patients, or of nobody: it is
     /// that scan, complete, and no other patient's.
-    pub fn completing(self, whose: &[Named]) -> Judged {
+    pub(super) fn completing(self, whose: &[Named]) -> Judged {
         let (why, mut candidates) = match self {
             Judged::Of(capture) if capture.is_of_all(whose) => return Judged::Of(capture),
             Judged::Of(capture) => (Why::Ambiguous, capture.named().cloned().collect::<Vec<_>>()),

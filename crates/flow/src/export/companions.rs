@@ -11,7 +11,7 @@ use gaiter_scan::{Format, ord};
 
 /// The endings of files that scanners write beside a scan: their own measures, and the colours of an
 /// OBJ.
-pub const ENDINGS: [&str; 2] = ["ord", "mtl"];
+const ENDINGS: [&str; 2] = ["ord", "mtl"];
 
 /// A larger file beside a scan is not kept with it, bytes: measures are never larger, and the colours of
 /// an OBJ take some hundred bytes.

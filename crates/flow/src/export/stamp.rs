@@ -25,7 +25,7 @@ const COARSE: Duration = Duration::from_secs(2);
 
 impl Stamp {
     /// Two changes within this time may leave the same stamp; zero if the file system keeps fine times.
-    pub fn grain(&self) -> Duration {
+    pub(crate) fn grain(&self) -> Duration {
         const SECOND_NS: i128 = 1_000_000_000;
         let is_whole = |ns: i128| ns % SECOND_NS == 0;
         let is_coarse = is_whole(self.mtime_ns) && is_whole(self.ctime_ns);
@@ -34,7 +34,7 @@ impl Stamp {
 
     /// Whether a file in this state has the same content as in an earlier one, as far as its size and
     /// time can tell. A change of its name, mode or links changes neither.
-    pub fn has_content_of(&self, earlier: &Stamp) -> bool {
+    pub(crate) fn has_content_of(&self, earlier: &Stamp) -> bool {
         (self.dev, self.ino, self.size, self.mtime_ns)
             == (earlier.dev, earlier.ino, earlier.size, earlier.mtime_ns)
     }

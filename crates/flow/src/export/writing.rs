@@ -15,7 +15,7 @@ use gaiter_record::sha256;
 pub const END_BYTES: usize = 4096;
 
 /// A shorter part is no evidence, bytes: two exports may begin with the same header.
-pub const MARK_LEAST: u64 = END_BYTES as u64;
+const MARK_LEAST: u64 = END_BYTES as u64;
 
 /// How many marks of one file are kept: the first, and the last ones.
 const MARKS_MOST: usize = 8;
@@ -42,7 +42,7 @@ pub struct Appeared {
 impl Appeared {
     /// For a file that appeared under its name `moved` after its content was last written: it may have
     /// been written elsewhere that much earlier.
-    pub fn moved_in(self, moved: Duration) -> Appeared {
+    pub(crate) fn moved_in(self, moved: Duration) -> Appeared {
         if moved <= STAMPS_APART {
             return self;
         }
@@ -116,7 +116,7 @@ impl Writing {
     }
 
     /// Whether there was no look before it was first seen.
-    pub fn is_from_before_the_first_look(&self) -> bool {
+    pub(crate) fn is_from_before_the_first_look(&self) -> bool {
         self.first.absent.is_none()
     }
 
@@ -126,7 +126,7 @@ impl Writing {
     }
 
     /// Whether part of it was read.
-    pub fn is_marked(&self) -> bool {
+    pub(crate) fn is_marked(&self) -> bool {
         !self.marks.is_empty()
     }
 
@@ -174,7 +174,7 @@ impl Writing {
 
     /// When a part of this content was seen in this file, whatever the file holds now; `None` if no part
     /// is known to have been seen.
-    pub fn seen_in(&self, bytes: &[u8]) -> Option<Appeared> {
+    pub(crate) fn seen_in(&self, bytes: &[u8]) -> Option<Appeared> {
         let mut absent = self.first.absent;
         for mark in &self.marks {
             if mark.begins(bytes) {

@@ -13,7 +13,7 @@ use gaiter_record::{Patient, Source, SourceKind};
 const GROUP: &str = "patient";
 
 /// The longest id, bytes. It becomes a folder name of at most three times this length.
-pub const LONGEST_ID: usize = 64;
+const LONGEST_ID: usize = 64;
 
 /// Finding: the expression matched, but what it found is not allowed as an id.
 pub const ID_NOT_ALLOWED: &str = "patient-id-not-allowed";
@@ -148,7 +148,11 @@ pub fn of_judged(
 
 /// Whose scan it is, by the patient named before, the scan's file name and the files beside it, in this
 /// order. `held` is why the capture of its export holds it.
-pub fn whose(named: Option<&Named>, held: Option<&'static str>, says: [NameSays; 2]) -> Whose {
+pub(crate) fn whose(
+    named: Option<&Named>,
+    held: Option<&'static str>,
+    says: [NameSays; 2],
+) -> Whose {
     let not_an_id = says.contains(&NameSays::NotAnId);
     let named =
         named.map(|named| Patient { id: named.id.clone(), sources: vec![Source::of(named.by)] });

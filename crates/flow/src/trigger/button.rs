@@ -16,7 +16,7 @@ pub struct Times {
 
 /// A button.
 #[derive(Debug, Clone)]
-pub struct Button {
+pub(super) struct Button {
     times: Times,
     /// Since when it is down; `None` if this is not a press, or has already been counted as one.
     down_since: Option<Duration>,

@@ -57,7 +57,7 @@ const ROWS: [(u16, &str, &str); 6] = [
 
 /// Collects what a reader types until it types Enter.
 #[derive(Debug, Clone, Default)]
-pub struct Typed {
+pub(super) struct Typed {
     text: String,
     /// The text was dropped: everything that follows up to Enter is its tail, and not a line.
     in_tail: bool,

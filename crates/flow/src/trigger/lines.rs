@@ -7,11 +7,11 @@ pub const LINE_MOST: usize = 64;
 
 /// How long to wait for the rest of a line. A box sends a line in one go, 64 bytes take 70 ms at 9600
 /// baud; a line that stops in the middle was cut off and must not be completed by the next press.
-pub const HALF_LINE: Duration = Duration::from_millis(500);
+pub(super) const HALF_LINE: Duration = Duration::from_millis(500);
 
 /// The outcome of one line, of bytes or of keys.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Line {
+pub(super) enum Line {
     /// It is complete; without its line end, and never empty.
     Whole(Vec<u8>),
     /// It became too long, or stopped in the middle: it is dropped, together with its tail.
@@ -20,7 +20,7 @@ pub enum Line {
 
 /// Collects bytes until a carriage return or a line feed ends the line.
 #[derive(Debug, Clone, Default)]
-pub struct Lines {
+pub(super) struct Lines {
     line: Vec<u8>,
     /// The line was dropped: everything that follows up to its end is its tail, and not a line.
     in_tail: bool,

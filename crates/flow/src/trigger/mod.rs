@@ -11,7 +11,7 @@
 
 pub mod button;
 pub mod code;
-pub mod edge;
+mod edge;
 pub mod input_decoder;
 pub mod lines;
 pub mod port_lifecycle;

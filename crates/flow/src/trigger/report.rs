@@ -11,7 +11,7 @@ pub struct Pattern {
 
 impl Pattern {
     /// Whether the button is down; `None` for a report that is too short.
-    pub fn is_down(&self, report: &[u8]) -> Option<bool> {
+    pub(super) fn is_down(&self, report: &[u8]) -> Option<bool> {
         let bytes = report.get(..self.mask.len())?;
         let masked = bytes.iter().zip(&self.mask).map(|(byte, mask)| byte & mask);
         Some(masked.eq(self.value.iter().copied()))

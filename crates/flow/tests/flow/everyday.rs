@@ -21,7 +21,7 @@ use workflow::{Habits, Naming};
 use super::adversary::{booth, exports, laws, truth};
 
 /// Days of one run; the claim is proved with ten times as many.
-const DAYS: u64 = 100;
+const DAYS: u64 = 30;
 
 /// Of the named scans at most so many in a hundred are held.
 const HELD_MOST_PERCENT: f64 = 2.0;

@@ -11,7 +11,7 @@ pub const GIRTH_MM: f64 = 20.0;
 
 /// A volume difference of at least this much is reported as a swelling, % of the smaller leg. From
 /// memory of clinical use, not checked against a source.
-pub const VOLUME_PERCENT: f64 = 10.0;
+const VOLUME_PERCENT: f64 = 10.0;
 
 /// A difference counts as real if it exceeds this many of its standard errors.
 const REAL_SDS: f64 = 2.0;
@@ -108,7 +108,7 @@ impl Difference {
 }
 
 /// The differences between the legs; `None` if one of them was not measured.
-pub fn differences(legs: &[LegReport]) -> Option<Differences> {
+pub(crate) fn differences(legs: &[LegReport]) -> Option<Differences> {
     let of = |side: Side| legs.iter().find(|leg| leg.side == side);
     let (left, right) = (of(Side::Left)?, of(Side::Right)?);
     let level = |level: Level| {
@@ -149,7 +149,7 @@ impl Differences {
     /// The differences that reach the swelling threshold and are real, each girth with its level.
     ///
     /// B1 is left out: it lies on a slope, so its girth reflects its height more than the leg.
-    pub fn swellings(&self) -> Vec<(Option<Level>, LegsDiffer)> {
+    pub(crate) fn swellings(&self) -> Vec<(Option<Level>, LegsDiffer)> {
         let girth = |at: &LevelDifference| {
             let found = at.girth_mm;
             let (by_mm, sd_mm) = (found.value.abs(), found.sd);

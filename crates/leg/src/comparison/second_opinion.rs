@@ -151,7 +151,7 @@ fn level_of(legs: &[LegReport], side: Side, level: Level) -> Option<&Landmark> {
 /// The measure and side that a name means; `None` if there is no counterpart here.
 ///
 /// The side may occur as a word before, behind or within the name, or as a letter before or behind it.
-pub fn meaning(name: &str) -> Option<(Measure, Option<Side>)> {
+fn meaning(name: &str) -> Option<(Measure, Option<Side>)> {
     let plain: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
     let plain = plain.to_ascii_lowercase();
     let known = |name: &str| NAMES.iter().find(|(known, _)| *known == name).map(|(_, m)| *m);

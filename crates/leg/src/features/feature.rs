@@ -133,7 +133,7 @@ impl Angles {
 /// The middles of a section's curvature peaks, radians in (−π, π]: what a column of the surface's grid
 /// follows from section to section. They are not the feature points, so the surface does not depend on
 /// which of two bumps of a ridge is the greater; it comes as near to the skin with either.
-pub fn peaks(section: &Section, angles: &Angles) -> Vec<f64> {
+pub(crate) fn peaks(section: &Section, angles: &Angles) -> Vec<f64> {
     let (curvatures, turns) = turns(section, angles);
     let peaks = turns.into_iter().filter(|turn| turn.is_peak);
     let middle = |turn: Turn| turn.index as f64 + turn.middle(&curvatures, alike(section));

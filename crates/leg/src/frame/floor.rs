@@ -49,7 +49,7 @@ pub struct Floor {
 }
 
 /// The floor under the feet, given as points, of a body with this stature; `None` if there are no points.
-pub fn floor(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Option<Floor> {
+pub(crate) fn floor(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Option<Floor> {
     let edge_mm = EDGE_RADIUS_SHARE * stature_mm;
     let lowest_mm = feet.iter().filter_map(|foot| lowest_mm(foot)).reduce(f64::min)?;
     let rims: Vec<Vector3<f64>> = feet

@@ -2,7 +2,7 @@
 //! toes, and the floor.
 
 pub mod body;
-pub mod body_fault;
+pub(super) mod body_fault;
 pub(super) mod components;
 pub mod floor;
 pub(super) mod layers;

@@ -69,7 +69,7 @@ impl FloorDoubt {
 }
 
 /// What speaks against a floor that these feet show.
-pub fn doubt(feet: &[Vec<[f64; 3]>]) -> Option<FloorDoubt> {
+pub(crate) fn doubt(feet: &[Vec<[f64; 3]>]) -> Option<FloorDoubt> {
     let spread_mm = spread_mm(feet);
     if spread_mm > EVEN_MAX_MM {
         return Some(FloorDoubt::Uneven { spread_mm });
@@ -98,7 +98,7 @@ fn spread_mm(feet: &[Vec<[f64; 3]>]) -> f64 {
 }
 
 /// Height of a foot's lowest skin, mm.
-pub fn lowest_mm(foot: &[[f64; 3]]) -> Option<f64> {
+pub(crate) fn lowest_mm(foot: &[[f64; 3]]) -> Option<f64> {
     let mut heights: Vec<f64> = foot.iter().map(|point| point[2]).collect();
     let stray = (STRAY_SHARE * heights.len() as f64) as usize;
     (stray < heights.len()).then(|| *heights.select_nth_unstable_by(stray, f64::total_cmp).1)

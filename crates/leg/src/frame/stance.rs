@@ -123,7 +123,7 @@ pub struct NoLegs {
 ///
 /// # Errors
 /// [`NoLegs`] if too few heights show exactly two shanks, or one and nothing else.
-pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
+pub(crate) fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
     // Only a tenth of the body is sliced.
     let [low, high] = [heights[0], heights[heights.len() - 1]];

@@ -65,7 +65,7 @@ pub const PROFILE_STEP_MM: f64 = 40.0;
 
 /// The heights above the floor at which both legs are compared, mm: multiples of [`PROFILE_STEP_MM`] where
 /// sections of the leg were measured.
-pub fn profile_heights_mm(curve: &GirthCurve) -> Vec<f64> {
+pub(crate) fn profile_heights_mm(curve: &GirthCurve) -> Vec<f64> {
     let measured = curve.rows.iter().filter_map(|row| Some(row.measured?.0));
     let (low, high) = measured
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| (low.min(mm), high.max(mm)));
@@ -90,7 +90,7 @@ pub fn at_heights<'a>(
 }
 
 /// The girths at multiples of [`PROFILE_STEP_MM`] along the leg's axis, over the range of the curve.
-pub fn at_lengths<'a>(
+pub(crate) fn at_lengths<'a>(
     curve: &GirthCurve,
     lengths: &AxisLength,
     near: impl Fn(f64) -> Option<&'a Section>,

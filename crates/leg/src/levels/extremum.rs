@@ -7,7 +7,7 @@ use super::girth::GirthCurve;
 use crate::level::Level;
 
 /// An extremum with less prominence than this is not clear, mm; a tape reads to 1 to 2 mm.
-pub const CLEAR_MM: f64 = 1.5;
+pub(super) const CLEAR_MM: f64 = 1.5;
 
 /// An extremum of less than this many standard errors is noise and ignored, even as a doubtful one;
 /// two girths closer than this are equal within the noise.

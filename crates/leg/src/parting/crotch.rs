@@ -70,7 +70,7 @@ impl CrotchFrom {
 
 impl Crotch {
     /// The crotch at the height where one leg, followed alone, reaches the trunk.
-    pub fn of_one_leg(end_mm: f64) -> Crotch {
+    pub(super) fn of_one_leg(end_mm: f64) -> Crotch {
         let from = CrotchFrom::OneLeg;
         Crotch { height_mm: end_mm, sd_mm: ONE_LEG_SD_MM, from, touching_from_mm: None }
     }

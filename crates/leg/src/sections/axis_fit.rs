@@ -153,7 +153,12 @@ fn shank_and_thigh(leg: &Leg, stature_mm: f64, top_mm: f64) -> Result<FoundAxis,
 
 /// The axis of shank and thigh that a leg would have with another stature, which differs by a few percent:
 /// one round on from the one found. `None` if too little was seen there.
-pub fn for_stature(leg: &Leg, axis: &LegAxis, stature_mm: f64, top_mm: f64) -> Option<LegAxis> {
+pub(crate) fn for_stature(
+    leg: &Leg,
+    axis: &LegAxis,
+    stature_mm: f64,
+    top_mm: f64,
+) -> Option<LegAxis> {
     let shank = Line { through: axis.foot.origin, direction: axis.foot.normal };
     let shank = next_line(leg, &shank, &shank_stretch(stature_mm)).ok()?;
     let straight = LegAxis::straight(shank.through, &shank.direction, leg.side);
@@ -191,7 +196,7 @@ fn leg_line(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<Line, A
 ///
 /// # Errors
 /// An [`AxisFault`] if there are too few sections, or if it leans too far.
-pub fn straight_line(leg: &Leg, height_mm: [f64; 2]) -> Result<Line, AxisFault> {
+pub(crate) fn straight_line(leg: &Leg, height_mm: [f64; 2]) -> Result<Line, AxisFault> {
     line(leg, &Stretch { height_mm, spacing_mm: SPACING_MM, least: CENTROIDS_MIN })
 }
 

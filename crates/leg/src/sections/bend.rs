@@ -124,7 +124,7 @@ impl Bend {
     }
 
     /// The plane in which a point above [`Bend::from_mm`] lies, and its distance along the axis, mm.
-    pub fn plane_of(&self, point: &Point3<f64>) -> (f64, PlaneFrame) {
+    pub(super) fn plane_of(&self, point: &Point3<f64>) -> (f64, PlaneFrame) {
         let beyond_mm = self.top.above(point);
         if beyond_mm >= 0.0 {
             return (self.along_mm[1] + beyond_mm, self.top.raised(beyond_mm));

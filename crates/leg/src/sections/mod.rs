@@ -9,7 +9,7 @@ pub mod bend;
 pub(super) mod centroid;
 mod edges;
 pub mod equidistant;
-pub mod gap;
+pub(super) mod gap;
 pub(super) mod hem;
 pub(super) mod hull;
 pub(super) mod low_harmonics;

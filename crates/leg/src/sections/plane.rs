@@ -55,7 +55,7 @@ pub enum PlaneFit {
 /// Cross-validation assumes independent errors, but crossings of edges with a common mesh point
 /// share its error. So it only uses crossings without common points; the resulting factor is
 /// relative to the data and valid for all of them.
-pub fn lambda(axis: &LegAxis, along_mm: &[f64], slices: &[Vec<Crossing>]) -> f64 {
+pub(crate) fn lambda(axis: &LegAxis, along_mm: &[f64], slices: &[Vec<Crossing>]) -> f64 {
     let one = |(along_mm, slice): (&f64, &Vec<Crossing>)| {
         let points = independent(&axis.plane(*along_mm), slice);
         let centre = outline_centroid(&points)?;
@@ -95,7 +95,7 @@ fn polar(points: &[Point2<f64>], centre: Point2<f64>) -> (Vec<f64>, Vec<f64>) {
 
 /// Fits the section through points on a plane, (front, lateral) in mm, about the centroid of their
 /// outline; `None` if there are too few points or too wide a gap.
-pub fn section(
+pub(crate) fn section(
     axis: &LegAxis,
     along_mm: f64,
     points: &[Point2<f64>],

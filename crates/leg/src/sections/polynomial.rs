@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{DMatrix, DVector};
 
 /// Order of the polynomial (paper 1.1).
-pub const ORDER: usize = 15;
+pub(super) const ORDER: usize = 15;
 
 /// Singular values below this share of the largest count as zero; the basis is orthogonal, so they
 /// occur only if whole ranges of angle have no points.
@@ -23,7 +23,7 @@ pub struct Polynomial {
 }
 
 /// Least squares through (θ, r); `None` for fewer points than coefficients.
-pub fn fit(angles: &[f64], radii_mm: &[f64]) -> Option<Polynomial> {
+pub(crate) fn fit(angles: &[f64], radii_mm: &[f64]) -> Option<Polynomial> {
     if angles.len() <= ORDER {
         return None;
     }

@@ -136,7 +136,7 @@ impl Section {
 
 /// Coefficient of determination from the sums of squared residuals, of squared deviations from the
 /// mean, and of squared values; 1 if the values differ only by rounding.
-pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
+pub(crate) fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
     const ROUNDING: f64 = 1e-18;
     if deviations > ROUNDING * values { 1.0 - residuals / deviations } else { 1.0 }
 }
@@ -174,7 +174,7 @@ impl Spokes {
     }
 
     /// The angles at which girths are measured.
-    pub fn of_girths(basis: &Basis) -> Spokes {
+    pub(super) fn of_girths(basis: &Basis) -> Spokes {
         Spokes::at(GIRTH_ANGLES, basis)
     }
 

@@ -23,7 +23,7 @@ const SLAB_HALF_MIN_MM: f64 = 5.5;
 
 /// A triangle with a longer edge is not skin but a spike or a bridge, mm. This is ten times the edge of a
 /// usual export, and wider than any hole that could be closed reliably.
-pub const EDGE_MAX_MM: f64 = 60.0;
+pub(crate) const EDGE_MAX_MM: f64 = 60.0;
 
 /// As many edges tell their median length to 1 %.
 const EDGES_MAX: usize = 5000;
@@ -61,7 +61,7 @@ impl Facet {
     }
 
     /// Length of its longest edge, mm; 0 for the points of a cloud.
-    pub fn longest_edge_mm(&self) -> f64 {
+    pub(crate) fn longest_edge_mm(&self) -> f64 {
         let [a, b, c] = self.0;
         (a - b).norm_squared().max((b - c).norm_squared()).max((c - a).norm_squared()).sqrt()
     }
@@ -201,7 +201,7 @@ impl Mesh {
 
     /// As [`Mesh::slices`], with planes that need not be parallel: `heights` is, for each point, the
     /// offset of the plane in which it lies, and `normal` that of the plane with an offset.
-    pub fn slices_at(
+    pub(super) fn slices_at(
         &self,
         heights: &[f64],
         offsets: &[f64],

@@ -9,7 +9,7 @@ use super::ridge_parametrization::Columns;
 
 /// Maximum distance between the map's rows along the axis, mm; reduced so that the rows reach both
 /// ends.
-pub const ROW_MM: f64 = 10.0;
+pub(crate) const ROW_MM: f64 = 10.0;
 
 /// Number of the map's angles around, −180° first: 8 mm apart on a calf.
 pub const ANGLES: usize = 48;
@@ -28,7 +28,7 @@ pub struct ErrorMap {
 }
 
 /// The angle of an index within a row, radians from −π on.
-pub fn angle(index: usize) -> f64 {
+pub(crate) fn angle(index: usize) -> f64 {
     -PI + TAU * index as f64 / ANGLES as f64
 }
 

@@ -6,7 +6,7 @@ pub mod error_map;
 pub(super) mod extent;
 pub mod fit_error;
 pub mod foot_skin;
-pub mod grid;
+mod grid;
 pub mod hole;
 pub mod nurbs;
 pub mod ridge;

@@ -47,8 +47,6 @@ const INVERSE_REST: f64 = 1e-7;
 pub struct Columns {
     /// δ in radians over (along in mm, v in radians).
     bend: Tensor,
-    /// The v of the ridges that keep their column, radians, within [−π, π).
-    pub ridges: Vec<f64>,
 }
 
 impl Columns {
@@ -89,7 +87,6 @@ impl Columns {
         let mut coefficients = system.solved()?;
         let columns = |coefficients: &[f64]| Columns {
             bend: Tensor::new(along.clone(), around.clone(), coefficients.to_vec()),
-            ridges: ridges.iter().map(|ridge| home(ridge.angle())).collect(),
         };
         let mut bent = columns(&coefficients);
         while bent.strain() > STRAIN_MAX {
@@ -129,7 +126,7 @@ impl Columns {
     }
 
     /// The function from a column to its angle, radians, at one distance along the axis.
-    pub fn angles_at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
+    pub(super) fn angles_at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
         let bend = self.bend_at(along_mm);
         let around = self.bend.around();
         move |v| v + around.row(v).dot(&bend)

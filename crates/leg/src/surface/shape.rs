@@ -82,7 +82,7 @@ fn rows_of(surface: &Surface, columns: &Columns, map: &ErrorMap) -> Vec<Vec<Poin
 }
 
 /// The scan's points on the planes of sections, which must ascend.
-pub fn on_planes(axis: &LegAxis, leg: &Leg, sections: &[&Section]) -> Vec<Vec<OnPlane>> {
+pub(crate) fn on_planes(axis: &LegAxis, leg: &Leg, sections: &[&Section]) -> Vec<Vec<OnPlane>> {
     let along_mm: Vec<f64> = sections.iter().map(|section| section.along_mm).collect();
     let slices = axis.slices(leg, &along_mm);
     let of = |(section, slice): (&&Section, &Vec<crate::sections::slice::Crossing>)| {

@@ -26,7 +26,7 @@ const FEET_MM: RangeInclusive<f64> = 30.0..=450.0;
 const FAR_SHARE: f64 = 0.15;
 
 /// The longest reason or name, characters: they are printed in a line.
-pub const WORDS_MOST: usize = 120;
+const WORDS_MOST: usize = 120;
 
 /// What a person can set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

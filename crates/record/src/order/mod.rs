@@ -30,11 +30,10 @@ pub use text::{OrderRef, RefFault};
 pub const SCHEMA: &str = "gaiter.order/1";
 
 /// The girths of an order are of skin: no tension is applied to them.
-pub const BASIS: &str = "skin";
+const BASIS: &str = "skin";
 
 /// What an order needs besides measures. No scan gives it, so it is always open.
-pub const NOT_OF_A_SCAN: [&str; 7] =
-    ["class", "knit", "product", "colour", "toe", "band", "quantity"];
+const NOT_OF_A_SCAN: [&str; 7] = ["class", "knit", "product", "colour", "toe", "band", "quantity"];
 
 /// An order, or a further one of the same garment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! Pictures of a record as data: lines, dots and text in inks, from which SVG, PDF and PNG are made.
 
 pub mod figures;
-pub mod font;
+pub(super) mod font;
 mod ink;
 mod outline;
 pub mod png;
@@ -101,7 +101,7 @@ impl Anchor {
 
 impl Picture {
     /// This picture with all marks further down by so many px, and so much higher.
-    pub fn moved_down(&self, way: f64) -> Picture {
+    fn moved_down(&self, way: f64) -> Picture {
         Picture {
             title: self.title.clone(),
             size: [self.size[0], self.size[1] + way],

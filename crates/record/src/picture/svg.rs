@@ -21,7 +21,7 @@ const STEP_BYTES: usize = 9;
 
 /// A file of its own with these marks, in the reader's theme. Programs that do not support style sheets
 /// show the light theme.
-pub fn file(title: &str, size: [f64; 2], marks: &str) -> String {
+pub(crate) fn file(title: &str, size: [f64; 2], marks: &str) -> String {
     let [width, height] = size;
     let mut first = format!("<style>{}</style>\n<rect", dark_rules());
     push_px(&mut first, "width", width);
@@ -35,7 +35,7 @@ pub fn file(title: &str, size: [f64; 2], marks: &str) -> String {
 /// For embedding in a page whose style sheet has [`dark_rules`]. A picture with cuts stands there twice:
 /// whole (class `whole`), and in parts (class `parts`) that show the same marks, for narrow screens. The
 /// style sheet shows one of the two. `name` must be unique in the page.
-pub fn embedded(name: &str, picture: &Picture, marks: &str) -> String {
+pub(crate) fn embedded(name: &str, picture: &Picture, marks: &str) -> String {
     let Picture { title, size: [width, height], cuts, .. } = picture;
     let titled = title_element(title);
     let whole_box = [0.0, 0.0, *width, *height];
@@ -60,7 +60,7 @@ pub fn embedded(name: &str, picture: &Picture, marks: &str) -> String {
 }
 
 /// A style sheet that gives pictures the dark theme for readers who prefer it.
-pub fn dark_rules() -> String {
+pub(crate) fn dark_rules() -> String {
     let rules = |ink: Ink| {
         let [r, g, b] = ink.colour(Theme::Dark);
         let rule = |name: &str| {

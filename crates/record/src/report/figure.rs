@@ -46,7 +46,7 @@ impl Mark {
     }
 
     /// The sign behind a girth in a picture if a person set it.
-    pub fn by_hand_sign(self) -> &'static str {
+    pub(crate) fn by_hand_sign(self) -> &'static str {
         if self == Mark::ByHand { " *" } else { "" }
     }
 }

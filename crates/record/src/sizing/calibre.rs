@@ -13,7 +13,7 @@ use gaiter_leg::{Level, Side};
 use gaiter_sizes::{Garment, Point};
 
 /// The change of girth per length above which flat knit is usually chosen: 1 cm per 1 cm.
-pub const JUMP: f64 = 1.0;
+const JUMP: f64 = 1.0;
 
 /// The stretch of a leg between two adjacent points of the form.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -12,13 +12,13 @@ use gaiter_sizes::table::Status;
 use gaiter_sizes::verdict::{Fit, PointVerdict, Reading, SizeVerdict};
 
 /// How many digits of a file's hash tell it from all others of a clinic.
-pub const HASH_DIGITS: usize = 12;
+pub(crate) const HASH_DIGITS: usize = 12;
 
 /// Probabilities this near to one that decides, as shares, are told with a decimal.
 const NEAR: f64 = 0.005;
 
 /// The sign of a table in a report: T1, T2 …. A letter alone would be that of a level.
-pub fn sign(index: usize) -> String {
+pub(crate) fn sign(index: usize) -> String {
     format!("T{}", index + 1)
 }
 
@@ -107,7 +107,7 @@ fn margin(mm: f64, language: Language) -> String {
 }
 
 /// A probability in per cent. Next to one that decides it has a decimal, so that 94.9 % is not told as 95 %.
-pub fn percent(share: f64, language: Language) -> String {
+pub(crate) fn percent(share: f64, language: Language) -> String {
     use gaiter_sizes::verdict::{SURE, UNLIKELY};
     let is_near = [SURE, UNLIKELY].iter().any(|limit| (share - limit).abs() < NEAR);
     match 100.0 * share {

@@ -48,7 +48,7 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
 
 /// The legs and their girths in one drawing below each other, as an SVG file, if they are among a
 /// record's figures.
-pub fn overview(figures: &[Figure], language: Language) -> String {
+pub(crate) fn overview(figures: &[Figure], language: Language) -> String {
     let ([mut width, mut height], mut marks) = ([0.0_f64, 0.0], String::new());
     for figure in figures.iter().filter(|figure| OVERVIEW.contains(&figure.name)) {
         if height > 0.0 {
@@ -63,7 +63,7 @@ pub fn overview(figures: &[Figure], language: Language) -> String {
 }
 
 /// The name of the figure on the measuring sheet.
-pub const SHEET: &str = "sheet";
+pub(crate) const SHEET: &str = "sheet";
 
 /// The names of the figures that show both legs at a glance.
 const OVERVIEW: [&str; 2] = ["views", "girths"];

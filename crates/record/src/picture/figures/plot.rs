@@ -3,7 +3,7 @@
 use crate::picture::{Anchor, Ink, Mark, Stroke};
 
 /// Size of the text in figures, px.
-pub const TEXT: f64 = 12.0;
+pub(super) const TEXT: f64 = 12.0;
 
 /// Size of the text at scales, px.
 pub const SMALL: f64 = 10.5;
@@ -108,7 +108,7 @@ pub fn heading(at: [f64; 2], anchor: Anchor, ink: Ink, words: impl Into<String>)
 
 /// Moves labels from the wished places so that they are at least `apart` from each other, in the same
 /// order, with the largest move as small as possible.
-pub fn kept_apart(wished: &[f64], apart: f64) -> Vec<f64> {
+pub(super) fn kept_apart(wished: &[f64], apart: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wished.len()).collect();
     order.sort_by(|a, b| wished[*a].total_cmp(&wished[*b]));
     // Groups of labels that touch: the sum of the starts they want, and their number.

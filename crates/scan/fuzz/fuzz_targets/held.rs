@@ -1,8 +1,6 @@
 //! What every decoder must guarantee for any bytes.
 
-pub use gaiter_scan as scan;
-
-use scan::{Format, ScanFault, completeness, lacks_line_end_only, read};
+use gaiter_scan::{Format, ScanFault, completeness, lacks_line_end_only, read};
 
 /// Decodes the bytes and checks the invariants of the result.
 pub fn held(bytes: &[u8], format: Format) {

@@ -1,12 +1,10 @@
 //! Any bytes as a size table, as a garment and as a mapping: read or refused with places, then used.
 #![no_main]
 
-use gaiter_sizes as sizes;
-
+use gaiter_sizes::check::remarks;
+use gaiter_sizes::verdict::{Given, Reading, judged};
+use gaiter_sizes::{Fault, Garment, mapping, parse};
 use jiff::civil::date;
-use sizes::check::remarks;
-use sizes::verdict::{Given, Reading, judged};
-use sizes::{Fault, Garment, mapping, parse};
 
 /// What is true of the faults of any file.
 fn placed(bytes: &[u8], faults: &[Fault]) {

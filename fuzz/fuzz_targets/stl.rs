@@ -1,6 +1,0 @@
-//! Any bytes as a scan of this format.
-#![no_main]
-
-mod held;
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| held::held(bytes, held::scan::Format::Stl));
