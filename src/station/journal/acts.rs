@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::deliveries::{finish_if_done, has_served, owners};
 use super::delivery_row::{count, step};
 use super::scans::{insert_delivery, set_state, state_of};
-use super::{Due, Event, Journal, JournalError, Task, cell, history, withdrawal};
+use super::{Due, Event, Journal, JournalError, Task, cell, history, json_cell, withdrawal};
 use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use gaiter_record::Patient;
@@ -28,7 +28,7 @@ impl Journal {
         let mut query =
             connection.prepare_cached("SELECT candidates FROM scans WHERE sha256 = ?1")?;
         let text: String = query.query_row([scan.as_str()], |row| row.get(0))?;
-        cell("candidates", text, |text| serde_json::from_str(text).ok())
+        json_cell("candidates", text)
     }
 
     /// Applies an operator's retry of refused deliveries. `number` is set if it revokes an earlier
@@ -123,7 +123,7 @@ pub(super) fn deliveries_in(
     let mut found = Vec::new();
     while let Some(row) = rows.next()? {
         let (id, sources): (String, String) = (row.get(0)?, row.get(1)?);
-        let sources = cell("sources", sources, |text| serde_json::from_str(text).ok())?;
+        let sources = json_cell("sources", sources)?;
         found.push(Due {
             scan: scan.clone(),
             patient: (!id.is_empty()).then_some(Patient { id, sources }),

@@ -12,7 +12,7 @@ use rusqlite::{OptionalExtension, Row, Transaction, params};
 use serde_json::{Value, json};
 
 use super::integrity::seal;
-use super::{Event, Journal, JournalError, cell, history};
+use super::{Event, Journal, JournalError, cell, history, json_cell};
 use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
 use gaiter_flow::capture::{Capture, Captures, Judged, Named};
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
@@ -269,7 +269,7 @@ fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
         until: time(3)?,
         by: cell("opener", text(4)?, opener_of)?,
         patient,
-        others: cell("candidates", others, |text| serde_json::from_str(text).ok())?,
+        others: json_cell("candidates", others)?,
         state: cell("state", text(7)?, state_of)?,
         is_refused: row.get(9)?,
         doubt,

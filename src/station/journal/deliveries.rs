@@ -12,7 +12,7 @@ use super::delivery_row::{Due, Task, count, detail, set_code, step};
 use super::integrity::seal;
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
-use super::{Event, Journal, JournalError, cell, history};
+use super::{Event, Journal, JournalError, cell, history, json_cell};
 use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use gaiter_record::Patient;
@@ -47,7 +47,7 @@ impl Journal {
             if row.get::<_, String>(7)? != seal::of_delivery(&scan, &id, &store, &sources) {
                 return Err(JournalError::Seal { table: "deliveries" });
             }
-            let sources = cell("sources", sources, |text| serde_json::from_str(text).ok())?;
+            let sources = json_cell("sources", sources)?;
             let task = match cell("state", state, DeliveryState::of_word)? {
                 DeliveryState::Withdrawing => Task::Withdraw,
                 DeliveryState::Delivered => Task::HandOver,

@@ -225,7 +225,7 @@ fn time_or_none(row: &Row<'_>, column: usize) -> rusqlite::Result<Option<Timesta
 /// Patients' ids, stored as JSON.
 fn ids(row: &Row<'_>, column: usize) -> rusqlite::Result<Vec<String>> {
     let text: String = row.get(column)?;
-    serde_json::from_str(&text).map_err(|fault| wrong(column, fault))
+    serde_json::from_slice(text.as_bytes()).map_err(|fault| wrong(column, fault))
 }
 
 /// The error for a cell that holds what gaiter never writes.

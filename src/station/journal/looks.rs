@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use rusqlite::{OptionalExtension, params};
 
-use super::{Journal, JournalError, cell};
+use super::{Journal, JournalError, json_cell};
 use gaiter_flow::settle::Memory;
 
 impl Journal {
@@ -26,7 +26,7 @@ impl Journal {
             .optional()?;
         let Some((looked_ms, files)) = found else { return Ok(Memory::default()) };
         let looked = looked_ms.map(|looked_ms| Duration::from_millis(looked_ms.unsigned_abs()));
-        let files = cell("files", files, |text| serde_json::from_str(text).ok())?;
+        let files = json_cell("files", files)?;
         Ok(Memory { looked, files })
     }
 

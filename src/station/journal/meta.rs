@@ -3,7 +3,7 @@
 use rusqlite::{OptionalExtension, Transaction};
 use serde_json::json;
 
-use super::{Event, Journal, JournalError, cell, history};
+use super::{Event, Journal, JournalError, history, json_cell};
 use gaiter_flow::trusted_time::TrustedTime;
 
 /// Present while the station is paused by an operator.
@@ -44,7 +44,7 @@ impl Journal {
     /// How far the wall clock was last trusted.
     pub fn trusted_time(&self) -> Result<TrustedTime, JournalError> {
         match self.fact(TIME)? {
-            Some(text) => cell("value", text, |text| serde_json::from_str(text).ok()),
+            Some(text) => json_cell("value", text),
             None => Ok(TrustedTime::default()),
         }
     }

@@ -35,6 +35,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
+use serde::de::DeserializeOwned;
 use tracing::warn;
 
 use crate::store::durable;
@@ -226,6 +227,12 @@ fn cell<T>(
     read: impl FnOnce(&str) -> Option<T>,
 ) -> Result<T, JournalError> {
     read(&text).ok_or(JournalError::Cell { column, found: text })
+}
+
+/// A cell that holds JSON.
+fn json_cell<T: DeserializeOwned>(column: &'static str, text: String) -> Result<T, JournalError> {
+    // As bytes, like all other JSON of the station: a second kind of reader is a second copy of each type's.
+    cell(column, text, |text| serde_json::from_slice(text.as_bytes()).ok())
 }
 
 #[cfg(test)]

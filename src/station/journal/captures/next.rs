@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cells::json_text;
 use crate::station::journal::integrity::seal;
-use crate::station::journal::{Journal, JournalError, cell};
+use crate::station::journal::{Journal, JournalError, json_cell};
 use gaiter_flow::capture::{Captures, Doubt, Named, Next};
 use gaiter_record::SourceKind;
 
@@ -50,8 +50,7 @@ impl Journal {
     /// The names that wait for a press.
     pub fn names(&self) -> Result<Option<Names>, JournalError> {
         let Some(text) = self.fact(NEXT)? else { return Ok(None) };
-        let NamesCell { names, seal } =
-            cell("value", text, |text| serde_json::from_str(text).ok())?;
+        let NamesCell { names, seal } = json_cell("value", text)?;
         if seal != seal::of_text(&json_text(&names)?) {
             return Err(JournalError::Seal { table: "meta" });
         }
@@ -94,7 +93,7 @@ pub fn names_patient(connection: &Connection, patient: &str) -> Result<bool, Jou
         .query_row("SELECT value FROM meta WHERE name = ?1", [NEXT], |row| row.get(0))
         .optional()?;
     let Some(text) = text else { return Ok(false) };
-    let NamesCell { names, .. } = cell("value", text, |text| serde_json::from_str(text).ok())?;
+    let NamesCell { names, .. } = json_cell("value", text)?;
     let mut said = names.next.iter().flat_map(|next| &next.names);
     Ok(said.any(|said| said.named.id == patient))
 }
@@ -111,8 +110,7 @@ pub fn upgrade(transaction: &Transaction<'_>) -> Result<(), JournalError> {
         .query_row("SELECT value FROM meta WHERE name = ?1", [NEXT], |row| row.get(0))
         .optional()?;
     let Some(text) = text else { return Ok(()) };
-    let OneName { id, by, boot, at_ms, is_doubtful } =
-        cell("value", text, |text| serde_json::from_str(text).ok())?;
+    let OneName { id, by, boot, at_ms, is_doubtful } = json_cell("value", text)?;
     let doubt = is_doubtful.then_some(Doubt::Shared);
     let next = Next::one(Named { id, by }, Duration::from_millis(at_ms), doubt);
     put(transaction, Names { next: Some(next), unsure: Vec::new(), unread: Vec::new(), boot })

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use super::deliveries::finish_if_done;
 use super::integrity::seal;
-use super::{Event, Journal, JournalError, captures, cell, history, withdrawal};
+use super::{Event, Journal, JournalError, captures, cell, history, json_cell, withdrawal};
 use gaiter_flow::ScanId;
 use gaiter_flow::capture::Named;
 use gaiter_flow::patient::erasure::names;
@@ -217,8 +217,7 @@ fn leave_captures(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jo
         rows.collect::<rusqlite::Result<_>>()?
     };
     for (number, id, source, others) in rows {
-        let mut named: Vec<Named> =
-            cell("candidates", others, |text| serde_json::from_str(text).ok())?;
+        let mut named: Vec<Named> = json_cell("candidates", others)?;
         let is_theirs = id == patient || named.iter().any(|named| named.id == patient);
         if !is_theirs {
             continue;
@@ -263,8 +262,7 @@ fn rewrite(transaction: &Transaction<'_>, patient: &str) -> Result<bool, Journal
     let mut has_changed = false;
     transaction.execute_batch("DROP TRIGGER history_is_not_changed")?;
     for (seq, at, scan, event, detail) in rows {
-        let mut details: Value =
-            cell("detail", detail.clone(), |text| serde_json::from_str(text).ok())?;
+        let mut details: Value = json_cell("detail", detail.clone())?;
         let is_named = redact(&mut details, patient);
         has_changed |= is_named;
         if !has_changed {

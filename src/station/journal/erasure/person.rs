@@ -7,7 +7,7 @@ use rusqlite::{Connection, OptionalExtension};
 use serde_json::Value;
 
 use crate::station::journal::withdrawal::UNWANTED;
-use crate::station::journal::{Journal, JournalError, captures, cell};
+use crate::station::journal::{Journal, JournalError, captures, cell, json_cell};
 use gaiter_flow::account::Happened;
 use gaiter_flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
 use gaiter_flow::{DeliveryState, ScanId};
@@ -60,8 +60,7 @@ impl Journal {
         let mut rows = query.query([scan.as_str(), patient])?;
         let mut found = Vec::new();
         while let Some(row) = rows.next()? {
-            let sources: Vec<Source> =
-                cell("sources", row.get(4)?, |text| serde_json::from_str(text).ok())?;
+            let sources: Vec<Source> = json_cell("sources", row.get(4)?)?;
             let at: Option<String> = row.get(2)?;
             found.push(PersonDelivery {
                 store: row.get(0)?,
@@ -117,7 +116,7 @@ impl Journal {
                 continue;
             }
             let detail: String = row.get(3)?;
-            let mut detail: Value = cell("detail", detail, |text| serde_json::from_str(text).ok())?;
+            let mut detail: Value = json_cell("detail", detail)?;
             hide_others(&mut detail, patient);
             let detail = detail.to_string();
             let happened = Happened { at: row.get(1)?, event: row.get(2)?, detail };
