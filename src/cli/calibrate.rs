@@ -5,17 +5,17 @@ use std::fmt::Write;
 use std::fs;
 use std::io;
 
+use gaiter_leg::Method;
+use gaiter_leg::phantom::{self, Phantom};
+use gaiter_record::phantom::{CheckFigures, CheckRecord, CheckResult};
+use gaiter_record::sha256;
+use gaiter_scan::Format;
 use jiff::Timestamp;
 
 use super::args::CalibrateArgs;
 use super::terminal::paint::{self, painted};
 use super::{Exit, complain, explain_config, print, shown};
 use crate::config;
-use gaiter_leg::Method;
-use gaiter_leg::phantom::{self, Phantom};
-use gaiter_record::phantom::{CheckFigures, CheckRecord, CheckResult};
-use gaiter_record::sha256;
-use gaiter_scan::Format;
 
 /// The tolerance without a configuration, mm: a tape reads to 1 to 2 mm.
 const TOLERANCE_MM: f64 = 2.0;

@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use gaiter_record::Record;
+use gaiter_sizes::Garment;
 use serde_json::json;
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
@@ -26,8 +28,6 @@ use crate::station::demo::button::{self, SimulatedButton};
 use crate::station::demo::scanner;
 use crate::station::{self, Orders, StationEvent};
 use exports::{Expected, exports};
-use gaiter_record::Record;
-use gaiter_sizes::Garment;
 
 /// The folder for everything the demo makes, below the working folder.
 const FOLDER: &str = "demo";

@@ -12,6 +12,14 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_cad::Output;
+use gaiter_leg::method::Up;
+use gaiter_leg::{Method, Refusal, extract as measure};
+use gaiter_record::{
+    self as record, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile,
+};
+use gaiter_scan::Format;
+use gaiter_sizes::Garment;
 use jiff::Zoned;
 
 use super::args::ExtractArgs;
@@ -21,14 +29,6 @@ use super::terminal::{paint, screen, table};
 use super::{Exit, complain, explain_config, ord, print, shown};
 use crate::config::{self, words};
 use found::{FolderFault, found};
-use gaiter_cad::Output;
-use gaiter_leg::method::Up;
-use gaiter_leg::{Method, Refusal, extract as measure};
-use gaiter_record::{
-    self as record, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile,
-};
-use gaiter_scan::Format;
-use gaiter_sizes::Garment;
 use names::Names;
 use place::{Foreign, put_folder};
 use summary::{Row, summary};

@@ -4,10 +4,10 @@
 use std::io::{self, Write};
 
 use clap::Command;
+use gaiter_record::{order, schema};
 
 use super::args::{self, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 use super::{Exit, complain, shown};
-use gaiter_record::{order, schema};
 
 /// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> Exit {

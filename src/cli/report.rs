@@ -7,6 +7,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_record::report::Print;
+use gaiter_record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
+use gaiter_record::sizing::SizeChoice;
+use gaiter_record::{
+    FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
+};
+use gaiter_sizes::Garment;
 use jiff::Zoned;
 use serde_json::json;
 
@@ -16,13 +23,6 @@ use super::{Exit, complain, print, shown};
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
 use found::{NotFound, found};
-use gaiter_record::report::Print;
-use gaiter_record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
-use gaiter_record::sizing::SizeChoice;
-use gaiter_record::{
-    FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
-};
-use gaiter_sizes::Garment;
 
 /// Writes the report and prints its paths.
 pub fn report(args: &ReportArgs) -> Exit {

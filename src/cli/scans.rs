@@ -3,12 +3,13 @@
 use std::fmt::Write;
 use std::os::unix::ffi::OsStringExt;
 
+use gaiter_flow::account::{Happened, Listed, Whole};
+use gaiter_flow::health::bytes;
+
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
 use super::terminal::clock::local;
 use super::{Exit, ask, complain, shown};
 use crate::station::operator::control::protocol::{Answer, Request};
-use gaiter_flow::account::{Happened, Listed, Whole};
-use gaiter_flow::health::bytes;
 
 /// Lists scans.
 pub fn scans(args: &ScansArgs) -> Exit {

@@ -6,6 +6,8 @@ mod watch;
 use std::fmt::Write;
 use std::time::Duration;
 
+use gaiter_flow::account::{Filter, Listed};
+use gaiter_flow::health::{ago, bytes, words};
 use jiff::Timestamp;
 
 use super::args::{AskArgs, StatusArgs};
@@ -16,8 +18,6 @@ use super::terminal::screen::{self, wrapped};
 use super::{Exit, complain, scans, shown};
 use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::operator::control::status::{SourceStatus, Status};
-use gaiter_flow::account::{Filter, Listed};
-use gaiter_flow::health::{ago, bytes, words};
 
 /// How many of the last scans are shown. A screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;

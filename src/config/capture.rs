@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
+use gaiter_flow::OrdersWhen;
+use gaiter_flow::capture::Rules;
+use gaiter_flow::patient::check_digit::CheckDigit;
 use regex::Regex;
 
 use super::OrdersConfig;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER, WithoutTrigger};
-use gaiter_flow::OrdersWhen;
-use gaiter_flow::capture::Rules;
-use gaiter_flow::patient::check_digit::CheckDigit;
 
 /// `[capture]`: how the station waits for the export of a press.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

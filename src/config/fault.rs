@@ -3,8 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::words::{COLUMNS, HEIGHTS_CM, ROWS};
 use gaiter_leg::phantom::PhantomTextFault;
+
+use super::words::{COLUMNS, HEIGHTS_CM, ROWS};
 
 /// One fault in a configuration file.
 #[derive(Debug, Clone, PartialEq, Eq)]

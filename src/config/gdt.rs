@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use gaiter_flow::{Mask, OrdersWhen};
+use gaiter_record::gdt::rules::FileName;
+use gaiter_record::gdt::{AttachmentFields, Charset, GdtRules, Product, Reference};
+
 use super::fault::What;
 use super::parse::{self, Bounds, or_none};
 use super::reader::{Absent, Found, Reader};
 use super::words::Words;
-use gaiter_flow::{Mask, OrdersWhen};
-use gaiter_record::gdt::rules::FileName;
-use gaiter_record::gdt::{AttachmentFields, Charset, GdtRules, Product, Reference};
 
 /// `[store.gdt]`: practice software that is notified of every named record.
 #[derive(Debug, Clone)]

@@ -3,6 +3,11 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use gaiter_cad::Output;
+use gaiter_flow::retention::Retention;
+use gaiter_leg::Method;
+use gaiter_leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
+use gaiter_record::report::Print;
 use toml::de::DeTable;
 
 use super::fault::{ConfigFault, What};
@@ -19,11 +24,6 @@ use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
     StoreConfig, capture, gdt, notation, observability, page, phantom, sizes, trigger, watch,
 };
-use gaiter_cad::Output;
-use gaiter_flow::retention::Retention;
-use gaiter_leg::Method;
-use gaiter_leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
-use gaiter_record::report::Print;
 
 /// Reads the text of a configuration that names no other files.
 ///

@@ -2,11 +2,12 @@
 
 use std::net::SocketAddr;
 
+use gaiter_flow::page::IdsShown;
+
 use super::fault::What;
 use super::parse;
 use super::reader::{Absent, Reader};
 use super::words::IDS_SHOWN;
-use gaiter_flow::page::IdsShown;
 
 /// `[page]`: who may read the operator's page, and what it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

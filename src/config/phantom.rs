@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
+use gaiter_leg::phantom::Phantom;
+
 use super::capture::PatientConfig;
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
-use gaiter_leg::phantom::Phantom;
 
 /// `[phantom]`: the daily check.
 #[derive(Debug, Clone, PartialEq)]

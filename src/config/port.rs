@@ -3,10 +3,11 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use gaiter_flow::trigger::lines::LINE_MOST;
+
 use super::fault::What;
 use super::parse;
 use super::words::Words;
-use gaiter_flow::trigger::lines::LINE_MOST;
 
 /// A USB device by the ids that it reports.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,12 +6,13 @@ mod orders;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use gaiter_sizes::{Fault, Garment, SizeTable};
+
 use self::beside::{Beside, Files, TextFile};
 pub(super) use self::orders::orders;
 use super::fault::What;
 use super::parse;
 use super::reader::{Absent, Found, Reader};
-use gaiter_sizes::{Fault, Garment, SizeTable};
 
 /// The most bytes of all files together: every measuring process gets them before its scan.
 const BYTES_MOST: usize = 4 << 20;

@@ -1,5 +1,6 @@
 //! The shipped `config/station.toml` against the reader, so that neither can drift from the other.
 
+use gaiter_leg::method::{AxisFit, Tape};
 use toml::de::DeTable;
 
 use super::Config;
@@ -7,7 +8,6 @@ use super::load::{config, load};
 use super::reader::{Absent, Key, Reader};
 use super::sizes::beside::Files;
 use super::words::{FITS, TAPES};
-use gaiter_leg::method::{AxisFit, Tape};
 
 const SHIPPED: &str = include_str!("../../config/station.toml");
 

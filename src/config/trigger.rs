@@ -3,6 +3,13 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use gaiter_flow::booth::Signal;
+use gaiter_flow::trigger::button::Times;
+use gaiter_flow::trigger::code::Codes;
+use gaiter_flow::trigger::input_decoder::Hearing;
+use gaiter_flow::trigger::report::Pattern;
+use gaiter_flow::trigger::token::Tokens;
+
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::port::{
@@ -10,12 +17,6 @@ use super::port::{
     WIRES,
 };
 use super::reader::{Absent, Found, Reader};
-use gaiter_flow::booth::Signal;
-use gaiter_flow::trigger::button::Times;
-use gaiter_flow::trigger::code::Codes;
-use gaiter_flow::trigger::input_decoder::Hearing;
-use gaiter_flow::trigger::report::Pattern;
-use gaiter_flow::trigger::token::Tokens;
 
 /// The devices on the ports of the booth; none unless the configuration names them.
 #[derive(Debug, Clone)]

@@ -1,11 +1,12 @@
 //! `[visits]`: how the visits of a patient are compared.
 
+use gaiter_record::report::AgeMax;
+use gaiter_visits::threshold::{Limited, Threshold};
+
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 use super::words::{LIMBS, LIMITED};
-use gaiter_record::report::AgeMax;
-use gaiter_visits::threshold::{Limited, Threshold};
 
 /// `[visits]`: how the visits of a patient are compared.
 #[derive(Debug, Clone, PartialEq, Default)]

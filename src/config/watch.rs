@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use gaiter_flow::export::file_system::KINDS;
+use gaiter_flow::export::mount::Expected;
+use gaiter_flow::{DoneFile, FileSystem};
+
 use super::fault::What;
 use super::nearest::nearest;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
-use gaiter_flow::export::file_system::KINDS;
-use gaiter_flow::export::mount::Expected;
-use gaiter_flow::{DoneFile, FileSystem};
 
 /// How export folders are watched.
 #[derive(Debug, Clone)]

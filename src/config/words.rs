@@ -2,7 +2,6 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use crate::store::access::Access;
 use gaiter_cad::{FileFormat, FileKind, Schema, Shape};
 use gaiter_flow::confinement::Confine;
 use gaiter_flow::page::IdsShown;
@@ -18,6 +17,8 @@ use gaiter_record::order::OrderFile;
 use gaiter_record::report::Paper;
 use gaiter_visits::Affected;
 use gaiter_visits::threshold::Limited;
+
+use crate::store::access::Access;
 
 /// The choices for `method.b1`; the distance for the second has a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,12 +4,12 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+use gaiter_flow::Space;
+use gaiter_flow::facts::IntakeState;
 use tracing::{info, warn};
 
 use crate::station::board::Board;
 use crate::station::share::file_system;
-use gaiter_flow::Space;
-use gaiter_flow::facts::IntakeState;
 
 /// The gate.
 #[derive(Debug)]

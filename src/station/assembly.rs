@@ -2,6 +2,10 @@
 
 use std::sync::Arc;
 
+use gaiter_flow::facts::{Alarm, IntakeState};
+use gaiter_flow::health::counted;
+use gaiter_flow::phantom::PHANTOM_ALARM;
+use gaiter_flow::{Facts, Identity};
 use jiff::Timestamp;
 use tracing::{error, info};
 
@@ -25,10 +29,6 @@ use super::rebuild;
 use super::stores::Stores;
 use crate::config::Config;
 use crate::store::RecordStore;
-use gaiter_flow::facts::{Alarm, IntakeState};
-use gaiter_flow::health::counted;
-use gaiter_flow::phantom::PHANTOM_ALARM;
-use gaiter_flow::{Facts, Identity};
 
 /// The parts of a station; each worker gets those that it uses.
 #[derive(Debug)]

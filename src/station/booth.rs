@@ -11,6 +11,13 @@ use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::booth::Signal;
+use gaiter_flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
+use gaiter_flow::light::{self, Light, Outcome, Scene};
+use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
+use gaiter_flow::page::Situation;
+use gaiter_flow::settle::Sights;
+use gaiter_flow::{OrdersWhen, ScanId};
 use jiff::Timestamp;
 use tokio::sync::{Notify, watch};
 use tokio::task::{JoinError, spawn_blocking};
@@ -23,13 +30,6 @@ use super::overview::Overview;
 use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
 use super::runtime::stop::Stop;
-use gaiter_flow::booth::Signal;
-use gaiter_flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
-use gaiter_flow::light::{self, Light, Outcome, Scene};
-use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
-use gaiter_flow::page::Situation;
-use gaiter_flow::settle::Sights;
-use gaiter_flow::{OrdersWhen, ScanId};
 pub use hearing::NameFault;
 
 /// Interval between updates of the light: a person notices no shorter delay.

@@ -6,6 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::facts::IntakeState;
+use gaiter_flow::phantom::is_phantom;
+use gaiter_flow::{Facts, Identity, ScanId};
 use tokio::sync::Notify;
 
 use super::admission::Gate;
@@ -20,9 +23,6 @@ use super::runtime::causes::chain;
 use super::runtime::clock::Clock;
 use super::stores::Stores;
 use crate::config::{Config, PhantomConfig};
-use gaiter_flow::facts::IntakeState;
-use gaiter_flow::phantom::is_phantom;
-use gaiter_flow::{Facts, Identity, ScanId};
 
 /// What the workers of a station share.
 #[derive(Debug)]

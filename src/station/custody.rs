@@ -24,6 +24,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::capture::Judged;
+use gaiter_flow::patient::identity;
+use gaiter_flow::{ScanId, ScanState, Verdict, Whose};
+use gaiter_record::Patient;
+use gaiter_scan::Format;
 use jiff::Timestamp;
 
 use self::decisions::Decisions;
@@ -33,11 +38,6 @@ use self::quarantine::{Quarantine, Reason, Stage};
 use self::spool::{Companion, Spool};
 use super::journal::{Due, Entry, Journal, JournalError};
 use crate::store::durable;
-use gaiter_flow::capture::Judged;
-use gaiter_flow::patient::identity;
-use gaiter_flow::{ScanId, ScanState, Verdict, Whose};
-use gaiter_record::Patient;
-use gaiter_scan::Format;
 
 /// Spool, quarantine and journal of one state folder.
 #[derive(Debug)]

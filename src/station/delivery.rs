@@ -17,6 +17,8 @@ use std::sync::Arc;
 use std::thread::available_parallelism;
 use std::time::Duration;
 
+use gaiter_flow::Outbox;
+use gaiter_flow::outbox::{Ended, Key};
 use jiff::Timestamp;
 use tokio::task::{JoinError, JoinSet, spawn_blocking};
 use tokio::time::sleep;
@@ -29,8 +31,6 @@ use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
-use gaiter_flow::Outbox;
-use gaiter_flow::outbox::{Ended, Key};
 
 /// How often the journal is read without a hint.
 const RECHECK: Duration = Duration::from_secs(5);

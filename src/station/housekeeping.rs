@@ -5,6 +5,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::facts::Alarm;
+use gaiter_flow::retention::before;
 use jiff::Timestamp;
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -18,8 +20,6 @@ use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
 use super::runtime::stop::Stop;
 use super::service::{status_line, tell_status};
-use gaiter_flow::facts::Alarm;
-use gaiter_flow::retention::before;
 
 /// Interval between deletions.
 const ROUND: Duration = Duration::from_secs(3600);

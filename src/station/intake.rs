@@ -17,6 +17,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use gaiter_flow::export::mount::MountGuard;
+use gaiter_flow::settle::Memory;
+use gaiter_flow::{Look, LookTime, Mark, Settled, Settling};
 use tokio::sync::{Notify, mpsc};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -31,9 +34,6 @@ use super::runtime::beat::Beat;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
 use super::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
-use gaiter_flow::export::mount::MountGuard;
-use gaiter_flow::settle::Memory;
-use gaiter_flow::{Look, LookTime, Mark, Settled, Settling};
 use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.

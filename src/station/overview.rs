@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
+use gaiter_flow::Facts;
+use gaiter_flow::health::{Backlog, Complaint, complaints};
 use jiff::Timestamp;
 
 use crate::station::core::Core;
 use crate::station::custody::state_folders;
 use crate::station::journal::Tally;
-use gaiter_flow::Facts;
-use gaiter_flow::health::{Backlog, Complaint, complaints};
 
 /// What is known at one moment.
 #[derive(Debug, Clone)]

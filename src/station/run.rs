@@ -5,6 +5,8 @@ use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::backoff;
+use gaiter_flow::confinement::Confine;
 use jiff::Zoned;
 use tokio::sync::mpsc::{self, UnboundedSender};
 use tokio::task::spawn_blocking;
@@ -22,8 +24,6 @@ use super::service;
 use super::state_dir::take_state_dir;
 use super::workers::{Lasting, Workers};
 use crate::config::Config;
-use gaiter_flow::backoff;
-use gaiter_flow::confinement::Confine;
 
 /// How long to wait for the first looks before the station reports that it is ready: a share that does
 /// not answer must not keep the station from starting with its other folders.

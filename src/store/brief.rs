@@ -4,11 +4,11 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use gaiter_record::{Acquired, Patient};
 use jiff::Timestamp;
 use serde::Deserialize;
 
 use super::{StoreFault, tried};
-use gaiter_record::{Acquired, Patient};
 
 /// The longest `record.json` that is read, bytes; one with shapes has under one million.
 const RECORD_MOST: u64 = 16_000_000;

@@ -15,6 +15,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::ScanId;
+use gaiter_flow::patient::naming;
+use gaiter_record::{FIRST_REVISION, RecordFile};
+
 use self::lock::StoreLock;
 use self::search::find;
 use super::listing::folders;
@@ -22,9 +26,6 @@ use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
 use crate::store::access::Access;
-use gaiter_flow::ScanId;
-use gaiter_flow::patient::naming;
-use gaiter_record::{FIRST_REVISION, RecordFile};
 pub use person::PersonFolder;
 
 /// The file that marks a store's folder.

@@ -5,8 +5,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{StoreFault, tried};
 use gaiter_flow::patient::naming::RecordName;
+
+use super::{StoreFault, tried};
 
 /// The folders in a patient's folder that are named like records, sorted by the meaning of their names:
 /// a scan's revisions follow one another.

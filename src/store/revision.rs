@@ -16,13 +16,13 @@ use std::io;
 use std::os::unix::fs::{MetadataExt, chown};
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::patient::naming::{self, RecordName};
+use gaiter_record::RecordFile;
 use rustix::fs::{FlockOperation, flock};
 
 use super::listing::{folders, records_in};
 use super::{StoreFault, durable};
 use crate::store::access::Access;
-use gaiter_flow::patient::naming::{self, RecordName};
-use gaiter_record::RecordFile;
 
 /// Prefix of staged revisions; no station's staged records have it.
 const STAGING: &str = ".reextract.";

@@ -4,10 +4,11 @@
 mod notation;
 mod solid;
 
-use super::ends::{self, EndNotPlane, Shape};
-use super::header::{FileHeader, SYSTEM};
 use gaiter_spline::Surface;
 use gaiter_spline::basis::DEGREE;
+
+use super::ends::{self, EndNotPlane, Shape};
+use super::header::{FileHeader, SYSTEM};
 use notation::{Entities, Entity, Pointer, hollerith, real};
 
 /// Points closer than this are the same point, mm; as in STEP files.

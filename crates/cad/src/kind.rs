@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_spline::{Ends, Surface, TessellationFault, facets};
+
 use super::ends::{EndNotPlane, Shape};
 use super::header::FileHeader;
 use super::step::{self, Schema};
 use super::{iges, mesh};
-use gaiter_spline::{Ends, Surface, TessellationFault, facets};
 
 /// The notation of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -10,11 +10,12 @@ mod boundary;
 mod exchange;
 mod product;
 
+use gaiter_spline::Surface;
+
 use super::ends::{self, EndNotPlane, Shape};
 use super::header::{FileHeader, SYSTEM};
 use boundary::Boundary;
 use exchange::{Instances, text};
-use gaiter_spline::Surface;
 
 /// The application protocol that a file follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,7 +1,8 @@
 //! Messages between the booth and the station: what the ports hear, and what the light shows.
 
-use super::capture::Doubt;
 use gaiter_record::SourceKind;
+
+use super::capture::Doubt;
 
 /// What a port has heard.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
 use serde::Serialize;
 
 use super::confinement::Confinement;
 use super::trigger::PortState;
-use gaiter_record::phantom::LastCheck;
 
 /// Everything that is known about a running station apart from its journal.
 #[derive(Debug, Clone, PartialEq, Serialize)]

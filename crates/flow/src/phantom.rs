@@ -1,11 +1,11 @@
 //! The daily check with a phantom: which exports are scans of it, and what people must know of the last
 //! checks.
 
+use gaiter_record::phantom::CheckResult;
 use jiff::Timestamp;
 
 use super::facts::{Alarm, PhantomFacts};
 use super::health::age;
-use gaiter_record::phantom::CheckResult;
 
 /// The code of the alarm about the last check.
 pub const PHANTOM_ALARM: &str = "phantom-check";

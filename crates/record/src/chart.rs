@@ -1,9 +1,6 @@
 //! Figures that clinics chart for a swollen leg, as in `record.json`: volumes, girths at any height, and
 //! how the legs differ.
 
-use serde::{Deserialize, Serialize};
-
-use super::rounding::{ml, mm, percent};
 use gaiter_leg::LegReport;
 use gaiter_leg::comparison::difference::{
     Difference, Differences, LevelDifference, VolumeDifference,
@@ -12,6 +9,9 @@ use gaiter_leg::comparison::tape_volume::{Piece, VolumeBy};
 use gaiter_leg::comparison::volume::{Slice, Volume};
 use gaiter_leg::levels::at_height::{AtHeight, AtLength, PROFILE_STEP_MM};
 use gaiter_leg::sections::axis_length::AxisLength;
+use serde::{Deserialize, Serialize};
+
+use super::rounding::{ml, mm, percent};
 
 /// Volumes of one leg.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -1,11 +1,12 @@
 //! Checks a record that was read back. The file may have been changed since it was written, so its
 //! figures must be possible for a leg before they are drawn or printed.
 
+use gaiter_leg::Side;
+
 use super::Record;
 use super::measure::amendment::AmendFault;
 use super::schema::LegFigures;
 use super::shape::{OutlineFigures, ShapeFigures};
-use gaiter_leg::Side;
 
 /// Heights above the floor, mm: no leg reaches higher, and none far below the floor.
 const HEIGHTS_MM: [f64; 2] = [-500.0, 3000.0];

@@ -2,6 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use gaiter_leg::doubt::Doubt;
+use gaiter_leg::frame::body::FacingFrom;
+use gaiter_leg::levels::girth::GirthCurve;
+use gaiter_leg::method::{B1, SurfaceMethod, Tape, UnitChoice};
+use gaiter_leg::sections::axis::LegAxis;
+use gaiter_leg::sections::axis_length::AxisLength;
+use gaiter_leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
+
 use super::provenance::Provenance;
 use super::rounding::{degrees, mm, per_mm, share};
 use super::schema::{
@@ -11,13 +19,6 @@ use super::schema::{
 use super::statement::Statement;
 use super::surface::surface;
 use super::{chart, shape};
-use gaiter_leg::doubt::Doubt;
-use gaiter_leg::frame::body::FacingFrom;
-use gaiter_leg::levels::girth::GirthCurve;
-use gaiter_leg::method::{B1, SurfaceMethod, Tape, UnitChoice};
-use gaiter_leg::sections::axis::LegAxis;
-use gaiter_leg::sections::axis_length::AxisLength;
-use gaiter_leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 
 /// Makes the record of an extraction.
 pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method) -> Record {

@@ -1,5 +1,9 @@
 //! The files of a record folder, as bytes.
 
+use gaiter_cad::{CadFault, FileHeader, Output};
+use gaiter_leg::finding::Severity;
+use gaiter_leg::{Extraction, Method, Side};
+use gaiter_scan::Format;
 use sha2::{Digest, Sha256};
 
 use super::file::{RecordFile, file};
@@ -11,10 +15,6 @@ use super::report_files::{self, FilesFault, ReportChoice};
 use super::schema::FindingNote;
 use super::statement::Statement;
 use super::{Provenance, Record, compose};
-use gaiter_cad::{CadFault, FileHeader, Output};
-use gaiter_leg::finding::Severity;
-use gaiter_leg::{Extraction, Method, Side};
-use gaiter_scan::Format;
 
 /// The list of the hashes of all other files, in the format of `sha256sum -c`.
 pub const SUMS: &str = "SHA256SUMS";

@@ -7,12 +7,13 @@ pub(super) mod csv;
 use at_height::girth_sd_mm_near;
 pub(super) use at_height::{along_mm_at, girth_mm_at};
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+
 use self::amendment::{ByHand, Subject};
 use super::report::Mark;
 use super::rounding;
 use super::schema::{EstimateFigures, LandmarkFigures, LegFigures, Record};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// The doubt of a knee that lies below D by its proportion: it is no knee, so it has no figures.
 const BELOW_D: &str = "below-d";

@@ -1,11 +1,11 @@
 //! The written form of a check with a phantom: `gaiter calibrate --json`, and a line of the station's
 //! series of checks. A record names the last one.
 
+use gaiter_leg::phantom::{GirthCheck, PhantomCheck, PhantomFault};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{degrees, mm, share};
-use gaiter_leg::phantom::{GirthCheck, PhantomCheck, PhantomFault};
 
 /// Name and number of this schema.
 pub const PHANTOM_SCHEMA: &str = "gaiter.phantom-check/1";

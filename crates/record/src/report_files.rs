@@ -2,6 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_language::Language;
+use gaiter_sizes::Garment;
+
 use super::Record;
 use super::file::{RecordFile, file};
 use super::order::OrderChoice;
@@ -10,8 +13,6 @@ use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
 use super::report::{self, AgeMax, Content, PdfFault, Print};
 use super::sizing::{SizeChoice, SizeVerdicts};
-use gaiter_language::Language;
-use gaiter_sizes::Garment;
 
 /// The report as an HTML page.
 const PAGE: &str = "report.html";

@@ -3,16 +3,16 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use nalgebra::{Point3, Vector3};
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use super::rounding::{degrees, mm, per_mm, unit};
 use gaiter_leg::features::feature::curvatures;
 use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::surface::error_map::ErrorMap;
 use gaiter_leg::surface::shape::{COLUMNS, Shape, radii};
 use gaiter_leg::{LegReport, LevelSection};
+use nalgebra::{Point3, Vector3};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::rounding::{degrees, mm, per_mm, unit};
 
 /// Number of angles of an outline: every third degree.
 const OUTLINE_ANGLES: usize = 120;

@@ -3,9 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
-use super::rounding;
 use gaiter_cad::{CadFault, End};
 use gaiter_language::{Language, fill};
 use gaiter_leg::comparison::difference::LegsDiffer;
@@ -21,6 +18,9 @@ use gaiter_leg::sections::axis_fit::{AxisFault, CENTROIDS_MIN, NoThigh, POINTS_M
 use gaiter_leg::surface::nurbs::NoSurface;
 use gaiter_leg::{LegFault, Level, Side, What};
 use gaiter_spline::tessellate::TessellationFault;
+use serde::{Deserialize, Serialize};
+
+use super::rounding;
 
 /// A statement of a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,8 @@
 //! Both legs at a glance for the operator's page: girth and height at B, B1, C and D.
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::Garment;
 use serde::Serialize;
 
 use super::completeness::Completeness;
@@ -8,9 +11,6 @@ use super::measure::{Absent, Length, Measure, why_absent};
 use super::report::Content;
 use super::rounding;
 use super::schema::Record;
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
-use gaiter_sizes::Garment;
 
 /// The levels of a stocking that ends below the knee, highest first as on the measuring sheet.
 const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
-use super::rounding::{cm2, degrees, mm, share};
 use gaiter_leg::LegReport;
 use gaiter_leg::surface::fit_error::FitError;
 use gaiter_leg::surface::hole::Hole;
 use gaiter_leg::surface::nurbs::LegSurface;
 use gaiter_spline::DEGREE;
+use serde::{Deserialize, Serialize};
+
+use super::rounding::{cm2, degrees, mm, share};
 
 /// The surface's extent and error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

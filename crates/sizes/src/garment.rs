@@ -5,9 +5,10 @@ mod profile;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
+use gaiter_leg::Level;
+
 use super::fault::Fault;
 use super::point::Point;
-use gaiter_leg::Level;
 pub use profile::{FORMAT, FormBox, FormUnit, Profile};
 
 /// A compression garment, by the levels at which it begins and ends (RAL-GZ 387) or by a name of its own.

@@ -1,9 +1,10 @@
 //! What speaks against comparing two visits, though their figures mean the same.
 
-use super::stance::StanceChange;
-use super::visit::Visit;
 use gaiter_leg::Side;
 use gaiter_record::Acquired;
+
+use super::stance::StanceChange;
+use super::visit::Visit;
 
 /// Legs swell during the day; times of day that differ by more than this are told, hours.
 const TIME_OF_DAY_H: f64 = 3.0;

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_leg::Side;
+use gaiter_leg::side::Sides;
+
 use super::caution::{Caution, cautions, stance_change};
 use super::course::{Course, Group};
 use super::excess::{ExcessChange, excess_change};
@@ -10,8 +13,6 @@ use super::place::Step;
 use super::quantity::Change;
 use super::stance::StanceChange;
 use super::visit::Visit;
-use gaiter_leg::Side;
-use gaiter_leg::side::Sides;
 
 /// What changed from one visit to a later one.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::place::Step;
-use super::quantity::Quantity;
-use super::visit::{Definition, Visit};
 use gaiter_leg::Side;
 use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_leg::side::Sides;
 use gaiter_record::Record;
+
+use super::place::Step;
+use super::quantity::Quantity;
+use super::visit::{Definition, Visit};
 
 /// The lowest place that is compared, in steps of 4 cm: 12 cm. Below it the tape lies about malleoli and
 /// heel, where a millimetre of height is several of girth.

@@ -5,12 +5,13 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_leg::Side;
+use gaiter_record::rounding::MARGIN_SDS;
+
 use super::caution::stance_change;
 use super::course::{Affected, Course, Group};
 use super::place::Step;
 use super::quantity::{Change, Quantity};
-use gaiter_leg::Side;
-use gaiter_record::rounding::MARGIN_SDS;
 
 /// The excess of one leg at a visit, over the pieces that both legs have at all visits of the group.
 #[derive(Debug, Clone, Copy, PartialEq)]

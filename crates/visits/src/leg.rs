@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::place::{Step, along_mm};
-use super::quantity::{Parts, Quantity};
-use super::stance::Stance;
 use gaiter_leg::comparison::tape_volume::{Piece, VolumeBy};
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::chart::AlongFigures;
 use gaiter_record::schema::{BodyFigures, LegFigures};
+
+use super::place::{Step, along_mm};
+use super::quantity::{Parts, Quantity};
+use super::stance::Stance;
 
 /// A leg at one visit.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,12 @@
 //! The legs of two visits laid over each other, as a record that the 3D view and the map of distances show:
 //! the later legs, on their surface the distance from the earlier ones, and the earlier skin as points.
 
-use super::registration::{Registration, Rings};
 use gaiter_leg::Side;
 use gaiter_leg::side::Sides;
 use gaiter_record::Record;
 use gaiter_record::shape::{CloudFigures, Packed};
+
+use super::registration::{Registration, Rings};
 
 /// Two visits laid over each other.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,12 +5,12 @@
 //! swelling of a height changes nothing, because only what differs around the leg counts, and the length from
 //! the floor is kept: it is what girths are compared by.
 
-use nalgebra::{Matrix3, Matrix6, Point3, Rotation3, Unit, Vector3, Vector6};
-
-use super::stance::KNEE_SHARE;
 use gaiter_record::Record;
 use gaiter_record::schema::LegFigures;
 use gaiter_record::shape::{AxisFigures, GridFigures, SurfaceGridFigures};
+use nalgebra::{Matrix3, Matrix6, Point3, Rotation3, Unit, Vector3, Vector6};
+
+use super::stance::KNEE_SHARE;
 
 /// The lowest and, below the knee, the highest place of the skin that counts, mm: between the malleoli and the
 /// hollow of the knee.

@@ -1,6 +1,10 @@
 //! A course of visits as JSON, `gaiter.visits/1`: the figures that the report rounds, with their parts of
 //! uncertainty.
 
+use gaiter_leg::Side;
+use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
+use gaiter_record::Acquired;
+use gaiter_record::rounding::{ml, mm, percent};
 use serde::Serialize;
 
 use super::caution::Caution;
@@ -11,10 +15,6 @@ use super::place::along_mm;
 use super::quantity::{Change, Quantity};
 use super::threshold::{Threshold, verdicts};
 use super::visit::Visit;
-use gaiter_leg::Side;
-use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
-use gaiter_record::Acquired;
-use gaiter_record::rounding::{ml, mm, percent};
 
 /// Name and number of the schema.
 pub const VISITS: &str = "gaiter.visits/1";

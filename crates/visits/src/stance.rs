@@ -1,8 +1,9 @@
 //! How a leg stood at a visit, and what a different stance does to girths and volumes.
 
-use super::place::{Step, along_mm};
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::schema::{BodyFigures, LegFigures};
+
+use super::place::{Step, along_mm};
 
 /// Height of the knee as a share of the stature (Drillis and Contini; Winter, Biomechanics, fig. 4.1).
 pub(super) const KNEE_SHARE: f64 = 0.285;

@@ -1,7 +1,8 @@
 //! Thresholds that a clinic sets itself, with their sources. There are none unless it does.
 
-use super::comparison::{Comparison, LegChange};
 use gaiter_leg::Side;
+
+use super::comparison::{Comparison, LegChange};
 
 /// A limit that a change or an excess may reach.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,5 @@
 //! One visit: what a record says that comparisons need.
 
-use super::leg::{Common, LegAtVisit};
 use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_leg::side::Sides;
 use gaiter_leg::{Level, Side};
@@ -8,6 +7,8 @@ use gaiter_record::measure::Measure;
 use gaiter_record::report::Mark;
 use gaiter_record::sizing::SCANNER_GIRTH_MM;
 use gaiter_record::{Acquired, Record};
+
+use super::leg::{Common, LegAtVisit};
 
 /// Standard error of all girths of a scan in common, mm, where nothing better is known.
 pub const GIRTH_COMMON_MM: f64 = SCANNER_GIRTH_MM;

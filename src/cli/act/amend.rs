@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use gaiter_record::measure::amendment::Deed;
+use gaiter_record::rounding;
+use gaiter_record::{RECORD, ReportChoice};
 use jiff::{Timestamp, Zoned};
 use serde_json::json;
 
@@ -14,9 +17,6 @@ use crate::station::operator::act::{Measured, Setting};
 use crate::station::operator::control::protocol::Request;
 use crate::station::runtime::causes::chain;
 use crate::store::revision::amend::{Amended, Fault, amend as amend_record};
-use gaiter_record::measure::amendment::Deed;
-use gaiter_record::rounding;
-use gaiter_record::{RECORD, ReportChoice};
 
 /// Sets the measure.
 pub fn amend(args: &AmendArgs) -> Exit {

@@ -3,10 +3,11 @@
 use std::fs::File;
 use std::io::{self, Read};
 
+use gaiter_record::gdt::order::ORDER_MOST;
+
 use crate::cli::args::GdtOrderArgs;
 use crate::cli::{Exit, ask, complain, shown};
 use crate::station::operator::control::protocol::Request;
-use gaiter_record::gdt::order::ORDER_MOST;
 
 /// Sends an order to the running station.
 pub fn order(args: &GdtOrderArgs) -> Exit {

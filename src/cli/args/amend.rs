@@ -3,11 +3,11 @@
 use std::ffi::OsString;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use gaiter_leg::Side;
+use gaiter_record::measure::amendment::Subject;
 
 use super::{AskArgs, of_words};
 use crate::config::words::Words;
-use gaiter_leg::Side;
-use gaiter_record::measure::amendment::Subject;
 
 /// The words for the legs.
 const LEGS: Words<Side> = &[("right", Side::Right), ("left", Side::Left)];

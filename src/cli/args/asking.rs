@@ -4,10 +4,10 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use gaiter_flow::account::{FILTERS, Filter};
 
 use super::usual_config;
 use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
-use gaiter_flow::account::{FILTERS, Filter};
 
 /// The options of every verb that queries a running station.
 #[derive(Debug, Clone, clap::Args)]

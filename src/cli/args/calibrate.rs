@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::of_words;
-use crate::config::words::{self, UNITS, UPS};
 use gaiter_leg::method::{UnitChoice, Up};
 use gaiter_leg::phantom::Phantom;
+
+use super::of_words;
+use crate::config::words::{self, UNITS, UPS};
 
 /// `gaiter calibrate`
 #[derive(Debug, clap::Args)]

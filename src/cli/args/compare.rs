@@ -3,12 +3,13 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use super::{of_words, usual_config};
-use crate::config::words::{AFFECTED, LANGUAGES, PAPERS, VOLUMES};
 use gaiter_language::Language;
 use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_record::report::Paper;
 use gaiter_visits::Affected;
+
+use super::{of_words, usual_config};
+use crate::config::words::{AFFECTED, LANGUAGES, PAPERS, VOLUMES};
 
 /// `gaiter compare`
 #[derive(Debug, clap::Args)]

@@ -4,14 +4,15 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use super::{GarmentArgs, of_words};
-use crate::config::words::{
-    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, POSTURES, SCOPES, UNITS, UPS, WINDINGS,
-};
 use gaiter_cad::FileKind;
 use gaiter_language::Language;
 use gaiter_leg::method::{FacingChoice, Posture, Scope, UnitChoice, Up, Winding};
 use gaiter_record::FigureFormat;
+
+use super::{GarmentArgs, of_words};
+use crate::config::words::{
+    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, POSTURES, SCOPES, UNITS, UPS, WINDINGS,
+};
 
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
 #[derive(Debug, clap::Args)]

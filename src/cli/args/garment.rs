@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use gaiter_sizes::Garment;
+
 use crate::cli::{Exit, complain, shown};
 use crate::config::sizes::{add, beside};
-use gaiter_sizes::Garment;
 
 /// The garment.
 #[derive(Debug, Clone, Default, clap::Args)]

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::{GarmentArgs, of_words};
-use crate::config::words::{LANGUAGES, PAPERS};
 use gaiter_language::Language;
 use gaiter_record::report::Paper;
+
+use super::{GarmentArgs, of_words};
+use crate::config::words::{LANGUAGES, PAPERS};
 
 /// `gaiter report`
 #[derive(Debug, clap::Args)]

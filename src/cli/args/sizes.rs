@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use gaiter_language::Language;
+
 use super::{GarmentArgs, of_words, usual_config};
 use crate::config::words::LANGUAGES;
-use gaiter_language::Language;
 
 /// `gaiter sizes`
 #[derive(Debug, clap::Args)]

@@ -4,15 +4,16 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::FileSystem;
+use gaiter_flow::confinement::Confine;
+use gaiter_flow::export::mount::{Expected, MountGuard};
+
 use super::names;
 use super::row::{Row, Verdict};
 use crate::config::{Config, WatchConfig, nested};
 use crate::station::measure;
 use crate::station::runtime::causes::chain;
 use crate::station::share::file_system;
-use gaiter_flow::FileSystem;
-use gaiter_flow::confinement::Confine;
-use gaiter_flow::export::mount::{Expected, MountGuard};
 
 /// Runs every check of the environment, along the path of a scan: exports, state, records.
 pub(super) fn rows(config: &Config) -> Vec<Row> {

@@ -3,12 +3,13 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::patient::name_check::{self, Taken};
+use gaiter_flow::{Group, Identity, NameSays};
+
 use super::row::{Example, Row, Verdict};
 use crate::config::Config;
 use crate::station::intake::scan_dir::{self, Found};
 use crate::station::share::stall::Pulse;
-use gaiter_flow::patient::name_check::{self, Taken};
-use gaiter_flow::{Group, Identity, NameSays};
 
 /// The check's name in the table.
 const CHECK: &str = "file names";

@@ -1,14 +1,14 @@
 //! What a person should know of the size tables that reports are made with.
 
+use gaiter_language::Language;
+use gaiter_record::shown::id;
+use gaiter_sizes::check::{Remark, remarks};
+use gaiter_sizes::{Garment, SizeTable};
 use jiff::Zoned;
 
 use super::row::{Row, Verdict};
 use crate::cli::sizes::remark_in_words;
 use crate::config::Config;
-use gaiter_language::Language;
-use gaiter_record::shown::id;
-use gaiter_sizes::check::{Remark, remarks};
-use gaiter_sizes::{Garment, SizeTable};
 
 /// The check's name in the table.
 const CHECK: &str = "size table";

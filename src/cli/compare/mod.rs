@@ -7,6 +7,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_language::Language;
+use gaiter_record::report::{AgeMax, Paper, PdfFault, document_page, document_paper};
+use gaiter_record::{Record, RecordFile, SUMS};
+use gaiter_visits::report::ReportOf;
+use gaiter_visits::schema::figures;
+use gaiter_visits::{Choice, Course, CourseFault, GIRTH_COMMON_MM};
 use jiff::Zoned;
 
 use self::records::{Found, Unusable};
@@ -19,12 +25,6 @@ use crate::config::{self, Config, ConfigError, FolderStoreConfig, VisitsConfig};
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::folder::FolderStore;
-use gaiter_language::Language;
-use gaiter_record::report::{AgeMax, Paper, PdfFault, document_page, document_paper};
-use gaiter_record::{Record, RecordFile, SUMS};
-use gaiter_visits::report::ReportOf;
-use gaiter_visits::schema::figures;
-use gaiter_visits::{Choice, Course, CourseFault, GIRTH_COMMON_MM};
 
 /// Why nothing was compared, or not written.
 #[derive(Debug, thiserror::Error)]

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use gaiter_record::schema::NOT_VOUCHED;
+use gaiter_record::{Record, SUMS};
+use gaiter_visits::last_of_days;
+
 use crate::cli::report::{Fault, record_at};
 use crate::cli::{Exit, complain, shown};
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::revision::{families, visits};
-use gaiter_record::schema::NOT_VOUCHED;
-use gaiter_record::{Record, SUMS};
-use gaiter_visits::last_of_days;
 
 /// The record's file within its folder.
 const RECORD: &str = "record.json";

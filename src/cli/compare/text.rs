@@ -1,10 +1,11 @@
 //! A report of blocks for a terminal.
 
-use crate::cli::terminal::paint::{self, painted};
-use crate::cli::terminal::screen::indented;
 use gaiter_record::report::content::{Section, Table};
 use gaiter_record::report::document::{Block, Document};
 use gaiter_record::report::{Figure, Mark};
+
+use crate::cli::terminal::paint::{self, painted};
+use crate::cli::terminal::screen::indented;
 
 /// The report in lines of at most this many characters; pictures are left out.
 pub(super) fn of(document: &Document, columns: usize) -> String {

@@ -4,8 +4,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Exit, shown};
 use gaiter_scan::Format;
+
+use crate::cli::{Exit, shown};
 
 /// Why a folder gave no scans.
 #[derive(Debug, thiserror::Error)]

@@ -5,6 +5,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use gaiter_record::{self as record, RecordFile};
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 use rustix::io::Errno;
 
@@ -12,7 +13,6 @@ use super::Undelivered;
 use crate::cli::shown;
 use crate::store::durable;
 use crate::store::sums::SUMS;
-use gaiter_record::{self as record, RecordFile};
 
 /// Something in a record's place that is not an earlier record of the same scan.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]

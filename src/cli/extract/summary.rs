@@ -3,9 +3,6 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::cli::terminal::paint::{self, painted};
-use crate::cli::terminal::screen::{indented, shortened};
-use crate::cli::terminal::table::colour;
 use gaiter_flow::health::counted;
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
@@ -14,6 +11,10 @@ use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::measure::Measure;
 use gaiter_record::rounding::cm_words;
 use gaiter_sizes::Garment;
+
+use crate::cli::terminal::paint::{self, painted};
+use crate::cli::terminal::screen::{indented, shortened};
+use crate::cli::terminal::table::colour;
 
 /// The levels whose girths are shown, as on the measuring sheet: those of a stocking that ends below the
 /// knee.

@@ -3,13 +3,13 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use gaiter_sizes::mapping::parse;
+use gaiter_sizes::{Fault, Mapping};
 use serde_json::{Value, json};
 
 use crate::cli::args::OrderCheckArgs;
 use crate::cli::{Exit, complain, print, shown};
 use crate::config::sizes::beside::{TextFile, on_disk};
-use gaiter_sizes::mapping::parse;
-use gaiter_sizes::{Fault, Mapping};
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.order-check/1";

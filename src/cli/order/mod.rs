@@ -7,11 +7,6 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use jiff::Zoned;
-
-use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat, usual_config};
-use super::{Exit, complain, explain_config, print, report, shown};
-use crate::config::{self, ConfigError};
 use gaiter_record::order::{
     BYTES_MAX, LastFault, Order, OrderFile, OrderRef, RefFault, ReorderFault, csv, json, mapped,
     mapped_name, read,
@@ -20,6 +15,11 @@ use gaiter_record::schema::NOT_VOUCHED;
 use gaiter_record::sizing::SCANNER_GIRTH_MM;
 use gaiter_record::{Record, RecordFile, SUMS};
 use gaiter_sizes::{Garment, Mapping};
+use jiff::Zoned;
+
+use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat, usual_config};
+use super::{Exit, complain, explain_config, print, report, shown};
+use crate::config::{self, ConfigError};
 
 /// Checks mappings, or writes an order.
 pub fn order(args: &OrderArgs) -> Exit {

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use gaiter_flow::patient::person::{Person, WhoseScan};
+use gaiter_language::Language;
 use serde_json::json;
 
 use super::files::Bundle;
@@ -10,8 +12,6 @@ use super::reach::{Fault, Reached};
 use crate::cli::args::DiscloseArgs;
 use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print, shown};
-use gaiter_flow::patient::person::{Person, WhoseScan};
-use gaiter_language::Language;
 
 /// What the station notes of a scan that comes in: it also names others to whom the scan might have belonged.
 const INTAKE: &str = "intake.json";

@@ -3,6 +3,8 @@
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_language::Language;
 use jiff::{SignedDuration, Timestamp};
 use serde_json::json;
 
@@ -12,8 +14,6 @@ use crate::cli::args::EraseArgs;
 use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print};
 use crate::store::polling::poll;
-use gaiter_flow::patient::erasure::Erasure;
-use gaiter_language::Language;
 
 /// How long the station may take to begin anew and to clear its folder and the stores.
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -6,12 +6,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::ScanId;
+use gaiter_record::SUMS;
+
 use super::reach::Fault;
 use crate::cli::shown;
 use crate::store::access::Access;
 use crate::store::{durable, sums};
-use gaiter_flow::ScanId;
-use gaiter_record::SUMS;
 
 /// A disclosure that is being written.
 pub(super) struct Bundle {

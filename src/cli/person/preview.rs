@@ -2,9 +2,10 @@
 
 use std::fmt::Display;
 
-use crate::cli::shown;
 use gaiter_flow::patient::person::{Person, PersonStore, WhoseScan};
 use gaiter_language::Language;
+
+use crate::cli::shown;
 
 /// The text for the terminal.
 pub(super) fn of(person: &Person, language: Language) -> String {

@@ -4,6 +4,10 @@ use std::env;
 use std::io;
 use std::path::Path;
 
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_flow::patient::person::Person;
+use gaiter_language::Language;
+
 use crate::cli::ask::{AskFault, ask};
 use crate::cli::{Exit, shown};
 use crate::config::{self, ConfigError};
@@ -11,9 +15,6 @@ use crate::station::StationError;
 use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::persons::stopped::{Stopped, StoppedFault};
 use crate::station::runtime::causes::chain;
-use gaiter_flow::patient::erasure::Erasure;
-use gaiter_flow::patient::person::Person;
-use gaiter_language::Language;
 
 /// Why a person was neither disclosed nor erased.
 #[derive(Debug, thiserror::Error)]

@@ -2,6 +2,12 @@
 
 use std::io;
 
+use gaiter_leg::method::{AxisFit, Tape};
+use gaiter_leg::{Method, Refusal, extract as measure};
+use gaiter_record::change::{Changes, Sameness, changes};
+use gaiter_record::schema::OLDER_SCHEMA;
+use gaiter_record::{self as record, FilesFault, ORD, Provenance, Record, ScanFile};
+use gaiter_scan::Format;
 use serde::Serialize;
 
 use super::choices::Choices;
@@ -9,12 +15,6 @@ use crate::cli::{Exit, ord};
 use crate::config::words::{AXES, TAPES, meaning};
 use crate::store::revision::stored::{Stored, StoredFault};
 use crate::store::revision::{Added, Family};
-use gaiter_leg::method::{AxisFit, Tape};
-use gaiter_leg::{Method, Refusal, extract as measure};
-use gaiter_record::change::{Changes, Sameness, changes};
-use gaiter_record::schema::OLDER_SCHEMA;
-use gaiter_record::{self as record, FilesFault, ORD, Provenance, Record, ScanFile};
-use gaiter_scan::Format;
 
 /// Why a record was not measured again.
 #[derive(Debug, thiserror::Error)]

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use jiff::Zoned;
-
-use crate::cli::{Exit, explain_config};
-use crate::config::words::{self, FACINGS, POSTURES, UNITS, UPS, WINDINGS};
 use gaiter_cad::Output;
 use gaiter_leg::method::{B1, Scope, UnitChoice};
 use gaiter_leg::{Method, Side};
 use gaiter_record::{Record, ReportChoice};
+use jiff::Zoned;
+
+use crate::cli::{Exit, explain_config};
+use crate::config::words::{self, FACINGS, POSTURES, UNITS, UPS, WINDINGS};
 
 /// The choice on the command line, which applies to all records.
 #[derive(Debug)]

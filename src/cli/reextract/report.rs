@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::{Again, Outcome};
-use crate::cli::terminal::paint::{self, painted};
 use gaiter_flow::health::counted;
 use gaiter_leg::Level;
 use gaiter_record::change::{Change, LevelChange, Place};
+
+use super::{Again, Outcome};
+use crate::cli::terminal::paint::{self, painted};
 
 /// The most records that are named: those that changed most.
 const WORST: usize = 20;

@@ -3,6 +3,12 @@
 
 use std::fmt::Display;
 
+use gaiter_language::Language;
+use gaiter_record::rounding::limit_words;
+use gaiter_record::shown::id;
+use gaiter_sizes::check::{Neighbours, Remark, remarks};
+use gaiter_sizes::table::Limits;
+use gaiter_sizes::{Fault, Garment, SizeTable, What, garment, parse};
 use jiff::Zoned;
 use jiff::civil::Date;
 use serde::Serialize;
@@ -11,12 +17,6 @@ use crate::cli::args::{GarmentArgs, SizesCheckArgs};
 use crate::cli::terminal::screen::{self, indented};
 use crate::cli::{Exit, complain, print, shown};
 use crate::config::sizes::beside::{Beside, on_disk};
-use gaiter_language::Language;
-use gaiter_record::rounding::limit_words;
-use gaiter_record::shown::id;
-use gaiter_sizes::check::{Neighbours, Remark, remarks};
-use gaiter_sizes::table::Limits;
-use gaiter_sizes::{Fault, Garment, SizeTable, What, garment, parse};
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.size-check/1";

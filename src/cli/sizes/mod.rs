@@ -6,6 +6,10 @@ mod text;
 
 use std::io;
 
+use gaiter_record::SUMS;
+use gaiter_record::schema::NOT_VOUCHED;
+use gaiter_record::sizing::{SizeChoice, SizeVerdicts};
+use gaiter_sizes::Garment;
 use jiff::Zoned;
 
 use super::args::{SizesArgs, SizesOf, SizesVerb, usual_config};
@@ -13,10 +17,6 @@ use super::terminal::{paint, screen};
 use super::{Exit, complain, explain_config, print, report, shown};
 use crate::config::{self, ConfigError};
 pub use check::in_words as remark_in_words;
-use gaiter_record::SUMS;
-use gaiter_record::schema::NOT_VOUCHED;
-use gaiter_record::sizing::{SizeChoice, SizeVerdicts};
-use gaiter_sizes::Garment;
 pub use tables::tables;
 
 /// Checks tables, or judges a record.

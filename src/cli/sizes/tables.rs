@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use gaiter_sizes::{SizeTable, parse};
+
 use crate::cli::{Exit, complain, shown};
 use crate::config::sizes::beside::on_disk;
-use gaiter_sizes::{SizeTable, parse};
 
 /// The tables of these files and folders, in their order.
 ///

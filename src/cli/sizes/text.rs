@@ -3,14 +3,14 @@
 use std::fmt::{Display, Write};
 
 use anstyle::Style;
-
-use crate::cli::terminal::paint::{self, painted};
-use crate::cli::terminal::screen::indented;
 use gaiter_language::Language;
 use gaiter_record::rounding::{cm_margin, cm_words, limit_words, number, shortest};
 use gaiter_record::sizing::{LegSizes, SizeVerdicts, TableVerdict, words};
 use gaiter_sizes::Garment;
 use gaiter_sizes::verdict::{Fit, PointVerdict, Reading, SURE, UNLIKELY};
+
+use crate::cli::terminal::paint::{self, painted};
+use crate::cli::terminal::screen::indented;
 
 /// Widths of the columns of points, characters: point, measure, limits, margins, probability.
 const WIDTHS: [usize; 5] = [6, 15, 13, 17, 10];

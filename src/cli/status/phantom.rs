@@ -1,10 +1,10 @@
 //! The checks with the known body: the last one in words, and the bias of the last month as a chart.
 
+use gaiter_flow::health::ago;
+use gaiter_record::phantom::{CheckResult, LastCheck};
 use jiff::Timestamp;
 
 use crate::station::operator::control::status::PhantomStatus;
-use gaiter_flow::health::ago;
-use gaiter_record::phantom::{CheckResult, LastCheck};
 
 /// Heights of the chart's bars, from −2 tolerances to +2.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];

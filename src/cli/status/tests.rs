@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::*;
-use crate::station::operator::control::status::{BoothStatus, StoreStatus, TriggerStatus};
 use gaiter_flow::account::Seen;
 use gaiter_flow::confinement::{Confinement, Enforced};
 use gaiter_flow::health::Complaint;
+
+use super::*;
+use crate::station::operator::control::status::{BoothStatus, StoreStatus, TriggerStatus};
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()

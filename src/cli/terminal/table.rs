@@ -3,8 +3,6 @@
 
 use std::fmt::Write;
 
-use super::paint::{self, painted};
-use super::screen::indented;
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 use gaiter_record::Record;
@@ -16,6 +14,9 @@ use gaiter_record::report::{Content, Mark};
 use gaiter_record::rounding::{cm_margin, cm_words};
 use gaiter_record::schema::{FindingNote, LegFigures};
 use gaiter_sizes::Garment;
+
+use super::paint::{self, painted};
+use super::screen::indented;
 
 /// Width of the column of level names, characters.
 const NAME: usize = 12;

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_record::order::{OrderChoice, OrderFile};
+use gaiter_sizes::Mapping;
+use gaiter_sizes::mapping;
+
 use super::beside::{Beside, Files};
 use super::{NamedFile, named_files, note};
 use crate::config::fault::What;
 use crate::config::parse;
 use crate::config::reader::{Absent, Found, Reader};
 use crate::config::words::ORDER_FILES;
-use gaiter_record::order::{OrderChoice, OrderFile};
-use gaiter_sizes::Mapping;
-use gaiter_sizes::mapping;
 
 /// Reads `orders.files` and `orders.mappings`.
 pub(in crate::config) fn orders(

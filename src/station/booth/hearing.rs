@@ -1,14 +1,6 @@
 //! Handles what the booth hears. Presses, names and the passing of time open, end and call off
 //! captures, and every change goes into the journal.
 
-use jiff::Timestamp;
-use serde_json::{Value, json};
-use tracing::{info, warn};
-
-use super::{Booth, Inner};
-use crate::station::event::StationEvent;
-use crate::station::journal::{BoothChange, Event, JournalError};
-use crate::station::runtime::causes::chain;
 use gaiter_flow::booth::{Heard, Press};
 use gaiter_flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
 use gaiter_flow::facts::Alarm;
@@ -17,6 +9,14 @@ use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::{Appeared, ScanId};
 use gaiter_record::{Patient, SourceKind};
+use jiff::Timestamp;
+use serde_json::{Value, json};
+use tracing::{info, warn};
+
+use super::{Booth, Inner};
+use crate::station::event::StationEvent;
+use crate::station::journal::{BoothChange, Event, JournalError};
+use crate::station::runtime::causes::chain;
 
 /// Why a patient was not named.
 #[derive(Debug, thiserror::Error)]

@@ -18,6 +18,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::booth::Heard;
+use gaiter_flow::facts::Alarm;
+use gaiter_flow::{Look, LookTime, Settled, Settling};
+use gaiter_record::SourceKind;
+use gaiter_record::gdt::{Charset, Order, OrderFault, order};
 use jiff::Timestamp;
 use tokio::task::JoinError;
 use tokio::time::sleep;
@@ -32,11 +37,6 @@ use crate::station::runtime::causes::chain;
 use crate::station::runtime::jitter;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
-use gaiter_flow::booth::Heard;
-use gaiter_flow::facts::Alarm;
-use gaiter_flow::{Look, LookTime, Settled, Settling};
-use gaiter_record::SourceKind;
-use gaiter_record::gdt::{Charset, Order, OrderFault, order};
 use take::{Before, Taken, take};
 
 /// Alarm: the station had lost its journal.

@@ -1,10 +1,11 @@
 //! What a start finds of captures in the journal.
 
-use super::super::journal::{BoothChange, Entry, ScanRow};
-use super::*;
 use gaiter_flow::ScanState;
 use gaiter_flow::capture::{Doubt, Named};
 use gaiter_record::SourceKind;
+
+use super::super::journal::{BoothChange, Entry, ScanRow};
+use super::*;
 
 /// What tells this start of the machine from another.
 const BOOT: &str = "this start";

@@ -4,14 +4,15 @@
 use std::collections::BTreeSet;
 use std::sync::PoisonError;
 
+use gaiter_flow::decision::{Decided, Ruling};
+use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_record::Patient;
+
 use super::decided::by_operator;
 use super::{Custody, CustodyFault, intake_of, io};
 use crate::station::custody::spool::Companion;
 use crate::station::journal::{Due, ScanRow};
 use crate::store::StoredScan;
-use gaiter_flow::decision::{Decided, Ruling};
-use gaiter_flow::{DeliveryState, ScanId};
-use gaiter_record::Patient;
 
 /// The outcome of an operator's decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

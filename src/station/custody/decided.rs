@@ -4,15 +4,15 @@
 use std::io::ErrorKind;
 use std::sync::PoisonError;
 
+use gaiter_flow::decision::{Decided, Decision, Ruling};
+use gaiter_flow::{ScanId, ScanState};
+use gaiter_record::{Patient, Source, SourceKind};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::{Custody, CustodyFault, io};
 use crate::station::journal::{FoundThere, Journal, JournalError, ScanRow};
 use crate::store::{FoundRecord, StoredScan};
-use gaiter_flow::decision::{Decided, Decision, Ruling};
-use gaiter_flow::{ScanId, ScanState};
-use gaiter_record::{Patient, Source, SourceKind};
 
 /// The operators' decisions about a scan.
 struct Known {

@@ -9,11 +9,11 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::ScanId;
+use gaiter_flow::decision::Decision;
 use serde::{Deserialize, Serialize};
 
 use crate::store::durable;
-use gaiter_flow::ScanId;
-use gaiter_flow::decision::Decision;
 
 /// The file-name ending of a scan's decisions.
 const ENDING: &str = ".json";

@@ -6,6 +6,10 @@ mod naming;
 use std::path::Path;
 use std::sync::PoisonError;
 
+use gaiter_flow::ScanId;
+use gaiter_flow::capture::Judged;
+use gaiter_flow::patient::erasure::{ErasedScan, Erasure};
+use gaiter_flow::patient::person::WhoseScan;
 use jiff::Timestamp;
 use serde_json::json;
 
@@ -14,10 +18,6 @@ use super::spool::Intake;
 use super::{Custody, CustodyFault, io};
 use crate::station::journal::{Erasing, Event};
 use crate::store::durable;
-use gaiter_flow::ScanId;
-use gaiter_flow::capture::Judged;
-use gaiter_flow::patient::erasure::{ErasedScan, Erasure};
-use gaiter_flow::patient::person::WhoseScan;
 pub(in crate::station) use naming::{journals_naming, orders_naming};
 
 /// The folder of the previews of held scans in the state folder.

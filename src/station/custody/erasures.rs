@@ -10,12 +10,12 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use serde::{Deserialize, Serialize};
-
-use crate::store::durable;
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::erasure::{Erasure, Next};
 use gaiter_record::{hex, sha256};
+use serde::{Deserialize, Serialize};
+
+use crate::store::durable;
 
 /// The folder of the erasures in the state folder.
 const FOLDER: &str = "erasures";

@@ -1,16 +1,16 @@
 //! What is known about a scan when it comes in, as the spool and the journal store it.
 
-use jiff::Timestamp;
-
-use super::Arrival;
-use crate::station::custody::spool::Intake;
-use crate::station::journal::ScanRow;
 use gaiter_flow::capture::{Judged, Why};
 use gaiter_flow::patient::identity::{
     ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
 };
 use gaiter_flow::{ScanId, ScanState};
 use gaiter_record::Patient;
+use jiff::Timestamp;
+
+use super::Arrival;
+use crate::station::custody::spool::Intake;
+use crate::station::journal::ScanRow;
 
 /// The intake data of bytes that came in. The time of first sight never changes.
 pub(super) fn intake(

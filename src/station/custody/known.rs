@@ -4,11 +4,12 @@
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
-use super::{Custody, CustodyFault, io};
-use crate::store::sums;
 use gaiter_flow::ScanId;
 use gaiter_flow::capture::{Judged, Named};
 use gaiter_record::SourceKind;
+
+use super::{Custody, CustodyFault, io};
+use crate::store::sums;
 
 /// A refused scan with fewer bytes than this is not compared with the beginning of another: exports may
 /// share a header.

@@ -1,9 +1,9 @@
 //! Refused scans whose bytes were lost: they are taken in again when the same bytes are exported again.
 
+use gaiter_flow::{DeliveryState, ScanId, ScanState};
 use tracing::info;
 
 use super::{Arrival, Custody, CustodyFault, intake_of, io};
-use gaiter_flow::{DeliveryState, ScanId, ScanState};
 
 impl Custody {
     /// Reports whether the bytes of a refused scan are missing from the state folder but were not

@@ -6,11 +6,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use gaiter_flow::ScanId;
+use gaiter_record::phantom::{CheckRecord, LastCheck, PHANTOM_SCHEMA};
 use jiff::Timestamp;
 
 use crate::store::durable;
-use gaiter_flow::ScanId;
-use gaiter_record::phantom::{CheckRecord, LastCheck, PHANTOM_SCHEMA};
 
 /// The file-name ending of a check.
 const ENDING: &str = ".json";

@@ -7,12 +7,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::ScanId;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::spool::{self, Intake};
 use crate::store::durable;
-use gaiter_flow::ScanId;
 
 /// The folder of refused scans.
 #[derive(Debug)]

@@ -4,14 +4,14 @@ use std::io::ErrorKind;
 use std::sync::PoisonError;
 use std::time::Duration;
 
+use gaiter_flow::capture::Judged;
+use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 
 use super::{Custody, CustodyFault, held_code, io, row};
 use crate::station::custody::quarantine::{Reason, Stage};
 use crate::station::custody::spool::Intake;
 use crate::station::journal::{Entry, ScanRow};
-use gaiter_flow::capture::Judged;
-use gaiter_flow::{ScanId, ScanState};
 
 impl Custody {
     /// Makes spool, quarantine and journal agree after the last run, however it ended. Returns how many

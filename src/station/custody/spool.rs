@@ -8,15 +8,15 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::ScanId;
+use gaiter_flow::capture::Judged;
+use gaiter_record::Patient;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::station::runtime::jitter;
 use crate::store::access::Access;
 use crate::store::durable;
-use gaiter_flow::ScanId;
-use gaiter_flow::capture::Judged;
-use gaiter_record::Patient;
 
 /// The folder of the scans to be delivered.
 #[derive(Debug)]

@@ -1,12 +1,12 @@
 //! Checks that the folders in which the station keeps its data still exist. Another process may have
 //! removed one while the station ran.
 
+use gaiter_flow::facts::Alarm;
 use jiff::Timestamp;
 use tracing::{error, warn};
 
 use super::Custody;
 use crate::station::board::Board;
-use gaiter_flow::facts::Alarm;
 
 /// Alarm: folders were removed while the station ran. It stays until the next start, because the files
 /// that were in them are lost.

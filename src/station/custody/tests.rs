@@ -3,13 +3,14 @@
 use std::fs;
 use std::sync::atomic::Ordering;
 
+use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_record::{Source, SourceKind};
+
 use super::*;
 use crate::station::custody::quarantine::Stage;
 use crate::station::custody::spool::Intake;
 use crate::station::journal::Task;
 use crate::store::{FoundRecord, StoredScan, sums};
-use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-use gaiter_record::{Source, SourceKind};
 
 pub(super) const BYTES: &[u8] = b"v 0 0 0\n";
 

@@ -1,11 +1,11 @@
 //! Follows the wall clock, by which old data is deleted. Jumps are detected as they happen: what is
 //! noted while the clock is wrong must not look old once it is right.
 
+use gaiter_flow::trusted_time::{Seen, TrustedTime};
 use jiff::Timestamp;
 
 use crate::station::journal::{Journal, JournalError};
 use crate::station::runtime::clock::Clock;
-use gaiter_flow::trusted_time::{Seen, TrustedTime};
 
 /// What is known about the clock; nothing before the first reading.
 #[derive(Debug, Default)]

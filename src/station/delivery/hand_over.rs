@@ -3,6 +3,9 @@
 use std::io;
 use std::path::Path;
 
+use gaiter_flow::facts::StoreAttempt;
+use gaiter_flow::outbox::Ended;
+use gaiter_record::{RecordFile, SUMS};
 use tracing::info;
 
 use super::store_reach;
@@ -13,9 +16,6 @@ use crate::station::journal::Due;
 use crate::store::revision::stored::{Stored, StoredFault};
 use crate::store::revision::{self, families};
 use crate::store::{Delivery, StoreFault};
-use gaiter_flow::facts::StoreAttempt;
-use gaiter_flow::outbox::Ended;
-use gaiter_record::{RecordFile, SUMS};
 
 /// Puts the latest revision of a record into a store that keeps its own copy.
 pub fn hand_over(booth: &Booth, due: &Due) -> Ended {

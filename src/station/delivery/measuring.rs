@@ -5,6 +5,10 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::acquired::acquired;
+use gaiter_flow::confinement::{Confine, Confinement};
+use gaiter_flow::facts::Alarm;
+use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -15,10 +19,6 @@ use crate::station::measure::{
 };
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::clock::utc_offset_min;
-use gaiter_flow::acquired::acquired;
-use gaiter_flow::confinement::{Confine, Confinement};
-use gaiter_flow::facts::Alarm;
-use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
 
 /// How often a measurement that may have failed because of the scan is tried before the scan is
 /// refused.

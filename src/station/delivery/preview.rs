@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::ScanId;
+use gaiter_flow::facts::IntakeState;
 use tokio::task::{JoinError, JoinHandle, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
@@ -23,8 +25,6 @@ use crate::station::journal::{JournalError, ScanRow};
 use crate::station::runtime::beat::Beat;
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::stop::Stop;
-use gaiter_flow::ScanId;
-use gaiter_flow::facts::IntakeState;
 pub use shelf::{Preview, Previews};
 
 /// The largest number of previews kept, of the scans held last; the page shows fewer.

@@ -1,5 +1,6 @@
 //! Whether a store can be reached, and what is reported about it.
 
+use gaiter_flow::facts::{StoreAttempt, StoreFacts};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -9,7 +10,6 @@ use crate::station::journal::JournalError;
 use crate::station::persons::erase::{self, ClearFault};
 use crate::station::persons::stopped::renew_head;
 use crate::store::{RecordStore, StoreFault};
-use gaiter_flow::facts::{StoreAttempt, StoreFacts};
 
 /// Checks whether a store is in reach, and notes it on the board. A store that a rebuilt journal has
 /// not searched yet is searched first, because its records must not be delivered again. The first look

@@ -3,6 +3,11 @@
 
 use std::time::{Duration, Instant};
 
+use gaiter_flow::facts::{Alarm, StoreAttempt};
+use gaiter_flow::lifecycle::HANDED_OVER;
+use gaiter_flow::outbox::Ended;
+use gaiter_flow::{Facts, ScanState, light};
+use gaiter_record::{FIRST_REVISION, RecordFile};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -16,11 +21,6 @@ use crate::station::event::{StationEvent, short};
 use crate::station::journal::{Due, JournalError, KEPT, ScanRow};
 use crate::station::runtime::causes::chain;
 use crate::store::{Delivery, Misfit, StoreFault};
-use gaiter_flow::facts::{Alarm, StoreAttempt};
-use gaiter_flow::lifecycle::HANDED_OVER;
-use gaiter_flow::outbox::Ended;
-use gaiter_flow::{Facts, ScanState, light};
-use gaiter_record::{FIRST_REVISION, RecordFile};
 
 /// A scan that has been measured for a patient.
 #[derive(Debug)]

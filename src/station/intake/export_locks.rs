@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use gaiter_record::sha256;
 use tracing::info;
 
 use crate::station::share::file_system;
 use crate::store::durable::FileId;
 use crate::store::polling::poll;
-use gaiter_record::sha256;
 
 /// Where locks for shares are: a folder in which every user of the machine may create files.
 const LOCKS: &str = "/run/lock";

@@ -4,6 +4,13 @@
 use std::io;
 use std::os::unix::ffi::OsStrExt;
 
+use gaiter_flow::capture::{Content, Judged, Opener};
+use gaiter_flow::export::companions;
+use gaiter_flow::facts::IntakeState;
+use gaiter_flow::light::Outcome;
+use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED};
+use gaiter_flow::{Appeared, NameSays, Settled, Verdict};
+use gaiter_scan::{self as scan, Format};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -19,13 +26,6 @@ use crate::station::event::{StationEvent, short};
 use crate::station::journal::JournalError;
 use crate::station::runtime::caught::caught;
 use crate::store::sums;
-use gaiter_flow::capture::{Content, Judged, Opener};
-use gaiter_flow::export::companions;
-use gaiter_flow::facts::IntakeState;
-use gaiter_flow::light::Outcome;
-use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED};
-use gaiter_flow::{Appeared, NameSays, Settled, Verdict};
-use gaiter_scan::{self as scan, Format};
 
 /// Whether a settled file may be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

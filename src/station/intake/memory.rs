@@ -4,6 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use gaiter_flow::settle::Memory;
+use gaiter_flow::{Mark, Stamp};
 use tokio::task::{JoinError, spawn_blocking};
 use tracing::warn;
 
@@ -13,8 +15,6 @@ use crate::station::intake::stable_read;
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, Pulse, patiently};
-use gaiter_flow::settle::Memory;
-use gaiter_flow::{Mark, Stamp};
 
 /// What the last run knew about a folder; nothing if the journal cannot answer.
 pub(super) async fn recall(core: &Arc<Core>, folder: &Path) -> Result<Memory, JoinError> {

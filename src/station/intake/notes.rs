@@ -8,16 +8,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::export::mount::MountGuard;
+use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
+use gaiter_flow::settle::Waiting;
+use gaiter_flow::{Look, Settling, Stamp};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
 use crate::station::booth::Booth;
 use crate::station::intake::scan_dir::Found;
 use crate::station::runtime::causes::chain;
-use gaiter_flow::export::mount::MountGuard;
-use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
-use gaiter_flow::settle::Waiting;
-use gaiter_flow::{Look, Settling, Stamp};
 
 /// What has been logged about one export folder, and where its facts are on the board.
 pub(super) struct Notes {

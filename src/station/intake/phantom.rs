@@ -3,6 +3,12 @@
 
 use std::io;
 
+use gaiter_flow::Settled;
+use gaiter_flow::facts::PhantomFacts;
+use gaiter_flow::phantom::{PHANTOM_ALARM, SHOWN_MOST};
+use gaiter_record::phantom::{CheckRecord, CheckResult};
+use gaiter_record::{Acquired, AcquiredFrom, Provenance};
+use gaiter_scan::Format;
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -12,12 +18,6 @@ use crate::station::core::Core;
 use crate::station::custody::phantom_series::PhantomSeries;
 use crate::station::journal::JournalError;
 use crate::station::measure::{Answer, Job, MeasureFault, Measured, Subject, measure_bytes};
-use gaiter_flow::Settled;
-use gaiter_flow::facts::PhantomFacts;
-use gaiter_flow::phantom::{PHANTOM_ALARM, SHOWN_MOST};
-use gaiter_record::phantom::{CheckRecord, CheckResult};
-use gaiter_record::{Acquired, AcquiredFrom, Provenance};
-use gaiter_scan::Format;
 
 /// Why a scan of the phantom could not be taken now.
 #[derive(Debug, thiserror::Error)]

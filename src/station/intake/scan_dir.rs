@@ -8,15 +8,16 @@ use std::io;
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
-use crate::config::WatchConfig;
-use crate::station::share::file_system::{self, folder_id};
-use crate::station::share::stall::Pulse;
-use crate::station::share::stamped_file::stamp;
 use gaiter_flow::explain::passed_over_by_name;
 use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::export::mount::Mount;
 use gaiter_flow::{DoneFile, Group, Stamp};
 use gaiter_scan::Format;
+
+use crate::config::WatchConfig;
+use crate::station::share::file_system::{self, folder_id};
+use crate::station::share::stall::Pulse;
+use crate::station::share::stamped_file::stamp;
 
 /// How deep sub-folders are searched: a year, a month, a day and a patient. The limit also ends a loop
 /// of mounts.

@@ -6,6 +6,9 @@ use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::Path;
 use std::time::Duration;
 
+use gaiter_flow::export::writing::END_BYTES;
+use gaiter_flow::{Mark, ScanId, Settled, Stamp};
+use gaiter_scan::{self as scan, Format};
 use jiff::Timestamp;
 use rustix::fs::Mode;
 
@@ -13,9 +16,6 @@ use crate::station::custody::spool::Companion;
 use crate::station::share::stall::Pulse;
 use crate::station::share::stamped_file::{READ, bytes};
 use crate::store::sums;
-use gaiter_flow::export::writing::END_BYTES;
-use gaiter_flow::{Mark, ScanId, Settled, Stamp};
-use gaiter_scan::{self as scan, Format};
 
 /// The bytes of one state of an export.
 #[derive(Debug)]

@@ -1,6 +1,9 @@
 //! Operators' decisions in the journal. The caller has already moved the bytes and stored the decision;
 //! `number` is the decision's position among those about the scan, from 1.
 
+use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
+use gaiter_record::Patient;
 use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
 
@@ -8,9 +11,6 @@ use super::deliveries::{finish_if_done, has_served, owners};
 use super::delivery_row::{count, step};
 use super::scans::{insert_delivery, set_state, state_of};
 use super::{Due, Event, Journal, JournalError, Task, cell, history, json_cell, withdrawal};
-use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
-use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
-use gaiter_record::Patient;
 
 impl Journal {
     /// All deliveries of a scan in this state.

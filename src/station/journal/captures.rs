@@ -7,6 +7,9 @@ mod next;
 
 use std::time::Duration;
 
+use gaiter_flow::capture::{Capture, Captures, Judged, Named};
+use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
+use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Row, Transaction, params};
 use serde_json::{Value, json};
@@ -14,9 +17,6 @@ use serde_json::{Value, json};
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, cell, history, json_cell};
 use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
-use gaiter_flow::capture::{Capture, Captures, Judged, Named};
-use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
-use gaiter_flow::{ScanId, ScanState};
 pub(super) use next::{clear as clear_names, names_patient, upgrade};
 
 /// The states of a capture that is over.

@@ -1,14 +1,14 @@
 //! Which decisions of operators the journal has applied, and how it applies the others.
 
+use gaiter_flow::decision::Ruling;
+use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};
+use gaiter_record::Patient;
 use serde_json::json;
 
 use super::acts::{belongs_to, close, deliveries_in, for_whom, make_again};
 use super::scans::{set_state, state_of};
 use super::{Due, Event, Journal, JournalError, history, withdrawal};
-use gaiter_flow::decision::Ruling;
-use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};
-use gaiter_record::Patient;
 
 impl Journal {
     /// The number of the last decision about a scan that this journal has applied; 0 for none.

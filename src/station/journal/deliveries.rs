@@ -4,6 +4,9 @@ mod amended;
 
 use std::path::Path;
 
+use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
+use gaiter_record::Patient;
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
@@ -13,9 +16,6 @@ use super::integrity::seal;
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, cell, history, json_cell};
-use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
-use gaiter_record::Patient;
 
 impl Journal {
     /// All deliveries to make or withdraw, newest scan first: an operator at the booth must not wait for

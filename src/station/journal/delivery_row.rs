@@ -1,12 +1,12 @@
 //! One delivery in the journal: its state and its steps.
 
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
+use gaiter_record::Patient;
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
 
 use super::{JournalError, cell};
-use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
-use gaiter_record::Patient;
 
 /// A delivery to make or withdraw.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,6 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_flow::lifecycle::UNASSIGNED;
+use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_record::Patient;
 use rusqlite::{Transaction, params};
 use serde_json::{Value, json};
 
@@ -10,10 +14,6 @@ use super::deliveries::{close_superseded, finish_if_done};
 use super::scans::{insert_delivery, insert_scan};
 use super::withdrawal::{self, UNWANTED};
 use super::{Due, Event, Journal, JournalError, ScanRow, Task, history};
-use gaiter_flow::lifecycle::UNASSIGNED;
-use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-use gaiter_flow::{DeliveryState, ScanId};
-use gaiter_record::Patient;
 
 /// A record that a store holds.
 #[derive(Debug, Clone, Copy)]

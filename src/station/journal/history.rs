@@ -11,13 +11,13 @@ use std::io;
 use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::Path;
 
+use gaiter_flow::ScanId;
+use gaiter_record::sha256;
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::Value;
 
 use super::{Journal, JournalError};
-use gaiter_flow::ScanId;
-use gaiter_record::sha256;
 
 /// The events of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,13 +5,13 @@ mod search;
 
 use std::collections::BTreeMap;
 
+use gaiter_flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
+use gaiter_flow::{DeliveryState, ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 
 use super::withdrawal::UNWANTED;
 use super::{Journal, JournalError, cell};
-use gaiter_flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
-use gaiter_flow::{DeliveryState, ScanId, ScanState};
 
 /// The numbers of scans and deliveries, and the two scans asked for most often.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -8,10 +8,10 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 use std::time::Duration;
 
+use gaiter_flow::settle::Memory;
 use rusqlite::{OptionalExtension, params};
 
 use super::{Journal, JournalError, json_cell};
-use gaiter_flow::settle::Memory;
 
 impl Journal {
     /// What the last run since this machine start knew about a folder; empty if there was none.

@@ -1,10 +1,10 @@
 //! What the station must remember about itself.
 
+use gaiter_flow::trusted_time::TrustedTime;
 use rusqlite::{OptionalExtension, Transaction};
 use serde_json::json;
 
 use super::{Event, Journal, JournalError, history, json_cell};
-use gaiter_flow::trusted_time::TrustedTime;
 
 /// Present while the station is paused by an operator.
 const PAUSED: &str = "paused";

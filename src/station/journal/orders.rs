@@ -5,11 +5,11 @@ use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::OrderState;
+use gaiter_flow::orders::news::FolderId;
 use rusqlite::{OptionalExtension, Row, Transaction, params};
 
 use super::{Journal, JournalError, cell};
-use gaiter_flow::OrderState;
-use gaiter_flow::orders::news::FolderId;
 
 /// The name of the fact: the folder in which the known orders were seen.
 const FOLDER: &str = "orders-folder";

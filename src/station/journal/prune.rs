@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 use serde_json::json;
 
 use super::deliveries::IS_NEEDED;
 use super::{Event, Journal, JournalError, history};
-use gaiter_flow::{ScanId, ScanState};
 
 impl Journal {
     /// Reports whether a scan has been in a state since before a time and nothing is left to do for it.

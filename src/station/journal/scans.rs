@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+use gaiter_flow::capture::Judged;
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
+use gaiter_record::Patient;
 use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Transaction, params};
 
@@ -9,9 +12,6 @@ use serde_json::json;
 
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, captures, cell, history};
-use gaiter_flow::capture::Judged;
-use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
-use gaiter_record::Patient;
 
 /// What the journal knows of a scan itself.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,10 +4,10 @@
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
+use gaiter_flow::{ScanId, Stamp};
 use rusqlite::{OptionalExtension, params};
 
 use super::{Journal, JournalError, cell};
-use gaiter_flow::{ScanId, Stamp};
 
 impl Journal {
     /// Reports whether this state of the file was taken in or refused before.

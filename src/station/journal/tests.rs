@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use gaiter_flow::capture::Judged;
-use gaiter_flow::{DeliveryState, ScanId, ScanState, Stamp};
-use gaiter_record::{Patient, Source, SourceKind};
 
 mod ruin;
 
+use gaiter_flow::capture::Judged;
+use gaiter_flow::{DeliveryState, ScanId, ScanState, Stamp};
+use gaiter_record::{Patient, Source, SourceKind};
 use ruin::edit;
 
 fn journal() -> (tempfile::TempDir, Journal) {

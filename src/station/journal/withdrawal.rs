@@ -9,6 +9,8 @@
 
 use std::path::Path;
 
+use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
 use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Transaction, params};
 use serde_json::json;
@@ -16,8 +18,6 @@ use serde_json::json;
 use super::delivery_row::{delivery_state, detail, set_code, step};
 use super::scans::insert_delivery;
 use super::{Due, Event, Journal, JournalError, cell, history};
-use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
-use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
 
 /// The code of a record that was to be withdrawn but was changed by hand, so that it stays.
 pub const KEPT: &str = "record-kept";

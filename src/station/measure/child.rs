@@ -3,12 +3,6 @@
 use std::io::{self, BufReader, Read, Write};
 use std::panic;
 
-use super::confine::confine;
-use super::job::{Answer, Job, Subject};
-use crate::config::{self, Config, Files};
-use crate::station::runtime::caught::caught;
-use crate::station::runtime::causes::chain;
-use crate::store::sums;
 use gaiter_leg::comparison::opinion::SecondOpinion;
 use gaiter_leg::comparison::second_opinion::compare;
 use gaiter_leg::{self as leg, Finding, phantom};
@@ -16,6 +10,13 @@ use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::phantom::CheckRecord;
 use gaiter_record::{self as record, RecordFile, ScanFile};
 use gaiter_scan::{Format, ord};
+
+use super::confine::confine;
+use super::job::{Answer, Job, Subject};
+use crate::config::{self, Config, Files};
+use crate::station::runtime::caught::caught;
+use crate::station::runtime::causes::chain;
+use crate::store::sums;
 
 /// Measures the one scan that comes on `input` and writes the answer to `output`. `hash` is the scan's
 /// hash from the arguments, and the bytes must match it.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::thread;
 
+use gaiter_flow::confinement::{Confine, Confinement, Enforced};
 use landlock::{
     ABI, Access, AccessFs, AccessNet, CompatLevel, Compatible, Ruleset, RulesetAttr, RulesetStatus,
     Scope,
@@ -13,7 +14,6 @@ use rustix::process::{
 use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch};
 
 use super::Limits;
-use gaiter_flow::confinement::{Confine, Confinement, Enforced};
 
 /// The newest landlock interface whose rights are given up; older kernels give up the rights they know.
 const NEWEST: ABI = ABI::V6;

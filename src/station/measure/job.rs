@@ -3,13 +3,13 @@
 use std::io::{self, BufRead, Read, Write};
 use std::time::Duration;
 
+use gaiter_flow::confinement::Confine;
+use gaiter_record::{Provenance, RecordFile};
 use jiff::Zoned;
 use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Beside, Config, MeasureConfig};
-use gaiter_flow::confinement::Confine;
-use gaiter_record::{Provenance, RecordFile};
 
 /// The longest line of an answer.
 const LINE_MAX: u64 = 1 << 20;

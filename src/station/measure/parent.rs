@@ -11,13 +11,13 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use gaiter_flow::ScanId;
 use rustix::io::Errno;
 
 use super::VERB;
 use super::job::{Answer, Job};
 use super::trouble::Trouble;
 use crate::store::sums;
-use gaiter_flow::ScanId;
 
 /// This same program, even if the file it was started from has been replaced.
 const SELF: &str = "/proc/self/exe";

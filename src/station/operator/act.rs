@@ -2,6 +2,11 @@
 
 mod amend;
 
+use gaiter_flow::capture::NamedNext;
+use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_language::Language;
+use gaiter_record::SourceKind;
+use gaiter_record::measure::amendment::AmendFault;
 use jiff::Timestamp;
 use tracing::info;
 
@@ -14,11 +19,6 @@ use crate::station::runtime::causes::chain;
 use crate::store::revision::amend as amend_record;
 use crate::store::{StoreFault, StoredScan};
 pub use amend::{Measured, Setting};
-use gaiter_flow::capture::NamedNext;
-use gaiter_flow::{DeliveryState, ScanId};
-use gaiter_language::Language;
-use gaiter_record::SourceKind;
-use gaiter_record::measure::amendment::AmendFault;
 
 /// A decision.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,6 +4,10 @@
 use std::fmt;
 use std::sync::atomic::AtomicU64;
 
+use gaiter_flow::facts::{IntakeState, SourceState, TriggerFacts};
+use gaiter_flow::health::age;
+use gaiter_flow::trigger::PortState;
+use gaiter_record::phantom::CheckResult;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
@@ -12,10 +16,6 @@ use prometheus_client::registry::Registry;
 
 use super::control::status::state_words;
 use crate::station::overview::Overview;
-use gaiter_flow::facts::{IntakeState, SourceState, TriggerFacts};
-use gaiter_flow::health::age;
-use gaiter_flow::trigger::PortState;
-use gaiter_record::phantom::CheckResult;
 
 /// The content type of the text, for HTTP.
 pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";

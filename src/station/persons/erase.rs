@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use gaiter_flow::ScanId;
+use gaiter_flow::facts::{Alarm, Facts};
+use gaiter_flow::patient::erasure::{ErasedScan, Erasure, Next};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -9,9 +12,6 @@ use crate::station::core::Core;
 use crate::station::custody::{Custody, CustodyFault};
 use crate::station::runtime::causes::chain;
 use crate::store::{RecordStore, StoreFault};
-use gaiter_flow::ScanId;
-use gaiter_flow::facts::{Alarm, Facts};
-use gaiter_flow::patient::erasure::{ErasedScan, Erasure, Next};
 
 /// Alarm: an erasure waits, for a store or for the disk.
 pub(in crate::station) const PENDING: &str = "erasure-pending";

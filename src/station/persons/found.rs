@@ -5,6 +5,12 @@ use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::patient::naming::RecordName;
+use gaiter_flow::patient::person::{
+    HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
+};
+use gaiter_flow::{Identity, NameSays, ScanId};
+use gaiter_record::RECORD;
 use jiff::Timestamp;
 
 use crate::config::Config;
@@ -13,12 +19,6 @@ use crate::station::journal::Theirs;
 use crate::station::stores::Stores;
 use crate::store::brief::Brief;
 use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
-use gaiter_flow::patient::naming::RecordName;
-use gaiter_flow::patient::person::{
-    HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
-};
-use gaiter_flow::{Identity, NameSays, ScanId};
-use gaiter_record::RECORD;
 
 /// The version of what is put together.
 const SCHEMA: &str = "gaiter.person/1";

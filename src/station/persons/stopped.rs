@@ -3,6 +3,10 @@
 use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
 
+use gaiter_flow::Identity;
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_flow::patient::person::Person;
+
 use super::erase::{self, ClearFault};
 use super::found::person;
 use crate::config::Config;
@@ -13,9 +17,6 @@ use crate::station::journal::Event;
 use crate::station::state_dir::{OwnStateDir, take_state_dir};
 use crate::station::stores::Stores;
 use crate::store::{FolderStore, RecordStore};
-use gaiter_flow::Identity;
-use gaiter_flow::patient::erasure::Erasure;
-use gaiter_flow::patient::person::Person;
 
 /// A station that does not run.
 #[derive(Debug)]

@@ -5,11 +5,11 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
+use gaiter_flow::FileSystem;
+use gaiter_flow::export::mount::Mount;
 use rustix::fs::statfs;
 
 use crate::config::WatchConfig;
-use gaiter_flow::FileSystem;
-use gaiter_flow::export::mount::Mount;
 
 /// The file system that a folder is on.
 ///

@@ -5,11 +5,11 @@ use std::io::{self, Read};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
+use gaiter_flow::Stamp;
 use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
 
 use super::stall::Pulse;
-use gaiter_flow::Stamp;
 
 /// How much is read at a time, bytes: a step that a slow share makes well within the deadline.
 pub const PIECE_BYTES: u64 = 1 << 20;

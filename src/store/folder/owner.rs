@@ -6,9 +6,10 @@ use std::fs;
 use std::io;
 use std::path::PathBuf;
 
+use gaiter_flow::patient::naming;
+
 use super::FolderStore;
 use crate::store::{Misfit, StoreFault, durable, tried};
-use gaiter_flow::patient::naming;
 
 impl FolderStore {
     /// The patient's folder, made durable under the root.

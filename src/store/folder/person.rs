@@ -6,15 +6,15 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use gaiter_flow::ScanId;
+use gaiter_flow::patient::naming::RecordName;
+use gaiter_record::RECORD;
 use jiff::Timestamp;
 
 use super::FolderStore;
 use crate::store::brief::Brief;
 use crate::store::listing::records_in;
 use crate::store::{StoreFault, durable, sums, tried};
-use gaiter_flow::ScanId;
-use gaiter_flow::patient::naming::RecordName;
-use gaiter_record::RECORD;
 
 /// What lies in a person's folder.
 #[derive(Debug, Default, PartialEq, Eq)]

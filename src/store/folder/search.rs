@@ -5,13 +5,14 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::ScanId;
+use gaiter_flow::patient::naming::{self, RecordName};
+use gaiter_record::{ORD, RECORD};
+
 use super::FolderStore;
 use crate::store::listing::{folders, records_in};
 use crate::store::sums::{self, SUMS};
 use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
-use gaiter_flow::ScanId;
-use gaiter_flow::patient::naming::{self, RecordName};
-use gaiter_record::{ORD, RECORD};
 
 /// The beginning of the name of a file with measures that people set in a record that was withdrawn.
 const SET_BY_HAND: &str = "set-by-hand";

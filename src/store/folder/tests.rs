@@ -1,10 +1,11 @@
 //! The folder store on real folders.
 
+use gaiter_flow::ScanId;
+use gaiter_record::{FIRST_REVISION, RecordFile};
+
 use super::*;
 use crate::store::StoredScan;
 use crate::store::sums::SumsFault;
-use gaiter_flow::ScanId;
-use gaiter_record::{FIRST_REVISION, RecordFile};
 
 struct Case {
     dir: tempfile::TempDir,

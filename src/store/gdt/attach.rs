@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::StoreFault;
-use super::place::Place;
 use gaiter_record::RecordFile;
 use gaiter_record::gdt::{Attachment, Reference};
+
+use super::super::StoreFault;
+use super::place::Place;
 
 /// The description of an attachment, as the practice software shows it.
 const DESCRIPTION: &str = "Beinvermessung";

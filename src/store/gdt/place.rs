@@ -6,11 +6,11 @@ use std::io;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
+use gaiter_record::gdt::rules::{COUNTER_MOST, FileName};
 use rustix::fs::{AtFlags, Mode, OFlags, statat};
 use rustix::io::Errno;
 
 use super::super::{StoreFault, durable, tried};
-use gaiter_record::gdt::rules::{COUNTER_MOST, FileName};
 
 /// The file that marks the folder of staged results.
 const MARK: &str = ".gaiter-store";

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU16, Ordering};
 
+use gaiter_flow::ScanId;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::super::{FoundRecord, StoreFault, durable, tried};
-use gaiter_flow::ScanId;
 
 /// The file-name ending of an entry.
 const ENDING: &str = ".json";

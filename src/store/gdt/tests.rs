@@ -4,13 +4,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use gaiter_record::gdt::{AttachmentFields, Charset, Reference};
+use gaiter_record::{FIRST_REVISION, RecordFile};
+use gaiter_sizes::Garment;
 use serde_json::json;
 
 use super::*;
 use crate::store::sums;
-use gaiter_record::gdt::{AttachmentFields, Charset, Reference};
-use gaiter_record::{FIRST_REVISION, RecordFile};
-use gaiter_sizes::Garment;
 
 struct Case {
     dir: tempfile::TempDir,

@@ -5,16 +5,16 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
-
-use super::stored::{Stored, StoredFault};
-use super::{Added, Family, add, families};
-use crate::store::StoreFault;
 use gaiter_record::measure::amendment::{AmendFault, Amendment};
 use gaiter_record::schema::SCHEMA;
 use gaiter_record::{
     FigureFormat, FilesFault, RECORD, Record, RecordFile, ReportChoice, amended_files,
 };
+use serde_json::Value;
+
+use super::stored::{Stored, StoredFault};
+use super::{Added, Family, add, families};
+use crate::store::StoreFault;
 
 /// What precedes the number in the folder name of a later revision.
 const REVISION: &str = "_r";

@@ -4,11 +4,11 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_record::{RECORD, Record, RecordFault};
 use serde_json::Value;
 
 use super::Family;
 use crate::store::sums::{self, SumsFault};
-use gaiter_record::{RECORD, Record, RecordFault};
 
 /// Why a stored record cannot be used.
 #[derive(Debug, thiserror::Error)]

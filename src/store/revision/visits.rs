@@ -6,11 +6,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::patient::naming::patient_folder;
+use gaiter_record::{RECORD, Record};
+
 use super::stored::StoredFault;
 use super::{Family, families};
 use crate::store::{StoreFault, sums};
-use gaiter_flow::patient::naming::patient_folder;
-use gaiter_record::{RECORD, Record};
 
 /// The records of a patient.
 #[derive(Debug, Default)]

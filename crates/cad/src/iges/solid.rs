@@ -1,9 +1,10 @@
 //! The solid of an IGES file: entities 502 to 514 and 186 (IGES 5.3, 4.49 and 4.142 to 4.147).
 
+use gaiter_spline::Surface;
+
 use super::Net;
 use super::notation::{Entities, Entity, Pointer, real};
 use crate::ends::EndPlane;
-use gaiter_spline::Surface;
 
 /// An edge with the direction in which a loop runs along it.
 struct Side {

@@ -3,8 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::header::{FileHeader, SYSTEM};
 use gaiter_spline::{Corner, Facets};
+
+use crate::header::{FileHeader, SYSTEM};
 
 /// Codes of component types and targets in glTF 2.0 (sections 3.6.2 and 5.11).
 const FLOAT: u32 = 5126;

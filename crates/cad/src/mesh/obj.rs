@@ -1,9 +1,10 @@
 //! Wavefront OBJ with smooth normals: text that nearly every program reads. Millimetres by
 //! convention, because the format has no unit.
 
+use gaiter_spline::Facets;
+
 use crate::header::{FileHeader, SYSTEM};
 use crate::number::{push_fixed, push_whole};
-use gaiter_spline::Facets;
 
 /// Decimals of a coordinate: a nanometre, and 1e-6 of a normal.
 const PLACES: usize = 6;

@@ -1,8 +1,9 @@
 //! Binary STL: the format for printers and most mesh programs. Millimetres by convention, because
 //! the format has no unit.
 
-use crate::header::{FileHeader, SYSTEM};
 use gaiter_spline::Facets;
+
+use crate::header::{FileHeader, SYSTEM};
 
 /// Bytes before the triangle count.
 const HEADER_BYTES: usize = 80;

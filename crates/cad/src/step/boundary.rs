@@ -1,9 +1,10 @@
 //! The faces of a tube, the planes that close it, and the edges they share.
 
-use super::exchange::{Id, Instances, lines, list, logical};
-use crate::ends::EndPlane;
 use gaiter_spline::Surface;
 use gaiter_spline::basis::DEGREE;
+
+use super::exchange::{Id, Instances, lines, list, logical};
+use crate::ends::EndPlane;
 
 /// The surface and the edges of the faces on it.
 pub struct Boundary {

@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use gaiter_record::SourceKind;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -10,7 +11,6 @@ use super::{
 };
 use crate::export::writing::Appeared;
 use crate::orders::when::OrdersWhen;
-use gaiter_record::SourceKind;
 
 /// A name and when it was given; times as in [`Capture`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

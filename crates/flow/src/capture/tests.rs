@@ -1,8 +1,9 @@
 //! Each line of the table above, and the ways time and people can cross them.
 
+use gaiter_record::SourceKind;
+
 use super::*;
 use crate::settle::Sights;
-use gaiter_record::SourceKind;
 
 const SECOND: Duration = Duration::from_secs(1);
 

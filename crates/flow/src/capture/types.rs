@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
+use gaiter_record::SourceKind;
 use serde::{Deserialize, Serialize};
 
 use crate::export::writing::Appeared;
 use crate::orders::when::OrdersWhen;
-use gaiter_record::SourceKind;
 
 /// Times and habits that control captures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,8 +6,9 @@ use std::ffi::{OsStr, OsString};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use crate::export::stamp::Stamp;
 use gaiter_scan::{Format, ord};
+
+use crate::export::stamp::Stamp;
 
 /// The endings of files that scanners write beside a scan: their own measures, and the colours of an
 /// OBJ.

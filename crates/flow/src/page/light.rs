@@ -1,11 +1,11 @@
 //! The one light: its word, and one sentence on what to do next.
 
+use gaiter_language::Language;
 use serde::Serialize;
 
 use super::reasons::{Advice, of_held, of_refused};
 use crate::booth::Signal;
 use crate::light::Outcome;
-use gaiter_language::Language;
 
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -14,13 +14,13 @@ mod reasons;
 pub mod rows;
 mod scans;
 
+use gaiter_language::Language;
+use gaiter_record::shown;
 use jiff::Timestamp;
 use serde::Serialize;
 
 use super::facts::{Facts, IntakeState};
 use super::health::Complaint;
-use gaiter_language::Language;
-use gaiter_record::shown;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;

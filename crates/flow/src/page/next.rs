@@ -1,10 +1,10 @@
 //! Who is next: the named patients, and the expected exports.
 
+use gaiter_language::{Language, Piece, pieces};
 use serde::Serialize;
 
 use super::light::Situation;
 use super::{PatientShown, distinct};
-use gaiter_language::{Language, Piece, pieces};
 
 /// The next patient on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

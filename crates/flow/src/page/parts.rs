@@ -1,5 +1,7 @@
 //! The parts of the station that can fail: export folders, ports of the booth, stores.
 
+use gaiter_language::Language;
+use gaiter_record::phantom::CheckResult;
 use jiff::Timestamp;
 use serde::Serialize;
 
@@ -7,8 +9,6 @@ use crate::Facts;
 use crate::facts::{PhantomFacts, SourceState, TriggerFacts};
 use crate::health::{BLIP, has_lasted};
 use crate::trigger::PortState;
-use gaiter_language::Language;
-use gaiter_record::phantom::CheckResult;
 
 /// One part on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -1,10 +1,10 @@
 //! Codes → the situation and what to do, each in one sentence. docs/codes.md and docs/patients.md say the same in more
 //! detail; an unknown code is shown as it is.
 
+use gaiter_language::Language;
 use serde::Serialize;
 
 use crate::health::Complaint;
-use gaiter_language::Language;
 
 /// The situation, and what the operator can do.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

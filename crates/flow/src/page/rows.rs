@@ -3,9 +3,10 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_record::sha256;
+
 use crate::account::{Delivered, Whole};
 use crate::{DeliveryState, ScanState};
-use gaiter_record::sha256;
 
 /// The digits of a row's key: enough to tell the patients of one scan apart.
 const KEY_DIGITS: usize = 16;

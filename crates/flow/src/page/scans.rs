@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_language::Language;
+use gaiter_record::{RecordSummary, shown};
 use jiff::Timestamp;
 use serde::Serialize;
 
@@ -11,8 +13,6 @@ use super::{PatientShown, distinct};
 use crate::account::{Delivered, Whole};
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::{DeliveryState, ScanState, capture};
-use gaiter_language::Language;
-use gaiter_record::{RecordSummary, shown};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,11 +3,11 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_record::{Patient, Source, SourceKind};
 use regex::Regex;
 
 use crate::capture::{Judged, Named};
 use crate::patient::check_digit::CheckDigit;
-use gaiter_record::{Patient, Source, SourceKind};
 
 /// The named group of the file-name expression that holds the id.
 const GROUP: &str = "patient";

@@ -1,10 +1,10 @@
 //! How record folders are named. A name depends only on patient, time and bytes, so that a delivery made
 //! twice goes to the same folder.
 
+use gaiter_record::FIRST_REVISION;
 use jiff::Timestamp;
 
 use crate::ScanId;
-use gaiter_record::FIRST_REVISION;
 
 /// The folder of scans without a named patient.
 pub const UNASSIGNED: &str = "_unassigned";

@@ -3,11 +3,11 @@
 
 use std::path::PathBuf;
 
+use gaiter_record::{Acquired, SourceKind};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::account::{Happened, Summary};
-use gaiter_record::{Acquired, SourceKind};
 
 /// What a station knows of a person.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

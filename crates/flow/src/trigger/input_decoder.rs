@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use gaiter_record::SourceKind;
+
 use super::button::{Button, Times};
 use super::code::{Codes, Said, Typed};
 use super::edge::Contact;
@@ -9,7 +11,6 @@ use super::lines::{Line, Lines};
 use super::report::Pattern;
 use super::token::Tokens;
 use crate::booth::{Heard, Press};
-use gaiter_record::SourceKind;
 
 /// Input from a port at one time.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,13 +1,14 @@
 //! Compares the scanner's own measures (`.ord`) with ours: a second opinion on stature, calf and
 //! ankle, and on which leg is the left one. It only gives findings and corrects nothing.
 
+use gaiter_scan::ord::Ord;
+
 use super::opinion::{Measure, SecondOpinion};
 use crate::finding::{Finding, What};
 use crate::level::Level;
 use crate::measured::LegReport;
 use crate::side::Side;
 use crate::{Extraction, Landmark};
-use gaiter_scan::ord::Ord;
 
 /// Names of measures as scanners write them, lower case, without spaces, underscores and sides.
 /// `Head_Top_Height`, `Calf_Left`, `Calf_Right`, `Calf_Circ`, `Ankle_Girth_Left`,

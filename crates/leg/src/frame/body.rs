@@ -1,6 +1,7 @@
 //! The body frame: right-handed, millimetres, +Z up from the floor, −Y in the direction of the
 //! toes, +X the patient's left, origin midway between the feet.
 
+use gaiter_scan::Scan;
 use nalgebra::{
     Matrix4, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3,
 };
@@ -20,7 +21,6 @@ use crate::sections::gap::{GAP_MAX_DEG, largest_gap_deg};
 use crate::sections::hull::Hull;
 use crate::sections::slice::Mesh;
 use crate::side::{Side, Sides};
-use gaiter_scan::Scan;
 
 /// A declared facing and the feet must agree within this angle, degrees.
 const DECLARED_FACING_MAX_DEG: f64 = 45.0;

@@ -1,9 +1,10 @@
 //! Connected shells of the mesh: the body in one or more large ones, and small fragments, which are
 //! specks in the air or pieces of the floor.
 
+use gaiter_scan::Scan;
+
 use super::point_cloud;
 use super::union_find::DisjointSets;
-use gaiter_scan::Scan;
 
 /// A shell with fewer than this share of all points is a fragment. Body parts that scanners export
 /// as separate shells have 4 % or more; floor pieces and specks 0.3 % or less.

@@ -1,12 +1,12 @@
 //! The size of a scan: the unit of its coordinates is the only one that makes it a plausible person
 //! or leg.
 
+use gaiter_scan::Scan;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::body_fault::{BodyFault, STATURE_MM};
 use super::long_axis::long_axis;
 use crate::method::{Method, Unit, UnitChoice};
-use gaiter_scan::Scan;
 
 /// Points below this height belong to a lone leg's foot, mm: under the ankle.
 const LONE_FOOT_MM: f64 = 60.0;

@@ -1,9 +1,10 @@
 //! The girth curve: girth over height, measured section by section and fitted by a smooth
 //! continuous curve (paper 1.2, fig. 3a).
 
+use gaiter_spline::{Basis, Smoothing, Spline, fit};
+
 use crate::sections::equidistant::Sections;
 use crate::sections::section::{Girth, SPACING_MM};
-use gaiter_spline::{Basis, Smoothing, Spline, fit};
 
 /// Length of the pieces of the fitted curve, mm: shorter than half of any muscle's bulge (60 mm).
 const INTERVAL_MM: f64 = 12.0;

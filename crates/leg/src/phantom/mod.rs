@@ -9,6 +9,7 @@ mod known;
 
 use std::f64::consts::LN_2;
 
+use gaiter_scan::{self as scan, Format, Scan, ScanFault};
 use nalgebra::{Point2, Translation3};
 
 pub use bias::{BiasLine, GirthCheck, PhantomCheck};
@@ -26,7 +27,6 @@ use super::sections::hull::Hull;
 use super::sections::section::Section;
 use super::sections::slice::Mesh;
 use super::side::Side;
-use gaiter_scan::{self as scan, Format, Scan, ScanFault};
 
 /// Where a cylinder is measured, as shares of its height: away from its ends.
 const CYLINDER_SHARES: [f64; 5] = [0.2, 0.35, 0.5, 0.65, 0.8];

@@ -4,6 +4,7 @@
 //! up to 3.6° towards the better visible side. A line through the centroids of sections, all with
 //! equal weight, does not depend on how densely the skin was sampled.
 
+use gaiter_spline::{Basis, Smoothing, fit};
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::axis::LegAxis;
@@ -12,7 +13,6 @@ use super::centroid::outline_centroid;
 use super::plane_frame::PlaneFrame;
 use crate::method::{AxisFit, Tape};
 use crate::parting::segment::Leg;
-use gaiter_spline::{Basis, Smoothing, fit};
 
 /// The centroids for the axis of the whole leg start here, as a share of stature: above the foot.
 const LEG_FROM_STATURE_SHARE: f64 = 0.066;

@@ -5,11 +5,11 @@
 //! along the axis is a cubic of z that continues the distances along shank and thigh with their
 //! slopes, so that the coordinates are smooth across both ends.
 
+use gaiter_spline::Spline;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::plane_frame::PlaneFrame;
 use crate::side::Side;
-use gaiter_spline::Spline;
 
 /// The planes turn from this share of the stature …
 pub(super) const FROM_STATURE_SHARE: f64 = 0.30;

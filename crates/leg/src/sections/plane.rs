@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
+use gaiter_spline::{Basis, Smoothing, Spline, fit, robust_fit};
 use nalgebra::Point2;
 use rayon::prelude::*;
 
@@ -18,7 +19,6 @@ use super::plane_frame::PlaneFrame;
 use super::polynomial;
 use super::section::{Curve, Section, girth, r2};
 use super::slice::Crossing;
-use gaiter_spline::{Basis, Smoothing, Spline, fit, robust_fit};
 
 /// Pieces of the periodic curve: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh; the
 /// smoothing determines how much of this resolution is used.

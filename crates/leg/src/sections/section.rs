@@ -3,12 +3,12 @@
 
 use std::f64::consts::{PI, TAU};
 
+use gaiter_spline::{Basis, Row};
 use nalgebra::{Point2, Point3, Vector2};
 
 use super::hull::Hull;
 use super::plane_frame::PlaneFrame;
 use super::polynomial::Polynomial;
-use gaiter_spline::{Basis, Row};
 
 /// Number of angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
 const GIRTH_ANGLES: usize = 720;

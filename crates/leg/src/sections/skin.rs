@@ -9,6 +9,7 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
+use gaiter_spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
 use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
@@ -19,7 +20,6 @@ use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::section::{Curve, Outline, Section, Spokes, r2};
 use crate::parting::segment::Leg;
-use gaiter_spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
 
 /// Pieces of the function around: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh.
 const INTERVALS_AROUND: usize = 48;

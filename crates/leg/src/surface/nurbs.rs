@@ -2,6 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use gaiter_spline::{
+    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
+    KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid, fit_grid_by,
+};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -19,10 +23,6 @@ use crate::sections::axis::LegAxis;
 use crate::sections::equidistant::Sections;
 use crate::sections::plane_frame::PlaneFrame;
 use crate::sections::section::{Outline, Section};
-use gaiter_spline::{
-    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
-    KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid, fit_grid_by,
-};
 
 /// Default distance between the rows of control points, mm.
 const ROW_MM: f64 = 12.0;

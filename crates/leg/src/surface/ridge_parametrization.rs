@@ -7,11 +7,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use gaiter_spline::solve::Singular;
+use gaiter_spline::{Basis, FitFault, Row, Tensor};
 use nalgebra::{DMatrix, DVector};
 
 use super::ridge::Ridge;
-use gaiter_spline::solve::Singular;
-use gaiter_spline::{Basis, FitFault, Row, Tensor};
 
 /// Length of the pieces of δ along the leg, mm: ridges keep their slope for longer than that.
 const INTERVAL_MM: f64 = 60.0;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use gaiter_spline::Surface;
 use nalgebra::Point3;
 
 use super::error_map::{self, ErrorMap};
@@ -12,7 +13,6 @@ use crate::parting::segment::Leg;
 use crate::sections::axis::LegAxis;
 use crate::sections::equidistant::Sections;
 use crate::sections::section::Section;
-use gaiter_spline::Surface;
 
 /// Number of points around a row, at equal angles from −180° on.
 pub const COLUMNS: usize = error_map::ANGLES;

@@ -1,11 +1,12 @@
 //! What a record holds for an order, from its findings and doubts and from what the garment needs.
 
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::{Garment, Point};
+
 use super::{Again, Check, Completeness, Item, Part};
 use crate::measure::amendment::Subject;
 use crate::measure::{Absent, Length, Measure};
 use crate::schema::{FindingNote, NOT_VOUCHED, Record};
-use gaiter_leg::{Level, Side};
-use gaiter_sizes::{Garment, Point};
 
 /// A leg that was sought and could not be measured.
 const LEG_NOT_MEASURED: &str = "leg-not-measured";

@@ -2,9 +2,10 @@
 
 use std::fmt::Display;
 
-use super::{Completeness, Item, Kind, Part};
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
+
+use super::{Completeness, Item, Kind, Part};
 
 impl Completeness {
     /// What is to be done in sentences, the most important first; at least one.

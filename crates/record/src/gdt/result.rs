@@ -4,6 +4,9 @@
 //! Order and figures are those of the measuring sheet: the right leg first, from G down to A, girths by
 //! tape and vertical heights above the floor in centimetres with one decimal.
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::Garment;
 use jiff::civil::DateTime;
 
 use super::line::{WriteFault, message};
@@ -14,9 +17,6 @@ use crate::measure::Measure;
 use crate::report::{Content, Mark};
 use crate::rounding::cm_words;
 use crate::schema::{FindingNote, Record};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
-use gaiter_sizes::Garment;
 
 /// The kind of message for the result of an examination.
 const RESULT: u16 = 6310;

@@ -1,12 +1,13 @@
 //! The table of measures for people, in columns of fixed width, in German like the format.
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+
 use super::words;
 use crate::measure::{Absent, Length, Measure};
 use crate::report::Mark;
 use crate::rounding::cm_words;
 use crate::schema::Record;
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// Width of the column of level names, characters.
 const NAME: usize = 4;

@@ -1,8 +1,9 @@
 //! The words of a result, which are German like the format.
 
-use super::charset::Charset;
 use gaiter_language::Language;
 use gaiter_leg::Side;
+
+use super::charset::Charset;
 
 /// The remark at a figure that a person set, and the meaning of its mark.
 pub(super) const BY_HAND: &str = "von Hand eingetragen";

@@ -5,12 +5,13 @@ mod fault;
 
 use std::ops::RangeInclusive;
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+
 use super::{Absent, Length, Measure, girth_mm_at};
 use crate::Record;
 pub use crate::schema::{Amendment, Deed};
 pub use fault::{AmendFault, What};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// Girths that a leg can have, mm: from a child's ankle to the largest thighs of severe lymphoedema.
 const GIRTHS_MM: RangeInclusive<f64> = 50.0..=1500.0;

@@ -1,15 +1,16 @@
 //! `measurements.csv` for spreadsheets, in the order of the measuring sheet: the verdict, then each leg
 //! from G down to A, then the requested heights. RFC 4180, comma, point.
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::Garment;
+
 use super::{Absent, Length, Measure};
 use crate::chart::AtFigures;
 use crate::completeness::Completeness;
 use crate::measure::amendment::{Amendment, ByHand, Subject};
 use crate::rounding::{self, cm_words};
 use crate::schema::{LegFigures, Record};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
-use gaiter_sizes::Garment;
 
 const HEADER: &str = "leg,level,state,girth_cm,height_cm,doubts,girth_tape_mm,girth_sd_mm,\
                       height_mm,height_sd_mm,girth_contour_mm,note,scan_girth_tape_mm,\

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_sizes::{Garment, Mapping};
+
 use super::{Order, csv, mapped, mapped_name};
 use crate::Record;
 use crate::file::{RecordFile, file};
-use gaiter_sizes::{Garment, Mapping};
 
 /// How the names of all order files begin, and of no other file of a record.
 const BEGIN: &str = "order";

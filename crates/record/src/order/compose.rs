@@ -1,5 +1,9 @@
 //! Record → [`Order`], for the form of a garment.
 
+use gaiter_leg::Side;
+use gaiter_leg::method::Posture;
+use gaiter_sizes::garment::FormBox;
+use gaiter_sizes::{Garment, Point};
 use jiff::tz::Offset;
 
 use super::place::{Part, length_from, place};
@@ -11,10 +15,6 @@ use super::{
 };
 use crate::completeness::Completeness;
 use crate::{FIRST_REVISION, Record, rounding};
-use gaiter_leg::Side;
-use gaiter_leg::method::Posture;
-use gaiter_sizes::garment::FormBox;
-use gaiter_sizes::{Garment, Point};
 
 /// The digits of a scan's reference, as lists of scans show it.
 const REFERENCE_DIGITS: usize = 8;

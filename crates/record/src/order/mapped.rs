@@ -1,17 +1,17 @@
 //! An order as a file for a maker or a shop system, as its mapping says.
 
 use encoding_rs::WINDOWS_1252;
+use gaiter_sizes::Point;
+use gaiter_sizes::mapping::{
+    Cell, Column, Csv, Dated, Encoding, Fact, Layout, Mapping, Named, Of, Place, Rounding, Rows,
+    Which,
+};
 use jiff::civil::DateTime;
 use jiff::tz::Offset;
 
 use super::cells::{guarded, line};
 use super::place::{Part, place};
 use super::{Figure, LastFigure, Order, OrderSide, OrderedScan, Row, State};
-use gaiter_sizes::Point;
-use gaiter_sizes::mapping::{
-    Cell, Column, Csv, Dated, Encoding, Fact, Layout, Mapping, Named, Of, Place, Rounding, Rows,
-    Which,
-};
 
 /// The mark by which a spreadsheet recognises UTF-8.
 const BYTE_ORDER_MARK: &str = "\u{feff}";

@@ -1,7 +1,8 @@
 //! Where a point of a form stands in the rows of an order.
 
-use super::{Figure, Order, OrderSide, Row};
 use gaiter_sizes::{Beyond, Point};
+
+use super::{Figure, Order, OrderSide, Row};
 
 /// Whether a figure is the girth or the length of its row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,14 +1,15 @@
 //! A point of a form, from a record: what the scan says, and what counts.
 
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::Point;
+use gaiter_sizes::verdict::{NotGiven, Reading};
+
 use super::{State, Way};
 use crate::Record;
 use crate::measure::amendment::{Amendment, ByHand, Subject};
 use crate::measure::{Absent, Length, Measure};
 use crate::report::Mark;
 use crate::sizing::{TAPE_GIRTH_MM, reading};
-use gaiter_leg::{Level, Side};
-use gaiter_sizes::Point;
-use gaiter_sizes::verdict::{NotGiven, Reading};
 
 /// The finding that puts the length of the inside of the leg in doubt.
 const CROTCH_UNCERTAIN: &str = "crotch-uncertain";

@@ -1,10 +1,11 @@
 //! An order that repeats another: with its figures, or with those of another scan beside them.
 
+use gaiter_sizes::Garment;
+
 use super::compose::{open, ordered_garment};
 use super::text::OrderRef;
 use super::{Again, Figure, LastFigure, LastRow, Order, Reorder, Row, State};
 use crate::{Record, rounding};
-use gaiter_sizes::Garment;
 
 /// What makes girths and heights of two scans different things, as keys of `made_by.method`.
 const OF_THE_METHOD: [&str; 7] =

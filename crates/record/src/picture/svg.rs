@@ -2,9 +2,10 @@
 
 mod looks;
 
+use gaiter_cad::number::push_tenths;
+
 use self::looks::{FILL, push_escaped, push_looks, push_number, push_painted, push_px};
 use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
-use gaiter_cad::number::push_tenths;
 
 /// The font families and the ends of lines, as attributes.
 const LOOKS: &str = " font-family=\"system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif\" \

@@ -2,11 +2,11 @@
 
 use std::fmt::Display;
 
+use gaiter_language::Language;
 use jiff::ToSpan;
 use jiff::civil::Date;
 
 use crate::{Acquired, Record};
-use gaiter_language::Language;
 
 /// How old a scan may be for an order, days.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -16,15 +16,16 @@ mod tilt;
 
 use std::fmt::Display;
 
+use gaiter_language::Language;
+use gaiter_leg::Side;
+use gaiter_sizes::Garment;
+
 use super::Figure;
 use super::age::{Age, AgeMax};
 use crate::Record;
 use crate::completeness::{Completeness, Kind};
 use crate::schema::NOT_VOUCHED;
 use crate::sizing::{SizeChoice, SizeVerdicts};
-use gaiter_language::Language;
-use gaiter_leg::Side;
-use gaiter_sizes::Garment;
 
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]

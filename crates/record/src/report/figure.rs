@@ -1,9 +1,10 @@
 //! A figure as shown in the report: rounded, in words, with its uncertainty.
 
+use gaiter_language::Language;
+
 use crate::rounding::{
     cm, cm_margin, cm_words, exceeds, ml_margin, number, signed, tenths_words, whole_ml,
 };
-use gaiter_language::Language;
 
 /// A figure in words.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,7 +1,8 @@
 //! What stands on every page of a report.
 
-use super::content::Content;
 use gaiter_language::Language;
+
+use super::content::Content;
 
 /// What stands on every page of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]

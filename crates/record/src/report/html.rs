@@ -5,6 +5,7 @@ mod parts;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gaiter_language::{Piece, pieces};
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
@@ -16,7 +17,6 @@ use super::{Content, Paper, viewer};
 use crate::Record;
 use crate::picture::figures::Figure;
 use crate::picture::svg;
-use gaiter_language::{Piece, pieces};
 
 /// The style sheet of the page.
 const STYLE: &str = include_str!("report.css");

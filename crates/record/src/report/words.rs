@@ -1,7 +1,8 @@
 //! Findings and statements of a record in words.
 
-use crate::statement::Statement;
 use gaiter_language::Language;
+
+use crate::statement::Statement;
 
 /// A finding or doubt in plain words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

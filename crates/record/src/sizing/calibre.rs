@@ -4,13 +4,13 @@
 //! It is sought between adjacent points of the form. The local slope would be above 1 on healthy legs: at B1
 //! of an average man it is 1.25, while from B to C the girth changes by 0.77 per length.
 
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::{Garment, Point};
 use serde::Serialize;
 
 use super::readings::{TAPE_GIRTH_MM, along_mm, trusted};
 use crate::Record;
 use crate::measure::{Length, Measure};
-use gaiter_leg::{Level, Side};
-use gaiter_sizes::{Garment, Point};
 
 /// The change of girth per length above which flat knit is usually chosen: 1 cm per 1 cm.
 const JUMP: f64 = 1.0;

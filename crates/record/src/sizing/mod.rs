@@ -4,16 +4,16 @@ pub mod calibre;
 mod readings;
 pub mod words;
 
+use gaiter_leg::Side;
+use gaiter_sizes::table::{Basis, Limits, Status};
+use gaiter_sizes::verdict::{LegVerdict, NotComparable, PointVerdict, judged};
+use gaiter_sizes::{Garment, Point, SizeTable};
 use jiff::civil::Date;
 use serde::Serialize;
 
 use self::calibre::Stretch;
 pub use self::readings::{TAPE_GIRTH_MM, reading};
 use super::Record;
-use gaiter_leg::Side;
-use gaiter_sizes::table::{Basis, Limits, Status};
-use gaiter_sizes::verdict::{LegVerdict, NotComparable, PointVerdict, judged};
-use gaiter_sizes::{Garment, Point, SizeTable};
 
 /// Name and number of the schema of the verdicts as JSON.
 pub const SCHEMA: &str = "gaiter.size-verdicts/1";

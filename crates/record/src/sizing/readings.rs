@@ -1,13 +1,14 @@
 //! The points of an order form, from a record: what a person set counts, then what the scan shows without a
 //! doubt.
 
+use gaiter_leg::{Level, Side};
+use gaiter_sizes::Point;
+use gaiter_sizes::verdict::{Given, NotGiven, Reading};
+
 use crate::Record;
 use crate::measure::amendment::Subject;
 use crate::measure::{Absent, Length, Measure, along_mm_at};
 use crate::report::Mark;
-use gaiter_leg::{Level, Side};
-use gaiter_sizes::Point;
-use gaiter_sizes::verdict::{Given, NotGiven, Reading};
 
 /// The standard error of a girth that a person took with a tape, mm. Leg volumes by tape, the square of the
 /// girth, have a standard error of 1.2 to 1.4 %, so a girth has 0.65 %: 2.5 mm on a calf of 380 mm.

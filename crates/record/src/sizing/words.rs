@@ -2,14 +2,15 @@
 
 use std::fmt::Display;
 
-use super::calibre::Stretch;
-use super::{LegSizes, TableVerdict};
-use crate::rounding::{cm_words, number, signed};
-use crate::shown;
 use gaiter_language::Language;
 use gaiter_sizes::Point;
 use gaiter_sizes::table::Status;
 use gaiter_sizes::verdict::{Fit, PointVerdict, Reading, SizeVerdict};
+
+use super::calibre::Stretch;
+use super::{LegSizes, TableVerdict};
+use crate::rounding::{cm_words, number, signed};
+use crate::shown;
 
 /// How many digits of a file's hash tell it from all others of a clinic.
 pub(crate) const HASH_DIGITS: usize = 12;

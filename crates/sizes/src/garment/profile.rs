@@ -1,5 +1,6 @@
 //! The file of a garment → [`Profile`], or every fault of it.
 
+use gaiter_leg::Level;
 use toml::de::{DeTable, DeValue};
 
 use super::Words;
@@ -7,7 +8,6 @@ use crate::document::{Faults, Known, Section, number};
 use crate::fault::{Fault, Form, What};
 use crate::parse::{is_of_format, points, readable};
 use crate::point::Point;
-use gaiter_leg::Level;
 
 /// Name and number of the format of the files.
 pub const FORMAT: &str = "gaiter-garment/1";

@@ -5,6 +5,12 @@ mod summary;
 mod tables;
 mod words;
 
+use gaiter_language::Language;
+use gaiter_leg::Side;
+use gaiter_record::Record;
+use gaiter_record::report::content::Section;
+use gaiter_record::report::document::{Block, Document, Origin};
+use gaiter_record::report::{AgeMax, Head};
 use jiff::civil::Date;
 
 use self::words::Words;
@@ -12,12 +18,6 @@ use super::comparison::Comparison;
 use super::course::{Course, Group};
 use super::overlay::Overlay;
 use super::threshold::Threshold;
-use gaiter_language::Language;
-use gaiter_leg::Side;
-use gaiter_record::Record;
-use gaiter_record::report::content::Section;
-use gaiter_record::report::document::{Block, Document, Origin};
-use gaiter_record::report::{AgeMax, Head};
 
 /// How many visits before the last one stand beside it, except the first.
 const VISITS_BEFORE_LAST: usize = 2;

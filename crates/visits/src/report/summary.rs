@@ -2,6 +2,10 @@
 
 use std::fmt::Display;
 
+use gaiter_leg::Side;
+use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
+use gaiter_record::rounding::{number, shortest, tenths_words};
+
 use super::ReportOf;
 use super::words::Words;
 use crate::comparison::Comparison;
@@ -9,9 +13,6 @@ use crate::course::Group;
 use crate::excess::ExcessChange;
 use crate::place::along_mm;
 use crate::threshold::{Reached, verdicts};
-use gaiter_leg::Side;
-use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
-use gaiter_record::rounding::{number, shortest, tenths_words};
 
 impl ReportOf<'_> {
     /// What the last visit shows, compared with the first and with the one before it.

@@ -2,17 +2,18 @@
 
 use std::fmt::Display;
 
+use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
+use gaiter_leg::{Level, Side};
+use gaiter_record::report::content::{Table, TableRow};
+use gaiter_record::report::{Figure, Mark};
+use gaiter_record::rounding::{cm_words, ml_margin, number, signed, tenths_words};
+
 use super::summary::between;
 use super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
 use crate::course::Group;
 use crate::place::{Step, along_mm};
 use crate::quantity::{Change, Quantity, Shown};
-use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
-use gaiter_leg::{Level, Side};
-use gaiter_record::report::content::{Table, TableRow};
-use gaiter_record::report::{Figure, Mark};
-use gaiter_record::rounding::{cm_words, ml_margin, number, signed, tenths_words};
 
 /// All visits, newest first: conditions, volumes, excess.
 pub(super) fn visits(words: &Words) -> Table {

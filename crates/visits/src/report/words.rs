@@ -2,14 +2,15 @@
 
 use std::fmt::Display;
 
-use crate::caution::Caution;
-use crate::comparison::Comparison;
-use crate::course::Course;
-use crate::visit::Visit;
 use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::rounding::{number, signed, tenths_words};
 use gaiter_record::shown;
+
+use crate::caution::Caution;
+use crate::comparison::Comparison;
+use crate::course::Course;
+use crate::visit::Visit;
 
 /// Writes the words of one course in one language.
 #[derive(Debug, Clone, Copy)]

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::OrderState;
+use gaiter_flow::orders::news::{Unlisted, unlisted};
 use tracing::warn;
 
 use super::list_orders::{Found, is_meant};
@@ -12,8 +14,6 @@ use crate::station::core::Core;
 use crate::station::journal::JournalError;
 use crate::station::share::stall::Pulse;
 use crate::store::durable;
-use gaiter_flow::OrderState;
-use gaiter_flow::orders::news::{Unlisted, unlisted};
 
 /// Notes all orders as heard, because only the lost journal knew which of them had been heard. Hearing
 /// one twice could give one patient another patient's scan, so none of them is heard.

@@ -5,12 +5,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::orders::news::FolderId;
+use gaiter_flow::{Group, Mask};
+
 use super::removal;
 use crate::station::share::file_system::folder_id;
 use crate::station::share::stall::Pulse;
 use crate::station::share::stamped_file::stamp;
-use gaiter_flow::orders::news::FolderId;
-use gaiter_flow::{Group, Mask};
 
 /// What a look found.
 #[derive(Debug)]

@@ -3,11 +3,12 @@
 use std::io;
 use std::path::Path;
 
+use gaiter_flow::{OrderState, Stamp};
+use gaiter_record::gdt::order::ORDER_MOST;
+
 use crate::station::share::stall::Pulse;
 use crate::station::share::stamped_file;
 use crate::store::sums;
-use gaiter_flow::{OrderState, Stamp};
-use gaiter_record::gdt::order::ORDER_MOST;
 
 /// A file that was read.
 #[derive(Debug)]

@@ -2,6 +2,12 @@
 
 use std::path::Path;
 
+use gaiter_flow::booth::Heard;
+use gaiter_flow::capture::Doubt;
+use gaiter_flow::orders::news::{self, News};
+use gaiter_flow::{OrderState, Settled};
+use gaiter_record::SourceKind;
+use gaiter_record::gdt::{Order, OrderFault, order};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -12,12 +18,6 @@ use crate::config::{AfterOrder, OrdersConfig};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::share::stall::Pulse;
-use gaiter_flow::booth::Heard;
-use gaiter_flow::capture::Doubt;
-use gaiter_flow::orders::news::{self, News};
-use gaiter_flow::{OrderState, Settled};
-use gaiter_record::SourceKind;
-use gaiter_record::gdt::{Order, OrderFault, order};
 
 /// The code of an order that is too old.
 const TOO_OLD: &str = "order-too-old";

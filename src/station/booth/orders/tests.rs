@@ -4,10 +4,11 @@ use std::fs::{self, File, FileTimes};
 use std::path::Path;
 use std::time::SystemTime;
 
+use gaiter_flow::Mask;
+
 use super::removal::Removal;
 use crate::station::booth::orders::*;
 use crate::station::share::stamped_file::stamp;
-use gaiter_flow::Mask;
 
 #[test]
 fn a_refused_order_is_kept_once_with_its_bytes_and_reason() {

@@ -6,10 +6,11 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use super::port::{Port, PortOpener};
 use gaiter_flow::booth::{Heard, Signal};
 use gaiter_flow::trigger::port_lifecycle::Want;
 use gaiter_flow::trigger::{FaultKind, Input, InputDecoder, PortFault, PortLifecycle, PortState};
+
+use super::port::{Port, PortOpener};
 
 /// How long one read waits on a port that wakes its reader. Changes of the light and a stop of the
 /// station are delayed by at most this time.

@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use evdev::{Device, EventSummary};
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::port::{Port, PortOpener, fault, of_io};
 use crate::config::port::InputPlace;
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// The values of a key event: up and down. 2 is a key that repeats while it is held.
 const UP: i32 = 0;

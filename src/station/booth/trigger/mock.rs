@@ -14,9 +14,10 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
+
 use super::port::{Port, PortOpener, fault};
 use crate::config::port::escaped;
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// What a line of a script does.
 #[derive(Debug, Clone, PartialEq, Eq)]

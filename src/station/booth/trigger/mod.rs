@@ -15,10 +15,11 @@ use std::collections::BTreeMap;
 pub use attend::{Attendant, Manner};
 pub use worker::worker;
 
-use crate::config::TriggerConfig;
-use crate::config::trigger::ReaderPlace;
 use gaiter_flow::trigger::InputDecoder;
 use gaiter_flow::trigger::input_decoder::Shows;
+
+use crate::config::TriggerConfig;
+use crate::config::trigger::ReaderPlace;
 use keys::KeysOpener;
 use port::PortOpener;
 use serial::SerialOpener;

@@ -6,6 +6,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 use rustix::fs::OFlags;
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 use serialport::{
@@ -16,7 +17,6 @@ use serialport::{
 use super::port::{Port, PortOpener, fault, of_io};
 use crate::config::port::{self as written, ModemLine, SerialPlace, UsbName};
 use crate::config::trigger::SerialLine;
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// How many bytes are read at once.
 const PIECE: usize = 256;

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
+use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 use rusb::{Context, DeviceHandle, Direction, Error, Recipient, RequestType, UsbContext};
 
 use super::port::{Port, PortOpener, fault};
 use crate::config::port::UsbName;
 use crate::config::trigger::UsbTrigger;
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// The longest input report, bytes: the limit of an interrupt endpoint at full speed.
 const REPORT_MOST: usize = 64;

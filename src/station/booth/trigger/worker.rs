@@ -3,6 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::booth::Heard;
+use gaiter_flow::facts::TriggerFacts;
+use gaiter_flow::trigger::PortState;
 use jiff::{SignedDuration, Timestamp};
 use tokio::sync::oneshot;
 use tokio::task::{JoinError, spawn_blocking};
@@ -15,9 +18,6 @@ use crate::station::core::Core;
 use crate::station::runtime::beat::Beat;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, Pulse, patiently};
-use gaiter_flow::booth::Heard;
-use gaiter_flow::facts::TriggerFacts;
-use gaiter_flow::trigger::PortState;
 
 /// The longest sleep of the thread before it checks whether to stop.
 const NAP: Duration = Duration::from_millis(200);

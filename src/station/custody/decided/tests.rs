@@ -3,12 +3,13 @@
 use std::fs;
 use std::path::Path;
 
+use gaiter_flow::{DeliveryState, Whose};
+
 use super::super::tests::{BYTES, admit, found_record, open, patient, reason, says, stored};
 use super::super::{Acted, Verdict};
 use super::*;
 use crate::station::journal::{Due, Task};
 use crate::store::sums;
-use gaiter_flow::{DeliveryState, Whose};
 
 /// Custody whose journal was lost, at its next start.
 fn rebuilt(custody: Custody, dir: &Path) -> Custody {

@@ -6,8 +6,9 @@ use std::io;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use crate::store::durable;
 use gaiter_flow::patient::erasure::names;
+
+use crate::store::durable;
 
 /// The folder of refused orders in the state folder.
 const ORDERS: &str = "orders-refused";

@@ -7,14 +7,14 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use gaiter_flow::ScanId;
+use gaiter_flow::page::files::FIRST;
+use gaiter_record::RecordFile;
 use tokio::sync::Notify;
 
 use crate::station::runtime::jitter;
 use crate::store::durable;
 use crate::store::sums::{self, SUMS};
-use gaiter_flow::ScanId;
-use gaiter_flow::page::files::FIRST;
-use gaiter_record::RecordFile;
 
 /// The folder's name in the state folder.
 const NAME: &str = "previews";

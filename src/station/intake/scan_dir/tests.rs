@@ -4,10 +4,10 @@ use std::os::unix::fs::symlink;
 use std::os::unix::net::UnixListener;
 use std::time::Duration;
 
+use gaiter_flow::export::mount::Expected;
 use rustix::fs::{CWD, Mode, mkfifoat};
 
 use crate::station::intake::scan_dir::*;
-use gaiter_flow::export::mount::Expected;
 
 fn config() -> WatchConfig {
     WatchConfig {

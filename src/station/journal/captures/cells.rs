@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
+use gaiter_flow::capture::{CaptureState, Opener};
+use gaiter_record::SourceKind;
 use serde::Serialize;
 
 use crate::station::journal::JournalError;
-use gaiter_flow::capture::{CaptureState, Opener};
-use gaiter_record::SourceKind;
 
 pub(super) fn milliseconds(time: Duration) -> i64 {
     i64::try_from(time.as_millis()).unwrap_or(i64::MAX)

@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
+use gaiter_flow::capture::{Captures, Doubt, Named, Next};
+use gaiter_record::SourceKind;
 use rusqlite::{Connection, OptionalExtension, Transaction};
 use serde::{Deserialize, Serialize};
 
 use super::cells::json_text;
 use crate::station::journal::integrity::seal;
 use crate::station::journal::{Journal, JournalError, json_cell};
-use gaiter_flow::capture::{Captures, Doubt, Named, Next};
-use gaiter_record::SourceKind;
 
 /// The name of the fact.
 const NEXT: &str = "next-patient";

@@ -4,6 +4,7 @@
 //! `amended` of a delivery is [`BEGUN`] before the revision is written and [`DUE`] afterwards. A crash in
 //! between leaves [`BEGUN`], and the next start makes it [`DUE`]: handing over a revision twice does nothing.
 
+use gaiter_flow::{DeliveryState, ScanId};
 use rusqlite::{OptionalExtension, params};
 use serde_json::json;
 
@@ -11,7 +12,6 @@ use super::super::delivery_row::detail;
 use super::super::withdrawal::UNWANTED;
 use super::super::{Due, Event, Journal, JournalError, history};
 use crate::store::FolderStore;
-use gaiter_flow::{DeliveryState, ScanId};
 
 /// The revision is being written: a crash may leave it unwritten.
 const BEGUN: &str = "begun";

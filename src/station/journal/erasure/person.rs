@@ -2,16 +2,16 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_flow::account::Happened;
+use gaiter_flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
+use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_record::Source;
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension};
 use serde_json::Value;
 
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, captures, cell, json_cell};
-use gaiter_flow::account::Happened;
-use gaiter_flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
-use gaiter_flow::{DeliveryState, ScanId};
-use gaiter_record::Source;
 
 /// What stands for another patient's id where a person's data is disclosed.
 const ANOTHER: &str = "(another patient)";

@@ -5,14 +5,14 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use serde_json::json;
-
-use super::*;
-use crate::station::journal::{BoothChange, Entry, ScanRow};
 use gaiter_flow::capture::{Capture, CaptureState, Captures, Doubt, Judged, Next, Opener, Rules};
 use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::{DeliveryState, OrderState, OrdersWhen, ScanState, Stamp};
 use gaiter_record::{Patient, Source, SourceKind};
+use serde_json::json;
+
+use super::*;
+use crate::station::journal::{BoothChange, Entry, ScanRow};
 
 /// An id that no other text of these tests holds.
 const ID: &str = "P-73190426";

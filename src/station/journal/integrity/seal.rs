@@ -1,10 +1,10 @@
 //! Seals. SQLite notices a page that makes no sense, but not a changed digit in a patient's id. So the
 //! cells that say whose a scan is and where its record goes carry a checksum.
 
+use gaiter_record::sha256;
 use rusqlite::{Connection, Transaction, params};
 
 use crate::station::journal::JournalError;
-use gaiter_record::sha256;
 
 /// Hexadecimal digits of a seal: a damaged row passes with a probability of 2⁻⁶⁴.
 const DIGITS: usize = 16;

@@ -1,13 +1,13 @@
 //! Queries that the operator's page and the previews repeat often: few rows, each found by an index or
 //! in one pass.
 
+use gaiter_flow::{DeliveryState, ScanId, ScanState};
 use rusqlite::{Row, params};
 
 use super::count;
 
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, cell};
-use gaiter_flow::{DeliveryState, ScanId, ScanState};
 
 impl Journal {
     /// A number that differs after each commit: while it stays the same, nothing has changed. `None` if

@@ -1,13 +1,13 @@
 //! The search among all scans. It reads from the newest and ends when there are enough, so it is fast for
 //! what people look for; text that no scan has is looked for in all.
 
+use gaiter_flow::account::{Search, SearchState};
+use gaiter_flow::{DeliveryState, ScanId, ScanState};
 use rusqlite::params;
 
 use super::newest::{is_unassigned, is_undecided};
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, cell};
-use gaiter_flow::account::{Search, SearchState};
-use gaiter_flow::{DeliveryState, ScanId, ScanState};
 
 impl Journal {
     /// The scans that a search finds, newest first: one more than `limit` if there are more.

@@ -1,11 +1,12 @@
 //! Lists and counts of a journal on a real file.
 
-use super::*;
-use crate::station::journal::{Entry, ScanRow};
 use gaiter_flow::DeliveryState::{Delivered as Done, Held, Pending};
 use gaiter_flow::account::{Search, SearchState};
 use gaiter_flow::capture::Judged;
 use gaiter_record::{Patient, Source, SourceKind};
+
+use super::*;
+use crate::station::journal::{Entry, ScanRow};
 
 fn scan(digits: &str) -> ScanId {
     ScanId::parse(&format!("{digits:0<64}")).unwrap()

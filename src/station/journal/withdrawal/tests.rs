@@ -4,14 +4,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use proptest::prelude::*;
-
-use super::*;
-use crate::station::journal::{Entry, ScanRow, Task};
 use gaiter_flow::capture::Judged;
 use gaiter_flow::outbox::{Ended, Key};
 use gaiter_flow::{Outbox, ScanState};
 use gaiter_record::{Patient, Source, SourceKind};
+use proptest::prelude::*;
+
+use super::*;
+use crate::station::journal::{Entry, ScanRow, Task};
 
 const STORES: [&str; 2] = ["copy", "folder"];
 

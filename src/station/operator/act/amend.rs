@@ -3,6 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use gaiter_flow::{ScanId, light};
+use gaiter_language::Language;
+use gaiter_record::completeness::{Completeness, Kind};
+use gaiter_record::measure::amendment::{Amendment, Deed};
 use jiff::{Timestamp, Zoned};
 use serde::{Deserialize, Serialize};
 use tracing::info;
@@ -14,10 +18,6 @@ use crate::station::event::short;
 use crate::station::journal::ScanRow;
 use crate::store::FolderStore;
 use crate::store::revision::amend::{Fault, amend};
-use gaiter_flow::{ScanId, light};
-use gaiter_language::Language;
-use gaiter_record::completeness::{Completeness, Kind};
-use gaiter_record::measure::amendment::{Amendment, Deed};
 
 /// What a person sets, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

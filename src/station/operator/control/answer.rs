@@ -4,6 +4,14 @@ use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
+use gaiter_flow::explain::{Known, of_file};
+use gaiter_flow::facts::IntakeState;
+use gaiter_flow::health::age;
+use gaiter_flow::page::next_shown;
+use gaiter_flow::{ScanId, account};
+use gaiter_language::Language;
+use gaiter_record::SourceKind;
+use gaiter_record::gdt::OrderFault;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
@@ -17,14 +25,6 @@ use crate::station::operator::act::{Act, ActFault, act};
 use crate::station::operator::page::desk::Desk;
 use crate::station::overview::Overview;
 use crate::station::runtime::causes::chain;
-use gaiter_flow::explain::{Known, of_file};
-use gaiter_flow::facts::IntakeState;
-use gaiter_flow::health::age;
-use gaiter_flow::page::next_shown;
-use gaiter_flow::{ScanId, account};
-use gaiter_language::Language;
-use gaiter_record::SourceKind;
-use gaiter_record::gdt::OrderFault;
 
 /// Answers a request.
 pub fn answer(desk: &Desk, request: &Request) -> Answer {

@@ -1,12 +1,13 @@
 //! What the station answers about one person, and how it takes the wish to erase them.
 
+use gaiter_flow::patient::person::Person;
+use gaiter_record::SourceKind;
+
 use super::protocol::{Answer, Fault, FaultKind, Request};
 use crate::station::custody::CustodyFault;
 use crate::station::operator::page::desk::Desk;
 use crate::station::persons::{erase, person, stopped};
 use crate::station::runtime::causes::chain;
-use gaiter_flow::patient::person::Person;
-use gaiter_record::SourceKind;
 
 /// Answers a request about a person.
 pub(super) fn answer(desk: &Desk, request: &Request) -> Result<Answer, Fault> {

@@ -1,13 +1,13 @@
 //! The messages of the control socket. Both ends are the same binary, so nothing here is kept
 //! compatible, except what `--json` prints.
 
+use gaiter_flow::account::{Filter, Listed, Whole};
+use gaiter_flow::patient::erasure::Erasure;
+use gaiter_flow::patient::person::Person;
 use serde::{Deserialize, Serialize};
 
 use super::status::Status;
 use crate::station::operator::act::Setting;
-use gaiter_flow::account::{Filter, Listed, Whole};
-use gaiter_flow::patient::erasure::Erasure;
-use gaiter_flow::patient::person::Person;
 
 /// The longest request, bytes: a path and a patient's id fit many times over.
 pub const REQUEST_MOST: u64 = 64 * 1024;

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use jiff::Timestamp;
-use serde::{Deserialize, Serialize};
-
-use crate::station::booth::BoothState;
 use gaiter_flow::account::Seen;
 use gaiter_flow::confinement::Confinement;
 use gaiter_flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use gaiter_flow::health::Complaint;
 use gaiter_record::phantom::LastCheck;
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use crate::station::booth::BoothState;
 
 /// The station's status. It names no patient, file or folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -7,12 +7,12 @@ use axum::Router;
 use axum::extract::State;
 use axum::http::{StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Response};
+use gaiter_language::Language;
 use tokio::net::TcpListener;
 
 use super::accept;
 use super::connections::Connections;
 use crate::station::runtime::stop::Stop;
-use gaiter_language::Language;
 
 /// What monitors are told.
 const CHANGES_OVER: &str = "station-changes-over";

@@ -7,6 +7,8 @@ use axum::body::to_bytes;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use gaiter_flow::page::of_fault;
+use gaiter_language::Language;
 use serde::Serialize;
 use tokio::task::spawn_blocking;
 
@@ -14,8 +16,6 @@ use super::endpoint::HttpEndpoint;
 use super::{assets, guard};
 use crate::station::operator::control::answer;
 use crate::station::operator::control::protocol::{self, Answer, FaultKind};
-use gaiter_flow::page::of_fault;
-use gaiter_language::Language;
 
 /// The longest decision, bytes; an id fits many times over.
 const MOST: usize = 16 * 1024;

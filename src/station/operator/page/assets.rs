@@ -6,12 +6,12 @@ use axum::Router;
 use axum::http::header::{CONTENT_TYPE, HeaderName};
 use axum::response::Html;
 use axum::routing::get;
-
-use super::endpoint::HttpEndpoint;
-use crate::station::operator::http::listeners::Way;
 use gaiter_language::Language;
 use gaiter_record::report::viewer;
 use gaiter_record::sha256;
+
+use super::endpoint::HttpEndpoint;
+use crate::station::operator::http::listeners::Way;
 
 const PAGE: &str = include_str!("../web/page.html");
 const KIOSK: &str = include_str!("../web/kiosk.html");

@@ -11,6 +11,8 @@ use axum::body::Body;
 use axum::extract::{Path as Asked, Query, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use gaiter_flow::ScanId;
+use gaiter_flow::page::files::served;
 use hyper::body::Bytes;
 use rustix::fs::Mode;
 use serde::Deserialize;
@@ -22,8 +24,6 @@ use super::endpoint::HttpEndpoint;
 use super::snapshot;
 use crate::station::share::stamped_file::{PIECE_BYTES, READ};
 use crate::store::{revision, sums};
-use gaiter_flow::ScanId;
-use gaiter_flow::page::files::served;
 
 /// Why a file is not served.
 enum NotServed {

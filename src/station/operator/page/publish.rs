@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::Facts;
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
@@ -12,7 +13,6 @@ use super::feed::Texts;
 use super::{snapshot, summaries};
 use crate::station::booth::BoothState;
 use crate::station::runtime::stop::Stop;
-use gaiter_flow::Facts;
 
 /// How often to check for changes; people do not notice a shorter delay.
 const PACE: Duration = Duration::from_millis(400);

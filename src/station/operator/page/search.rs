@@ -5,6 +5,9 @@ use std::sync::Arc;
 use axum::extract::{Path as Asked, Query, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use gaiter_flow::ScanId;
+use gaiter_flow::account::{Search, SearchState};
+use gaiter_flow::page::ScanShown;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use tokio::task::spawn_blocking;
@@ -13,9 +16,6 @@ use super::desk::Desk;
 use super::endpoint::HttpEndpoint;
 use super::files::Row;
 use super::{assets, snapshot};
-use gaiter_flow::ScanId;
-use gaiter_flow::account::{Search, SearchState};
-use gaiter_flow::page::ScanShown;
 
 /// How many scans one answer lists.
 const LIMIT: u32 = 50;

@@ -2,16 +2,17 @@
 
 use std::path::PathBuf;
 
+use gaiter_flow::ScanId;
+use gaiter_flow::account::{Search, Whole};
+use gaiter_flow::page::{self, Known, ScanShown, Shown, Told};
+use gaiter_record::SheetLine;
+
 use super::desk::Desk;
 use super::{assets, summaries};
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
 use crate::store::FolderStore;
-use gaiter_flow::ScanId;
-use gaiter_flow::account::{Search, Whole};
-use gaiter_flow::page::{self, Known, ScanShown, Shown, Told};
-use gaiter_record::SheetLine;
 
 /// How many of the last scans are shown: what fits a screen.
 const LAST: u32 = 12;

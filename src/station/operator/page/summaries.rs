@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::store::{revision, sums};
 use gaiter_flow::page::Told;
 use gaiter_flow::page::files::in_order;
 use gaiter_language::Language;
 use gaiter_record::{self as record, Record, RecordSummary, SheetLine};
 use gaiter_sizes::Garment;
+
+use crate::store::{revision, sums};
 
 /// A summary is read again after this time: a report may have been made since.
 const FRESH: Duration = Duration::from_secs(60);

@@ -8,10 +8,10 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use axum::http::{HeaderMap, header};
+use gaiter_record::{hex, sha256};
 use tracing::info;
 
 use crate::store::durable;
-use gaiter_record::{hex, sha256};
 
 /// The token's file in the state folder.
 pub const FILE: &str = "page-token";

@@ -6,6 +6,13 @@ use std::sync::Arc;
 use axum::extract::{Path as Asked, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use gaiter_flow::ScanId;
+use gaiter_flow::page;
+use gaiter_flow::page::files::served;
+use gaiter_record::Record;
+use gaiter_record::report::{document_page, document_paper};
+use gaiter_visits::report::ReportOf;
+use gaiter_visits::{Choice, Course, last_of_days};
 use jiff::Zoned;
 use tokio::task::spawn_blocking;
 use tracing::warn;
@@ -17,13 +24,6 @@ use crate::config::Config;
 use crate::station::runtime::causes::chain;
 use crate::store::FolderStore;
 use crate::store::revision::visits::of_patient;
-use gaiter_flow::ScanId;
-use gaiter_flow::page;
-use gaiter_flow::page::files::served;
-use gaiter_record::Record;
-use gaiter_record::report::{document_page, document_paper};
-use gaiter_visits::report::ReportOf;
-use gaiter_visits::{Choice, Course, last_of_days};
 
 /// Why there is no comparison.
 enum NoVisits {

@@ -1,11 +1,12 @@
 //! What the light says: after a scan, while a person is needed, in a pause.
 
+use gaiter_language::Language;
+
 use super::{BOTH, booth, page};
 use crate::booth::Signal;
 use crate::health::Complaint;
 use crate::light::Outcome;
 use crate::page::Situation;
-use gaiter_language::Language;
 
 fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> String {
     let booth = Situation { last: Some(last), ..booth(Signal::Attention) };

@@ -1,10 +1,11 @@
 //! A scan of several patients has a row for each, and each row opens its own record only.
 
+use gaiter_language::Language;
+
 use super::{delivery, whole, with_folders};
 use crate::account::Whole;
 use crate::page::rows::rows;
 use crate::page::{ScanShown, Told, needs_decision, record_folder, row_key, scan_shown};
-use gaiter_language::Language;
 
 /// State, patients, folder and verbs of a row.
 type RowTold = (String, Vec<String>, Option<String>, Vec<&'static str>);

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use super::{Subject, WORDS_MOST};
-use crate::rounding::cm_words;
 use gaiter_language::Language;
 use gaiter_leg::Side;
+
+use super::{Subject, WORDS_MOST};
+use crate::rounding::cm_words;
 
 /// Why an amendment is not accepted.
 #[derive(Debug, Clone, PartialEq)]

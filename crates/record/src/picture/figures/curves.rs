@@ -1,8 +1,9 @@
 //! What the charts of girths and of slopes have in common: the lines of the legs and the places of labels.
 
-use crate::picture::{Anchor, Ink, Mark, Stroke};
 use gaiter_language::Language;
 use gaiter_leg::Side;
+
+use crate::picture::{Anchor, Ink, Mark, Stroke};
 
 /// Top and bottom of both charts, px.
 pub(super) const ROWS_PX: [f64; 2] = [64.0, 446.0];

@@ -1,13 +1,14 @@
 //! Both legs at the same heights: their girths, and the difference as a bar on the side of the larger leg.
 //! Heights go up from the floor as on the legs; the patient's right leg is on the left.
 
+use gaiter_language::Language;
+use gaiter_leg::Side;
+
 use super::plot::{LINE, SMALL, Scale, TEXT, heading, lines, words};
 use crate::Record;
 use crate::chart::{AtFigures, girth_difference, same_heights};
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::rounding::{cm, cm_margin, cm_words, exceeds, number};
-use gaiter_language::Language;
-use gaiter_leg::Side;
 
 /// Width, px.
 const WIDTH: f64 = 440.0;

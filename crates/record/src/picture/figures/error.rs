@@ -4,6 +4,9 @@
 
 use std::collections::BTreeMap;
 
+use gaiter_language::Language;
+use gaiter_leg::Side;
+
 use super::LEVELS;
 use super::plot::{
     Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
@@ -12,8 +15,6 @@ use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::schema::LegFigures;
 use crate::shape::SurfaceGridFigures;
 use crate::{Record, rounding};
-use gaiter_language::Language;
-use gaiter_leg::Side;
 
 /// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 520.0];

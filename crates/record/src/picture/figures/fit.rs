@@ -1,14 +1,15 @@
 //! The scan's own points on the planes of the levels and the curves fitted to them, in polar
 //! coordinates (paper, fig. 2d).
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+
 use super::LEVELS;
 use super::plot::{Frame, SMALL, Scale, TEXT, heading, lines, range, words};
 use crate::picture::{Anchor, Ink, Mark, Picture};
 use crate::schema::SectionFigures;
 use crate::shape::OutlineFigures;
 use crate::{Record, rounding};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// Width, px.
 const WIDTH: f64 = 720.0;

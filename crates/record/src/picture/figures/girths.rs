@@ -1,5 +1,8 @@
 //! Girth over height with the levels, and the slope by which B1 is found (paper, fig. 3).
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+
 use super::curves::{ROWS_PX, beside, diamond, is_outer_right, left_first, line, short};
 use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
 use super::slopes;
@@ -8,8 +11,6 @@ use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::report::Mark as HowToRead;
 use crate::schema::LegFigures;
 use crate::{Record, rounding};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 506.0];

@@ -11,10 +11,11 @@ mod sheet;
 mod slopes;
 mod views;
 
-use super::{Picture, svg};
-use crate::Record;
 use gaiter_language::Language;
 use gaiter_leg::Level;
+
+use super::{Picture, svg};
+use crate::Record;
 
 /// A figure and its file name.
 #[derive(Debug, Clone, PartialEq)]

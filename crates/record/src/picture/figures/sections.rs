@@ -2,6 +2,9 @@
 //! (paper, fig. 4b and 4c). Seen from the feet with the front up, as in radiology: the patient's right
 //! is on the left.
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+
 use super::LEVELS;
 use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
 use crate::Record;
@@ -9,8 +12,6 @@ use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::rounding::cm_words;
 use crate::schema::{FeatureFigures, LegFigures};
 use crate::shape::OutlineFigures;
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// Width, px.
 const WIDTH: f64 = 720.0;

@@ -1,13 +1,14 @@
 //! Both legs from the front with the girths at their levels, as on an order form: the patient's right leg on
 //! the left.
 
+use gaiter_language::Language;
+use gaiter_leg::Side;
+
 use super::plot::{LINE, TEXT, heading, kept_apart, lines};
 use super::views::{Drawn, From, View, extent, outlines, ring};
 use crate::Record;
 use crate::picture::{Anchor, Ink, Mark, Picture};
 use crate::report::Mark as HowToRead;
-use gaiter_language::Language;
-use gaiter_leg::Side;
 
 /// Width, px.
 const WIDTH: f64 = 460.0;

@@ -1,12 +1,13 @@
 //! How fast the girth grows upwards, beside the chart of girths: B1 lies where it grows fastest.
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+
 use super::curves::{ROWS_PX, beside, diamond, is_outer_right, left_first, line, short};
 use super::plot::{Frame, LINE, Scale, TEXT, area, heading, kept_apart, lines, range, words};
 use crate::picture::{Anchor, Ink, Mark};
 use crate::schema::LegFigures;
 use crate::{Record, rounding};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// Left and right of the chart of slopes, px.
 const SLOPES_PX: [f64; 2] = [500.0, 662.0];

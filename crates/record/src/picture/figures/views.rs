@@ -1,6 +1,8 @@
 //! The legs from the front, the back and their outer sides, with their sections, levels and feature
 //! points (paper, fig. 5). In the front view the patient's right leg is on the left.
 
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
 use nalgebra::{Point3, Vector3};
 
 use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
@@ -11,8 +13,6 @@ use crate::report::Mark as HowToRead;
 use crate::rounding::cm_words;
 use crate::schema::LegFigures;
 use crate::shape::{OutlineFigures, ShapeFigures};
-use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
 
 /// Width, px.
 const WIDTH: f64 = 720.0;

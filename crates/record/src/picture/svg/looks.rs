@@ -1,7 +1,8 @@
 //! The looks of a mark in SVG: inks, pens, numbers and text.
 
-use crate::picture::{Ink, Stroke, Theme};
 use gaiter_cad::number::push_fixed;
+
+use crate::picture::{Ink, Stroke, Theme};
 
 /// What an ink can be used for: the attribute, and the beginning of its classes.
 #[derive(Clone, Copy)]

@@ -2,12 +2,13 @@
 
 use std::fmt::Display;
 
+use gaiter_leg::{Level, Side};
+
 use super::Report;
 use crate::measure::amendment::{ByHand, Subject};
 use crate::measure::{Length, Measure};
 use crate::rounding::cm_words;
 use crate::shown;
-use gaiter_leg::{Level, Side};
 
 impl Report<'_> {
     /// A line for each measure that a person set: the value, the scan's beside it, why, who and when.

@@ -1,9 +1,10 @@
 //! Every figure of the levels in mm.
 
+use gaiter_leg::{Level, Side};
+
 use super::super::words::{short, told};
 use super::{Figure, Report, Table, TableRow};
 use crate::schema::{EstimateFigures, LandmarkFigures};
-use gaiter_leg::{Level, Side};
 
 impl Report<'_> {
     /// Every figure of the levels, with the digits of `record.json`.

@@ -1,12 +1,13 @@
 //! The measuring sheet: girth and height at every level in the order of order forms, feet, inside leg.
 
+use gaiter_leg::{Level, Side};
+
 use super::super::words::short;
 use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
 use crate::measure::amendment::Subject;
 use crate::measure::{Absent, Length, Measure, girth_mm_at, why_absent};
 use crate::report::Mark;
 use crate::rounding::cm_words;
-use gaiter_leg::{Level, Side};
 
 impl Report<'_> {
     pub(super) fn levels(&self) -> Levels {

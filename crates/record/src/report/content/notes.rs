@@ -1,11 +1,12 @@
 //! Doubts and findings in plain words.
 
+use gaiter_leg::Side;
+use gaiter_leg::finding::Severity;
+
 use super::super::words::{self, Plain};
 use super::{Note, Report, Section, Weight};
 use crate::schema::FindingNote;
 use crate::shown;
-use gaiter_leg::Side;
-use gaiter_leg::finding::Severity;
 
 impl Report<'_> {
     pub(super) fn notes(&self) -> Section<Note> {

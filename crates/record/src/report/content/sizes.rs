@@ -2,13 +2,14 @@
 
 use std::fmt::Display;
 
-use super::{Figure, Report, Section, Sizes, Table, TableRow};
-use crate::rounding::{cm_words, number, shortest, tenths_words};
-use crate::sizing::{LegSizes, SizeVerdicts, TableVerdict, reading, words};
 use gaiter_leg::Side;
 use gaiter_sizes::Point;
 use gaiter_sizes::garment::{FormBox, FormUnit};
 use gaiter_sizes::verdict::{PointVerdict, Reading, SURE, UNLIKELY};
+
+use super::{Figure, Report, Section, Sizes, Table, TableRow};
+use crate::rounding::{cm_words, number, shortest, tenths_words};
+use crate::sizing::{LegSizes, SizeVerdicts, TableVerdict, reading, words};
 
 /// In the place of a point that a size or length does not ask for.
 const NOT_ASKED: &str = "–";

@@ -1,9 +1,10 @@
 //! How well the surfaces follow the scan, in plain words.
 
+use gaiter_leg::Side;
+
 use super::{Report, Section};
 use crate::rounding::{cm_words, mm_words, tenths_words};
 use crate::surface::SurfaceFigures;
-use gaiter_leg::Side;
 
 impl Report<'_> {
     pub(super) fn surfaces(&self) -> Section {

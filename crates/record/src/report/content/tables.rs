@@ -1,12 +1,13 @@
 //! Both legs at the same heights, requested heights, volumes and slices.
 
+use gaiter_leg::Side;
+
 use super::{Figure, Report, Table, TableRow};
 use crate::chart::{
     AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures, girth_difference, same_heights,
 };
 use crate::report::Mark;
 use crate::rounding::cm_words;
-use gaiter_leg::Side;
 
 impl Report<'_> {
     pub(super) fn tables(&self) -> Vec<Table> {

@@ -2,11 +2,12 @@
 
 use std::fmt::Display;
 
+use gaiter_leg::method::Tape;
+use gaiter_leg::{Level, Side};
+
 use super::Report;
 use crate::rounding::{number, tenths_words};
 use crate::schema::LegFigures;
-use gaiter_leg::method::Tape;
-use gaiter_leg::{Level, Side};
 
 /// The tilt that is told of, degrees: one that nobody sees while laying the tape, a difference in height
 /// of 6 mm between the two sides of a calf of 110 mm.

@@ -1,12 +1,13 @@
 //! The parts of the page, from the most important figures to the origin of the record.
 
+use gaiter_leg::Side;
+
 use super::markup::{element, escaped, figure, foreign, section, wide, words};
 use crate::picture::figures::{Figure as Drawn, SHEET};
 use crate::picture::svg;
 use crate::report::age::Age;
 use crate::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
 use crate::report::{Figure, Head, Mark};
-use gaiter_leg::Side;
 
 /// The patient, and when the scan was taken.
 pub(super) fn header(content: &Content) -> String {

@@ -1,12 +1,12 @@
 //! Draws pictures in the PDF as lines and letters.
 
+use gaiter_cad::number::push_tenths;
 use pdf_writer::Content;
 
 use super::sheet::{Pen, SIZE, short};
 use super::wrap::Type;
 use crate::picture::font::writable;
 use crate::picture::{Ink, Mark, Picture, Stroke};
-use gaiter_cad::number::push_tenths;
 
 /// Tenths of px from here on may need more than the six digits of a 32-bit float.
 const TENTHS_MAX: f64 = 1e6;

@@ -6,17 +6,18 @@ mod volumes;
 
 use std::fmt::Display;
 
-use super::summary::between;
-use super::words::Words;
-use crate::comparison::Comparison;
-use crate::course::Group;
-use crate::overlay::Overlay;
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::Figure;
 use gaiter_record::picture::figures::error::{MapScale, map_of};
 use gaiter_record::picture::{Picture, svg};
 use gaiter_record::report::document::{Block, View};
 use gaiter_record::rounding::{number, tenths_words};
+
+use super::summary::between;
+use super::words::Words;
+use crate::comparison::Comparison;
+use crate::course::Group;
+use crate::overlay::Overlay;
 
 /// The ends of the scale of distances, mm: the smallest that holds almost all of them is taken.
 const SCALES_MM: [f64; 5] = [2.0, 4.0, 8.0, 16.0, 32.0];

@@ -1,14 +1,15 @@
 //! Girth over the length along each leg, at the visits that stand beside each other.
 
-use super::super::words::Words;
-use crate::leg::LegAtVisit;
-use crate::place::along_mm;
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
     Frame, LINE, SMALL, Scale, heading, range, words as label,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::number;
+
+use super::super::words::Words;
+use crate::leg::LegAtVisit;
+use crate::place::along_mm;
 
 /// Width, and space below the charts, px.
 const WIDTH: f64 = 720.0;

@@ -2,11 +2,6 @@
 
 use std::fmt::Display;
 
-use super::super::words::Words;
-use crate::comparison::{Comparison, PlaceChange};
-use crate::course::Group;
-use crate::place::{Step, along_mm};
-use crate::quantity::Shown;
 use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::picture::figures::plot::{
@@ -14,6 +9,12 @@ use gaiter_record::picture::figures::plot::{
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture};
 use gaiter_record::rounding::number;
+
+use super::super::words::Words;
+use crate::comparison::{Comparison, PlaceChange};
+use crate::course::Group;
+use crate::place::{Step, along_mm};
+use crate::quantity::Shown;
 
 /// Width, px.
 const WIDTH: f64 = 720.0;

@@ -1,16 +1,16 @@
 //! The volumes of both legs over the dates of the visits, with bars of uncertainty, and the phantom's mean
 //! error below them. Lines break where figures mean something else.
 
-use jiff::Timestamp;
-
-use super::super::words::Words;
-use crate::quantity::Quantity;
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
     Frame, LINE, SMALL, Scale, heading, lines, range, words as label,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::number;
+use jiff::Timestamp;
+
+use super::super::words::Words;
+use crate::quantity::Quantity;
 
 /// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 392.0];
