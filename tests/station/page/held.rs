@@ -119,7 +119,7 @@ fn a_preview_that_is_missing_is_made_again_but_not_while_the_station_is_paused()
     booth.wait_for("the preview again", || folder.exists());
     assert_eq!(decide(&site, &json!({"ask": "pause"})).status, 200);
     fs::remove_dir_all(&folder).unwrap();
-    // Whoever makes previews removes those that nobody needs: with the first, what is missing was looked at,
+    // The worker that makes previews removes those that nobody needs: with the first, what is missing was looked at,
     // and before the second it would have been made.
     for other in &others {
         let released = decide(&site, &json!({"ask": "release", "scan": sha256(other)}));

@@ -16,7 +16,7 @@ pub const ERASED: &str = "(erased)";
 pub struct ErasedScan {
     /// The hash of its bytes, 64 hexadecimal digits.
     pub sha256: String,
-    /// It belonged to no one else: it is never taken in again, whoever is named.
+    /// It belonged to no one else: it is never taken in again, no matter who is named.
     pub is_whole: bool,
 }
 

@@ -5,7 +5,7 @@
 //!
 //! It assumes, as the documentation does:
 //!
-//! - A person at the booth names who is there, or nobody. Whoever takes over says so before a scan, and
+//! - A person at the booth names who is there, or nobody. The next operator says so before a scan, and
 //!   says it again where a verb answered that it failed, where the press was seen not to be heard, where
 //!   the station was started again after it could not keep a name, and where a name was said more than
 //!   ten minutes ago.
@@ -13,7 +13,7 @@
 //!   person without a button, which gives up the captures of others, is said only then. A body that is
 //!   given up or scanned again is not exported anew.
 //! - Somebody whose scan came in without a patient, or had to be decided upon by a person, and was refused then,
-//!   is named to be scanned again; so is whoever is scanned again while somebody else's name waits,
+//!   is named to be scanned again; so is a patient who is scanned again while somebody else's name waits,
 //!   or without a button the export of somebody who was named.
 //! - While somebody stands in the booth unnamed who has not been scanned, the desk orders for nobody
 //!   else, but for late orders of patients who were scanned before. Where the configuration says that

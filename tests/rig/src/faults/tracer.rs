@@ -102,7 +102,7 @@ pub fn run(
     mut answer: impl FnMut(&Call) -> Answer,
 ) -> Run {
     use std::os::unix::process::CommandExt;
-    // Whoever traces it also waits for it, with every process it begins.
+    // The tracer also waits for it, with every process it begins.
     #[allow(clippy::zombie_processes)]
     let mut child = command.process_group(0).stdin(Stdio::piped()).spawn().unwrap();
     let root = Pid::from_raw(child.id().cast_signed());

@@ -82,7 +82,7 @@ impl People {
         }
     }
 
-    /// Whoever saw that the station could not keep a name and is started again says it again.
+    /// An operator who saw that the station could not keep a name says it again after the restart.
     fn crash(&mut self) {
         self.booth.crash();
         self.said = self.said.filter(|(said, _)| *said != Said::Unheard);
@@ -117,7 +117,7 @@ impl People {
         let Some(name) = self.booth.chance.pick(&names).cloned() else { return false };
         let Some(ino) = self.booth.folder.inode(&name) else { return false };
         if kind == Kind::Link && self.booth.setup.has_measures {
-            // Whoever rewrites one of two names leaves the measures of the other.
+            // Rewriting one of two names leaves the measures of the other.
             return false;
         }
         let now = self.booth.now_ms;

@@ -13,7 +13,7 @@ pub enum Kind {
     PressEarly,
     /// The next patient steps in.
     NextPatient,
-    /// Whoever stands there is named by card or barcode.
+    /// The person in the booth is named by card or barcode.
     Card,
     /// By a word on the page, or the verb.
     Word,
@@ -31,7 +31,7 @@ pub enum Kind {
     OrderTouched,
     /// A card or an order cannot be read.
     Unread,
-    /// Whoever takes over says that nobody is named.
+    /// The next operator says that nobody is named.
     Nobody,
     /// Somebody who was ordered never comes.
     NoShow,

@@ -16,7 +16,7 @@ const REFUSED: usize = 6;
 /// After so long nobody relies on a name that was said, milliseconds.
 const RELIED_MS: u64 = 600_000;
 
-/// What was said of whoever stands in the booth.
+/// What was said of the person in the booth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Said {
     /// Their name, and the station heard it.
@@ -31,7 +31,7 @@ pub enum Said {
 pub struct People {
     pub booth: Booth,
     pub standing: Option<usize>,
-    /// What was said for the next scan of whoever stands there, and when.
+    /// What was said for the next scan of the person in the booth, and when.
     pub said: Option<(Said, u64)>,
     /// Whose names somebody at the booth believes to be waiting.
     pub waiting: Vec<usize>,
@@ -103,7 +103,7 @@ impl People {
         self.patients
     }
 
-    /// What was said of whoever stands there and still counts.
+    /// What was said of the person in the booth and still counts.
     pub fn said_now(&self) -> Option<Said> {
         let (said, at_ms) = self.said?;
         (self.booth.now_ms < at_ms + RELIED_MS).then_some(said)
@@ -115,7 +115,7 @@ impl People {
     }
 
     /// Without a button: whether a scan nobody was named for has not begun to come, so that its export
-    /// would pass for that of whoever is named now.
+    /// would pass for that of the person who is named now.
     pub fn is_nobodys_awaited(&self) -> bool {
         let bodies = &self.booth.truth.bodies;
         !self.has_button()
@@ -186,7 +186,7 @@ impl People {
         self.said = (!is_of_before).then_some((said, self.booth.now_ms));
     }
 
-    /// A card of whoever stands there cannot be read, or their order.
+    /// The card or the order of the person in the booth cannot be read.
     pub fn misread(&mut self) -> bool {
         let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
         self.booth.tell(|| format!("{}'s card cannot be read", id(patient)));
@@ -195,7 +195,7 @@ impl People {
         true
     }
 
-    /// Whoever takes over says that nobody is named; not while an export comes in. Scans whose exports
+    /// The next operator says that nobody is named; not while an export comes in. Scans whose exports
     /// have not begun are given up with that.
     pub fn nobody(&mut self) -> bool {
         let bodies = &self.booth.truth.bodies;
@@ -234,7 +234,7 @@ impl People {
         bodies.last().is_some_and(|body| Some(body.patient) == self.standing)
     }
 
-    /// Whoever stands there is scanned, once somebody has said who it is, or nobody.
+    /// The person in the booth is scanned, once somebody has said who it is, or nobody.
     pub fn press(&mut self) -> bool {
         let Some(patient) = self.standing else { return false };
         let Some(said) = self.ready() else { return false };
@@ -295,7 +295,7 @@ impl People {
         (0..bodies.len()).any(|at| bodies[at].patient == patient && !self.booth.is_settled(at))
     }
 
-    /// What was said of whoever is scanned now; it is said where it was not.
+    /// What was said of the person who is scanned now; it is said where it was not.
     fn ready(&mut self) -> Option<Said> {
         if let Some(said) = self.said_now() {
             let is_true = said != Said::Nobody || self.waiting.is_empty();

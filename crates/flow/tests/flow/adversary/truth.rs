@@ -141,7 +141,7 @@ impl Booth {
         self.hint();
     }
 
-    /// Every record lies under the name of the one who was scanned, or of whoever a person said.
+    /// Every record lies under the name of the one who was scanned, or of the patient whom a person named.
     pub fn check_records(&mut self) {
         let mut wrong = None;
         for (scan, (content, whose)) in &self.disk.records {

@@ -129,7 +129,7 @@ impl Booth {
         match (journal_fails, next) {
             // The scan is made all the same.
             (true, Stage::Pressed(_)) => captures.missed_press(now),
-            // Whoever names sees that it failed, and says it again; an order does so too.
+            // The person who names sees that it failed, and says it again; an order does so too.
             (true, _) => {
                 captures.unread(now);
                 return Did::Nothing;
