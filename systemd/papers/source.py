@@ -33,9 +33,9 @@ def files(root):
         for place in root.glob(pattern.removeprefix("/")):
             for path in [place, *place.rglob("*")]:
                 within = path.relative_to(root)
-                # They would not run without the fixtures.
-                is_test = within.parts[0] == "crates" and within.parts[2:3] == ("tests",)
-                if path.is_file() and not is_test:
+                # They would not run without the fixtures, and fuzzing leaves builds and inputs behind.
+                is_left_out = within.parts[0] == "crates" and within.parts[2:3] in [("tests",), ("fuzz",)]
+                if path.is_file() and not is_left_out:
                     yield within
 
 
