@@ -9,7 +9,10 @@ use tokio::runtime::Runtime;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::mpsc;
 use tokio::task::spawn_blocking;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
+use tracing_subscriber::{Layer, fmt, registry};
 
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
@@ -18,11 +21,14 @@ use crate::station::runtime::causes::chain;
 use crate::station::{self, Orders, Reload, StationError};
 use crate::store::access::Access;
 
-/// Logs that contain file names stay off in every case, because the names may identify patients.
-const SILENT: &str = "notify=off";
+/// Its log contains file names, which may identify patients: it stays off, whatever the environment says.
+const SILENT: &str = "notify";
+
+/// The environment variable that says what is logged.
+const LOG_FILTER: &str = "RUST_LOG";
 
 /// The log level if the environment sets none.
-const LOG_LEVEL: &str = "info";
+const LOG_LEVEL: LevelFilter = LevelFilter::INFO;
 
 /// Runs the station until SIGTERM or SIGINT.
 pub fn run(args: &RunArgs) -> Exit {
@@ -95,20 +101,25 @@ fn faults(error: &ConfigError) -> String {
     }
 }
 
-/// Log lines go to standard error, where the service manager collects them. `RUST_LOG` sets the filter.
+/// Log lines go to standard error, where the service manager collects them.
 fn log_to_stderr(format: LogFormat) {
-    let chosen = env::var(EnvFilter::DEFAULT_ENV).unwrap_or_else(|_| LOG_LEVEL.to_owned());
-    let filter = EnvFilter::builder().parse_lossy(format!("{chosen},{SILENT}"));
-    let lines = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(io::stderr)
-        .with_ansi(false)
-        .with_target(false);
-    // An existing subscriber stays in place.
-    let _ = match format {
-        LogFormat::Text => lines.try_init(),
-        LogFormat::Json => lines.json().flatten_event(true).try_init(),
+    let chosen = match env::var(LOG_FILTER).map(|text| text.parse::<Targets>()) {
+        Ok(Ok(chosen)) => chosen,
+        Ok(Err(error)) => {
+            complain(format_args!("gaiter: {LOG_FILTER} is not used: {error}"));
+            Targets::new().with_default(LOG_LEVEL)
+        }
+        Err(_) => Targets::new().with_default(LOG_LEVEL),
     };
+    let silent =
+        Targets::new().with_default(LevelFilter::TRACE).with_target(SILENT, LevelFilter::OFF);
+    let lines = fmt::layer().with_writer(io::stderr).with_ansi(false).with_target(false);
+    let lines = match format {
+        LogFormat::Text => lines.boxed(),
+        LogFormat::Json => lines.json().flatten_event(true).boxed(),
+    };
+    // An existing subscriber stays in place.
+    let _ = registry().with(lines).with(chosen).with(silent).try_init();
 }
 
 /// Prints why the station ended, with the whole chain of causes, and returns the exit.
