@@ -22,7 +22,7 @@ use std::process::ExitCode;
 
 use gaiter_cad::step::{self, Schema};
 use gaiter_cad::{FileHeader, Shape};
-use gaiter_spline::{GridDomain, GridMethod, GridSmoothing, Knots, SurfaceFit, fit_grid_by};
+use gaiter_spline::{GridDomain, GridMethod, Knots, SurfaceFit, fit_grid_by};
 use section_table::{Grid, SectionTable};
 
 /// What was asked for on the command line.
@@ -65,8 +65,6 @@ fn run(wanted: &Wanted) -> Result<(), Box<dyn Error>> {
     let method = GridMethod {
         control_points: *control_points,
         knots: Knots::Polished,
-        smoothing: GridSmoothing::None,
-        robust: false,
         marks: [vec![], vec![]],
     };
     let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };

@@ -326,9 +326,4 @@ impl PointVerdict {
     pub fn is_by_hand(&self) -> bool {
         matches!(self.reading, Reading::Given(given) if given.is_by_hand)
     }
-
-    /// Whether it is judged by its value alone, because its uncertainty is unknown.
-    pub fn is_by_value_alone(&self) -> bool {
-        self.margins_mm.is_some() && self.probability.is_none()
-    }
 }

@@ -4,11 +4,12 @@
 
 #![allow(clippy::disallowed_methods, clippy::disallowed_types)]
 
+use std::f64::consts::TAU;
+
 use divan::Bencher;
 use gaiter_spline::{
-    Basis, CloudData, CloudFit, CloudKnots, CloudMethod, FitFault, GridData, GridDomain,
-    GridMethod, GridSmoothing, Knots, Middle, SurfaceFit, fit_cloud, fit_cloud_by, fit_grid,
-    fit_grid_by, mean_chord_parameters,
+    Basis, CloudData, CloudFit, CloudMethod, FitFault, GridData, GridDomain, GridMethod, Knots,
+    SurfaceFit, fit_cloud, fit_grid, fit_grid_by, mean_chord_parameters,
 };
 use nalgebra::Point3;
 use support::chance::Chance;
@@ -58,13 +59,7 @@ fn a_plain_fit_of_a_grid(bencher: Bencher) {
 
 fn by_itself(leg: &Leg, knots: Knots) -> Result<SurfaceFit, FitFault> {
     let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
-    let method = GridMethod {
-        control_points: [30, 24],
-        knots,
-        smoothing: GridSmoothing::None,
-        robust: false,
-        marks: [vec![], vec![]],
-    };
+    let method = GridMethod { control_points: [30, 24], knots, marks: [vec![], vec![]] };
     fit_grid_by(&leg.data(), &domain, &method)
 }
 
@@ -83,42 +78,25 @@ fn c_polished_fit_of_a_grid(bencher: Bencher) {
 /// 100 000 points with noise of 0.5 mm, 2 % of them outliers, and their places around.
 fn scan() -> (Vec<Point3<f64>>, Vec<f64>) {
     let points = cloud::cloud(100_000, Faults { sigma_mm: 0.5, outliers: 0.02 }, 2).points;
-    let around = Middle::of(&points).unwrap_or_else(|fault| stop(&fault)).turns(&points);
+    let turn = |point: &Point3<f64>| {
+        let (cx, cy) = test_leg::center(point.z);
+        (point.y - cy).atan2(point.x - cx) / TAU
+    };
+    let around = points.iter().map(turn).collect();
     (points, around)
 }
 
-#[divan::bench]
-fn e_places_around_of_a_cloud(bencher: Bencher) {
-    let (points, _) = scan();
-    bencher.bench(|| Middle::of(&points).map(|middle| middle.turns(&points)));
+fn fitted(points: &[Point3<f64>], around: &[f64]) -> Result<CloudFit, FitFault> {
+    let along = Basis::uniform_clamped(0.0, test_leg::HEIGHT_MM, 27)?;
+    let rounds = Basis::uniform_periodic(0.0, 1.0, 24)?;
+    fit_cloud(&CloudData { points, around }, along, rounds, &CloudMethod::default())
 }
 
 /// The choice of smoothing and the rounds against outliers included: at most 80 ms on one core.
 #[divan::bench]
-fn f_fit_of_a_cloud(bencher: Bencher) {
+fn d_fit_of_a_cloud(bencher: Bencher) {
     let (points, around) = scan();
-    bencher.bench(|| {
-        let along = Basis::uniform_clamped(0.0, test_leg::HEIGHT_MM, 27);
-        let along = along.unwrap_or_else(|fault| stop(&fault));
-        let rounds = Basis::uniform_periodic(0.0, 1.0, 24).unwrap_or_else(|fault| stop(&fault));
-        let data = CloudData { points: &points, around: &around };
-        fit_cloud(&data, along, rounds, &CloudMethod::default())
-    });
-}
-
-fn cloud_by_itself(points: &[Point3<f64>], around: &[f64]) -> CloudFit {
-    let domain = GridDomain { along: [0.0, test_leg::HEIGHT_MM], around_from: 0.0, period: 1.0 };
-    let marks = [vec![], vec![]];
-    let knots = CloudKnots { control_points: [30, 24], knots: Knots::Polished, marks };
-    let data = CloudData { points, around };
-    let fit = fit_cloud_by(&data, &domain, &knots, &CloudMethod::default());
-    fit.unwrap_or_else(|fault| stop(&fault))
-}
-
-#[divan::bench]
-fn g_polished_fit_of_a_cloud(bencher: Bencher) {
-    let (points, around) = scan();
-    bencher.bench(|| cloud_by_itself(&points, &around));
+    bencher.bench(|| fitted(&points, &around));
 }
 
 /// Places all over the surface.
@@ -130,26 +108,19 @@ fn places() -> Vec<(f64, f64)> {
 
 /// At most 1 ms: 100 ns a point.
 #[divan::bench]
-fn h_ten_thousand_points_one_by_one(bencher: Bencher) {
+fn e_ten_thousand_points_one_by_one(bencher: Bencher) {
     let (points, around) = scan();
-    let (surface, places) = (cloud_by_itself(&points, &around).surface, places());
+    let fit = fitted(&points, &around).unwrap_or_else(|fault| stop(&fault));
+    let (surface, places) = (fit.surface, places());
     bencher.bench(|| places.iter().map(|(u, v)| surface.point(*u, *v).x).sum::<f64>());
 }
 
 /// At most 1 ms: 100 ns a point.
 #[divan::bench]
-fn i_ten_thousand_points_as_a_grid(bencher: Bencher) {
+fn f_ten_thousand_points_as_a_grid(bencher: Bencher) {
     let (points, around) = scan();
-    let surface = cloud_by_itself(&points, &around).surface;
+    let surface = fitted(&points, &around).unwrap_or_else(|fault| stop(&fault)).surface;
     let u: Vec<f64> = (0..100).map(|i| 8.0 * f64::from(i)).collect();
     let v: Vec<f64> = (0..100).map(|j| 0.01 * f64::from(j)).collect();
     bencher.bench(|| surface.grid(&u, &v));
-}
-
-#[divan::bench]
-fn j_nearest_point_from_anywhere(bencher: Bencher) {
-    let (points, around) = scan();
-    let surface = cloud_by_itself(&points, &around).surface;
-    let mut outliers = points.iter().cycle().step_by(977);
-    bencher.bench_local(|| outliers.next().map(|point| surface.closest_from_anywhere(point)));
 }

@@ -45,7 +45,7 @@ pub struct Spline {
 }
 
 /// Residuals with fewer degrees of freedom than this give no information about the data's errors.
-pub(super) const LEAST_FREEDOM: f64 = 0.5;
+const LEAST_FREEDOM: f64 = 0.5;
 
 /// Why data cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

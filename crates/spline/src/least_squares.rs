@@ -5,7 +5,7 @@ use crate::penalty::roughness;
 use crate::solve::{Cholesky, Singular, Skyline};
 
 /// The penalised derivative; with the third, missing data are bridged much as by a quintic.
-pub const PENALISED: usize = 3;
+const PENALISED: usize = 3;
 
 /// Data at fixed positions in terms of a basis, with the factor of BᵀB plus the penalty.
 pub struct LeastSquares {

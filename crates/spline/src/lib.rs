@@ -14,7 +14,6 @@
 //! | [`tensor`] | [`Tensor`]: a function of two variables, fitted to scattered data |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface, downhill from an initial guess |
-//! | `nearest` | the globally nearest point of a surface |
 //! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
 //! | [`tessellate`] | [`Facets`]: triangles that approximate a surface within a tolerance |
 //! | [`grid`] | the surface through a grid of points |
@@ -33,7 +32,6 @@ pub mod grid;
 pub mod knots;
 mod least_squares;
 pub mod measure;
-mod nearest;
 mod normal;
 mod penalty;
 mod robust;
@@ -43,13 +41,11 @@ pub mod tensor;
 pub mod tessellate;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
-pub use cloud::{CloudData, CloudFit, CloudKnots, CloudMethod, CloudSmoothing, Middle};
-pub use cloud::{fit_cloud, fit_cloud_by};
+pub use cloud::{CloudData, CloudFit, CloudMethod, CloudSmoothing, fit_cloud};
 pub use curvature::Curvatures;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
-pub use grid::{GridData, GridMethod, GridSmoothing, SurfaceFit};
-pub use grid::{fit_grid, fit_grid_by, mean_chord_parameters};
+pub use grid::{GridData, GridMethod, SurfaceFit, fit_grid, fit_grid_by, mean_chord_parameters};
 pub use knots::{GridDomain, Knots, KnotsUsed, Undetermined, determines};
 pub use robust::{Robust, robust_fit};
 pub use surface::{Derivatives, Surface, SurfaceFault};

@@ -1,6 +1,6 @@
 //! The surface of a tube: clamped along, periodic around, bicubic with unit weights.
 
-use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 
 use super::basis::{Basis, DEGREE, Row};
 
@@ -128,15 +128,11 @@ impl Surface {
             return Err(SurfaceFault::WrongCount { found, along: rows, around: columns });
         }
         let unusable = |point: &Point3<f64>| !point.iter().all(|value| value.is_finite());
-        match control_points.iter().position(unusable) {
-            Some(i) => Err(SurfaceFault::NotFinite { row: i / columns, column: i % columns }),
-            None => Ok(Surface::with(along, around, control_points)),
+        if let Some(i) = control_points.iter().position(unusable) {
+            return Err(SurfaceFault::NotFinite { row: i / columns, column: i % columns });
         }
-    }
-
-    fn with(along: Basis, around: Basis, control_points: Vec<Point3<f64>>) -> Surface {
         let lanes = control_points.iter().map(|point| [point.x, point.y, point.z, 0.0]).collect();
-        Surface { along, around, control_points, lanes }
+        Ok(Surface { along, around, control_points, lanes })
     }
 
     /// The clamped basis of u.
@@ -216,12 +212,6 @@ impl Surface {
     /// `None` if the surface has no tangent plane.
     pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
         self.derivatives(u, v).normal()
-    }
-
-    /// The surface after a rigid motion; parameters stay the same.
-    pub fn transformed(&self, isometry: &Isometry3<f64>) -> Surface {
-        let control_points = self.control_points.iter().map(|point| isometry * point).collect();
-        Surface::with(self.along.clone(), self.around.clone(), control_points)
     }
 
     /// The same surface with clamped knots around, for CAD: the knot vector around and the control

@@ -1,6 +1,7 @@
 //! What the tests of every crate share: bodies, solids and strips, noise, writers of scan files, readers of
 //! what gaiter writes.
 
+pub mod cases;
 pub mod chance;
 pub mod cloud;
 pub mod gdt_check;

@@ -6,7 +6,7 @@ mod section_table;
 
 use gaiter_cad::step::{self, Schema};
 use gaiter_cad::{FileHeader, Shape};
-use gaiter_spline::{GridDomain, GridMethod, GridSmoothing, Knots, fit_grid_by};
+use gaiter_spline::{GridDomain, GridMethod, Knots, fit_grid_by};
 use section_table::{SectionTable, TableFault};
 use support::metric::true_error;
 use support::test_leg;
@@ -26,13 +26,8 @@ fn the_shipped_sections_are_the_test_leg() {
 #[test]
 fn the_shipped_sections_become_a_surface_and_a_file() {
     let grid = SectionTable::parse(TABLE).unwrap().grid().unwrap();
-    let method = GridMethod {
-        control_points: [30, 24],
-        knots: Knots::Polished,
-        smoothing: GridSmoothing::None,
-        robust: false,
-        marks: [vec![], vec![]],
-    };
+    let method =
+        GridMethod { control_points: [30, 24], knots: Knots::Polished, marks: [vec![], vec![]] };
     let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
     let fit = fit_grid_by(&grid.data(), &domain, &method).unwrap();
     let [_, _, largest, percent] = true_error(&fit.surface);

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use gaiter_spline::{
-    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
-    KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid, fit_grid_by,
+    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, KnotsUsed, Surface,
+    SurfaceFit, fit_cloud, fit_grid, fit_grid_by,
 };
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -217,9 +217,6 @@ fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface
     let method = GridMethod {
         control_points: method.control_points.unwrap_or([rows.min(most), COLUMNS]),
         knots: method.knots,
-        // The sections are already smooth and free of outliers.
-        smoothing: GridSmoothing::None,
-        robust: false,
         marks: [levels.to_vec(), Vec::new()],
     };
     let domain = GridDomain { along: [low, high], around_from: -PI, period: TAU };

@@ -160,13 +160,17 @@ fn every_unit_gives_the_same_figures() {
     let is_same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs() + 1.01e-3;
     let units = [(Unit::Mm, 1.0), (Unit::Cm, 10.0), (Unit::In, 25.4), (Unit::M, 1000.0)];
     for (unit, in_mm) in units {
-        let found = measured(&moved(|p| p / in_mm));
-        assert!(found.body.unit == unit && found.body.unit_inferred);
-        assert!(is_same(stature_mm(&found), stature_mm(&PLAIN)), "{unit:?}");
-        for (a, b) in figures(&found).iter().zip(&figures(&PLAIN)) {
-            assert_eq!((a.0, a.1), (b.0, b.1));
-            let all_same = a.2.iter().zip(b.2).all(|(a, b)| is_same(*a, b));
-            assert!(all_same, "{unit:?}: {a:?} for {b:?}");
+        for choice in [UnitChoice::Auto, UnitChoice::Declared(unit)] {
+            let method = Method { unit: choice, ..Method::default() };
+            let found = measured_by(&moved(|p| p / in_mm), &method);
+            assert_eq!(found.body.unit, unit);
+            assert_eq!(found.body.unit_inferred, choice == UnitChoice::Auto);
+            assert!(is_same(stature_mm(&found), stature_mm(&PLAIN)), "{unit:?}");
+            for (a, b) in figures(&found).iter().zip(&figures(&PLAIN)) {
+                assert_eq!((a.0, a.1), (b.0, b.1));
+                let all_same = a.2.iter().zip(b.2).all(|(a, b)| is_same(*a, b));
+                assert!(all_same, "{unit:?}: {a:?} for {b:?}");
+            }
         }
     }
 }

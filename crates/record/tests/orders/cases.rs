@@ -12,21 +12,9 @@ use std::path::{Path, PathBuf};
 
 use gaiter_record::order::{Order, OrderRef, mapped, mapped_name};
 use gaiter_sizes::mapping::parse;
+use support::cases;
 
 use super::{ID, RECORD, SCANNED, garment, order};
-
-fn cases() -> Vec<PathBuf> {
-    let root = support::root();
-    let mut cases: Vec<PathBuf> = ["fixtures/cases/orders", "config/orders"]
-        .into_iter()
-        .flat_map(|folder| fs::read_dir(root.join(folder)).unwrap())
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
-        .collect();
-    cases.sort();
-    assert!(cases.len() > 15, "only {} cases", cases.len());
-    cases
-}
 
 /// The expected file: beside a case, and for the shipped examples among the cases.
 fn expected(case: &Path) -> PathBuf {
@@ -73,18 +61,6 @@ fn said(case: &Path) -> String {
 
 #[test]
 fn every_mapping_makes_the_expected_file_or_is_told_its_faults() {
-    let renew = std::env::var_os("GAITER_RENEW").is_some();
-    let mut wrong = String::new();
-    for case in cases() {
-        let (said, beside) = (said(&case), expected(&case));
-        if renew {
-            fs::write(&beside, &said).unwrap();
-        }
-        let expected = fs::read_to_string(&beside).unwrap_or_default();
-        if said != expected {
-            let name = case.file_name().unwrap().display();
-            wrong += &format!("--- {name}: expected\n{expected}--- {name}: said\n{said}");
-        }
-    }
-    assert!(wrong.is_empty(), "\n{wrong}");
+    let cases = cases::with_ending(&["fixtures/cases/orders", "config/orders"], "toml", 16);
+    cases::are_as_expected(cases.iter().map(|case| (expected(case), said(case))));
 }

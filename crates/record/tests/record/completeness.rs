@@ -6,18 +6,16 @@
 use std::sync::LazyLock;
 
 use gaiter_language::Language;
-use gaiter_leg::Method;
 use gaiter_record::Record;
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::measure::amendment::{Amendment, Deed};
 use gaiter_record::schema::FindingNote;
 use gaiter_sizes::Garment;
-use support::recorded::export;
-use support::records::record_of;
+use support::records::measured;
 
 /// A body of which every level was found, without findings.
 static RECORD: LazyLock<Record> = LazyLock::new(|| {
-    let mut record = record_of(&export("f_average_clean"), &Method::default()).1;
+    let mut record = measured("f_average_clean").1.clone();
     record.findings.clear();
     for leg in &mut record.legs {
         leg.landmarks.values_mut().for_each(|found| found.doubts.clear());

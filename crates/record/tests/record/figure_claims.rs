@@ -3,24 +3,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::sync::LazyLock;
-
 use gaiter_language::Language;
-use gaiter_leg::{Method, Side};
+use gaiter_leg::Side;
 use gaiter_record::Record;
 use gaiter_record::picture::figures::{Figure, all};
 use gaiter_record::picture::{Ink, Mark};
-use support::recorded::export;
-use support::records::record_of;
+use support::records::{bodies, measured};
 
-static BODIES: LazyLock<Vec<(&str, Record)>> = LazyLock::new(|| {
-    let names = ["f_average_clean", "f_average_tc2", "m_average_clean"];
-    names.map(|name| (name, record_of(&export(name), &Method::default()).1)).into()
-});
-
-fn figure(record: &Record, name: &str) -> Figure {
-    all(record, Language::En).into_iter().find(|figure| figure.name == name).unwrap()
-}
+use crate::figures::figure;
 
 fn words_of(figure: &Figure) -> Vec<&str> {
     let words = figure.picture.marks.iter().filter_map(|mark| match mark {
@@ -33,7 +23,7 @@ fn words_of(figure: &Figure) -> Vec<&str> {
 /// A record whose left leg has these girths more than the right one, from the floor up, mm, each with a
 /// standard error of 2 mm.
 fn differing(by_mm: &[f64]) -> Record {
-    let mut record = BODIES[0].1.clone();
+    let mut record = measured("f_average_clean").1.clone();
     for leg in &mut record.legs {
         let is_left = leg.side == "left";
         leg.profile.truncate(by_mm.len());
@@ -117,7 +107,7 @@ fn at_angle(row: &[f64], angle_deg: f64) -> f64 {
 #[test]
 fn a_feature_point_is_drawn_where_the_curvature_turns_and_a_peak_bulges_more_than_its_neighbours() {
     let mut seen = 0;
-    for (body, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         let drawn = figure(record, "sections");
         let dots: Vec<([f64; 2], bool)> = drawn
             .picture
@@ -167,8 +157,7 @@ fn a_feature_point_is_drawn_where_the_curvature_turns_and_a_peak_bulges_more_tha
 
 #[test]
 fn a_feature_point_is_drawn_on_its_section_where_the_record_has_it() {
-    let (_, record) = &BODIES[0];
-    let mut record = record.clone();
+    let mut record = measured("f_average_clean").1.clone();
     for feature in record.legs.iter_mut().flat_map(|leg| &mut leg.features) {
         // Half-way up a flank: no drawing may look for the extreme by itself.
         feature.angle_deg = (feature.angle_deg + 20.0 + 180.0).rem_euclid(360.0) - 180.0;
@@ -225,7 +214,7 @@ fn distance(line: &[[f64; 2]], [x, y]: [f64; 2]) -> (usize, f64) {
 
 #[test]
 fn the_sign_of_an_error_is_told_without_colour_and_what_was_not_seen_has_a_net() {
-    let (_, record) = &BODIES[1];
+    let record = &measured("f_average_tc2").1;
     let errors = record
         .legs
         .iter()
@@ -264,7 +253,7 @@ fn the_sign_of_an_error_is_told_without_colour_and_what_was_not_seen_has_a_net()
 
 #[test]
 fn no_mark_crosses_the_place_where_a_narrow_screen_cuts_a_figure() {
-    for (body, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         for language in Language::ALL {
             let figures = all(record, language);
             assert!(figures.iter().filter(|of| !of.picture.cuts.is_empty()).count() >= 5, "{body}");
@@ -288,7 +277,7 @@ fn no_mark_crosses_the_place_where_a_narrow_screen_cuts_a_figure() {
 
 #[test]
 fn the_front_view_tells_the_girth_of_every_section_that_it_shows() {
-    for (body, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         let drawn = figure(record, "views");
         let words = words_of(&drawn);
         for leg in &record.legs {

@@ -3,42 +3,17 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::sync::LazyLock;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gaiter_language::Language;
-use gaiter_leg::{Extraction, Method, Side};
-use gaiter_record::Record;
-use gaiter_record::picture::figures::{Figure, all};
+use gaiter_leg::Side;
 use gaiter_record::picture::{Ink, Mark};
-use support::recorded::export;
-use support::records::record_of;
+use support::records::{bodies, measured};
 
-static BODIES: LazyLock<Vec<(&str, Extraction, Record)>> = LazyLock::new(|| {
-    let names = ["f_average_clean", "f_average_tc2", "m_average_clean"];
-    let measured = names.map(|name| {
-        let (extraction, record) = record_of(&export(name), &Method::default());
-        (name, extraction, record)
-    });
-    measured.into()
-});
-
-fn figure(record: &Record, name: &str) -> Figure {
-    all(record, Language::En).into_iter().find(|figure| figure.name == name).unwrap()
-}
-
-fn words_of(figure: &Figure) -> Vec<([f64; 2], &str)> {
-    let words = figure.picture.marks.iter().filter_map(|mark| match mark {
-        Mark::Words { at, words, .. } => Some((*at, words.as_str())),
-        _ => None,
-    });
-    words.collect()
-}
+use crate::figures::{figure, words_of};
 
 #[test]
 fn a_section_has_its_front_up_and_its_lateral_side_outward() {
-    for (body, _, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         let figure = figure(record, "sections");
         let outlines = figure.picture.marks.iter().filter_map(|mark| match mark {
             Mark::Lines { lines, fill: Some(Ink::Skin), stroke: Some(stroke), .. } => {
@@ -60,7 +35,7 @@ fn a_section_has_its_front_up_and_its_lateral_side_outward() {
 #[test]
 fn directions_are_named_where_they_are() {
     let row = |name: &str| {
-        let figure = figure(&BODIES[0].2, name);
+        let figure = figure(&measured("f_average_clean").1, name);
         let is_side = |word: &str| ["inner", "outer"].contains(&word);
         let words = words_of(&figure).into_iter().filter(|(_, word)| is_side(word));
         let mut words: Vec<([f64; 2], String)> =
@@ -79,7 +54,7 @@ fn directions_are_named_where_they_are() {
 
 #[test]
 fn the_scan_s_points_lie_on_the_curve_that_was_fitted_to_them() {
-    for (body, _, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         let marks = figure(record, "fit").picture.marks;
         let mut seen = 0;
         for pair in marks.windows(2) {
@@ -109,7 +84,7 @@ fn packed(rows: usize, row: &[i16]) -> String {
 
 #[test]
 fn what_lies_outside_on_the_lateral_side_is_drawn_there_in_the_colour_that_the_scale_gives_it() {
-    let mut record = serde_json::to_value(&BODIES[0].2).unwrap();
+    let mut record = serde_json::to_value(&measured("f_average_clean").1).unwrap();
     for leg in record["legs"].as_array_mut().unwrap() {
         let surface = &mut leg["shape"]["surface"];
         let [rows, columns] =
@@ -144,7 +119,7 @@ fn what_lies_outside_on_the_lateral_side_is_drawn_there_in_the_colour_that_the_s
 
 #[test]
 fn a_record_tells_the_map_as_it_was_found_and_each_place_of_a_grid_on_its_side() {
-    for (body, extraction, record) in BODIES.iter() {
+    for (body, extraction, record) in bodies() {
         for (leg, figures) in extraction.legs.iter().zip(&record.legs) {
             let shape = figures.shape.as_ref().unwrap();
             let told = shape.surface.as_ref().unwrap();
@@ -179,7 +154,7 @@ fn a_record_tells_the_map_as_it_was_found_and_each_place_of_a_grid_on_its_side()
 
 #[test]
 fn a_feature_on_the_front_is_not_seen_from_the_back() {
-    let mut record = BODIES[0].2.clone();
+    let mut record = measured("f_average_clean").1.clone();
     for leg in &mut record.legs {
         for feature in &mut leg.features {
             let section = leg.sections.iter().find(|at| at.level == feature.level).unwrap();
@@ -207,7 +182,7 @@ fn a_feature_on_the_front_is_not_seen_from_the_back() {
 
 #[test]
 fn every_curve_mark_and_girth_of_the_chart_is_of_its_own_leg_and_estimates_are_marked() {
-    let mut record = BODIES[0].2.clone();
+    let mut record = measured("f_average_clean").1.clone();
     // The left leg is thicker everywhere, and grows faster.
     for leg in record.legs.iter_mut().filter(|leg| leg.side == "left") {
         leg.girth_curve.tape_mm.iter_mut().flatten().for_each(|mm| *mm += 200.0);

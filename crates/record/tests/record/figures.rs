@@ -9,31 +9,24 @@ use std::sync::LazyLock;
 use std::{env, fs};
 
 use gaiter_language::Language;
-use gaiter_leg::{Extraction, Method, Side};
+use gaiter_leg::method::Up;
+use gaiter_leg::{Method, Side};
 use gaiter_record::Record;
 use gaiter_record::picture::figures::{Figure, all};
 use gaiter_record::picture::{Anchor, Ink, Mark};
-use support::recorded::export;
-use support::records::record_of;
+use support::records::{bodies, measured, record_of};
 
-static BODIES: LazyLock<Vec<(String, Extraction, Record)>> = LazyLock::new(|| {
-    let names = ["f_average_clean", "f_average_tc2", "m_average_clean"];
-    let mut scans: Vec<(String, Vec<u8>)> =
-        names.map(|name| (name.to_owned(), export(name))).into();
-    if let Some(folder) = env::var_os("GAITER_SCANS") {
-        let mut paths: Vec<PathBuf> =
-            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-        paths.retain(|path| path.extension().is_some_and(|ending| ending == "obj"));
-        scans
-            .extend(paths.iter().map(|path| (path.display().to_string(), fs::read(path).unwrap())));
-    }
-    let method = |name: &str| Method {
-        up: if name.contains("zup") { gaiter_leg::method::Up::Z } else { Method::default().up },
-        ..Method::default()
-    };
-    let measured = scans.into_iter().map(|(name, bytes)| {
-        let (extraction, record) = record_of(&bytes, &method(&name));
-        (name, extraction, record)
+/// The records of the folder `GAITER_SCANS`.
+static OTHERS: LazyLock<Vec<(String, Record)>> = LazyLock::new(|| {
+    let Some(folder) = env::var_os("GAITER_SCANS") else { return Vec::new() };
+    let mut paths: Vec<PathBuf> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|ending| ending == "obj"));
+    let measured = paths.iter().map(|path| {
+        let name = path.display().to_string();
+        let up = if name.contains("zup") { Up::Z } else { Method::default().up };
+        let record = record_of(&fs::read(path).unwrap(), &Method { up, ..Method::default() }).1;
+        (name, record)
     });
     measured.collect()
 });
@@ -57,9 +50,11 @@ fn place(mark: &Mark) -> Option<([f64; 4], &str)> {
 }
 
 fn figures() -> impl Iterator<Item = (&'static str, Language, Figure)> {
-    BODIES.iter().flat_map(|(name, _, record)| {
+    let recorded = bodies().map(|(name, _, record)| (name, record));
+    let others = OTHERS.iter().map(|(name, record)| (name.as_str(), record));
+    recorded.chain(others).flat_map(|(name, record)| {
         let of = move |language| all(record, language).into_iter().map(move |f| (language, f));
-        LANGUAGES.into_iter().flat_map(of).map(move |(language, f)| (name.as_str(), language, f))
+        LANGUAGES.into_iter().flat_map(of).map(move |(language, f)| (name, language, f))
     })
 }
 
@@ -158,11 +153,11 @@ fn nothing_is_drawn_outside_a_figure() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-fn figure(record: &Record, name: &str) -> Figure {
+pub fn figure(record: &Record, name: &str) -> Figure {
     all(record, Language::En).into_iter().find(|figure| figure.name == name).unwrap()
 }
 
-fn words_of(figure: &Figure) -> Vec<([f64; 2], &str)> {
+pub fn words_of(figure: &Figure) -> Vec<([f64; 2], &str)> {
     let words = figure.picture.marks.iter().filter_map(|mark| match mark {
         Mark::Words { at, words, .. } => Some((*at, words.as_str())),
         _ => None,
@@ -172,7 +167,7 @@ fn words_of(figure: &Figure) -> Vec<([f64; 2], &str)> {
 
 #[test]
 fn from_the_front_and_in_every_pair_the_patients_right_leg_is_on_the_left() {
-    for (body, _, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         for name in ["views", "sections", "fit", "error"] {
             let figure = figure(record, name);
             let words = words_of(&figure);
@@ -189,7 +184,7 @@ fn from_the_front_and_in_every_pair_the_patients_right_leg_is_on_the_left() {
 
 #[test]
 fn the_chart_names_every_level_across_the_leg_with_the_girth_of_the_record() {
-    for (body, _, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         let figure = figure(record, "girths");
         let words = words_of(&figure);
         for leg in &record.legs {
@@ -231,7 +226,7 @@ fn no_curve_runs_through_the_girths_of_the_feet() {
 
 #[test]
 fn every_feature_point_of_the_papers_levels_has_its_name_on_its_section_and_on_its_curvature() {
-    for (body, _, record) in BODIES.iter() {
+    for (body, _, record) in bodies() {
         let figure = figure(record, "sections");
         let names = words_of(&figure).into_iter().filter(|(_, word)| word.starts_with('P')).count();
         let is_drawn = |level: &str| ["B", "B1", "C", "D"].contains(&level);
@@ -243,7 +238,7 @@ fn every_feature_point_of_the_papers_levels_has_its_name_on_its_section_and_on_i
 
 #[test]
 fn the_map_of_the_error_agrees_with_the_error_of_the_points() {
-    for (body, extraction, record) in BODIES.iter() {
+    for (body, extraction, record) in bodies() {
         for (leg, figures) in extraction.legs.iter().zip(&record.legs) {
             let surface = leg.surface.as_ref().unwrap();
             let told = figures.shape.as_ref().unwrap().surface.as_ref().unwrap();
@@ -261,7 +256,7 @@ fn the_map_of_the_error_agrees_with_the_error_of_the_points() {
 
 #[test]
 fn a_record_without_shapes_still_has_its_chart_and_nothing_that_it_has_no_data_for() {
-    let mut record = BODIES[0].2.clone();
+    let mut record = measured("f_average_clean").1.clone();
     for leg in &mut record.legs {
         (leg.shape, leg.axis) = (None, None);
         leg.sections.iter_mut().for_each(|section| section.outline = None);
@@ -275,7 +270,7 @@ fn a_record_without_shapes_still_has_its_chart_and_nothing_that_it_has_no_data_f
 
 #[test]
 fn a_lone_leg_is_drawn_alone_and_the_other_is_said_not_to_be_there() {
-    let mut record = BODIES[0].2.clone();
+    let mut record = measured("f_average_clean").1.clone();
     record.legs.retain(|leg| leg.side == "left");
     let count = |figure: &Figure, word: &str| {
         words_of(figure).into_iter().filter(|(_, found)| *found == word).count()

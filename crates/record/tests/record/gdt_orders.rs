@@ -5,24 +5,11 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs;
-use std::path::PathBuf;
 
 use gaiter_record::gdt::order::{ORDER_MOST, read};
 use gaiter_record::gdt::{Charset, Order, OrderFault, message};
 use proptest::prelude::*;
-
-/// Fewer files than this, and the folder was not found.
-const CASES_MIN: usize = 25;
-
-fn cases() -> Vec<PathBuf> {
-    let root = support::root().join("fixtures/cases/gdt");
-    let paths = fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path());
-    let is_order = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "gdt");
-    let mut found: Vec<PathBuf> = paths.filter(is_order).collect();
-    found.sort();
-    assert!(found.len() >= CASES_MIN, "only {} cases were found", found.len());
-    found
-}
+use support::cases;
 
 fn told(read: Result<Order, OrderFault>) -> String {
     match read {
@@ -36,22 +23,17 @@ fn told(read: Result<Order, OrderFault>) -> String {
 
 #[test]
 fn every_order_is_read_or_refused_as_it_is_written_beside_it() {
-    let renew = std::env::var_os("GAITER_RENEW").is_some();
-    for path in cases() {
-        let bytes = fs::read(&path).unwrap();
+    let cases = cases::with_ending(&["fixtures/cases/gdt"], "gdt", 25);
+    cases::are_as_expected(cases.iter().map(|path| {
+        let bytes = fs::read(path).unwrap();
         let of = |lenient: bool| told(read(&bytes, Charset::Cp1252, lenient));
         let told = format!("strict:  {}\nlenient: {}\n", of(false), of(true));
         // Names are planted in all of them; none may come out, whatever is wrong.
         for name in ["Mü", "ßig", "Jürgen", "1960"] {
             assert!(!told.contains(name), "{}: {told}", path.display());
         }
-        let expected = path.with_extension("gdt.expected");
-        if renew {
-            fs::write(expected, told).unwrap();
-        } else {
-            assert_eq!(told, fs::read_to_string(&expected).unwrap(), "{}", path.display());
-        }
-    }
+        (path.with_extension("gdt.expected"), told)
+    }));
 }
 
 #[test]

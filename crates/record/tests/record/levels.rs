@@ -10,12 +10,11 @@ use gaiter_leg::{Extraction, Level, Method};
 use gaiter_record::{Provenance, Record, ReportChoice, ScanFile, record_files, sha256};
 use gaiter_scan::Format;
 use support::recorded::export;
-use support::records::record_of;
+use support::records::{measured, record_of};
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| export("f_average_clean"));
 
-static MEASURED: LazyLock<(Extraction, Record)> =
-    LazyLock::new(|| record_of(&BYTES, &Method::default()));
+static MEASURED: LazyLock<&(Extraction, Record)> = LazyLock::new(|| measured("f_average_clean"));
 
 /// A text file of the record folder.
 fn file(extraction: &Extraction, name: &str) -> String {

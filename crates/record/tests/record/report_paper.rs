@@ -8,16 +8,13 @@ use std::io::Read;
 use std::sync::LazyLock;
 
 use gaiter_language::Language;
-use gaiter_leg::Method;
 use gaiter_record::picture::figures;
 use gaiter_record::report::{self, Content, Print};
 use gaiter_record::{Patient, Record, Source, SourceKind};
 use gaiter_sizes::Garment;
-use support::recorded::export;
-use support::records::record_of;
+use support::records::measured;
 
-static RECORD: LazyLock<Record> =
-    LazyLock::new(|| record_of(&export("f_average_clean"), &Method::default()).1);
+static RECORD: LazyLock<&Record> = LazyLock::new(|| &measured("f_average_clean").1);
 
 const LANGUAGES: [Language; 2] = [Language::En, Language::De];
 

@@ -4,7 +4,7 @@
 
 use std::sync::LazyLock;
 
-use gaiter_leg::{Level, Method, Side};
+use gaiter_leg::{Level, Side};
 use gaiter_record::Record;
 use gaiter_record::measure::amendment::{Amendment, Deed};
 use gaiter_record::sizing::calibre::{Stretch, stretches};
@@ -14,12 +14,12 @@ use gaiter_sizes::verdict::{Fit, Given, NotComparable, NotGiven, Reading};
 use gaiter_sizes::{Garment, Point, parse};
 use jiff::civil::date;
 use serde_json::Value;
-use support::recorded::{export, truth};
-use support::records::record_of;
+use support::recorded::truth;
+use support::records;
 
 /// A body of which every level was found, without findings.
 pub static RECORD: LazyLock<Record> = LazyLock::new(|| {
-    let mut record = record_of(&export("m_average_clean"), &Method::default()).1;
+    let mut record = records::measured("m_average_clean").1.clone();
     record.findings.clear();
     for leg in &mut record.legs {
         leg.landmarks.values_mut().for_each(|found| found.doubts.clear());

@@ -5,16 +5,13 @@
 use std::sync::LazyLock;
 
 use gaiter_language::Language;
-use gaiter_leg::Method;
 use gaiter_record::Record;
 use gaiter_record::report::{self, Content, Paper};
 use gaiter_sizes::Garment;
 use support::page::words;
-use support::recorded::export;
-use support::records::record_of;
+use support::records::measured;
 
-static RECORD: LazyLock<Record> =
-    LazyLock::new(|| record_of(&export("f_average_clean"), &Method::default()).1);
+static RECORD: LazyLock<&Record> = LazyLock::new(|| &measured("f_average_clean").1);
 
 /// The record with these changes of the girth per degree at the right leg, mm, and none elsewhere.
 fn record(per_deg_mm: &[(&str, f64)]) -> Record {

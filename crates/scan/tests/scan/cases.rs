@@ -9,6 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gaiter_scan::{Format, Scan, ScanFault, completeness, lacks_line_end_only, read};
+use support::cases::are_as_expected;
 
 /// Fewer files than this, and the folder was not found.
 const CASES_MIN: usize = 80;
@@ -45,18 +46,12 @@ fn told(found: &Result<Scan, ScanFault>) -> String {
 
 #[test]
 fn every_file_is_read_or_refused_as_it_is_written_beside_it() {
-    let renew = std::env::var_os("GAITER_RENEW").is_some();
-    for path in cases() {
-        let bytes = fs::read(&path).unwrap();
+    are_as_expected(cases().iter().map(|path| {
+        let bytes = fs::read(path).unwrap();
         let name = path.file_name().unwrap().to_str().unwrap();
         let told = told(&read(&bytes, Format::of_file_name(name).unwrap()));
-        let expected = path.with_file_name(format!("{name}.expected"));
-        if renew {
-            fs::write(expected, told).unwrap();
-        } else {
-            assert_eq!(told, fs::read_to_string(&expected).unwrap(), "{}", path.display());
-        }
-    }
+        (path.with_file_name(format!("{name}.expected")), told)
+    }));
 }
 
 #[test]

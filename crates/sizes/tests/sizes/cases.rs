@@ -6,22 +6,13 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gaiter_sizes::check::{Remark, remarks};
 use gaiter_sizes::garment::FormBox;
 use gaiter_sizes::{Garment, parse};
 use jiff::civil::date;
-
-fn cases() -> Vec<PathBuf> {
-    let folder = support::root().join("fixtures/cases/sizes");
-    let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut cases: Vec<PathBuf> =
-        paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
-    cases.sort();
-    assert!(cases.len() > 10, "only {} cases", cases.len());
-    cases
-}
+use support::cases;
 
 /// The faults of a table or garment, or the remarks on it on a day of 2026.
 fn said(case: &Path) -> String {
@@ -49,18 +40,6 @@ fn said(case: &Path) -> String {
 
 #[test]
 fn every_case_is_told_exactly_as_expected() {
-    let renew = std::env::var_os("GAITER_RENEW").is_some();
-    let mut wrong = String::new();
-    for case in cases() {
-        let (said, beside) = (said(&case), case.with_extension("expected"));
-        if renew {
-            fs::write(&beside, &said).unwrap();
-        }
-        let expected = fs::read_to_string(&beside).unwrap_or_default();
-        if said != expected {
-            let name = case.file_name().unwrap().display();
-            wrong += &format!("--- {name}: expected\n{expected}--- {name}: said\n{said}");
-        }
-    }
-    assert!(wrong.is_empty(), "\n{wrong}");
+    let cases = cases::with_ending(&["fixtures/cases/sizes"], "toml", 11);
+    cases::are_as_expected(cases.iter().map(|case| (case.with_extension("expected"), said(case))));
 }

@@ -174,7 +174,7 @@ fn without_an_uncertainty_the_value_alone_decides_and_it_is_said() {
         let of = of.unwrap();
         let one = size(&of, "I", None);
         assert_eq!(one.fit, fit, "{mm}");
-        assert!(one.points[0].probability.is_none() && one.points[0].is_by_value_alone());
+        assert!(one.points[0].probability.is_none() && one.points[0].margins_mm.is_some());
     }
 }
 

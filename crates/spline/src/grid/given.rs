@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use crate::basis::Basis;
-use crate::fit::{FitFault, LEAST_FREEDOM, check_places};
+use crate::fit::{FitFault, check_places};
 use crate::knots::choice::KnotsUsed;
 use crate::knots::profiles::Profiles;
 use crate::least_squares::LeastSquares;
@@ -55,18 +55,6 @@ pub struct SurfaceFit {
     /// Ranges along and around without data that were bridged, each from the last position before
     /// it to the first one after it: the surface is a guess there.
     pub gaps: [Vec<[f64; 2]>; 2],
-    /// The smoothing along and around, including the ridge of 1e-12: at 1 the penalty on the third
-    /// derivative has the same trace as the data.
-    pub lambdas: [f64; 2],
-    /// Effective degrees of freedom, at most the number of control points.
-    pub edf: f64,
-    /// Standard deviation of a point, all coordinates together, √(Σ r² / (m − edf)), mm. Infinite
-    /// if the data leave less than half a degree of freedom. Without smoothing it includes, besides
-    /// the noise, the details that the surface cannot follow.
-    pub sigma_mm: f64,
-    /// Indices of the points that a robust fit left out, ascending; they count in `rms_mm` and
-    /// `max_mm`, but not in `sigma_mm`.
-    pub outliers: Vec<usize>,
 }
 
 /// The tensor-product least-squares surface C = (AᵀA + ridge)⁻¹ Aᵀ P B (BᵀB + ridge)⁻¹.
@@ -84,20 +72,15 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check(data)?;
     check_places(&along, data.along, data.along)?;
     check_places(&around, data.around, data.around)?;
-    let solver = solver(data, [&along, &around], [RIDGE; 2])?;
+    let solver = solver(data, [&along, &around])?;
     let surface = surface(&solver, data.points, along, around)?;
-    let edf = surface.control_points().len().min(data.points.len()) as f64;
-    Ok(judged(surface, data, &solver, [RIDGE; 2], edf, Vec::new()))
+    Ok(judged(surface, data, &solver))
 }
 
 /// The equations along and around.
-pub fn solver(
-    data: &GridData,
-    bases: [&Basis; 2],
-    lambdas: [f64; 2],
-) -> Result<[LeastSquares; 2], Singular> {
-    let along = LeastSquares::new(bases[0], data.along, lambdas[0])?;
-    Ok([along, LeastSquares::new(bases[1], data.around, lambdas[1])?])
+pub fn solver(data: &GridData, bases: [&Basis; 2]) -> Result<[LeastSquares; 2], Singular> {
+    let along = LeastSquares::new(bases[0], data.along, RIDGE)?;
+    Ok([along, LeastSquares::new(bases[1], data.around, RIDGE)?])
 }
 
 /// The surface of the points, using the equations along and around.
@@ -115,22 +98,12 @@ pub fn surface(
     Surface::new(basis_along, basis_around, control)
 }
 
-/// The statistics of a surface fit for the data; the outliers do not count in sigma.
-pub fn judged(
-    surface: Surface,
-    data: &GridData,
-    solver: &[LeastSquares; 2],
-    lambdas: [f64; 2],
-    edf: f64,
-    outliers: Vec<usize>,
-) -> SurfaceFit {
+/// The statistics of a surface fit for the data.
+pub fn judged(surface: Surface, data: &GridData, solver: &[LeastSquares; 2]) -> SurfaceFit {
     let fitted = surface.grid(data.along, data.around);
     let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
     let squares: Vec<f64> = squares.collect();
     let (count, sum) = (squares.len() as f64, squares.iter().sum::<f64>());
-    let freedom = count - outliers.len() as f64 - edf;
-    let far: f64 = outliers.iter().map(|index| squares[*index]).sum();
-    let known = freedom > LEAST_FREEDOM;
     SurfaceFit {
         surface,
         rms_mm: (sum / count).sqrt(),
@@ -139,10 +112,6 @@ pub fn judged(
         knots: [KnotsUsed::Given; 2],
         marks_missed: [Vec::new(), Vec::new()],
         gaps: [Vec::new(), Vec::new()],
-        lambdas,
-        edf,
-        sigma_mm: if known { ((sum - far) / freedom).sqrt() } else { f64::INFINITY },
-        outliers,
     }
 }
 

@@ -25,7 +25,7 @@ const SMOOTHING: [(isize, f64); 5] =
 const FINE_LAMBDA: f64 = 1e-9;
 
 /// The equal spans of the fine fit for this number of positions.
-pub fn fine(places: usize, domain: &Domain) -> Vec<f64> {
+fn fine(places: usize, domain: &Domain) -> Vec<f64> {
     let spans = (FINE_SHARE * places as f64) as usize;
     domain.equal(spans.clamp(4, FINE_MOST))
 }

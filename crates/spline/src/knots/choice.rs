@@ -60,12 +60,12 @@ const BRIDGED: usize = 3;
 /// Number of steps in which breakpoints are shifted towards the data until each function has some.
 const WIDENINGS: usize = 8;
 
-/// The basis of equal spans, without marks.
+/// Refuses gaps that cannot be bridged.
 ///
 /// # Errors
-/// [`FitFault::Gap`] if the positions leave too many functions undetermined, or if an end of the
-/// domain is further than a span from the data.
-pub fn equal_spans(places: &[f64], request: &KnotRequest) -> Result<Basis, FitFault> {
+/// [`FitFault::Gap`] if the positions leave too many functions on equal spans undetermined, or if an end
+/// of the domain is further than a span from the data.
+pub fn check_gaps(places: &[f64], request: &KnotRequest) -> Result<(), FitFault> {
     let basis = request.domain.basis(&request.domain.equal(request.spans))?;
     let functions = undetermined(&basis, places).len();
     // Beyond the last datum nothing can be bridged.
@@ -75,7 +75,7 @@ pub fn equal_spans(places: &[f64], request: &KnotRequest) -> Result<Basis, FitFa
         let [from, to] = open_end.unwrap_or_else(|| request.domain.widest_gap(places));
         return Err(FitFault::Gap { direction: request.direction, from, to, functions });
     }
-    Ok(basis)
+    Ok(())
 }
 
 /// The knots for these data.

@@ -10,7 +10,7 @@
 //! | `request` | [`Knots`], [`GridDomain`]: the request for each direction |
 //! | `profiles` | the data of one direction |
 
-pub(super) mod adaptive;
+mod adaptive;
 pub(super) mod choice;
 mod marks;
 mod marquardt;

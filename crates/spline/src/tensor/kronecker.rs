@@ -1,5 +1,5 @@
-//! Smoothing on a full grid of cells, one small eigenproblem per direction: as
-//! `grid/cross_validation`, with the two penalties added instead of multiplied.
+//! Smoothing on a full grid of cells by generalised cross-validation, one small eigenproblem per
+//! direction; the penalties of the two directions are added.
 //!
 //! With A, B the basis matrices of the cells' rows and columns, generalised eigenvectors U of (R,
 //! AᵀA) make AᵀA the identity and the roughness R diagonal. Then a fit with any pair of lambdas

@@ -4,10 +4,9 @@
 use std::f64::consts::TAU;
 
 use gaiter_spline::{
-    Basis, CloudData, CloudFit, CloudKnots, CloudMethod, CloudSmoothing, FitFault, GridDomain,
-    Knots, Middle, Surface, fit_cloud, fit_cloud_by,
+    Basis, CloudData, CloudFit, CloudMethod, CloudSmoothing, FitFault, Surface, fit_cloud,
 };
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use support::chance::Chance;
 
@@ -252,78 +251,4 @@ fn clouds_that_tell_no_surface_are_refused_with_the_reason() {
     let wrong =
         fit_cloud(&CloudData { points: &points, around: &around }, bases().1, bases().1, &method);
     assert!(wrong.is_err());
-}
-
-#[test]
-fn a_fit_that_finds_its_knots_refuses_by_the_control_points_asked_for() {
-    let (points, around) = scattered(500, 0.5, 8);
-    let domain = GridDomain { along: [0.0, HEIGHT_MM], around_from: 0.0, period: 1.0 };
-    let with = |control_points, points: &[Point3<f64>]| {
-        let knots = CloudKnots { control_points, knots: Knots::Adaptive, marks: [vec![], vec![]] };
-        let data = CloudData { points, around: &around };
-        fit_cloud_by(&data, &domain, &knots, &CloudMethod::default())
-    };
-    assert_eq!(
-        with([30, 24], &points).unwrap_err(),
-        FitFault::TooFewPoints { points: 500, control_points: 720 }
-    );
-    let half: Vec<_> = points.iter().map(|p| Point3::new(p.x, p.y, p.z / 2.0)).collect();
-    assert!(matches!(with([12, 10], &half), Err(FitFault::TooLittleSeen { .. })));
-    let fit = with([12, 10], &points).unwrap();
-    assert_eq!(fit.surface.control_points().len(), 120);
-}
-
-#[test]
-fn the_middle_is_found_through_noise_outliers_and_uneven_points() {
-    let line = |z: f64| Point2::new(6.0 * (z / 120.0).sin(), 0.02 * z);
-    let mut chance = Chance(9);
-    let mut points = Vec::new();
-    while points.len() < 20_000 {
-        let (angle, z) = (TAU * chance.even(0.5), 200.0 * (1.0 + chance.even(1.0)));
-        // Five times as many points on one side, and a tenth 5 to 30 mm outside.
-        if angle.cos() < 0.0 && chance.even(1.0) < 0.6 {
-            continue;
-        }
-        let stray = if chance.below(10) == 0 { 17.5 + chance.even(12.5) } else { 0.0 };
-        let (radius, middle) = (50.0 + chance.normal() + stray, line(z));
-        points.push(Point3::new(
-            middle.x + radius * angle.cos(),
-            middle.y + radius * angle.sin(),
-            z,
-        ));
-    }
-    let found = Middle::of(&points).unwrap();
-    for i in 0..=40 {
-        let z = 10.0 * f64::from(i);
-        // Where points are few, strays among them draw the middle a little; the noise is 1 mm.
-        assert!((found.at(z) - line(z)).norm() < 1.2, "{z}: {} {}", found.at(z), line(z));
-    }
-    assert_eq!(found.at(-50.0), found.at(points.iter().map(|p| p.z).fold(1e9, f64::min)));
-    // Places around are turns about it, counter-clockwise from +x.
-    let at = |x: f64, y: f64| Point3::new(line(200.0).x + x, line(200.0).y + y, 200.0);
-    let turns = found.turns(&[at(50.0, 5.0), at(0.0, 50.0), at(-50.0, 0.0), at(0.0, -50.0)]);
-    for (turn, expected) in turns.iter().zip([0.0159, 0.25, 0.5, 0.75]) {
-        assert!((turn - expected).abs() < 0.003, "{turn} {expected}");
-    }
-}
-
-#[test]
-fn points_without_a_middle_are_refused() {
-    let ring = |z: f64| (0..360).map(move |i| (TAU * f64::from(i) / 360.0, z));
-    let point = |(angle, z): (f64, f64)| Point3::new(40.0 * angle.cos(), 40.0 * angle.sin(), z);
-    let one: Vec<_> = ring(5.0).map(point).collect();
-    assert!(matches!(Middle::of(&one), Err(FitFault::TooFewPlaces { needed: 4, .. })));
-    let three: Vec<_> = [0.0, 50.0, 90.0].into_iter().flat_map(ring).map(point).collect();
-    assert_eq!(Middle::of(&three).unwrap_err(), FitFault::TooFewPlaces { found: 3, needed: 4 });
-    assert!(matches!(Middle::of(&[]), Err(FitFault::TooFewPlaces { found: 0, needed: 4 })));
-    let mut spoilt = three;
-    spoilt[4].z = f64::NAN;
-    assert_eq!(Middle::of(&spoilt).unwrap_err(), FitFault::NotFinite { index: 4 });
-    // Half a tube: its middle would be a guess.
-    let half = (0..8000).map(|i| (TAU * f64::from(i % 90) / 200.0, f64::from(i) / 20.0));
-    let half: Vec<_> = half.map(point).collect();
-    assert_eq!(
-        Middle::of(&half).map(|_| ()).unwrap_err(),
-        FitFault::TooFewPlaces { found: 0, needed: 4 }
-    );
 }

@@ -2,13 +2,15 @@
 //! makes of outliers and holes.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use std::f64::consts::TAU;
+
 use gaiter_spline::{
-    Basis, CloudData, CloudFit, CloudKnots, CloudMethod, CloudSmoothing, GridDomain, Knots, Middle,
-    Surface, fit_cloud, fit_cloud_by,
+    Basis, CloudData, CloudFit, CloudMethod, CloudSmoothing, GridData, GridDomain, GridMethod,
+    Knots, Surface, fit_cloud, fit_grid_by,
 };
 use nalgebra::Point3;
 use support::cloud::{Faults, cloud};
-use support::metric::true_error;
+use support::metric::{parameters, true_error};
 use support::test_leg;
 
 const NOISY: Faults = Faults { sigma_mm: 0.5, outliers: 0.0 };
@@ -26,21 +28,39 @@ fn error_of(fit: &CloudFit) -> [f64; 4] {
     true_error(&to_unit(&fit.surface))
 }
 
-/// The fit with as many control points and knots of its own.
+/// The fit of points whose places around are their turns about the leg's centre line.
+fn fitted_in(
+    points: &[Point3<f64>],
+    along: Basis,
+    around: Basis,
+    method: &CloudMethod,
+) -> CloudFit {
+    let turn = |point: &Point3<f64>| {
+        let (cx, cy) = test_leg::center(point.z);
+        (point.y - cy).atan2(point.x - cx) / TAU
+    };
+    let turns: Vec<f64> = points.iter().map(turn).collect();
+    fit_cloud(&CloudData { points, around: &turns }, along, around, method).unwrap()
+}
+
+/// The fit with the knots of the surface through the leg's grid.
 fn fitted(points: &[Point3<f64>], control_points: [usize; 2], knots: Knots) -> CloudFit {
-    let around = Middle::of(points).unwrap().turns(points);
+    let grid = test_leg::grid();
+    let (along, around) = parameters(&grid);
+    let along: Vec<f64> = along.iter().map(|u| test_leg::HEIGHT_MM * u).collect();
+    // The grid begins at 200°.
+    let around: Vec<f64> = around.iter().map(|v| v + 200.0 / 360.0).collect();
+    let data = GridData { along: &along, around: &around, points: &grid };
     let domain = GridDomain { along: [0.0, test_leg::HEIGHT_MM], around_from: 0.0, period: 1.0 };
-    let knots = CloudKnots { control_points, knots, marks: [vec![], vec![]] };
-    let data = CloudData { points, around: &around };
-    fit_cloud_by(&data, &domain, &knots, &CloudMethod::default()).unwrap()
+    let method = GridMethod { control_points, knots, marks: [vec![], vec![]] };
+    let like = fit_grid_by(&data, &domain, &method).unwrap().surface;
+    fitted_in(points, like.along().clone(), like.around().clone(), &CloudMethod::default())
 }
 
 /// The fit with equal spans.
 fn evenly_fitted(points: &[Point3<f64>], counts: [usize; 2], method: &CloudMethod) -> CloudFit {
-    let around = Middle::of(points).unwrap().turns(points);
     let along = Basis::uniform_clamped(0.0, test_leg::HEIGHT_MM, counts[0] - 3).unwrap();
-    let data = CloudData { points, around: &around };
-    fit_cloud(&data, along, Basis::uniform_periodic(0.0, 1.0, counts[1]).unwrap(), method).unwrap()
+    fitted_in(points, along, Basis::uniform_periodic(0.0, 1.0, counts[1]).unwrap(), method)
 }
 
 #[test]

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use gaiter_spline::{
-    BasisFault, FitFault, GridData, GridDomain, GridMethod, GridSmoothing, Knots, KnotsUsed,
-    SurfaceFit, fit_grid_by, mean_chord_parameters,
+    BasisFault, FitFault, GridData, GridDomain, GridMethod, Knots, KnotsUsed, SurfaceFit,
+    fit_grid_by, mean_chord_parameters,
 };
 use nalgebra::Point3;
 use support::metric::parameters;
@@ -12,13 +12,7 @@ use support::test_leg;
 const WHOLE: GridDomain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
 
 fn plain(control_points: [usize; 2]) -> GridMethod {
-    GridMethod {
-        control_points,
-        knots: Knots::Adaptive,
-        smoothing: GridSmoothing::None,
-        robust: false,
-        marks: [vec![], vec![]],
-    }
+    GridMethod { control_points, knots: Knots::Adaptive, marks: [vec![], vec![]] }
 }
 
 /// Some rows and columns of the test leg.

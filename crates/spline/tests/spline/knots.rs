@@ -1,9 +1,7 @@
 //! Where the knots of a grid fit go, and what that is worth on the test leg.
 #![allow(clippy::unwrap_used)]
 
-use gaiter_spline::{
-    GridData, GridDomain, GridMethod, GridSmoothing, Knots, KnotsUsed, SurfaceFit, fit_grid_by,
-};
+use gaiter_spline::{GridData, GridDomain, GridMethod, Knots, KnotsUsed, SurfaceFit, fit_grid_by};
 use nalgebra::{Point3, Rotation3, Vector3};
 use support::metric::{parameters, true_error};
 use support::test_leg;
@@ -11,8 +9,7 @@ use support::test_leg;
 const WHOLE: GridDomain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
 
 fn plain(control_points: [usize; 2], knots: Knots) -> GridMethod {
-    let (smoothing, marks) = (GridSmoothing::None, [vec![], vec![]]);
-    GridMethod { control_points, knots, smoothing, robust: false, marks }
+    GridMethod { control_points, knots, marks: [vec![], vec![]] }
 }
 
 /// The fit to points with the clean test leg's parameters.

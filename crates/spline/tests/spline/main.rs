@@ -9,7 +9,6 @@ mod fit;
 mod grid_refusals;
 mod knots;
 mod measure;
-mod noise;
 mod schoenberg_whitney;
 mod solve;
 mod surface;

@@ -188,7 +188,7 @@ proptest! {
     ) {
         let surface = tube(bump, lean);
         let motion = Isometry3::new(Vector3::new(x, -x, z), Vector3::new(turn, 0.4, -turn / 2.0));
-        let moved = surface.transformed(&motion);
+        let moved = changed(&surface, |point| motion * point);
         prop_assert!((moved.area_mm2() / surface.area_mm2() - 1.0).abs() < 1e-12);
         prop_assert!((moved.volume_mm3() / surface.volume_mm3() - 1.0).abs() < 1e-12);
         prop_assert!((moved.girth_mm(0.4) / surface.girth_mm(0.4) - 1.0).abs() < 1e-12);
