@@ -66,7 +66,13 @@ pub enum What {
     /// The soles do not show the floor, from which heights are measured.
     #[error(transparent)]
     FloorUnclear(#[from] FloorDoubt),
-    /// An OBJ file without any faces, so a cut cannot be detected.
+    /// The triangles do not show whether the scan is mirrored.
+    #[error(
+        "nothing shows whether the scan is mirrored, with left and right exchanged: it has no mesh, or the \
+         pieces of its mesh contradict each other"
+    )]
+    MirrorUnchecked,
+    /// A file without any faces in a format of meshes: a part of it may be missing.
     #[error(
         "the file holds points but no faces, and was measured from its points: was the export cut \
          short, or the mesh left out?"
@@ -221,6 +227,7 @@ impl Finding {
             What::LevelImplausible { .. } => "level-implausible",
             What::FacingUnchecked(_) => "facing-unchecked",
             What::FloorUnclear(doubt) => doubt.code(),
+            What::MirrorUnchecked => "mirror-unchecked",
             What::NoFaces => "no-faces",
             What::NoLineEnd => "no-line-end",
             What::ThighsTouch { .. } => "thighs-touch",
@@ -243,7 +250,10 @@ impl Finding {
     /// How much it matters.
     pub fn severity(&self) -> Severity {
         match &self.what {
-            What::LegsDiffer(_) | What::SurfaceHoles { .. } | What::NoLineEnd => Severity::Info,
+            What::LegsDiffer(_)
+            | What::SurfaceHoles { .. }
+            | What::NoLineEnd
+            | What::MirrorUnchecked => Severity::Info,
             What::SecondOpinion(SecondOpinion::Sides { .. }) => Severity::Error,
             What::LevelAbsent(_)
             | What::SecondOpinion(_)

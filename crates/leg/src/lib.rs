@@ -123,8 +123,8 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
     let mut findings = about_body(&body, &cut.crotch);
-    // Other point formats state their number of points, or contain only points by design.
-    if scan.triangles.is_empty() && format == Format::Obj {
+    // A list of points has no faces by design.
+    if scan.triangles.is_empty() && format != Format::Xyz {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
     }
     if scan::lacks_line_end_only(bytes, format) {
@@ -173,6 +173,9 @@ fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
     let mut found = Vec::new();
     if let FacingFrom::Declared(unclear) = body.facing_from {
         found.push(What::FacingUnchecked(unclear));
+    }
+    if !body.is_mirror_checked {
+        found.push(What::MirrorUnchecked);
     }
     found.extend(body.floor_doubt.map(What::FloorUnclear));
     if let Some(from_mm) = crotch.touching_from_mm {

@@ -135,6 +135,7 @@ impl Statement {
                 Statement::of("floor-uneven").number("spread_mm", *spread_mm)
             }
             What::FloorUnclear(FloorDoubt::NotTurning) => Statement::of("feet-cut"),
+            What::MirrorUnchecked => Statement::of("mirror-unchecked"),
             What::NoFaces => Statement::of("no-faces"),
             What::NoLineEnd => Statement::of("no-line-end"),
             What::ThighsTouch { from_mm } => {

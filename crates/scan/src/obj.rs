@@ -17,7 +17,7 @@ use super::Scan;
 use super::fault::{self, CutSign, Place, ScanFault, cut_short};
 use super::text::{self, Decimals, numbered};
 use super::weld::welded;
-use lines::{each_geometry, keyword, refuse_others};
+use lines::{each_geometry, is_face, keyword, refuse_others};
 use statements::{Statements, Use};
 
 /// A larger share of unused points than this means that the face list was cut off. Every known
@@ -32,7 +32,7 @@ const UNUSED_POINTS_MAX_SHARE: f64 = 0.001;
 pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let bytes = text::without_mark(bytes);
     refuse_others(bytes)?;
-    if !numbered(bytes).any(|(_, statement)| keyword(statement) == b"v") {
+    if !numbered(bytes).any(|(_, statement)| keyword(statement).eq_ignore_ascii_case(b"v")) {
         return Err(ScanFault::NoPoints);
     }
     let mut statements = Statements::of(bytes)?;
@@ -76,8 +76,8 @@ pub(super) fn lacks_line_end_only(bytes: &[u8]) -> bool {
     if text::refuse_open_line(bytes).is_ok() || text::refuse_binary(bytes).is_err() {
         return false;
     }
-    let is_face = |last: &[u8]| keyword(last) == b"f" && text::words(last).count() > 3;
-    if !numbered(bytes).last().is_some_and(|(_, last)| is_face(last)) {
+    let has_three = |last: &[u8]| is_face(keyword(last)) && text::words(last).count() > 3;
+    if !numbered(bytes).last().is_some_and(|(_, last)| has_three(last)) {
         return false;
     }
     let Ok(mut statements) = Statements::of(text::without_mark(bytes)) else { return false };

@@ -2,7 +2,8 @@
 //! properties, then the elements as text or binary in either byte order.
 //!
 //! Only the `x`, `y`, `z` of `vertex` are read, and the list `vertex_indices` or `vertex_index` of
-//! `face` and `tristrips`. All other elements and properties are skipped, whatever their type.
+//! `face` and `tristrips`. All other elements and properties are skipped, whatever their type, unless they
+//! may be faces under another name.
 
 mod ascii;
 mod binary;
@@ -13,6 +14,8 @@ use super::fault::{CutSign, ScanFault, cut_short};
 use super::weld::welded;
 use super::{Scan, text};
 use header::{Encoding, Header};
+
+pub(super) use header::opens;
 
 /// Decodes a complete PLY file. A file that is longer than its header declares is refused, because
 /// either the header or the rest is wrong.

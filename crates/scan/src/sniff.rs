@@ -2,7 +2,7 @@
 
 use super::content::Content;
 use super::format::Format;
-use super::{stl, text, xyz};
+use super::{ply, stl, text, xyz};
 
 /// Number of bytes at the head of a file that are examined.
 const HEAD_BYTES: usize = 4096;
@@ -23,11 +23,10 @@ pub(super) fn of(bytes: &[u8]) -> Option<Content> {
     }
     let head = text::without_mark(bytes);
     let head = &head[..head.len().min(HEAD_BYTES)];
-    let opens = |word: &[u8]| head.strip_prefix(word).is_some_and(|rest| !rest.is_empty());
-    if opens(b"ply\n") || opens(b"ply\r") {
+    if ply::opens(head) {
         return Some(Content::Scan(Format::Ply));
     }
-    if opens(b"#VRML ") {
+    if head.strip_prefix(b"#VRML ").is_some_and(|rest| !rest.is_empty()) {
         return Some(Content::Scan(Format::Wrl));
     }
     // The header of a binary STL may be any text, so its length is checked first.

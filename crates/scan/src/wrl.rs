@@ -4,6 +4,7 @@
 //! groups and transforms, once for every `USE`. Of a `Switch` it reads the chosen child, of an
 //! `LOD` the first, which is the finest. Everything that only colours, lights or moves the scene is
 //! skipped, including `ROUTE`; so are lines, text and the primitive solids.
+//! Faces are turned round where `ccw` or, in VRML 1, `vertexOrdering` says that they are clockwise.
 //! Refuses everything that could hide a part of the body: `PROTO`, `EXTERNPROTO`, `Inline`,
 //! `WWWInline`, and points within a node that gaiter does not know.
 

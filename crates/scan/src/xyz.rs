@@ -9,8 +9,9 @@
 //!    is then also a separator, and a comma within one is a decimal mark;
 //! 3. otherwise the comma, so that `1,2,3,4,5,6` has six columns.
 //!
-//! Every point has as many columns as the first. If there are names `x`, `y` and `z`, they select the
-//! coordinates; otherwise the first three columns do. The others, normals and colours, are skipped.
+//! Every point has as many columns as the first. If there are names `x`, `y` and `z`, perhaps with a unit
+//! such as `X[mm]`, they select the coordinates; otherwise the first three columns do. The others, normals
+//! and colours, are skipped.
 
 mod columns;
 

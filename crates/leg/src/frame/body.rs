@@ -63,6 +63,8 @@ pub struct Body {
     pub facing_deg: f64,
     /// The source of `facing_deg`.
     pub facing_from: FacingFrom,
+    /// Whether the triangles show that the export is not mirrored.
+    pub is_mirror_checked: bool,
     /// The unit of the export.
     pub unit: Unit,
     /// Whether the unit was inferred rather than declared.
@@ -106,7 +108,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         || (winding::check(&standing, method.winding), unlinked_share(&standing, size.scale_mm)),
     );
     let stance = stance?;
-    wound?;
+    let is_mirror_checked = wound?;
     if unlinked_share > UNLINKED_MAX_SHARE {
         return Err(BodyFault::Layers { percent: 100.0 * unlinked_share });
     }
@@ -127,6 +129,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         floor_doubt: stance.floor.doubt,
         facing_deg: facing.to_degrees(),
         facing_from,
+        is_mirror_checked,
         unit,
         unit_inferred: method.unit == UnitChoice::Auto,
         from_export: to_body.to_homogeneous() * to_mm,

@@ -1,7 +1,8 @@
 //! Which way round the triangles of an export are wound.
 //!
 //! A mirrored export has left and right exchanged, and its triangles turn inwards. So do those of an
-//! export that is only wound the other way round; nothing in the scan tells the two apart.
+//! export that is only wound the other way round; nothing in the scan tells the two apart. A point cloud, and
+//! pieces of a mesh that contradict each other, tell nothing.
 
 use nalgebra::Vector3;
 
@@ -14,24 +15,28 @@ use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 /// nothing.
 const CLEAR_SHARE: f64 = 0.98;
 
-/// Checks that the triangles are wound as declared.
+/// Checks that the triangles are wound as declared. Returns whether they tell.
 ///
 /// # Errors
 /// [`BodyFault::WoundInward`] or [`BodyFault::WoundOutward`].
-pub fn check(mesh: &Mesh, declared: Winding) -> Result<(), BodyFault> {
-    if (declared == Winding::Outward) == seem_outward(mesh) {
-        return Ok(());
+pub fn check(mesh: &Mesh, declared: Winding) -> Result<bool, BodyFault> {
+    if mesh.triangles().is_empty() {
+        return Ok(false);
     }
-    let share = outward_share(mesh);
+    if (declared == Winding::Outward) == seem_outward(mesh) {
+        return Ok(true);
+    }
+    let outward = outward_share(mesh);
     match declared {
-        Winding::Outward if share < 1.0 - CLEAR_SHARE => Err(BodyFault::WoundInward),
-        Winding::Inward if share > CLEAR_SHARE => Err(BodyFault::WoundOutward),
-        Winding::Outward | Winding::Inward => Ok(()),
+        Winding::Outward if outward < 1.0 - CLEAR_SHARE => Err(BodyFault::WoundInward),
+        Winding::Inward if outward > CLEAR_SHARE => Err(BodyFault::WoundOutward),
+        Winding::Outward => Ok(outward > CLEAR_SHARE),
+        Winding::Inward => Ok(outward < 1.0 - CLEAR_SHARE),
     }
 }
 
-/// The volume of the pieces that are wound outwards, as a share of that of all pieces; a half for a point
-/// cloud. Each piece, closed or not, encloses a volume with its own middle.
+/// The volume of the pieces that are wound outwards, as a share of that of all pieces. Each piece, closed or
+/// not, encloses a volume with its own middle.
 fn outward_share(mesh: &Mesh) -> f64 {
     let at = |corner: u32| mesh.points()[corner as usize].coords;
     let is_skin = |triangle: &[u32; 3]| {
@@ -114,13 +119,13 @@ mod tests {
         for (is_mirrored, is_turned) in [(true, false), (false, true)] {
             let body = body(is_mirrored, is_turned);
             assert_eq!(check(&body, Winding::Outward), Err(BodyFault::WoundInward));
-            assert_eq!(check(&body, Winding::Inward), Ok(()));
+            assert_eq!(check(&body, Winding::Inward), Ok(true));
         }
     }
 
     #[test]
     fn a_body_wound_outwards_is_measured_unless_it_was_declared_otherwise() {
-        assert_eq!(check(&body(false, false), Winding::Outward), Ok(()));
+        assert_eq!(check(&body(false, false), Winding::Outward), Ok(true));
         assert_eq!(check(&body(false, false), Winding::Inward), Err(BodyFault::WoundOutward));
     }
 
@@ -130,14 +135,14 @@ mod tests {
         let both = [first.points(), second.points()].concat();
         let moved = second.triangles().iter().map(|triangle| triangle.map(|corner| corner + 4));
         let mesh = Mesh::new(both, first.triangles().iter().copied().chain(moved).collect());
-        assert_eq!(check(&mesh, Winding::Outward), Ok(()));
-        assert_eq!(check(&mesh, Winding::Inward), Ok(()));
+        assert_eq!(check(&mesh, Winding::Outward), Ok(false));
+        assert!(check(&mesh, Winding::Inward).is_ok());
     }
 
     #[test]
     fn points_say_nothing() {
         let cloud = Mesh::cloud(vec![Point3::origin(); 4], 1.0);
-        assert_eq!(check(&cloud, Winding::Outward), Ok(()));
-        assert_eq!(check(&cloud, Winding::Inward), Ok(()));
+        assert_eq!(check(&cloud, Winding::Outward), Ok(false));
+        assert_eq!(check(&cloud, Winding::Inward), Ok(false));
     }
 }

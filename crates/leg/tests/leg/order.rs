@@ -27,6 +27,7 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         shanks: Sides { left: Some(Point2::origin()), right: None },
         facing_deg: 0.0,
         facing_from: FacingFrom::Feet,
+        is_mirror_checked: true,
         unit: Unit::Mm,
         unit_inferred: false,
         from_export: Matrix4::identity(),

@@ -84,6 +84,7 @@ pub fn all() -> Vec<What> {
     });
     let mut all = vec![
         What::LevelImplausible { girth_mm: 1301.0 },
+        What::MirrorUnchecked,
         What::NoFaces,
         What::NoLineEnd,
         What::FloorUnclear(FloorDoubt::Uneven { spread_mm: 14.0 }),

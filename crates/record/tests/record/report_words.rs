@@ -77,7 +77,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 42] = [
+const KEYWORDS: [[&str; 4]; 43] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -99,6 +99,7 @@ const KEYWORDS: [[&str; 4]; 42] = [
     ["facing-unchecked", "not checked", "nicht geprüft", "Füße zeigen nicht"],
     ["floor-uneven", "level", "eben", "waagerechten Ebene"],
     ["feet-cut", "Sole not", "Fußrand", "Schuhe"],
+    ["mirror-unchecked", "Mirror", "Spiegelung", "spiegelverkehrt"],
     ["no-faces", "without a mesh", "ohne Netz", "nur Punkte"],
     ["no-line-end", "line end", "Zeilenende", "ohne Zeilenende"],
     ["thighs-touch", "Thighs", "Oberschenkel", "berühren sich"],

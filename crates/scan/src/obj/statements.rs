@@ -48,7 +48,8 @@ impl Statements {
     /// triangle fans; triangles that use a point twice are left out.
     ///
     /// # Errors
-    /// [`ScanFault::Malformed`] for faces with points that do not exist.
+    /// [`ScanFault::Malformed`] for faces with points that do not exist, and those of
+    /// [`Geometry::statement`].
     pub(super) fn of(bytes: &[u8]) -> Result<Statements, ScanFault> {
         let points_max = bytes.len() / SHORTEST_POINT_BYTES + 1;
         let positions = Positions::with_capacity(bytes.len() / 2);
@@ -110,7 +111,7 @@ impl Statements {
         Some(found.line)
     }
 
-    /// Reads any `v` or `f` statement.
+    /// Reads any `v`, `f` or `fo` statement.
     fn statement(&mut self, statement: &[u8], line: usize) -> Result<(), ScanFault> {
         if statement.starts_with(b"v") {
             self.point(statement);

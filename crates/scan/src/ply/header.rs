@@ -78,8 +78,12 @@ pub(super) enum Meaning {
 }
 
 /// A property of an element.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Property {
+    /// Its name, printable characters only.
+    name: String,
+    /// Its 1-based line.
+    line: usize,
     pub shape: Shape,
     pub meaning: Meaning,
 }
@@ -127,11 +131,17 @@ impl Kind {
             _ => Meaning::Other,
         }
     }
+
+    fn has_corners(self) -> bool {
+        matches!(self, Kind::Face | Kind::Strip)
+    }
 }
 
 /// An element: a number of records with the same properties.
 #[derive(Debug)]
 pub(super) struct Element {
+    /// Its name, printable characters only.
+    name: String,
     pub kind: Kind,
     /// The number of records that the header announces; they may not be present.
     pub count: usize,
@@ -150,25 +160,21 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads the header. All of its lines must end like the first one, so that a binary body that
+    /// Reads the header. Where its first line ends in CR alone, all lines do, so that a binary body that
     /// begins with a line feed does not count as part of it.
     ///
     /// # Errors
     /// [`ScanFault::CutShort`] if `end_header` is missing, [`ScanFault::Malformed`] with the line.
     pub(super) fn of(bytes: &[u8]) -> Result<Header, ScanFault> {
-        let (line_end, mut at) = opening(bytes)?;
+        let mut at = opening(bytes)?;
+        let ends_in_cr = bytes[..at].ends_with(b"\r");
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
         let mut line_count = 1;
         let mut entries = 0;
         loop {
-            let rest = &bytes[at..];
-            let length = rest.windows(line_end.len()).position(|part| part == line_end);
-            let Some(length) = length else {
-                return Err(cut_short(CutSign::NoEnd { mark: "\"end_header\"" }));
-            };
-            let line = &rest[..length];
-            at += length + line_end.len();
+            let (line, length) = first_line(&bytes[at..], ends_in_cr).ok_or_else(no_end)?;
+            at += length;
             line_count += 1;
             let mut rest = words(line);
             match rest.next().unwrap_or_default() {
@@ -192,6 +198,7 @@ impl Header {
         let encoding = encoding.ok_or_else(|| malformed(line_count, "no format is named"))?;
         let header = Header { encoding, elements, end: at, line_count };
         header.refuse_without_geometry()?;
+        header.refuse_other_faces()?;
         Ok(header)
     }
 
@@ -214,27 +221,72 @@ impl Header {
             return fault("the vertices must have one x, one y and one z");
         }
         let mut with_corners = of_kind(Kind::Face).chain(of_kind(Kind::Strip));
-        if !with_corners.all(|element| has(element, Meaning::Corners)) {
+        if !with_corners.all(|element| element.count == 0 || has(element, Meaning::Corners)) {
             return fault("the faces must have one list \"vertex_indices\" of whole numbers");
+        }
+        Ok(())
+    }
+
+    /// Refuses lists that may be faces under another name: without them, a mesh would be read as bare points,
+    /// or in part. Where there are faces, or under the vertices, only the list's name tells.
+    fn refuse_other_faces(&self) -> Result<(), ScanFault> {
+        let present = || self.elements.iter().filter(|element| element.count > 0);
+        let has_faces = present().any(|element| element.kind.has_corners());
+        for element in present().filter(|element| !element.kind.has_corners()) {
+            let may_be_any = element.kind == Kind::Other && !has_faces;
+            let may_be_faces = |property: &&Property| match property.shape {
+                Shape::List { item, .. } => {
+                    matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+                        || (may_be_any && item.is_whole())
+                }
+                Shape::One(_) => false,
+            };
+            if let Some(list) = element.properties.iter().find(may_be_faces) {
+                let what = format!(
+                    "the list \"{}\" of the element \"{}\" may be the mesh, which is read under the \
+                     name \"face\" only; export it so, or in another format",
+                    list.name, element.name
+                );
+                return Err(malformed(list.line, what));
+            }
         }
         Ok(())
     }
 }
 
-/// The line end of the header, and the offset of its second line.
-fn opening(bytes: &[u8]) -> Result<(&'static [u8], usize), ScanFault> {
-    let ends: [&[u8]; 3] = [b"\r\n", b"\n", b"\r"];
-    let rest = bytes.strip_prefix(b"ply");
-    match rest.and_then(|rest| ends.into_iter().find(|end| rest.starts_with(end))) {
-        Some(end) => Ok((end, b"ply".len() + end.len())),
-        None if b"ply\r\n".starts_with(bytes) => {
-            Err(cut_short(CutSign::NoEnd { mark: "\"end_header\"" }))
-        }
-        None => {
-            let line = bytes.split(|&b| b == b'\n' || b == b'\r').next().unwrap_or_default();
-            Err(ScanFault::NotThisFormat { format: Format::Ply, line: 1, found: excerpt(line) })
-        }
+/// Whether a text begins with the first line of a PLY file and goes on after it.
+pub(in super::super) fn opens(text: &[u8]) -> bool {
+    first_line(text, false).is_some_and(|(line, end)| is_opening(line) && end < text.len())
+}
+
+fn is_opening(line: &[u8]) -> bool {
+    line.trim_ascii_end().eq_ignore_ascii_case(b"ply")
+}
+
+/// The offset of the header's second line.
+fn opening(bytes: &[u8]) -> Result<usize, ScanFault> {
+    let (line, end) = match first_line(bytes, false) {
+        Some((line, end)) => (line, Some(end)),
+        None => (bytes, None),
+    };
+    let begins = b"ply".get(..line.len()).is_some_and(|part| part.eq_ignore_ascii_case(line));
+    match end {
+        Some(end) if is_opening(line) => Ok(end),
+        None if is_opening(line) || begins => Err(no_end()),
+        _ => Err(ScanFault::NotThisFormat { format: Format::Ply, line: 1, found: excerpt(line) }),
     }
+}
+
+/// The first line, and its length with its line end: LF, CR, or CR LF unless lines end in CR alone.
+fn first_line(text: &[u8], ends_in_cr: bool) -> Option<(&[u8], usize)> {
+    let length = text.iter().position(|byte| matches!(byte, b'\n' | b'\r'))?;
+    let (line, rest) = text.split_at(length);
+    let has_two = !ends_in_cr && rest.starts_with(b"\r\n");
+    Some((line, length + if has_two { 2 } else { 1 }))
+}
+
+fn no_end() -> ScanFault {
+    cut_short(CutSign::NoEnd { mark: "\"end_header\"" })
 }
 
 fn unreadable(line: &[u8], number: usize) -> ScanFault {
@@ -255,15 +307,15 @@ fn element<'a>(
     line: &[u8],
     number: usize,
 ) -> Result<Element, ScanFault> {
-    let kind = match words.next() {
-        Some(b"vertex") => Kind::Vertex,
-        Some(b"face") => Kind::Face,
-        Some(b"tristrips") => Kind::Strip,
-        Some(_) => Kind::Other,
-        None => return Err(unreadable(line, number)),
+    let name = words.next().ok_or_else(|| unreadable(line, number))?;
+    let kind = match name {
+        b"vertex" => Kind::Vertex,
+        b"face" => Kind::Face,
+        b"tristrips" => Kind::Strip,
+        _ => Kind::Other,
     };
     let count = words.next().and_then(whole).ok_or_else(|| unreadable(line, number))?;
-    Ok(Element { kind, count, properties: Vec::new() })
+    Ok(Element { name: excerpt(name), kind, count, properties: Vec::new() })
 }
 
 fn property<'a>(
@@ -283,5 +335,5 @@ fn property<'a>(
     let (Some(shape), Some(name)) = (shape, words.next()) else {
         return Err(unreadable(line, number));
     };
-    Ok(Property { shape, meaning: kind.meaning(name, shape) })
+    Ok(Property { name: excerpt(name), line: number, shape, meaning: kind.meaning(name, shape) })
 }

@@ -17,8 +17,8 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     if !starts_with(text, b"solid") {
         return Ok(());
     }
-    let last = text.rsplit(|&b| b == b'\n' || b == b'\r').next().unwrap_or_default();
-    if starts_with(last.trim_ascii(), b"endsolid") {
+    let last = text.rsplit(|&b| b == b'\n' || b == b'\r').next().unwrap_or_default().trim_ascii();
+    if starts_with(last, b"endsolid") || keyword(&mut words(last)) == b"endsolid" {
         return Ok(());
     }
     Err(cut_short(CutSign::NoEnd { mark: "\"endsolid\"" }))
@@ -31,6 +31,20 @@ fn starts_with(text: &[u8], word: &[u8]) -> bool {
 /// The statements of the format.
 const KEYWORDS: [&[u8]; 7] =
     [b"vertex", b"facet", b"outer", b"endloop", b"endfacet", b"solid", b"endsolid"];
+
+/// The keyword of a statement, given its words; empty if it has none. Some exporters write the last ones in
+/// two words, such as `end loop`.
+fn keyword<'a>(words: &mut impl Iterator<Item = &'a [u8]>) -> &'static [u8] {
+    let first = words.next().unwrap_or_default();
+    let (before, word) = match first.eq_ignore_ascii_case(b"end") {
+        true => (b"end".as_slice(), words.next().unwrap_or_default()),
+        false => (b"".as_slice(), first),
+    };
+    let is_it = |known: &&[u8]| {
+        known.strip_prefix(before).is_some_and(|rest| rest.eq_ignore_ascii_case(word))
+    };
+    KEYWORDS.into_iter().find(is_it).unwrap_or_default()
+}
 
 /// The reader's position in the nested statements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,9 +70,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let mut triangles = Vec::new();
     for (line, statement) in numbered(text::without_mark(bytes)) {
         let mut rest = words(statement);
-        let first = rest.next().unwrap_or_default();
-        let keyword = KEYWORDS.into_iter().find(|word| word.eq_ignore_ascii_case(first));
-        within = match (within, keyword.unwrap_or_default()) {
+        within = match (within, keyword(&mut rest)) {
             (Within::File, b"solid") => Within::Solid,
             (Within::Solid, b"facet") => Within::Facet,
             (Within::Facet, b"outer") => Within::Loop,

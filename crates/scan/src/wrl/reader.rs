@@ -66,6 +66,8 @@ struct Body {
     fields: Vec<(&'static str, Vec<f64>)>,
     points: Vec<Point3<f64>>,
     corners: Vec<i32>,
+    /// Whether the corners of its faces, or of the faces after it, run clockwise as seen from outside.
+    is_clockwise: bool,
 }
 
 struct Reader<'a> {
@@ -154,6 +156,14 @@ impl<'a> Reader<'a> {
                 (_, b"coordIndex", b"IndexedFaceSet") if begins_number(word) => {
                     body.corners = self.corners(word)?;
                 }
+                (b"TRUE" | b"FALSE", b"ccw", b"IndexedFaceSet") => {
+                    body.is_clockwise = word == b"FALSE";
+                }
+                (
+                    b"CLOCKWISE" | b"COUNTERCLOCKWISE" | b"UNKNOWN_ORDERING",
+                    b"vertexOrdering",
+                    b"ShapeHints",
+                ) => body.is_clockwise = word == b"CLOCKWISE",
                 _ if begins_number(word) => self.number(word, field, &mut body)?,
                 _ if self.words.opens() => {
                     let child = self.node(word, depth)?;
@@ -276,7 +286,7 @@ impl<'a> Reader<'a> {
         let carries = match meaning {
             Meaning::Coordinates | Meaning::Faces | Meaning::Points => true,
             Meaning::Group { .. } => holds,
-            Meaning::Placement | Meaning::Lines | Meaning::Unknown => false,
+            Meaning::Placement | Meaning::Hints | Meaning::Lines | Meaning::Unknown => false,
         };
         if holds && !carries && meaning != Meaning::Lines {
             let what = format!("points within \"{}\", which gaiter does not know", excerpt(kind));
@@ -297,7 +307,13 @@ impl<'a> Reader<'a> {
         let number = |name, default: f64| fields.get(name, [default]).map(|[value]| value as i64);
         Ok(match meaning {
             Meaning::Coordinates => Node::Coordinates(body.points),
-            Meaning::Faces => Node::Faces { coordinates, corners: body.corners, line },
+            Meaning::Faces => Node::Faces {
+                coordinates,
+                corners: body.corners,
+                is_clockwise: body.is_clockwise,
+                line,
+            },
+            Meaning::Hints => Node::Hints { is_clockwise: body.is_clockwise },
             Meaning::Points => Node::Points {
                 coordinates,
                 start: number("startIndex", 0.0)?,
@@ -345,6 +361,7 @@ enum Meaning {
     Coordinates,
     Faces,
     Points,
+    Hints,
     /// Has points, but they are not skin.
     Lines,
     Unknown,
@@ -357,6 +374,7 @@ fn meaning(kind: &[u8], version: Version) -> Meaning {
         b"IndexedFaceSet" => Meaning::Faces,
         b"PointSet" => Meaning::Points,
         b"IndexedLineSet" => Meaning::Lines,
+        b"ShapeHints" if !is_two => Meaning::Hints,
         b"Coordinate" if is_two => Meaning::Coordinates,
         b"Coordinate3" if !is_two => Meaning::Coordinates,
         b"Group" | b"Anchor" | b"Billboard" | b"Collision" | b"Shape" | b"Transform" if is_two => {

@@ -25,8 +25,10 @@ pub(super) enum Node {
     Placement(Box<Matrix4<f64>>),
     /// Points for the nodes after it (VRML 1), or for the node that contains it.
     Coordinates(Vec<Point3<f64>>),
-    /// Polygons over points: indices, -1 ends a polygon.
-    Faces { coordinates: Option<NodeId>, corners: Vec<i32>, line: usize },
+    /// Polygons over points: indices, -1 ends a polygon; clockwise ones are turned round.
+    Faces { coordinates: Option<NodeId>, corners: Vec<i32>, is_clockwise: bool, line: usize },
+    /// How the faces after it are written (VRML 1).
+    Hints { is_clockwise: bool },
     /// Points without faces: `count` of them (-1 for all) from index `start` on.
     Points { coordinates: Option<NodeId>, start: i64, count: i64, line: usize },
     /// Neither carries nor places points.

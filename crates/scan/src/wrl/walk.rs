@@ -1,5 +1,7 @@
 //! Nodes of a scene → points and triangles, each in its place in the scene.
 
+use std::mem::swap;
+
 use nalgebra::{Matrix4, Point3};
 
 use super::super::fault::{Place, ScanFault, malformed};
@@ -37,7 +39,7 @@ pub(super) fn geometry(scene: Scene) -> Result<Unwelded, ScanFault> {
         points_left: EXPANSION_MAX.saturating_mul(written_points),
         corners_left: EXPANSION_MAX.saturating_mul(written_corners),
     };
-    let mut state = State { matrix: Matrix4::identity(), coordinates: None };
+    let mut state = State { matrix: Matrix4::identity(), coordinates: None, is_clockwise: false };
     walk.visit(scene.nodes.len() - 1, &mut state, 0)?;
     Ok((walk.points, walk.triangles))
 }
@@ -48,6 +50,8 @@ struct State {
     matrix: Matrix4<f64>,
     /// The points of VRML 1, which precede the node that uses them.
     coordinates: Option<NodeId>,
+    /// Whether faces are clockwise as seen from outside (VRML 1).
+    is_clockwise: bool,
 }
 
 struct Walk<'a> {
@@ -85,10 +89,15 @@ impl Walk<'_> {
             }
             Node::Placement(matrix) => state.matrix *= **matrix,
             Node::Coordinates(_) => state.coordinates = Some(id),
-            Node::Faces { coordinates, corners, line } => {
+            Node::Hints { is_clockwise } => state.is_clockwise = *is_clockwise,
+            Node::Faces { coordinates, corners, is_clockwise, line } => {
                 self.corners_left = less(self.corners_left, corners.len())?;
                 if let Some(coordinates) = coordinates.or(state.coordinates) {
+                    let before = self.triangles.len();
                     self.faces(coordinates, corners, *line, state.matrix)?;
+                    if *is_clockwise || state.is_clockwise {
+                        self.triangles[before..].iter_mut().for_each(|[_, b, c]| swap(b, c));
+                    }
                 } else if !corners.is_empty() {
                     return Err(malformed(*line, "an IndexedFaceSet without points"));
                 }

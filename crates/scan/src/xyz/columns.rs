@@ -31,7 +31,12 @@ impl Separator {
     pub(super) fn coordinates(self, names: Option<&[u8]>, column_count: usize) -> [usize; 3] {
         let names = names.unwrap_or_default();
         let place = |axis: &str| {
-            let mut columns = Separator::of(names).columns(names);
+            let separator = Separator::of(names);
+            // `X [mm]` is a name and its unit, not two names.
+            let is_unit = |word: &&[u8]| {
+                separator == Separator::WhiteSpace && matches!(word.first(), Some(b'[' | b'('))
+            };
+            let mut columns = separator.columns(names).filter(|word| !is_unit(word));
             let is_axis = |name: &[u8]| bare(name).eq_ignore_ascii_case(axis.as_bytes());
             columns.position(is_axis).filter(|place| *place < column_count)
         };
@@ -42,10 +47,11 @@ impl Separator {
     }
 }
 
-/// A column's name without quotes.
+/// A column's name without quotes and without the unit after it, as in `X[mm]` and `X (mm)`.
 fn bare(name: &[u8]) -> &[u8] {
     let name = name.strip_prefix(b"\"").unwrap_or(name);
-    name.strip_suffix(b"\"").unwrap_or(name)
+    let name = name.strip_suffix(b"\"").unwrap_or(name);
+    name.split(|byte| matches!(byte, b'[' | b'(')).next().unwrap_or_default().trim_ascii_end()
 }
 
 /// The columns of a line, one after the other.
