@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use gaiter_flow::OrdersWhen;
-use gaiter_flow::capture::Rules;
 use gaiter_flow::patient::check_digit::CheckDigit;
+use gaiter_flow::round::Rules;
 use regex::Regex;
 
 use super::OrdersConfig;

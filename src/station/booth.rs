@@ -1,5 +1,5 @@
 //! The station's side of the booth: takes the input of the ports, keeps the captures, and determines
-//! what the light shows. [`gaiter_flow::capture`] decides what a capture means. Every step is in the
+//! what the light shows. [`gaiter_flow::round`] decides what a capture means. Every step is in the
 //! journal before anything acts on it.
 
 mod hearing;
@@ -12,10 +12,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use gaiter_flow::booth::Signal;
-use gaiter_flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
 use gaiter_flow::light::{self, Light, Outcome, Scene};
 use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
+use gaiter_flow::round::{Capture, Content, Judged, Rounds, Rules};
 use gaiter_flow::settle::Sights;
 use gaiter_flow::{OrdersWhen, ScanId};
 use jiff::Timestamp;
@@ -53,7 +53,7 @@ pub struct Booth {
 
 #[derive(Debug)]
 struct Inner {
-    captures: Captures,
+    captures: Rounds,
     next_number: i64,
     /// The ports that are not open.
     away: BTreeSet<&'static str>,
@@ -91,10 +91,7 @@ impl Inner {
         if !others.is_empty() || is_name_over {
             journal.captures_of_before(&others, &kept, boot, is_name_over)?;
         }
-        let names = names.filter(|_| !is_name_over);
-        let (next, unsure, unread) = names.map_or((None, Vec::new(), Vec::new()), |names| {
-            (names.next, names.unsure, names.unread)
-        });
+        let names = names.filter(|_| !is_name_over).map(|of_boot| of_boot.names);
         let ours = ours.into_iter().map(|row| row.capture);
         let waiting = kept.into_iter().chain(ours).collect();
         let taken = journal.captures_taken()?.into_iter();
@@ -102,9 +99,8 @@ impl Inner {
             true => Some(row.capture),
             false => carried_over(&row),
         });
-        let mut captures = Captures::new(rules, waiting, next)
-            .with_doubts(unsure, unread)
-            .with_measuring(taken.collect(), now);
+        let mut captures =
+            Rounds::new(rules, waiting, names.unwrap_or_default()).with_taken(taken.collect(), now);
         if buttons.is_empty() {
             captures.hears(Duration::ZERO);
         }
@@ -122,7 +118,7 @@ impl Inner {
 
     /// When the last waiting capture was opened; `None` if none waits.
     fn last_opened(&self) -> Option<Duration> {
-        self.captures.waiting().iter().map(|capture| capture.opened).max()
+        self.captures.waiting().map(|capture| capture.opened).max()
     }
 }
 
@@ -191,6 +187,7 @@ pub struct WhoIsNext {
     has_button: bool,
     next: Vec<String>,
     awaited_for: Vec<String>,
+    is_asked: bool,
     last: Option<Outcome>,
 }
 
@@ -203,6 +200,7 @@ impl WhoIsNext {
             awaited: self.state.awaited,
             next: &self.next,
             awaited_for: &self.awaited_for,
+            is_asked: self.is_asked,
             is_in_doubt: self.state.is_in_doubt,
             last: self.last.as_ref(),
         }
@@ -239,7 +237,8 @@ impl Booth {
         let inner = self.inner();
         let (next, awaited_for) = (inner.captures.next_ids(), inner.captures.awaited_ids());
         let last = inner.last.as_ref().map(|(outcome, _)| outcome.clone());
-        WhoIsNext { state, has_button, next, awaited_for, last }
+        let is_asked = inner.captures.asks_who();
+        WhoIsNext { state, has_button, next, awaited_for, is_asked, last }
     }
 
     /// Locks the captures. Blocks during writes to the journal.
@@ -300,10 +299,9 @@ impl Booth {
     pub fn state(&self) -> BoothState {
         let now = self.core.now();
         let inner = self.inner();
-        let is_open = |capture: &&Capture| capture.state == CaptureState::Open;
         BoothState {
             signal: *self.signal.borrow(),
-            awaited: inner.captures.waiting().iter().filter(is_open).count(),
+            awaited: inner.captures.open().iter().filter(|capture| capture.is_open()).count(),
             is_named: inner.captures.next().is_some(),
             is_in_doubt: inner.captures.is_in_doubt(now),
             orders_come_late: match inner.captures.orders_when() {
@@ -335,13 +333,13 @@ impl Booth {
 impl Held<'_> {
     /// Which capture an export belongs to; its times are on the station's clock.
     pub fn judge(&self, content: &Content) -> Judged {
-        self.inner.captures.judge_content(content)
+        self.inner.captures.judge_content(content, self.inner.booth.core.now())
     }
 
     /// Applies an export that is in the journal, or whose bytes are in the spool with what it answers.
     pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool, now: Duration) {
         self.inner.captures.answer(judged, now);
-        if *judged != Judged::Unpressed {
+        if !matches!(judged, Judged::Unpressed | Judged::Known) {
             self.inner.missed = false;
         }
         if !held {

@@ -24,8 +24,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use gaiter_flow::capture::Judged;
 use gaiter_flow::patient::identity;
+use gaiter_flow::round::Judged;
 use gaiter_flow::{ScanId, ScanState, Verdict, Whose};
 use gaiter_record::Patient;
 use gaiter_scan::Format;

@@ -9,7 +9,7 @@ use super::facts::StoreFacts;
 use super::health::{ago, words};
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use super::patient::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
-use super::{DeliveryState, ScanState, capture};
+use super::{DeliveryState, ScanState, round};
 
 /// A scan, when it was first seen, and where it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -235,14 +235,14 @@ impl Delivered {
 /// Why a scan is held, in words for its code.
 fn why_held(code: &str) -> &'static str {
     match code {
-        capture::AMBIGUOUS => "it could belong to more than one named or scanned patient",
-        capture::UNCLEAR => {
+        round::AMBIGUOUS => "it could belong to more than one named or scanned patient",
+        round::UNCLEAR => {
             "it may have been written before the button was pressed or a patient named"
         }
-        capture::LATE => "it arrived after the time allowed for the export of the press",
-        capture::UNHEARD => "a press of the button may have been missed",
-        capture::UNREAD => "a card or an order before it could not be read or kept",
-        capture::REPEATED => "the order that names its patient came a second time",
+        round::LATE => "it arrived after the time allowed for the export of the press",
+        round::UNHEARD => "a press of the button may have been missed",
+        round::UNREAD => "a card or an order before it could not be read or kept",
+        round::REPEATED => "the order that names its patient came a second time",
         NO_PRESS => "the button was not pressed for it",
         PATIENTS_DIFFER => "two sources name different patients",
         _ => "the same data arrived for a second patient",

@@ -2,7 +2,7 @@
 
 use gaiter_record::SourceKind;
 
-use super::capture::Doubt;
+use super::round::Doubt;
 
 /// What a port has heard.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,11 +2,11 @@
 //! captures, and every change goes into the journal.
 
 use gaiter_flow::booth::{Heard, Press};
-use gaiter_flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::light::{NO_EXPORT, Outcome};
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
+use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};
 use gaiter_record::{Patient, SourceKind};
 use jiff::Timestamp;
@@ -62,7 +62,7 @@ impl Booth {
             self.inner().last = Some((Outcome::NameUnread, self.core.now()));
             return self.unread(by);
         };
-        let (mut inner, now) = (self.inner(), self.core.now());
+        let mut inner = self.inner();
         if inner.captures.is_crowded(&id) {
             drop(inner);
             warn!(event = "names-too-many");
@@ -70,7 +70,7 @@ impl Booth {
         }
         let named = self.name(&mut inner, Named { id, by }, doubt);
         // The name was given even if it could not be stored: the patient named before may have left.
-        named.map(drop).inspect_err(|_| inner.captures.unread(now))
+        named.map(drop).inspect_err(|_| inner.captures.unread())
     }
 
     /// Writes a change of the captures to the journal and then applies it. If the journal fails,
@@ -78,12 +78,12 @@ impl Booth {
     fn change_booth(
         &self,
         inner: &mut Inner,
-        after: Captures,
+        after: Rounds,
         ended_as: &'static str,
         event: Option<(Event, Value)>,
     ) -> Result<(), JournalError> {
         let (before, boot) = (&inner.captures, self.core.clock.boot());
-        let change = BoothChange { before, after: &after, boot, ended_as, event };
+        let change = BoothChange { before, after: &after, boot, ended_as, answers: None, event };
         self.core.custody.journal().booth_changed(&change)?;
         inner.captures = after;
         Ok(())
@@ -182,10 +182,9 @@ impl Booth {
 
     /// Notes that a patient's name was given but could not be read.
     fn unread(&self, by: SourceKind) -> Result<(), JournalError> {
-        let now = self.core.now();
         let mut inner = self.inner();
         let mut after = inner.captures.clone();
-        after.unread(now);
+        after.unread();
         info!(event = "name-unread", by = ?by);
         // Applied in memory even if the journal fails: it only makes names less certain.
         let kept = self.change_booth(&mut inner, after.clone(), "over", None);
@@ -225,6 +224,44 @@ impl Booth {
         Ok(())
     }
 
+    /// Notes that a person decided whose a scan is: its round ends once it is measured. Blocks.
+    ///
+    /// # Errors
+    /// See [`JournalError`]; what waits goes on waiting.
+    pub fn decided(&self, scan: &ScanId) -> Result<(), JournalError> {
+        let custody = &self.core.custody;
+        // A scan whose bytes left the station was measured long ago.
+        let judged = custody.spool().intake(scan).map_or(Judged::Unpressed, |intake| intake.judged);
+        let owners = custody.journal().owners(scan)?;
+        let mut inner = self.inner();
+        let mut after = inner.captures.clone();
+        let now = self.core.now();
+        let answered = owners.iter().filter_map(|id| after.decided(&judged, id, now)).next_back();
+        if after == inner.captures {
+            return Ok(());
+        }
+        let (before, boot) = (&inner.captures, self.core.clock.boot());
+        let answers = answered.map(|capture| (scan, capture));
+        let change =
+            BoothChange { before, after: &after, boot, ended_as: "over", answers, event: None };
+        custody.journal().booth_changed(&change)?;
+        inner.captures = after;
+        Ok(())
+    }
+
+    /// Notes that a person gave up a scan: no other export of it is expected. Blocks.
+    ///
+    /// # Errors
+    /// See [`JournalError`]; what waits goes on waiting.
+    pub fn given_up(&self, scan: &ScanId) -> Result<(), JournalError> {
+        let answered = self.core.custody.journal().capture_answered_by(scan)?;
+        let Some(Capture { number, .. }) = answered else { return Ok(()) };
+        let mut inner = self.inner();
+        let mut after = inner.captures.clone();
+        after.given_up(number);
+        self.change_booth(&mut inner, after, "given_up", None)
+    }
+
     /// Calls off everything that waits. Returns whether anything waited. Blocks.
     ///
     /// # Errors
@@ -234,10 +271,10 @@ impl Booth {
         let mut after = inner.captures.clone();
         let called_off = after.call_off();
         let any = called_off.name || !called_off.captures.is_empty() || inner.missed;
+        let detail = json!({ "captures": called_off.captures, "name": called_off.name });
+        let event = any.then_some((Event::CalledOff, detail));
+        self.change_booth(&mut inner, after, "called_off", event)?;
         if any {
-            let detail = json!({ "captures": called_off.captures, "name": called_off.name });
-            let event = Some((Event::CalledOff, detail));
-            self.change_booth(&mut inner, after, "called_off", event)?;
             info!(event = "called-off", captures = called_off.captures.len());
         }
         (inner.missed, inner.last) = (false, None);

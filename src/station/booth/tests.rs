@@ -1,7 +1,7 @@
 //! What a start finds of captures in the journal.
 
 use gaiter_flow::ScanState;
-use gaiter_flow::capture::{Doubt, Named};
+use gaiter_flow::round::{Doubt, Named, Names};
 use gaiter_record::SourceKind;
 
 use super::super::journal::{BoothChange, Entry, ScanRow};
@@ -24,13 +24,20 @@ fn rules() -> Rules {
 
 /// A patient was named, the button pressed, the export taken, and then the machine started anew.
 fn taken_before(journal: &Journal, boot: &str) -> ScanId {
-    let before = Captures::new(rules(), Vec::new(), None);
+    let before = Rounds::new(rules(), Vec::new(), Names::default());
     let mut after = before.clone();
     after.hears(Duration::ZERO);
     let named = Named { id: "4711".to_owned(), by: SourceKind::Operator };
     after.named(named, 1, SECOND * 1000, &[]);
     let capture = after.pressed(1, SECOND * 1001);
-    let change = |before, after| BoothChange { before, after, boot, ended_as: "over", event: None };
+    let change = |before, after| BoothChange {
+        before,
+        after,
+        boot,
+        ended_as: "over",
+        answers: None,
+        event: None,
+    };
     journal.booth_changed(&change(&before, &after)).unwrap();
     let scan = ScanId::parse(&"a".repeat(64)).unwrap();
     let row = ScanRow {
@@ -55,7 +62,7 @@ fn taken_before(journal: &Journal, boot: &str) -> ScanId {
 fn after_start(journal: &Journal, scan: &ScanId) -> (usize, Option<Doubt>) {
     let now = (BOOT, SECOND * 20);
     let mut inner = Inner::recall(journal, rules(), BTreeSet::new(), now).unwrap();
-    let taken = inner.captures.measuring().count();
+    let taken = inner.captures.open().len();
     let answered = journal.capture_answered_by(scan).unwrap().unwrap();
     let reopened = inner.captures.refused(answered.number, SECOND * 21);
     (taken, reopened.and_then(|capture| capture.doubt))

@@ -7,9 +7,9 @@ use std::path::Path;
 use std::sync::PoisonError;
 
 use gaiter_flow::ScanId;
-use gaiter_flow::capture::Judged;
 use gaiter_flow::patient::erasure::{ErasedScan, Erasure};
 use gaiter_flow::patient::person::WhoseScan;
+use gaiter_flow::round::Judged;
 use jiff::Timestamp;
 use serde_json::json;
 

@@ -1,9 +1,9 @@
 //! What is known about a scan when it comes in, as the spool and the journal store it.
 
-use gaiter_flow::capture::{Judged, Why};
 use gaiter_flow::patient::identity::{
     ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
 };
+use gaiter_flow::round::{Judged, Why};
 use gaiter_flow::{ScanId, ScanState};
 use gaiter_record::Patient;
 use jiff::Timestamp;
@@ -46,7 +46,7 @@ pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<Strin
     }
     let judged = match &arrival.judged {
         Judged::Held { candidates, .. } => candidates.as_slice(),
-        Judged::Of(_) | Judged::Unpressed => &[],
+        Judged::Of(_) | Judged::Unpressed | Judged::Known => &[],
     };
     let judged = judged.iter().map(|named| &named.id);
     let whose = &arrival.whose;

@@ -5,7 +5,7 @@ use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 use gaiter_flow::ScanId;
-use gaiter_flow::capture::{Judged, Named};
+use gaiter_flow::round::{Judged, Named};
 use gaiter_record::SourceKind;
 
 use super::{Custody, CustodyFault, io};

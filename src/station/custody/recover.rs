@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::sync::PoisonError;
 use std::time::Duration;
 
-use gaiter_flow::capture::Judged;
+use gaiter_flow::round::Judged;
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 

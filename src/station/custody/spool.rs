@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
-use gaiter_flow::capture::Judged;
+use gaiter_flow::round::Judged;
 use gaiter_record::Patient;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};

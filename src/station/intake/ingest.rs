@@ -4,11 +4,11 @@
 use std::io;
 use std::os::unix::ffi::OsStrExt;
 
-use gaiter_flow::capture::{Content, Judged, Opener};
 use gaiter_flow::export::companions;
 use gaiter_flow::facts::IntakeState;
 use gaiter_flow::light::Outcome;
 use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED};
+use gaiter_flow::round::{Content, Judged, Opener};
 use gaiter_flow::{Appeared, NameSays, Settled, Verdict};
 use gaiter_scan::{self as scan, Format};
 use jiff::Timestamp;
@@ -222,7 +222,7 @@ fn admit(
     };
     let judged = captures.judge(&content);
     let hold = core.config.capture.without_trigger == WithoutTrigger::Hold;
-    let whose = identity::of_judged(&judged, content.is_known, hold, says);
+    let whose = identity::of_judged(&judged, hold, says);
     let not_an_id = whose.not_an_id;
     let admitted = custody.admit(&Arrival {
         scan,

@@ -1,4 +1,4 @@
-//! Captures in the journal: presses, the patients named for them, and their outcomes.
+//! Rounds in the journal: presses, the patients named for them, and their outcomes.
 //!
 //! Times are on the machine's clock since its start and valid only for that start.
 
@@ -7,8 +7,8 @@ mod next;
 
 use std::time::Duration;
 
-use gaiter_flow::capture::{Capture, Captures, Judged, Named};
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
+use gaiter_flow::round::{Capture, CaptureState, Judged, Named, Rounds};
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Row, Transaction, params};
@@ -20,11 +20,14 @@ use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_wor
 pub(super) use next::{clear as clear_names, names_patient, upgrade};
 
 /// The states of a capture that is over.
-const ANSWERED: &str = "answered";
-const HELD: &str = "held";
+const ANSWERED: &str = state_word(CaptureState::Taken);
+const HELD: &str = state_word(CaptureState::Held);
 
 /// SQL: the states of captures whose exports were taken in.
 const TAKEN: &str = "('answered', 'held')";
+
+/// SQL: the states of captures that have not ended.
+const NOT_ENDED: &str = "('open', 'expired', 'answered', 'held')";
 
 /// SQL: the states of captures whose exports have not come.
 const WAITING: &str = "('open', 'expired')";
@@ -47,13 +50,15 @@ pub struct CaptureRow {
 #[derive(Debug)]
 pub struct BoothChange<'a> {
     /// The captures and names before the change.
-    pub before: &'a Captures,
+    pub before: &'a Rounds,
     /// The captures and names after the change.
-    pub after: &'a Captures,
+    pub after: &'a Rounds,
     /// The machine start that their times refer to.
     pub boot: &'a str,
     /// The state of a capture that no longer waits.
     pub ended_as: &'static str,
+    /// The scan that by a person's decision answers the capture of this number, and none besides.
+    pub answers: Option<(&'a ScanId, i64)>,
     /// The entry for the history, if any.
     pub event: Option<(Event, Value)>,
 }
@@ -72,25 +77,26 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`]; nothing is changed then.
     pub fn booth_changed(&self, change: &BoothChange<'_>) -> Result<(), JournalError> {
-        let BoothChange { before, after, boot, ended_as, event } = change;
+        let BoothChange { before, after, boot, ended_as, answers, event } = change;
         self.change(|transaction| {
             for capture in after.waiting() {
-                if !before.waiting().contains(capture) {
+                if before.waiting().all(|known| known != capture) {
                     save(transaction, capture, boot)?;
                 }
             }
-            let still = |number: i64| after.waiting().iter().any(|known| known.number == number);
-            for capture in before.waiting().iter().filter(|capture| !still(capture.number)) {
-                end(transaction, &[capture.number], ended_as)?;
+            let still = |number: i64| after.open().iter().any(|known| known.number == number);
+            for gone in before.open().iter().filter(|capture| !still(capture.number)) {
+                end(transaction, &[gone.number], ended_as)?;
             }
-            let still = |number: i64| {
-                after
-                    .measuring()
-                    .chain(after.waiting().iter().map(|of| of.number))
-                    .any(|of| of == number)
-            };
-            let given_up: Vec<i64> = before.measuring().filter(|number| !still(*number)).collect();
-            end(transaction, &given_up, ended_as)?;
+            if let Some((scan, number)) = answers {
+                let cells = params![scan.as_str(), number, ANSWERED];
+                transaction.execute(
+                    "UPDATE captures SET state = iif(number = ?2, ?3, state),
+                                         scan = iif(number = ?2, ?1, '')
+                     WHERE number = ?2 OR scan = ?1",
+                    cells,
+                )?;
+            }
             next::save(transaction, before, after, boot)?;
             if let Some((event, detail)) = event {
                 history::append(transaction, None, *event, detail)?;
@@ -113,11 +119,11 @@ impl Journal {
         Ok(found)
     }
 
-    /// The capture that a scan answered.
+    /// The capture that a scan answered, also where it was opened again because the scan was refused.
     pub fn capture_answered_by(&self, scan: &ScanId) -> Result<Option<Capture>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(&format!(
-            "SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {TAKEN}"
+            "SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {NOT_ENDED}"
         ))?;
         let mut rows = query.query([scan.as_str()])?;
         rows.next()?.map(|row| Ok(read(row)?.capture)).transpose()
@@ -174,7 +180,7 @@ impl Journal {
         self.change(|transaction| end(transaction, captures, "over"))
     }
 
-    /// Expires captures of an earlier machine start, and their names. Captures that are carried over
+    /// Expires captures of an earlier machine start, and their names. Rounds that are carried over
     /// stay, with times of this start.
     pub fn captures_of_before(
         &self,
@@ -204,7 +210,7 @@ pub(super) fn answer(
     judged: &Judged,
 ) -> Result<(), JournalError> {
     let (answered, state, doubtful, candidates) = match judged {
-        Judged::Unpressed => return Ok(()),
+        Judged::Unpressed | Judged::Known => return Ok(()),
         Judged::Of(capture) => (Some(capture.number), ANSWERED, &[][..], &[][..]),
         Judged::Held { answered, doubtful, candidates, .. } => {
             (*answered, HELD, doubtful.as_slice(), candidates.as_slice())
@@ -230,8 +236,9 @@ fn doubt(
     candidates: &[Named],
 ) -> Result<(), JournalError> {
     let row = {
-        let mut query = transaction
-            .prepare_cached(&format!("SELECT {CELLS} FROM captures WHERE number = ?1"))?;
+        let mut query = transaction.prepare_cached(&format!(
+            "SELECT {CELLS} FROM captures WHERE number = ?1 AND state IN {NOT_ENDED}"
+        ))?;
         let mut rows = query.query([number])?;
         rows.next()?.map(read).transpose()?
     };
@@ -291,7 +298,7 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
          VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)
          ON CONFLICT (number) DO UPDATE
          SET boot = ?3, opened_ms = ?4, until_ms = ?5, patient = ?7, source = ?8, state = ?9,
-             candidates = ?10, refused = ?11, doubt = ?12, seal = ?13, scan = ''",
+             candidates = ?10, refused = ?11, doubt = ?12, seal = ?13",
         params![
             capture.number,
             Timestamp::now().to_string(),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gaiter_flow::capture::Judged;
+use gaiter_flow::round::Judged;
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use gaiter_record::Patient;
 use jiff::Timestamp;

@@ -6,7 +6,7 @@ use super::*;
 
 mod ruin;
 
-use gaiter_flow::capture::Judged;
+use gaiter_flow::round::Judged;
 use gaiter_flow::{DeliveryState, ScanId, ScanState, Stamp};
 use gaiter_record::{Patient, Source, SourceKind};
 use ruin::edit;

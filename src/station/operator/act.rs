@@ -2,13 +2,13 @@
 
 mod amend;
 
-use gaiter_flow::capture::NamedNext;
+use gaiter_flow::round::NamedNext;
 use gaiter_flow::{DeliveryState, ScanId};
 use gaiter_language::Language;
 use gaiter_record::SourceKind;
 use gaiter_record::measure::amendment::AmendFault;
 use jiff::Timestamp;
-use tracing::info;
+use tracing::{info, warn};
 
 use crate::station::booth::{Booth, NameFault};
 use crate::station::core::Core;
@@ -154,10 +154,16 @@ pub fn act(
         Act::Pause => return pause(core, true),
         Act::Resume => return pause(core, false),
         Act::Retry => retry(core, known(core, scan)?),
-        Act::Release => release(core, known(core, scan)?),
-        Act::Assign(id) => assign(core, known(core, scan)?, id),
+        Act::Release => {
+            ends_round(scan, release(core, known(core, scan)?), |scan| booth.decided(scan))
+        }
+        Act::Assign(id) => {
+            ends_round(scan, assign(core, known(core, scan)?, id), |scan| booth.decided(scan))
+        }
         Act::Unassign(from) => unassign(core, known(core, scan)?, from.as_deref()),
-        Act::GiveUp => give_up(core, known(core, scan)?),
+        Act::GiveUp => {
+            ends_round(scan, give_up(core, known(core, scan)?), |scan| booth.given_up(scan))
+        }
         Act::Amend(patient, setting) => {
             amend::set(core, booth, &known(core, scan)?, patient.as_deref(), setting)
         }
@@ -168,6 +174,20 @@ pub fn act(
         core.check_corruption(fault);
     }
     core.work.notify_one();
+    said
+}
+
+/// A decision ends the round of its scan. If that cannot be written down, the round ends by time.
+fn ends_round(
+    scan: Option<&ScanId>,
+    said: Result<String, ActFault>,
+    end: impl Fn(&ScanId) -> Result<(), JournalError>,
+) -> Result<String, ActFault> {
+    if let (Ok(_), Some(scan)) = (&said, scan)
+        && let Err(error) = end(scan)
+    {
+        warn!(event = "journal-failed", error = chain(&error));
+    }
     said
 }
 

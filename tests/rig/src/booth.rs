@@ -72,10 +72,15 @@ impl Room {
         self.booth.reconfigure(|config| config.lines().map(line).collect());
     }
 
-    /// A started station that has listened for long enough to believe that it hears every press.
+    /// A started station that has listened for long enough to believe that it hears every press. Somebody
+    /// said at the booth that nobody is there since it was started first.
     #[track_caller]
     pub fn start(&self) -> Daemon {
+        let is_first = !self.booth.path("state/journal.db").exists();
         let daemon = self.booth.start_ready();
+        if is_first {
+            self.booth.gaiter(&["patient", "clear"]);
+        }
         if self.button.is_some() {
             self.booth.wait_for("a sure booth", || {
                 let status = self.status();

@@ -31,6 +31,8 @@ pub struct Situation<'a> {
     pub next: &'a [String],
     /// The ids of the patients whose exports are expected; without a button a name opens the capture.
     pub awaited_for: &'a [String],
+    /// It is not certain who is next: somebody at the booth must say so.
+    pub is_asked: bool,
     /// A press may have been missed.
     pub is_in_doubt: bool,
     /// How the last scan since the last press ended; `None` if none has ended since.
@@ -81,7 +83,7 @@ fn of_last(last: &Outcome, language: Language) -> Option<String> {
 /// The key of the sentence on what to do next.
 fn next_step(booth: &Situation<'_>) -> &'static str {
     match (booth.signal, booth.has_button) {
-        (Signal::Ready, true) if booth.next.len() > 1 => "page.step.say_who",
+        (Signal::Ready, true) if booth.is_asked => "page.step.say_who",
         (Signal::Ready, true) if !booth.next.is_empty() => "page.step.press_for_named",
         (Signal::Ready, true) => "page.step.press",
         (Signal::Ready, false) => "page.step.scan",

@@ -103,11 +103,12 @@ fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text
     let [or, and] = ["page.next.or", "page.next.and"].map(|key| language.text(key));
     let text = match who {
         [_, _, ..] => Text::new().sentence(language.text("page.next.who"), who, or),
+        [_] if booth.is_asked => Text::new().sentence(language.text("page.next.is_it"), who, or),
         [_] if booth.has_button => Text::new().sentence(language.text("page.next.next"), who, or),
         _ => Text::new(),
     };
-    let is_asked = !booth.has_button && who.len() > 1;
-    let awaited_for = if is_asked { Vec::new() } else { distinct(booth.awaited_for) };
+    let is_said = !booth.has_button && (who.len() > 1 || booth.is_asked);
+    let awaited_for = if is_said { Vec::new() } else { distinct(booth.awaited_for) };
     let text = match awaited_for.as_slice() {
         [] => text,
         [_] => text.sentence(language.text("page.next.export_of"), &awaited_for, and),
@@ -124,6 +125,7 @@ fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text
 fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> String {
     let named = match who.len() {
         0 => None,
+        1 if booth.is_asked => Some(language.text("page.next.asked").to_owned()),
         1 => Some(language.text("page.next.one").to_owned()),
         _ => Some(language.text("page.next.several").to_owned()),
     };

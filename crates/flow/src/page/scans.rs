@@ -12,7 +12,7 @@ use super::rows::key;
 use super::{PatientShown, distinct};
 use crate::account::{Delivered, Whole};
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
-use crate::{DeliveryState, ScanState, capture};
+use crate::{DeliveryState, ScanState, round};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -184,7 +184,7 @@ fn place(whole: &Whole) -> Place {
 /// release would be a guess, so it is not offered.
 fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
     let is_guess =
-        matches!(code, Some(PATIENTS_DIFFER | capture::AMBIGUOUS)) || whole.candidates.len() > 1;
+        matches!(code, Some(PATIENTS_DIFFER | round::AMBIGUOUS)) || whole.candidates.len() > 1;
     let is_for_one = theirs(whole).len() == 1;
     match place {
         Place::Refused => vec!["retry", "give_up"],

@@ -25,6 +25,7 @@ fn booth(signal: Signal) -> Situation<'static> {
         awaited: 0,
         next: &[],
         awaited_for: &[],
+        is_asked: false,
         is_in_doubt: false,
         last: None,
     }
@@ -211,15 +212,15 @@ fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
 
 #[test]
 fn a_reason_is_of_its_own_code() {
-    use crate::capture;
     use crate::patient::identity;
+    use crate::round;
     for (code, english, german) in [
-        (capture::AMBIGUOUS, "more than one", "mehr als einem"),
-        (capture::UNCLEAR, "before the button", "bevor der Knopf"),
-        (capture::LATE, "after the time", "nach der Zeit"),
-        (capture::UNHEARD, "been missed", "nicht gehört"),
-        (capture::UNREAD, "could not be read", "nicht lesbar"),
-        (capture::REPEATED, "second time", "zweites Mal"),
+        (round::AMBIGUOUS, "more than one", "mehr als einem"),
+        (round::UNCLEAR, "before the button", "bevor der Knopf"),
+        (round::LATE, "after the time", "nach der Zeit"),
+        (round::UNHEARD, "been missed", "nicht gehört"),
+        (round::UNREAD, "could not be read", "nicht lesbar"),
+        (round::REPEATED, "second time", "zweites Mal"),
         (identity::NO_PRESS, "Nobody pressed", "Niemand hat"),
         (identity::PATIENTS_DIFFER, "Two sources", "Zwei Quellen"),
         (identity::SAME_SCAN_OTHER_PATIENT, "another patient", "anderen Patienten"),
@@ -318,15 +319,15 @@ fn a_held_scan_is_named_after_those_for_whom_it_is_held() {
 
 #[test]
 fn every_code_of_a_held_scan_has_a_reason_of_its_own() {
-    use crate::capture;
     use crate::patient::identity;
+    use crate::round;
     let codes = [
-        capture::AMBIGUOUS,
-        capture::UNCLEAR,
-        capture::LATE,
-        capture::UNHEARD,
-        capture::UNREAD,
-        capture::REPEATED,
+        round::AMBIGUOUS,
+        round::UNCLEAR,
+        round::LATE,
+        round::UNHEARD,
+        round::UNREAD,
+        round::REPEATED,
         identity::NO_PRESS,
         identity::PATIENTS_DIFFER,
         identity::SAME_SCAN_OTHER_PATIENT,

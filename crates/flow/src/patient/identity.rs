@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use gaiter_record::{Patient, Source, SourceKind};
 use regex::Regex;
 
-use crate::capture::{Judged, Named};
 use crate::patient::check_digit::CheckDigit;
+use crate::round::{Judged, Named};
 
 /// The named group of the file-name expression that holds the id.
 const GROUP: &str = "patient";
@@ -129,19 +129,19 @@ impl Identity {
     }
 }
 
-/// Whose scan it is, by the capture that it answers, its file name and the files beside it. A known scan
-/// is held only because of what its own name says; `hold_unpressed` is whether exports without a press
-/// are held.
-pub fn of_judged(
-    judged: &Judged,
-    is_known: bool,
-    hold_unpressed: bool,
-    says: [NameSays; 2],
-) -> Whose {
+/// Whose scan it is, by the capture that it answers, its file name and the files beside it. A name in the
+/// file name binds to that content: it settles what is held for nobody else. `hold_unpressed` is whether
+/// exports without a press are held.
+pub fn of_judged(judged: &Judged, hold_unpressed: bool, says: [NameSays; 2]) -> Whose {
     let (named, held) = match judged {
         Judged::Of(capture) => (capture.patient.as_ref(), None),
-        Judged::Held { why, patient, .. } => (patient.as_ref(), Some(why.code())),
-        Judged::Unpressed => (None, (hold_unpressed && !is_known).then_some(NO_PRESS)),
+        Judged::Held { why, patient, candidates, .. } => {
+            let is_settled = matches!(&says[0], NameSays::Patient(said)
+                if candidates.iter().all(|named| named.id == said.id));
+            (patient.as_ref(), (!is_settled).then_some(why.code()))
+        }
+        Judged::Unpressed => (None, hold_unpressed.then_some(NO_PRESS)),
+        Judged::Known => (None, None),
     };
     whose(named, held, says)
 }

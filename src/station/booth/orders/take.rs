@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use gaiter_flow::booth::Heard;
-use gaiter_flow::capture::Doubt;
 use gaiter_flow::orders::news::{self, News};
+use gaiter_flow::round::Doubt;
 use gaiter_flow::{OrderState, Settled};
 use gaiter_record::SourceKind;
 use gaiter_record::gdt::{Order, OrderFault, order};

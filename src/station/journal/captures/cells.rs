@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use gaiter_flow::capture::{CaptureState, Opener};
+use gaiter_flow::round::{CaptureState, Opener};
 use gaiter_record::SourceKind;
 use serde::Serialize;
 
@@ -12,17 +12,19 @@ pub(super) fn milliseconds(time: Duration) -> i64 {
     i64::try_from(time.as_millis()).unwrap_or(i64::MAX)
 }
 
-const STATES: [(&str, CaptureState); 2] =
-    [("open", CaptureState::Open), ("expired", CaptureState::Expired)];
-
-pub(super) fn state_word(state: CaptureState) -> &'static str {
-    STATES.iter().find(|(_, known)| *known == state).map_or("open", |(word, _)| word)
+pub(super) const fn state_word(state: CaptureState) -> &'static str {
+    match state {
+        CaptureState::Open => "open",
+        CaptureState::Expired => "expired",
+        CaptureState::Taken => "answered",
+        CaptureState::Held => "held",
+    }
 }
 
-/// The state that a word stands for. A finished capture counts as one that was open.
+/// The state that a word stands for; `None` for one that ended.
 pub(super) fn state_of(word: &str) -> Option<CaptureState> {
-    let known = STATES.iter().find(|(known, _)| *known == word).map(|(_, state)| *state);
-    known.or_else(|| matches!(word, "answered" | "held" | "over").then_some(CaptureState::Open))
+    let all = [CaptureState::Open, CaptureState::Expired, CaptureState::Taken, CaptureState::Held];
+    all.into_iter().find(|state| state_word(*state) == word)
 }
 
 pub(super) fn opener_word(opener: Opener) -> &'static str {

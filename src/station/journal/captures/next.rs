@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use gaiter_flow::capture::{Captures, Doubt, Named, Next};
+use gaiter_flow::round::{Doubt, Named, Names, Next, Rounds};
 use gaiter_record::SourceKind;
 use rusqlite::{Connection, OptionalExtension, Transaction};
 use serde::{Deserialize, Serialize};
@@ -14,25 +14,20 @@ use crate::station::journal::{Journal, JournalError, json_cell};
 /// The name of the fact.
 const NEXT: &str = "next-patient";
 
-/// The names that wait.
+/// The names that wait, with the machine start that their times refer to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Names {
+pub struct NamesOfBoot {
     /// Who may be next.
-    pub next: Option<Next>,
-    /// The recent presses without a certain name, for which an order may still come.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub unsure: Vec<Duration>,
-    /// When a name was given without a button but could not be read.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub unread: Vec<Duration>,
-    /// The machine start that the times refer to.
+    #[serde(flatten)]
+    pub names: Names,
+    /// The machine start.
     pub boot: String,
 }
 
 /// The same with a seal that detects damage.
 #[derive(Serialize, Deserialize)]
 struct NamesCell {
-    names: Names,
+    names: NamesOfBoot,
     seal: String,
 }
 
@@ -48,7 +43,7 @@ struct OneName {
 
 impl Journal {
     /// The names that wait for a press.
-    pub fn names(&self) -> Result<Option<Names>, JournalError> {
+    pub fn names(&self) -> Result<Option<NamesOfBoot>, JournalError> {
         let Some(text) = self.fact(NEXT)? else { return Ok(None) };
         let NamesCell { names, seal } = json_cell("value", text)?;
         if seal != seal::of_text(&json_text(&names)?) {
@@ -61,22 +56,17 @@ impl Journal {
 /// Saves the names if they have changed.
 pub(super) fn save(
     transaction: &Transaction<'_>,
-    before: &Captures,
-    after: &Captures,
+    before: &Rounds,
+    after: &Rounds,
     boot: &str,
 ) -> Result<(), JournalError> {
-    let of = |captures: &Captures| {
-        let unread = captures.unread_at().to_vec();
-        (captures.next().cloned(), captures.unsure_at().to_vec(), unread)
-    };
-    if of(before) == of(after) {
+    if before.names() == after.names() {
         return Ok(());
     }
-    let (next, unsure, unread) = of(after);
-    put(transaction, Names { next, unsure, unread, boot: boot.to_owned() })
+    put(transaction, NamesOfBoot { names: after.names().clone(), boot: boot.to_owned() })
 }
 
-fn put(transaction: &Transaction<'_>, names: Names) -> Result<(), JournalError> {
+fn put(transaction: &Transaction<'_>, names: NamesOfBoot) -> Result<(), JournalError> {
     let seal = seal::of_text(&json_text(&names)?);
     let text = json_text(&NamesCell { names, seal })?;
     transaction.execute(
@@ -94,7 +84,7 @@ pub fn names_patient(connection: &Connection, patient: &str) -> Result<bool, Jou
         .optional()?;
     let Some(text) = text else { return Ok(false) };
     let NamesCell { names, .. } = json_cell("value", text)?;
-    let mut said = names.next.iter().flat_map(|next| &next.names);
+    let mut said = names.names.next.iter().flat_map(|next| &next.names);
     Ok(said.any(|said| said.named.id == patient))
 }
 
@@ -113,5 +103,6 @@ pub fn upgrade(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     let OneName { id, by, boot, at_ms, is_doubtful } = json_cell("value", text)?;
     let doubt = is_doubtful.then_some(Doubt::Shared);
     let next = Next::one(Named { id, by }, Duration::from_millis(at_ms), doubt);
-    put(transaction, Names { next: Some(next), unsure: Vec::new(), unread: Vec::new(), boot })
+    let names = Names { next: Some(next), ..Names::default() };
+    put(transaction, NamesOfBoot { names, boot })
 }

@@ -17,8 +17,8 @@ use super::deliveries::finish_if_done;
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, captures, cell, history, json_cell, withdrawal};
 use gaiter_flow::ScanId;
-use gaiter_flow::capture::Named;
 use gaiter_flow::patient::erasure::names;
+use gaiter_flow::round::Named;
 pub use person::Theirs;
 use redact::redact;
 

@@ -5,8 +5,10 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use gaiter_flow::capture::{Capture, CaptureState, Captures, Doubt, Judged, Next, Opener, Rules};
 use gaiter_flow::patient::person::WhoseScan;
+use gaiter_flow::round::{
+    Capture, CaptureState, Doubt, Judged, Names, Next, Opener, Rounds, Rules,
+};
 use gaiter_flow::{DeliveryState, OrderState, OrdersWhen, ScanState, Stamp};
 use gaiter_record::{Patient, Source, SourceKind};
 use serde_json::json;
@@ -81,15 +83,16 @@ fn wait_for(journal: &Journal, id: &str) {
         is_refused: false,
         doubt: Some(Doubt::Shared),
     };
-    let before = Captures::new(rules, Vec::new(), None);
+    let before = Rounds::new(rules, Vec::new(), Names::default());
     let next = Next::one(named(id), Duration::ZERO, None);
-    let after = Captures::new(rules, vec![capture], Some(next));
+    let after = Rounds::new(rules, vec![capture], Names { next: Some(next), unsure: Vec::new() });
     let in_history = Some((Event::Named, json!({ "patient": id })));
     let change = BoothChange {
         before: &before,
         after: &after,
         boot: "boot",
         ended_as: "over",
+        answers: None,
         event: in_history,
     };
     journal.booth_changed(&change).unwrap();

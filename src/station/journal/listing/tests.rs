@@ -2,7 +2,7 @@
 
 use gaiter_flow::DeliveryState::{Delivered as Done, Held, Pending};
 use gaiter_flow::account::{Search, SearchState};
-use gaiter_flow::capture::Judged;
+use gaiter_flow::round::Judged;
 use gaiter_record::{Patient, Source, SourceKind};
 
 use super::*;

@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use gaiter_flow::capture::Judged;
 use gaiter_flow::outbox::{Ended, Key};
+use gaiter_flow::round::Judged;
 use gaiter_flow::{Outbox, ScanState};
 use gaiter_record::{Patient, Source, SourceKind};
 use proptest::prelude::*;

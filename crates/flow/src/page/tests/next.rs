@@ -99,8 +99,12 @@ fn those_who_may_be_next_are_told_once_each_and_nothing_in_their_ids_is_hidden()
 #[test]
 fn while_it_is_in_doubt_who_is_next_the_light_asks_for_it_before_the_press() {
     let ids = ["1", "2"].map(str::to_owned);
-    let sentence =
-        |next| page(Situation { next, ..booth(Signal::Ready) }, &[], Language::En).light.sentence;
-    assert!(sentence(&ids[..]).starts_with("Say who is in the booth"));
-    assert!(sentence(&ids[..1]).starts_with("Press the button"));
+    let shown = |next, is_asked| {
+        page(Situation { next, is_asked, ..booth(Signal::Ready) }, &[], Language::En)
+    };
+    for next in [&ids[..], &ids[..1]] {
+        assert!(shown(next, true).light.sentence.starts_with("Say who is in the booth"));
+    }
+    assert_eq!(shown(&ids[..1], true).next.sentence, "Is it 1 who is in the booth?");
+    assert!(shown(&ids[..1], false).light.sentence.starts_with("Press the button"));
 }

@@ -6,8 +6,8 @@ use std::rc::Rc;
 use std::slice;
 use std::time::Duration;
 
-use gaiter_flow::capture::{Captures, Doubt, Named, NamedNext, Rules};
 use gaiter_flow::patient::identity::Identity;
+use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Names, Rounds, Rules};
 use gaiter_flow::settle::{Memory, Sights};
 use gaiter_flow::{Appeared, Settling};
 use gaiter_record::SourceKind;
@@ -18,7 +18,7 @@ use super::disk::{Disk, Fault};
 use super::folder::Folder;
 use super::intake::{Phase, TakeFault};
 use super::laws::Off;
-use super::truth::Truth;
+use super::truth::{Truth, id};
 
 /// The times of the shipped configuration.
 pub const QUIET: Duration = Duration::from_secs(2);
@@ -54,7 +54,7 @@ pub struct Setup {
 /// What a crash takes away.
 pub struct Run {
     pub settling: Settling,
-    pub captures: Captures,
+    pub captures: Rounds,
     /// What the journal has of the looks.
     pub kept: Option<Memory>,
     /// What the looks have found.
@@ -122,8 +122,12 @@ impl Booth {
         let heard = Duration::from_secs(1);
         let looked = booth.clock();
         if let Some(run) = &mut booth.run {
-            run.captures = Captures::new(booth.setup.rules, Vec::new(), None);
+            run.captures = Rounds::new(booth.setup.rules, Vec::new(), Names::default());
             run.captures.hears(heard);
+            // Somebody was named since the start.
+            let named = Named { id: id(0), by: SourceKind::Operator };
+            run.captures.named(named, 1, heard, &[]);
+            run.captures.call_off();
             let memory = Memory { looked: Some(looked), files: Vec::new() };
             run.settling = settling().remembering(memory);
         }
@@ -146,11 +150,10 @@ impl Booth {
     pub fn start(&mut self) {
         self.start_ms = None;
         (self.disk.is_locked, self.unlock_ms) = (false, None);
-        self.disk.recover(self.setup.off);
-        let (waiting, next) = self.disk.captures();
-        let mut captures = Captures::new(self.setup.rules, waiting, next)
-            .with_doubts(self.disk.unsure.clone(), self.disk.unread.clone())
-            .with_measuring(self.disk.measuring(), self.clock());
+        self.disk.recover();
+        let (waiting, names) = self.disk.captures();
+        let mut captures = Rounds::new(self.setup.rules, waiting, names)
+            .with_taken(self.disk.taken(), self.clock());
         if !self.setup.rules.by_press {
             captures.hears(Duration::ZERO);
         } else if !self.is_unplugged {
@@ -203,7 +206,7 @@ impl Booth {
         loop {
             let export = self.truth.next_end_ms().unwrap_or(NEVER);
             let (step, work, pass) = self.run.as_ref().map_or((NEVER, NEVER, NEVER), |run| {
-                let is_idle = run.captures.waiting().is_empty() && run.captures.next().is_none();
+                let is_idle = run.captures.open().is_empty() && run.captures.next().is_none();
                 let pass = if is_idle { NEVER } else { run.pass_at_ms };
                 (run.step_at_ms, run.work.keys().next().copied().unwrap_or(NEVER), pass)
             });
@@ -268,6 +271,11 @@ impl Booth {
 
     fn pass(&mut self) {
         let now = self.clock();
+        // A look since its end says that a capture is over.
+        let is_past = |capture: &Capture| capture.is_waiting() && now > capture.until + LATE;
+        if self.run.as_ref().is_some_and(|run| run.captures.open().iter().any(is_past)) {
+            self.make_up_looks();
+        }
         let Some(run) = &mut self.run else { return };
         run.pass_at_ms = self.now_ms + PASS_MS;
         let mut after = run.captures.clone();
@@ -281,7 +289,11 @@ impl Booth {
     pub fn heard_press(&mut self) -> bool {
         let now = self.clock();
         let Some(run) = self.run.as_mut().filter(|_| !self.is_unplugged) else { return false };
-        let mut after = run.captures.clone();
+        let mut after = at_rest(self.setup.off, &run.captures);
+        if self.setup.off == Off::PressAfterName && after.next().is_none() {
+            let nobody = Named { id: NOBODY.to_owned(), by: SourceKind::Operator };
+            after.named(nobody, 0, now, &[]);
+        }
         after.pressed(self.disk.next_capture(), now);
         if change(self.setup.off, &mut self.disk, run, after).is_err() {
             run.captures.missed_press(now);
@@ -292,11 +304,10 @@ impl Booth {
 
     /// A card was read or an order came in.
     pub fn heard_name(&mut self, id: &str, by: SourceKind, doubt: Option<Doubt>) {
-        let now = self.clock();
         if self.name(id, by, doubt).is_err()
             && let Some(run) = &mut self.run
         {
-            run.captures.unread(now);
+            run.captures.unread();
         }
     }
 
@@ -306,8 +317,11 @@ impl Booth {
         let Some(run) = &mut self.run else { return Err(Fault) };
         let number = self.disk.next_capture();
         let Sights { coming, .. } = run.sights.clone();
-        let mut after = run.captures.clone();
-        let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by, now) };
+        let mut after = match self.setup.rules.by_press {
+            true => run.captures.clone(),
+            false => at_rest(self.setup.off, &run.captures),
+        };
+        let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by) };
         let came = match doubt {
             None => after.named(named, number, now, &coming),
             Some(doubt) => after.doubtful(named, doubt, number, now, &coming),
@@ -321,13 +335,12 @@ impl Booth {
 
     /// Somebody tried to name a patient, and it could not be read.
     pub fn unread(&mut self) {
-        let now = self.clock();
         let Some(run) = self.run.as_mut().filter(|_| self.setup.off != Off::FailedNamingDisarms)
         else {
             return;
         };
         let mut after = run.captures.clone();
-        after.unread(now);
+        after.unread();
         let _ = change(self.setup.off, &mut self.disk, run, after.clone());
         run.captures = after;
     }
@@ -336,11 +349,8 @@ impl Booth {
     pub fn call_off(&mut self) -> Result<(), Fault> {
         let Some(run) = &mut self.run else { return Err(Fault) };
         let mut after = run.captures.clone();
-        let called_off = after.call_off();
-        if called_off.name || !called_off.captures.is_empty() {
-            change(self.setup.off, &mut self.disk, run, after)?;
-        }
-        Ok(())
+        after.call_off();
+        change(self.setup.off, &mut self.disk, run, after)
     }
 
     /// The scan that answered a capture was refused: another export is awaited.
@@ -348,10 +358,6 @@ impl Booth {
         let now = self.clock();
         let Some(run) = &mut self.run else { return Err(Fault) };
         let Some(capture) = self.disk.answered_by(scan) else { return Ok(()) };
-        if self.setup.off == Off::RefusalOpensAgain {
-            run.captures.measured(capture.number);
-            return Ok(());
-        }
         let mut after = run.captures.clone();
         after.refused(capture.number, now);
         change(self.setup.off, &mut self.disk, run, after)
@@ -372,7 +378,7 @@ pub fn settling() -> Settling {
 }
 
 /// As `Station::change_booth`: the journal first.
-fn change(off: Off, disk: &mut Disk, run: &mut Run, after: Captures) -> Result<(), Fault> {
+pub fn change(off: Off, disk: &mut Disk, run: &mut Run, after: Rounds) -> Result<(), Fault> {
     let written = disk.booth_changed(&run.captures, &after);
     if written.is_ok() || off == Off::JournalFirst {
         run.captures = after;
@@ -380,15 +386,24 @@ fn change(off: Off, disk: &mut Disk, run: &mut Run, after: Captures) -> Result<(
     written
 }
 
-/// With a law of orders switched off an order is heard as if somebody at the booth had said it.
-fn as_heard(off: Off, run: &Run, id: &str, by: SourceKind, now: Duration) -> SourceKind {
-    let others_wait =
-        run.captures.next().is_some_and(|next| next.names.iter().any(|said| said.named.id != id));
-    let is_unsure = run.captures.unsure_at().iter().any(|at| now <= *at + WINDOW + LATE);
-    let as_said = match off {
-        Off::OrdersAddUp => others_wait,
-        Off::OrderAfterUnnamedPress => !others_wait && is_unsure,
-        _ => false,
-    };
-    if by == SourceKind::Order && as_said { SourceKind::Reader } else { by }
+/// The patient of a press without a name, where nothing follows from that.
+pub const NOBODY: &str = "nobody";
+
+/// With the law of rest switched off a new round finds every capture ended.
+fn at_rest(off: Off, captures: &Rounds) -> Rounds {
+    let mut rounds = captures.clone();
+    if off == Off::RestBefore {
+        for capture in captures.open() {
+            rounds.answer(&Judged::Of(capture.clone()), capture.opened);
+            rounds.measured(capture.number);
+        }
+    }
+    rounds
+}
+
+/// With the law of orders switched off an order is heard as if somebody at the booth had said it.
+fn as_heard(off: Off, run: &Run, id: &str, by: SourceKind) -> SourceKind {
+    let mut waiting = run.captures.next().into_iter().flat_map(|next| &next.names);
+    let replaces = off == Off::OrdersAddUp && waiting.any(|said| said.named.id != id);
+    if by == SourceKind::Order && replaces { SourceKind::Operator } else { by }
 }

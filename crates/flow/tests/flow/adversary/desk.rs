@@ -1,8 +1,8 @@
 //! The desk: the orders of the practice software, and what the station reads of them.
 
 use gaiter_flow::OrdersWhen;
-use gaiter_flow::capture::Doubt;
 use gaiter_flow::orders::news::{self, News, OrderState};
+use gaiter_flow::round::Doubt;
 use gaiter_record::SourceKind;
 
 use super::laws::Off;

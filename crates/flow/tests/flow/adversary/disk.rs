@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use gaiter_flow::capture::{Capture, Captures, Judged, Named, Next};
 use gaiter_flow::orders::news::OrderState;
+use gaiter_flow::round::{Capture, Judged, Named, Names, Rounds};
 use gaiter_flow::settle::Memory;
 use gaiter_flow::{DeliveryState, ScanState, Stamp};
 
@@ -28,13 +28,6 @@ enum End {
     Answered,
     Held,
     Over,
-}
-
-impl End {
-    /// Its export was taken.
-    fn is_taken(self) -> bool {
-        self != End::Over
-    }
 }
 
 #[derive(Debug, Clone)]
@@ -72,9 +65,7 @@ pub struct Intake {
 pub struct Disk {
     pub is_locked: bool,
     captures: BTreeMap<i64, CaptureRow>,
-    next: Option<Next>,
-    pub unsure: Vec<Duration>,
-    pub unread: Vec<Duration>,
+    names: Names,
     last_capture: i64,
     /// In the order of first sight.
     scans: Vec<(Scan, ScanRow)>,
@@ -102,37 +93,35 @@ impl Disk {
     }
 
     /// As `Journal::booth_changed`.
-    pub fn booth_changed(&mut self, before: &Captures, after: &Captures) -> Result<(), Fault> {
+    pub fn booth_changed(&mut self, before: &Rounds, after: &Rounds) -> Result<(), Fault> {
         self.change()?;
         for capture in after.waiting() {
-            if !before.waiting().contains(capture) {
+            if before.waiting().all(|known| known != capture) {
                 self.save(capture.clone());
             }
         }
-        let still = |number: i64| after.waiting().iter().any(|known| known.number == number);
-        let still = |number: i64| still(number) || after.measuring().any(|known| known == number);
-        let before = before.waiting().iter().map(|known| known.number).chain(before.measuring());
-        for gone in before.filter(|number| !still(*number)) {
-            if let Some(row) = self.captures.get_mut(&gone) {
+        let still = |number: i64| after.open().iter().any(|known| known.number == number);
+        for gone in before.open().iter().filter(|known| !still(known.number)) {
+            if let Some(row) = self.captures.get_mut(&gone.number) {
                 row.end = Some(End::Over);
             }
         }
-        (self.next, self.unsure) = (after.next().cloned(), after.unsure_at().to_vec());
-        self.unread = after.unread_at().to_vec();
+        self.names = after.names().clone();
         Ok(())
     }
 
     fn save(&mut self, capture: Capture) {
         self.last_capture = self.last_capture.max(capture.number);
-        let at_ms = self.captures.get(&capture.number).and_then(|row| row.at_ms);
-        self.captures.insert(capture.number, CaptureRow { capture, end: None, scan: None, at_ms });
+        let before = self.captures.get(&capture.number);
+        let (at_ms, scan) = before.map_or((None, None), |row| (row.at_ms, row.scan));
+        self.captures.insert(capture.number, CaptureRow { capture, end: None, scan, at_ms });
     }
 
     /// What a start finds: the captures whose exports have not come, and the names.
-    pub fn captures(&self) -> (Vec<Capture>, Option<Next>) {
+    pub fn captures(&self) -> (Vec<Capture>, Names) {
         let waiting = self.captures.values().filter(|row| row.end.is_none());
         let waiting = waiting.map(|row| row.capture.clone()).collect();
-        (waiting, self.next.clone())
+        (waiting, self.names.clone())
     }
 
     /// The machine was off: whatever a press had begun expires. Its clock had begun at `boot_ms`, and
@@ -147,14 +136,12 @@ impl Disk {
                 None => row.end = Some(End::Over),
             }
         }
-        (self.next, self.looks) = (None, None);
-        self.unsure.clear();
-        self.unread.clear();
+        (self.names, self.looks) = (Names::default(), None);
     }
 
     pub fn answered_by(&self, scan: Scan) -> Option<Capture> {
         let mut rows = self.captures.values();
-        let row = rows.find(|row| row.end.is_some_and(End::is_taken) && row.scan == Some(scan));
+        let row = rows.find(|row| row.end != Some(End::Over) && row.scan == Some(scan));
         row.map(|row| row.capture.clone())
     }
 
@@ -209,7 +196,7 @@ impl Disk {
 
     fn answer(&mut self, scan: Scan, judged: &Judged) {
         let (answered, end, doubtful, candidates): (_, _, &[i64], &[Named]) = match judged {
-            Judged::Unpressed => return,
+            Judged::Unpressed | Judged::Known => return,
             Judged::Of(capture) => (Some(capture.number), End::Answered, &[], &[]),
             Judged::Held { answered, doubtful, candidates, .. } => {
                 (*answered, End::Held, doubtful, candidates)
@@ -322,11 +309,8 @@ impl Disk {
     }
 
     /// As `Custody::recover`: what the spool keeps and the journal does not know is entered.
-    pub fn recover(&mut self, off: Off) {
-        for (scan, mut intake) in self.unentered() {
-            if off == Off::KeptScansAnswer {
-                intake.judged = Judged::Unpressed;
-            }
+    pub fn recover(&mut self) {
+        for (scan, intake) in self.unentered() {
             let _ = self.enter(scan, &intake);
         }
     }
@@ -342,10 +326,8 @@ impl Disk {
         self.scans = refused;
         self.sighted.clear();
         self.companions.clear();
-        (self.next, self.looks) = (None, None);
-        self.unsure.clear();
-        self.unread.clear();
-        self.recover(off);
+        (self.names, self.looks) = (Names::default(), None);
+        self.recover();
         for (scan, (content, whose)) in self.records.clone() {
             for who in whose {
                 self.found(scan, content.clone(), who);

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use gaiter_flow::ScanState;
-use gaiter_flow::capture::{Capture, Judged};
+use gaiter_flow::round::{Capture, CaptureState, Judged};
 
-use super::{Content, Disk, End, Fault, Intake, Scan, ScanRow};
+use super::{CaptureRow, Content, Disk, End, Fault, Intake, Scan, ScanRow};
 
 impl Disk {
     /// As `Custody::known`.
@@ -45,7 +45,7 @@ impl Disk {
     }
 
     /// As `Journal::captures_taken`.
-    pub fn measuring(&self) -> Vec<Capture> {
+    pub fn taken(&self) -> Vec<Capture> {
         let is_open =
             |scan: Scan| self.scan(scan).is_some_and(|row| row.state != ScanState::Delivered);
         let rows = self.captures.values();
@@ -54,7 +54,22 @@ impl Disk {
             Some(End::Held) => true,
             Some(End::Over) | None => false,
         });
-        rows.map(|row| row.capture.clone()).collect()
+        let state = |row: &CaptureRow| match row.end {
+            Some(End::Answered) => CaptureState::Taken,
+            _ => CaptureState::Held,
+        };
+        rows.map(|row| Capture { state: state(row), ..row.capture.clone() }).collect()
+    }
+
+    /// As `Journal::booth_changed` for a decision: the scan answers this capture, and none besides.
+    pub fn answers_now(&mut self, scan: Scan, capture: Option<i64>) {
+        for (number, row) in &mut self.captures {
+            if Some(*number) == capture {
+                (row.end, row.scan) = (Some(End::Answered), Some(scan));
+            } else if row.scan == Some(scan) {
+                row.scan = None;
+            }
+        }
     }
 
     /// What the spool keeps and the journal does not know.

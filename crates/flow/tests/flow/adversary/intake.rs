@@ -6,13 +6,13 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-use gaiter_flow::capture::{Content as Judge, Judged, Named};
 use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::patient::identity;
+use gaiter_flow::round::{Capture, Content as Judge, Judged, Named};
 use gaiter_flow::{Look, LookTime, Mark, NameSays, Settled, Stamp, Verdict};
 use gaiter_record::SourceKind;
 
-use super::booth::{Booth, NEVER, RESCAN_MS, Run};
+use super::booth::{Booth, NEVER, NOBODY, RESCAN_MS, Run};
 use super::content::Content;
 use super::disk::{Fault, Intake};
 use super::folder::{self, Held};
@@ -149,7 +149,7 @@ impl Booth {
             run.settling.marked(&path, stamp, mark);
         }
         let memory = run.settling.memory();
-        let opened = run.captures.waiting().iter().map(|capture| capture.opened).max();
+        let opened = run.captures.waiting().map(|capture| capture.opened).max();
         let is_kept = run.kept.as_ref().is_some_and(|kept| {
             let covers = opened.is_none_or(|at| kept.looked.is_some_and(|looked| looked > at));
             kept.files == memory.files && covers && kept.looked.is_some() == memory.looked.is_some()
@@ -240,13 +240,15 @@ impl Booth {
         let is_known = known.is_some() && off != Off::KnownAnswerNothing;
         let is_cut_short = content.awaits_rest();
         let judge = Judge { began, is_known, is_cut_short, completes };
-        let judged = match off {
-            Off::RefusedIsCandidate => without_refused(run).judge_content(&judge),
-            _ => run.captures.judge_content(&judge),
+        let judged = match run.captures.judge_content(&judge, now) {
+            Judged::Of(capture) if capture.named().any(|named| named.id == NOBODY) => {
+                Judged::Of(Capture { patient: None, ..capture })
+            }
+            judged => judged,
         };
         let named = self.setup.identity.of_file_name(&name_of(&settled.path));
         let says = [named, says];
-        let whose = identity::of_judged(&judged, known.is_some(), self.setup.hold_unpressed, says);
+        let whose = identity::of_judged(&judged, self.setup.hold_unpressed, says);
         let patient = whose.patient.map(|patient| patient.id);
         let patients = known.map_or_else(Vec::new, |known| self.disk.patients(known));
         let verdict = identity::judge(patients.iter().map(Option::as_deref), patient.as_deref());
@@ -277,7 +279,7 @@ impl Booth {
 
     /// Spool, then journal, then memory; or what goes wrong in between.
     fn keep(&mut self, content: &Content, intake: &Intake) -> Result<(), Fault> {
-        let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
+        let (scan, now) = (content.scan(), self.clock());
         let fault = self.fault.take();
         let kept = match fault {
             Some(TakeFault::Spool) => Err(Fault),
@@ -300,7 +302,7 @@ impl Booth {
         }
         let (is_kept, judged) = (self.disk.spool_holds(scan), &intake.judged);
         let Some(run) = &mut self.run else { return Err(Fault) };
-        if entered.is_ok() || (is_kept && off != Off::KeptScansAnswer) {
+        if entered.is_ok() || is_kept {
             run.captures.answer(judged, now);
         }
         if entered.is_ok() {
@@ -322,10 +324,7 @@ impl Booth {
     /// As `Custody::enter_kept`.
     fn enter_kept(&mut self) -> Result<(), Fault> {
         let now = self.clock();
-        for (scan, mut intake) in self.disk.unentered() {
-            if self.setup.off == Off::KeptScansAnswer {
-                intake.judged = Judged::Unpressed;
-            }
+        for (scan, intake) in self.disk.unentered() {
             self.disk.enter(scan, &intake)?;
             let Some(run) = &mut self.run else { return Err(Fault) };
             run.captures.answer(&intake.judged, now);
@@ -381,15 +380,6 @@ fn dealt_with(disk: &super::disk::Disk, run: &mut Run, file: &Settled) -> bool {
         run.settling.taken(file);
     }
     is_dealt_with
-}
-
-fn without_refused(run: &Run) -> gaiter_flow::capture::Captures {
-    let mut captures = run.captures.clone();
-    for refused in run.captures.waiting().iter().filter(|capture| capture.is_refused) {
-        captures.answer(&Judged::Of(refused.clone()), Duration::ZERO);
-        captures.measured(refused.number);
-    }
-    captures
 }
 
 fn name_of(path: &std::path::Path) -> String {

@@ -121,18 +121,12 @@ pub fn theme(of: Off) -> &'static [Kind] {
         Off::ContentNotName => &[Kind::ExportRewrites, Kind::BreaksOff],
         Off::Inodes => &[Kind::ExportRenamed, Kind::Rename, Kind::Link],
         Off::KnownAnswerNothing => &[Kind::AgainSame, Kind::PressEarly, Kind::Card],
-        Off::RefusalOpensAgain => {
-            &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card, Kind::NextPatient]
-        }
-        Off::RefusedIsCandidate => {
-            &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card, Kind::NextPatient]
-        }
+        Off::RestBefore => &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card, Kind::NextPatient],
         Off::OrdersAddUp => &[Kind::Order, Kind::OrderEarly],
-        Off::OrderAfterUnnamedPress => &[Kind::OrderAfterPress, Kind::OrderLate],
+        Off::PressAfterName => &[Kind::OrderAfterPress, Kind::OrderLate],
         Off::FailedNamingDisarms => &[Kind::Unread, Kind::Order],
         Off::JournalFirst => &[Kind::JournalLocked, Kind::Word, Kind::NextPatient],
-        Off::KeptScansAnswer => &[Kind::TakeFails, Kind::Card, Kind::NextPatient],
-        Off::DecisionsOutlive => &[Kind::Decide, Kind::TakeBack, Kind::Rebuild],
+        Off::DecisionsOutlive => &[Kind::Decide, Kind::TakeBack, Kind::Rebuild, Kind::StoreAway],
         Off::FreshCompanions => &[Kind::ExportRewrites, Kind::ExportReplaces],
         Off::OrdersNameOnce => &[Kind::Order, Kind::OrderTouched],
     }
@@ -213,12 +207,12 @@ impl Kind {
             Kind::ExportReplaces | Kind::ExportMovedIn => 8,
             Kind::ExportLate | Kind::OrderLate | Kind::OrderAfterPress => 6,
             Kind::GoesOn | Kind::AgainWhole => 10,
-            Kind::RescanNamed | Kind::GivenUp => 30,
-            Kind::RescanUnnamed => 60,
-            Kind::ExportOutOfOrder => 24,
+            Kind::RescanNamed | Kind::GivenUp => 40,
+            Kind::RescanUnnamed => 90,
+            Kind::ExportOutOfOrder => 40,
             Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
             Kind::Rebuild | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,
-            Kind::Reboot => 3,
+            Kind::Reboot => 4,
             Kind::Unplug => 4,
             Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch | Kind::Unread => 1,
             Kind::Grows | Kind::Ends | Kind::AgainSame | Kind::AgainComment => 4,

@@ -6,26 +6,22 @@
 pub enum Off {
     /// All laws hold.
     Nothing,
-    /// An export is judged by the first sight of its name, not by that of its content.
+    /// R4: An export is judged by the first sight of its name, not by that of its content.
     ContentNotName,
-    /// A content is followed by its name only, not by device and inode.
+    /// R4: A content is followed by its name only, not by device and inode.
     Inodes,
     /// Known scans answer captures.
     KnownAnswerNothing,
-    /// A refusal does not open its capture again.
-    RefusalOpensAgain,
-    /// A refused capture is no candidate for the exports that come.
-    RefusedIsCandidate,
-    /// An order replaces the name that waits.
+    /// R1: A round begins although earlier captures have not ended.
+    RestBefore,
+    /// R2: An order replaces the name that waits.
     OrdersAddUp,
-    /// An order after a press without a name is certain.
-    OrderAfterUnnamedPress,
-    /// A naming that failed does nothing.
+    /// R3: A name after a press without one is certain for the next press.
+    PressAfterName,
+    /// R5: A naming that failed does nothing.
     FailedNamingDisarms,
     /// A command that the journal did not take has taken effect.
     JournalFirst,
-    /// A scan that the spool keeps and the journal does not know answers nothing.
-    KeptScansAnswer,
     /// A rebuild forgets what a person decided.
     DecisionsOutlive,
     /// A companion counts that was there before the scan.
@@ -35,18 +31,16 @@ pub enum Off {
 }
 
 impl Off {
-    pub const ALL: [Off; 14] = [
+    pub const ALL: [Off; 12] = [
         Off::Nothing,
         Off::ContentNotName,
         Off::Inodes,
         Off::KnownAnswerNothing,
-        Off::RefusalOpensAgain,
-        Off::RefusedIsCandidate,
+        Off::RestBefore,
         Off::OrdersAddUp,
-        Off::OrderAfterUnnamedPress,
+        Off::PressAfterName,
         Off::FailedNamingDisarms,
         Off::JournalFirst,
-        Off::KeptScansAnswer,
         Off::DecisionsOutlive,
         Off::FreshCompanions,
         Off::OrdersNameOnce,

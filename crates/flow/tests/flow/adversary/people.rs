@@ -50,6 +50,9 @@ pub struct People {
     given_up: usize,
     /// What the sequence has in mind: it happens without a reason, too.
     pub theme: &'static [Kind],
+    /// People take their time, and what is held is decided before the next patient: most rounds are clean
+    /// but for what the sequence has in mind.
+    pub is_calm: bool,
 }
 
 impl People {
@@ -68,6 +71,7 @@ impl People {
             keeps_orders,
             given_up: 0,
             theme,
+            is_calm: false,
         }
     }
 
@@ -91,6 +95,10 @@ impl People {
 
     /// Mostly there are some minutes between two patients.
     pub fn next_patient(&mut self) -> bool {
+        if self.is_calm && !self.awaits_exports() {
+            while self.booth.decide_held() {}
+            self.booth.advance(200_000);
+        }
         if !self.awaits_exports() && self.booth.chance.below(2) == 0 {
             let by_ms = self.booth.chance.below(300_000) as u64;
             self.booth.advance(by_ms);
@@ -273,7 +281,8 @@ impl People {
             Kind::OrderEarly => self.was_scanned(),
             _ => true,
         };
-        is_reason || self.theme.contains(&kind) || self.booth.chance.below(8) == 0
+        let strays = if self.is_calm { 64 } else { 8 };
+        is_reason || self.theme.contains(&kind) || self.booth.chance.below(strays) == 0
     }
 
     /// Whether all that came in of a scan was measured.

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use std::rc::Rc;
 
 use gaiter_flow::OrdersWhen;
-use gaiter_flow::capture::Rules;
 use gaiter_flow::patient::check_digit::CheckDigit;
 use gaiter_flow::patient::identity::Identity;
+use gaiter_flow::round::Rules;
 use regex::Regex;
 
 use super::booth::{Booth, LATE, NAME_LASTS, Setup, WINDOW};
@@ -126,6 +126,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     let rules = booth.setup.rules;
     booth.tell(|| format!("{rules:?}"));
     let mut people = People::new(booth, keeps_orders, theme);
+    people.is_calm = people.booth.chance.below(4) > 0;
     let mut ended = Ended::default();
     let mut before = Vec::new();
     for _ in 0..EVENTS {

@@ -3,10 +3,10 @@
 
 use std::time::Duration;
 
-use gaiter_flow::capture::Judged;
+use gaiter_flow::round::Judged;
 use gaiter_flow::{Appeared, ScanState, Stamp};
 
-use super::booth::{Booth, Run};
+use super::booth::{Booth, Run, change};
 use super::content::Scan;
 use super::truth::{Plan, id};
 
@@ -63,8 +63,8 @@ impl Booth {
     fn refuse(&mut self, scan: Scan, body: usize) -> Result<(), super::disk::Fault> {
         self.disk.refused(scan)?;
         self.tell(|| format!("body {body} is refused: {scan:?}"));
-        // Of one that came for nobody, or that a person had to decide upon, nobody relies on its capture.
-        let answered = self.disk.scan(scan).is_some_and(|row| matches!(row.judged, Judged::Of(_)));
+        // Of one that came for nobody nobody relies on its capture.
+        let answered = self.disk.scan(scan).is_some_and(|row| row.judged != Judged::Unpressed);
         if answered {
             self.truth.bodies[body].refused_ms = Some(self.now_ms);
         }
@@ -87,9 +87,17 @@ impl Booth {
             return false;
         }
         self.tell(|| format!("a person decides that {scan:?} is of {who:?}"));
-        let at = self.now_ms + 1500;
+        let (at, now) = (self.now_ms + 1500, self.clock());
+        let judged = self.disk.scan(scan).map_or(Judged::Unpressed, |row| row.judged.clone());
         if let Some(run) = &mut self.run {
             run.work.insert(at, scan);
+            if let Some(who) = &who {
+                let mut after = run.captures.clone();
+                let answered = after.decided(&judged, who, now);
+                if change(self.setup.off, &mut self.disk, run, after).is_ok() {
+                    self.disk.answers_now(scan, answered);
+                }
+            }
         }
         self.disk.withdraw();
         true

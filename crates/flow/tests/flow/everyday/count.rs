@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use gaiter_flow::DeliveryState;
-use gaiter_flow::capture::Judged;
+use gaiter_flow::round::Judged;
 
 use super::day::Day;
 use super::truth::{Plan, id};

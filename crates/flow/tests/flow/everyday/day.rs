@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gaiter_flow::ScanState;
+use gaiter_flow::round::Capture;
 use gaiter_record::SourceKind;
 
 use super::booth::Booth;
@@ -138,15 +139,11 @@ impl Day<'_> {
     /// Half of what the light asks is answered.
     fn ask(&mut self, patient: usize) {
         let Some(run) = &self.booth.run else { return };
-        let is_asked = match self.habits.button {
-            true => run.captures.next().is_some_and(|next| !next.is_certain()),
-            false => {
-                let waiting = run.captures.waiting();
-                waiting
-                    .iter()
-                    .any(|capture| capture.patient.as_ref().is_some_and(|p| p.id != id(patient)))
-            }
+        let is_other = |capture: &Capture| {
+            capture.patient.as_ref().is_some_and(|whose| whose.id != id(patient))
         };
+        let is_other_awaited = !self.habits.button && run.captures.waiting().any(is_other);
+        let is_asked = run.captures.asks_who() || is_other_awaited;
         if !is_asked {
             return;
         }

@@ -3,9 +3,9 @@
 use std::rc::Rc;
 
 use gaiter_flow::OrdersWhen;
-use gaiter_flow::capture::Rules;
 use gaiter_flow::patient::check_digit::CheckDigit;
 use gaiter_flow::patient::identity::Identity;
+use gaiter_flow::round::Rules;
 use regex::Regex;
 
 use super::booth::{LATE, NAME_LASTS, Setup, WINDOW};

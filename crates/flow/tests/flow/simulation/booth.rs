@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
-use gaiter_flow::capture::{Capture, Captures, Judged, Named, Next, Rules};
+use gaiter_flow::round::{Capture, Judged, Named, Names, Rounds, Rules};
 use gaiter_flow::settle::Memory;
-use gaiter_flow::{OrdersWhen, capture::Content};
+use gaiter_flow::{OrdersWhen, round::Content};
 use gaiter_record::SourceKind;
 
 use super::chance::Chance;
@@ -28,9 +28,7 @@ const RULES: Rules = Rules {
 #[derive(Debug, Clone, Default)]
 pub struct Kept {
     waiting: Vec<Capture>,
-    next: Option<Next>,
-    unsure: Vec<Duration>,
-    unread: Vec<Duration>,
+    names: Names,
     /// What the looks at the export folder knew.
     pub memory: Memory,
     last_capture: i64,
@@ -38,18 +36,16 @@ pub struct Kept {
 
 impl Kept {
     /// The captures as a start finds them. The port of the button is open at once.
-    pub fn captures(&self, now: Duration) -> Captures {
-        let mut captures = Captures::new(RULES, self.waiting.clone(), self.next.clone())
-            .with_doubts(self.unsure.clone(), self.unread.clone());
+    pub fn captures(&self, now: Duration) -> Rounds {
+        let mut captures = Rounds::new(RULES, self.waiting.clone(), self.names.clone());
         captures.hears(now);
         captures
     }
 
     /// What holds from now on; the numbers of captures go on.
-    pub fn keep(&mut self, captures: &Captures) {
-        self.waiting = captures.waiting().to_vec();
-        self.next = captures.next().cloned();
-        (self.unsure, self.unread) = (captures.unsure_at().to_vec(), captures.unread_at().to_vec());
+    pub fn keep(&mut self, captures: &Rounds) {
+        self.waiting = captures.waiting().cloned().collect();
+        self.names = captures.names().clone();
         let newest = self.waiting.iter().map(|capture| capture.number).max().unwrap_or(0);
         self.last_capture = self.last_capture.max(newest);
     }
@@ -90,7 +86,7 @@ impl Booth {
     /// The visit goes one step on. Where the journal fails nothing has happened, and a press is lost.
     pub fn go_on(
         &mut self,
-        captures: &mut Captures,
+        captures: &mut Rounds,
         kept: &mut Kept,
         journal_fails: bool,
         now: Duration,
@@ -131,7 +127,7 @@ impl Booth {
             (true, Stage::Pressed(_)) => captures.missed_press(now),
             // The person who names sees that it failed, and says it again; an order does so too.
             (true, _) => {
-                captures.unread(now);
+                captures.unread();
                 return Did::Nothing;
             }
             (false, _) => {
@@ -163,6 +159,6 @@ pub fn answered(judged: &Judged) -> Option<i64> {
     match judged {
         Judged::Of(capture) => Some(capture.number),
         Judged::Held { answered, .. } => *answered,
-        Judged::Unpressed => None,
+        Judged::Unpressed | Judged::Known => None,
     }
 }

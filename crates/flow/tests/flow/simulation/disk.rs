@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use gaiter_flow::capture::{Capture, Captures, Judged};
+use gaiter_flow::round::{Capture, Judged, Rounds};
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanState, ScanStep};
 
 use super::booth::{self, Kept};
@@ -123,24 +123,18 @@ impl Disk {
 
     /// What every start does, and every scan that comes in: spooled bytes that the journal does not know
     /// are entered, and answer what they would have answered.
-    pub fn recover(&mut self, captures: &mut Captures, now: Duration) {
+    pub fn recover(&mut self, captures: &mut Rounds, now: Duration) {
         for (bytes, intake) in std::mem::take(&mut self.unentered) {
             self.take_in(bytes, &intake, captures, now);
         }
     }
 
     /// A scan comes in: it and the capture that it answers are entered in one step.
-    pub fn take_in(
-        &mut self,
-        bytes: Bytes,
-        intake: &Intake,
-        captures: &mut Captures,
-        now: Duration,
-    ) {
+    pub fn take_in(&mut self, bytes: Bytes, intake: &Intake, captures: &mut Rounds, now: Duration) {
         let Intake { patient, delivery, judged } = intake;
         self.enter(bytes, *patient, *delivery);
         let number = booth::answered(judged);
-        let capture = captures.waiting().iter().find(|capture| Some(capture.number) == number);
+        let capture = captures.waiting().find(|capture| Some(capture.number) == number);
         let capture = capture.cloned();
         captures.answer(judged, now);
         self.booth.keep(captures);
@@ -151,7 +145,7 @@ impl Disk {
     }
 
     /// A scan was measured, for its patient or for a preview, or it was refused.
-    pub fn was_measured(&mut self, bytes: Bytes, captures: &mut Captures, now: Duration) {
+    pub fn was_measured(&mut self, bytes: Bytes, captures: &mut Rounds, now: Duration) {
         let Some(capture) = self.measuring.remove(&bytes) else { return };
         match bytes.is_measurable() {
             true => captures.measured(capture.number),

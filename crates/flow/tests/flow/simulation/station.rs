@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use gaiter_flow::capture::Captures;
 use gaiter_flow::outbox::{Ended, Key, Plan};
 use gaiter_flow::patient::identity;
+use gaiter_flow::round::Rounds;
 use gaiter_flow::{
     DeliveryState, LookTime, Mark, NameSays, Outbox, ScanId, Settled, Settling, Verdict,
 };
@@ -25,7 +25,7 @@ const HANDS: usize = 2;
 
 /// What a crash takes away.
 pub struct Station {
-    pub captures: Captures,
+    pub captures: Rounds,
     settling: Settling,
     outbox: Outbox,
     settled: Vec<Settled>,
@@ -66,7 +66,7 @@ impl Station {
     pub fn start(disk: &mut Disk, now: Duration) -> Station {
         let [quiet, short_wait, overdue] = TIMES;
         let taken = disk.measuring.values().cloned().collect();
-        let mut captures = disk.booth.captures(now).with_measuring(taken, now);
+        let mut captures = disk.booth.captures(now).with_taken(taken, now);
         disk.recover(&mut captures, now);
         let settling = Settling::new(quiet, short_wait, overdue);
         Station {
@@ -151,9 +151,9 @@ impl Station {
         let completes = if known.is_empty() { disk.completes(bytes) } else { None };
         let is_cut_short = bytes.length < WHOLE;
         let content = booth::content(began, !known.is_empty(), is_cut_short, completes);
-        let judged = self.captures.judge_content(&content);
+        let judged = self.captures.judge_content(&content, now);
         let says = [name_says(file.patient), NameSays::Nothing];
-        let whose = identity::of_judged(&judged, !known.is_empty(), false, says);
+        let whose = identity::of_judged(&judged, false, says);
         let sighted = whose.patient.map(|patient| patient.id);
         let names: Vec<Option<String>> =
             known.iter().map(|p| (*p > 0).then(|| p.to_string())).collect();

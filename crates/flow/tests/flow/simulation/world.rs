@@ -136,7 +136,7 @@ impl World {
     fn visit(&mut self) {
         let fails = self.fault() != Fault::None;
         // Mostly a patient comes when the scan before has come in.
-        let is_busy = self.scanner.is_writing() || !self.station.captures.waiting().is_empty();
+        let is_busy = self.scanner.is_writing() || self.station.captures.waiting().next().is_some();
         if !self.booth.is_visited() && is_busy && self.chance.below(20) > 0 {
             return;
         }

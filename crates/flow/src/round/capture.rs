@@ -12,7 +12,7 @@ use crate::orders::when::OrdersWhen;
 /// Times and habits that control captures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rules {
-    /// Captures are opened by presses; without a button, by naming the patient.
+    /// Rounds are opened by presses; without a button, by naming the patient.
     pub by_press: bool,
     /// How long to wait for the export of a press.
     pub window: Duration,
@@ -74,6 +74,16 @@ impl Capture {
         is_sure && self.patient.as_ref().is_some_and(|patient| patient.id == id)
     }
 
+    /// Whether it waits for its export, within its window.
+    pub fn is_open(&self) -> bool {
+        self.state == CaptureState::Open
+    }
+
+    /// Whether its export has not arrived.
+    pub fn is_waiting(&self) -> bool {
+        matches!(self.state, CaptureState::Open | CaptureState::Expired)
+    }
+
     /// Whether it names exactly these patients.
     pub(super) fn is_of_all(&self, whose: &[Named]) -> bool {
         let ours: BTreeSet<&str> = self.named().map(|named| named.id.as_str()).collect();
@@ -106,13 +116,13 @@ impl Capture {
         may_come.then(|| Capture {
             opened: Duration::ZERO,
             until: now + lasts,
-            state: CaptureState::Expired,
+            state: if self.is_open() { CaptureState::Expired } else { self.state },
             doubt: self.doubt.or(Some(Doubt::Unheard)),
             ..self
         })
     }
 
-    /// Whether an export that appeared then may be its own.
+    /// Whether an export that appeared then may be its own, or where that was taken, another one of it.
     pub(super) fn may_have(&self, export: Appeared, late: Duration) -> bool {
         let began = export.absent.unwrap_or(Duration::ZERO);
         self.opened < export.seen && began.max(self.opened) <= self.until + late
@@ -206,7 +216,7 @@ pub enum Opener {
     Name,
 }
 
-/// The states of a capture whose export has not arrived.
+/// The states of a capture that has not ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CaptureState {
@@ -214,4 +224,8 @@ pub enum CaptureState {
     Open,
     /// Its window is over.
     Expired,
+    /// Its export is being measured.
+    Taken,
+    /// An export that may be its own is held.
+    Held,
 }

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn where_a_hundred_wait_one_more_is_a_crowd_and_one_of_them_again_is_not() {
     for by_press in [true, false] {
-        let mut captures = Captures::new(Rules { by_press, ..rules() }, Vec::new(), None);
+        let mut captures = Rounds::new(Rules { by_press, ..rules() }, Vec::new(), Names::default());
         for n in 0..100 {
             let id = n.to_string();
             assert!(!captures.is_crowded(&id));
@@ -17,14 +17,15 @@ fn where_a_hundred_wait_one_more_is_a_crowd_and_one_of_them_again_is_not() {
     }
 }
 
-fn after_press() -> Captures {
+fn after_press() -> Rounds {
     let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
-    let mut captures = Captures::new(rules, Vec::new(), None);
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
     captures.hears(at(0) - 360 * SECOND);
+    captures.uncertain = None;
     captures
 }
 
-pub(super) fn pressed_for(captures: &mut Captures, id: &str, number: i64, second: u64) {
+pub(super) fn pressed_for(captures: &mut Rounds, id: &str, number: i64, second: u64) {
     captures.named(named(id), number, at(second), &[]);
     captures.pressed(number, at(second));
 }
@@ -44,22 +45,28 @@ fn a_refused_export_leaves_its_capture_to_the_next_one_without_a_press() {
 fn an_order_soon_after_a_start_may_be_for_a_press_that_nobody_heard() {
     let awaited = rules().awaited();
     for orders in [OrdersWhen::BeforePress, OrdersWhen::AfterPress] {
-        let mut soon = Captures::new(Rules { orders, ..rules() }, Vec::new(), None);
+        let mut soon = Rounds::new(Rules { orders, ..rules() }, Vec::new(), Names::default());
         soon.hears(at(0));
+        soon.uncertain = None;
         let mut later = soon.clone();
         soon.named(order("4711"), 1, at(0) + awaited - SECOND, &[]);
         later.named(order("4711"), 1, at(0) + awaited, &[]);
-        assert!(later.next().is_some_and(Next::is_certain));
+        let is_certain = later.next().is_some_and(Next::is_certain);
+        assert_eq!(is_certain, orders == OrdersWhen::BeforePress);
         soon.pressed(1, at(1) + awaited);
         let export = Appeared { absent: Some(at(2) + awaited), seen: at(3) + awaited };
-        assert_eq!(code(&soon.judge(export)), UNHEARD);
+        let why = if is_certain { UNHEARD } else { AMBIGUOUS };
+        assert_eq!(code(&soon.judge(export, export.seen)), why);
     }
 }
 
 #[test]
 fn a_press_that_a_doubtful_order_pairs_with_is_still_owed_its_own() {
-    let mut captures =
-        Captures::new(Rules { orders: OrdersWhen::AfterPress, ..rules() }, Vec::new(), None);
+    let mut captures = Rounds::new(
+        Rules { orders: OrdersWhen::AfterPress, ..rules() },
+        Vec::new(),
+        Names::default(),
+    );
     captures.hears(Duration::ZERO);
     captures.pressed(1, at(0));
     captures.doubtful(order("4711"), Doubt::Repeated, 2, at(1), &[]);
@@ -90,7 +97,7 @@ fn the_same_patient_scanned_again_is_not_in_doubt_and_any_other_press_holds_for_
     again.named(named("4711"), 2, at(40), &[]);
     again.pressed(2, at(41));
     assert_eq!(patient_of(&export(&mut again, seen(60))), Some("4711"));
-    assert!(again.waiting().is_empty());
+    assert_eq!(again.waiting().count(), 0);
 
     for id in [None, Some("0815")] {
         let mut captures = captures();
@@ -116,12 +123,18 @@ fn two_orders_before_a_press_stay_in_doubt_until_the_booth_says_who_it_is() {
     captures.named(order("1"), 1, at(0), &[]);
     captures.named(order("2"), 1, at(1), &[]);
     captures.pressed(1, at(2));
-    assert_eq!(candidates(&export(&mut captures, seen(20))), ["1", "2"]);
+    let first = taken(&mut captures, seen(20));
+    assert_eq!(candidates(&first), ["1", "2"]);
+    captures.decided(&first, "1", at(21));
+    captures.measured(1);
     // One of the two has entered the booth, but it is not known which, so the third order makes three
     // candidates.
     captures.named(order("3"), 2, at(30), &[]);
     captures.pressed(2, at(31));
-    assert_eq!(candidates(&export(&mut captures, seen(40))), ["1", "2", "3"]);
+    let second = taken(&mut captures, seen(40));
+    assert_eq!(candidates(&second), ["1", "2", "3"]);
+    captures.decided(&second, "2", at(41));
+    captures.measured(2);
     captures.named(by_whom("4", SourceKind::Reader), 3, at(50), &[]);
     captures.pressed(3, at(51));
     assert_eq!(patient_of(&export(&mut captures, seen(60))), Some("4"));
@@ -133,7 +146,9 @@ fn a_name_whose_time_is_over_is_no_candidate_and_the_one_who_is_left_stays_in_do
     captures.named(order("1"), 1, at(0), &[]);
     captures.named(order("2"), 1, at(500), &[]);
     captures.pressed(1, at(550));
-    export(&mut captures, seen(560));
+    let first = taken(&mut captures, seen(560));
+    captures.decided(&first, "1", at(570));
+    captures.measured(1);
     captures.named(order("3"), 2, at(700), &[]);
     captures.pressed(2, at(701));
     assert_eq!(candidates(&export(&mut captures, seen(710))), ["2", "3"]);
@@ -199,38 +214,36 @@ fn two_open_presses_or_two_orders_are_held_where_orders_come_after_the_press() {
 }
 
 #[test]
-fn a_naming_that_failed_disarms_the_name_that_waits_until_a_good_one() {
+fn a_naming_that_failed_disarms_the_name_that_waits_until_a_word_at_the_booth() {
     let mut captures = captures();
     captures.named(order("1"), 1, at(0), &[]);
-    captures.unread(at(1));
+    captures.unread();
     captures.pressed(1, at(2));
     assert_eq!(code(&export(&mut captures, seen(20))), UNREAD);
 
-    for good in [named("1"), order("1")] {
+    for good in [named("1"), by_whom("1", SourceKind::Reader)] {
         let mut captures = self::captures();
         captures.named(order("1"), 1, at(0), &[]);
-        captures.unread(at(1));
+        captures.unread();
         captures.named(good, 1, at(1), &[]);
         captures.pressed(1, at(2));
         assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
     }
     captures.named(order("1"), 2, at(100), &[]);
-    captures.unread(at(101));
+    captures.unread();
+    // The corrected order says who is expected, not who is there.
     captures.named(order("2"), 2, at(101), &[]);
     captures.pressed(2, at(102));
     assert_eq!(candidates(&export(&mut captures, seen(120))), ["1", "2"]);
 }
 
 #[test]
-fn without_a_button_a_naming_that_failed_disarms_all_but_an_export_that_is_coming_in() {
+fn without_a_button_a_naming_that_failed_disarms_what_waits_for_its_export() {
     let rules = Rules { by_press: false, ..rules() };
-    for (unread, is_sure) in [(4, false), (5, true)] {
-        let mut captures = Captures::new(rules, Vec::new(), None);
-        captures.named(order("1"), 1, at(0), &[]);
-        captures.unread(at(unread));
-        let judged = export(&mut captures, seen(5));
-        assert_eq!(matches!(judged, Judged::Of(_)), is_sure);
-    }
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(named("1"), 1, at(0), &[]);
+    captures.unread();
+    assert_eq!(code(&export(&mut captures, seen(5))), UNREAD);
 }
 
 #[test]
@@ -240,7 +253,8 @@ fn an_order_that_is_repeated_is_in_doubt() {
     captures.pressed(1, at(2));
     assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
     let rules = Rules { by_press: false, ..rules() };
-    let mut captures = Captures::new(rules, Vec::new(), None);
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.uncertain = None;
     captures.doubtful(order("1"), Doubt::Repeated, 1, at(0), &[]);
     assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
 }
@@ -250,9 +264,15 @@ fn a_press_that_could_not_be_kept_puts_in_doubt_what_comes_within_its_time() {
     let mut captures = captures();
     pressed_for(&mut captures, "1", 1, 0);
     captures.missed_press(at(10));
-    assert_eq!(code(&export(&mut captures, seen(20))), UNHEARD);
+    let first = taken(&mut captures, seen(20));
+    assert_eq!(code(&first), UNHEARD);
+    captures.decided(&first, "1", at(30));
+    captures.measured(1);
     pressed_for(&mut captures, "2", 2, 369);
-    assert_eq!(code(&export(&mut captures, seen(380))), UNHEARD);
+    let second = taken(&mut captures, seen(380));
+    assert_eq!(code(&second), UNHEARD);
+    captures.decided(&second, "2", at(390));
+    captures.measured(2);
     pressed_for(&mut captures, "3", 3, 400);
     assert_eq!(patient_of(&export(&mut captures, seen(420))), Some("3"));
 }
@@ -265,17 +285,17 @@ fn a_known_scan_answers_nothing_and_the_rest_of_a_refused_one_is_no_other_patien
         let (began, is_cut_short) = (seen(20), false);
         Content { began, is_known, is_cut_short, completes }
     };
-    assert_eq!(captures.judge_content(&content(true, None)), Judged::Unpressed);
-    let of_2 = captures.judge_content(&content(false, Some(vec![named("2")])));
+    assert_eq!(captures.judge_content(&content(true, None), at(20)), Judged::Known);
+    let of_2 = captures.judge_content(&content(false, Some(vec![named("2")])), at(20));
     assert_eq!(patient_of(&of_2), Some("2"));
-    let of_1 = captures.judge_content(&content(false, Some(vec![named("1")])));
+    let of_1 = captures.judge_content(&content(false, Some(vec![named("1")])), at(20));
     assert_eq!((code(&of_1), candidates(&of_1)), (AMBIGUOUS, vec!["2", "1"]));
-    let of_nobody = captures.judge_content(&content(false, Some(Vec::new())));
+    let of_nobody = captures.judge_content(&content(false, Some(Vec::new())), at(20));
     assert_eq!(code(&of_nobody), AMBIGUOUS);
     captures.answer(&of_nobody, at(20));
-    assert_eq!(captures.waiting().len(), 1, "it goes on waiting for its own");
+    assert_eq!(captures.waiting().count(), 1, "it goes on waiting for its own");
     // If nothing is open, its own name decides the patient.
-    let unpressed = self::captures().judge_content(&content(false, Some(vec![named("1")])));
+    let unpressed = self::captures().judge_content(&content(false, Some(vec![named("1")])), at(20));
     assert_eq!(unpressed, Judged::Unpressed);
 }
 

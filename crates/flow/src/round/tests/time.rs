@@ -14,7 +14,7 @@ fn a_capture_without_an_export_expires_once_and_its_late_export_is_held() {
     let judged = export(&mut captures, seen(90));
     assert_eq!(code(&judged), LATE);
     assert!(matches!(judged, Judged::Held { answered: Some(1), .. }));
-    assert!(captures.waiting().is_empty());
+    assert_eq!(captures.waiting().count(), 0);
 }
 
 #[test]
@@ -59,9 +59,9 @@ fn a_capture_is_over_only_when_every_folder_was_looked_at_after_its_end() {
 #[test]
 fn an_export_awaited_when_the_machine_starts_anew_is_held_beside_the_next_patients() {
     let rules = Rules { by_press: false, ..rules() };
-    let mut before = Captures::new(rules, Vec::new(), None);
+    let mut before = Rounds::new(rules, Vec::new(), Names::default());
     before.named(named("4711"), 1, at(0), &[]);
-    let capture = before.waiting()[0].clone();
+    let capture = before.open()[0].clone();
     let carried = |age| capture.clone().carried_over(age, rules.late, SECOND * 20);
     let longest = rules.name_lasts + rules.late;
     assert_eq!(carried(Some(longest + SECOND)), None);
@@ -69,13 +69,13 @@ fn an_export_awaited_when_the_machine_starts_anew_is_held_beside_the_next_patien
     let waiting = carried(Some(SECOND * 50)).unwrap();
     assert_eq!((waiting.opened, waiting.state), (Duration::ZERO, CaptureState::Expired));
 
-    let mut captures = Captures::new(rules, vec![waiting], None);
+    let mut captures = Rounds::new(rules, vec![waiting], Names::default());
     captures.hears(Duration::ZERO);
     let seen = Appeared { absent: Some(SECOND * 30), seen: SECOND * 31 };
-    let of_the_first = captures.judge(seen);
+    let of_the_first = captures.judge(seen, seen.seen);
     assert_eq!((code(&of_the_first), candidates(&of_the_first)), (UNHEARD, vec!["4711"]));
     captures.named(order("0815"), 2, SECOND * 25, &[]);
-    let judged = captures.judge(seen);
+    let judged = captures.judge(seen, seen.seen);
     assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, vec!["4711", "0815"]));
     let over = SECOND * 21 + longest;
     let sights = Sights { looked: Some(over), ..Sights::default() };

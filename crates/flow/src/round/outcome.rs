@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::types::{Capture, Named, Why};
+use super::capture::{Capture, Named, Why};
 
 /// Which capture an export belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -10,6 +10,8 @@ use super::types::{Capture, Named, Why};
 pub enum Judged {
     /// None: the button was not pressed.
     Unpressed,
+    /// None: the scan is known.
+    Known,
     /// This one.
     Of(Capture),
     /// The operator must decide.
@@ -22,7 +24,7 @@ pub enum Judged {
         candidates: Vec<Named>,
         /// The capture that it answers, if any.
         answered: Option<i64>,
-        /// Captures whose exports are in doubt from now on.
+        /// Rounds whose exports are in doubt from now on.
         doubtful: Vec<i64>,
     },
 }
@@ -31,12 +33,16 @@ impl Judged {
     /// The result for an export that begins with an earlier scan of these patients, or of nobody: it is
     /// that scan, complete, and no other patient's.
     pub(super) fn completing(self, whose: &[Named]) -> Judged {
-        let (why, mut candidates) = match self {
+        let (why, mut candidates, doubtful) = match self {
             Judged::Of(capture) if capture.is_of_all(whose) => return Judged::Of(capture),
-            Judged::Of(capture) => (Why::Ambiguous, capture.named().cloned().collect::<Vec<_>>()),
+            Judged::Of(capture) => {
+                (Why::Ambiguous, capture.named().cloned().collect::<Vec<_>>(), vec![capture.number])
+            }
             // Only its own name can identify the patient.
-            Judged::Unpressed => return Judged::Unpressed,
-            Judged::Held { why, candidates, .. } => (why, candidates),
+            Judged::Unpressed | Judged::Known => return self,
+            Judged::Held { why, candidates, answered, doubtful, .. } => {
+                (why, candidates, doubtful.into_iter().chain(answered).collect())
+            }
         };
         for named in whose {
             if candidates.iter().all(|known| known.id != named.id) {
@@ -44,7 +50,7 @@ impl Judged {
             }
         }
         // The captures still wait for exports of their own.
-        Judged::Held { why, patient: None, candidates, answered: None, doubtful: Vec::new() }
+        Judged::Held { why, patient: None, candidates, answered: None, doubtful }
     }
 }
 
@@ -69,18 +75,18 @@ pub enum NamedNext {
 /// The effects of the passing of time.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Passed {
-    /// Captures whose windows ended without an export.
+    /// Rounds whose windows ended without an export.
     pub expired: Vec<i64>,
     /// A patient's name was not used in time.
     pub name_expired: bool,
-    /// Captures whose exports are no longer expected.
+    /// Rounds whose exports are no longer expected.
     pub over: Vec<i64>,
 }
 
 /// What was given up.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CalledOff {
-    /// Captures whose exports are no longer expected.
+    /// Rounds whose exports are no longer expected.
     pub captures: Vec<i64>,
     /// A name was waiting.
     pub name: bool,

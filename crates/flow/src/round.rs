@@ -1,0 +1,326 @@
+//! Rounds: whose scan an export is.
+//!
+//! A scan goes to a person without a decision only if a clean round was observed, from the rest before it
+//! to the taking of its export. This is a list of what makes certain. Whatever is not on it is held, with
+//! the patients whose it may be.
+//!
+//! - **R1 Rest before it.** At the press every earlier capture has ended: its own scan is measured, a person
+//!   has decided, or its window and `late` are over and somebody was named at the booth since.
+//! - **R2 One name.** From that rest to the press one patient was named. Card, page and terminal say who is
+//!   there; an order says who is expected. Two orders, or an order left over from a round that ended
+//!   otherwise, need a word at the booth. A name after the press is of the next round.
+//! - **R3 One press, after the name.** A name soon after a press without one may be for that press or for the
+//!   next.
+//! - **R4 One new content.** Its export was absent at a look after the press ([`super::export::writing`]).
+//! - **R5 Every ear open.** Whatever could not be heard for a while (a port, a name that could not be read, a
+//!   press that could not be kept, the station itself) ends certainty until the next word at the booth; an
+//!   unheard press does so for as long as its export may come.
+//! - **R6 In time.** The export began within the window and was taken before `late` was over.
+//!
+//! Without a button the name takes the place of the press. A known scan, by bytes or geometry, answers
+//! nothing. Where nobody in question has a name, nobody can be mistaken and nothing is held: an export that
+//! is not certainly the export of a press counts as one without a press. A refusal opens its capture again
+//! for another export without a press. A command is tried on a copy, which takes effect once it is in the
+//! journal.
+
+mod capture;
+mod ending;
+mod names;
+mod outcome;
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use super::export::writing::Appeared;
+use super::orders::when::OrdersWhen;
+pub use capture::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
+pub use names::{Names, Next, Said, Unsure};
+pub use outcome::{CalledOff, Judged, NamedNext, Passed};
+
+/// Finding: the export could belong to captures of different patients.
+pub(crate) const AMBIGUOUS: &str = Why::Ambiguous.code();
+
+/// Finding: the export may have been written before the press.
+pub(crate) const UNCLEAR: &str = Why::Unclear.code();
+
+/// Finding: the export arrived after the window of the press it must belong to.
+pub(crate) const LATE: &str = Why::Late.code();
+
+/// Finding: the station could not hear for a while, and a missed press may have made this export.
+pub(crate) const UNHEARD: &str = Why::Unheard.code();
+
+/// Finding: an attempt to name a patient before the export could not be read.
+pub(crate) const UNREAD: &str = Why::Unread.code();
+
+/// Finding: the order that names the patient repeats an earlier one.
+pub(crate) const REPEATED: &str = Why::Repeated.code();
+
+/// The captures that have not ended, and who may be next.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rounds {
+    rules: Rules,
+    /// In the order in which they were opened.
+    open: Vec<Capture>,
+    names: Names,
+    /// Why no order is certain before the next word at the booth.
+    uncertain: Option<Doubt>,
+    /// The patients of captures that came to nothing since that word: they may still be there.
+    missed: Vec<Named>,
+    hearing: Hearing,
+}
+
+/// How many patients may wait, named or pressed for: more than any waiting room holds, and a program
+/// that orders thousands at once is in error.
+const NAMES_MOST: usize = 100;
+
+/// How many of the latest unsure presses, and of the patients of captures that came to nothing, are kept.
+const DOUBTS_MOST: usize = 64;
+
+/// Whether presses are heard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hearing {
+    /// A port is away.
+    Deaf,
+    /// Every port has been open since then.
+    Since(Duration),
+}
+
+impl Rounds {
+    /// The state from the journal after a start, before any port is open: presses and names may have been
+    /// lost since the previous run.
+    pub fn new(rules: Rules, open: Vec<Capture>, names: Names) -> Rounds {
+        let (uncertain, missed, hearing) = (None, Vec::new(), Hearing::Deaf);
+        let mut rounds = Rounds { rules, open, names, uncertain, missed, hearing };
+        rounds.unheard(|_| true);
+        rounds
+    }
+
+    /// Something could not be heard: names and these captures are certain no more.
+    fn unheard(&mut self, of: impl Fn(&Capture) -> bool) {
+        self.doubt_names(Doubt::Unheard);
+        for capture in self.open.iter_mut().filter(|capture| of(capture)) {
+            capture.doubt.get_or_insert(Doubt::Unheard);
+        }
+    }
+
+    /// The port of a button is away: the exports of missed presses may be taken for those of others.
+    pub fn deaf(&mut self) {
+        self.hearing = Hearing::Deaf;
+        self.unheard(|capture| capture.by == Opener::Press);
+    }
+
+    /// A press was heard but could not be kept: its export may be taken for that of another press.
+    pub fn missed_press(&mut self, now: Duration) {
+        if self.hearing != Hearing::Deaf {
+            self.hearing = Hearing::Since(now);
+        }
+        self.unheard(|capture| capture.by == Opener::Press);
+    }
+
+    /// A source of names is away, or was. A press that was made before then has its name already.
+    pub fn missed_name(&mut self) {
+        self.unheard(|capture| capture.by == Opener::Name);
+    }
+
+    /// Every port of a button is open.
+    pub fn hears(&mut self, now: Duration) {
+        if self.hearing == Hearing::Deaf {
+            self.hearing = Hearing::Since(now);
+        }
+    }
+
+    /// The captures that have not ended, in the order in which they were opened.
+    pub fn open(&self) -> &[Capture] {
+        &self.open
+    }
+
+    /// The captures whose exports have not arrived.
+    pub fn waiting(&self) -> impl Iterator<Item = &Capture> {
+        self.open.iter().filter(|capture| capture.is_waiting())
+    }
+
+    /// Who may be next, as the journal keeps it.
+    pub fn names(&self) -> &Names {
+        &self.names
+    }
+
+    /// The patients' names that wait for a press.
+    pub fn next(&self) -> Option<&Next> {
+        self.names.next.as_ref()
+    }
+
+    /// Whether the station waits for the export of a press and has not seen it yet. A refused export may
+    /// be followed by another, but nobody pressed the button for that one.
+    pub fn is_armed(&self) -> bool {
+        let is_armed =
+            |capture: &Capture| capture.state == CaptureState::Open && !capture.is_refused;
+        self.open.iter().any(is_armed)
+    }
+
+    /// Whether a press without a name waits for its export, and an order may be for it.
+    pub fn has_unnamed_press(&self, now: Duration) -> bool {
+        self.waiting().any(|capture| self.may_be_ordered(capture, now) && capture.is_unnamed())
+    }
+
+    /// When orders arrive, according to the configuration.
+    pub fn orders_when(&self) -> OrdersWhen {
+        self.rules.orders
+    }
+
+    /// Whether a press at this time would be in doubt, because an earlier one may have been missed.
+    pub fn is_in_doubt(&self, now: Duration) -> bool {
+        // The export of a missed press may arrive as late as any other.
+        let awaited = self.rules.awaited();
+        let heard_long = matches!(self.hearing, Hearing::Since(at) if now >= at + awaited);
+        self.rules.by_press && !heard_long
+    }
+
+    /// The button was pressed: opens a capture with this number, for the patient whose name waited.
+    pub fn pressed(&mut self, number: i64, now: Duration) -> Capture {
+        self.drop_old_names(now);
+        let (patient, others, doubt) = self.use_next();
+        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
+        let doubt = doubt.or(unheard);
+        let is_unnamed = patient.is_none() && others.is_empty();
+        let is_unsure = match (self.rules.orders, doubt) {
+            // A patient who was ordered before the press needs no other order.
+            (OrdersWhen::BeforePress, None | Some(Doubt::Shared)) => is_unnamed,
+            (OrdersWhen::BeforePress, Some(_)) => true,
+            // The order of this press is still to come.
+            (OrdersWhen::AfterPress, doubt) => patient.is_none() || doubt.is_some(),
+        };
+        if is_unsure {
+            self.press_is_unsure(now, is_unnamed);
+        }
+        let opened = self.opened(number, now, self.rules.window, Opener::Press, patient);
+        let mut opened = Capture { others, doubt, ..opened };
+        self.at_rest(&mut opened);
+        self.open.push(opened.clone());
+        opened
+    }
+
+    /// R1: where a capture of somebody else has not ended, an export may be of either.
+    fn at_rest(&self, opened: &mut Capture) {
+        let own = opened.clone();
+        for earlier in self.open.iter().filter(|earlier| ids(earlier) != ids(&own)) {
+            opened.doubt.get_or_insert(Doubt::Shared);
+            if !own.is_unnamed() {
+                earlier.named().for_each(|named| opened.may_also_be(named));
+            }
+        }
+    }
+
+    fn opened(
+        &self,
+        number: i64,
+        now: Duration,
+        lasts: Duration,
+        by: Opener,
+        patient: Option<Named>,
+    ) -> Capture {
+        let (until, others, doubt) = (now + lasts, Vec::new(), None);
+        let (state, is_refused) = (CaptureState::Open, false);
+        Capture { number, opened: now, until, by, patient, others, state, is_refused, doubt }
+    }
+
+    /// The operator gives up what waits: captures whose exports will not arrive, and names.
+    pub fn call_off(&mut self) -> CalledOff {
+        let captures = self.open.drain(..).map(|capture| capture.number).collect();
+        let name = self.names.next.take().is_some();
+        (self.uncertain, self.missed) = (None, Vec::new());
+        CalledOff { captures, name }
+    }
+
+    /// Which capture an export belongs to; nothing changes before [`Rounds::answer`].
+    pub fn judge(&self, export: Appeared, now: Duration) -> Judged {
+        let late = self.rules.late;
+        let all: Vec<&Capture> =
+            self.open.iter().filter(|capture| capture.may_have(export, late)).collect();
+        let is_its_own = |capture: &&&Capture| {
+            capture.state == CaptureState::Open
+                && export.absent.is_some_and(|at| at >= capture.opened)
+                && export.seen <= capture.until
+        };
+        // If a patient was scanned again, the newer scan goes before what may still arrive of the
+        // refused one.
+        let its_own = all.iter().filter(is_its_own).min_by_key(|capture| capture.is_refused);
+        let its_own = its_own.map(|capture| (*capture).clone());
+        let whose: BTreeSet<Option<&str>> = all.iter().flat_map(|capture| ids(capture)).collect();
+        if whose.iter().flatten().next().is_none() {
+            return its_own.map_or(Judged::Unpressed, Judged::Of);
+        }
+        let shared = (whose.len() > 1).then_some(Doubt::Shared);
+        if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)) {
+            return held(doubt.why(), &all, export);
+        }
+        match its_own {
+            Some(capture) if now <= capture.until + late => Judged::Of(capture),
+            Some(_) => held(Why::Late, &all, export),
+            // A second export of a scan that is being measured.
+            None if !all.iter().any(|capture| capture.is_waiting()) => Judged::Unpressed,
+            None if all.iter().all(|capture| export.absent < Some(capture.opened)) => {
+                held(Why::Unclear, &all, export)
+            }
+            None => held(Why::Late, &all, export),
+        }
+    }
+
+    /// Which capture a content belongs to; nothing changes before [`Rounds::answer`].
+    pub fn judge_content(&self, content: &Content, now: Duration) -> Judged {
+        if content.is_known {
+            return Judged::Known;
+        }
+        let mut judged = self.judge(content.began, now);
+        if let Judged::Held { answered, doubtful, .. } = &mut judged
+            && content.is_cut_short
+        {
+            // Another export of the same body is still to come.
+            doubtful.extend(answered.take());
+        }
+        match (&content.completes, judged) {
+            // The earlier part is being measured for its capture, so this belongs to that capture too.
+            (Some(whose), Judged::Unpressed) => self
+                .measuring_of(whose, content.began)
+                .map_or(Judged::Unpressed, |capture| Judged::Of(capture.clone())),
+            (Some(whose), judged) => judged.completing(whose),
+            (None, judged) => judged,
+        }
+    }
+
+    /// Whether an order may still be for this waiting press rather than for a later one.
+    fn may_be_ordered(&self, capture: &Capture, now: Duration) -> bool {
+        capture.by == Opener::Press && now <= capture.until + self.rules.late
+    }
+}
+
+/// The ids that a capture names; a single `None` if it names nobody.
+fn ids(capture: &Capture) -> BTreeSet<Option<&str>> {
+    if capture.is_unnamed() {
+        return BTreeSet::from([None]);
+    }
+    capture.named().map(|named| Some(named.id.as_str())).collect()
+}
+
+/// An export that a person must decide on, because each of these captures may be meant: all of them are
+/// in doubt from now on, and the oldest waits no more if the export was written after it was opened.
+fn held(why: Why, all: &[&Capture], export: Appeared) -> Judged {
+    let mut candidates: Vec<Named> = Vec::new();
+    for named in all.iter().flat_map(|capture| capture.named()) {
+        if candidates.iter().all(|known| known.id != named.id) {
+            candidates.push(named.clone());
+        }
+    }
+    let patient = match candidates.as_slice() {
+        [one] => Some(one.clone()),
+        _ => None,
+    };
+    let is_after = |capture: &&&Capture| export.absent.is_some_and(|at| at >= capture.opened);
+    let answered = all.iter().filter(|capture| capture.is_waiting()).find(is_after);
+    let answered = answered.map(|capture| capture.number);
+    let numbers = all.iter().map(|capture| capture.number);
+    let doubtful = numbers.filter(|number| Some(*number) != answered).collect();
+    Judged::Held { why, patient, candidates, answered, doubtful }
+}
+
+#[cfg(test)]
+mod tests;

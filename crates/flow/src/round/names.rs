@@ -1,0 +1,420 @@
+//! Who is next: how a word at the booth, an order and a failed naming change that.
+
+use std::time::Duration;
+
+use gaiter_record::SourceKind;
+use serde::{Deserialize, Serialize};
+
+use super::{Capture, DOUBTS_MOST, Doubt, NAMES_MOST, Named, NamedNext, Opener, Rounds};
+use crate::export::writing::Appeared;
+use crate::orders::when::OrdersWhen;
+
+/// A name and when it was given; times as in [`Capture`].
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Said {
+    /// Who.
+    pub named: Named,
+    /// When.
+    pub at: Duration,
+}
+
+/// Who may be next: one patient if that is certain.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Next {
+    /// The candidates, in the order in which they were named; never empty.
+    pub names: Vec<Said>,
+    /// How many of them have entered the booth since; it is not known which.
+    pub used: usize,
+    /// Why it is not certain.
+    pub doubt: Option<Doubt>,
+}
+
+impl Next {
+    /// One name, certain unless there is a doubt.
+    pub fn one(named: Named, at: Duration, doubt: Option<Doubt>) -> Next {
+        Next { names: vec![Said { named, at }], used: 0, doubt }
+    }
+
+    /// Whether it is certain who is next.
+    pub fn is_certain(&self) -> bool {
+        self.names.len() == 1 && self.doubt.is_none()
+    }
+}
+
+/// A press without a certain name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unsure {
+    /// When.
+    pub at: Duration,
+    /// Nobody was named for it.
+    pub is_unnamed: bool,
+}
+
+/// Who may be next, as the journal keeps it.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Names {
+    /// The names that wait for a press.
+    pub next: Option<Next>,
+    /// The recent presses without a certain name: an order or a card may be for one of them.
+    #[serde(default, rename = "unsure_presses", skip_serializing_if = "Vec::is_empty")]
+    pub unsure: Vec<Unsure>,
+}
+
+/// The patient of a press, the other patients it may be, and why that is not certain.
+type Used = (Option<Named>, Vec<Named>, Option<Doubt>);
+
+impl Rounds {
+    /// From now on nobody is certain to be next, until the next word at the booth.
+    pub(super) fn doubt_names(&mut self, doubt: Doubt) {
+        self.uncertain.get_or_insert(doubt);
+        if let Some(next) = &mut self.names.next {
+            next.doubt.get_or_insert(doubt);
+        }
+    }
+
+    /// A capture came to nothing: its patients may still be there.
+    pub(super) fn miss(&mut self, capture: &Capture) {
+        if capture.is_unnamed() {
+            return;
+        }
+        self.doubt_names(Doubt::Shared);
+        for named in capture.named() {
+            if self.missed.len() < DOUBTS_MOST && !self.missed.contains(named) {
+                self.missed.push(named.clone());
+            }
+        }
+    }
+
+    /// The ids of the patients who may be next; one if that is certain.
+    pub fn next_ids(&self) -> Vec<String> {
+        let names = self.next().map_or(&[][..], |next| &next.names);
+        names.iter().map(|said| said.named.id.clone()).collect()
+    }
+
+    /// The ids of the patients whose exports are expected, each once.
+    pub fn awaited_ids(&self) -> Vec<String> {
+        let mut ids: Vec<String> = Vec::new();
+        for named in self.open.iter().filter(|of| of.is_open()).flat_map(Capture::named) {
+            if !ids.contains(&named.id) {
+                ids.push(named.id.clone());
+            }
+        }
+        ids
+    }
+
+    /// Whether somebody is named, and it is not certain who is there: the light asks.
+    pub fn asks_who(&self) -> bool {
+        let is_unsure = |capture: &Capture| {
+            capture.is_open() && !capture.is_unnamed() && capture.doubt.is_some()
+        };
+        match self.rules.by_press {
+            true => self.next().is_some_and(|next| !next.is_certain()),
+            false => self.open.iter().any(is_unsure),
+        }
+    }
+
+    /// Whether another patient is named but not yet scanned: that name waits for a press or, without a
+    /// button, for an export.
+    pub fn is_another_named(&self, id: &str) -> bool {
+        let awaited = if self.rules.by_press { Vec::new() } else { self.awaited_ids() };
+        self.next_ids().iter().chain(&awaited).any(|named| named != id)
+    }
+
+    /// The patient of the next scan was named. `number` is the number of the capture that may be opened;
+    /// `coming` are the files that are not taken yet.
+    pub fn named(
+        &mut self,
+        named: Named,
+        number: i64,
+        now: Duration,
+        coming: &[Appeared],
+    ) -> NamedNext {
+        self.drop_old_names(now);
+        match (self.rules.by_press, named.by) {
+            (false, _) => self.name_export(named, number, now, coming),
+            (true, SourceKind::Order) => self.order(named, now),
+            (true, _) => self.word(named, now),
+        }
+    }
+
+    /// Somebody at the booth says who is there.
+    fn word(&mut self, named: Named, now: Duration) -> NamedNext {
+        // R3: it may be for a press that was made without a name.
+        let is_crossed = self
+            .names
+            .unsure
+            .iter()
+            .any(|press| press.is_unnamed && now <= press.at + self.rules.awaited());
+        if is_crossed {
+            self.cross(&named);
+        }
+        (self.uncertain, self.missed) = (None, Vec::new());
+        let before = self.names.next.take();
+        let is_other = |next: &Next| next.names.iter().any(|said| said.named.id != named.id);
+        let replaced = before.as_ref().is_some_and(is_other);
+        let mut next = Next::one(named.clone(), now, is_crossed.then_some(Doubt::Crossed));
+        if let Some(before) = before.filter(|before| replaced && contradicts(before, &named)) {
+            // R2: two people are said to be there. Whoever is named now, after that was asked, is.
+            next.names.splice(0..0, before.names);
+            next.doubt.get_or_insert(Doubt::Shared);
+        }
+        let in_doubt = !next.is_certain();
+        self.names.next = Some(next);
+        NamedNext::Waits { replaced, in_doubt }
+    }
+
+    /// An order whose patient may not be the next one: it arrived again with the same words, or others
+    /// may have been named since it was sent.
+    pub fn doubtful(
+        &mut self,
+        named: Named,
+        doubt: Doubt,
+        number: i64,
+        now: Duration,
+        coming: &[Appeared],
+    ) -> NamedNext {
+        let id = named.id.clone();
+        let came = self.named(named, number, now, coming);
+        if let NamedNext::Waits { .. } = came {
+            if let Some(next) = &mut self.names.next {
+                next.doubt.get_or_insert(doubt);
+            }
+            return NamedNext::Waits { replaced: false, in_doubt: true };
+        }
+        let is_theirs = |capture: &&mut Capture| {
+            capture.is_waiting() && capture.patient.as_ref().is_some_and(|patient| patient.id == id)
+        };
+        if let Some(capture) = self.open.iter_mut().rfind(is_theirs) {
+            capture.doubt.get_or_insert(doubt);
+        }
+        if let NamedNext::Paired(capture) = &came {
+            // Its own order may still arrive.
+            self.press_is_unsure(capture.opened, false);
+        }
+        came
+    }
+
+    /// A name could not be read: the patient named before may have left.
+    pub fn unread(&mut self) {
+        self.doubt_names(Doubt::Unread);
+        for capture in self.open.iter_mut().filter(|capture| capture.by == Opener::Name) {
+            capture.doubt.get_or_insert(Doubt::Unread);
+        }
+    }
+
+    /// Without a button, a name opens a capture. A name from the page or the terminal ends the captures of
+    /// others, unless their export is arriving or was refused.
+    fn name_export(
+        &mut self,
+        named: Named,
+        number: i64,
+        now: Duration,
+        coming: &[Appeared],
+    ) -> NamedNext {
+        let lasts = self.rules.name_lasts;
+        let given_up = match named.by {
+            SourceKind::Operator => self.give_up_others(&named.id, coming),
+            _ => Vec::new(),
+        };
+        if named.by != SourceKind::Order {
+            (self.uncertain, self.missed) = (None, Vec::new());
+        }
+        // A name after a refusal means a new scan. What still arrives of the refused scan is another
+        // export.
+        let joins = |capture: &&mut Capture| {
+            let is_open = capture.is_open() && now <= capture.until && !capture.is_refused;
+            let is_same = capture.patient.as_ref().is_some_and(|patient| patient.id == named.id);
+            is_open && is_same && capture.others.is_empty()
+        };
+        if let Some(capture) = self.open.last_mut().filter(joins) {
+            capture.until = now + lasts;
+            return NamedNext::Prolonged(capture.clone());
+        }
+        let mut opened = self.opened(number, now, lasts, Opener::Name, Some(named));
+        opened.doubt = self.uncertain;
+        self.at_rest(&mut opened);
+        self.missed.iter().for_each(|missed| opened.may_also_be(missed));
+        self.open.push(opened.clone());
+        NamedNext::Opened(opened, given_up)
+    }
+
+    fn give_up_others(&mut self, id: &str, coming: &[Appeared]) -> Vec<i64> {
+        // Whether a refused export comes again is asked first: this is the answer if it stands beside hers.
+        let is_hers = |capture: &Capture| capture.patient.as_ref().is_some_and(|own| own.id == id);
+        let was_asked = self.waiting().any(|capture| is_hers(capture) && !capture.is_of(id));
+        let is_given_up = |capture: &mut Capture| {
+            let is_coming_in = coming.iter().any(|file| capture.opened < file.seen);
+            let may_come_again = capture.is_refused && !was_asked;
+            capture.is_waiting() && !capture.is_of(id) && !may_come_again && !is_coming_in
+        };
+        self.open.extract_if(.., is_given_up).map(|capture| capture.number).collect()
+    }
+
+    /// An order from the practice software: it comes from the desk, where it is not known who is in the
+    /// booth.
+    fn order(&mut self, named: Named, now: Duration) -> NamedNext {
+        let crossed = match self.rules.orders {
+            OrdersWhen::AfterPress => match self.pair(&named, now) {
+                Paired::With(capture) => return NamedNext::Paired(capture),
+                Paired::InDoubt => return NamedNext::Waits { replaced: false, in_doubt: true },
+                // It is too late for its press, and never for the next one.
+                Paired::Crossed | Paired::None => true,
+            },
+            OrdersWhen::BeforePress => {
+                let is_unsure = self.is_unsure(now);
+                if is_unsure {
+                    self.cross(&named);
+                }
+                is_unsure
+            }
+        };
+        // It may be for a missed press, or for one that a lost journal knew.
+        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
+        let next = self.names.next.get_or_insert_with(|| Next::one(named.clone(), now, None));
+        match next.names.iter_mut().find(|said| said.named.id == named.id) {
+            Some(said) => said.at = now,
+            None => next.names.push(Said { named, at: now }),
+        }
+        if crossed {
+            next.doubt = Some(Doubt::Crossed);
+        }
+        next.doubt = next.doubt.or(self.uncertain).or(unheard);
+        NamedNext::Waits { replaced: false, in_doubt: !next.is_certain() }
+    }
+
+    /// Whether the button was pressed without a certain name so recently that an order may be for that
+    /// press. The time counts and not the capture, because the export may have been taken already.
+    fn is_unsure(&self, now: Duration) -> bool {
+        let awaited = self.rules.awaited();
+        self.names.unsure.iter().any(|press| now <= press.at + awaited)
+    }
+
+    /// The button was pressed without a certain name, or the name is no longer certain.
+    pub(super) fn press_is_unsure(&mut self, at: Duration, is_unnamed: bool) {
+        let awaited = self.rules.awaited();
+        let unsure = &mut self.names.unsure;
+        unsure.retain(|press| at <= press.at + awaited);
+        unsure.drain(..(unsure.len() + 1).saturating_sub(DOUBTS_MOST));
+        unsure.push(Unsure { at, is_unnamed });
+    }
+
+    /// A name that may be for an earlier press without a certain name: that may have been this patient's.
+    fn cross(&mut self, named: &Named) {
+        let unsure = |capture: &&mut Capture| {
+            let is_unsure = capture.is_unnamed() || capture.doubt.is_some();
+            capture.by == Opener::Press && is_unsure
+        };
+        self.open.iter_mut().filter(unsure).for_each(|capture| capture.may_also_be(named));
+    }
+
+    /// An order in a practice that orders after the press.
+    fn pair(&mut self, named: &Named, now: Duration) -> Paired {
+        // The patient already has a press by name, so the order is for no other press.
+        let is_theirs =
+            |capture: &&Capture| capture.by == Opener::Press && capture.is_of(&named.id);
+        if let Some(capture) = self.open.iter().find(is_theirs) {
+            return Paired::With(capture.clone());
+        }
+        let by_order = |capture: &Capture| {
+            capture.named().next().is_none_or(|named| named.by == SourceKind::Order)
+        };
+        let open: Vec<usize> = (0..self.open.len())
+            .filter(|at| self.open[*at].is_waiting())
+            .filter(|at| self.may_be_ordered(&self.open[*at], now) && by_order(&self.open[*at]))
+            .collect();
+        let is_unnamed = |at: &usize| self.open[*at].is_unnamed();
+        match open.as_slice() {
+            [] => return Paired::None,
+            [only] if is_unnamed(only) && self.next().is_none() => {
+                let opened = self.open[*only].opened;
+                let awaited = self.rules.awaited();
+                let mut others = self.names.unsure.iter().filter(|press| press.at != opened);
+                if !others.any(|press| now <= press.at + awaited) {
+                    let capture = &mut self.open[*only];
+                    capture.patient = Some(named.clone());
+                    self.names.unsure.retain(|press| press.at != opened);
+                    return Paired::With(capture.clone());
+                }
+            }
+            _ => {}
+        }
+        let any_unnamed = open.iter().any(is_unnamed);
+        for at in open {
+            self.open[at].may_also_be(named);
+        }
+        if any_unnamed {
+            self.press_is_unsure(now, false);
+            if self.next().is_none() {
+                return Paired::InDoubt;
+            }
+        }
+        Paired::Crossed
+    }
+
+    /// Whether so many patients wait that adding this id is of no use: an export could be anybody's.
+    pub fn is_crowded(&self, id: &str) -> bool {
+        let names = self.next().map_or(&[][..], |next| &next.names);
+        let awaited = self.waiting().flat_map(Capture::named);
+        let mut known = names.iter().map(|said| &said.named).chain(awaited);
+        let count = self.waiting().count() + names.len();
+        count >= NAMES_MOST && !known.any(|known| known.id == id)
+    }
+
+    /// Takes the waiting names for a press.
+    pub(super) fn use_next(&mut self) -> Used {
+        let Some(mut next) = self.names.next.take() else { return (None, Vec::new(), None) };
+        let mut all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
+        if let ([only], true) = (all.as_slice(), self.missed.is_empty()) {
+            return (Some(only.clone()), Vec::new(), next.doubt);
+        }
+        // It is not known who the remaining patients are, either.
+        let doubt = next.doubt.get_or_insert(Doubt::Shared).to_owned();
+        for missed in &self.missed {
+            if all.iter().all(|named| named.id != missed.id) {
+                all.push(missed.clone());
+            }
+        }
+        next.used += 1;
+        if next.used < next.names.len() {
+            self.names.next = Some(next);
+        }
+        (None, all, Some(doubt))
+    }
+
+    /// Drops names that have expired; returns whether there were any.
+    pub(super) fn drop_old_names(&mut self, now: Duration) -> bool {
+        let lasts = self.rules.name_lasts;
+        let Some(next) = &mut self.names.next else { return false };
+        let before = next.names.len();
+        next.names.retain(|said| now <= said.at + lasts);
+        let left = next.names.len();
+        if left == before {
+            return false;
+        }
+        // It is not known which of them have entered the booth: it may have been the expired ones.
+        next.used = next.used.min(left.saturating_sub(1));
+        if left == 0 {
+            self.names.next = None;
+        }
+        true
+    }
+}
+
+/// Whether a card names somebody else than the one of whom it was just said that they are there. A word of
+/// a person replaces that on purpose.
+fn contradicts(before: &Next, named: &Named) -> bool {
+    let said = |said: &Said| said.named.by != SourceKind::Order;
+    named.by == SourceKind::Reader && before.is_certain() && before.names.iter().any(said)
+}
+
+/// How an order relates to the open presses.
+enum Paired {
+    /// No press is open.
+    None,
+    /// The open press is this patient's.
+    With(Capture),
+    /// More than one press may be meant.
+    InDoubt,
+    /// The open press has its order; this one may be for it or for the next.
+    Crossed,
+}

@@ -1,0 +1,160 @@
+//! How two red teams brought a body under another's name, one sequence per test: each is held now.
+
+use super::laws::pressed_for;
+use super::*;
+
+/// The export that appeared in this second is held for these patients.
+fn is_held(captures: &mut Rounds, second: u64, whose: &[&str]) -> Judged {
+    let judged = taken(captures, seen(second));
+    let mut found = candidates(&judged);
+    found.sort_unstable();
+    assert_eq!(found, whose, "{judged:?}");
+    judged
+}
+
+#[test]
+fn a_press_after_one_without_an_export_is_not_certain_by_the_next_order() {
+    let mut captures = captures();
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.pressed(1, at(5));
+    captures.named(order("2"), 2, at(20), &[]);
+    assert_eq!(captures.pass(at(400), &[all_seen(400)]).over, [1]);
+    assert!(!captures.next().is_some_and(Next::is_certain), "the light asks");
+    let mut asked = captures.clone();
+    captures.pressed(2, at(410));
+    is_held(&mut captures, 420, &["1", "2"]);
+    asked.named(by_whom("1", SourceKind::Reader), 2, at(405), &[]);
+    asked.pressed(2, at(410));
+    assert_eq!(patient_of(&export(&mut asked, seen(420))), Some("1"));
+}
+
+#[test]
+fn a_name_that_waited_while_a_source_of_names_was_away_is_not_certain() {
+    let mut away = captures();
+    away.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    let names = away.names().clone();
+    away.missed_name();
+    let mut started = Rounds::new(rules(), Vec::new(), names);
+    started.hears(at(0) - 360 * SECOND);
+    for mut captures in [away, started] {
+        let mut again = captures.clone();
+        captures.pressed(1, at(10));
+        is_held(&mut captures, 20, &["1"]);
+        again.named(by_whom("2", SourceKind::Reader), 1, at(5), &[]);
+        again.pressed(1, at(10));
+        assert_eq!(patient_of(&export(&mut again, seen(20))), Some("2"));
+    }
+}
+
+#[test]
+fn where_orders_come_after_the_press_one_that_is_late_names_no_later_press() {
+    let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.hears(at(0) - 360 * SECOND);
+    captures.uncertain = None;
+    captures.pressed(1, at(0));
+    assert_eq!(patient_of(&export(&mut captures, seen(10))), None);
+    captures.named(order("1"), 2, at(400), &[]);
+    captures.pressed(2, at(500));
+    is_held(&mut captures, 510, &["1"]);
+}
+
+#[test]
+fn an_export_that_is_held_uses_up_no_press_for_certain() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "2", 1, 0);
+    pressed_for(&mut captures, "3", 2, 1);
+    // One that nobody pressed for comes first, and both are measured for their previews.
+    for second in [10, 20] {
+        let judged = is_held(&mut captures, second, &["2", "3"]);
+        if let Judged::Held { answered: Some(number), .. } = judged {
+            captures.measured(number);
+        }
+    }
+    pressed_for(&mut captures, "4", 3, 30);
+    is_held(&mut captures, 40, &["2", "3", "4"]);
+}
+
+#[test]
+fn a_decision_ends_the_round_of_its_patient_when_the_scan_is_measured_and_of_nobody_else() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(named("1"), 1, at(0), &[]);
+    let unclear = Appeared { absent: None, seen: at(5) };
+    let judged = taken(&mut captures, unclear);
+    assert_eq!(code(&judged), UNCLEAR);
+    assert_eq!(captures.decided(&judged, "1", at(10)), Some(1));
+    captures.measured(1);
+    assert!(captures.open().is_empty());
+    assert_eq!(export(&mut captures, seen(30)), Judged::Unpressed, "the next, whom nobody named");
+
+    let mut captures = self::captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    pressed_for(&mut captures, "2", 2, 5);
+    let judged = is_held(&mut captures, 10, &["1", "2"]);
+    assert_eq!(captures.decided(&judged, "2", at(15)), Some(2));
+    captures.measured(2);
+    pressed_for(&mut captures, "3", 3, 20);
+    is_held(&mut captures, 25, &["1", "2", "3"]);
+}
+
+#[test]
+fn a_scan_that_is_measured_after_all_ends_the_capture_that_its_failure_opened_again() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(named("1"), 1, at(0), &[]);
+    let first = taken(&mut captures, seen(10));
+    refuse(&mut captures, &first, at(20));
+    captures.measured(1);
+    assert_eq!(export(&mut captures, seen(30)), Judged::Unpressed);
+}
+
+#[test]
+fn an_export_without_a_press_puts_the_name_that_waits_in_doubt() {
+    let mut captures = captures();
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    assert_eq!(export(&mut captures, seen(10)), Judged::Unpressed);
+    captures.pressed(1, at(20));
+    is_held(&mut captures, 30, &["1"]);
+}
+
+#[test]
+fn a_card_after_a_press_without_a_name_may_be_for_that_press_or_for_the_next() {
+    for by in [SourceKind::Reader, SourceKind::Operator] {
+        let mut captures = captures();
+        captures.pressed(1, at(0));
+        captures.named(by_whom("1", by), 2, at(2), &[]);
+        is_held(&mut captures, 10, &["1"]);
+        captures.pressed(2, at(20));
+        captures.named(by_whom("2", by), 3, at(22), &[]);
+        is_held(&mut captures, 30, &["1", "2"]);
+    }
+}
+
+#[test]
+fn two_cards_before_a_press_are_asked_about_and_the_next_card_answers() {
+    let card = |id| by_whom(id, SourceKind::Reader);
+    let mut captures = captures();
+    captures.named(card("1"), 1, at(0), &[]);
+    captures.named(card("2"), 1, at(1), &[]);
+    let mut asked = captures.clone();
+    captures.pressed(1, at(2));
+    is_held(&mut captures, 10, &["1", "2"]);
+    asked.named(card("2"), 1, at(2), &[]);
+    asked.pressed(1, at(3));
+    assert_eq!(patient_of(&export(&mut asked, seen(10))), Some("2"));
+}
+
+#[test]
+fn without_a_button_a_refused_export_is_asked_about_before_the_next_name_is_certain() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(named("1"), 1, at(0), &[]);
+    let first = taken(&mut captures, seen(10));
+    refuse(&mut captures, &first, at(20));
+    captures.named(named("2"), 2, at(30), &[]);
+    let mut answered = captures.clone();
+    is_held(&mut captures, 40, &["1", "2"]);
+    answered.named(named("2"), 3, at(35), &[]);
+    assert_eq!(patient_of(&export(&mut answered, seen(40))), Some("2"));
+}
