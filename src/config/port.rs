@@ -188,9 +188,19 @@ pub(super) fn token(text: &str) -> Result<String, What> {
     }
 }
 
-/// The text before or after an id.
+/// The characters and control signs before or after an id, with the escapes of [`bytes`]. A carriage
+/// return or line feed cannot be among them: it ends the line.
 pub(super) fn affix(text: &str) -> Result<String, What> {
-    if text.is_empty() { Ok(String::new()) } else { token(text) }
+    let is_part = |byte: &u8| byte.is_ascii() && !matches!(byte, b'\r' | b'\n');
+    let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST && bytes.iter().all(is_part));
+    let affix = bytes.and_then(|bytes| String::from_utf8(bytes).ok());
+    affix.ok_or_else(|| {
+        misspelt(
+            text,
+            "text around an id",
+            r#"at most 64 plain characters and control signs, without the line end: "]C1", '\x02'"#,
+        )
+    })
 }
 
 /// Bytes to send, with `\r`, `\n`, `\t`, `\\` and `\xNN` for those that are not characters.
@@ -305,6 +315,22 @@ mod tests {
         assert_eq!(bytes("\r\n").unwrap(), b"\r\n", "double quotes have made them already");
         for text in [r"\", r"\q", r"\x", r"\x1", r"\xg0", r"\x+1"] {
             assert!(bytes(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn around_an_id_stand_characters_and_control_signs() {
+        for (text, affix_of) in [
+            ("", ""),
+            ("]C1 ", "]C1 "),
+            (r"\x02", "\u{2}"),
+            ("\u{2}", "\u{2}"),
+            (r"\t\\%", "\t\\%"),
+        ] {
+            assert_eq!(affix(text).unwrap(), affix_of, "{text:?}");
+        }
+        for text in [r"\r", "\n", r"\", r"\x2", r"\x80", "ä", &"x".repeat(65)] {
+            assert!(affix(text).is_err(), "{text:?}");
         }
     }
 

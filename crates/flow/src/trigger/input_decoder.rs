@@ -5,11 +5,12 @@ use std::time::Duration;
 use gaiter_record::SourceKind;
 
 use super::button::{Button, Times};
-use super::code::{Codes, Said, Typed};
+use super::code::{Codes, Said};
 use super::edge::Contact;
 use super::lines::{Line, Lines};
 use super::report::Pattern;
 use super::token::Tokens;
+use super::typed::{KeyAction, Typed};
 use crate::booth::{Heard, Press};
 
 /// Input from a port at one time.
@@ -23,13 +24,17 @@ pub enum Input {
     Closed(bool),
     /// An input report of a USB device.
     Report(Vec<u8>),
-    /// A key, by its number in Linux, that went down or up.
+    /// A key, by its number in Linux.
     Key {
         /// Its number.
         code: u16,
-        /// Down or up.
-        down: bool,
+        /// What it did.
+        action: KeyAction,
     },
+    /// The keys that were down when the device was opened.
+    KeysHeld(Vec<u16>),
+    /// Keys were lost before they could be read, and these are down after that.
+    KeysLost(Vec<u16>),
 }
 
 /// How a button shows in the input from its port.
@@ -84,7 +89,7 @@ impl InputDecoder {
 
     /// Listens for ids.
     pub fn for_ids(codes: Codes) -> InputDecoder {
-        let (lines, typed) = (Lines::default(), Typed::default());
+        let (lines, typed) = (Lines::ended_by(codes.end()), Typed::default());
         InputDecoder { sense: Sense::Reader { codes, lines, typed }, closed: false, garbage: 0 }
     }
 
@@ -153,10 +158,16 @@ impl InputDecoder {
                 self.garbage += if is_down.is_none() { report.len() as u64 } else { 0 };
                 is_down
             }
-            (Shows::Key(button), Input::Key { code, down }) => {
-                self.garbage += u64::from(button != code && *down);
-                (button == code).then_some(*down)
+            (Shows::Key(button), Input::Key { code, action }) if button == code => match action {
+                KeyAction::Down => Some(true),
+                KeyAction::Up => Some(false),
+                KeyAction::Repeat => None,
+            },
+            (Shows::Key(_), Input::Key { action, .. }) => {
+                self.garbage += u64::from(*action == KeyAction::Down);
+                None
             }
+            (Shows::Key(button), Input::KeysLost(held)) => Some(held.contains(button)),
             _ => None,
         };
         if let Some(closed) = seen {
@@ -221,8 +232,13 @@ fn read(
 ) -> (Vec<Heard>, u64) {
     let mut read = match input {
         Input::Bytes(bytes) => lines.take(bytes, now),
-        Input::Key { code, down } => typed.key(*code, *down, now),
-        _ => Vec::new(),
+        Input::Key { code, action } => typed.key(*code, *action, now),
+        Input::KeysLost(held) => typed.lose(held, now).into_iter().collect(),
+        Input::KeysHeld(held) => {
+            typed.hold(held);
+            Vec::new()
+        }
+        Input::Nothing | Input::Closed(_) | Input::Report(_) => Vec::new(),
     };
     read.extend(lines.tick(now).into_iter().chain(typed.tick(now)));
     let mut garbage = lines.dropped() + typed.dropped();

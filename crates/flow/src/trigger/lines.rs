@@ -14,13 +14,16 @@ pub(super) const HALF_LINE: Duration = Duration::from_millis(500);
 pub(super) enum Line {
     /// It is complete; without its line end, and never empty.
     Whole(Vec<u8>),
-    /// It became too long, or stopped in the middle: it is dropped, together with its tail.
+    /// It became too long, stopped in the middle, or is not known as a whole: it is dropped, together
+    /// with its tail.
     Dropped,
 }
 
-/// Collects bytes until a carriage return or a line feed ends the line.
+/// Collects bytes until a carriage return, a line feed or a byte of the sender's own ends the line.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Lines {
+    /// The sender's own end, which stays a part of the line.
+    end: Option<u8>,
     line: Vec<u8>,
     /// The line was dropped: everything that follows up to its end is its tail, and not a line.
     in_tail: bool,
@@ -29,23 +32,30 @@ pub(super) struct Lines {
 }
 
 impl Lines {
+    /// Collects lines that may end with this byte, too.
+    pub fn ended_by(end: Option<u8>) -> Lines {
+        Lines { end, ..Lines::default() }
+    }
+
     /// Processes bytes that were read by `now`; returns the lines that they complete and those that are
     /// dropped. Empty lines are left out; each pair of carriage return and line feed makes one.
     pub fn take(&mut self, bytes: &[u8], now: Duration) -> Vec<Line> {
         let mut lines: Vec<Line> = self.tick(now).into_iter().collect();
         for byte in bytes {
+            let is_line_end = matches!(byte, b'\r' | b'\n');
             match byte {
-                b'\r' | b'\n' => {
-                    self.in_tail = false;
-                    let line = std::mem::take(&mut self.line);
-                    lines.extend((!line.is_empty()).then_some(Line::Whole(line)));
-                }
+                _ if is_line_end => {}
                 _ if self.in_tail => self.dropped += 1,
                 _ if self.line.len() == LINE_MOST => {
                     lines.push(self.drop_line());
                     self.dropped += 1;
                 }
                 byte => self.line.push(*byte),
+            }
+            if is_line_end || self.end == Some(*byte) {
+                self.in_tail = false;
+                let line = std::mem::take(&mut self.line);
+                lines.extend((!line.is_empty()).then_some(Line::Whole(line)));
             }
         }
         self.last_byte = now;
@@ -104,6 +114,18 @@ mod tests {
             let lines = Lines::default().take(text.as_bytes(), NOW);
             assert_eq!(lines, [whole(b"one"), whole(b"two")], "{end:?}");
         }
+    }
+
+    #[test]
+    fn an_end_of_the_sender_s_own_ends_a_line_or_a_tail() {
+        let mut lines = Lines::ended_by(Some(3));
+        let found = lines.take(b"\x0247\x03\x0211\x03\r\n12\r", NOW);
+        assert_eq!(found, [whole(b"\x0247\x03"), whole(b"\x0211\x03"), whole(b"12")]);
+        lines.take(b"\x0247", NOW);
+        assert_eq!(lines.tick(NOW + HALF_LINE), Some(Line::Dropped));
+        assert_eq!(lines.take(b"11\x03\x024711\x03", NOW * 9), [whole(b"\x024711\x03")]);
+        let long = [&[b'x'; LINE_MOST][..], b"\x03", b"1\x03"].concat();
+        assert_eq!(lines.take(&long, NOW * 9), [Line::Dropped, whole(b"1\x03")]);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! ```text
 //! bytes ── lines ── token ──┐
 //! levels, reports, keys ── edge ── button ──▶ Heard::Press
-//! bytes or keys ── code ──────────────────▶ Heard::Named
+//! bytes ── lines ── code ──────────────────▶ Heard::Named, Heard::Unread
+//! keys ── typed ── code ──────────────────▶ Heard::Named, Heard::Unread
 //! ```
 //!
 //! `now` is the station's monotonic clock. No input from a port can make anything here grow: buffers are
@@ -17,6 +18,8 @@ pub mod lines;
 pub mod port_lifecycle;
 pub mod report;
 pub mod token;
+mod typed;
 
 pub use input_decoder::{Input, InputDecoder};
 pub use port_lifecycle::{FaultKind, PortFault, PortLifecycle, PortState};
+pub use typed::KeyAction;

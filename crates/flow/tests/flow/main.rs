@@ -6,3 +6,4 @@ mod adversary;
 mod everyday;
 mod simulation;
 mod trigger_laws;
+mod typed_laws;

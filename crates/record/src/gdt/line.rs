@@ -23,6 +23,9 @@ pub(super) const TOTAL: u16 = 8100;
 /// The end mark of DOS files, which may follow the last line.
 const DOS_END: u8 = 0x1a;
 
+/// The byte order mark of UTF-8, with which some programs begin a message.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Why a message cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum WriteFault {
@@ -124,12 +127,19 @@ pub enum LineFault {
     },
 }
 
+/// The length of the byte order mark of a message, and what follows it.
+pub(super) fn unmarked(bytes: &[u8]) -> (usize, &[u8]) {
+    bytes.strip_prefix(MARK).map_or((0, bytes), |rest| (MARK.len(), rest))
+}
+
 /// Reads the lines of a message. If strict, every line must have the length in its length field. If not,
-/// lengths are ignored, and a line feed alone also ends a line. The last line may lack its end.
+/// lengths are ignored, and a line feed alone also ends a line. The last line may lack its end. The
+/// first line may have a byte order mark, which its length may count or not.
 ///
 /// # Errors
 /// The first [`LineFault`].
 pub fn read(bytes: &[u8], strict: bool) -> Result<Vec<Line<'_>>, LineFault> {
+    let (mut mark, bytes) = unmarked(bytes);
     let mut rest = bytes.strip_suffix(&[DOS_END]).unwrap_or(bytes);
     if !strict {
         while let Some(shorter) = rest.strip_suffix(b"\n").or(rest.strip_suffix(b"\r")) {
@@ -140,7 +150,7 @@ pub fn read(bytes: &[u8], strict: bool) -> Result<Vec<Line<'_>>, LineFault> {
     while !rest.is_empty() {
         let (whole, later) = split(rest, strict);
         rest = later;
-        lines.push(line(lines.len() + 1, whole, strict)?);
+        lines.push(line(lines.len() + 1, whole, std::mem::take(&mut mark), strict)?);
     }
     if lines.is_empty() { Err(LineFault::Empty) } else { Ok(lines) }
 }
@@ -153,7 +163,8 @@ fn split(bytes: &[u8], strict: bool) -> (&[u8], &[u8]) {
     (if strict { line } else { line.strip_suffix(b"\r").unwrap_or(line) }, later)
 }
 
-fn line(number: usize, bytes: &[u8], strict: bool) -> Result<Line<'_>, LineFault> {
+/// Reads a line of which `mark` bytes were taken away before.
+fn line(number: usize, bytes: &[u8], mark: usize, strict: bool) -> Result<Line<'_>, LineFault> {
     let frame = LineFault::Frame { line: number };
     let (head, content) = bytes.split_at_checked(7).ok_or(frame)?;
     if !head.iter().all(u8::is_ascii_digit) {
@@ -161,7 +172,7 @@ fn line(number: usize, bytes: &[u8], strict: bool) -> Result<Line<'_>, LineFault
     }
     let digits = |digits: &[u8]| digits.iter().fold(0_u16, |n, d| n * 10 + u16::from(d - b'0'));
     let (said, found) = (usize::from(digits(&head[..3])), content.len() + FRAME);
-    if strict && said != found {
+    if strict && said != found && said != found + mark {
         return Err(LineFault::Length { line: number, said, found });
     }
     Ok(Line { number, field: digits(&head[3..]), content })
@@ -207,5 +218,22 @@ mod tests {
         assert_eq!(read(b"", true), Err(LineFault::Empty));
         assert!(read(b"01380006302", true).is_ok(), "the last line may lack its end");
         assert!(read(b"01380006302\n01480100000\n\n", false).is_ok());
+    }
+
+    #[test]
+    fn a_byte_order_mark_stands_before_the_first_line_only() {
+        let plain = read(b"01380006302\r\n01330004711\r\n", true);
+        for first in ["013", "016"] {
+            let marked = format!("\u{feff}{first}80006302\r\n01330004711\r\n");
+            assert_eq!(read(marked.as_bytes(), true), plain, "{first}");
+            assert_eq!(read(marked.as_bytes(), false), plain, "{first}");
+        }
+        let fault = read("\u{feff}01480006302\r\n".as_bytes(), true);
+        assert_eq!(fault, Err(LineFault::Length { line: 1, said: 14, found: 13 }));
+        let second = read("01380006302\r\n\u{feff}01330004711\r\n".as_bytes(), false);
+        assert_eq!(second, Err(LineFault::Frame { line: 2 }));
+        let counted = read("\u{feff}01380006302\r\n01630004711\r\n".as_bytes(), true);
+        assert_eq!(counted, Err(LineFault::Length { line: 2, said: 16, found: 13 }));
+        assert_eq!(read("\u{feff}".as_bytes(), true), Err(LineFault::Empty));
     }
 }

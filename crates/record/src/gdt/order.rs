@@ -4,6 +4,9 @@
 use super::charset::{Charset, Unreadable};
 use super::line::{self, KIND, Line, LineFault, TOTAL};
 
+/// The byte order marks of UTF-16.
+const UTF_16: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
+
 /// The kind of message for an order of an examination.
 const ORDER: &[u8] = b"6302";
 
@@ -37,6 +40,11 @@ pub enum OrderFault {
         /// Its size, bytes.
         bytes: u64,
     },
+    /// It is written in UTF-16.
+    #[error(
+        "UTF-16 is not read: the program that writes it must use a character set of GDT, or UTF-8"
+    )]
+    Utf16,
     /// Its lines are wrong.
     #[error(transparent)]
     Lines(#[from] LineFault),
@@ -97,7 +105,7 @@ impl OrderFault {
             OrderFault::NotGdt => "order-not-gdt",
             OrderFault::OtherKind { .. } => "order-other-kind",
             OrderFault::NoTotal | OrderFault::Total { .. } => "order-length-wrong",
-            OrderFault::Charset | OrderFault::Text { .. } => "order-charset",
+            OrderFault::Utf16 | OrderFault::Charset | OrderFault::Text { .. } => "order-charset",
             OrderFault::PatientCut => "order-cut-short",
             OrderFault::NoPatient => "order-without-patient",
             OrderFault::TwoPatients { .. } => "order-two-patients",
@@ -105,8 +113,9 @@ impl OrderFault {
     }
 }
 
-/// Reads an order. `charset` is used for orders that name no character set. A lenient reader ignores
-/// lengths, for programs that count characters or leave them out.
+/// Reads an order. `charset` is used for orders that name no character set. An order with the byte order
+/// mark of UTF-8 is written in it, whatever it names. A lenient reader ignores lengths, for programs that
+/// count characters or leave them out.
 ///
 /// # Errors
 /// See [`OrderFault`].
@@ -114,6 +123,9 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
     let size = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
     if size > ORDER_MOST {
         return Err(OrderFault::TooLarge { bytes: size });
+    }
+    if UTF_16.iter().any(|mark| bytes.starts_with(mark)) {
+        return Err(OrderFault::Utf16);
     }
     // Checked first: a message that is not an order may be meant for another program and is left alone.
     if let Some(found) = kind(bytes).filter(|kind| *kind != ORDER) {
@@ -130,7 +142,8 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
         // Half an id may be another patient's, and a lenient reader cannot tell from the length.
         return Err(OrderFault::PatientCut);
     }
-    let charset = charset_of(&lines, charset)?;
+    let (mark, _) = line::unmarked(bytes);
+    let charset = charset_of(&lines, if mark > 0 { Charset::Utf8 } else { charset })?;
     let text = |field: u16| text(&lines, field, charset);
     Ok(Order {
         patient: patient(&lines, charset)?,
@@ -143,7 +156,9 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
 
 /// The four digits of the kind of message; `None` if the bytes do not begin like a message.
 fn kind(bytes: &[u8]) -> Option<&[u8]> {
-    let kind = bytes.strip_prefix(b"0138000")?.get(..4)?;
+    let (mark, bytes) = line::unmarked(bytes);
+    let counted = bytes.strip_prefix(b"0168000").filter(|_| mark > 0);
+    let kind = counted.or(bytes.strip_prefix(b"0138000"))?.get(..4)?;
     kind.iter().all(u8::is_ascii_digit).then_some(kind)
 }
 
@@ -152,11 +167,14 @@ fn total(lines: &[Line<'_>], bytes: &[u8]) -> Result<(), OrderFault> {
     let digits = std::str::from_utf8(line.content).ok();
     let said = digits.and_then(|digits| digits.trim().parse::<u64>().ok());
     let said = said.ok_or(OrderFault::NoTotal)?;
-    // Excludes a DOS end mark. A line end that the last line lacks may be counted or not.
+    // Excludes a DOS end mark. A line end that the last line lacks may be counted or not, and so may a
+    // byte order mark.
     let bytes = bytes.strip_suffix(&[0x1a]).unwrap_or(bytes);
-    let found = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
-    let with_end = found + if bytes.ends_with(b"\r\n") { 0 } else { 2 };
-    if said == found || said == with_end {
+    let found = bytes.len() as u64;
+    let end = if bytes.ends_with(b"\r\n") { 0 } else { 2 };
+    let mark = line::unmarked(bytes).0 as u64;
+    let counted = [found, found + end, found - mark, found - mark + end];
+    if counted.contains(&said) {
         return Ok(());
     }
     Err(OrderFault::Total { said, found })

@@ -43,6 +43,15 @@ fn an_order_beyond_all_measure_is_not_looked_at() {
     assert_eq!(fault, OrderFault::TooLarge { bytes: ORDER_MOST + 1 });
 }
 
+/// An order with the byte order mark of UTF-8, which its first line and its total count or not.
+fn marked(fields: &[(u16, String)], line_counts: bool, total_counts: bool) -> Vec<u8> {
+    let plain = String::from_utf8(message(6302, Charset::Utf8, fields).unwrap()).unwrap();
+    let length = if total_counts { plain.len() + 3 } else { plain.len() };
+    let first = if line_counts { "016" } else { "013" };
+    // The first line has 13 bytes, and the second 7 before its five digits.
+    format!("\u{feff}{first}{}{length:05}{}", &plain[3..20], &plain[25..]).into_bytes()
+}
+
 /// Orders that are nearly right: one that is right, with a few bytes changed, gone or added.
 fn nearly() -> impl Strategy<Value = Vec<u8>> {
     let change = (0..200_usize, any::<u8>(), 0..3_u8);
@@ -93,5 +102,33 @@ proptest! {
                 prop_assert_eq!(order.request.unwrap_or_default(), request.clone());
             }
         }
+    }
+    /// An order with the byte order mark of UTF-8 is the order without it, and a cut one is none.
+    #[test]
+    fn a_byte_order_mark_may_be_there_and_be_counted_or_not(
+        id in "[A-Za-z0-9äöüÄÖÜ]{1,20}", named in prop::option::of("[1239]"),
+        line_counts: bool, total_counts: bool, lenient: bool, cut in 1..40_usize,
+    ) {
+        let mut fields = vec![(3000, id.clone()), (8402, "ALLG00".to_owned())];
+        fields.extend(named.map(|named| (9206, named)));
+        let bytes = marked(&fields, line_counts, total_counts);
+        for charset in [Charset::Ascii, Charset::Cp437, Charset::Cp1252, Charset::Utf8] {
+            let order = read(&bytes, charset, lenient).unwrap();
+            prop_assert_eq!(&order.patient, &id);
+            prop_assert_eq!(order.procedure.as_deref(), Some("ALLG00"));
+            // The last line may lack its end, and nothing more.
+            let short = read(&bytes[..bytes.len() - cut], charset, false);
+            prop_assert_eq!(short.is_ok(), cut == 2);
+        }
+    }
+
+    /// Two bytes of UTF-16 say what it is.
+    #[test]
+    fn an_order_in_utf_16_is_refused_by_name(big_end: bool, lenient: bool) {
+        let text = "\u{feff}01380006302\r\n014810000040\r\n01330004711\r\n".encode_utf16();
+        let bytes: Vec<u8> = text
+            .flat_map(|unit| if big_end { unit.to_be_bytes() } else { unit.to_le_bytes() })
+            .collect();
+        prop_assert_eq!(read(&bytes, Charset::Utf8, lenient), Err(OrderFault::Utf16));
     }
 }

@@ -5,16 +5,14 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use evdev::{Device, EventSummary};
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
+use evdev::raw_stream::{self, RawDevice};
+use evdev::{EventSummary, InputEvent, SynchronizationCode};
+use gaiter_flow::trigger::{FaultKind, Input, KeyAction, PortFault};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::ioctl_fionbio;
 
 use super::port::{Port, PortOpener, fault, of_io};
 use crate::config::port::InputPlace;
-
-/// The values of a key event: up and down. 2 is a key that repeats while it is held.
-const UP: i32 = 0;
-const DOWN: i32 = 1;
 
 /// Where to look for an input device.
 #[derive(Debug)]
@@ -26,34 +24,42 @@ impl PortOpener for KeysOpener {
             InputPlace::Path(path) => path.clone(),
             InputPlace::Name(name) => named(name)?,
         };
-        let mut device = Device::open(&path).map_err(|error| of_io(&error))?;
-        device.set_nonblocking(true).map_err(|error| of_io(&error))?;
+        // Not the device that the crate repairs: it would say nothing about keys that were lost.
+        let mut device = RawDevice::open(&path).map_err(|error| of_io(&error))?;
+        ioctl_fionbio(&device, true).map_err(|error| of_io(&error.into()))?;
         // Exclusive for the first program that grabs it: the pedal must not type into a console too.
         device.grab().map_err(|error| of_io(&error))?;
-        Ok(Box::new(OpenKeys { device, events: VecDeque::new() }))
+        // A device that is gone by now fails when it is read.
+        let inputs = held(&device).map(Input::KeysHeld).into_iter().collect();
+        Ok(Box::new(OpenKeys { device, inputs }))
     }
 }
 
 /// The path of the device that reports this name.
 fn named(name: &str) -> Result<PathBuf, PortFault> {
-    let found = evdev::enumerate().find(|(_, device)| device.name() == Some(name));
+    let found = raw_stream::enumerate().find(|(_, device)| device.name() == Some(name));
     found.map(|(path, _)| path).ok_or_else(|| {
         // Devices that the station may not open are not listed.
         fault(FaultKind::Absent, "no input device that the station may open has this name")
     })
 }
 
+/// The keys that are down. The system forgets what it had to tell about keys up to now.
+fn held(device: &RawDevice) -> io::Result<Vec<u16>> {
+    Ok(device.get_key_state()?.iter().map(|key| key.0).collect())
+}
+
 /// A grabbed input device.
 struct OpenKeys {
-    device: Device,
-    /// Keys that were read but not returned yet.
-    events: VecDeque<Input>,
+    device: RawDevice,
+    /// What was read but not returned yet.
+    inputs: VecDeque<Input>,
 }
 
 impl Port for OpenKeys {
     fn read(&mut self, timeout: Duration) -> Result<Input, PortFault> {
-        if let Some(event) = self.events.pop_front() {
-            return Ok(event);
+        if let Some(input) = self.inputs.pop_front() {
+            return Ok(input);
         }
         let timeout = Timespec::try_from(timeout).ok();
         let mut waits = [PollFd::new(&self.device, PollFlags::IN)];
@@ -62,18 +68,13 @@ impl Port for OpenKeys {
             Ok(_) => {}
             Err(error) => return Err(of_io(&error.into())),
         }
-        let events = match self.device.fetch_events() {
-            Ok(events) => events,
+        let events: Vec<InputEvent> = match self.device.fetch_events() {
+            Ok(events) => events.collect(),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(Input::Nothing),
             Err(error) => return Err(of_io(&error)),
         };
-        self.events.extend(events.filter_map(|event| match event.destructure() {
-            EventSummary::Key(_, code, value @ (UP | DOWN)) => {
-                Some(Input::Key { code: code.0, down: value == DOWN })
-            }
-            _ => None,
-        }));
-        Ok(self.events.pop_front().unwrap_or(Input::Nothing))
+        self.take(&events).map_err(|error| of_io(&error))?;
+        Ok(self.inputs.pop_front().unwrap_or(Input::Nothing))
     }
 
     fn write(&mut self, _: &[u8]) -> Result<(), PortFault> {
@@ -84,5 +85,36 @@ impl Port for OpenKeys {
     fn is_in_place(&mut self) -> Result<(), PortFault> {
         // Reading fails with ENODEV as soon as it is unplugged.
         Ok(())
+    }
+}
+
+impl OpenKeys {
+    /// Takes what was read at once, up to a place where the system had to drop events: what follows there
+    /// is a part of what it had, and older than the keys that are down.
+    fn take(&mut self, events: &[InputEvent]) -> io::Result<()> {
+        for event in events {
+            match event.destructure() {
+                EventSummary::Key(_, code, value) => {
+                    let action = action(value);
+                    self.inputs.extend(action.map(|action| Input::Key { code: code.0, action }));
+                }
+                EventSummary::Synchronization(_, SynchronizationCode::SYN_DROPPED, _) => {
+                    self.inputs.push_back(Input::KeysLost(held(&self.device)?));
+                    break;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the value of a key event means.
+fn action(value: i32) -> Option<KeyAction> {
+    match value {
+        0 => Some(KeyAction::Up),
+        1 => Some(KeyAction::Down),
+        2 => Some(KeyAction::Repeat),
+        _ => None,
     }
 }

@@ -5,6 +5,7 @@
 //! +120ms bytes "PRESS\r\n"      +5ms closed        +50ms open
 //! +1s    unplug                 +2s  plug          +0s  vanish | busy | denied
 //! +10ms  report 01 00           +8ms down 48       +8ms up 48
+//! +8ms   repeat 48              +8ms held 42 48    +8ms lost 42
 //! ```
 //!
 //! Each time counts from the line before. A line with any other word is left to the player of the
@@ -14,7 +15,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{FaultKind, Input, KeyAction, PortFault};
 
 use super::port::{Port, PortOpener, fault};
 use crate::config::port::escaped;
@@ -68,7 +69,11 @@ fn time(text: &str) -> Option<Duration> {
 
 fn act(what: &str) -> Option<Act> {
     let (word, rest) = what.split_once(' ').unwrap_or((what, ""));
-    let key = |down| Some(Act::Gives(Input::Key { code: rest.parse().ok()?, down }));
+    let key = |action| Some(Act::Gives(Input::Key { code: rest.parse().ok()?, action }));
+    let keys = || {
+        let codes = rest.split_whitespace().map(|code| code.parse::<u16>().ok());
+        codes.collect::<Option<Vec<u16>>>()
+    };
     match word {
         "bytes" => {
             let text = rest.strip_prefix('"')?.strip_suffix('"')?;
@@ -80,8 +85,11 @@ fn act(what: &str) -> Option<Act> {
             let bytes = rest.split(' ').map(|byte| u8::from_str_radix(byte, 16).ok());
             Some(Act::Gives(Input::Report(bytes.collect::<Option<_>>()?)))
         }
-        "down" => key(true),
-        "up" => key(false),
+        "down" => key(KeyAction::Down),
+        "up" => key(KeyAction::Up),
+        "repeat" => key(KeyAction::Repeat),
+        "held" => Some(Act::Gives(Input::KeysHeld(keys()?))),
+        "lost" => Some(Act::Gives(Input::KeysLost(keys()?))),
         "unplug" => Some(Act::Gone(FaultKind::Absent)),
         "busy" => Some(Act::Gone(FaultKind::Busy)),
         "denied" => Some(Act::Gone(FaultKind::Denied)),
