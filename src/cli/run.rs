@@ -127,6 +127,7 @@ fn explain(error: &StationError) -> Exit {
     complain(format_args!("gaiter: {}", chain(error)));
     match error {
         StationError::State { .. }
+        | StationError::StateOfAnother { .. }
         | StationError::Lock(_)
         | StationError::Journal { .. }
         | StationError::ExportTaken { .. }

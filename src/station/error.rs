@@ -22,6 +22,15 @@ pub enum StationError {
         #[source]
         source: io::Error,
     },
+    /// The state folder is another user's.
+    #[error(
+        "the state folder {path} belongs to another user, who could read and change what the station \
+         keeps there: give it to the station's user (chown)"
+    )]
+    StateOfAnother {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The state folder could not be locked.
     #[error(transparent)]
     Lock(#[from] LockError),

@@ -1,5 +1,8 @@
 //! Who may read a store's records.
 
+/// The permission bits of everybody but the owner.
+pub const OTHERS: u32 = 0o077;
+
 /// Who may read what is written. It holds scans of patients' bodies, so nobody else ever may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Access {

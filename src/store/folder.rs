@@ -11,8 +11,9 @@ mod owner;
 mod person;
 mod search;
 
+use std::ffi::OsStr;
 use std::fs;
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
@@ -37,6 +38,14 @@ find this file assumes that the share is not mounted.\n";
 
 /// Suffix of a staged folder that is complete and waits for its place.
 const WHOLE: &str = ".whole";
+
+/// Errors that say that something else lies where a record or its folder belongs.
+const TAKEN: [ErrorKind; 4] = [
+    ErrorKind::AlreadyExists,
+    ErrorKind::InvalidFilename,
+    ErrorKind::IsADirectory,
+    ErrorKind::NotADirectory,
+];
 
 /// Records as folders on a disk or share.
 #[derive(Debug, Clone)]
@@ -131,6 +140,10 @@ impl FolderStore {
         fit(delivery)?;
         // Checked each time: the share may have gone since, and its empty mount point accepts anything.
         self.reach()?;
+        self.put_in_reach(delivery).map_err(|fault| self.of_record(fault, &TAKEN))
+    }
+
+    fn put_in_reach(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         let patient = self.patient_folder(delivery.patient)?;
         if delivery.revision > FIRST_REVISION {
             return put_revision(&patient, delivery);
@@ -157,6 +170,25 @@ impl FolderStore {
         // Synced even if it was already there: the run that made it may have crashed before this.
         tried("syncing", &patient, durable::sync_folder(&patient))?;
         Ok(Receipt { folder: place, already_there })
+    }
+
+    /// Tells a fault of one record from one of the store: an error of one of these kinds, met in a
+    /// patient's folder, keeps no other record from the store.
+    fn of_record(&self, fault: StoreFault, kinds: &[ErrorKind]) -> StoreFault {
+        match fault {
+            StoreFault::Transient { what, path, source }
+                if kinds.contains(&source.kind()) && self.is_patients(&path) =>
+            {
+                StoreFault::Permanent(Misfit::InTheWay { what, error: source.kind() })
+            }
+            fault => fault,
+        }
+    }
+
+    /// Whether a path is a patient's folder or lies in one.
+    fn is_patients(&self, path: &Path) -> bool {
+        let within = path.strip_prefix(&self.root).ok().and_then(|within| within.iter().next());
+        within.and_then(OsStr::to_str).and_then(naming::patient_of_folder).is_some()
     }
 
     /// Gives the staged record its place, unless another station has stored the scan meanwhile. Returns
@@ -203,7 +235,7 @@ fn put_revision(patient: &Path, delivery: &Delivery<'_>) -> Result<Receipt, Stor
     let mut files = delivery.files.to_vec();
     let name = format!("scan.{}", delivery.ending);
     files.insert(files.len().saturating_sub(1), RecordFile { name, bytes: scan });
-    match tried("adding a revision in", patient, family.add(delivery.revision, &files))? {
+    match tried("adding a revision", patient, family.add(delivery.revision, &files))? {
         Added::There(folder) => Ok(Receipt { folder, already_there: false }),
         Added::Withdrawn => Ok(Receipt { folder: patient.to_owned(), already_there: true }),
     }
@@ -233,7 +265,7 @@ fn stage(staged: &Path, delivery: &Delivery<'_>, access: Access) -> Result<(), S
     for left in [staged, &whole(staged)] {
         tried("clearing", left, durable::remove_folder(left))?;
     }
-    tried("making", staged, access.make_folder(staged))?;
+    tried("making the folder", staged, access.make_folder(staged))?;
     let (sums, files) = delivery.files.split_last().unzip();
     let write = |file: &RecordFile| {
         let path = staged.join(&file.name);
@@ -243,7 +275,7 @@ fn stage(staged: &Path, delivery: &Delivery<'_>, access: Access) -> Result<(), S
     let mut written = files.into_iter().flatten().map(write).collect::<Result<Vec<_>, _>>()?;
     let scan = staged.join(format!("{}{}", sums::SCAN, delivery.ending));
     let copied = access.copy_unsynced(delivery.scan_file, &scan);
-    let (copy, digest) = tried("copying the scan to", &scan, copied)?;
+    let (copy, digest) = tried("copying the scan", &scan, copied)?;
     if ScanId::of_digest(digest) != *delivery.scan {
         tried("clearing", staged, durable::remove_folder(staged))?;
         return Err(StoreFault::Permanent(Misfit::OtherBytes));

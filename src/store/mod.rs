@@ -129,6 +129,14 @@ pub enum Misfit {
     /// The record's place is taken by something that is not this scan's complete record.
     #[error("its folder exists but is not this scan's complete record: {0}")]
     Occupied(sums::SumsFault),
+    /// Something is in the way of this record alone.
+    #[error("something is in its way: {what} failed ({error})")]
+    InTheWay {
+        /// What was tried.
+        what: &'static str,
+        /// How it failed.
+        error: io::ErrorKind,
+    },
     /// The patient's folder is a link, which may lead to another patient's.
     #[error("the patient's folder is a symbolic link")]
     FolderIsLink,
@@ -165,6 +173,7 @@ impl StoreFault {
             StoreFault::Transient { .. } => "store-unavailable",
             StoreFault::NotFetched => "result-not-fetched",
             StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
+            StoreFault::Permanent(Misfit::InTheWay { .. }) => "store-place-occupied",
             StoreFault::Permanent(Misfit::FolderIsLink) => "patient-folder-is-a-link",
             StoreFault::Permanent(Misfit::FolderClash) => "patient-folder-clash",
             StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
@@ -341,7 +350,8 @@ impl RecordStore {
     }
 }
 
-/// Treats every I/O error of a store as transient: disks fill and empty, shares go and come back.
+/// Treats an I/O error of a store as transient: disks fill and empty, shares go and come back. What is in
+/// the way of one record is told apart where the record is known.
 fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, StoreFault> {
     result.map_err(|source| StoreFault::Transient { what, path: path.to_owned(), source })
 }

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Read};
-use std::ops::Range;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -64,31 +63,6 @@ pub fn of_beginnings(bytes: &[u8], lengths: &BTreeSet<usize>) -> BTreeMap<usize,
         found.insert(length, ScanId::of_digest(digest.clone().finalize().into()));
     }
     found
-}
-
-/// The ids of the bytes and of parts of them, one after the other. As long as nothing was left out, both
-/// are the same, and are computed once.
-pub fn of_whole_and_parts(bytes: &[u8], parts: &[Range<usize>]) -> (ScanId, ScanId) {
-    let (mut whole, mut within) = (Sha256::new(), None);
-    let mut done = 0;
-    for part in parts {
-        if done < part.start {
-            within.get_or_insert_with(|| whole.clone());
-            whole.update(&bytes[done..part.start]);
-        }
-        // In pieces, so that the second finds the bytes where the first has put them: near the core.
-        for piece in bytes[part.clone()].chunks(PIECE_BYTES) {
-            whole.update(piece);
-            if let Some(within) = &mut within {
-                within.update(piece);
-            }
-        }
-        done = part.end;
-    }
-    let within = within.unwrap_or_else(|| whole.clone());
-    whole.update(&bytes[done..]);
-    let [whole, within] = [whole, within].map(|digest| ScanId::of_digest(digest.finalize().into()));
-    (whole, within)
 }
 
 /// Checks that a folder holds every file that its `SHA256SUMS` lists, with the right bytes, and that its
@@ -194,11 +168,13 @@ fn read(folder: &Path) -> io::Result<Result<Vec<(ScanId, String)>, SumsFault>> {
     })
 }
 
-/// `None` for a missing file, which is a finding about the record; any other error is not.
+/// `None` for a missing file, or a folder in its place, which is a finding about the record; any other error
+/// is not.
 fn readable(read: io::Result<Vec<u8>>) -> io::Result<Option<Vec<u8>>> {
+    use io::ErrorKind::{IsADirectory, NotADirectory, NotFound};
     match read {
         Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) if matches!(error.kind(), NotFound | IsADirectory | NotADirectory) => Ok(None),
         Err(error) => Err(error),
     }
 }
@@ -236,25 +212,5 @@ mod tests {
         let lengths = [0, 8, 23, bytes.len()];
         let expected = lengths.map(|length| (length, scan_id(&bytes[..length])));
         assert_eq!(found, BTreeMap::from(expected));
-    }
-
-    #[test]
-    fn whole_and_parts_have_the_ids_that_they_have_by_themselves() {
-        let bytes: Vec<u8> = (0..3 * PIECE_BYTES).map(|n| (n % 251) as u8).collect();
-        let end = bytes.len();
-        let cases: [&[Range<usize>]; 6] = [
-            &[],
-            &[0..PIECE_BYTES, PIECE_BYTES..end],
-            &[0..9, 9..end - 1],
-            &[5..9, 9..end],
-            &[0..7, 9..PIECE_BYTES + 12, end - 3..end],
-            &[0..5, 5..8, 10..12, 12..20],
-        ];
-        for parts in cases {
-            let joined: Vec<u8> =
-                parts.iter().flat_map(|part| bytes[part.clone()].to_vec()).collect();
-            let expected = (scan_id(&bytes), scan_id(&joined));
-            assert_eq!(of_whole_and_parts(&bytes, parts), expected, "{parts:?}");
-        }
     }
 }

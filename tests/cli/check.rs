@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs;
+use std::os::unix::fs::{PermissionsExt, chown};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -109,7 +110,7 @@ fn a_sound_station_ends_with_0_and_the_check_leaves_nothing_behind() {
     left.sort();
     assert_eq!(left, ["export", "station.toml"]);
 
-    fs::create_dir(root.path().join("state")).unwrap();
+    private_folder(&root.path().join("state"));
     let output = check(&file, &["--json"]);
     assert_eq!(code(&output), Some(0));
     let report = json(&output);
@@ -117,6 +118,49 @@ fn a_sound_station_ends_with_0_and_the_check_leaves_nothing_behind() {
         report["checks"].as_array().unwrap().iter().find(|row| row["check"] == "state folder");
     assert_eq!(state.unwrap()["detail"], "can be written, synced and renamed in");
     assert_eq!(fs::read_dir(root.path().join("state")).unwrap().count(), 0);
+}
+
+fn private_folder(folder: &Path) {
+    fs::create_dir(folder).unwrap();
+    fs::set_permissions(folder, fs::Permissions::from_mode(0o700)).unwrap();
+}
+
+#[test]
+fn a_state_folder_in_which_others_have_rights_is_told() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    let state = root.path().join("state");
+    private_folder(&state);
+    let row = || {
+        let rows = json(&check(&file, &["--json"]))["checks"].as_array().unwrap().clone();
+        rows.into_iter().find(|row| row["check"] == "state folder").unwrap()
+    };
+    assert_eq!(row()["verdict"], "ok");
+    for mode in [0o777, 0o770, 0o755, 0o710] {
+        fs::set_permissions(&state, fs::Permissions::from_mode(mode)).unwrap();
+        let found = row();
+        assert_eq!(found["verdict"], "warn", "{found}");
+        let detail = found["detail"].as_str().unwrap();
+        assert!(detail.contains(&format!("mode {mode:04o}")), "{detail}");
+        assert!(detail.ends_with(&format!("chmod 700 {}", state.display())), "{detail}");
+    }
+    assert_eq!(fs::metadata(&state).unwrap().permissions().mode() & 0o777, 0o710);
+}
+
+#[test]
+fn a_station_does_not_start_in_a_state_folder_of_another_user() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    let state = root.path().join("state");
+    private_folder(&state);
+    // Only root can give a folder away.
+    if chown(&state, Some(65_534), None).is_err() {
+        return;
+    }
+    let output = gaiter(&["run", "--config", file.to_str().unwrap()]);
+    assert_eq!(code(&output), Some(74));
+    assert!(stderr(&output).contains("belongs to another user"), "{}", stderr(&output));
+    assert_eq!(fs::read_dir(&state).unwrap().count(), 0);
 }
 
 #[test]
@@ -262,7 +306,6 @@ fn a_reader_that_has_gone_is_no_fault() {
 
 #[test]
 fn a_group_that_may_read_records_needs_a_folder_that_hands_itself_on() {
-    use std::os::unix::fs::PermissionsExt;
     let root = TempDir::new().unwrap();
     let file = station(root.path(), "");
     let text = fs::read_to_string(&file).unwrap() + "mode = \"group\"\n";

@@ -3,11 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Output;
 
-use rig::verb::{code, stderr, stdout};
+use rig::verb::{code, gaiter_told, stderr, stdout};
 use rig::{Booth, names, sha256};
 use serde_json::Value;
 use support::coarse_body;
@@ -190,6 +191,49 @@ fn a_record_that_is_taken_back_takes_along_what_was_set_without_effect() {
     let kept: Value = serde_json::from_str(&kept).unwrap();
     assert_eq!(kept["amendments"][0]["girth_mm"], 367.0);
     assert!(records(&booth, "records").is_empty());
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_record_amended_and_taken_back_again_and_again_leaves_every_wrong_folder_and_loses_nothing() {
+    const ROUNDS: usize = 6;
+    let booth = Booth::new();
+    let daemon = booth.start_ready();
+    let scan = coarse_body(1);
+    let id = sha256(&scan)[..8].to_owned();
+    let at_rest = |what: &str, patient: &str| {
+        let open = "SELECT count(*) FROM deliveries WHERE state IN ('pending', 'withdrawing')";
+        let folder = booth.path("records").join(patient);
+        booth.wait_for(what, || {
+            booth.journal(open) == Some(0) && folder.exists() && visible(&folder).len() == 1
+        });
+    };
+    booth.export("4711_a.obj", &scan);
+    at_rest("the record", "4711");
+    let mut owner = "4711";
+    for round in 0..ROUNDS {
+        set(&booth, &scan, &format!("36.{}", round + 2));
+        let output = booth.gaiter(&["unassign", &id]);
+        assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+        at_rest("the take-back", "_unassigned");
+        assert!(visible(&booth.path("records").join(owner)).is_empty(), "round {round}");
+        owner = "1002";
+        let config = booth.path("station.toml");
+        let output = gaiter_told(&config, &["assign", &id], &format!("{owner}\n"));
+        assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+        at_rest("the assignment", owner);
+        assert!(visible(&booth.path("records/_unassigned")).is_empty(), "round {round}");
+    }
+    let folder = visible(&booth.path("records").join(owner)).remove(0);
+    let kept = names(&folder).into_iter().filter(|name| name.contains("set-by-hand"));
+    let kept = kept.map(|name| {
+        let kept: Value = serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap();
+        kept["amendments"][0]["girth_mm"].to_string()
+    });
+    let girths: BTreeSet<String> = kept.collect();
+    assert_eq!(girths.len(), ROUNDS, "{girths:?}");
+    assert_eq!(code(&booth.gaiter(&["status"])), Some(0), "{}", booth.status());
+    assert!(!booth.log().contains("store-unavailable"), "{}", booth.log());
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

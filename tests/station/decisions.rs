@@ -214,6 +214,35 @@ fn a_record_that_was_changed_by_hand_is_said_to_lie_there_until_it_has_left() {
 }
 
 #[test]
+fn a_record_with_something_in_its_way_waits_alone_and_the_store_goes_on() {
+    let booth = booth();
+    let daemon = booth.start_ready();
+    let [scan, other] = [6, 7].map(coarse_body);
+    booth.export("4711_a.obj", &scan);
+    at_rest(&booth, "the record", &["4711"], &scan);
+    let id = &sha256(&scan)[..8];
+    let stone = booth.path(&format!("records/4711/.staging.booth-1.withdrawn_{id}"));
+    fs::write(&stone, "not a folder").unwrap();
+    said(&booth, &["unassign", id]);
+    booth.wait_for("the alarm", || complaints(&booth) == ["record-kept"]);
+    assert!(said(&booth, &["show", id]).contains("withdrawing [record-kept], to be withdrawn"));
+    booth.export("4712_b.obj", &other);
+    booth.wait_for_journal(
+        "SELECT count(*) FROM deliveries WHERE state = 'delivered' AND patient = '4712'",
+        1,
+    );
+    assert_eq!(complaints(&booth), ["record-kept"]);
+    assert!(booth.log().contains("something is in its way"), "{}", booth.log());
+    assert!(!booth.log().contains("store-unavailable"), "{}", booth.log());
+    fs::remove_file(&stone).unwrap();
+    said(&booth, &["retry", id]);
+    booth.wait_for_journal(OPEN, 0);
+    booth.wait_for("the end of the alarm", || complaints(&booth).is_empty());
+    assert_eq!(names(&booth.path("records/4711")), [""; 0]);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
 fn a_scan_held_for_two_is_released_for_neither() {
     let booth = Booth::new();
     let daemon = booth.start_ready();

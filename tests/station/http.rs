@@ -2,9 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::fs::{self, File};
+use std::fs::{self, File, Permissions};
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -207,7 +208,9 @@ fn a_port_that_is_taken_is_a_fault_and_keeps_no_scan_waiting_and_its_link_is_new
     let booth = booth(&format!("[status]\nlisten = \"127.0.0.1:{port}\"\n"));
     let old = "a".repeat(64);
     fs::create_dir_all(booth.path("state")).unwrap();
-    fs::write(booth.path("state/page-token"), format!("{old}\n")).unwrap();
+    let file = booth.path("state/page-token");
+    fs::write(&file, format!("{old}\n")).unwrap();
+    fs::set_permissions(&file, Permissions::from_mode(0o600)).unwrap();
     let daemon = booth.start();
     booth.export("4711_a.obj", &coarse());
     booth.wait_for_records(1);

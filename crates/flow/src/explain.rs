@@ -22,6 +22,8 @@ pub struct Known {
     pub at: Option<Timestamp>,
     /// The scan's first digits; `None` for a file that was refused unread.
     pub scan: Option<String>,
+    /// When that scan came in, if the file only has its points and triangles again, in other bytes.
+    pub again_since: Option<Timestamp>,
 }
 
 /// Why a file of this name is ignored whatever it contains, in words that follow "it".
@@ -70,17 +72,26 @@ fn waits(file: &WaitingFile, intake: IntakeState, zone: &TimeZone) -> String {
 }
 
 fn said(known: &Known, zone: &TimeZone) -> String {
-    let scan = known.scan.as_ref();
-    let scan = scan.map_or("The file".to_owned(), |scan| format!("The file's scan {scan}"));
+    let which = match (&known.scan, known.again_since) {
+        (None, _) => "The file".to_owned(),
+        (Some(scan), None) => format!("The file's scan {scan}"),
+        (Some(scan), Some(taken)) => {
+            let taken = local(taken, zone);
+            format!("The file has the points and triangles of scan {scan}, taken {taken}, which")
+        }
+    };
     let at = known.at.map_or(String::new(), |at| format!(" ({})", local(at, zone)));
-    format!("{scan} {}{at}.", known.state)
+    format!("{which} {}{at}.", known.state)
 }
 
 fn not_seen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
     let ignored = path.ancestors().find_map(|place| Some((place, *source.ignored.get(place)?)));
     if let Some((place, why)) = ignored {
-        let which = if place == path { "The file" } else { "The file is in a folder that" };
-        return format!("{which} {why}.");
+        return match why.strip_prefix("is a folder") {
+            _ if place == path => format!("The file {why}."),
+            Some(more) => format!("The file is in a sub-folder{more}."),
+            None => format!("The file is in a folder that {why}."),
+        };
     }
     let since = local(source.since, zone);
     match &source.state {
@@ -158,12 +169,22 @@ mod tests {
 
     #[test]
     fn a_known_file_says_what_became_of_it_unless_it_has_changed() {
-        let known =
-            Known { state: "was delivered".into(), at: Some(at(5)), scan: Some("0123abcd".into()) };
+        let known = Known {
+            state: "was delivered".into(),
+            at: Some(at(5)),
+            scan: Some("0123abcd".into()),
+            again_since: None,
+        };
         let path = Path::new("/e/a.obj");
         assert_eq!(
             of_file(&facts(|_| ()), path, Some(known.clone()), &TimeZone::UTC),
             "The file's scan 0123abcd was delivered (1970-01-01 00:00:05)."
+        );
+        let again = Known { again_since: Some(at(3)), ..known.clone() };
+        assert_eq!(
+            of_file(&facts(|_| ()), path, Some(again), &TimeZone::UTC),
+            "The file has the points and triangles of scan 0123abcd, taken 1970-01-01 00:00:03, \
+             which was delivered (1970-01-01 00:00:05)."
         );
         let facts = facts(|source| {
             source.waiting.insert(path.into(), waiting("is still being written", false));
@@ -192,11 +213,19 @@ mod tests {
     fn a_file_that_is_passed_over_says_why() {
         let facts = facts(|source| {
             source.ignored.insert("/e/pipe.obj".into(), "is a pipe");
-            source.ignored.insert("/e/sub".into(), "is a folder");
+            source.ignored.insert("/e/sub".into(), "is a folder, and scanner.subfolders is false");
+            source.ignored.insert("/e/1/2".into(), "is a folder that is nested too deep");
+            source.ignored.insert("/e/link.obj".into(), "is a link, and links are not followed");
         });
         for (path, expected) in [
             ("/e/pipe.obj", "The file is a pipe."),
-            ("/e/sub/deep/a.obj", "The file is in a folder that is a folder."),
+            ("/e/sub", "The file is a folder, and scanner.subfolders is false."),
+            ("/e/sub/deep/a.obj", "The file is in a sub-folder, and scanner.subfolders is false."),
+            ("/e/1/2/a.obj", "The file is in a sub-folder that is nested too deep."),
+            (
+                "/e/link.obj/a.obj",
+                "The file is in a folder that is a link, and links are not followed.",
+            ),
             ("/e/.a.obj", "The file is hidden; hidden files are ignored."),
             ("/e/a.ord", "The file is not a scan; it belongs to the scan of the same name."),
             ("/f/a.obj", "The file is not in an export folder of this station."),

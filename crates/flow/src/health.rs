@@ -106,7 +106,10 @@ fn remedy(code: &str) -> &'static str {
         "erasure-pending" => {
             "mount the store that it waits for; it goes on by itself; for the own folder, restart"
         }
-        "record-kept" => "gaiter scans lists it as withdrawing; restore or remove what was changed",
+        "record-kept" => {
+            "gaiter scans lists it as withdrawing, the log says what keeps it; restore what was changed, or \
+             remove what is in the way"
+        }
         "measuring-impaired" => {
             "see the log for what stops the measuring processes; scans wait, and the alarm clears \
              itself"

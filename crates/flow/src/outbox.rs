@@ -27,8 +27,8 @@ pub enum Ended {
     ForGood,
     /// It will be tried again; the fault is not the store's.
     PutOff,
-    /// A record that was to be taken back was changed by someone, and stays until the operator has dealt
-    /// with it: taking it back is tried again.
+    /// A record that was to be taken back was changed by someone, or something is in its way. It stays until
+    /// the operator has dealt with it: taking it back is tried again.
     Kept,
     /// It will be tried again, and the store is asked whether it is in reach.
     StoreFailed,

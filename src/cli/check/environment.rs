@@ -2,6 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::FileSystem;
@@ -14,6 +15,7 @@ use crate::config::{Config, WatchConfig, nested};
 use crate::station::measure;
 use crate::station::runtime::causes::chain;
 use crate::station::share::file_system;
+use crate::store::access::OTHERS;
 
 /// Runs every check of the environment, along the path of a scan: exports, state, records.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
@@ -23,8 +25,9 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
         exports.iter().map(|folder| Row::of("export folder", folder, readable(folder))).collect();
     rows.extend(exports.iter().filter_map(|folder| mounted(folder, &config.scanner.watch)));
     rows.extend(names::rows(config));
-    for (check, folder) in [("state folder", state), ("record store", store)] {
-        rows.push(Row::of(check, folder, writable(folder)));
+    let record_store = Row::of("record store", store, writable(store));
+    for (row, folder) in [(state_folder(state), state), (record_store, store)] {
+        rows.push(row);
         rows.push(room(folder, config.scanner.max_scan_bytes));
     }
     let gdt = config.store.gdt.as_ref().map(|gdt| &gdt.path);
@@ -102,6 +105,32 @@ fn writable(folder: &Path) -> io::Result<String> {
     } else {
         format!("does not exist yet; can be made in {}", place.display())
     })
+}
+
+/// As any folder that is written; and nobody but the station's user may have rights in it. Who that is, root
+/// cannot tell.
+fn state_folder(folder: &Path) -> Row {
+    let check = "state folder";
+    let row = Row::of(check, folder, writable(folder));
+    let found = match fs::metadata(folder) {
+        Ok(found) if row.verdict == Verdict::Ok => found,
+        _ => return row,
+    };
+    let user = rustix::process::geteuid();
+    if !user.is_root() && found.uid() != user.as_raw() {
+        let detail = "belongs to another user; the station does not start in it";
+        return Row::new(check, folder, Verdict::Fail, detail);
+    }
+    if found.mode() & OTHERS == 0 {
+        return row;
+    }
+    let detail = format!(
+        "others have rights in it (mode {:04o}); the station takes them away when it starts, or now: \
+         chmod 700 {}",
+        found.mode() & 0o7777,
+        folder.display()
+    );
+    Row::new(check, folder, Verdict::Warn, detail)
 }
 
 fn write_sync_rename(trial: &Path) -> io::Result<()> {

@@ -36,8 +36,8 @@ pub struct Ready {
 pub(super) enum Setback {
     /// It never will finish.
     Refused(Reason),
-    /// Someone changed the record that was to be taken back; the misfit says how. It stays where it is
-    /// until an operator has checked it.
+    /// The record that was to be taken back was changed, or something is in its way; the misfit says what.
+    /// It stays where it is until an operator has checked it.
     Kept(Misfit),
     /// It may finish later.
     PutOff { code: &'static str, error: String },
@@ -164,6 +164,8 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
             other => other.map_err(|fault| of_store(fault, &row))?,
         }
         journal.withdrawn(due)?;
+        // A fault that an earlier attempt met there is over.
+        store_reach::note(core, &due.store, StoreAttempt::Look(None));
         info!(event = "record-withdrawn", scan, store = due.store);
         if !journal.keeps_changed_records()? {
             core.board.note(|facts| drop(facts.alarms.remove(KEPT)));
@@ -226,8 +228,8 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
 
 /// Raises the alarm that a record still lies where it was to be taken back from.
 fn note_kept(facts: &mut Facts) {
-    let message = "a record that was to be taken back was changed and is still in the folder of \
-                   the wrong patient";
+    let message = "a record that was to be taken back could not be removed and is still in the \
+                   folder of the wrong patient";
     let alarm = Alarm { message: message.to_owned(), since: Timestamp::now() };
     facts.alarms.entry(KEPT).or_insert(alarm);
 }

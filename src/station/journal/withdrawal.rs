@@ -19,7 +19,8 @@ use super::delivery_row::{delivery_state, detail, set_code, step};
 use super::scans::insert_delivery;
 use super::{Due, Event, Journal, JournalError, cell, history};
 
-/// The code of a record that was to be withdrawn but was changed by hand, so that it stays.
+/// The code of a record that was to be withdrawn but was changed by hand, or has something in its way, so
+/// that it stays.
 pub const KEPT: &str = "record-kept";
 
 /// SQL: [`UNASSIGNED`], [`SUPERSEDED`] and [`HANDED_OVER`], the codes of unwanted deliveries.
@@ -187,7 +188,7 @@ impl Journal {
         Ok(found.map(|id| Some(id).filter(|id| !id.is_empty())))
     }
 
-    /// Reports whether a record that was to be withdrawn stays because it was changed by hand.
+    /// Reports whether a record that was to be withdrawn stays until a person has dealt with it.
     pub fn keeps_changed_records(&self) -> Result<bool, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(

@@ -19,11 +19,11 @@ impl FolderStore {
         let is_new = match fs::symlink_metadata(&folder) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => true,
             found => {
-                refuse_link(&tried("looking at", &folder, found)?)?;
+                refuse_link(&tried("examining", &folder, found)?)?;
                 false
             }
         };
-        tried("making", &folder, self.access.make_folder_once(&folder))?;
+        tried("making the folder", &folder, self.access.make_folder_once(&folder))?;
         if patient.is_some_and(has_case)
             && let Standing::Mistakable = self.standing(&name)?
         {
@@ -46,7 +46,7 @@ impl FolderStore {
         let folder = self.root.join(&name);
         match fs::symlink_metadata(&folder) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            found => refuse_link(&tried("looking at", &folder, found)?)?,
+            found => refuse_link(&tried("examining", &folder, found)?)?,
         }
         // If the file system ignores case, the folder found may be another patient's.
         let is_own = !patient.is_some_and(has_case) || self.is_listed(&name)?;

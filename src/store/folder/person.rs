@@ -104,7 +104,7 @@ impl FolderStore {
                 continue;
             }
             let changed = fs::symlink_metadata(&place).and_then(|found| found.modified());
-            let changed = tried("looking at", &place, changed)?;
+            let changed = tried("examining", &place, changed)?;
             if changed <= SystemTime::from(before) {
                 self.remove(folder, &place)?;
             }
@@ -126,7 +126,7 @@ impl FolderStore {
 
     /// Removes a file or folder; a folder first gets a name under which the next start would remove it.
     fn remove(&self, within: &Path, place: &Path) -> Result<(), StoreFault> {
-        let found = tried("looking at", place, fs::symlink_metadata(place))?;
+        let found = tried("examining", place, fs::symlink_metadata(place))?;
         if !found.is_dir() {
             tried("removing", place, fs::remove_file(place))?;
             return tried("syncing", within, durable::sync_folder(within));

@@ -1,8 +1,9 @@
 //! Finds records that are already in the store, and withdraws them.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
+use std::iter;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
@@ -16,6 +17,16 @@ use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
 
 /// The beginning of the name of a file with measures that people set in a record that was withdrawn.
 const SET_BY_HAND: &str = "set-by-hand";
+
+/// Errors that say that one record cannot leave its place, and nothing about the store.
+const KEEPS_IT: [ErrorKind; 6] = [
+    ErrorKind::AlreadyExists,
+    ErrorKind::DirectoryNotEmpty,
+    ErrorKind::InvalidFilename,
+    ErrorKind::IsADirectory,
+    ErrorKind::NotADirectory,
+    ErrorKind::PermissionDenied,
+];
 
 /// The complete record of a scan in a patient's folder, with any time: the first complete one of several
 /// revisions.
@@ -88,7 +99,8 @@ impl FolderStore {
     /// there, without effect.
     ///
     /// # Errors
-    /// See [`StoreFault`]: a permanent one if a revision was changed by hand; then all stay.
+    /// See [`StoreFault`]: a permanent one if a revision was changed by hand, then all stay; or if
+    /// something is in the way of this record.
     pub fn withdraw(
         &self,
         scan: &ScanId,
@@ -96,11 +108,21 @@ impl FolderStore {
         keeper: Option<&str>,
     ) -> Result<(), StoreFault> {
         self.reach()?;
+        let withdrawn = self.withdraw_in_reach(scan, from, keeper);
+        withdrawn.map_err(|fault| self.of_record(fault, &KEEPS_IT))
+    }
+
+    fn withdraw_in_reach(
+        &self,
+        scan: &ScanId,
+        from: Option<&str>,
+        keeper: Option<&str>,
+    ) -> Result<(), StoreFault> {
         let Some(from) = self.own_folder(from)? else { return Ok(()) };
         let nowhere = StoreFault::Permanent(Misfit::Occupied(sums::SumsFault::NoSums));
         let theirs = self.own_folder(keeper)?;
         let gone = from.join(format!("{}withdrawn_{}", self.staging, scan.short()));
-        if tried("looking for", &gone, fs::exists(&gone))? {
+        if tried("examining", &gone, fs::exists(&gone))? {
             tried("removing", &gone, durable::remove_folder(&gone))?;
         }
         // Repeated until none is found: a re-extraction may add a revision meanwhile. A later one finds
@@ -113,10 +135,10 @@ impl FolderStore {
             let kept = theirs.as_ref().map(|theirs| find(theirs, scan)).transpose()?.flatten();
             let Some(kept) = kept else { return Err(nowhere) };
             if let Some(latest) = places.last() {
-                tried("keeping what people set in", latest, keep_amendments(latest, &kept))?;
+                tried("keeping what people set", latest, keep_amendments(latest, &kept))?;
             }
             for place in places {
-                tried("moving notes from", &place, move_unlisted(&place, &kept))?;
+                tried("moving notes", &place, move_unlisted(&place, &kept))?;
                 tried("renaming", &place, durable::rename_new(&place, &gone))?;
                 tried("syncing", &from, durable::sync_folder(&from))?;
                 tried("removing", &gone, durable::remove_folder(&gone))?;
@@ -140,7 +162,7 @@ fn whole_records(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFau
 
 /// Writes what people set in a record into a file beside the keeper's record. It does not count there:
 /// whose leg they measured is not certain.
-fn keep_amendments(from: &Path, to: &Path) -> std::io::Result<()> {
+fn keep_amendments(from: &Path, to: &Path) -> io::Result<()> {
     /// The part of a record that is kept.
     #[derive(serde::Serialize, serde::Deserialize)]
     struct SetByHand {
@@ -152,16 +174,18 @@ fn keep_amendments(from: &Path, to: &Path) -> std::io::Result<()> {
     if set.amendments.is_empty() {
         return Ok(());
     }
-    let name = from.file_name().unwrap_or_default().to_string_lossy();
+    let record = from.file_name().unwrap_or_default().to_string_lossy();
+    let name = OsString::from(format!("{SET_BY_HAND}.{record}.json"));
     let text = serde_json::to_vec_pretty(&set)?;
-    match durable::write_new(&to.join(format!("{SET_BY_HAND}.{name}.json")), &text) {
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(()),
-        written => written,
-    }
+    let is_it = |kept: &Path| -> io::Result<bool> {
+        let is_file = fs::symlink_metadata(kept)?.is_file();
+        Ok(is_file && fs::read(kept)? == text)
+    };
+    keep(&name, from, to, is_it, |place| durable::write_new(place, &text))
 }
 
 /// Moves files that `SHA256SUMS` does not list, such as a person's notes, to another record.
-fn move_unlisted(from: &Path, to: &Path) -> std::io::Result<()> {
+fn move_unlisted(from: &Path, to: &Path) -> io::Result<()> {
     let listed = sums::listed(from)?;
     for entry in fs::read_dir(from)? {
         let name = entry?.file_name();
@@ -169,18 +193,62 @@ fn move_unlisted(from: &Path, to: &Path) -> std::io::Result<()> {
         if ours {
             continue;
         }
-        match durable::rename_new(&from.join(&name), &to.join(&name)) {
-            // Another revision already moved a note of this name: this one's name says where it is from.
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                let mut named = from.file_name().unwrap_or_default().to_owned();
-                named.push(".");
-                named.push(&name);
-                durable::rename_new(&from.join(&name), &to.join(named))?;
-            }
-            other => other?,
-        }
+        let note = from.join(&name);
+        let is_it = |kept: &Path| are_same(&note, kept);
+        keep(&name, from, to, is_it, |place| durable::rename_new(&note, place))?;
     }
     durable::sync_folder(to)
+}
+
+/// Puts a note of one record into another's folder, under the first name that is free there. If one with
+/// the same bytes is met under these names, that one stands for it.
+fn keep(
+    name: &OsStr,
+    from: &Path,
+    to: &Path,
+    is_it: impl Fn(&Path) -> io::Result<bool>,
+    put: impl Fn(&Path) -> io::Result<()>,
+) -> io::Result<()> {
+    let record = from.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    for name in names(name, record) {
+        let place = to.join(name);
+        match put(&place) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                if is_it(&place)? {
+                    break;
+                }
+            }
+            done => return done,
+        }
+    }
+    Ok(())
+}
+
+/// The names that a note of a record may get elsewhere: its own, that which says where it is from, and
+/// numbered ones. What an earlier move put before its own is left out, so that names do not grow.
+fn names(name: &OsStr, record: &str) -> impl Iterator<Item = OsString> {
+    let own = name.to_str().and_then(|name| own_name(name, record)).map_or(name, OsStr::new);
+    let others = (1_u32..).map(move |number| {
+        let number = if number == 1 { String::new() } else { format!(".{number}") };
+        let mut other = OsString::from(format!("{record}{number}."));
+        other.push(own);
+        other
+    });
+    iter::once(own.to_owned()).chain(others)
+}
+
+/// The own name of a note that got one of [`names`].
+fn own_name<'a>(name: &'a str, record: &str) -> Option<&'a str> {
+    let rest = name.strip_prefix(record)?.strip_prefix('.')?;
+    let numbered = rest.split_once('.').filter(|(number, _)| number.parse::<u32>().is_ok());
+    Some(numbered.map_or(rest, |(_, own)| own)).filter(|own| !own.is_empty())
+}
+
+/// Whether both are files with the same bytes.
+fn are_same(a: &Path, b: &Path) -> io::Result<bool> {
+    let [of_a, of_b] = [fs::symlink_metadata(a)?, fs::symlink_metadata(b)?];
+    let may_be = of_a.is_file() && of_b.is_file() && of_a.len() == of_b.len();
+    Ok(may_be && fs::read(a)? == fs::read(b)?)
 }
 
 /// The record in a folder of this name; `None` if the folder lists no such scan.

@@ -101,6 +101,10 @@ fn an_occupied_place_is_a_permanent_fault_and_never_overwritten() {
     fs::remove_file(case.place().join(SUMS)).unwrap();
     let fault = case.store().put(&case.delivery()).unwrap_err();
     assert!(matches!(fault, StoreFault::Permanent(Misfit::Occupied(SumsFault::NoSums))));
+    fs::create_dir(case.place().join(SUMS)).unwrap();
+    let fault = case.store().put(&case.delivery()).unwrap_err();
+    assert!(matches!(fault, StoreFault::Permanent(Misfit::Occupied(SumsFault::NoSums))));
+    assert_eq!(case.store().records().unwrap(), [], "one odd record does not hide the store");
 }
 
 #[test]
@@ -333,6 +337,57 @@ fn a_record_is_taken_back_with_all_its_revisions_and_their_notes() {
     assert_eq!(notes, [named(2), named(3), "note.txt".to_owned()]);
     let second = second.to_string_lossy().into_owned();
     assert_eq!(fs::read_to_string(keeper.join(named(2))).unwrap(), second);
+}
+
+#[test]
+fn notes_of_one_name_go_from_record_to_record_and_none_is_lost_or_doubled() {
+    let case = Case::new();
+    let (theirs, nobodys) = (case.delivery(), Delivery { patient: None, ..case.delivery() });
+    let mut folder = case.store().put(&theirs).unwrap().folder;
+    for round in 0..7 {
+        let unassigned = case.store().put(&nobodys).unwrap().folder;
+        fs::write(unassigned.join("note.txt"), format!("{}", round % 3)).unwrap();
+        case.store().withdraw(&case.scan, Some("4711"), None).unwrap();
+        folder = case.store().put(&theirs).unwrap().folder;
+        case.store().withdraw(&case.scan, None, Some("4711")).unwrap();
+    }
+    let record = folder.file_name().unwrap().to_str().unwrap();
+    let named = |number: &str| format!("{record}{number}.note.txt");
+    let notes: Vec<String> =
+        names(&folder).into_iter().filter(|name| name.contains("note")).collect();
+    assert_eq!(notes, [named(".2"), named(""), "note.txt".to_owned()]);
+    let read = |name: &String| fs::read_to_string(folder.join(name)).unwrap();
+    let mut said: Vec<String> = notes.iter().map(read).collect();
+    said.sort();
+    assert_eq!(said, ["0", "1", "2"]);
+}
+
+#[test]
+fn what_is_in_the_way_of_one_record_is_no_fault_of_the_store() {
+    let case = Case::new();
+    let records = case.dir.path().join("records");
+    fs::write(records.join("0815"), "a file").unwrap();
+    let fault = case.store().put(&Delivery { patient: Some("0815"), ..case.delivery() });
+    assert_eq!(fault.unwrap_err().code(), "store-place-occupied");
+
+    let kept = case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap().folder;
+    case.store().put(&case.delivery()).unwrap();
+    let stone = format!(".staging.booth-1.withdrawn_{}", case.scan.short());
+    let stone = records.join("_unassigned").join(stone);
+    fs::write(&stone, "a file").unwrap();
+    let fault = case.store().withdraw(&case.scan, None, Some("4711")).unwrap_err();
+    assert!(matches!(fault, StoreFault::Permanent(Misfit::InTheWay { .. })), "{fault:?}");
+    assert!(kept.exists());
+    fs::remove_file(stone).unwrap();
+    case.store().withdraw(&case.scan, None, Some("4711")).unwrap();
+    assert!(!kept.exists());
+
+    // The store itself is another matter.
+    let mark = records.join(MARK);
+    fs::remove_file(&mark).unwrap();
+    fs::create_dir(&mark).unwrap();
+    let fault = case.store().put(&Delivery { patient: Some("4712"), ..case.delivery() });
+    assert_eq!(fault.unwrap_err().code(), "store-unavailable");
 }
 
 #[test]

@@ -6,9 +6,9 @@ mod files;
 mod held;
 mod visits;
 
-use std::fs;
-use std::os::unix::fs::PermissionsExt;
-use std::path::PathBuf;
+use std::fs::{self, Permissions};
+use std::os::unix::fs::{PermissionsExt, chown};
+use std::path::{Path, PathBuf};
 
 use rig::verb::{code, stdout};
 use rig::web::{Answer, Site};
@@ -281,6 +281,35 @@ fn the_link_opens_a_station_again_after_a_restart_and_is_for_its_user_only() {
     let daemon = booth.start();
     booth.wait_for("an answer", || code(&booth.gaiter(&["status"])) == Some(0));
     assert_eq!(code(&booth.gaiter(&["page"])), Some(74));
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_token_that_somebody_planted_in_an_open_state_folder_opens_nothing() {
+    let booth = booth("");
+    let (state, file) = (booth.path("state"), booth.path("state/page-token"));
+    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    let set = |path: &Path, mode| fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+    fs::create_dir(&state).unwrap();
+    set(&state, 0o777);
+    let planted = "ab".repeat(32);
+    fs::write(&file, &planted).unwrap();
+    set(&file, 0o600);
+    // Who is not root plants one that others can read.
+    if chown(&file, Some(65_534), None).is_err() {
+        set(&file, 0o644);
+    }
+    let daemon = booth.start_ready();
+    let token = || fs::read_to_string(&file).is_ok_and(|token| token.trim() != planted);
+    booth.wait_for("a token of its own", token);
+    let site = Site::of(&booth, "local");
+    assert_eq!((mode(&state), mode(&file)), (0o700, 0o600));
+    for event in ["state-folder-closed", "page-token-refused"] {
+        assert_eq!(booth.log().matches(event).count(), 1, "{event}");
+    }
+    let intruder = Site { port: site.port, token: planted };
+    assert_eq!(decide(&intruder, &json!({"ask": "call_off"})).status, 401);
+    assert_eq!(decide(&site, &json!({"ask": "call_off"})).status, 200);
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

@@ -4,13 +4,16 @@
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{self, Read};
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
 
 use axum::http::{HeaderMap, header};
 use gaiter_record::{hex, sha256};
-use tracing::info;
+use rustix::fs::{Mode, OFlags, open};
+use rustix::io::Errno;
+use tracing::{info, warn};
 
+use crate::store::access::OTHERS;
 use crate::store::durable;
 
 /// The token's file in the state folder.
@@ -21,6 +24,9 @@ const RANDOM: &str = "/dev/urandom";
 
 /// The length of a token: 256 bits cannot be guessed.
 const BYTES: usize = 32;
+
+/// More than a token's file holds, in bytes.
+const LONGEST: u64 = 1024;
 
 /// The cookie that only allows reading, for pages and files that a browser opens by itself.
 const COOKIE: &str = "gaiter-reader";
@@ -39,19 +45,17 @@ impl std::fmt::Debug for Token {
 }
 
 impl Token {
-    /// The token of this state folder; created if it is missing or malformed.
+    /// The token of this state folder; created if it is missing or malformed, or if somebody else may have
+    /// written or read it.
     ///
     /// # Errors
     /// If its file can be neither read nor created.
     pub fn take(state_dir: &Path) -> io::Result<Token> {
         let path = state_dir.join(FILE);
-        match fs::read_to_string(&path) {
-            Ok(text) if is_one(text.trim()) => {
-                fs::set_permissions(&path, fs::Permissions::from_mode(0o600))?;
-                return Ok(Token::of(text.trim()));
-            }
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
+        match kept(&path)? {
+            Kept::Word(word) => return Ok(Token::of(&word)),
+            Kept::NotOurs => warn!(event = "page-token-refused"),
+            Kept::Nothing => {}
         }
         let mut random = [0_u8; BYTES];
         File::open(RANDOM)?.read_exact(&mut random)?;
@@ -114,6 +118,36 @@ impl Token {
     }
 }
 
+/// What lies under the token's name.
+enum Kept {
+    Word(String),
+    /// Nothing, or half a token.
+    Nothing,
+    /// Not a file of one name that only this user may use.
+    NotOurs,
+}
+
+fn kept(path: &Path) -> io::Result<Kept> {
+    // A link leads to a file that somebody else chose, and a pipe would never answer.
+    let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    let file = match open(path, flags, Mode::empty()) {
+        Ok(file) => File::from(file),
+        Err(Errno::NOENT) => return Ok(Kept::Nothing),
+        Err(Errno::LOOP | Errno::ACCESS | Errno::NXIO) => return Ok(Kept::NotOurs),
+        Err(error) => return Err(error.into()),
+    };
+    let found = file.metadata()?;
+    let is_own = found.uid() == rustix::process::geteuid().as_raw();
+    if !found.is_file() || !is_own || found.mode() & OTHERS != 0 || found.nlink() != 1 {
+        return Ok(Kept::NotOurs);
+    }
+    let mut bytes = Vec::new();
+    file.take(LONGEST).read_to_end(&mut bytes)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let word = text.trim();
+    Ok(if is_one(word) { Kept::Word(word.to_owned()) } else { Kept::Nothing })
+}
+
 fn is_one(text: &str) -> bool {
     text.len() == 2 * BYTES && text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
@@ -126,7 +160,9 @@ fn same(a: &str, b: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use std::os::unix::fs::MetadataExt;
+    use std::os::unix::fs::{chown, symlink};
+
+    use rustix::fs::{CWD, mkfifoat};
 
     use super::*;
 
@@ -147,16 +183,57 @@ mod tests {
         assert_ne!(Token::take(other.path()).unwrap().word(), token.word());
     }
 
+    fn write(path: &Path, text: &str, mode: u32) {
+        fs::write(path, text).unwrap();
+        fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+    }
+
     #[test]
-    fn half_a_token_is_made_anew_and_one_that_others_could_read_is_closed() {
+    fn half_a_token_is_made_anew_and_a_whole_one_is_kept() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join(FILE);
-        fs::write(&path, "ab12\n").unwrap();
-        let token = Token::take(dir.path()).unwrap();
-        assert!(is_one(token.word()));
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).unwrap();
-        assert_eq!(Token::take(dir.path()).unwrap().word(), token.word());
-        assert_eq!(fs::metadata(&path).unwrap().mode() & 0o777, 0o600);
+        for half in [b"ab12\n".as_slice(), b"", b"\xff\xfe"] {
+            fs::write(&path, half).unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
+            assert!(is_one(Token::take(dir.path()).unwrap().word()));
+        }
+        let word = "ab".repeat(BYTES);
+        write(&path, &word, 0o600);
+        assert_eq!(Token::take(dir.path()).unwrap().word(), word);
+    }
+
+    #[test]
+    fn a_token_that_somebody_else_may_have_written_or_read_is_made_anew() {
+        /// Puts a token, the second path, in the place of the station's, the first.
+        type Plant = fn(&Path, &Path);
+        let word = "ab".repeat(BYTES);
+        let plants: [(&str, Plant); 6] = [
+            ("open to others", |at, word| write(at, &fs::read_to_string(word).unwrap(), 0o644)),
+            ("open to a group", |at, word| write(at, &fs::read_to_string(word).unwrap(), 0o620)),
+            ("a link", |at, word| symlink(word, at).unwrap()),
+            ("a second name", |at, word| fs::hard_link(word, at).unwrap()),
+            ("a pipe", |at, _| mkfifoat(CWD, at, Mode::RUSR | Mode::WUSR).unwrap()),
+            ("another user's", |at, word| {
+                write(at, &fs::read_to_string(word).unwrap(), 0o600);
+                // Only root can give a file away.
+                if chown(at, Some(65_534), None).is_err() {
+                    fs::remove_file(at).unwrap();
+                }
+            }),
+        ];
+        for (what, plant) in plants {
+            let dir = tempfile::tempdir().unwrap();
+            let (path, elsewhere) = (dir.path().join(FILE), dir.path().join("elsewhere"));
+            write(&elsewhere, &word, 0o600);
+            plant(&path, &elsewhere);
+            let token = Token::take(dir.path()).unwrap();
+            assert!(is_one(token.word()) && token.word() != word, "{what}");
+            let made = fs::symlink_metadata(&path).unwrap();
+            assert!(made.is_file(), "{what}");
+            assert_eq!((made.mode() & 0o777, made.nlink()), (0o600, 1), "{what}");
+            assert_eq!(fs::read_to_string(&elsewhere).unwrap(), word, "{what}");
+            assert_eq!(Token::take(dir.path()).unwrap().word(), token.word(), "{what}");
+        }
     }
 
     #[test]
