@@ -82,9 +82,9 @@ pub struct Arrival<'a> {
     pub pressed_at: Option<Timestamp>,
     /// What the scanner wrote beside it.
     pub companions: &'a [Companion],
-    /// The hash of its geometry, hexadecimal; '' if it has none.
+    /// The fingerprint of what was read in it; '' if nothing was.
     pub geometry: &'a str,
-    /// The earlier scan with the same bytes or geometry, if there is one.
+    /// The earlier scan with the same bytes or fingerprint, if there is one.
     pub known: Option<ScanId>,
 }
 

@@ -4,6 +4,7 @@
 //! itself never blocks, so it can always stop, send its heartbeat and report that the share stalls.
 
 pub(in crate::station) mod export_locks;
+mod fingerprint;
 pub(in crate::station) mod ingest;
 mod memory;
 mod notes;

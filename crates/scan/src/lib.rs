@@ -9,8 +9,8 @@
 pub mod content;
 pub mod ending;
 pub mod fault;
+mod fingerprint;
 mod format;
-pub mod geometry;
 mod obj;
 pub mod ord;
 mod ply;
@@ -26,7 +26,6 @@ use nalgebra::Point3;
 pub use content::Content;
 pub use fault::{CutSign, Place, ScanFault};
 pub use format::Format;
-pub use geometry::geometry;
 
 /// One export of the scanner as it is: without unit or up axis, and in arbitrary order.
 ///

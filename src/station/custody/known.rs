@@ -21,7 +21,7 @@ const COMPLETED_MOST: u32 = 64;
 impl Custody {
     /// Enters the scans of earlier attempts that kept the bytes but failed at the journal or at the sync
     /// of the name. This must precede the judgement of another scan: their captures must not be answered
-    /// again, and their geometries must be known. Calls `entered` with the capture each answered.
+    /// again, and their fingerprints must be known. Calls `entered` with the capture each answered.
     ///
     /// # Errors
     /// See [`CustodyFault`]; the next call continues.
@@ -45,7 +45,7 @@ impl Custody {
         Ok(())
     }
 
-    /// The earlier scan with the same bytes or the same geometry, if there is one.
+    /// The earlier scan with the same bytes or the same fingerprint, if there is one.
     pub fn known(&self, scan: &ScanId, geometry: &str) -> Result<Option<ScanId>, CustodyFault> {
         if self.journal.scan(scan)?.is_some() || self.erasures.refuse(scan, None) {
             return Ok(Some(scan.clone()));

@@ -47,7 +47,7 @@ pub struct Intake {
     pub held: bool,
     /// Codes of findings the operator should know.
     pub findings: Vec<String>,
-    /// The hash of its coordinates and faces as written, hexadecimal; '' if it has none.
+    /// The fingerprint of what was read in it; '' if nothing was.
     #[serde(default)]
     pub geometry: String,
     /// The capture it answers.

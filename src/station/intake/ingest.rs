@@ -9,11 +9,12 @@ use gaiter_flow::facts::IntakeState;
 use gaiter_flow::light::Outcome;
 use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED};
 use gaiter_flow::round::{Content, Judged, Opener};
-use gaiter_flow::{Appeared, NameSays, Settled, Verdict};
+use gaiter_flow::{Appeared, NameSays, ScanId, Settled, Verdict};
 use gaiter_scan::{self as scan, Format};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
+use super::fingerprint;
 use super::phantom::{self, CheckFault};
 use super::stable_read::Export;
 use crate::config::WithoutTrigger;
@@ -126,8 +127,10 @@ pub fn take(
     let companions = fresh(core, settled, export)?;
     let says = [core.identity.of_file_name(&name), beside(core, &companions)];
     let read = settled.writing.read();
-    let found = Found { began, format, is_cut_short, read, companions: &companions };
-    let (verdict, not_an_id) = admit(booth, export, &found, says)?;
+    let fingerprint = fingerprint::of(&export.bytes, format).unwrap_or_default();
+    let (fingerprint, companions) = (fingerprint.as_str(), companions.as_slice());
+    let found = Found { began, format, is_cut_short, read, fingerprint, companions };
+    let Admission { verdict, not_an_id, same_as } = admit(booth, export, &found, says)?;
     if let Verdict::Held(code) = verdict {
         booth.ended(&export.scan, Outcome::Held { code: code.to_owned() });
     }
@@ -153,6 +156,9 @@ pub fn take(
     }
     // Last: if this fails, the file is read again and found to be known.
     journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
+    if let (Verdict::Already, Some(same_as)) = (verdict, &same_as) {
+        journal.sighted_again(&settled.path, same_as)?;
+    }
     Ok(Taken::Done)
 }
 
@@ -192,7 +198,18 @@ struct Found<'a> {
     is_cut_short: bool,
     /// The lengths at which the same file was read before, bytes.
     read: &'a [u64],
+    /// The fingerprint of what is read in it; '' if nothing is.
+    fingerprint: &'a str,
     companions: &'a [Companion],
+}
+
+/// What custody says of an export.
+struct Admission {
+    verdict: Verdict,
+    /// A source named something that is not allowed as an id.
+    not_an_id: bool,
+    /// The earlier scan of other bytes with the same fingerprint.
+    same_as: Option<ScanId>,
 }
 
 /// Gives an export to custody, for the capture that it answers.
@@ -201,7 +218,7 @@ fn admit(
     export: &Export,
     found: &Found<'_>,
     says: [NameSays; 2],
-) -> Result<(Verdict, bool), TakeFault> {
+) -> Result<Admission, TakeFault> {
     let core = booth.core();
     let (custody, scan) = (&core.custody, &export.scan);
     // No press and no other export may come between the judgement and its consequences.
@@ -210,7 +227,8 @@ fn admit(
         captures.answer(judged, kept, false, core.now());
         core.work.notify_one();
     })?;
-    let known = custody.known(scan, &export.geometry)?;
+    let known = custody.known(scan, found.fingerprint)?;
+    let same_as = known.clone().filter(|known| known != scan);
     let content = Content {
         began: found.began,
         is_known: known.is_some(),
@@ -233,7 +251,7 @@ fn admit(
         pressed_at: pressed_at(core, &judged)?,
         judged: judged.clone(),
         companions: found.companions,
-        geometry: &export.geometry,
+        geometry: found.fingerprint,
         known,
     });
     let now = core.now();
@@ -245,7 +263,7 @@ fn admit(
         Err(_) if custody.spool().holds(scan) => captures.answer(&judged, scan, true, now),
         Err(_) => {}
     }
-    Ok((admitted?, not_an_id))
+    Ok(Admission { verdict: admitted?, not_an_id, same_as })
 }
 
 /// What the scanner's own measures beside a scan say about the patient; two such files say nothing.

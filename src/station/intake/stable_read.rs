@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use gaiter_flow::export::writing::END_BYTES;
 use gaiter_flow::{Mark, ScanId, Settled, Stamp};
-use gaiter_scan::{self as scan, Format};
 use jiff::Timestamp;
 use rustix::fs::Mode;
 
@@ -24,8 +23,6 @@ pub struct Export {
     pub bytes: Vec<u8>,
     /// Their id.
     pub scan: ScanId,
-    /// The hash of their geometry, hexadecimal; empty if they have none.
-    pub geometry: String,
     /// The file's own time of last change.
     pub file_time: Option<Timestamp>,
     /// The files that go with it.
@@ -52,17 +49,8 @@ pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
         }
     }
     let file_time = Timestamp::from_nanosecond(settled.stamp.mtime_ns).ok();
-    let (scan, geometry) = identity(&settled.path, &scan_bytes);
-    Ok(Some(Export { scan, geometry, bytes: scan_bytes, file_time, companions, left_out }))
-}
-
-/// The id of the bytes, and the hash of their geometry.
-fn identity(path: &Path, bytes: &[u8]) -> (ScanId, String) {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let format = Format::of_file_name(&name).ok();
-    let parts = format.map(|format| scan::geometry(bytes, format)).unwrap_or_default();
-    let (scan, geometry) = sums::of_whole_and_parts(bytes, &parts);
-    (scan, if parts.is_empty() { String::new() } else { geometry.to_string() })
+    let scan = sums::scan_id(&scan_bytes);
+    Ok(Some(Export { scan, bytes: scan_bytes, file_time, companions, left_out }))
 }
 
 /// The ends of the part of a file that a look found in this state; `None` if it cannot be read or is

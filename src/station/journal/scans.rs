@@ -45,7 +45,7 @@ pub struct Entry<'a> {
     pub claims: &'a [Patient],
     /// The captures that it answers.
     pub judged: &'a Judged,
-    /// The hash of its geometry, hexadecimal; '' if it has none.
+    /// The fingerprint of what was read in it; '' if nothing was.
     pub geometry: &'a str,
     /// The ids of all patients it may belong to, if an operator must decide.
     pub candidates: &'a [String],
@@ -105,7 +105,7 @@ impl Journal {
         rows.map(|row| Ok(Some(row?).filter(|id: &String| !id.is_empty()))).collect()
     }
 
-    /// The first scan with a geometry; `None` if there is none.
+    /// The first scan with a fingerprint; `None` if there is none.
     pub fn of_geometry(&self, geometry: &str) -> Result<Option<ScanId>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(

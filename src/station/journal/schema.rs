@@ -14,7 +14,7 @@ pub(super) const KNOWN: i64 = STEPS.len() as i64;
 type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
 
 /// From an empty file to the current schema. A released step is never changed.
-const STEPS: [Step; 6] = [
+const STEPS: [Step; 7] = [
     |transaction| Ok(transaction.execute_batch(FIRST)?),
     |transaction| {
         transaction.execute_batch(SECOND)?;
@@ -28,6 +28,7 @@ const STEPS: [Step; 6] = [
     },
     |transaction| Ok(transaction.execute_batch(FIFTH)?),
     |transaction| Ok(transaction.execute_batch(SIXTH)?),
+    |transaction| Ok(transaction.execute_batch(SEVENTH)?),
 ];
 
 /// `patient` is '' if no patient was named. `sources` is JSON. `next_at` tells operators when the next
@@ -113,7 +114,7 @@ CREATE TABLE captures (
 CREATE INDEX captures_by_state ON captures (state);
 ";
 
-/// `geometry` is the hash of a scan's coordinates and faces as written, '' if unknown. `candidates` are
+/// `geometry` is the fingerprint of a scan's points and triangles, '' if nothing was read. `candidates` are
 /// the ids of the patients that a held scan, or the export of a capture, may belong to, as JSON.
 /// `closed` says why a refused scan needs no further decision: `given-up`, `superseded` or `let-go`.
 /// `refused` of a capture: the export that answered it was refused, and another is awaited. `looks`
@@ -155,6 +156,11 @@ CREATE INDEX deliveries_by_patient ON deliveries (patient);
 const SIXTH: &str = "
 ALTER TABLE deliveries ADD COLUMN amended TEXT NOT NULL DEFAULT '';
 CREATE INDEX deliveries_amended ON deliveries (amended) WHERE amended <> '';
+";
+
+/// `same_as` of a sighting: the earlier scan whose points and triangles the file has in other bytes.
+const SEVENTH: &str = "
+ALTER TABLE sightings ADD COLUMN same_as TEXT;
 ";
 
 /// The tables of the current schema.

@@ -54,10 +54,30 @@ impl Journal {
         self.connection()
             .prepare_cached(
                 "INSERT INTO sightings (path, stamp, sha256) VALUES (?1, ?2, ?3)
-                 ON CONFLICT (path) DO UPDATE SET stamp = excluded.stamp, sha256 = excluded.sha256",
+                 ON CONFLICT (path) DO UPDATE
+                 SET stamp = excluded.stamp, sha256 = excluded.sha256, same_as = NULL",
             )?
             .execute(params![path.as_os_str().as_bytes(), text(stamp), scan.map(ScanId::as_str)])?;
         Ok(())
+    }
+
+    /// Notes that the sighted file has the points and triangles of an earlier scan.
+    pub fn sighted_again(&self, path: &Path, same_as: &ScanId) -> Result<(), JournalError> {
+        self.connection()
+            .prepare_cached("UPDATE sightings SET same_as = ?2 WHERE path = ?1")?
+            .execute(params![path.as_os_str().as_bytes(), same_as.as_str()])?;
+        Ok(())
+    }
+
+    /// The earlier scan whose points and triangles the last sighted state of a file has in other bytes.
+    pub fn same_as(&self, path: &Path) -> Result<Option<ScanId>, JournalError> {
+        let found: Option<Option<String>> = self
+            .connection()
+            .prepare_cached("SELECT same_as FROM sightings WHERE path = ?1")?
+            .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
+            .optional()?;
+        let parsed = |text: String| cell("same_as", text, |text| ScanId::parse(text).ok());
+        found.flatten().map(parsed).transpose()
     }
 }
 

@@ -140,6 +140,10 @@ fn a_sighting_holds_for_one_state_of_the_file() {
     assert!(journal.was_sighted(path, stamp).unwrap());
     assert!(!journal.was_sighted(path, Stamp { ctime_ns: 6, ..stamp }).unwrap());
     assert!(!journal.was_sighted(Path::new("/e/b.obj"), stamp).unwrap());
+    journal.sighted_again(path, &row('b').scan).unwrap();
+    assert_eq!(journal.same_as(path).unwrap(), Some(row('b').scan));
+    journal.sighted(path, Stamp { ctime_ns: 6, ..stamp }, Some(&row('a').scan)).unwrap();
+    assert_eq!(journal.same_as(path).unwrap(), None, "it has changed");
 }
 
 #[test]

@@ -163,6 +163,33 @@ fn a_changed_mode_a_link_and_a_new_name_of_an_old_export_use_up_no_press() {
     assert!(station.stop().success());
 }
 
+#[test]
+fn bodies_with_the_same_faces_are_scans_of_their_own_and_one_written_otherwise_is_known() {
+    let mut room = Room::with_button("");
+    let station = room.start();
+    let body = |n| String::from_utf8(coarse_body(n)).unwrap();
+    let tabbed = |n| body(n).replace("\nv ", "\n\tv ");
+    for (n, patient) in (1..).zip(["1002", "1003", "1004"]) {
+        room.name(patient);
+        room.press();
+        room.write(&format!("{n}.obj"), tabbed(n).as_bytes());
+        room.booth.wait_for_records(n);
+        assert_has(&room, patient, &[tabbed(n).as_bytes()]);
+    }
+    room.name("1005");
+    room.press();
+    let again = body(1).replace("\nv ", "\nv   ").replace('\n', "\r\n") + "# 22.11.2026 09:15\r\n";
+    room.write("again.obj", again.as_bytes());
+    room.wait_for_known(1);
+    let scan = &sha256(tabbed(1).as_bytes())[..8];
+    room.wait_until_waiting("again.obj", &format!("the points and triangles of scan {scan}"));
+    room.write("new.obj", body(4).as_bytes());
+    room.booth.wait_for_records(4);
+    assert_has(&room, "1005", &[body(4).as_bytes()]);
+    assert_eq!(room.held(), [""; 0]);
+    assert!(station.stop().success());
+}
+
 /// Three patients, each ordered after the press; `until` waits for what becomes of each scan.
 fn ordered_after_the_press(orders: &str, until: impl Fn(&Room, usize)) -> (Room, Daemon) {
     let mut room = Room::with_button(&At::orders(orders));

@@ -4,4 +4,5 @@
 
 mod cases;
 mod dialects;
+mod fingerprint;
 mod formats;

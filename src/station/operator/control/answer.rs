@@ -128,14 +128,19 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
             Some(_) => "is a scan of the known body; its check is in gaiter status",
             None => "was refused unread, for its size",
         };
-        return Ok(Some(Known { state: state.to_owned(), at: None, scan: None }));
+        let state = state.to_owned();
+        return Ok(Some(Known { state, at: None, scan: None, again_since: None }));
     };
+    let same_as = journal.same_as(path)?;
+    let is_again = same_as.is_some();
+    let scan = same_as.unwrap_or(scan);
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
     let held = journal.held_for(&scan)?;
     let last = journal.history(&scan)?.pop();
     let at = last.and_then(|last| last.at.parse().ok());
     let state = account::in_words(&whole.summary, held.as_deref());
-    Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()) }))
+    let again_since = is_again.then_some(whole.summary.first_seen);
+    Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()), again_since }))
 }
 
 /// Who is next, in the page's words; the operator who asks may see the ids.
