@@ -29,6 +29,7 @@ use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
 use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
+use super::runtime::clock::ASLEEP;
 use super::runtime::stop::Stop;
 pub use hearing::NameFault;
 
@@ -356,10 +357,14 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
     let core = Arc::clone(booth.core());
     let mut light = Light::new(core.now());
     let (mut not_ready, mut next_ready) = (false, core.now());
+    let mut slept = false;
     while !stop.is_requested() {
         beat.beat();
         let (looked, asks) = (Arc::clone(&booth), core.now() >= next_ready);
         let step = spawn_blocking(move || {
+            if slept {
+                looked.slept();
+            }
             let passed = looked.pass();
             let asked = asks.then(|| light::is_not_ready(&Overview::take(&looked.core).complaints));
             let scene = looked.scene(asked.unwrap_or(not_ready));
@@ -375,10 +380,12 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
         }
         let shown = light.show(&scene, core.now());
         booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
+        let rested = core.now();
         tokio::select! {
             () = stop.requested() => break,
             () = sleep(LIGHT) => {}
         }
+        slept = core.now().saturating_sub(rested) > LIGHT + ASLEEP;
     }
     Ok(())
 }

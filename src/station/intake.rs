@@ -32,6 +32,7 @@ use self::watch::Watch;
 use super::booth::Booth;
 use super::core::Core;
 use super::runtime::beat::Beat;
+use super::runtime::clock::ASLEEP;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
 use super::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
@@ -52,9 +53,6 @@ const TAKING: Duration = Duration::from_secs(1);
 
 /// Interval at which the journal may forget files that are gone.
 const FORGETTING: Duration = Duration::from_secs(3600);
-
-/// If a wait lasts this much longer than planned, the machine slept or its virtual machine was stopped.
-const ASLEEP: Duration = Duration::from_secs(2);
 
 /// How soon a closed gate is tried again.
 const SHUT: Duration = Duration::from_secs(2);

@@ -1,5 +1,7 @@
 //! Messages between the booth and the station: what the ports hear, and what the light shows.
 
+use std::time::Duration;
+
 use gaiter_record::SourceKind;
 
 use super::round::Doubt;
@@ -9,21 +11,24 @@ use super::round::Doubt;
 pub enum Heard {
     /// The button was pressed and released, or was held for the time of a long press.
     Press(Press),
-    /// The patient of the next scan was named: a card or barcode was read, an order arrived, or the
-    /// operator entered the id. The id is as it was read; the station decides whether it is valid.
+    /// The patient of the next scan was named: a card or barcode was read, or the operator entered the id.
+    /// The id is as it was read; the station decides whether it is valid.
     Named {
         /// The id.
         id: String,
         /// The source that named it.
         by: SourceKind,
     },
-    /// An order names a patient, but it is in doubt whether that patient is next: the order repeats the
-    /// words of an earlier one with a newer time, or it could not be kept when it arrived.
-    Doubtful {
-        /// The id.
+    /// The file of an order names the patient of the next scan.
+    Ordered {
+        /// The id, as it was read.
         id: String,
-        /// Why it is in doubt.
-        doubt: Doubt,
+        /// Why it is in doubt whether that patient is next: the order repeats the words of an earlier one
+        /// with a newer time, or it could not be kept when it arrived.
+        doubt: Option<Doubt>,
+        /// The file was not there at this time of the station's clock, and may have been soon after it;
+        /// `None` if there was no look before.
+        absent: Option<Duration>,
     },
     /// An attempt to name the patient of the next scan could not be understood: an order was refused, a
     /// card misread, a line cut off, a check digit wrong.

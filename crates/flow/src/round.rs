@@ -10,7 +10,7 @@
 //!   there; an order says who is expected. Two orders, or an order left over from a round that ended
 //!   otherwise, need a word at the booth. A name after the press is of the next round.
 //! - **R3 One press, after the name.** A name soon after a press without one may be for that press or for the
-//!   next.
+//!   next. So may an order whose file may have lain there unread at a press ([`Rounds::overtaken`]).
 //! - **R4 One new content.** Its export was absent at a look after the press ([`super::export::writing`]).
 //! - **R5 Every ear open.** Whatever could not be heard for a while (a port, a name that could not be read, a
 //!   press that could not be kept, the station itself) ends certainty until the next word at the booth; an
@@ -117,7 +117,8 @@ impl Rounds {
         self.unheard(|capture| capture.by == Opener::Press);
     }
 
-    /// A source of names is away, or was. A press that was made before then has its name already.
+    /// A source of names is away, or was: to be said at the beginning of the gap and at its end. A press that
+    /// was made before then has its name already.
     pub fn missed_name(&mut self) {
         self.unheard(|capture| capture.by == Opener::Name);
     }

@@ -1,6 +1,8 @@
 //! Handles what the booth hears. Presses, names and the passing of time open, end and call off
 //! captures, and every change goes into the journal.
 
+use std::time::Duration;
+
 use gaiter_flow::booth::{Heard, Press};
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::light::{NO_EXPORT, Outcome};
@@ -38,9 +40,14 @@ impl Booth {
     pub fn hear(&self, heard: &Heard) -> bool {
         let done = match heard {
             Heard::Press(Press::Short) => self.pressed(),
-            Heard::Press(Press::Long) => self.call_off().map(drop),
-            Heard::Named { id, by } => self.heard_name(id, *by, None),
-            Heard::Doubtful { id, doubt } => self.heard_name(id, SourceKind::Order, Some(*doubt)),
+            // Whoever gave up what waits does not see that it waits on.
+            Heard::Press(Press::Long) => {
+                self.call_off().map(drop).inspect_err(|_| self.missed_anything())
+            }
+            Heard::Named { id, by } => self.heard_name(id, *by, None, Some(self.core.now())),
+            Heard::Ordered { id, doubt, absent } => {
+                self.heard_name(id, SourceKind::Order, *doubt, *absent)
+            }
             Heard::Unread { by } => self.unread(*by),
         };
         if let Err(error) = done {
@@ -56,6 +63,7 @@ impl Booth {
         id: &str,
         by: SourceKind,
         doubt: Option<Doubt>,
+        absent: Option<Duration>,
     ) -> Result<(), JournalError> {
         let Some(Patient { id, .. }) = self.core.identity.patient(id, by) else {
             warn!(event = "finding", code = ID_NOT_ALLOWED);
@@ -68,7 +76,7 @@ impl Booth {
             warn!(event = "names-too-many");
             return self.unread(by);
         }
-        let named = self.name(&mut inner, Named { id, by }, doubt);
+        let named = self.name(&mut inner, Named { id, by }, doubt, absent);
         // The name was given even if it could not be stored: the patient named before may have left.
         named.map(drop).inspect_err(|_| inner.captures.unread())
     }
@@ -136,15 +144,18 @@ impl Booth {
         if !replaces && inner.captures.is_another_named(&id) {
             return Err(NameFault::AnotherNamed);
         }
-        Ok(self.name(&mut inner, Named { id, by }, None)?)
+        // If the journal fails, the person is told and says it again.
+        Ok(self.name(&mut inner, Named { id, by }, None, Some(self.core.now()))?)
     }
 
-    /// Names the patient of the next scan. `doubt` is the reason if the name is in doubt.
+    /// Names the patient of the next scan. `doubt` is the reason if the name is in doubt; at `absent` the name
+    /// was not given yet.
     fn name(
         &self,
         inner: &mut Inner,
         named: Named,
         doubt: Option<Doubt>,
+        absent: Option<Duration>,
     ) -> Result<NamedNext, JournalError> {
         let (now, by) = (self.core.now(), named.by);
         let number = inner.next_number;
@@ -156,6 +167,8 @@ impl Booth {
             false => OrderCame::BeforePress,
         };
         let late = came == OrderCame::AfterPress;
+        let is_overtaken = by == SourceKind::Order && after.overtaken(&named, absent);
+        let doubt = doubt.or(is_overtaken.then_some(Doubt::Crossed));
         let mut detail = json!({ "patient": named.id, "by": by, "after_press": late });
         if doubt.is_some() {
             detail["question"] = json!(true);
@@ -282,8 +295,11 @@ impl Booth {
         Ok(any)
     }
 
-    /// Notes whether the port of a button is open. While it is closed, presses may be missed. Blocks.
+    /// Notes whether a port is open. While it is closed, or settles, presses or names may be missed. Blocks.
     pub fn port(&self, name: &'static str, is_open: bool) {
+        if !self.core.config.buttons().contains(name) {
+            return self.missed_name(name);
+        }
         let now = self.core.now();
         let mut inner = self.inner();
         match is_open {
@@ -294,6 +310,32 @@ impl Booth {
             true => inner.captures.hears(now),
             false => inner.captures.deaf(),
         }
+    }
+
+    /// Notes that a source of names went away, or has come back. Logged only if somebody was certain, so once
+    /// until the next word at the booth. Blocks.
+    pub fn missed_name(&self, source: &'static str) {
+        let mut inner = self.inner();
+        let before = inner.captures.clone();
+        inner.captures.missed_name();
+        if inner.captures != before {
+            warn!(event = "name-unheard", source);
+        }
+    }
+
+    /// Notes that the machine slept, or that the process was stopped: what was said meanwhile lies in buffers
+    /// and files, and is heard in any order. Blocks.
+    pub fn slept(&self) {
+        warn!(event = "booth-slept");
+        self.missed_anything();
+    }
+
+    /// Presses and names may have been missed.
+    fn missed_anything(&self) {
+        let now = self.core.now();
+        let mut inner = self.inner();
+        inner.captures.missed_press(now);
+        inner.captures.missed_name();
     }
 
     /// Handles the passing of time. Blocks if something expires.

@@ -14,17 +14,18 @@ mod take;
 
 use std::collections::BTreeMap;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
 use gaiter_flow::facts::Alarm;
-use gaiter_flow::{Look, LookTime, Settled, Settling};
+use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
 use gaiter_record::SourceKind;
 use gaiter_record::gdt::{Charset, Order, OrderFault, order};
 use jiff::Timestamp;
-use tokio::task::JoinError;
+use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
 
@@ -44,6 +45,9 @@ const JOURNAL_REBUILT: &str = "journal-rebuilt";
 
 /// Alarm: the folder of orders cannot be listed.
 const OUT_OF_REACH: &str = "orders-out-of-reach";
+
+/// The folder of orders as a source of names.
+const SOURCE: &str = "orders";
 
 /// Alarm: an order could not be read and was set aside.
 const REFUSED: &str = "order-refused";
@@ -76,6 +80,19 @@ struct Orders {
     settling: Settling,
     /// Orders that could not be heard because the journal failed.
     unheard: BTreeMap<PathBuf, Before>,
+    /// The files that the last look found.
+    lying: BTreeMap<PathBuf, Lying>,
+    /// When the last look began that could list the folder.
+    last_look: Option<Duration>,
+}
+
+/// Since when an order may have lain in the folder: a press since then may be its patient's.
+#[derive(Debug, Clone, Copy)]
+struct Lying {
+    /// When the last look began that did not find it; `None` if there was none before.
+    absent: Option<Duration>,
+    /// The state in which it was dealt with; in another state it is another order.
+    done: Option<Stamp>,
 }
 
 /// Looks for orders until it is asked to stop.
@@ -90,28 +107,28 @@ pub async fn worker(
 ) -> Result<(), JoinError> {
     let (core, config) = (Arc::clone(booth.core()), Arc::new(config));
     let settling = Settling::new(config.quiet, config.quiet, config.max_age);
-    let mut orders = Orders { settling, unheard: BTreeMap::new() };
-    let mut in_reach = true;
+    let mut orders = Orders::new(settling);
+    let reach = Arc::new(Reach { booth: Arc::clone(&booth), is_in: AtomicBool::new(true) });
     let mut forgotten = core.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
         let alive = || beat.beat();
-        let stalled = || out_of_reach(&core, "it does not answer");
-        let (theirs, of) = (Arc::clone(&config), Arc::clone(&core));
+        let stalled = || Reach::stalled(&reach);
+        let (theirs, of, ours) = (Arc::clone(&config), Arc::clone(&core), Arc::clone(&reach));
         let look = move |pulse: &Pulse| {
             let began = of.now();
             let found = looked(&of, &theirs, forgotten, pulse);
-            (found, LookTime { began, ended: of.now() })
+            (ours.told(found), LookTime { began, ended: of.now() })
         };
         let looked = patiently(DEADLINE, &mut stop, look, alive, stalled).await?;
-        let Some((found, when)) = looked else { break };
-        forgotten &= found.is_err();
-        let look = told(&core, found, &mut in_reach);
+        let Some((look, when)) = looked else { break };
+        forgotten &= look == Look::OutOfReach;
         for settled in orders.due(look, when) {
             alive();
             let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&booth), settled.clone());
             let before = orders.unheard.get(&settled.path).cloned();
-            let taking = move |pulse: &Pulse| take(&of, &theirs, &order, before, pulse);
-            let stalled = || out_of_reach(&core, "it does not answer");
+            let absent = orders.absent(&settled.path);
+            let taking = move |pulse: &Pulse| take(&of, &theirs, &order, before, absent, pulse);
+            let stalled = || Reach::stalled(&reach);
             let taken = patiently(DEADLINE, &mut stop, taking, alive, stalled).await?;
             let Some(taken) = taken else { return Ok(()) };
             if let Err(fault) = &taken {
@@ -150,21 +167,54 @@ fn looked(
 }
 
 impl Orders {
+    /// Nothing seen yet.
+    fn new(settling: Settling) -> Orders {
+        let (unheard, lying, last_look) = (BTreeMap::new(), BTreeMap::new(), None);
+        Orders { settling, unheard, lying, last_look }
+    }
+
     /// The orders to be dealt with after a look, oldest first: of two that came at once, the later one
     /// names the patient.
     fn due(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         if let Look::Seen(there) = &look {
             self.unheard.retain(|path, _| there.contains_key(path));
+            self.found(there, when.began);
         }
         let mut due = self.settling.observe(look, when);
         due.sort_by_key(|settled| settled.stamp.mtime_ns);
         due
     }
 
+    /// Notes which files a look found that began then.
+    fn found(&mut self, there: &BTreeMap<PathBuf, Group>, began: Duration) {
+        let absent = self.last_look.replace(began);
+        self.lying.retain(|path, _| there.contains_key(path));
+        for (path, group) in there {
+            let known = self.lying.get(path);
+            let is_known = known.is_some_and(|it| it.done.is_none_or(|done| done == group.stamp));
+            if !is_known {
+                self.lying.insert(path.clone(), Lying { absent, done: None });
+            }
+        }
+    }
+
+    /// When it was last seen that this order did not lie there yet.
+    fn absent(&self, path: &Path) -> Option<Duration> {
+        self.lying.get(path).and_then(|lying| lying.absent)
+    }
+
     fn taken(&mut self, settled: &Settled, taken: Result<Taken, TakeFault>, now: Duration) {
         match taken {
             Ok(Taken::Done) => {
                 self.unheard.remove(&settled.path);
+                let lying = self.lying.get_mut(&settled.path).map(|lying| {
+                    lying.done = Some(settled.stamp);
+                    Lying { done: None, ..*lying }
+                });
+                // One that was put back under its own name is no younger for that.
+                if let (Some(lying), Some(name)) = (lying, removal::original(&settled.path)) {
+                    self.lying.entry(name).or_insert(lying);
+                }
                 self.settling.taken(settled);
             }
             Ok(Taken::Changed) => self.settling.changed(settled, now),
@@ -202,28 +252,51 @@ async fn rest(config: &OrdersConfig, core: &Core, beat: &Beat, stop: &mut Stop) 
     }
 }
 
-/// Converts the result of a look. Logs when the folder goes out of reach or comes back.
-fn told(core: &Core, found: io::Result<list_orders::Found>, in_reach: &mut bool) -> Look {
-    match found {
-        Ok(found) => {
-            if !std::mem::replace(in_reach, true) {
-                info!(event = "orders-in-reach");
-            }
-            core.board.note(|facts| drop(facts.alarms.remove(OUT_OF_REACH)));
-            Look::Seen(found.orders)
-        }
-        Err(error) => {
-            if std::mem::replace(in_reach, false) {
-                warn!(event = "orders-out-of-reach", error = %error);
-            }
-            out_of_reach(core, &error.to_string());
-            Look::OutOfReach
-        }
-    }
+/// Whether the folder of orders is in reach. While it is not, orders may come and go unheard.
+struct Reach {
+    booth: Arc<Booth>,
+    is_in: AtomicBool,
 }
 
-fn out_of_reach(core: &Core, why: &str) {
-    alarm(core, OUT_OF_REACH, format!("the folder of orders cannot be listed: {why}"));
+impl Reach {
+    /// Converts the result of a look, before anything that it found is heard. Blocks.
+    fn told(&self, found: io::Result<list_orders::Found>) -> Look {
+        match found {
+            Ok(found) => {
+                if !self.is_in.swap(true, Ordering::Relaxed) {
+                    info!(event = "orders-in-reach");
+                    self.booth.missed_name(SOURCE);
+                }
+                self.booth.core().board.note(|facts| drop(facts.alarms.remove(OUT_OF_REACH)));
+                Look::Seen(found.orders)
+            }
+            Err(error) => {
+                if self.lose(&error.to_string()) {
+                    self.booth.missed_name(SOURCE);
+                }
+                Look::OutOfReach
+            }
+        }
+    }
+
+    /// The folder does not answer. Does not block.
+    fn stalled(reach: &Arc<Reach>) {
+        if reach.lose("it does not answer") {
+            let theirs = Arc::clone(reach);
+            drop(spawn_blocking(move || theirs.booth.missed_name(SOURCE)));
+        }
+    }
+
+    /// The folder is out of reach. Logs it if it was in reach before; returns whether it was.
+    fn lose(&self, why: &str) -> bool {
+        let message = format!("the folder of orders cannot be listed: {why}");
+        alarm(self.booth.core(), OUT_OF_REACH, message);
+        let was_in = self.is_in.swap(false, Ordering::Relaxed);
+        if was_in {
+            warn!(event = "orders-out-of-reach", error = why);
+        }
+        was_in
+    }
 }
 
 fn alarm(core: &Core, code: &'static str, message: String) {

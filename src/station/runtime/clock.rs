@@ -7,6 +7,10 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 use rustix::time::{ClockId, clock_gettime};
 
+/// If a wait lasts this much longer than planned, the machine slept, or it or the process was stopped. A busy
+/// machine is late, too, but not by so much.
+pub const ASLEEP: Duration = Duration::from_secs(2);
+
 /// The daemon's monotonic clock. It counts from the boot of the machine, so that a time in the journal
 /// means the same to the next run. It goes on while the machine sleeps: a name given in the evening is
 /// not valid the next morning.

@@ -131,12 +131,26 @@ impl Room {
     /// before.
     #[track_caller]
     pub fn press(&mut self) {
-        let Some(button) = &mut self.button else { return };
-        let presses = "SELECT count(*) FROM history WHERE event = 'pressed'";
-        let before = self.booth.journal(presses).unwrap();
-        button.sends(b"PRESS\r\n");
-        self.booth.wait_for("the press", || self.booth.journal(presses).unwrap() > before);
+        if self.button.is_none() {
+            return;
+        }
+        let before = self.heard("pressed");
+        self.push_button();
+        self.booth.wait_for("the press", || self.heard("pressed") > before);
         self.wait_for_look();
+    }
+
+    /// Presses, whether or not the station listens.
+    pub fn push_button(&mut self) {
+        if let Some(button) = &mut self.button {
+            button.sends(b"PRESS\r\n");
+        }
+    }
+
+    /// How often the journal's history has this event.
+    pub fn heard(&self, event: &str) -> i64 {
+        let query = format!("SELECT count(*) FROM history WHERE event = '{event}'");
+        self.booth.journal(&query).unwrap()
     }
 
     /// Waits for a look that begins from now on.
@@ -194,26 +208,32 @@ impl Room {
     /// Puts an order into its folder and waits until it is heard.
     #[track_caller]
     pub fn order(&mut self, id: &str) {
-        let text = format!("3000{id}");
-        let heard = |room: &Room| room.booth.log().matches("event=\"order-taken\"").count();
-        let before = heard(self);
-        self.put_order(&order(&text));
-        self.booth.wait_for("the order", || heard(self) > before);
+        let before = self.orders_taken();
+        self.write_order("orders", id);
+        self.booth.wait_for("the order", || self.orders_taken() > before);
+    }
+
+    /// Puts an order into a folder of the booth.
+    pub fn write_order(&mut self, folder: &str, id: &str) {
+        self.put_order(folder, &order(&format!("3000{id}")));
+    }
+
+    /// How many orders were heard.
+    pub fn orders_taken(&self) -> usize {
+        self.booth.log().matches("event=\"order-taken\"").count()
     }
 
     #[track_caller]
     pub fn malformed_order(&mut self) {
         let whole = order("30001009");
-        self.put_order(&whole[..whole.len() - 4]);
+        self.put_order("orders", &whole[..whole.len() - 4]);
         self.booth.wait_for("the refusal", || self.booth.log().contains("order-refused"));
     }
 
-    fn put_order(&mut self, bytes: &[u8]) {
+    fn put_order(&mut self, folder: &str, bytes: &[u8]) {
         self.orders += 1;
-        let (new, name) = (
-            self.booth.path("orders").join(".new"),
-            self.booth.path("orders").join(format!("{}.gdt", self.orders)),
-        );
+        let folder = self.booth.path(folder);
+        let (new, name) = (folder.join(".new"), folder.join(format!("{}.gdt", self.orders)));
         fs::write(&new, bytes).unwrap();
         fs::rename(new, name).unwrap();
     }

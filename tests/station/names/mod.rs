@@ -3,3 +3,4 @@
 mod by_hand;
 mod planted;
 mod right_patient;
+mod unheard;

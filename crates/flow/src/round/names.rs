@@ -194,6 +194,26 @@ impl Rounds {
         came
     }
 
+    /// An order is about to be heard whose file was not there yet at `absent` (`None`: that is not known). Each
+    /// press since then may be its patient's. Returns whether there was one: then the order may have been for
+    /// that one and not for the next. An order that comes after its press is paired, whenever it was written.
+    pub fn overtaken(&mut self, named: &Named, absent: Option<Duration>) -> bool {
+        if self.rules.orders == OrdersWhen::AfterPress {
+            return false;
+        }
+        let is_since = |capture: &&mut Capture| {
+            capture.by == Opener::Press && absent.is_none_or(|absent| capture.opened > absent)
+        };
+        let mut was_pressed = false;
+        for capture in self.open.iter_mut().filter(is_since) {
+            was_pressed = true;
+            if !capture.is_of(&named.id) {
+                capture.may_also_be(named);
+            }
+        }
+        was_pressed
+    }
+
     /// A name could not be read: the patient named before may have left.
     pub fn unread(&mut self) {
         self.doubt_names(Doubt::Unread);

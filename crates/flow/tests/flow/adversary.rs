@@ -15,6 +15,8 @@
 //! - Somebody whose scan came in without a patient, or had to be decided upon by a person, and was refused then,
 //!   is named to be scanned again; so is a patient who is scanned again while somebody else's name waits,
 //!   or without a button the export of somebody who was named.
+//! - While a source of names is away, which is for some seconds, somebody is named there and nobody notices
+//!   that it is not heard; nobody is named elsewhere, and nobody presses.
 //! - While somebody stands in the booth unnamed who has not been scanned, the desk orders for nobody
 //!   else, but for late orders of patients who were scanned before. Where the configuration says that
 //!   orders come after the press, they do.
@@ -175,6 +177,11 @@ fn a_name_after_a_press_without_one_that_is_certain_goes_wrong() {
 #[test]
 fn a_failed_naming_that_does_nothing_goes_wrong() {
     control(Off::FailedNamingDisarms);
+}
+
+#[test]
+fn a_source_of_names_that_is_away_without_a_word_goes_wrong() {
+    control(Off::EarsOpen);
 }
 
 #[test]

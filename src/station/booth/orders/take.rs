@@ -1,6 +1,7 @@
 //! Deals with one order: whether it is new, whom it names, and what happens to its file.
 
 use std::path::Path;
+use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
 use gaiter_flow::orders::news::{self, News};
@@ -54,10 +55,13 @@ struct Taking<'a> {
     is_hidden: bool,
     /// The journal failed earlier when it was to be heard: other patients may have been named since.
     is_late: bool,
+    /// It did not lie there yet at this time; `None` if that is not known.
+    absent: Option<Duration>,
     pulse: &'a Pulse,
 }
 
-/// Deals with one order. `before` is set if the journal has failed for it. Blocks.
+/// Deals with one order. `before` is set if the journal has failed for it; at `absent` it did not lie there
+/// yet. Blocks.
 ///
 /// # Errors
 /// See [`TakeFault`]; nothing was heard.
@@ -66,6 +70,7 @@ pub fn take(
     config: &OrdersConfig,
     settled: &Settled,
     before: Option<Before>,
+    absent: Option<Duration>,
     pulse: &Pulse,
 ) -> Result<Taken, TakeFault> {
     let core = booth.core();
@@ -75,7 +80,7 @@ pub fn take(
     let journal = core.custody.journal();
     let original = removal::original(&settled.path);
     let (is_hidden, is_late) = (original.is_some(), before.is_some());
-    let taking = Taking { core, booth, config, settled, read, is_hidden, is_late, pulse };
+    let taking = Taking { core, booth, config, settled, read, is_hidden, is_late, absent, pulse };
     if let Some(original) = &original {
         for name in [&settled.path, original] {
             let known = journal.order_known(name)?;
@@ -146,13 +151,12 @@ impl Taking<'_> {
                 let message = "it is older than patient.orders.max_age and is ignored";
                 (None, Some((TOO_OLD, message.to_owned())))
             }
-            Ok(order) if repeated => {
-                (Some(Heard::Doubtful { id: order.patient, doubt: Doubt::Repeated }), None)
+            Ok(order) => {
+                let (id, absent) = (order.patient, self.absent);
+                let late = self.is_late.then_some(Doubt::Unread);
+                let doubt = if repeated { Some(Doubt::Repeated) } else { late };
+                (Some(Heard::Ordered { id, doubt, absent }), None)
             }
-            Ok(order) if self.is_late => {
-                (Some(Heard::Doubtful { id: order.patient, doubt: Doubt::Unread }), None)
-            }
-            Ok(order) => (Some(Heard::Named { id: order.patient, by: SourceKind::Order }), None),
         };
         if let Some((code, message)) = refused.as_ref().filter(|_| !self.read.is_too_large()) {
             let state_dir = &self.core.config.station.state_dir;

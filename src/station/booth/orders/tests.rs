@@ -145,7 +145,7 @@ fn an_order_that_could_not_be_heard_is_remembered_with_what_was_known_until_it_i
     put(&path, "x", 0);
     let quiet = Duration::from_secs(1);
     let settling = Settling::new(quiet, quiet, quiet);
-    let mut orders = Orders { settling, unheard: BTreeMap::new() };
+    let mut orders = Orders::new(settling);
     let look = || {
         let found = list_orders::look(dir.path(), &Mask::new("*.gdt").unwrap(), &Pulse::default());
         Look::Seen(found.unwrap().orders)
@@ -168,4 +168,38 @@ fn an_order_that_could_not_be_heard_is_remembered_with_what_was_known_until_it_i
     fs::remove_file(&path).unwrap();
     orders.due(look(), at(9001));
     assert_eq!(orders.unheard.len(), 0);
+}
+
+#[test]
+fn an_order_was_absent_at_the_last_look_before_it_came_until_another_comes_in_its_place() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.gdt");
+    let quiet = Duration::from_secs(2);
+    let mut orders = Orders::new(Settling::new(quiet, quiet, quiet));
+    let look = |orders: &mut Orders, seconds: u64| {
+        let found = list_orders::look(dir.path(), &Mask::new("*.gdt").unwrap(), &Pulse::default());
+        let at = Duration::from_secs(seconds);
+        orders.due(Look::Seen(found.unwrap().orders), LookTime { began: at, ended: at })
+    };
+    let second = |seconds| Some(Duration::from_secs(seconds));
+    put(&path, "there before the first look", 0);
+    look(&mut orders, 1);
+    assert_eq!(orders.absent(&path), None);
+    fs::remove_file(&path).unwrap();
+    look(&mut orders, 2);
+    put(&path, "half", 1);
+    look(&mut orders, 3);
+    put(&path, "whole", 2);
+    // A folder out of reach was not seen to be empty.
+    let away = LookTime { began: Duration::from_secs(4), ended: Duration::from_secs(4) };
+    assert_eq!(orders.due(Look::OutOfReach, away), []);
+    look(&mut orders, 5);
+    assert_eq!(orders.absent(&path), second(2), "it grew, and may name somebody since it came");
+    let settled = look(&mut orders, 8).remove(0);
+    orders.taken(&settled, Ok(Taken::Done), Duration::from_secs(8));
+    look(&mut orders, 9);
+    assert_eq!(orders.absent(&path), second(2), "it is kept");
+    put(&path, "for somebody else", 3);
+    look(&mut orders, 10);
+    assert_eq!(orders.absent(&path), second(9));
 }

@@ -16,6 +16,7 @@ use super::{Attendant, Attended};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::runtime::beat::Beat;
+use crate::station::runtime::clock::ASLEEP;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, Pulse, patiently};
 
@@ -45,10 +46,8 @@ pub async fn worker(
     };
     let hangs = || {
         warn!(event = "trigger-hung", port = name);
-        if core.config.buttons().contains(name) {
-            let booth = Arc::clone(&booth);
-            drop(spawn_blocking(move || booth.port(name, false)));
-        }
+        let hung = Arc::clone(&booth);
+        drop(spawn_blocking(move || hung.port(name, false)));
         core.board.note(|facts| {
             if let Some(known) = facts.triggers.get_mut(name) {
                 let now = Timestamp::now();
@@ -73,19 +72,28 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, pulse: &Pulse) {
     let mut attendant = Attendant::new(opener, decoder, manner, clock());
     let mut noted = Noted::new(name);
     let mut heard = Vec::new();
-    let (is_button, mut was_open) = (core.config.buttons().contains(name), None);
+    let (mut was_open, mut listens_since) = (None, clock());
     while !stop.is_requested() {
         pulse.beat();
         let showing = *signal.borrow();
         let pause = attendant.turn(&clock, showing, &mut heard);
+        if was_open == Some(true) && clock().saturating_sub(listens_since) > ASLEEP {
+            // Other ports may have been read since, and what was heard here now may be older.
+            booth.slept();
+            was_open = None;
+        }
+        // A gap ends before what is heard after it.
+        let is_open = attendant.state() == PortState::Open;
+        if was_open != Some(is_open) {
+            was_open = Some(is_open);
+            booth.port(name, is_open);
+        }
         for heard in heard.drain(..) {
             noted.count(&heard);
             booth.hear(&heard);
         }
-        if is_button && was_open != Some(attendant.state() == PortState::Open) {
-            was_open = Some(attendant.state() == PortState::Open);
-            booth.port(name, was_open == Some(true));
-        }
+        // A journal that is slow to take what was heard is no sleep.
+        listens_since = clock();
         tell(name, &mut attendant, clock());
         noted.note(core, &mut attendant);
         if !pause.is_zero() {
@@ -129,7 +137,7 @@ impl Noted {
         match heard {
             Heard::Press(_) => self.facts.presses += 1,
             Heard::Named { .. } => self.facts.ids += 1,
-            Heard::Doubtful { .. } | Heard::Unread { .. } => {}
+            Heard::Ordered { .. } | Heard::Unread { .. } => {}
         }
     }
 

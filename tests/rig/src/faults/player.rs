@@ -122,7 +122,7 @@ impl Player {
             Some(Heard::Press(Press::Long)) => "long".into(),
             Some(Heard::Named { id, .. }) => format!("id {id}"),
             Some(Heard::Unread { .. }) => "unread".into(),
-            Some(Heard::Doubtful { .. }) => "doubtful".into(),
+            Some(Heard::Ordered { .. }) => "ordered".into(),
         }
     }
 }

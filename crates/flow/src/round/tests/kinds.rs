@@ -158,3 +158,80 @@ fn without_a_button_a_refused_export_is_asked_about_before_the_next_name_is_cert
     answered.named(named("2"), 3, at(35), &[]);
     assert_eq!(patient_of(&export(&mut answered, seen(40))), Some("2"));
 }
+
+#[test]
+fn a_name_that_was_given_while_a_source_was_away_is_not_certain_and_nor_is_an_order_since() {
+    let mut captures = captures();
+    captures.missed_name();
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    assert!(captures.next().is_some_and(Next::is_certain), "until the gap has ended");
+    captures.missed_name();
+    let mut ordered = captures.clone();
+    captures.pressed(1, at(5));
+    is_held(&mut captures, 10, &["1"]);
+    ordered.call_off();
+    ordered.missed_name();
+    ordered.named(order("2"), 1, at(5), &[]);
+    ordered.pressed(1, at(6));
+    assert_eq!(code(&is_held(&mut ordered, 10, &["2"])), UNHEARD);
+}
+
+#[test]
+fn without_a_button_whoever_is_expected_is_not_certain_once_a_source_was_away() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.missed_name();
+    let mut again = captures.clone();
+    assert_eq!(code(&is_held(&mut captures, 10, &["1"])), UNHEARD);
+    // A word at the booth says who is there.
+    again.named(by_whom("2", SourceKind::Operator), 2, at(5), &[]);
+    assert_eq!(patient_of(&export(&mut again, seen(10))), Some("2"));
+}
+
+#[test]
+fn an_order_that_lay_there_unread_at_a_press_may_be_for_that_press_or_for_the_next() {
+    // Its file was absent at a look before the press; or there was no look before.
+    for absent in [Some(at(4)), None] {
+        let mut captures = captures();
+        captures.named(order("1"), 1, at(0), &[]);
+        captures.pressed(1, at(5));
+        assert!(captures.overtaken(&order("2"), absent));
+        captures.doubtful(order("2"), Doubt::Crossed, 2, at(8), &[]);
+        let judged = is_held(&mut captures, 20, &["1", "2"]);
+        captures.decided(&judged, "1", at(25));
+        captures.measured(1);
+        captures.pressed(2, at(30));
+        assert_eq!(code(&is_held(&mut captures, 40, &["2"])), AMBIGUOUS);
+    }
+}
+
+#[test]
+fn an_order_that_was_absent_after_the_press_is_for_the_next_and_one_to_be_paired_is_paired() {
+    let mut captures = captures();
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.pressed(1, at(5));
+    let mut after_press = captures.clone();
+    assert!(!captures.overtaken(&order("2"), Some(at(5))));
+    captures.named(order("2"), 2, at(8), &[]);
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
+    captures.pressed(2, at(30));
+    assert_eq!(patient_of(&export(&mut captures, seen(40))), Some("2"));
+
+    after_press.rules.orders = OrdersWhen::AfterPress;
+    let before = after_press.clone();
+    assert!(!after_press.overtaken(&order("2"), Some(at(4))));
+    assert_eq!(after_press, before);
+}
+
+#[test]
+fn an_order_that_lay_there_at_the_press_of_its_own_patient_is_not_certain_for_the_next_press() {
+    let mut captures = captures();
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.pressed(1, at(5));
+    assert!(captures.overtaken(&order("1"), Some(at(4))));
+    captures.doubtful(order("1"), Doubt::Crossed, 2, at(8), &[]);
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
+    captures.pressed(2, at(30));
+    is_held(&mut captures, 40, &["1"]);
+}

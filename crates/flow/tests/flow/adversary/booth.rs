@@ -303,16 +303,28 @@ impl Booth {
     }
 
     /// A card was read or an order came in.
-    pub fn heard_name(&mut self, id: &str, by: SourceKind, doubt: Option<Doubt>) {
-        if self.name(id, by, doubt).is_err()
+    pub fn heard_name(
+        &mut self,
+        id: &str,
+        by: SourceKind,
+        doubt: Option<Doubt>,
+        absent: Option<Duration>,
+    ) {
+        if self.name(id, by, doubt, absent).is_err()
             && let Some(run) = &mut self.run
         {
             run.captures.unread();
         }
     }
 
-    /// Somebody names the patient of the next scan.
-    pub fn name(&mut self, id: &str, by: SourceKind, doubt: Option<Doubt>) -> Result<(), Fault> {
+    /// Somebody names the patient of the next scan; the file of an order did not lie there yet at `absent`.
+    pub fn name(
+        &mut self,
+        id: &str,
+        by: SourceKind,
+        doubt: Option<Doubt>,
+        absent: Option<Duration>,
+    ) -> Result<(), Fault> {
         let now = self.clock();
         let Some(run) = &mut self.run else { return Err(Fault) };
         let number = self.disk.next_capture();
@@ -322,6 +334,9 @@ impl Booth {
             false => at_rest(self.setup.off, &run.captures),
         };
         let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by) };
+        let is_told = by == SourceKind::Order && self.setup.off != Off::EarsOpen;
+        let is_overtaken = is_told && after.overtaken(&named, absent);
+        let doubt = doubt.or(is_overtaken.then_some(Doubt::Crossed));
         let came = match doubt {
             None => after.named(named, number, now, &coming),
             Some(doubt) => after.doubtful(named, doubt, number, now, &coming),
@@ -331,6 +346,20 @@ impl Booth {
             self.look_at_once();
         }
         Ok(())
+    }
+
+    /// A source of names is away, or has come back.
+    pub fn missed_name(&mut self) {
+        if let Some(run) = self.run.as_mut().filter(|_| self.setup.off != Off::EarsOpen) {
+            run.captures.missed_name();
+        }
+    }
+
+    /// A source of names goes away for some seconds.
+    pub fn gap(&mut self) {
+        self.missed_name();
+        let by_ms = self.chance.below(5000) as u64;
+        self.advance(by_ms);
     }
 
     /// Somebody tried to name a patient, and it could not be read.

@@ -1,5 +1,7 @@
 //! The desk: the orders of the practice software, and what the station reads of them.
 
+use std::time::Duration;
+
 use gaiter_flow::OrdersWhen;
 use gaiter_flow::orders::news::{self, News, OrderState};
 use gaiter_flow::round::Doubt;
@@ -17,6 +19,8 @@ pub struct Order {
     pub mtime_ms: u64,
     /// The journal failed when it was to be heard.
     pub is_late: bool,
+    /// When it did not lie there yet, on the station's clock; none if the station did not look then.
+    pub absent: Option<Duration>,
 }
 
 impl Order {
@@ -30,8 +34,7 @@ impl People {
     /// An order of the practice software is written. The desk does not order for somebody else while
     /// somebody stands in the booth unnamed who has not been scanned.
     pub fn order(&mut self, patient: usize) {
-        let file = format!("order{}", self.booth.truth.comment());
-        let order = Order { file, patient, mtime_ms: self.booth.now_ms, is_late: false };
+        let order = self.written(patient);
         self.booth.tell(|| format!("an order for {}", id(patient)));
         // With a button everybody takes a late order to be for its press.
         let is_late = self.not_ordered.remove(&patient).is_some() && self.has_button();
@@ -45,11 +48,18 @@ impl People {
         self.read_orders();
     }
 
+    /// An order that is written now.
+    pub fn written(&mut self, patient: usize) -> Order {
+        let file = format!("order{}", self.booth.truth.comment());
+        let (mtime_ms, absent) = (self.booth.now_ms, Some(self.booth.clock()));
+        Order { file, patient, mtime_ms, is_late: false, absent }
+    }
+
     /// The station reads what orders there are.
     pub fn read_orders(&mut self) {
         if !self.runs() {
             // What a run could not keep it takes with it.
-            self.letters.iter_mut().for_each(|order| order.is_late = false);
+            self.letters.iter_mut().for_each(|order| (order.is_late, order.absent) = (false, None));
         }
         if !self.runs() || self.letters.is_empty() {
             return;
@@ -87,11 +97,12 @@ impl People {
             News::Known => {}
             News::Repeated => {
                 self.booth.tell(|| format!("the order for {words} came again"));
-                self.booth.heard_name(&words, SourceKind::Order, Some(Doubt::Repeated));
+                let doubt = Some(Doubt::Repeated);
+                self.booth.heard_name(&words, SourceKind::Order, doubt, order.absent);
             }
             News::New => {
                 let doubt = order.is_late.then_some(Doubt::Unread);
-                self.booth.heard_name(&words, SourceKind::Order, doubt);
+                self.booth.heard_name(&words, SourceKind::Order, doubt, order.absent);
             }
         }
     }

@@ -29,6 +29,9 @@ impl People {
             Kind::OrderRepeated => self.order_touched(true),
             Kind::OrderTouched => self.order_touched(false),
             Kind::Unread => self.misread(),
+            Kind::CardAway => self.card_away(),
+            Kind::OrderAway => self.order_away(),
+            Kind::OrderOvertaken => self.order_overtaken(),
             Kind::Nobody => self.nobody(),
             Kind::NoShow => self.no_show(),
             Kind::Export => self.export(How::New),
@@ -76,13 +79,52 @@ impl People {
         self.awaits_exports() && self.steps_in() && self.press()
     }
 
-    fn order_now(&mut self) -> bool {
-        let Some(patient) = self.standing else { return false };
+    /// The person in the booth, if the desk may order for them before they are scanned.
+    fn to_be_ordered(&self) -> Option<usize> {
+        let patient = self.standing?;
         let is_other = self.said_now().is_some_and(|said| said != Said::Name)
             || self.not_ordered.contains_key(&patient);
-        if self.is_nobodys_awaited() || self.orders_after_press() || is_other {
+        let may = !self.is_nobodys_awaited() && !self.orders_after_press() && !is_other;
+        may.then_some(patient)
+    }
+
+    /// The folder of orders goes out of reach, the order is written, and the folder is back. Every other
+    /// time the practice has taken the order back by then.
+    fn order_away(&mut self) -> bool {
+        let Some(patient) = self.to_be_ordered().filter(|_| self.runs()) else { return false };
+        self.booth.gap();
+        self.booth.tell(|| format!("an order for {} is written out of reach", id(patient)));
+        let is_back = self.booth.chance.below(2) == 0;
+        self.booth.missed_name();
+        if is_back && self.to_be_ordered() == Some(patient) {
+            return self.order_now();
+        }
+        self.is_missed(patient);
+        true
+    }
+
+    /// The order is written, the button pressed, and the order read.
+    fn order_overtaken(&mut self) -> bool {
+        let is_kept = self.runs() && !self.booth.disk.is_locked && !self.booth.is_unplugged;
+        let Some(patient) = self.to_be_ordered().filter(|_| is_kept) else { return false };
+        if !self.has_button() || self.said.is_some() {
             return false;
         }
+        let order = self.written(patient);
+        self.booth.tell(|| format!("an order for {} is written", id(patient)));
+        self.booth.advance(1);
+        self.says(patient, Said::Unheard);
+        let is_pressed = self.press();
+        // Everybody takes it to be for that press.
+        self.not_ordered.remove(&patient);
+        self.booth.advance(500);
+        self.letters.push(order);
+        self.read_orders();
+        is_pressed
+    }
+
+    fn order_now(&mut self) -> bool {
+        let Some(patient) = self.to_be_ordered() else { return false };
         let (runs, is_kept) = (self.runs(), !self.booth.disk.is_locked);
         self.order(patient);
         let said = if is_kept { Said::Name } else { Said::Unheard };
@@ -144,7 +186,7 @@ impl People {
 
     /// A kept order is written again with the same words, or only changes its mode.
     fn order_touched(&mut self, is_rewritten: bool) -> bool {
-        let (now, count) = (self.booth.now_ms, self.orders.len());
+        let (now, count, absent) = (self.booth.now_ms, self.orders.len(), self.booth.clock());
         if count == 0 || self.is_nobodys_awaited() || !self.runs() || self.booth.disk.is_locked {
             return false;
         }
@@ -153,7 +195,7 @@ impl People {
         if is_rewritten {
             order.mtime_ms = now;
         }
-        let order = order.clone();
+        let order = super::desk::Order { absent: Some(absent), ..order.clone() };
         self.letters.push(order);
         self.read_orders();
         true

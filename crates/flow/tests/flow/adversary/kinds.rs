@@ -31,6 +31,12 @@ pub enum Kind {
     OrderTouched,
     /// A card or an order cannot be read.
     Unread,
+    /// A card is read while the reader's port is away, or settles, and nobody notices.
+    CardAway,
+    /// An order is written while its folder is out of reach.
+    OrderAway,
+    /// An order is written just before its press, and read after it.
+    OrderOvertaken,
     /// The next operator says that nobody is named.
     Nobody,
     /// Somebody who was ordered never comes.
@@ -125,6 +131,7 @@ pub fn theme(of: Off) -> &'static [Kind] {
         Off::OrdersAddUp => &[Kind::Order, Kind::OrderEarly],
         Off::PressAfterName => &[Kind::OrderAfterPress, Kind::OrderLate],
         Off::FailedNamingDisarms => &[Kind::Unread, Kind::Order],
+        Off::EarsOpen => &[Kind::CardAway, Kind::OrderAway, Kind::OrderEarly, Kind::NextPatient],
         Off::JournalFirst => &[Kind::JournalLocked, Kind::Word, Kind::NextPatient],
         Off::DecisionsOutlive => &[Kind::Decide, Kind::TakeBack, Kind::Rebuild, Kind::StoreAway],
         Off::FreshCompanions => &[Kind::ExportRewrites, Kind::ExportReplaces],
@@ -133,7 +140,7 @@ pub fn theme(of: Off) -> &'static [Kind] {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 47] = [
+    pub const ALL: [Kind; 50] = [
         Kind::Press,
         Kind::PressEarly,
         Kind::NextPatient,
@@ -146,6 +153,9 @@ impl Kind {
         Kind::OrderRepeated,
         Kind::OrderTouched,
         Kind::Unread,
+        Kind::CardAway,
+        Kind::OrderAway,
+        Kind::OrderOvertaken,
         Kind::Nobody,
         Kind::NoShow,
         Kind::Export,
@@ -189,7 +199,7 @@ impl Kind {
             Kind::Export | Kind::Ends | Kind::Wait => Share::Always,
             Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => Share::Seldom,
             Kind::NoShow | Kind::ExportOutOfOrder | Kind::OrderEarly => Share::Seldom,
-            Kind::OrderRepeated => Share::Seldom,
+            Kind::OrderRepeated | Kind::OrderOvertaken => Share::Seldom,
             Kind::Pause | Kind::FolderAway | Kind::Unplug | Kind::Crash => Share::Fault,
             Kind::Reboot | Kind::Rebuild | Kind::JournalLocked | Kind::TakeFails => Share::Fault,
             Kind::StoreAway => Share::Fault,
@@ -206,13 +216,14 @@ impl Kind {
             Kind::Export | Kind::ExportRewrites | Kind::ExportRenamed => 8,
             Kind::ExportReplaces | Kind::ExportMovedIn => 8,
             Kind::ExportLate | Kind::OrderLate | Kind::OrderAfterPress => 6,
+            Kind::OrderOvertaken => 8,
             Kind::GoesOn | Kind::AgainWhole => 10,
-            Kind::RescanNamed | Kind::GivenUp => 40,
+            Kind::RescanNamed | Kind::GivenUp => 70,
             Kind::RescanUnnamed => 90,
             Kind::ExportOutOfOrder => 40,
             Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
             Kind::Rebuild | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,
-            Kind::Reboot => 4,
+            Kind::Reboot => 5,
             Kind::Unplug => 4,
             Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch | Kind::Unread => 1,
             Kind::Grows | Kind::Ends | Kind::AgainSame | Kind::AgainComment => 4,

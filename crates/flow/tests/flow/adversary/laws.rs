@@ -20,6 +20,8 @@ pub enum Off {
     PressAfterName,
     /// R5: A naming that failed does nothing.
     FailedNamingDisarms,
+    /// R5: Nobody tells that a source of names was away, or that an order lay there unread at a press.
+    EarsOpen,
     /// A command that the journal did not take has taken effect.
     JournalFirst,
     /// A rebuild forgets what a person decided.
@@ -31,7 +33,7 @@ pub enum Off {
 }
 
 impl Off {
-    pub const ALL: [Off; 12] = [
+    pub const ALL: [Off; 13] = [
         Off::Nothing,
         Off::ContentNotName,
         Off::Inodes,
@@ -40,6 +42,7 @@ impl Off {
         Off::OrdersAddUp,
         Off::PressAfterName,
         Off::FailedNamingDisarms,
+        Off::EarsOpen,
         Off::JournalFirst,
         Off::DecisionsOutlive,
         Off::FreshCompanions,

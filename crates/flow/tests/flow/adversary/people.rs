@@ -148,7 +148,7 @@ impl People {
         let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
         self.booth.tell(|| format!("{} is named by card", id(patient)));
         let is_kept = !self.booth.disk.is_locked;
-        self.booth.heard_name(&id(patient), SourceKind::Reader, None);
+        self.booth.heard_name(&id(patient), SourceKind::Reader, None, None);
         self.is_named(patient, if is_kept { Said::Name } else { Said::Unheard });
         true
     }
@@ -159,7 +159,7 @@ impl People {
         if !self.has_button() && self.awaits_exports() {
             return false;
         }
-        let named = self.booth.name(&id(patient), SourceKind::Operator, None);
+        let named = self.booth.name(&id(patient), SourceKind::Operator, None, None);
         self.booth.tell(|| format!("{} is named by word: {named:?}", id(patient)));
         if named.is_ok() {
             self.is_named(patient, Said::Name);
@@ -183,8 +183,8 @@ impl People {
         if said == Said::Name {
             self.waiting = vec![patient];
             self.ordered.clear();
-        } else if !self.waiting.contains(&patient) {
-            self.waiting.push(patient);
+        } else {
+            self.is_missed(patient);
         }
     }
 
@@ -192,6 +192,24 @@ impl People {
     pub fn says(&mut self, patient: usize, said: Said) {
         let is_of_before = !self.has_button() && self.unsettled_of(patient);
         self.said = (!is_of_before).then_some((said, self.booth.now_ms));
+    }
+
+    /// The card of the person in the booth is read while the reader's port is away, or settles.
+    pub fn card_away(&mut self) -> bool {
+        let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
+        self.booth.gap();
+        self.booth.tell(|| format!("{}'s card is read at a port that is away", id(patient)));
+        self.booth.missed_name();
+        self.is_missed(patient);
+        true
+    }
+
+    /// The person in the booth was named, and nobody noticed that it was not heard.
+    pub fn is_missed(&mut self, patient: usize) {
+        self.says(patient, Said::Unheard);
+        if !self.waiting.contains(&patient) {
+            self.waiting.push(patient);
+        }
     }
 
     /// The card or the order of the person in the booth cannot be read.
@@ -278,6 +296,9 @@ impl People {
             Kind::Press => !self.awaits_exports() && !self.was_scanned(),
             Kind::NextPatient => self.standing.is_none() || self.was_scanned(),
             Kind::Card | Kind::Word | Kind::Order => self.said.is_none() && !self.was_scanned(),
+            Kind::CardAway | Kind::OrderAway | Kind::OrderOvertaken => {
+                self.said.is_none() && !self.was_scanned()
+            }
             Kind::OrderEarly => self.was_scanned(),
             _ => true,
         };

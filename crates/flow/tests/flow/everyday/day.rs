@@ -133,7 +133,8 @@ impl Day<'_> {
 
     fn name(&mut self, patient: usize, by: SourceKind) {
         self.booth.tell(|| format!("{} is named: {by:?}", id(patient)));
-        self.booth.heard_name(&id(patient), by, None);
+        let absent = Some(self.booth.clock());
+        self.booth.heard_name(&id(patient), by, None, absent);
     }
 
     /// Half of what the light asks is answered.
@@ -151,7 +152,7 @@ impl Day<'_> {
             self.unanswered.insert(patient);
         } else {
             self.booth.tell(|| "the operator answers what the light asks".to_owned());
-            let _ = self.booth.name(&id(patient), SourceKind::Operator, None);
+            let _ = self.booth.name(&id(patient), SourceKind::Operator, None, None);
         }
     }
 
