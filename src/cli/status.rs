@@ -259,6 +259,15 @@ fn said_of(source: &SourceStatus, now: Timestamp) -> String {
     }
     if source.ignored > 0 {
         let _ = write!(text, ", {} passed over", source.ignored);
+        let unread = source.unread.iter();
+        let unread: Vec<String> =
+            unread.map(|(why, count)| format!("{count} {}", why.replace('_', " "))).collect();
+        if !unread.is_empty() {
+            let _ = write!(text, " (may be exports: {})", unread.join(", "));
+        }
+    }
+    if source.gone > 0 {
+        let _ = write!(text, ", {} gone before they were taken in", source.gone);
     }
     text
 }

@@ -5,6 +5,7 @@
 
 pub(in crate::station) mod export_locks;
 mod fingerprint;
+mod gone;
 pub(in crate::station) mod ingest;
 mod memory;
 mod notes;
@@ -213,6 +214,8 @@ impl Intake {
         }
         let due = self.settling.observe(look, when);
         self.mark(stop).await?;
+        let gone = self.settling.gone(!due.is_empty());
+        self.lose(gone).await?;
         self.remember().await?;
         self.notes.waiting(&mut self.settling);
         Ok(Some((watch, due, when.ended.saturating_sub(when.began))))
@@ -289,6 +292,11 @@ impl Intake {
         };
         // If a stop comes while the share hangs, the file is left to the next start.
         let Some(read) = read else { return Ok(true) };
+        let gone = match &read {
+            Ok(Some(export)) => self.settling.overwritten_by(&settled, &export.bytes),
+            Ok(None) | Err(_) => None,
+        };
+        self.lose(gone.into_iter().collect()).await?;
         let booth = Arc::clone(&self.booth);
         // Without a waiting capture it does not matter, and a backlog has many files to compare with.
         let is_awaited = self.booth.last_opened().is_some();
@@ -297,20 +305,25 @@ impl Intake {
             false => settled.writing.began(&export.bytes),
         };
         let read = read.map(|export| export.map(|export| (began_at(&export), export)));
-        let (settled, taken, mark) = spawn_blocking(move || {
-            let mut mark = None;
+        let (settled, taken, mark, is_kept) = spawn_blocking(move || {
+            let (mut mark, mut is_kept) = (None, false);
             let taken = read.and_then(|export| match export {
                 Some((content_began, export)) => {
                     mark = Some(Mark::of(began, booth.core().now(), &export.bytes));
-                    ingest::take(&booth, &settled, content_began, &export)
+                    let taken = ingest::take(&booth, &settled, content_began, &export);
+                    is_kept = taken.is_err() && booth.core().custody.spool().holds(&export.scan);
+                    taken
                 }
                 None => Ok(Taken::Changed),
             });
-            (settled, taken, mark)
+            (settled, taken, mark, is_kept)
         })
         .await?;
         let now = self.core().now();
         mark.into_iter().for_each(|mark| self.settling.read(&settled, &mark));
+        if is_kept {
+            self.settling.kept(&settled);
+        }
         match taken {
             Ok(Taken::Done) => self.settling.taken(&settled),
             Ok(Taken::CutShort) => self.settling.cut_short(&settled),

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use gaiter::config::words::LANGUAGES;
 use gaiter_flow::booth::Signal;
+use gaiter_flow::export::passed_over::PassedOver;
 use gaiter_flow::trigger::PortState;
 use gaiter_language::Language;
 use gaiter_leg::sections::around::Around;
@@ -20,7 +21,7 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 46] = [
+const BY_CODE: [(&str, &str); 47] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
@@ -40,6 +41,7 @@ const BY_CODE: [(&str, &str); 46] = [
     ("page.label", "the page's own files, which the tests beside them read"),
     ("page.light", "`Signal::word`"),
     ("page.part.folder_state", "the state of an export folder"),
+    ("page.part.passed_over", "`PassedOver::word`"),
     ("page.part.port", "the ports of the booth"),
     ("page.part.port_state", "`PortState::word`"),
     ("page.part.store", "the stores' names in the journal"),
@@ -240,6 +242,7 @@ fn every_word_that_the_program_hands_out_has_its_text() {
     let words = words.chain(Around::ALL.map(|of| ("around", of.word())));
     let words = words.chain(Signal::ALL.map(|of| ("page.light", of.word())));
     let words = words.chain(PortState::ALL.map(|of| ("page.part.port_state", of.word())));
+    let words = words.chain(PassedOver::UNREAD.map(|of| ("page.part.passed_over", of.word())));
     for (table, word) in words {
         for language in Language::ALL {
             assert!(language.find(&format!("{table}.{word}")).is_some(), "{language:?}, {word}");

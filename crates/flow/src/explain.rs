@@ -6,11 +6,9 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use super::export::companions;
+use super::export::passed_over::PassedOver;
 use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
 use super::health::local;
-
-/// Endings that scanners and copy programs use for unfinished files.
-const UNFINISHED: [&str; 2] = [".part", ".tmp"];
 
 /// What the journal knows about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,16 +22,6 @@ pub struct Known {
     pub scan: Option<String>,
     /// When that scan came in, if the file only has its points and triangles again, in other bytes.
     pub again_since: Option<Timestamp>,
-}
-
-/// Why a file of this name is ignored whatever it contains, in words that follow "it".
-pub fn passed_over_by_name(name: &str) -> Option<&'static str> {
-    if name.starts_with('.') {
-        return Some("is hidden; hidden files are ignored");
-    }
-    let lower = name.to_ascii_lowercase();
-    let is_unfinished = UNFINISHED.iter().any(|end| lower.ends_with(end));
-    is_unfinished.then_some("has the name of an unfinished file; it is taken in once it is renamed")
 }
 
 /// Explains in one sentence where a file is and why. Times are told in this time zone.
@@ -86,12 +74,19 @@ fn said(known: &Known, zone: &TimeZone) -> String {
 
 fn not_seen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
     let ignored = path.ancestors().find_map(|place| Some((place, *source.ignored.get(place)?)));
-    if let Some((place, why)) = ignored {
-        return match why.strip_prefix("is a folder") {
-            _ if place == path => format!("The file {why}."),
-            Some(more) => format!("The file is in a sub-folder{more}."),
-            None => format!("The file is in a folder that {why}."),
+    if let Some((place, why)) = ignored.map(|(place, ignored)| (place, ignored.why)) {
+        let said = if place == path { why.words() } else { why.words_within() };
+        let left = match why.is_of_name() {
+            true => " It has lain there for longer than a file should.",
+            false => "",
         };
+        return format!("The file {said}.{left}");
+    }
+    if let Some(at) = source.gone.get(path) {
+        let at = local(*at, zone);
+        return format!(
+            "The file was overwritten or deleted before it was taken in (noticed {at})."
+        );
     }
     let since = local(source.since, zone);
     match &source.state {
@@ -111,8 +106,8 @@ fn not_seen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
 /// A file that the last look did not find among the scans.
 fn unseen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
     let name = path.file_name().unwrap_or_default();
-    if let Some(why) = passed_over_by_name(&name.to_string_lossy()) {
-        return format!("The file {why}.");
+    if let Some(why) = PassedOver::by_name(&name.to_string_lossy()) {
+        return format!("The file {}.", why.words());
     }
     if companions::is_companion(name) {
         return "The file is not a scan; it belongs to the scan of the same name.".to_owned();
@@ -127,7 +122,10 @@ fn unseen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
+    use crate::export::passed_over::Ignored;
 
     fn at(second: i64) -> Timestamp {
         Timestamp::from_second(second).unwrap()
@@ -212,19 +210,36 @@ mod tests {
     #[test]
     fn a_file_that_is_passed_over_says_why() {
         let facts = facts(|source| {
-            source.ignored.insert("/e/pipe.obj".into(), "is a pipe");
-            source.ignored.insert("/e/sub".into(), "is a folder, and scanner.subfolders is false");
-            source.ignored.insert("/e/1/2".into(), "is a folder that is nested too deep");
-            source.ignored.insert("/e/link.obj".into(), "is a link, and links are not followed");
+            for (path, why) in [
+                ("/e/pipe.obj", PassedOver::Pipe),
+                ("/e/sub", PassedOver::SubFolder),
+                ("/e/link", PassedOver::Link),
+                ("/e/b.obj.gz", PassedOver::Packed),
+                ("/e/left.obj.part", PassedOver::Unfinished),
+            ] {
+                let ignored = Ignored { why, changed_ns: 0, since: Duration::ZERO };
+                source.ignored.insert(path.into(), ignored);
+            }
+            source.gone.insert("/e/gone.obj".into(), at(5));
         });
         for (path, expected) in [
-            ("/e/pipe.obj", "The file is a pipe."),
+            ("/e/pipe.obj", "The file is a pipe, not a file."),
             ("/e/sub", "The file is a folder, and scanner.subfolders is false."),
             ("/e/sub/deep/a.obj", "The file is in a sub-folder, and scanner.subfolders is false."),
-            ("/e/1/2/a.obj", "The file is in a sub-folder that is nested too deep."),
             (
-                "/e/link.obj/a.obj",
+                "/e/link/a.obj",
                 "The file is in a folder that is a link, and links are not followed.",
+            ),
+            ("/e/b.obj.gz", "The file is packed; unpacked it is read."),
+            (
+                "/e/left.obj.part",
+                "The file has the name of an unfinished file; it is taken in once it is renamed. It \
+                 has lain there for longer than a file should.",
+            ),
+            (
+                "/e/gone.obj",
+                "The file was overwritten or deleted before it was taken in (noticed 1970-01-01 \
+                 00:00:05).",
             ),
             ("/e/.a.obj", "The file is hidden; hidden files are ignored."),
             ("/e/a.ord", "The file is not a scan; it belongs to the scan of the same name."),

@@ -10,6 +10,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::confinement::Confinement;
+use super::export::passed_over::{Ignored, PassedOver};
 use super::trigger::PortState;
 
 /// Everything that is known about a running station apart from its journal.
@@ -62,7 +63,16 @@ pub struct SourceFacts {
     pub waiting: BTreeMap<PathBuf, WaitingFile>,
     /// Files that are ignored, and why. Never shown in a status either.
     #[serde(skip)]
-    pub ignored: BTreeMap<PathBuf, &'static str>,
+    pub ignored: BTreeMap<PathBuf, Ignored>,
+    /// How much is ignored, by its reason.
+    pub passed_over: BTreeMap<PassedOver, usize>,
+    /// Files that were overwritten or deleted before they were taken, and when that was noticed. Never
+    /// shown in a status either.
+    #[serde(skip)]
+    pub gone: BTreeMap<PathBuf, Timestamp>,
+    /// How many exports were overwritten or deleted before they were taken, since somebody called off
+    /// what was expected.
+    pub gone_count: usize,
 }
 
 /// The state of an export folder.
@@ -220,6 +230,9 @@ impl Facts {
             last_look: None,
             waiting: BTreeMap::new(),
             ignored: BTreeMap::new(),
+            passed_over: BTreeMap::new(),
+            gone: BTreeMap::new(),
+            gone_count: 0,
         };
         Facts {
             started,
@@ -235,5 +248,20 @@ impl Facts {
             measured: 0,
             last_measurement_s: None,
         }
+    }
+    /// What came into the export folders after this time and may be exports that are not read, counted by
+    /// its reason.
+    pub fn unread_since(&self, opened: Duration, now: Duration) -> BTreeMap<PassedOver, usize> {
+        let all = self.sources.iter().flat_map(|source| source.ignored.values());
+        let mut counts = BTreeMap::new();
+        for ignored in all.filter(|ignored| ignored.may_be_export_since(opened, now)) {
+            *counts.entry(ignored.why).or_default() += 1;
+        }
+        counts
+    }
+
+    /// How many exports were overwritten or deleted before they were taken, and nobody has called off.
+    pub fn gone(&self) -> usize {
+        self.sources.iter().map(|source| source.gone_count).sum()
     }
 }

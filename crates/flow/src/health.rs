@@ -21,6 +21,12 @@ pub(crate) const BLIP: Duration = Duration::from_secs(5);
 /// How long a port may be out of order before it is reported: long enough to plug it in elsewhere.
 const REPLUG: Duration = Duration::from_secs(60);
 
+/// Complaint: exports were overwritten or deleted before they were taken.
+const EXPORT_GONE: &str = "export-gone";
+
+/// Alarm: an export is awaited, and what came is not read.
+pub const EXPORT_PASSED_OVER: &str = "export-passed-over";
+
 /// Something that keeps the station from being ready.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Complaint {
@@ -61,7 +67,7 @@ pub fn complaints(
     overdue: Duration,
     now: Timestamp,
 ) -> Vec<Complaint> {
-    let mut complaints: Vec<Complaint> = intake(facts).into_iter().collect();
+    let mut complaints: Vec<Complaint> = intake(facts).into_iter().chain(gone(facts)).collect();
     complaints.extend(stores(facts, now));
     complaints.extend(
         facts.sources.iter().enumerate().flat_map(|(place, source)| of_source(place, source, now)),
@@ -95,6 +101,9 @@ pub fn complaints(
 fn remedy(code: &str) -> &'static str {
     match code {
         "no-export" => "press the button and scan again",
+        EXPORT_PASSED_OVER => {
+            "see where and how the scanner exports; gaiter explain FILE says why a file is not read"
+        }
         "order-refused" => "order again, or name the patient: gaiter patient set",
         "order-not-removed" => "let the station's user delete files in the folder of orders",
         "orders-out-of-reach" => "mount the folder of orders; it is read again by itself",
@@ -138,6 +147,16 @@ fn intake(facts: &Facts) -> Option<Complaint> {
             Some(Complaint::new("disk-low", message, remedy))
         }
     }
+}
+
+fn gone(facts: &Facts) -> Option<Complaint> {
+    let message = match facts.gone() {
+        0 => return None,
+        1 => "1 export was overwritten or deleted before it was taken in".to_owned(),
+        count => format!("{count} exports were overwritten or deleted before they were taken in"),
+    };
+    let remedy = "gaiter patient clear, then name the patient and export or scan again";
+    Some(Complaint::new(EXPORT_GONE, message, remedy))
 }
 
 fn stores(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {

@@ -7,6 +7,7 @@
 //! A settled file is offered at every look until the caller reports the outcome:
 //! [`Settling::taken`], [`Settling::cut_short`], [`Settling::changed`] or [`Settling::failed`].
 
+mod gone;
 mod lineage;
 mod memory;
 mod sights;
@@ -21,6 +22,8 @@ use super::backoff;
 use super::export::companions::{Companion, Done, Group};
 use super::export::stamp::Stamp;
 use super::export::writing::{Appeared, Mark, Writing};
+pub use gone::Gone;
+use gone::Missing;
 use lineage::Departed;
 pub use lineage::Passer;
 pub use memory::{Memory, Remembered};
@@ -93,6 +96,8 @@ pub struct Settling {
     remembered: Vec<Remembered>,
     /// Files that were not taken and have disappeared; see [`lineage`].
     departed: Vec<Departed>,
+    /// Contents that may be gone; see [`gone`].
+    missing: Vec<Missing>,
     /// When the last look at the folder began that could be trusted.
     last_look: Option<Duration>,
     /// How many files have had their turn; see [`turns`].
@@ -184,6 +189,7 @@ impl Settling {
         let short_wait = short_wait.max(quiet);
         let files = BTreeMap::new();
         let (passers, remembered, departed) = (BTreeMap::new(), Vec::new(), Vec::new());
+        let missing = Vec::new();
         let (companion_wait, last_look, turns) = (None, None, 0);
         Settling {
             quiet,
@@ -194,6 +200,7 @@ impl Settling {
             passers,
             remembered,
             departed,
+            missing,
             last_look,
             turns,
         }
@@ -213,6 +220,7 @@ impl Settling {
             return Vec::new();
         };
         let mut news = self.news(&seen, when);
+        self.miss(&seen, when.began);
         let mut before = std::mem::take(&mut self.files);
         for (path, group) in seen {
             let known = before.remove(&path);
@@ -314,7 +322,18 @@ impl Settling {
 
     /// The file was taken in this state, or refused unread; it is not offered again until it changes.
     pub fn taken(&mut self, settled: &Settled) {
-        self.had_its_turn(settled, |file| file.next = Next::Taken);
+        self.had_its_turn(settled, |file| {
+            file.next = Next::Taken;
+            file.writing.keep(file.group.stamp);
+        });
+    }
+
+    /// The bytes of the file are safe, though it could not be taken: it may go.
+    pub fn kept(&mut self, settled: &Settled) {
+        let offered = self.files.get_mut(&settled.path);
+        if let Some(file) = offered.filter(|file| file.group.stamp == settled.stamp) {
+            file.writing.keep(settled.stamp);
+        }
     }
 
     /// The file was read whole in the state that settled.

@@ -50,6 +50,8 @@ fn status() -> Status {
             waiting: 2,
             overdue: 1,
             ignored: 0,
+            unread: BTreeMap::new(),
+            gone: 0,
         }],
         stores: BTreeMap::from([("folder".into(), StoreStatus { fault: None, since: at(0) })]),
         triggers: BTreeMap::from([("serial".into(), port)]),
@@ -136,6 +138,17 @@ fn on_a_terminal_it_fits_one_screen_and_every_id_stays_whole() {
     let piped = screen(status(), vec![scan("delivered")], None);
     let (said, piped) = (words(&said), words(&piped));
     assert_eq!(said[..piped.len()], piped, "wrapping parts words only at spaces");
+}
+
+#[test]
+fn what_may_be_an_export_and_is_not_read_is_counted_and_so_is_what_is_gone() {
+    let mut status = status();
+    let unread = BTreeMap::from([("link".to_owned(), 1), ("sub_folder".to_owned(), 2)]);
+    let source = status.sources.remove(0);
+    status.sources.push(SourceStatus { ignored: 4, unread, gone: 1, ..source });
+    let said = screen(status, Vec::new(), None);
+    let expected = "4 passed over (may be exports: 1 link, 2 sub folder), 1 gone before they were";
+    assert!(said.contains(expected), "{said}");
 }
 
 #[test]

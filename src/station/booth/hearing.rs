@@ -4,7 +4,9 @@
 use std::time::Duration;
 
 use gaiter_flow::booth::{Heard, Press};
+use gaiter_flow::export::passed_over;
 use gaiter_flow::facts::Alarm;
+use gaiter_flow::health::EXPORT_PASSED_OVER;
 use gaiter_flow::light::{NO_EXPORT, Outcome};
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
@@ -287,12 +289,30 @@ impl Booth {
         let detail = json!({ "captures": called_off.captures, "name": called_off.name });
         let event = any.then_some((Event::CalledOff, detail));
         self.change_booth(&mut inner, after, "called_off", event)?;
+        let any = self.clear_gone() || any;
         if any {
             info!(event = "called-off", captures = called_off.captures.len());
         }
         (inner.missed, inner.last) = (false, None);
         self.clear_missed();
         Ok(any)
+    }
+
+    /// Notes contents of an export folder that were seen and are gone before they were taken. Blocks.
+    pub fn gone(&self, contents: &[Appeared]) {
+        let mut inner = self.inner();
+        let mut after = inner.captures.clone();
+        contents.iter().for_each(|content| after.gone(*content));
+        if after == inner.captures {
+            return;
+        }
+        // Applied in memory even if the journal fails: it only makes captures less certain.
+        let kept = self.change_booth(&mut inner, after.clone(), "over", None);
+        inner.captures = after;
+        if let Err(error) = kept {
+            self.core.check_corruption(&error);
+            warn!(event = "journal-failed", error = chain(&error));
+        }
     }
 
     /// Notes whether a port is open. While it is closed, or settles, presses or names may be missed. Blocks.
@@ -368,7 +388,36 @@ impl Booth {
                 facts.alarms.entry(NO_EXPORT).or_insert(alarm);
             });
         }
+        let opened = inner.captures.waiting().map(|capture| capture.opened).min();
+        self.tell_unread(opened, now);
         Ok(())
+    }
+
+    /// Raises the alarm for what came into the export folders and is not read while an export is awaited
+    /// since `opened`.
+    fn tell_unread(&self, opened: Option<Duration>, now: Duration) {
+        self.core.board.note(|facts| {
+            let counts = opened.map(|opened| facts.unread_since(opened, now)).unwrap_or_default();
+            if counts.is_empty() {
+                facts.alarms.remove(EXPORT_PASSED_OVER);
+                return;
+            }
+            let list = passed_over::unread(&counts);
+            let message = format!("an export is awaited, and what came is not read: {list}");
+            let known = facts.alarms.get(EXPORT_PASSED_OVER).map(|known| known.since);
+            let since = known.unwrap_or_else(Timestamp::now);
+            facts.alarms.insert(EXPORT_PASSED_OVER, Alarm { message, since });
+        });
+    }
+
+    /// Forgets the exports that are gone. Returns whether there were any.
+    fn clear_gone(&self) -> bool {
+        let mut any = false;
+        self.core.board.note(|facts| {
+            any = facts.gone() > 0;
+            facts.sources.iter_mut().for_each(|source| source.gone_count = 0);
+        });
+        any
     }
 
     fn clear_missed(&self) {

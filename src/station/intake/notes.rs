@@ -9,15 +9,19 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use gaiter_flow::export::mount::MountGuard;
+use gaiter_flow::export::passed_over::{Ignored, PassedOver};
 use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
-use gaiter_flow::settle::Waiting;
+use gaiter_flow::settle::{Gone, Waiting};
 use gaiter_flow::{Look, Settling, Stamp};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
 use crate::station::booth::Booth;
-use crate::station::intake::scan_dir::Found;
+use crate::station::intake::scan_dir::{Found, Passed};
 use crate::station::runtime::causes::chain;
+
+/// How many files that are gone are known by name.
+const GONE_MOST: usize = 1000;
 
 /// What has been logged about one export folder, and where its facts are on the board.
 pub(super) struct Notes {
@@ -26,13 +30,14 @@ pub(super) struct Notes {
     /// A wall-clock time, and the station's monotonic clock at that time.
     started: (Timestamp, Duration),
     unwatched: bool,
-    ignored: usize,
+    /// How much was ignored at the last look, and how much of it may be exports; none before the first.
+    ignored: Option<(usize, usize)>,
 }
 
 impl Notes {
     pub(super) fn new(booth: Arc<Booth>, place: usize, folder: &Path) -> Notes {
         let started = (Timestamp::now(), booth.core().now());
-        let notes = Notes { booth, place, started, unwatched: false, ignored: 0 };
+        let notes = Notes { booth, place, started, unwatched: false, ignored: None };
         notes.note(|source| source.folder = Some(folder.to_owned()));
         notes
     }
@@ -80,15 +85,53 @@ impl Notes {
             return (Look::OutOfReach, BTreeMap::new());
         }
         self.state(SourceState::Watched);
-        if found.ignored_count > self.ignored {
-            info!(event = "files-ignored", export_dir = self.place, count = found.ignored_count);
+        self.ignored(found.ignored, found.passed_over);
+        (Look::Seen(found.scans), found.passers)
+    }
+
+    /// Notes what a look passed over, and logs it if there is more of it.
+    fn ignored(
+        &mut self,
+        found: BTreeMap<PathBuf, Passed>,
+        passed_over: BTreeMap<PassedOver, usize>,
+    ) {
+        let count: usize = passed_over.values().sum();
+        let unread = passed_over.iter().filter(|(why, _)| why.is_unread());
+        let unread: usize = unread.map(|(_, count)| count).sum();
+        let before = self.ignored.replace((count, unread));
+        if count > before.map_or(0, |(count, _)| count)
+            || unread > before.map_or(0, |(_, unread)| unread)
+        {
+            info!(event = "files-ignored", export_dir = self.place, count, unread);
         }
-        self.ignored = found.ignored_count;
+        // What the first look finds was there before.
+        let came = before.map_or(Duration::ZERO, |_| self.booth.core().now());
         self.note(|source| {
             source.last_look = Some(Timestamp::now());
-            source.ignored = found.ignored;
+            let known = std::mem::take(&mut source.ignored);
+            let ignored = |(path, Passed { why, changed_ns }): (PathBuf, Passed)| {
+                let is_same = |known: &&Ignored| (known.why, known.changed_ns) == (why, changed_ns);
+                let since = known.get(&path).filter(is_same).map_or(came, |known| known.since);
+                (path, Ignored { why, changed_ns, since })
+            };
+            source.ignored = found.into_iter().map(ignored).collect();
+            source.passed_over = passed_over;
         });
-        (Look::Seen(found.scans), found.passers)
+    }
+
+    /// Notes contents that are gone before they were taken, and logs them.
+    pub(super) fn gone(&self, gone: Vec<Gone>) {
+        let Some(last) = gone.iter().map(|content| content.stamp.mtime_ns).max() else { return };
+        let written = Timestamp::from_nanosecond(last).map(|at| at.to_string()).unwrap_or_default();
+        warn!(event = "export-gone", export_dir = self.place, count = gone.len(), written);
+        self.note(|source| {
+            source.gone_count += gone.len();
+            let now = Timestamp::now();
+            source.gone.extend(gone.into_iter().map(|content| (content.path, now)));
+            while source.gone.len() > GONE_MOST {
+                source.gone.pop_first();
+            }
+        });
     }
 
     /// Notes the state of the folder, and logs it if it has changed.
@@ -149,7 +192,20 @@ impl Notes {
         };
         let files = settling.waiting(now);
         let waiting = files.map(|(path, waiting)| (path.to_owned(), file(waiting))).collect();
-        self.note(|source| source.waiting = waiting);
+        let left = settling.left(now).filter_map(|(path, since)| {
+            let why = PassedOver::of_scan_to_come(&path.file_name()?.to_string_lossy())?;
+            Some((path.to_owned(), Ignored { why, changed_ns: 0, since }))
+        });
+        let left: Vec<(PathBuf, Ignored)> = left.collect();
+        self.note(|source| {
+            source.waiting = waiting;
+            source.ignored.retain(|_, ignored| !ignored.why.is_of_name());
+            source.passed_over.retain(|why, _| !why.is_of_name());
+            for (path, ignored) in left {
+                *source.passed_over.entry(ignored.why).or_default() += 1;
+                source.ignored.insert(path, ignored);
+            }
+        });
         self.booth.looked(self.place, settling.sights());
     }
 

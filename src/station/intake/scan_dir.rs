@@ -8,9 +8,9 @@ use std::io;
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
-use gaiter_flow::explain::passed_over_by_name;
 use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::export::mount::Mount;
+use gaiter_flow::export::passed_over::PassedOver;
 use gaiter_flow::{DoneFile, Group, Stamp};
 use gaiter_scan::Format;
 
@@ -23,8 +23,8 @@ use crate::station::share::stamped_file::stamp;
 /// of mounts.
 const DEPTH_MAX: usize = 4;
 
-/// How many ignored files are known by name. The others are only counted, because a folder may hold
-/// years of other files.
+/// How many ignored files are known by name, and of those that may be exports as many again. The others are
+/// only counted, because a folder may hold years of other files.
 const IGNORED_MAX: usize = 1000;
 
 /// How many files without the name of a scan are followed, those that changed last. One of them may be
@@ -40,11 +40,20 @@ pub struct Found {
     /// changed last.
     pub passers: BTreeMap<PathBuf, Stamp>,
     /// Others, except hidden and unfinished ones, and why they are ignored; limited in number.
-    pub ignored: BTreeMap<PathBuf, &'static str>,
-    /// How many others there are.
-    pub ignored_count: usize,
+    pub ignored: BTreeMap<PathBuf, Passed>,
+    /// How many others there are, by the reason.
+    pub passed_over: BTreeMap<PassedOver, usize>,
     /// What the folder lies on.
     pub mount: Mount,
+}
+
+/// Something that is ignored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Passed {
+    /// Why.
+    pub why: PassedOver,
+    /// When it changed last, if it may be an export, else 0; by its own clock, nanoseconds since 1970.
+    pub changed_ns: i128,
 }
 
 /// Looks through a folder.
@@ -73,8 +82,10 @@ struct Walk<'a> {
     /// By the time of their last change and by name.
     passers: BTreeMap<(i128, PathBuf), Stamp>,
     done: BTreeMap<PathBuf, Stamp>,
-    ignored: BTreeMap<PathBuf, &'static str>,
-    ignored_count: usize,
+    ignored: BTreeMap<PathBuf, Passed>,
+    /// How many of these may be exports.
+    unread: usize,
+    passed_over: BTreeMap<PassedOver, usize>,
 }
 
 impl<'a> Walk<'a> {
@@ -87,7 +98,8 @@ impl<'a> Walk<'a> {
             passers: BTreeMap::new(),
             done: BTreeMap::new(),
             ignored: BTreeMap::new(),
-            ignored_count: 0,
+            unread: 0,
+            passed_over: BTreeMap::new(),
         }
     }
 
@@ -99,7 +111,7 @@ impl<'a> Walk<'a> {
             self.pulse.beat();
             let (path, name) = (entry.path(), entry.file_name());
             let text = name.to_string_lossy();
-            let is_hidden = passed_over_by_name(&text).is_some();
+            let is_hidden = PassedOver::by_name(&text).is_some();
             // A file that cannot be examined counts as not there yet.
             let Ok(kind) = entry.file_type() else { continue };
             if is_hidden {
@@ -113,7 +125,11 @@ impl<'a> Walk<'a> {
                 self.regular(path, &mut |walk| &mut walk.companions);
             } else {
                 self.passer(path.clone());
-                self.ignore(path, "does not have the ending of a scan");
+                let why = match kind.is_symlink() {
+                    true => PassedOver::Link,
+                    false => PassedOver::of_no_scan(&text),
+                };
+                self.ignore(path, why);
             }
             names.insert(name);
         }
@@ -151,15 +167,15 @@ impl<'a> Walk<'a> {
 
     fn folder(&mut self, path: PathBuf, depth: usize) -> io::Result<()> {
         if !self.config.subfolders {
-            self.ignore(path, "is a folder, and scanner.subfolders is false");
+            self.ignore(path, PassedOver::SubFolder);
         } else if depth == DEPTH_MAX {
-            self.ignore(path, "is a folder that is nested too deep");
+            self.ignore(path, PassedOver::TooDeep);
         } else {
             match self.list(&path, depth + 1) {
                 // It was removed meanwhile.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
-                    self.ignore(path, "is a folder that the station may not read");
+                    self.ignore(path, PassedOver::NoAccess);
                 }
                 other => return other,
             }
@@ -175,44 +191,58 @@ impl<'a> Walk<'a> {
                 continue;
             }
             if let Some(metadata) = done.symlink_metadata().ok().filter(Metadata::is_file) {
-                self.ignored_count -= usize::from(self.ignored.remove(&done).is_some());
+                if let Some(Passed { why, .. }) = self.ignored.remove(&done)
+                    && let Some(count) = self.passed_over.get_mut(&why)
+                {
+                    *count -= 1;
+                    self.unread -= usize::from(why.is_unread());
+                }
                 self.done.insert(done, stamp(&metadata));
             }
         }
     }
 
-    fn ignore(&mut self, path: PathBuf, why: &'static str) {
-        self.ignored_count += 1;
-        if self.ignored.len() < IGNORED_MAX {
-            self.ignored.insert(path, why);
+    fn ignore(&mut self, path: PathBuf, why: PassedOver) {
+        *self.passed_over.entry(why).or_default() += 1;
+        let (known, changed_ns) = match why.is_unread() {
+            true => (self.unread, changed(&path)),
+            false => (self.ignored.len() - self.unread, 0),
+        };
+        if known < IGNORED_MAX {
+            self.unread += usize::from(why.is_unread());
+            self.ignored.insert(path, Passed { why, changed_ns });
         }
     }
 
     fn found(self, mount: Mount) -> Found {
-        let Walk { config, scans, companions, passers, done, ignored, ignored_count, .. } = self;
+        let Walk { config, scans, companions, passers, done, ignored, passed_over, .. } = self;
         let done = |scan: &Path| match &config.done_file {
             None => Done::NotAsked,
             Some(rule) => done.get(&rule.of(scan)).copied().map_or(Done::Missing, Done::There),
         };
         let scans = companions::groups(scans, companions, done);
         let passers = passers.into_iter().map(|((_, path), stamp)| (path, stamp)).collect();
-        Found { scans, passers, ignored, ignored_count, mount }
+        Found { scans, passers, ignored, passed_over, mount }
     }
 }
 
 /// Why something that is not a regular file is ignored.
-fn irregular(kind: FileType) -> &'static str {
+fn irregular(kind: FileType) -> PassedOver {
     if kind.is_symlink() {
-        "is a link, and links are not followed"
-    } else if kind.is_dir() {
-        "is a folder with the name of a scan"
+        PassedOver::Link
     } else if kind.is_fifo() {
-        "is a pipe, not a file"
+        PassedOver::Pipe
     } else if kind.is_socket() {
-        "is a socket, not a file"
+        PassedOver::Socket
     } else {
-        "is a device, not a file"
+        PassedOver::Device
     }
+}
+
+/// When something changed last, by its own clock, nanoseconds since 1970; 0 if it cannot be examined.
+fn changed(path: &Path) -> i128 {
+    let stamp = path.symlink_metadata().map(|metadata| stamp(&metadata));
+    stamp.map_or(0, |stamp| stamp.mtime_ns.max(stamp.ctime_ns))
 }
 
 #[cfg(test)]

@@ -374,3 +374,68 @@ fn an_export_awaited_when_the_machine_starts_anew_is_not_the_next_patients() {
     assert_eq!(room.held(), ["capture-ambiguous"]);
     assert!(station.stop().success());
 }
+
+/// Her export is seen while the station is paused; what becomes of it then, and nobody's comes.
+fn lost_while_paused(mut room: Room, lose: impl Fn(&Room)) {
+    let station = room.start();
+    room.name("1002");
+    room.press();
+    room.said(&["pause"]);
+    room.write("scan.obj", &coarse_body(1));
+    room.wait_until_waiting("scan.obj", "paused");
+    room.wait_for_look();
+    lose(&room);
+    room.wait_for_look();
+    room.said(&["resume"]);
+    room.wait_for_taken(&coarse_body(2));
+    assert_eq!(room.held(), ["capture-ambiguous"], "log:\n{}", room.booth.log());
+    assert_has(&room, "1002", &[]);
+    assert_eq!(room.booth.log().matches("event=\"export-gone\"").count(), 1);
+    let status = room.status();
+    assert_eq!(status["complaints"][0]["code"], "export-gone");
+    assert_eq!(status["sources"][0]["gone"], 1);
+    room.said(&["patient", "clear"]);
+    assert_eq!(room.status()["ready"], true);
+    assert!(station.stop().success());
+}
+
+#[test]
+fn an_export_that_is_overwritten_while_the_station_is_paused_is_told_and_the_next_is_held() {
+    for room in [Room::with_button(""), Room::without_button("")] {
+        lost_while_paused(room, |room| room.write("scan.obj", &coarse_body(2)));
+    }
+}
+
+#[test]
+fn an_export_that_is_deleted_while_the_station_is_paused_is_told_and_the_next_is_held() {
+    for room in [Room::with_button(""), Room::without_button("")] {
+        lost_while_paused(room, |room| {
+            fs::remove_file(room.export("scan.obj")).unwrap();
+            room.wait_for_look();
+            room.write("other.obj", &coarse_body(2));
+        });
+    }
+}
+
+#[test]
+fn what_comes_and_is_not_read_while_an_export_is_awaited_raises_an_alarm() {
+    let mut room = Room::without_button("");
+    let before = room.export("before");
+    fs::create_dir(&before).unwrap();
+    let station = room.start();
+    room.name("1002");
+    assert_eq!(room.status()["ready"], true);
+    fs::create_dir(room.export("day")).unwrap();
+    room.write("day/scan.obj", &coarse_body(1));
+    room.write("scan.obj.gz", b"packed");
+    let alarm = |room: &Room| room.status()["alarms"]["export-passed-over"]["message"].clone();
+    room.booth.wait_for("the alarm", || {
+        alarm(&room).as_str().is_some_and(|said| said.ends_with(": 1 sub folder, 1 packed"))
+    });
+    assert_eq!(room.status()["sources"][0]["unread"]["sub_folder"], 2);
+    room.wait_until_waiting("day/scan.obj", "is in a sub-folder, and scanner.subfolders is false");
+    room.wait_until_waiting("scan.obj.gz", "is packed");
+    room.said(&["patient", "clear"]);
+    room.booth.wait_for("its end", || alarm(&room).is_null());
+    assert!(station.stop().success());
+}

@@ -4,6 +4,7 @@ pub mod companions;
 pub mod file_system;
 pub mod mask;
 pub mod mount;
+pub mod passed_over;
 pub mod space;
 pub mod stamp;
 pub mod writing;

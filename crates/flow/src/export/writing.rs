@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::stamp::Stamp;
 use gaiter_record::sha256;
 
 /// How much of each end of a part is compared, bytes. Two bodies differ within their first points.
@@ -16,6 +17,15 @@ pub const END_BYTES: usize = 4096;
 
 /// A shorter part is no evidence, bytes: two exports may begin with the same header.
 const MARK_LEAST: u64 = END_BYTES as u64;
+
+/// Two contents are told apart by so much behind their headers, bytes.
+const TRUNK_BYTES: usize = END_BYTES / 2;
+
+/// The header of a binary STL: a title, and a count that some exporters write last, bytes.
+const STL_HEADER_BYTES: usize = 84;
+
+/// So many zeros at the end are a place that is reserved and not written yet, bytes.
+const RESERVED_LEAST: usize = 16;
 
 /// How many marks of one file are kept: the first, and the last ones.
 const MARKS_MOST: usize = 8;
@@ -62,12 +72,15 @@ pub struct Mark {
     pub size: u64,
     /// The sum of its two ends.
     pub sum: String,
+    /// The sum of what comes first behind its header; `None` if that is not written yet.
+    #[serde(default)]
+    trunk: Option<String>,
 }
 
 impl Mark {
     /// The mark of a part of `size` bytes with these ends, each of [`END_BYTES`] or all of it.
     pub fn new(began: Duration, ended: Duration, size: u64, head: &[u8], tail: &[u8]) -> Mark {
-        Mark { began, ended, size, sum: sum(head, tail) }
+        Mark { began, ended, size, sum: sum(head, tail), trunk: trunk(head) }
     }
 
     /// The mark of a whole content that was read at once.
@@ -91,6 +104,29 @@ fn ends(bytes: &[u8]) -> (&[u8], &[u8]) {
     (&bytes[..length], &bytes[bytes.len() - length..])
 }
 
+/// What tells a body from another, whatever is written behind it or changed in the header.
+fn trunk(head: &[u8]) -> Option<String> {
+    let begins = header(head);
+    let part = head.get(begins..begins + TRUNK_BYTES)?;
+    let is_written = part.iter().rev().take(RESERVED_LEAST).any(|byte| *byte != 0);
+    is_written.then(|| sum(part, &[]))
+}
+
+/// The length of what may say when a body was exported, or how much of it is to come: comments, the header
+/// of a PLY, the title and count of a binary STL. Bytes.
+fn header(head: &[u8]) -> usize {
+    if head.starts_with(b"ply") {
+        let last = b"end_header";
+        let at = head.windows(last.len()).position(|word| word == last);
+        return at.map_or(head.len(), |at| at + last.len());
+    }
+    if head.iter().take(STL_HEADER_BYTES).any(|byte| *byte == 0) {
+        return STL_HEADER_BYTES;
+    }
+    let is_comment = |line: &&[u8]| line.starts_with(b"#");
+    head.split_inclusive(|byte| *byte == b'\n').take_while(is_comment).map(<[u8]>::len).sum()
+}
+
 fn sum(head: &[u8], tail: &[u8]) -> String {
     let mut digest = sha256(&[head, tail].concat());
     digest.truncate(DIGITS);
@@ -107,12 +143,22 @@ pub struct Writing {
     /// Its lengths each time it was read whole, bytes.
     #[serde(default)]
     read: Vec<u64>,
+    /// The content that was dealt with last.
+    #[serde(default)]
+    kept: Option<Kept>,
+}
+
+/// A content that was taken, or whose bytes the station has.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Kept {
+    stamp: Stamp,
+    trunk: Option<String>,
 }
 
 impl Writing {
     /// A file that was seen for the first time, or started anew.
     pub fn new(first: Appeared) -> Writing {
-        Writing { first, changed: None, marks: Vec::new(), read: Vec::new() }
+        Writing { first, changed: None, marks: Vec::new(), read: Vec::new(), kept: None }
     }
 
     /// Whether there was no look before it was first seen.
@@ -155,6 +201,61 @@ impl Writing {
             self.read.push(mark.size);
         }
         self.mark(mark);
+    }
+
+    /// What the file holds in this state was dealt with.
+    pub(crate) fn keep(&mut self, stamp: Stamp) {
+        let trunk = self.trunk().map(str::to_owned);
+        self.kept = Some(Kept { stamp, trunk });
+    }
+
+    /// Whether what the file holds in this state was dealt with.
+    pub(crate) fn is_kept(&self, stamp: &Stamp) -> bool {
+        self.kept.as_ref().is_some_and(|kept| {
+            let is_alike = kept.trunk.is_some() && kept.trunk.as_deref() == self.trunk();
+            stamp.has_content_of(&kept.stamp) || is_alike && stamp.size == kept.stamp.size
+        })
+    }
+
+    /// By what the content that was marked last is told from others; `None` if that is not known.
+    pub(crate) fn trunk(&self) -> Option<&str> {
+        self.marks.last().and_then(|last| last.trunk.as_deref())
+    }
+
+    /// Whether its place was reserved and not written yet when it was marked last.
+    pub(crate) fn is_reserved(&self) -> bool {
+        self.marks.last().is_some_and(|last| last.trunk.is_none())
+    }
+
+    /// Whether this part is of another content than the one that was marked last and was not dealt with.
+    pub(crate) fn loses_to(&self, mark: &Mark) -> bool {
+        let Some(last) = self.marks.last() else { return false };
+        let is_other = last.trunk.is_some() && mark.trunk.is_some() && last.trunk != mark.trunk;
+        let is_kept = self
+            .kept
+            .as_ref()
+            .is_some_and(|kept| kept.trunk == last.trunk && kept.stamp.size == last.size);
+        is_other && !is_kept
+    }
+
+    /// When the file was last seen to have changed.
+    pub(crate) fn last_changed(&self) -> Duration {
+        self.changed.unwrap_or(self.first.seen)
+    }
+
+    /// When the content that was marked last began; `None` if no part was read.
+    pub(crate) fn marked_began(&self) -> Option<Appeared> {
+        let last = self.marks.last()?;
+        let first = self.marks.iter().find(|mark| mark.trunk == last.trunk).unwrap_or(last);
+        Some(Appeared { seen: first.ended.max(self.first.seen), ..self.first })
+    }
+
+    /// When what the file holds now began, for all that is known without reading it.
+    pub(crate) fn last_began(&self) -> Appeared {
+        let Some(changed) = self.changed else { return self.first };
+        let is_read = self.marks.last().is_some_and(|last| last.ended >= changed);
+        let marked = self.marked_began().filter(|_| is_read);
+        marked.unwrap_or(Appeared { seen: changed, ..self.first })
     }
 
     /// The lengths at which it was read whole, bytes, the latest one last: a longer content that begins
@@ -244,6 +345,62 @@ mod tests {
         writing.mark(Mark::of(s(10), s(10), &body));
         writing.change(s(60));
         assert_eq!(writing.began(&body), Appeared { absent: Some(s(9)), seen: s(10) });
+    }
+
+    #[test]
+    fn a_content_is_told_from_another_whatever_its_header_and_its_end_say() {
+        let mark = |at, bytes: &[u8]| Mark::of(s(at), s(at), bytes);
+        let (body, other) = (content(1, 9_000), content(2, 9_000));
+        let behind = |header: &[u8]| [header, body.as_slice()].concat();
+        let counted = |count: u8| [&[b' '; 80][..], &[count, 0, 0, 0], body.as_slice()].concat();
+        let mut reserved = body.clone();
+        reserved[1_000..].fill(0);
+        for (before, after, loses) in [
+            (&body[..5_000], &body[..], false),
+            (&body[..], &other[..], true),
+            (&behind(b"# 9:15\n")[..], &behind(b"# again\n# 10:15\n")[..], false),
+            (&behind(b"ply\n0 \nend_header")[..], &behind(b"ply\n17\nend_header")[..], false),
+            (&counted(0)[..], &counted(9)[..], false),
+            // Of a place that is reserved, and of a part that is too short, nothing is known.
+            (&reserved[..], &other[..], false),
+            (&body[..4_000], &other[..], false),
+        ] {
+            let mut writing = first(9, 10);
+            writing.mark(mark(10, before));
+            assert_eq!(writing.loses_to(&mark(20, after)), loses);
+        }
+        let mut writing = first(9, 10);
+        writing.mark(mark(10, &reserved));
+        assert!(writing.is_reserved());
+    }
+
+    #[test]
+    fn a_content_that_was_dealt_with_is_not_lost() {
+        let (body, other) = (content(1, 9_000), content(2, 9_000));
+        let stamp = Stamp { dev: 1, ino: 7, size: 9_000, mtime_ns: 5, ctime_ns: 5 };
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), &body));
+        let later = Mark::of(s(20), s(20), &other);
+        assert!(writing.loses_to(&later) && !writing.is_kept(&stamp));
+        writing.keep(stamp);
+        assert!(!writing.loses_to(&later) && writing.is_kept(&stamp));
+        assert!(writing.is_kept(&Stamp { mtime_ns: 6, ctime_ns: 6, ..stamp }), "touched");
+        assert!(!writing.is_kept(&Stamp { size: 9_001, mtime_ns: 6, ..stamp }), "it has grown");
+    }
+
+    #[test]
+    fn the_last_content_began_when_its_first_part_was_read() {
+        let mut writing = first(9, 10);
+        assert_eq!(writing.last_began().seen, s(10));
+        writing.mark(Mark::of(s(11), s(11), &content(1, 5_000)));
+        assert_eq!(writing.last_began().seen, s(10));
+        writing.change(s(20));
+        assert_eq!(writing.last_began().seen, s(20));
+        for (at, length) in [(21, 5_000), (31, 9_000)] {
+            writing.mark(Mark::of(s(at), s(at), &content(2, length)));
+        }
+        writing.change(s(31));
+        assert_eq!(writing.last_began(), Appeared { absent: Some(s(9)), seen: s(21) });
     }
 
     #[test]

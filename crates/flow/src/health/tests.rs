@@ -56,6 +56,11 @@ fn every_fault_has_its_code_and_something_to_do() {
             facts.sources[0].waiting.insert(PathBuf::from("/e/4711.obj"), waiting);
             facts
         }),
+        ("export-gone", {
+            let mut facts = facts();
+            facts.sources.iter_mut().for_each(|source| source.gone_count = 1);
+            facts
+        }),
         (
             "journal-rebuilt",
             Facts { alarms: BTreeMap::from([("journal-rebuilt", alarm)]), ..facts() },

@@ -150,13 +150,16 @@ pub fn shown(
         code: complaint.code.clone(),
         advice: of_complaint(complaint, language),
     });
+    let mut next = next::shown(&known.booth, language);
+    // That ends the complaint.
+    next.can_be_called_off |= known.facts.gone() > 0;
     let first = known.complaints.first().map(|first| of_complaint(first, language));
     Shown {
         schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
         light: light::shown(&known.booth, first.as_ref(), !undecided.is_empty(), language),
-        next: next::shown(&known.booth, language),
+        next,
         paused: known.facts.intake == IntakeState::Paused,
         complaints: complaints.collect(),
         undecided,

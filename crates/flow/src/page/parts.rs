@@ -6,7 +6,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use crate::Facts;
-use crate::facts::{PhantomFacts, SourceState, TriggerFacts};
+use crate::facts::{PhantomFacts, SourceFacts, SourceState, TriggerFacts};
 use crate::health::{BLIP, has_lasted};
 use crate::trigger::PortState;
 
@@ -33,7 +33,8 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
         };
         let (state, health, why) = source_state(&source.state);
         let word = language.word("page.part.folder_state", state);
-        PartShown { name, word, health, why: why.cloned() }
+        let why = why.cloned().or_else(|| not_taken(source, language));
+        PartShown { name, word, health, why }
     });
     let stores = facts.stores.iter().map(|(store, facts)| {
         let health = match &facts.fault {
@@ -48,6 +49,23 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
     let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
     let phantom = facts.phantom.iter().map(|phantom| phantom_shown(phantom, now, language));
     sources.chain(ports).chain(stores).chain(phantom).collect()
+}
+
+/// What lies in a folder and is not read, and what was there and is gone.
+fn not_taken(source: &SourceFacts, language: Language) -> Option<String> {
+    let unread = source.passed_over.iter().filter(|(why, _)| why.is_unread());
+    let unread: Vec<String> = unread
+        .map(|(why, count)| {
+            let what = language.word("page.part.passed_over", why.word());
+            format!("{what} {count}")
+        })
+        .collect();
+    let unread = (!unread.is_empty())
+        .then(|| language.filled("page.part.not_read", &[("list", &unread.join(", "))]));
+    let gone = (source.gone_count > 0)
+        .then(|| language.filled("page.part.gone", &[("count", &source.gone_count)]));
+    let all: Vec<String> = unread.into_iter().chain(gone).collect();
+    (!all.is_empty()).then(|| all.join(" "))
 }
 
 fn phantom_shown(phantom: &PhantomFacts, now: Timestamp, language: Language) -> PartShown {

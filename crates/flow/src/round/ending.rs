@@ -56,6 +56,23 @@ impl Rounds {
         }
     }
 
+    /// A content that appeared then was seen and is gone before it was taken. It may have been the export of
+    /// each capture that may have it, and what comes for that now another's (R4).
+    pub fn gone(&mut self, content: Appeared) {
+        let late = self.rules.late;
+        let mut is_somebodys = false;
+        for capture in self.open.iter_mut().filter(|capture| capture.may_have(content, late)) {
+            capture.doubt.get_or_insert(Doubt::Shared);
+            is_somebodys = true;
+        }
+        // As with an export without a press: that may have been forgotten, and the name used.
+        let mut names = self.names.next.iter().flat_map(|next| &next.names);
+        let is_after_a_name = names.any(|said| said.at < content.seen);
+        if !is_somebodys && is_after_a_name {
+            self.doubt_names(Doubt::Shared);
+        }
+    }
+
     /// The numbers of the captures that end when the export of this one is measured: those of refused
     /// scans of the same patient.
     pub fn closed_by(&self, number: i64) -> Vec<i64> {

@@ -173,6 +173,11 @@ impl Settling {
 
     /// Part of a file was read in this state, or could not be read.
     pub fn marked(&mut self, path: &Path, stamp: Stamp, mark: Option<Mark>) {
+        if let Some(mark) = &mark
+            && self.files.get(path).is_some_and(|file| file.group.stamp == stamp)
+        {
+            self.read_over(path, mark);
+        }
         if let Some(file) = self.files.get_mut(path).filter(|file| file.group.stamp == stamp) {
             file.is_unmarked = false;
             mark.clone().into_iter().for_each(|mark| file.writing.mark(mark));

@@ -1,5 +1,6 @@
 //! What the looks at an export folder report to the captures that wait for its exports.
 
+use std::path::Path;
 use std::time::Duration;
 
 use super::{Next, Settling};
@@ -17,6 +18,15 @@ pub struct Sights {
 }
 
 impl Settling {
+    /// The files without a scan's name that have not changed for as long as a file may wait, and when each
+    /// changed last.
+    pub fn left(&self, now: Duration) -> impl Iterator<Item = (&Path, Duration)> {
+        let changed = self.passers.iter();
+        let changed = changed.map(|(path, file)| (path.as_path(), file.writing.last_changed()));
+        let overdue = self.overdue;
+        changed.filter(move |(_, at)| now.saturating_sub(*at) >= overdue)
+    }
+
     /// When the last look began, and when the files appeared that may become scans.
     pub fn sights(&self) -> Sights {
         let untaken = self.files.values().filter(|file| file.next != Next::Taken);

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::*;
 
 mod departed;
+mod gone;
 
 const QUIET: Duration = Duration::from_secs(2);
 const SHORT_WAIT: Duration = Duration::from_secs(30);

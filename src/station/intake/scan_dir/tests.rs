@@ -45,7 +45,7 @@ fn only_regular_files_that_could_be_scans_are_found_and_the_others_say_why_not()
     assert_eq!(names(dir.path(), &found), ["B.OBJ", "a.obj", "hard.obj"]);
     assert_eq!(found.scans[&at("a.obj")].companions[0].path, at("a.ord"));
     assert_eq!(found.scans[&at("a.obj")].stamp, found.scans[&at("hard.obj")].stamp);
-    let ignored = |name: &str| found.ignored.get(&at(name)).copied().unwrap_or_default();
+    let ignored = |name: &str| found.ignored.get(&at(name)).map_or("", |of| of.why.words());
     for (name, why) in [
         ("folder.obj", "is a folder"),
         ("link.obj", "is a link"),
@@ -56,7 +56,8 @@ fn only_regular_files_that_could_be_scans_are_found_and_the_others_say_why_not()
     ] {
         assert!(ignored(name).starts_with(why), "{name}: {}", ignored(name));
     }
-    assert_eq!((found.ignored_count, found.ignored.len()), (6, 6));
+    assert_eq!((found.passed_over.values().sum::<usize>(), found.ignored.len()), (6, 6));
+    assert_eq!(found.passed_over[&PassedOver::Link], 2);
 }
 
 #[test]
@@ -82,7 +83,8 @@ fn sub_folders_are_looked_through_by_choice_to_a_depth_and_never_through_links()
     assert_eq!(names(dir.path(), &looked(dir.path(), &config())), ["a.obj"]);
     let found = looked(dir.path(), &WatchConfig { subfolders: true, ..config() });
     assert_eq!(names(dir.path(), &found), ["1/2/3/4/c.obj", "1/b.obj", "a.obj"]);
-    assert_eq!(found.ignored[&deepest.join("5")], "is a folder that is nested too deep");
+    assert_eq!(found.ignored[&deepest.join("5")].why, PassedOver::TooDeep);
+    assert_eq!(found.ignored[&dir.path().join("link")].why, PassedOver::Link);
 }
 
 #[test]

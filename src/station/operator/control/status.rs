@@ -94,6 +94,13 @@ pub struct SourceStatus {
     pub overdue: usize,
     /// Files ignored.
     pub ignored: usize,
+    /// How much is ignored that may be an export, by its reason: `sub_folder`, `too_deep`, `no_access`,
+    /// `link`, `packed`; `hidden` or `unfinished` for long.
+    #[serde(default)]
+    pub unread: BTreeMap<String, usize>,
+    /// Exports that were overwritten or deleted before they were taken.
+    #[serde(default)]
+    pub gone: usize,
 }
 
 /// The status of the booth; names no patient.
@@ -176,6 +183,7 @@ impl SourceStatus {
     /// The status of the export folder at this place.
     pub fn of(export_dir: usize, facts: &SourceFacts) -> SourceStatus {
         let (state, why) = state_words(&facts.state);
+        let unread = facts.passed_over.iter().filter(|(why, _)| why.is_unread());
         SourceStatus {
             export_dir,
             state: state.to_owned(),
@@ -187,6 +195,8 @@ impl SourceStatus {
             waiting: facts.waiting.len(),
             overdue: facts.waiting.values().filter(|file| file.overdue).count(),
             ignored: facts.ignored.len(),
+            unread: unread.map(|(why, count)| (why.word().to_owned(), *count)).collect(),
+            gone: facts.gone_count,
         }
     }
 }

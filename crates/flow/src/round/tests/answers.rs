@@ -115,3 +115,40 @@ fn an_export_that_may_be_older_than_every_press_uses_up_none() {
     let judged = taken(&mut captures, Appeared { absent: Some(at(5)), seen: at(30) });
     assert_eq!((code(&judged), captures.waiting().count()), (AMBIGUOUS, 2));
 }
+
+#[test]
+fn a_content_that_is_gone_may_have_been_the_export_of_every_capture_that_may_have_it() {
+    for (second, holds) in [(5, true), (1, false)] {
+        let mut captures = captures();
+        pressed_for(&mut captures, "1", 1, 1);
+        captures.gone(seen(second));
+        let judged = export(&mut captures, seen(20));
+        match holds {
+            true => assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, vec!["1"])),
+            false => assert_eq!(patient_of(&judged), Some("1")),
+        }
+    }
+    // Without a button the name opens the capture.
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(named("1"), 1, at(0), &[]);
+    captures.gone(seen(5));
+    assert_eq!(code(&export(&mut captures, seen(20))), AMBIGUOUS);
+}
+
+#[test]
+fn a_content_without_a_press_that_is_gone_puts_the_name_that_waits_in_doubt() {
+    for (second, holds) in [(5, true), (1, false)] {
+        let mut captures = captures();
+        captures.named(named("1"), 1, at(1), &[]);
+        captures.gone(seen(second));
+        captures.pressed(1, at(10));
+        let judged = export(&mut captures, seen(20));
+        assert_eq!(matches!(judged, Judged::Held { .. }), holds, "{judged:?}");
+    }
+    // Where nobody is named, nobody can be mistaken.
+    let mut captures = captures();
+    captures.pressed(1, at(1));
+    captures.gone(seen(5));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), None);
+}

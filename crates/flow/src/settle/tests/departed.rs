@@ -8,12 +8,12 @@ fn contents() -> (Vec<u8>, Vec<u8>) {
     (whole[..9_000].to_vec(), whole)
 }
 
-fn stamp_of(ino: u64, size: usize, second: i128) -> Stamp {
+pub(super) fn stamp_of(ino: u64, size: usize, second: i128) -> Stamp {
     let ns = second * 1_000_000_000 + 1;
     Stamp { dev: 1, ino, size: size as u64, mtime_ns: ns, ctime_ns: ns }
 }
 
-fn seen(files: &[(&str, Stamp)]) -> Look {
+pub(super) fn seen(files: &[(&str, Stamp)]) -> Look {
     Look::Seen(files.iter().map(|(name, stamp)| (PathBuf::from(name), (*stamp).into())).collect())
 }
 

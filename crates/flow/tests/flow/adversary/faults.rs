@@ -130,6 +130,13 @@ impl People {
         match kind {
             Kind::Chmod => self.booth.folder.change_status(ino, now),
             Kind::Link => self.booth.folder.link(&name, &to, now),
+            Kind::Rename if self.booth.chance.below(4) == 0 => {
+                self.booth.overwritten(&name);
+                self.booth.folder.unlink(&name);
+                self.booth.tell(|| format!("{name} is deleted"));
+                self.booth.hint();
+                return true;
+            }
             Kind::Rename => {
                 self.booth.folder.rename(&name, &to, now);
                 for export in &mut self.booth.truth.exports {

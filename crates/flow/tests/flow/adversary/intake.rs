@@ -9,10 +9,11 @@ use std::time::Duration;
 use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::patient::identity;
 use gaiter_flow::round::{Capture, Content as Judge, Judged, Named};
+use gaiter_flow::settle::Gone;
 use gaiter_flow::{Look, LookTime, Mark, NameSays, Settled, Stamp, Verdict};
 use gaiter_record::SourceKind;
 
-use super::booth::{Booth, NEVER, NOBODY, RESCAN_MS, Run};
+use super::booth::{Booth, NEVER, NOBODY, RESCAN_MS, Run, change};
 use super::content::Content;
 use super::disk::{Fault, Intake};
 use super::folder::{self, Held};
@@ -90,7 +91,7 @@ impl Booth {
                 (Phase::Mark { due }, self.chance.below(30) as u64)
             }
             Phase::Mark { due } => {
-                self.mark();
+                self.mark(!due.is_empty());
                 (Phase::Read { due }, 1)
             }
             Phase::Read { due } => self.read(due),
@@ -140,7 +141,7 @@ impl Booth {
         due.into_iter().filter(|file| !dealt_with(journal, run, file)).collect()
     }
 
-    fn mark(&mut self) {
+    fn mark(&mut self, is_any_due: bool) {
         let now = self.clock();
         let Some(run) = self.run.as_mut().filter(|_| !self.is_away) else { return };
         for (path, stamp) in run.settling.unmarked() {
@@ -148,6 +149,9 @@ impl Booth {
             let mark = content.and_then(|content| content.mark(now, now, stamp.size));
             run.settling.marked(&path, stamp, mark);
         }
+        let gone = run.settling.gone(is_any_due);
+        self.lose(gone);
+        let Some(run) = &mut self.run else { return };
         let memory = run.settling.memory();
         let opened = run.captures.waiting().map(|capture| capture.opened).max();
         let is_kept = run.kept.as_ref().is_some_and(|kept| {
@@ -157,6 +161,22 @@ impl Booth {
         if !is_kept {
             run.kept = self.disk.looked(&memory).ok().map(|()| memory);
         }
+    }
+
+    /// As `Intake::lose` and `Booth::gone`. That contents count, and not names, is one law.
+    fn lose(&mut self, gone: Vec<Gone>) {
+        let off = self.setup.off;
+        let Some(run) = &mut self.run else { return };
+        let is_known = |of: &Gone| self.disk.was_sighted(&name_of(&of.path), of.stamp);
+        let lost: Vec<Gone> = gone.into_iter().filter(|content| !is_known(content)).collect();
+        if lost.is_empty() || [Off::ContentNotName, Off::Inodes].contains(&off) {
+            return;
+        }
+        let mut after = run.captures.clone();
+        lost.iter().for_each(|content| after.gone(content.appeared));
+        let _ = change(off, &mut self.disk, run, after.clone());
+        run.captures = after;
+        self.tell(|| format!("gone before it was taken: {lost:?}"));
     }
 
     /// Reads the next file that has settled; else rests.
@@ -194,7 +214,9 @@ impl Booth {
 
     fn taken(&mut self, settled: &Settled, mark: &Mark, content: &Content) {
         if let Some(run) = &mut self.run {
+            let gone = run.settling.overwritten_by(settled, content.bytes());
             run.settling.read(settled, mark);
+            self.lose(gone.into_iter().collect());
         }
         let awaits_rest = !settled.awaited && content.awaits_rest();
         let came = if awaits_rest { Ok(()) } else { self.take(settled, content) };
@@ -203,7 +225,12 @@ impl Booth {
         match came {
             Ok(()) if awaits_rest => run.settling.cut_short(settled),
             Ok(()) => run.settling.taken(settled),
-            Err(Fault) => run.settling.failed(settled, now, chance),
+            Err(Fault) => {
+                if self.disk.spool_holds(content.scan()) {
+                    run.settling.kept(settled);
+                }
+                run.settling.failed(settled, now, chance);
+            }
         }
     }
 

@@ -79,7 +79,7 @@ pub enum Kind {
     Chmod,
     /// a backup links it,
     Link,
-    /// somebody renames it,
+    /// somebody renames it or deletes it,
     Rename,
     /// or sets its times.
     Touch,
@@ -219,7 +219,7 @@ impl Kind {
             Kind::OrderOvertaken => 8,
             Kind::GoesOn | Kind::AgainWhole => 10,
             Kind::RescanNamed | Kind::GivenUp => 70,
-            Kind::RescanUnnamed => 90,
+            Kind::RescanUnnamed => 140,
             Kind::ExportOutOfOrder => 40,
             Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
             Kind::Rebuild | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,
