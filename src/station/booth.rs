@@ -337,6 +337,13 @@ impl Held<'_> {
         self.inner.captures.judge_content(content, self.inner.booth.core.now())
     }
 
+    /// A known scan was exported again: whoever waits for another export is told.
+    pub fn known(&mut self) {
+        if self.inner.captures.open().iter().any(Capture::is_open) {
+            self.inner.last = Some((Outcome::Known, self.inner.booth.core.now()));
+        }
+    }
+
     /// Applies an export that is in the journal, or whose bytes are in the spool with what it answers.
     pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool, now: Duration) {
         self.inner.captures.answer(judged, now);

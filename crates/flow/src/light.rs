@@ -35,6 +35,8 @@ pub enum Outcome {
     },
     /// A patient was to be named, and the id could not be read.
     NameUnread,
+    /// While an export is expected the scanner wrote one that is known: it answers nothing.
+    Known,
 }
 
 impl Outcome {
@@ -221,6 +223,7 @@ mod tests {
             Outcome::Refused { code: code() },
             Outcome::Incomplete { to_do: Vec::new() },
             Outcome::NameUnread,
+            Outcome::Known,
         ] {
             let mut light = Light::new(at(0));
             let last = Some((outcome, at(10)));

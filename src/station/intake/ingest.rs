@@ -238,6 +238,9 @@ fn admit(
             None => custody.completed_by(&export.bytes, found.read)?,
         },
     };
+    if content.is_known {
+        captures.known();
+    }
     let judged = captures.judge(&content);
     let hold = core.config.capture.without_trigger == WithoutTrigger::Hold;
     let whose = identity::of_judged(&judged, hold, says);

@@ -181,6 +181,7 @@ fn bodies_with_the_same_faces_are_scans_of_their_own_and_one_written_otherwise_i
     let again = body(1).replace("\nv ", "\nv   ").replace('\n', "\r\n") + "# 22.11.2026 09:15\r\n";
     room.write("again.obj", again.as_bytes());
     room.wait_for_known(1);
+    room.booth.wait_for("the light", || room.status()["booth"]["light"] == "attention");
     let scan = &sha256(tabbed(1).as_bytes())[..8];
     room.wait_until_waiting("again.obj", &format!("the points and triangles of scan {scan}"));
     room.write("new.obj", body(4).as_bytes());

@@ -77,6 +77,7 @@ fn of_last(last: &Outcome, language: Language) -> Option<String> {
             format!("{} {}", text("page.step.refused"), of_refused(code, language).in_a_row())
         }
         Outcome::NameUnread => text("page.step.name_unread").to_owned(),
+        Outcome::Known => text("page.step.known").to_owned(),
     })
 }
 
