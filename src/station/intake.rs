@@ -207,9 +207,10 @@ impl Intake {
             patiently(DEADLINE, stop, look, || self.beat(), || self.notes.stalled()).await?;
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
-        let (look, passers) = self.notes.found(found, &mut self.guard);
+        let (look, passers, folders) = self.notes.found(found, &mut self.guard);
         if let Look::Seen(scans) = &look {
             self.forget_gone(scans.keys().cloned().collect()).await?;
+            self.settling.found_in(folders);
             self.settling.pass_over(passers, when);
         }
         let due = self.settling.observe(look, when);

@@ -11,8 +11,10 @@
 //!   otherwise, need a word at the booth. A name after the press is of the next round.
 //! - **R3 One press, after the name.** A name soon after a press without one may be for that press or for the
 //!   next. So may an order whose file may have lain there unread at a press ([`Rounds::overtaken`]).
-//! - **R4 One new content.** Its export was absent at a look after the press ([`super::export::writing`]).
-//!   A content that was seen and is gone before it was taken counts ([`super::settle::Gone`]).
+//! - **R4 One new content.** Its export was absent at a look after the press, and is not older by its own
+//!   time, its change time and those of the folders above it ([`super::export::writing`]): it was not brought
+//!   in, set back in time, or swapped in with a folder or a link. A content that was seen and is gone before
+//!   it was taken counts ([`super::settle::Gone`]).
 //! - **R5 Every ear open.** Whatever could not be heard for a while (a port, a name that could not be read, a
 //!   press that could not be kept, the station itself) ends certainty until the next word at the booth; an
 //!   unheard press does so for as long as its export may come.

@@ -1,12 +1,14 @@
 //! When a file has settled: neither it nor what belongs to it has changed for the quiet time of our own
 //! monotonic clock.
 //!
-//! The file's own times are compared for change only, never for age: copies may keep old times, and
-//! other machines' clocks differ. A file that keeps changing is waited for without limit.
+//! The file's own times are compared for change only, never with our clock: other machines' clocks
+//! differ. What lies between two times of one file system tells what was brought in from elsewhere. A file
+//! that keeps changing is waited for without limit.
 //!
 //! A settled file is offered at every look until the caller reports the outcome:
 //! [`Settling::taken`], [`Settling::cut_short`], [`Settling::changed`] or [`Settling::failed`].
 
+mod above;
 mod gone;
 mod lineage;
 mod memory;
@@ -22,6 +24,8 @@ use super::backoff;
 use super::export::companions::{Companion, Done, Group};
 use super::export::stamp::Stamp;
 use super::export::writing::{Appeared, Mark, Writing};
+use above::Above;
+pub use above::Folders;
 pub use gone::Gone;
 use gone::Missing;
 use lineage::Departed;
@@ -98,6 +102,8 @@ pub struct Settling {
     departed: Vec<Departed>,
     /// Contents that may be gone; see [`gone`].
     missing: Vec<Missing>,
+    /// The folders above the files.
+    above: Above,
     /// When the last look at the folder began that could be trusted.
     last_look: Option<Duration>,
     /// How many files have had their turn; see [`turns`].
@@ -191,6 +197,7 @@ impl Settling {
         let (passers, remembered, departed) = (BTreeMap::new(), Vec::new(), Vec::new());
         let missing = Vec::new();
         let (companion_wait, last_look, turns) = (None, None, 0);
+        let above = Above::default();
         Settling {
             quiet,
             short_wait,
@@ -201,6 +208,7 @@ impl Settling {
             remembered,
             departed,
             missing,
+            above,
             last_look,
             turns,
         }

@@ -11,7 +11,7 @@ use std::time::Duration;
 use gaiter_flow::export::mount::MountGuard;
 use gaiter_flow::export::passed_over::{Ignored, PassedOver};
 use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
-use gaiter_flow::settle::{Gone, Waiting};
+use gaiter_flow::settle::{Folders, Gone, Waiting};
 use gaiter_flow::{Look, Settling, Stamp};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
@@ -62,31 +62,32 @@ impl Notes {
     }
 
     /// Takes in what a look found, and judges whether to believe it; `None` if another station has the
-    /// folder.
+    /// folder. Returns the scans, the files without the name of a scan, and the folders.
     pub(super) fn found(
         &mut self,
         found: io::Result<Option<Found>>,
         guard: &mut MountGuard,
-    ) -> (Look, BTreeMap<PathBuf, Stamp>) {
+    ) -> (Look, BTreeMap<PathBuf, Stamp>, Folders) {
+        let out_of_reach = (Look::OutOfReach, BTreeMap::new(), Folders::default());
         let found = match found {
             Ok(Some(found)) => found,
             Ok(None) => {
                 self.state(SourceState::Taken);
-                return (Look::OutOfReach, BTreeMap::new());
+                return out_of_reach;
             }
             Err(error) => {
                 self.state(SourceState::OutOfReach(error.to_string()));
-                return (Look::OutOfReach, BTreeMap::new());
+                return out_of_reach;
             }
         };
         self.note(|source| source.file_system = Some(found.mount.file_system.to_string()));
         if let Err(why) = guard.judge(found.mount) {
             self.state(SourceState::NotMounted(why.to_string()));
-            return (Look::OutOfReach, BTreeMap::new());
+            return out_of_reach;
         }
         self.state(SourceState::Watched);
         self.ignored(found.ignored, found.passed_over);
-        (Look::Seen(found.scans), found.passers)
+        (Look::Seen(found.scans), found.passers, found.folders)
     }
 
     /// Notes what a look passed over, and logs it if there is more of it.

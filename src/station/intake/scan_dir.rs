@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::export::mount::Mount;
 use gaiter_flow::export::passed_over::PassedOver;
+use gaiter_flow::settle::Folders;
 use gaiter_flow::{DoneFile, Group, Stamp};
 use gaiter_scan::Format;
 
@@ -43,6 +44,8 @@ pub struct Found {
     pub ignored: BTreeMap<PathBuf, Passed>,
     /// How many others there are, by the reason.
     pub passed_over: BTreeMap<PassedOver, usize>,
+    /// Which folder it is, and which sub-folders were searched.
+    pub folders: Folders,
     /// What the folder lies on.
     pub mount: Mount,
 }
@@ -59,8 +62,8 @@ pub struct Passed {
 /// Looks through a folder.
 ///
 /// # Errors
-/// If the folder cannot be listed completely, or another folder has taken its place meanwhile: half a
-/// list would make files seem to vanish.
+/// If the folder cannot be listed completely, or another folder has taken its place or that of a
+/// sub-folder meanwhile: half a list would make files seem to vanish.
 pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Found> {
     let before = folder_id(folder)?;
     let mount = file_system::mount(folder, config)?;
@@ -70,7 +73,7 @@ pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Fo
     if !is_same {
         return Err(io::Error::other("it was replaced while it was searched"));
     }
-    Ok(walk.found(mount))
+    Ok(walk.found(before, mount))
 }
 
 /// A walk through a folder and, if configured, its sub-folders.
@@ -86,6 +89,8 @@ struct Walk<'a> {
     /// How many of these may be exports.
     unread: usize,
     passed_over: BTreeMap<PassedOver, usize>,
+    /// The sub-folders, in their states before they were listed.
+    below: BTreeMap<PathBuf, Stamp>,
 }
 
 impl<'a> Walk<'a> {
@@ -100,6 +105,7 @@ impl<'a> Walk<'a> {
             ignored: BTreeMap::new(),
             unread: 0,
             passed_over: BTreeMap::new(),
+            below: BTreeMap::new(),
         }
     }
 
@@ -171,7 +177,7 @@ impl<'a> Walk<'a> {
         } else if depth == DEPTH_MAX {
             self.ignore(path, PassedOver::TooDeep);
         } else {
-            match self.list(&path, depth + 1) {
+            match self.sub_folder(&path, depth + 1) {
                 // It was removed meanwhile.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
@@ -179,6 +185,17 @@ impl<'a> Walk<'a> {
                 }
                 other => return other,
             }
+        }
+        Ok(())
+    }
+
+    fn sub_folder(&mut self, path: &Path, depth: usize) -> io::Result<()> {
+        let before = stamp(&path.symlink_metadata()?);
+        self.below.insert(path.to_owned(), before);
+        self.list(path, depth)?;
+        let after = stamp(&path.symlink_metadata()?);
+        if (after.dev, after.ino) != (before.dev, before.ino) {
+            return Err(io::Error::other("a folder in it was replaced while it was searched"));
         }
         Ok(())
     }
@@ -214,15 +231,17 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn found(self, mount: Mount) -> Found {
-        let Walk { config, scans, companions, passers, done, ignored, passed_over, .. } = self;
+    fn found(self, export: (u64, u64), mount: Mount) -> Found {
+        let Walk { config, scans, companions, passers, done, ignored, passed_over, below, .. } =
+            self;
         let done = |scan: &Path| match &config.done_file {
             None => Done::NotAsked,
             Some(rule) => done.get(&rule.of(scan)).copied().map_or(Done::Missing, Done::There),
         };
         let scans = companions::groups(scans, companions, done);
         let passers = passers.into_iter().map(|((_, path), stamp)| (path, stamp)).collect();
-        Found { scans, passers, ignored, passed_over, mount }
+        let folders = Folders { export, below };
+        Found { scans, passers, ignored, passed_over, folders, mount }
     }
 }
 

@@ -5,7 +5,9 @@
 
 use std::fs::{self, File};
 use std::io::Write;
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::Path;
+use std::time::{Duration, SystemTime};
 
 use rig::booth::{At, Room};
 use rig::{Daemon, sha256};
@@ -330,8 +332,7 @@ fn what_is_moved_in_from_elsewhere_with_an_older_content_is_held_and_so_is_what_
     let station = room.start();
     let old = room.booth.path("old.obj");
     fs::write(&old, coarse_body(1)).unwrap();
-    let an_hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
-    File::options().write(true).open(&old).unwrap().set_modified(an_hour_ago).unwrap();
+    set_back(&old);
     room.name("1002");
     room.press();
     fs::rename(&old, room.export("scan.obj")).unwrap();
@@ -342,6 +343,106 @@ fn what_is_moved_in_from_elsewhere_with_an_older_content_is_held_and_so_is_what_
     assert_eq!(room.held().len(), 2);
     assert_eq!(room.booth.records(), []);
     assert!(station.stop().success());
+}
+
+/// A file was last written an hour ago, as its time says.
+fn set_back(file: &Path) {
+    let an_hour_ago = SystemTime::now() - Duration::from_secs(3600);
+    File::options().write(true).open(file).unwrap().set_modified(an_hour_ago).unwrap();
+}
+
+/// The only scan is held, and nobody's record holds it.
+#[track_caller]
+fn assert_unclear(room: &Room, scan: &[u8]) {
+    room.wait_for_taken(scan);
+    assert_eq!(room.held(), ["capture-unclear"], "{}", room.booth.log());
+    assert_has(room, "1002", &[]);
+}
+
+#[test]
+fn what_is_moved_in_with_its_folder_is_held_although_its_own_times_stay() {
+    let mut room = Room::with_button("");
+    let subfolders = "[scanner]\nsubfolders = true\n";
+    room.booth.reconfigure(|config| config.replace("[scanner]\n", subfolders));
+    let folder = room.booth.path("elsewhere");
+    fs::create_dir(&folder).unwrap();
+    // Until the station hears every press, more time passes than may lie between two times of a file.
+    fs::write(folder.join("scan.obj"), coarse_body(1)).unwrap();
+    let station = room.start();
+    room.name("1002");
+    room.press();
+    fs::rename(&folder, room.export("day")).unwrap();
+    assert_unclear(&room, &coarse_body(1));
+    assert!(station.stop().success());
+}
+
+#[test]
+fn what_lies_in_a_folder_that_takes_the_place_of_the_export_folder_is_held() {
+    for by_link in [true, false] {
+        let mut room = Room::with_button("");
+        let [export, ours, other, link] =
+            ["export", "ours", "other", "link"].map(|name| room.booth.path(name));
+        fs::create_dir(&other).unwrap();
+        fs::write(other.join("scan.obj"), coarse_body(1)).unwrap();
+        if by_link {
+            fs::rename(&export, &ours).unwrap();
+            symlink(&ours, &export).unwrap();
+            symlink(&other, &link).unwrap();
+        }
+        let station = room.start();
+        room.name("1002");
+        room.press();
+        if by_link {
+            fs::rename(&link, &export).unwrap();
+        } else {
+            fs::rename(&export, &ours).unwrap();
+            fs::rename(&other, &export).unwrap();
+        }
+        assert_unclear(&room, &coarse_body(1));
+        assert!(station.stop().success());
+    }
+}
+
+/// Copies a scan as `cp -p` and others do, so slowly that looks come in between: the content first, in
+/// place where there is a file, and the time of the source last.
+fn copy_slowly(room: &Room, name: &str, scan: &[u8]) {
+    room.said(&["pause"]);
+    for part in [0, scan.len() / 2, scan.len()] {
+        room.write(name, &scan[..part]);
+        room.wait_for_look();
+    }
+    set_back(&room.export(name));
+    room.wait_for_look();
+    room.said(&["resume"]);
+}
+
+#[test]
+fn what_is_copied_slowly_and_gets_the_time_of_its_source_last_is_held() {
+    let mut room = Room::with_button("");
+    let station = room.start();
+    room.name("1002");
+    room.press();
+    copy_slowly(&room, "scan.obj", &coarse_body(1));
+    assert_unclear(&room, &coarse_body(1));
+    assert!(station.stop().success());
+}
+
+#[test]
+fn so_is_what_is_copied_in_place_over_an_older_name_smaller_or_larger() {
+    let larger = |body: Vec<u8>| [body, b"# a comment of the scanner\n".repeat(1000)].concat();
+    for (there, copied) in
+        [(larger(coarse_body(2)), coarse_body(1)), (coarse_body(2), larger(coarse_body(1)))]
+    {
+        let mut room = Room::with_button("");
+        let station = room.start();
+        room.write("scan.obj", &there);
+        room.booth.wait_for_records(1);
+        room.name("1002");
+        room.press();
+        copy_slowly(&room, "scan.obj", &copied);
+        assert_unclear(&room, &copied);
+        assert!(station.stop().success());
+    }
 }
 
 #[test]

@@ -50,15 +50,17 @@ pub struct Appeared {
 }
 
 impl Appeared {
-    /// For a file that appeared under its name `moved` after its content was last written: it may have
-    /// been written elsewhere that much earlier.
-    pub(crate) fn moved_in(self, moved: Duration) -> Appeared {
-        if moved <= STAMPS_APART {
-            return self;
-        }
-        let written = self.seen.saturating_sub(moved);
-        Appeared { absent: self.absent.map(|absent| absent.min(written)), ..self }
+    /// The same for a content that was written at this time at the latest, if that is known of it.
+    pub(crate) fn written_by(self, written: Option<Duration>) -> Appeared {
+        let absent = self.absent.map(|absent| written.map_or(absent, |at| absent.min(at)));
+        Appeared { absent, ..self }
     }
+}
+
+/// When a content was written at the latest that a look found at `seen`, if it was written elsewhere: its
+/// file came to its place, or got its times, `moved` after that.
+pub(crate) fn written_elsewhere(seen: Duration, moved: Duration) -> Option<Duration> {
+    (moved > STAMPS_APART).then(|| seen.saturating_sub(moved))
 }
 
 /// The part of a file that existed at some time.
@@ -75,12 +77,15 @@ pub struct Mark {
     /// The sum of what comes first behind its header; `None` if that is not written yet.
     #[serde(default)]
     trunk: Option<String>,
+    /// When it was written at the latest, if the times of its file say that it was written elsewhere.
+    #[serde(default)]
+    pub written: Option<Duration>,
 }
 
 impl Mark {
     /// The mark of a part of `size` bytes with these ends, each of [`END_BYTES`] or all of it.
     pub fn new(began: Duration, ended: Duration, size: u64, head: &[u8], tail: &[u8]) -> Mark {
-        Mark { began, ended, size, sum: sum(head, tail), trunk: trunk(head) }
+        Mark { began, ended, size, sum: sum(head, tail), trunk: trunk(head), written: None }
     }
 
     /// The mark of a whole content that was read at once.
@@ -140,6 +145,10 @@ pub struct Writing {
     /// When its content was last seen to have changed since; `None` if it has not.
     changed: Option<Duration>,
     marks: Vec<Mark>,
+    /// When what it holds since part of it was last read was written at the latest, if its times say that it
+    /// was written elsewhere.
+    #[serde(default)]
+    written: Option<Duration>,
     /// Its lengths each time it was read whole, bytes.
     #[serde(default)]
     read: Vec<u64>,
@@ -158,7 +167,13 @@ struct Kept {
 impl Writing {
     /// A file that was seen for the first time, or started anew.
     pub fn new(first: Appeared) -> Writing {
-        Writing { first, changed: None, marks: Vec::new(), read: Vec::new(), kept: None }
+        let (changed, written, kept) = (None, None, None);
+        Writing { first, changed, marks: Vec::new(), written, read: Vec::new(), kept }
+    }
+
+    /// The same for a file whose times may say that its content was written elsewhere.
+    pub(crate) fn found(first: Appeared, written: Option<Duration>) -> Writing {
+        Writing { written, ..Writing::new(first.written_by(written)) }
     }
 
     /// Whether there was no look before it was first seen.
@@ -181,6 +196,11 @@ impl Writing {
         self.changed = Some(seen);
     }
 
+    /// In its new state its times may say that its content was written elsewhere.
+    pub(crate) fn date(&mut self, written: Option<Duration>) {
+        self.written = self.written.into_iter().chain(written).min();
+    }
+
     /// Part of it was read.
     pub fn mark(&mut self, mark: Mark) {
         if mark.size < MARK_LEAST {
@@ -189,7 +209,7 @@ impl Writing {
         if self.marks.len() == MARKS_MOST {
             self.marks.remove(1);
         }
-        self.marks.push(mark);
+        self.marks.push(Mark { written: self.written.take(), ..mark });
     }
 
     /// All of it was read, in a state that is known from now on: what came before only matters if it
@@ -267,10 +287,22 @@ impl Writing {
     /// When this content of the file began.
     pub fn began(&self, bytes: &[u8]) -> Appeared {
         let Some(changed) = self.changed else { return self.first };
-        self.seen_in(bytes).unwrap_or_else(|| {
+        let began = self.seen_in(bytes).unwrap_or_else(|| {
             let absent = self.marks.iter().map(|mark| mark.began).max().max(self.first.absent);
             Appeared { absent, seen: changed }
-        })
+        });
+        began.written_by(self.written_last(bytes))
+    }
+
+    /// When this content of the file was written at the latest, if times say that it was written elsewhere.
+    pub(crate) fn written_last(&self, bytes: &[u8]) -> Option<Duration> {
+        self.written(bytes).into_iter().chain(self.written).min()
+    }
+
+    /// The same of a part of this content that was seen in this file, whatever the file holds now.
+    pub(crate) fn written(&self, bytes: &[u8]) -> Option<Duration> {
+        let dated = self.marks.iter().filter(|mark| mark.written.is_some());
+        dated.filter(|mark| mark.begins(bytes)).filter_map(|mark| mark.written).min()
     }
 
     /// When a part of this content was seen in this file, whatever the file holds now; `None` if no part
@@ -419,10 +451,30 @@ mod tests {
     #[test]
     fn what_came_from_elsewhere_may_be_as_old_as_its_content() {
         let appeared = Appeared { absent: Some(s(99)), seen: s(100) };
-        assert_eq!(appeared.moved_in(s(2)), appeared);
-        assert_eq!(appeared.moved_in(s(60)).absent, Some(s(40)));
+        let moved_in = |of: Appeared, moved| of.written_by(written_elsewhere(of.seen, s(moved)));
+        assert_eq!(moved_in(appeared, 2), appeared);
+        assert_eq!(moved_in(appeared, 60).absent, Some(s(40)));
+        assert_eq!(moved_in(appeared, 600).absent, Some(s(0)));
         let unlooked = Appeared { absent: None, seen: s(100) };
-        assert_eq!(unlooked.moved_in(s(60)).absent, None);
+        assert_eq!(moved_in(unlooked, 60).absent, None);
+    }
+
+    #[test]
+    fn an_old_time_is_that_of_the_content_that_had_it() {
+        let (old, new) = (content(1, 9_000), content(2, 9_000));
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), &old));
+        writing.change(s(20));
+        writing.date(Some(s(3)));
+        assert_eq!(writing.began(&old).absent, Some(s(3)), "before it is read again");
+        writing.mark(Mark::of(s(20), s(20), &old));
+        // Somebody sets its time to now.
+        writing.change(s(30));
+        writing.date(None);
+        writing.mark(Mark::of(s(30), s(30), &old));
+        assert_eq!(writing.began(&old), Appeared { absent: Some(s(3)), seen: s(10) });
+        writing.change(s(40));
+        assert_eq!(writing.began(&new).absent, Some(s(30)), "an export over it is new");
     }
 
     #[test]

@@ -3,14 +3,21 @@
 //! Scanners write under a temporary name and rename; people and programs link, move and copy. A name
 //! does not tell when its content was written, so what is known about the content goes with the inode,
 //! even through names that are not scans.
+//!
+//! Whoever brings in what was written earlier leaves a trace: a new name, times that are set back or the
+//! new place of a folder are later, by the clock of the file system itself, than the time at which the
+//! content was written. This is asked whenever a content or its time is new: programs that copy set the
+//! old time last. It never tells against an export that was written where it lies: what is done with that
+//! later (a mode, a link, another name) comes after it was seen, and it was written before.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use super::above::Above;
 use super::{Remembered, Settled, Settling, Watched};
 use crate::export::stamp::Stamp;
-use crate::export::writing::{Appeared, Mark, Writing};
+use crate::export::writing::{Appeared, Mark, Writing, written_elsewhere};
 use crate::settle::LookTime;
 
 /// How many files are marked after one look at most: a backlog of old files is no reason to read the
@@ -41,6 +48,7 @@ pub(super) struct Departed {
 pub(super) struct Lineages<'a> {
     known: BTreeMap<(u64, u64), (Stamp, &'a Writing)>,
     by_path: BTreeMap<&'a Path, (Stamp, &'a Writing)>,
+    above: &'a Above,
 }
 
 impl<'a> Lineages<'a> {
@@ -48,6 +56,7 @@ impl<'a> Lineages<'a> {
         files: &'a BTreeMap<PathBuf, Watched>,
         passers: &'a BTreeMap<PathBuf, Passer>,
         remembered: impl Iterator<Item = &'a Remembered>,
+        above: &'a Above,
     ) -> Lineages<'a> {
         let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
         let remembered = remembered.map(|file| (&file.stamp, &file.writing));
@@ -58,11 +67,13 @@ impl<'a> Lineages<'a> {
         let by_path = files.iter();
         let by_path =
             by_path.map(|(path, file)| (path.as_path(), (file.group.stamp, &file.writing)));
-        Lineages { known, by_path: by_path.collect() }
+        Lineages { known, by_path: by_path.collect(), above }
     }
 
     /// What is known about the content of a file that a look found in this state.
     pub(super) fn writing(&self, path: &Path, stamp: Stamp, appeared: Appeared) -> Writing {
+        let written = written_elsewhere(appeared.seen, self.above.moved(path, stamp));
+        let appeared = self.above.appeared(path, appeared);
         let same_inode =
             |(before, _): &&(Stamp, &Writing)| (before.dev, before.ino) == (stamp.dev, stamp.ino);
         // Two names of one inode may have been examined with a change in between: the state under the
@@ -70,23 +81,18 @@ impl<'a> Lineages<'a> {
         let own = self.by_path.get(path).filter(same_inode);
         let Some((before, writing)) = own.or_else(|| self.known.get(&(stamp.dev, stamp.ino)))
         else {
-            return Writing::new(appeared.moved_in(moved(stamp)));
+            return Writing::found(appeared, written);
         };
         let mut writing = (*writing).clone();
         if stamp.size < before.size {
-            return Writing::new(appeared);
+            return Writing::found(appeared, written);
         }
         if !stamp.has_content_of(before) {
             writing.change(appeared.seen);
+            writing.date(written);
         }
         writing
     }
-}
-
-/// How long after its content was last written a file got its name, by the clock of its own file system.
-fn moved(stamp: Stamp) -> Duration {
-    let apart_ns = u64::try_from(stamp.ctime_ns - stamp.mtime_ns).unwrap_or(0);
-    Duration::from_nanos(apart_ns)
 }
 
 impl Settling {
@@ -119,7 +125,7 @@ impl Settling {
     pub(super) fn lineages(&self) -> Lineages<'_> {
         let departed = self.departed.iter().map(|departed| &departed.file);
         let unread = departed.filter(|file| !file.writing.is_marked());
-        Lineages::of(&self.files, &self.passers, unread.chain(&self.remembered))
+        Lineages::of(&self.files, &self.passers, unread.chain(&self.remembered), &self.above)
     }
 
     /// These files were not found by a look that ended now, nor were those that are still remembered.
@@ -142,7 +148,8 @@ impl Settling {
     }
 
     /// When the content of a settled file began. Part of it may have been seen before in another file
-    /// that is not taken: a copy, or an export that was started anew, is no younger than that.
+    /// that is not taken: a copy, or an export that was started anew, is no younger than that, nor than the
+    /// times of any of them say.
     pub fn began(&self, settled: &Settled, bytes: &[u8]) -> Appeared {
         let own = settled.writing.began(bytes);
         let files = self
@@ -152,8 +159,11 @@ impl Settling {
         let others = files.map(|(_, file)| &file.writing);
         let others = others.chain(self.passers.values().map(|file| &file.writing));
         let others = others.chain(self.departed.iter().map(|departed| &departed.file.writing));
-        let seen = others.filter_map(|writing| writing.seen_in(bytes));
-        seen.fold(own, |first, seen| if seen.seen < first.seen { seen } else { first })
+        let others: Vec<&Writing> = others.collect();
+        let seen = others.iter().filter_map(|writing| writing.seen_in(bytes));
+        let began = seen.fold(own, |first, seen| if seen.seen < first.seen { seen } else { first });
+        let written = others.iter().filter_map(|writing| writing.written(bytes));
+        began.written_by(written.chain(settled.writing.written_last(bytes)).min())
     }
 
     /// The files of which part is to be read now, with the state in which the look found them: those

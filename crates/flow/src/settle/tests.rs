@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 
+mod brought_in;
 mod departed;
 mod gone;
 

@@ -11,7 +11,7 @@
 //!   ten minutes ago.
 //! - A capture is given up only if its export will not come; so nobody is named, and the word of a
 //!   person without a button, which gives up the captures of others, is said only then. A body that is
-//!   given up or scanned again is not exported anew.
+//!   given up or scanned again is not exported anew, nor are its files copied that the station does not know.
 //! - Somebody whose scan came in without a patient, or had to be decided upon by a person, and was refused then,
 //!   is named to be scanned again; so is a patient who is scanned again while somebody else's name waits,
 //!   or without a button the export of somebody who was named.
@@ -22,6 +22,9 @@
 //!   orders come after the press, they do.
 //! - Without a button nobody is named, and nothing ordered, while the export of a scan without a name
 //!   has not begun; and each scan is named, or one that was refused before it.
+//! - Who brings in an older scan copies it without a rest as long as the quiet time and leaves it the time
+//!   of its source. Nobody sets its times to now, nor copies it before the station knows it: what looks
+//!   like an export in all that a file tells is taken for one.
 //! - The scanner writes its own measures of a scan once that lies under its name; it leaves those of
 //!   another only where that one was taken.
 //! - When the journal was lost nothing is exported again with another comment: one that is built anew
@@ -152,6 +155,11 @@ fn an_export_judged_by_the_first_sight_of_its_name_goes_wrong() {
 #[test]
 fn an_export_followed_by_its_name_alone_goes_wrong() {
     control(Off::Inodes);
+}
+
+#[test]
+fn an_older_scan_that_counts_as_new_when_it_is_brought_in_goes_wrong() {
+    control(Off::BroughtInIsOlder);
 }
 
 #[test]

@@ -88,6 +88,26 @@ fn sub_folders_are_looked_through_by_choice_to_a_depth_and_never_through_links()
 }
 
 #[test]
+fn a_look_tells_through_which_folders_it_went_and_when_they_came_to_their_places() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    fs::create_dir_all(at("1/2")).unwrap();
+    assert!(looked(dir.path(), &config()).folders.below.is_empty());
+    let config = WatchConfig { subfolders: true, ..config() };
+    let before = looked(dir.path(), &config).folders;
+    assert_eq!(before.export, folder_id(dir.path()).unwrap());
+    assert_eq!(before.below.keys().collect::<Vec<_>>(), [&at("1"), &at("1/2")]);
+    // The clock of stamps goes on in steps.
+    std::thread::sleep(Duration::from_millis(50));
+    fs::rename(at("1"), at("new")).unwrap();
+    let after = looked(dir.path(), &config).folders;
+    let (old, new) = (before.below[&at("1")], after.below[&at("new")]);
+    assert_eq!((old.ino, old.mtime_ns), (new.ino, new.mtime_ns));
+    assert!(old.ctime_ns < new.ctime_ns);
+    assert_eq!(before.below[&at("1/2")], after.below[&at("new/2")]);
+}
+
+#[test]
 fn a_scan_s_done_file_is_found_and_counts_as_nothing_else() {
     let dir = tempfile::tempdir().unwrap();
     let at = |name: &str| dir.path().join(name);

@@ -1,6 +1,6 @@
 //! What each kind of event does; whether there was occasion for it.
 
-use super::exports::{How, Rest};
+use super::exports::{Brought, How, Rest};
 use super::folder::Held;
 use super::kinds::Kind;
 use super::people::{People, Said};
@@ -39,6 +39,7 @@ impl People {
             Kind::ExportReplaces => self.export(How::Replace),
             Kind::ExportRenamed => self.export(How::Temporary),
             Kind::ExportMovedIn => self.export(How::MovedIn),
+            Kind::OlderBroughtIn => self.bring_in_older(),
             Kind::ExportOutOfOrder => self.export_out_of_order(),
             Kind::ExportLate => self.export_late(),
             Kind::Grows => self.grows(),
@@ -273,7 +274,41 @@ impl People {
 
     fn export_names(&self) -> Vec<String> {
         let all = self.booth.folder.list().into_iter().map(|(name, _)| name);
-        all.filter(|name| name.ends_with(".obj")).collect()
+        all.filter(|name| name.ends_with(".obj") && !name.contains('/')).collect()
+    }
+
+    /// Whether a file holds a scan that somebody brought in.
+    pub fn is_older(&self, name: &str) -> bool {
+        let content = self.booth.folder.export(name);
+        content.is_some_and(|content| self.booth.truth.bodies[content.whole.body].is_older)
+    }
+
+    fn bring_in_older(&mut self) -> bool {
+        let ways = [Brought::Folder, Brought::Copy, Brought::Over, Brought::Turned];
+        let how = ways[self.booth.chance.below(ways.len())];
+        let mut names = self.export_names();
+        let truth = &self.booth.truth;
+        names.retain(|name| {
+            let mut exports = truth.exports.iter();
+            exports.all(|of| of.name != *name && of.then.as_ref() != Some(name))
+        });
+        let fresh = self.booth.fresh_name();
+        let name = match how {
+            Brought::Copy | Brought::Turned => fresh,
+            Brought::Folder => format!("d{}/{fresh}", self.booth.truth.comment()),
+            // The measures beside it would be those of the scan that was there.
+            Brought::Over if self.booth.setup.has_measures => return false,
+            Brought::Over => match self.booth.chance.pick(&names) {
+                Some(name) => name.clone(),
+                None => return false,
+            },
+        };
+        if how == Brought::Turned && self.booth.truth.next_end_ms().is_some() {
+            return false;
+        }
+        let patient = self.new_patient();
+        self.booth.bring_in(patient, how, &name);
+        true
     }
 
     fn open_exports(&self, is_broken: bool) -> Vec<usize> {
@@ -328,7 +363,9 @@ impl People {
         let Some(name) = self.booth.chance.pick(&names).cloned() else { return false };
         let Some(content) = self.booth.folder.export(&name).cloned() else { return false };
         let body = content.whole.body;
-        if !self.may_come_again(body) && !self.booth.is_settled(body) {
+        // Nobody copies what the station does not know and nobody waits for.
+        let known = self.booth.disk.known(content.scan(), &content.geometry());
+        if !self.may_come_again(body) && known.is_none() {
             return false;
         }
         let to = self.booth.fresh_name();

@@ -21,6 +21,22 @@ pub enum How {
     MovedIn,
 }
 
+/// How somebody brings in an older scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Brought {
+    /// With a folder that is moved in.
+    Folder,
+    /// Copied under a name of its own, content first and the time of its source last.
+    Copy,
+    /// Copied so over a file of that name, in place.
+    Over,
+    /// It lies in another folder, to which the path of the export folder leads for a while.
+    Turned,
+}
+
+/// An older scan was made this long ago at least, milliseconds: longer than any name waits.
+const OLDER_MS: u64 = 3_000_000;
+
 /// How the rest of an export comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rest {
@@ -95,6 +111,53 @@ impl Booth {
         }
         self.truth.exports.push(Export { body, name: under, ino, content, then, ends_ms });
         self.hint();
+    }
+
+    /// Somebody brings in the scan of a patient who was scanned elsewhere.
+    pub fn bring_in(&mut self, patient: usize, how: Brought, name: &str) {
+        let body = self.scan_body(patient, false);
+        let written = self.now_ms - OLDER_MS - self.chance.below(500_000) as u64;
+        let of = &mut self.truth.bodies[body];
+        (of.scanned_ms, of.plan, of.is_older) = (written, Plan::Over, true);
+        let whole = Rc::clone(&of.whole);
+        let all = Held::Export(Some(Content::new(&whole, usize::MAX)));
+        self.tell(|| format!("body {body}, made long ago, is brought in as {name} ({how:?})"));
+        match how {
+            Brought::Folder => self.folder.move_in_folder(name, all, written, self.now_ms),
+            Brought::Copy | Brought::Over => self.copy_in(name, &whole, written),
+            Brought::Turned => {
+                self.folder.put_aside(name, all, written);
+                self.folder.turn();
+                self.hint();
+                let by_ms = 500 + self.chance.below(15_000) as u64;
+                self.advance(by_ms);
+                self.folder.turn();
+            }
+        }
+        self.hint();
+    }
+
+    /// A copy, in less than the quiet time; looks may come in between.
+    fn copy_in(&mut self, name: &str, whole: &Rc<Whole>, written_ms: u64) {
+        self.overwritten(name);
+        let part = Content::new(whole, 1 + self.chance.below(whole.length()));
+        let part = Held::Export(Some(part));
+        let ino = match self.folder.inode(name) {
+            Some(ino) => {
+                self.folder.write(ino, part, self.now_ms);
+                ino
+            }
+            None => self.folder.create(name, part, self.now_ms),
+        };
+        self.hint();
+        let by_ms = self.chance.below(900) as u64;
+        self.advance(by_ms);
+        let all = Held::Export(Some(Content::new(whole, usize::MAX)));
+        self.folder.write(ino, all, self.now_ms);
+        self.hint();
+        let by_ms = self.chance.below(900) as u64;
+        self.advance(by_ms);
+        self.folder.set_back(ino, written_ms, self.now_ms);
     }
 
     /// Another file takes a name: what was being written there is lost.

@@ -116,6 +116,9 @@ impl People {
             .collect();
         let Some(name) = self.booth.chance.pick(&names).cloned() else { return false };
         let Some(ino) = self.booth.folder.inode(&name) else { return false };
+        if kind == Kind::Touch && self.is_older(&name) {
+            return false;
+        }
         if kind == Kind::Link && self.booth.setup.has_measures {
             // Rewriting one of two names leaves the measures of the other.
             return false;

@@ -1,12 +1,16 @@
 //! The simulated export folder: names, and inodes with contents and times. What was removed gives its
-//! inode back, and the next file may get it.
+//! inode back, and the next file may get it. Folders in it only ever come in with what they hold.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use gaiter_flow::Stamp;
+use gaiter_flow::settle::Folders;
 
 use super::content::Content;
+
+/// The path of the folder.
+const PATH: &str = "/e";
 
 /// File systems note times in steps of so many milliseconds.
 const STEP_MS: u64 = 4;
@@ -31,6 +35,11 @@ pub struct Inode {
 #[derive(Debug, Default)]
 pub struct Folder {
     names: BTreeMap<String, u64>,
+    /// The names in another folder, to which the path leads now and then.
+    aside: BTreeMap<String, u64>,
+    is_turned: bool,
+    /// Folders in it: inode, and when each came in.
+    below: BTreeMap<String, (u64, u64)>,
     inodes: BTreeMap<u64, Inode>,
     free: Vec<u64>,
     last: u64,
@@ -52,9 +61,18 @@ impl Folder {
             Held::Export(content) => content.as_ref().map_or(0, Content::length),
             Held::Measures(text) => text.len(),
         };
-        let ns = |ms: u64| i128::from(ms / STEP_MS * STEP_MS) * 1_000_000;
         let (mtime_ns, ctime_ns) = (ns(file.mtime_ms), ns(file.ctime_ms));
         Stamp { dev: 1, ino, size: size as u64, mtime_ns, ctime_ns }
+    }
+
+    /// The folders as a look finds them.
+    pub fn folders(&self) -> Folders {
+        let state = |(name, (ino, came_ms)): (&String, &(u64, u64))| {
+            let (mtime_ns, ctime_ns) = (ns(0), ns(*came_ms));
+            (path(name), Stamp { dev: 1, ino: *ino, size: 0, mtime_ns, ctime_ns })
+        };
+        let below = self.below.iter().map(state).collect();
+        Folders { export: (1, u64::from(self.is_turned)), below }
     }
 
     pub fn stamp(&self, name: &str) -> Option<Stamp> {
@@ -67,14 +85,6 @@ impl Folder {
 
     pub fn held(&self, name: &str) -> Option<&Held> {
         self.names.get(name).map(|ino| &self.inodes[ino].held)
-    }
-
-    /// The export that a file holds, if it is in this state.
-    pub fn content(&self, name: &str, stamp: Stamp) -> Option<Content> {
-        match self.held(name) {
-            Some(Held::Export(content)) if self.stamp(name) == Some(stamp) => content.clone(),
-            _ => None,
-        }
     }
 
     /// The export that lies there, in whatever state.
@@ -114,6 +124,45 @@ impl Folder {
             file.mtime_ms = written_ms;
         }
         ino
+    }
+
+    /// A new inode, unchanged since then.
+    fn older(&mut self, held: Held, written_ms: u64) -> u64 {
+        self.version += 1;
+        self.last += 1;
+        self.inodes.insert(self.last, Inode { held, mtime_ms: written_ms, ctime_ms: written_ms });
+        self.last
+    }
+
+    /// A folder comes in with a file, whose own times stay.
+    pub fn move_in_folder(&mut self, file: &str, held: Held, written_ms: u64, now_ms: u64) {
+        let ino = self.older(held, written_ms);
+        self.names.insert(file.to_owned(), ino);
+        self.last += 1;
+        if let Some((folder, _)) = file.rsplit_once('/') {
+            self.below.insert(folder.to_owned(), (self.last, now_ms));
+        }
+    }
+
+    /// A file lies in the other folder.
+    pub fn put_aside(&mut self, name: &str, held: Held, written_ms: u64) {
+        let ino = self.older(held, written_ms);
+        self.aside.insert(name.to_owned(), ino);
+    }
+
+    /// The path leads to the other folder, or back.
+    pub fn turn(&mut self) {
+        self.version += 1;
+        self.is_turned = !self.is_turned;
+        std::mem::swap(&mut self.names, &mut self.aside);
+    }
+
+    /// Somebody gives a file an older time.
+    pub fn set_back(&mut self, ino: u64, written_ms: u64, now_ms: u64) {
+        self.change_status(ino, now_ms);
+        if let Some(file) = self.inodes.get_mut(&ino) {
+            file.mtime_ms = written_ms;
+        }
     }
 
     pub fn unlink(&mut self, name: &str) {
@@ -160,7 +209,16 @@ impl Folder {
     }
 }
 
+fn ns(ms: u64) -> i128 {
+    i128::from(ms / STEP_MS * STEP_MS) * 1_000_000
+}
+
 /// The path of a file of the folder.
 pub fn path(name: &str) -> PathBuf {
-    PathBuf::from("/e").join(name)
+    Path::new(PATH).join(name)
+}
+
+/// The name of a file of the folder with this path.
+pub fn name_of(path: &Path) -> String {
+    path.strip_prefix(PATH).unwrap_or(path).to_string_lossy().into_owned()
 }

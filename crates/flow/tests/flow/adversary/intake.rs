@@ -9,14 +9,14 @@ use std::time::Duration;
 use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::patient::identity;
 use gaiter_flow::round::{Capture, Content as Judge, Judged, Named};
-use gaiter_flow::settle::Gone;
+use gaiter_flow::settle::{Folders, Gone};
 use gaiter_flow::{Look, LookTime, Mark, NameSays, Settled, Stamp, Verdict};
 use gaiter_record::SourceKind;
 
 use super::booth::{Booth, NEVER, NOBODY, RESCAN_MS, Run, change};
 use super::content::Content;
 use super::disk::{Fault, Intake};
-use super::folder::{self, Held};
+use super::folder::{self, Held, name_of};
 use super::laws::Off;
 use super::work::first_sights;
 
@@ -34,7 +34,7 @@ pub enum Phase {
     /// The folder is listed.
     List { began: Duration },
     /// The look ends.
-    Decide { began: Duration, found: Vec<(String, Stamp)> },
+    Decide { began: Duration, found: Vec<(String, Stamp)>, folders: Folders },
     /// Parts of files are read.
     Mark { due: VecDeque<Settled> },
     /// A file that has settled is read.
@@ -83,11 +83,11 @@ impl Booth {
             Phase::Rest => (Phase::List { began: self.clock() }, self.chance.below(60) as u64),
             Phase::List { began } => {
                 run.listed = self.folder.version;
-                let found = self.folder.list();
-                (Phase::Decide { began, found }, self.chance.below(60) as u64)
+                let (found, folders) = (self.folder.list(), self.folder.folders());
+                (Phase::Decide { began, found, folders }, self.chance.below(60) as u64)
             }
-            Phase::Decide { began, found } => {
-                let due = self.decide(began, found);
+            Phase::Decide { began, found, folders } => {
+                let due = self.decide(began, found, folders);
                 (Phase::Mark { due }, self.chance.below(30) as u64)
             }
             Phase::Mark { due } => {
@@ -105,7 +105,12 @@ impl Booth {
         }
     }
 
-    fn decide(&mut self, began: Duration, found: Vec<(String, Stamp)>) -> VecDeque<Settled> {
+    fn decide(
+        &mut self,
+        began: Duration,
+        found: Vec<(String, Stamp)>,
+        folders: Folders,
+    ) -> VecDeque<Settled> {
         let ended = self.clock();
         let off = self.setup.off;
         let is_away = self.is_away;
@@ -119,12 +124,8 @@ impl Booth {
         first_sights(run, &found, began, ended);
         let (mut scans, mut beside, mut passers) =
             (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-        for (name, mut stamp) in found {
-            if off == Off::Inodes {
-                // Each name stands for itself.
-                stamp.ino =
-                    name.bytes().fold(7, |sum, byte| sum * 31 % 1_000_003 + u64::from(byte));
-            }
+        for (name, stamp) in found {
+            let stamp = as_found(off, &name, stamp);
             let ending = name.rsplit_once('.').filter(|_| !name.starts_with('.'));
             let of = match ending {
                 Some((_, "obj")) => &mut scans,
@@ -132,6 +133,9 @@ impl Booth {
                 _ => &mut passers,
             };
             of.insert(folder::path(&name), stamp);
+        }
+        if off != Off::BroughtInIsOlder {
+            run.settling.found_in(folders);
         }
         run.settling.pass_over(passers, when);
         let groups = companions::groups(scans, beside, |_| Done::NotAsked);
@@ -187,15 +191,13 @@ impl Booth {
         let Some(run) = &mut self.run else { return (Phase::Rest, 0) };
         while let Some(settled) = due.pop_front().filter(|_| !is_shut) {
             let name = name_of(&settled.path);
-            let mut stamp = settled.stamp;
-            if off == Off::Inodes {
-                stamp.ino = self.folder.inode(&name).unwrap_or(0);
-            }
-            let Some(content) = self.folder.content(&name, stamp) else {
+            let state = self.folder.stamp(&name).map(|stamp| as_found(off, &name, stamp));
+            let is_it = state == Some(settled.stamp);
+            let Some(content) = self.folder.export(&name).filter(|_| is_it).cloned() else {
                 run.settling.changed(&settled, now);
                 continue;
             };
-            if let Some(mark) = content.mark(now, now, stamp.size) {
+            if let Some(mark) = content.mark(now, now, settled.stamp.size) {
                 return (Phase::Take { due, settled, mark, content }, self.chance.below(20) as u64);
             }
         }
@@ -409,6 +411,16 @@ fn dealt_with(disk: &super::disk::Disk, run: &mut Run, file: &Settled) -> bool {
     is_dealt_with
 }
 
-fn name_of(path: &std::path::Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+/// The state of a file as a look finds it, where a law may be switched off.
+fn as_found(off: Off, name: &str, stamp: Stamp) -> Stamp {
+    match off {
+        // Each name stands for itself.
+        Off::Inodes => {
+            let ino = name.bytes().fold(7, |sum, byte| sum * 31 % 1_000_003 + u64::from(byte));
+            Stamp { ino, ..stamp }
+        }
+        // A content is as young as its file.
+        Off::BroughtInIsOlder => Stamp { mtime_ns: stamp.ctime_ns, ..stamp },
+        _ => stamp,
+    }
 }

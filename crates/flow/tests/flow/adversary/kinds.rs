@@ -51,6 +51,8 @@ pub enum Kind {
     ExportRenamed,
     /// It was written elsewhere and is moved in.
     ExportMovedIn,
+    /// Somebody brings in a scan of somebody else that was made long ago, by some tool.
+    OlderBroughtIn,
     /// The export of the later of two presses comes first.
     ExportOutOfOrder,
     /// It comes when its window is over.
@@ -116,6 +118,8 @@ pub enum Share {
     Half,
     /// There is seldom occasion for these: half, where a law is looked for, else all.
     Seldom,
+    /// Half, where no law is looked for that has nothing to do with these.
+    Apart,
     /// Of these each sequence has few, and many have none.
     Fault,
 }
@@ -126,6 +130,7 @@ pub fn theme(of: Off) -> &'static [Kind] {
         Off::Nothing => &[],
         Off::ContentNotName => &[Kind::ExportRewrites, Kind::BreaksOff],
         Off::Inodes => &[Kind::ExportRenamed, Kind::Rename, Kind::Link],
+        Off::BroughtInIsOlder => &[Kind::OlderBroughtIn, Kind::Card],
         Off::KnownAnswerNothing => &[Kind::AgainSame, Kind::PressEarly, Kind::Card],
         Off::RestBefore => &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card, Kind::NextPatient],
         Off::OrdersAddUp => &[Kind::Order, Kind::OrderEarly],
@@ -140,7 +145,7 @@ pub fn theme(of: Off) -> &'static [Kind] {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 50] = [
+    pub const ALL: [Kind; 51] = [
         Kind::Press,
         Kind::PressEarly,
         Kind::NextPatient,
@@ -163,6 +168,7 @@ impl Kind {
         Kind::ExportReplaces,
         Kind::ExportRenamed,
         Kind::ExportMovedIn,
+        Kind::OlderBroughtIn,
         Kind::ExportOutOfOrder,
         Kind::ExportLate,
         Kind::Grows,
@@ -200,6 +206,7 @@ impl Kind {
             Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => Share::Seldom,
             Kind::NoShow | Kind::ExportOutOfOrder | Kind::OrderEarly => Share::Seldom,
             Kind::OrderRepeated | Kind::OrderOvertaken => Share::Seldom,
+            Kind::OlderBroughtIn => Share::Apart,
             Kind::Pause | Kind::FolderAway | Kind::Unplug | Kind::Crash => Share::Fault,
             Kind::Reboot | Kind::Rebuild | Kind::JournalLocked | Kind::TakeFails => Share::Fault,
             Kind::StoreAway => Share::Fault,
@@ -223,6 +230,7 @@ impl Kind {
             Kind::ExportOutOfOrder => 40,
             Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
             Kind::Rebuild | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,
+            Kind::OlderBroughtIn => 1,
             Kind::Reboot => 5,
             Kind::Unplug => 4,
             Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch | Kind::Unread => 1,

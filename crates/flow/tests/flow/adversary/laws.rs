@@ -10,6 +10,8 @@ pub enum Off {
     ContentNotName,
     /// R4: A content is followed by its name only, not by device and inode.
     Inodes,
+    /// R4: What is brought in is older by its times, its folder or the folder that it takes the place of.
+    BroughtInIsOlder,
     /// Known scans answer captures.
     KnownAnswerNothing,
     /// R1: A round begins although earlier captures have not ended.
@@ -33,10 +35,11 @@ pub enum Off {
 }
 
 impl Off {
-    pub const ALL: [Off; 13] = [
+    pub const ALL: [Off; 14] = [
         Off::Nothing,
         Off::ContentNotName,
         Off::Inodes,
+        Off::BroughtInIsOlder,
         Off::KnownAnswerNothing,
         Off::RestBefore,
         Off::OrdersAddUp,

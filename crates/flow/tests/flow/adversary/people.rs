@@ -256,8 +256,8 @@ impl People {
     }
 
     pub fn was_scanned(&self) -> bool {
-        let bodies = &self.booth.truth.bodies;
-        bodies.last().is_some_and(|body| Some(body.patient) == self.standing)
+        let mut bodies = self.booth.truth.bodies.iter().filter(|body| !body.is_older);
+        bodies.next_back().is_some_and(|body| Some(body.patient) == self.standing)
     }
 
     /// The person in the booth is scanned, once somebody has said who it is, or nobody.
@@ -306,8 +306,11 @@ impl People {
         is_reason || self.theme.contains(&kind) || self.booth.chance.below(strays) == 0
     }
 
-    /// Whether all that came in of a scan was measured.
+    /// Whether all that came in of a scan was measured, or it was none of this booth.
     fn is_done(&self, body: usize) -> bool {
+        if self.booth.truth.bodies[body].is_older {
+            return true;
+        }
         let rows = self.booth.disk.scans().filter(|(_, row)| row.content.whole.body == body);
         let mut states =
             rows.map(|(_, row)| row.state == ScanState::Delivered && row.held.is_none()).peekable();

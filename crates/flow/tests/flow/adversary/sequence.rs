@@ -158,6 +158,7 @@ fn some_kinds(chance: &mut Chance, off: Off, theme: &[Kind]) -> Vec<Kind> {
     let is_in = |kind: &Kind, chance: &mut Chance| match kind.share() {
         Share::Always => true,
         Share::Half => chance.below(2) == 0,
+        Share::Apart => off == Off::Nothing && chance.below(2) == 0,
         Share::Seldom => off == Off::Nothing || chance.below(2) == 0,
         Share::Fault => chance.below(9) < faults_in,
     };

@@ -35,6 +35,8 @@ pub struct Body {
     pub file: Option<String>,
     /// The measurement refuses it although it is whole.
     pub is_refused: bool,
+    /// It was scanned elsewhere long ago, and somebody brings it in.
+    pub is_older: bool,
     /// An export began later than any capture waits.
     pub is_late: bool,
     /// When the station refused an export of it.
@@ -105,6 +107,7 @@ impl Booth {
             plan: Plan::Scanned,
             file: None,
             is_refused: false,
+            is_older: false,
             is_late: false,
             refused_ms: None,
             is_covered,
