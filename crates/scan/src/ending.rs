@@ -4,6 +4,9 @@ use super::fault::ScanFault;
 use super::format::Format;
 
 impl Format {
+    /// All endings of file names that have a format, in lower case.
+    pub const ENDINGS: [&str; 7] = ["obj", "ply", "stl", "wrl", "xyz", "asc", "txt"];
+
     /// The format of a file name, by its ending; upper and lower case are equal.
     ///
     /// # Errors
@@ -41,6 +44,13 @@ mod tests {
         }
         for name in ["a", "a.obj.part", "a.x3d", "obj"] {
             assert!(Format::of_file_name(name).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn every_ending_has_a_format() {
+        for ending in Format::ENDINGS {
+            assert!(Format::of_file_name(&format!("a.{ending}")).is_ok(), "{ending}");
         }
     }
 

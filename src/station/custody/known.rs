@@ -1,12 +1,15 @@
 //! What is known about bytes before they are judged: whether they came in before, and whether they
 //! complete a scan that was cut short.
 
+use std::path::Path;
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
-use gaiter_flow::ScanId;
 use gaiter_flow::round::{Judged, Named};
+use gaiter_flow::{ScanId, Stamp};
 use gaiter_record::SourceKind;
+use gaiter_scan::Format;
 
 use super::{Custody, CustodyFault, io};
 use crate::store::sums;
@@ -14,6 +17,9 @@ use crate::store::sums;
 /// A refused scan with fewer bytes than this is not compared with the beginning of another: exports may
 /// share a header.
 const COMPLETED_LEAST: u64 = 64 * 1024;
+
+/// An exporter writes all formats of a scan within this time.
+const SIBLINGS_APART: Duration = Duration::from_secs(600);
 
 /// At most this many refused scans are compared with the beginning of a new one.
 const COMPLETED_MOST: u32 = 64;
@@ -81,6 +87,21 @@ impl Custody {
             Some((scan, _)) => self.whose(scan).map(Some),
             None => Ok(None),
         }
+    }
+
+    /// Whether a scan of the same name in another format was taken that was written at about the same time:
+    /// both are one export, which was answered already.
+    pub fn is_sibling(&self, path: &Path, stamp: Stamp) -> Result<bool, CustodyFault> {
+        for ending in Format::ENDINGS {
+            let other = path.with_extension(ending);
+            if other != path
+                && let Some((its, Some(_))) = self.journal.sighted_as(&other)?
+                && its.mtime_ns.abs_diff(stamp.mtime_ns) <= SIBLINGS_APART.as_nanos()
+            {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// All patients a scan belongs to or may belong to.

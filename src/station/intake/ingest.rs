@@ -129,7 +129,7 @@ pub fn take(
     let read = settled.writing.read();
     let fingerprint = fingerprint::of(&export.bytes, format).unwrap_or_default();
     let (fingerprint, companions) = (fingerprint.as_str(), companions.as_slice());
-    let found = Found { began, format, is_cut_short, read, fingerprint, companions };
+    let found = Found { began, settled, format, is_cut_short, read, fingerprint, companions };
     let Admission { verdict, not_an_id, same_as } = admit(booth, export, &found, says)?;
     if let Verdict::Held(code) = verdict {
         booth.ended(&export.scan, Outcome::Held { code: code.to_owned() });
@@ -193,6 +193,7 @@ fn fresh(core: &Core, settled: &Settled, export: &Export) -> Result<Vec<Companio
 struct Found<'a> {
     /// When its content was written.
     began: Appeared,
+    settled: &'a Settled,
     format: Format,
     /// Its format shows that more was to come.
     is_cut_short: bool,
@@ -229,16 +230,17 @@ fn admit(
     })?;
     let known = custody.known(scan, found.fingerprint)?;
     let same_as = known.clone().filter(|known| known != scan);
+    let Settled { path, stamp, .. } = found.settled;
     let content = Content {
         began: found.began,
-        is_known: known.is_some(),
+        is_known: known.is_some() || custody.is_sibling(path, *stamp)?,
         is_cut_short: found.is_cut_short,
         completes: match &known {
             Some(_) => None,
             None => custody.completed_by(&export.bytes, found.read)?,
         },
     };
-    if content.is_known {
+    if known.is_some() {
         captures.known();
     }
     let judged = captures.judge(&content);

@@ -144,7 +144,11 @@ impl Day {
 
     fn is_done(&self, step: Step, progress: &mut Progress) -> bool {
         match step {
-            Step::Ready => self.status().is_some_and(|status| status["booth"]["in_doubt"] == false),
+            Step::Ready => {
+                let sure = self.status().is_some_and(|status| status["booth"]["in_doubt"] == false);
+                // A word at the booth since the start: nobody is there.
+                sure && self.verb(&["patient", "clear"], "")
+            }
             Step::Order(patient) => {
                 self.order(patient);
                 true

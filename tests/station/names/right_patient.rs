@@ -193,6 +193,45 @@ fn bodies_with_the_same_faces_are_scans_of_their_own_and_one_written_otherwise_i
     assert!(station.stop().success());
 }
 
+#[test]
+fn a_second_format_of_a_scan_answers_no_press() {
+    let mut room = Room::with_button("");
+    let station = room.start();
+    // Its triangles in STL, corner by corner.
+    let stl = {
+        let body = String::from_utf8(coarse_body(1)).unwrap();
+        let numbers = |line: &str| -> Vec<f32> {
+            let words = line.split_whitespace().map(|word| word.split('/').next().unwrap());
+            words.map(|word| word.parse().unwrap()).collect()
+        };
+        let of = |key| body.lines().filter_map(move |line| line.strip_prefix(key)).map(numbers);
+        let (points, faces): (Vec<_>, Vec<_>) = (of("v ").collect(), of("f ").collect());
+        let mut stl = vec![b' '; 80];
+        stl.extend(u32::try_from(faces.len()).unwrap().to_le_bytes());
+        for face in faces {
+            let corners = face.iter().flat_map(|corner| &points[*corner as usize - 1]);
+            let numbers = [0.0; 3].iter().chain(corners).copied();
+            stl.extend(numbers.flat_map(f32::to_le_bytes));
+            stl.extend([0; 2]);
+        }
+        stl
+    };
+    room.name("1002");
+    room.press();
+    room.write("a.obj", &coarse_body(1));
+    room.booth.wait_for_records(1);
+    room.name("1003");
+    room.press();
+    room.write("a.stl", &stl);
+    room.wait_for_taken(&stl);
+    room.write("b.obj", &coarse_body(2));
+    room.booth.wait_for_records(3);
+    assert_has(&room, "1002", &[&coarse_body(1)]);
+    assert_has(&room, "1003", &[&coarse_body(2)]);
+    assert_eq!(room.held(), [""; 0]);
+    assert!(station.stop().success());
+}
+
 /// Three patients, each ordered after the press; `until` waits for what becomes of each scan.
 fn ordered_after_the_press(orders: &str, until: impl Fn(&Room, usize)) -> (Room, Daemon) {
     let mut room = Room::with_button(&At::orders(orders));

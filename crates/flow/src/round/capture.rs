@@ -134,7 +134,7 @@ impl Capture {
 pub struct Content {
     /// When it was written.
     pub began: Appeared,
-    /// The scan arrived before, with these bytes or this geometry.
+    /// The scan arrived before, with these bytes or this geometry, or in another format.
     pub is_known: bool,
     /// Its format shows that it was cut short.
     pub is_cut_short: bool,
