@@ -239,12 +239,10 @@ impl Rounds {
         if named.by != SourceKind::Order {
             (self.uncertain, self.missed) = (None, Vec::new());
         }
-        // A name after a refusal means a new scan. What still arrives of the refused scan is another
-        // export.
+        // A name after a refusal, or after an export that was held for the capture, may mean a new scan.
         let joins = |capture: &&mut Capture| {
             let is_open = capture.is_open() && now <= capture.until && !capture.is_refused;
-            let is_same = capture.patient.as_ref().is_some_and(|patient| patient.id == named.id);
-            is_open && is_same && capture.others.is_empty()
+            is_open && capture.is_of(&named.id)
         };
         if let Some(capture) = self.open.last_mut().filter(joins) {
             capture.until = now + lasts;

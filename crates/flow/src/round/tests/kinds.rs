@@ -235,3 +235,18 @@ fn an_order_that_lay_there_at_the_press_of_its_own_patient_is_not_certain_for_th
     captures.pressed(2, at(30));
     is_held(&mut captures, 40, &["1"]);
 }
+
+#[test]
+fn without_a_button_a_name_after_an_export_that_is_held_is_of_a_scan_of_its_own() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(named("1"), 1, at(0), &[]);
+    let judged = taken(&mut captures, Appeared { absent: None, seen: at(5) });
+    assert_eq!(code(&judged), UNCLEAR);
+    captures.named(by_whom("1", SourceKind::Reader), 2, at(6), &[]);
+    assert_eq!(captures.decided(&judged, "1", at(10)), Some(1));
+    captures.measured(1);
+    // The decision was about the first: what was scanned after the card is still to come.
+    captures.named(by_whom("2", SourceKind::Reader), 3, at(15), &[]);
+    is_held(&mut captures, 20, &["1", "2"]);
+}
