@@ -283,6 +283,8 @@ fn a_malformed_order_or_a_misread_card_disarms_the_name_that_waits() {
 fn a_scan_whose_entry_fails_at_the_journal_answers_its_press_all_the_same() {
     for killed in [false, true] {
         let mut room = Room::with_button("");
+        // The journal is locked for longer than the window.
+        room.booth.reconfigure(|config| config.replace("late = \"0s\"", "late = \"20s\""));
         let station = room.start();
         let (first, second) = (coarse_body(1), coarse_body(2));
         room.name("1002");
