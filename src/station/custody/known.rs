@@ -90,14 +90,16 @@ impl Custody {
     }
 
     /// Whether a scan of the same name in another format was taken that was written at about the same time:
-    /// both are one export, which was answered already.
+    /// both are one export, which was answered already. Where the name was used before, the other format goes
+    /// with the scan that was written nearer to it.
     pub fn is_sibling(&self, path: &Path, stamp: Stamp) -> Result<bool, CustodyFault> {
+        let before = self.journal.sighted_as(path)?;
         for ending in Format::ENDINGS {
             let other = path.with_extension(ending);
-            if other != path
-                && let Some((its, Some(_))) = self.journal.sighted_as(&other)?
-                && its.mtime_ns.abs_diff(stamp.mtime_ns) <= SIBLINGS_APART.as_nanos()
-            {
+            let Some((its, Some(_))) = self.journal.sighted_as(&other)? else { continue };
+            let apart_ns = |of: Stamp| its.mtime_ns.abs_diff(of.mtime_ns);
+            let is_nearer = before.as_ref().is_none_or(|(old, _)| apart_ns(stamp) < apart_ns(*old));
+            if other != path && is_nearer && apart_ns(stamp) <= SIBLINGS_APART.as_nanos() {
                 return Ok(true);
             }
         }

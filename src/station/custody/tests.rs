@@ -3,6 +3,7 @@
 use std::fs;
 use std::sync::atomic::Ordering;
 
+use gaiter_flow::Stamp;
 use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use gaiter_record::{Source, SourceKind};
 
@@ -394,4 +395,21 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
     let due = custody.journal.pending().unwrap();
     custody.refuse_delivery(&due[0], occupied.clone()).unwrap();
     assert!(custody.quarantine.holds(&scan), "the last of them refuses the scan");
+}
+
+#[test]
+fn a_second_format_goes_with_the_scan_that_was_written_nearest_where_a_name_serves_everybody() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    // Two patients within ten minutes, each with both formats: only the second format is a sibling.
+    for (name, written_s, expected) in
+        [("a.obj", 0, false), ("a.stl", 5, true), ("a.obj", 300, false), ("a.stl", 305, true)]
+    {
+        let mtime_ns = written_s * 1_000_000_000;
+        let stamp = Stamp { dev: 1, ino: 7, size: 8, mtime_ns, ctime_ns: mtime_ns };
+        let path = Path::new("/export").join(name);
+        assert_eq!(custody.is_sibling(&path, stamp).unwrap(), expected, "{name} {written_s}");
+        custody.journal().sighted(&path, stamp, Some(&scan)).unwrap();
+    }
 }
