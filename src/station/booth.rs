@@ -337,7 +337,7 @@ impl Held<'_> {
         self.inner.captures.judge_content(content, self.inner.booth.core.now())
     }
 
-    /// A known scan was exported again: whoever waits for another export is told.
+    /// A known scan was exported again: if another export is expected, the light says so.
     pub fn known(&mut self) {
         if self.inner.captures.open().iter().any(Capture::is_open) {
             self.inner.last = Some((Outcome::Known, self.inner.booth.core.now()));

@@ -83,7 +83,7 @@ fn a_name_a_press_and_an_export_are_the_patients_record_and_the_light_tells_it()
         light.extend(button.was_told());
         light.ends_with(b"d")
     });
-    // A scan that is measured within a beat of the light is not seen to be.
+    // Each sign stands for a second at least: that of a scan which is measured sooner is left out.
     light.retain(|sign| *sign != b'r');
     assert_eq!(String::from_utf8(light).unwrap(), "gad");
     let place = fs::read_dir(booth.path("records/4711")).unwrap().next().unwrap().unwrap().path();

@@ -42,7 +42,7 @@ impl Booth {
     pub fn hear(&self, heard: &Heard) -> bool {
         let done = match heard {
             Heard::Press(Press::Short) => self.pressed(),
-            // Whoever gave up what waits does not see that it waits on.
+            // The operator does not see that what was called off still waits.
             Heard::Press(Press::Long) => {
                 self.call_off().map(drop).inspect_err(|_| self.missed_anything())
             }
@@ -245,7 +245,7 @@ impl Booth {
     /// See [`JournalError`]; what waits goes on waiting.
     pub fn decided(&self, scan: &ScanId) -> Result<(), JournalError> {
         let custody = &self.core.custody;
-        // A scan whose bytes left the station was measured long ago.
+        // Without its intake the scan has left the station, and its round ends by time.
         let judged = custody.spool().intake(scan).map_or(Judged::Unpressed, |intake| intake.judged);
         let owners = custody.journal().owners(scan)?;
         let mut inner = self.inner();
@@ -274,6 +274,9 @@ impl Booth {
         let mut inner = self.inner();
         let mut after = inner.captures.clone();
         after.given_up(number);
+        if after == inner.captures {
+            return Ok(());
+        }
         self.change_booth(&mut inner, after, "given_up", None)
     }
 
@@ -298,21 +301,11 @@ impl Booth {
         Ok(any)
     }
 
-    /// Notes contents of an export folder that were seen and are gone before they were taken. Blocks.
+    /// Notes contents of an export folder that were seen and are gone before they were taken. The journal need
+    /// not know: after a start every capture is in doubt. Blocks.
     pub fn gone(&self, contents: &[Appeared]) {
         let mut inner = self.inner();
-        let mut after = inner.captures.clone();
-        contents.iter().for_each(|content| after.gone(*content));
-        if after == inner.captures {
-            return;
-        }
-        // Applied in memory even if the journal fails: it only makes captures less certain.
-        let kept = self.change_booth(&mut inner, after.clone(), "over", None);
-        inner.captures = after;
-        if let Err(error) = kept {
-            self.core.check_corruption(&error);
-            warn!(event = "journal-failed", error = chain(&error));
-        }
+        contents.iter().for_each(|content| inner.captures.gone(*content));
     }
 
     /// Notes whether a port is open. While it is closed, or settles, presses or names may be missed. Blocks.

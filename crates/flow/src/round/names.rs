@@ -154,7 +154,7 @@ impl Rounds {
         let replaced = before.as_ref().is_some_and(is_other);
         let mut next = Next::one(named.clone(), now, is_crossed.then_some(Doubt::Crossed));
         if let Some(before) = before.filter(|before| replaced && contradicts(before, &named)) {
-            // R2: two people are said to be there. Whoever is named now, after that was asked, is.
+            // R2: two people were named at the booth. The light asks, and the next name is the answer.
             next.names.splice(0..0, before.names);
             next.doubt.get_or_insert(Doubt::Shared);
         }

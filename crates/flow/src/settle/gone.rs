@@ -105,8 +105,8 @@ impl Settling {
         lost_to(&settled.path, settled.stamp, &file.writing, &whole)
     }
 
-    /// The contents that are gone, each told once; to be asked after each look, when parts of the files
-    /// with new contents were read. `is_any_due`: something is to be taken now, which could be taken for
+    /// The contents that are gone, each returned once. Call it after each look, when parts of the files with
+    /// new contents have been read. `is_any_due`: something is to be taken now, which could be mistaken for
     /// one of them.
     pub fn gone(&mut self, is_any_due: bool) -> Vec<Gone> {
         let mut gone = Vec::new();

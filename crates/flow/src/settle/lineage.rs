@@ -4,11 +4,11 @@
 //! does not tell when its content was written, so what is known about the content goes with the inode,
 //! even through names that are not scans.
 //!
-//! Whoever brings in what was written earlier leaves a trace: a new name, times that are set back or the
-//! new place of a folder are later, by the clock of the file system itself, than the time at which the
-//! content was written. This is asked whenever a content or its time is new: programs that copy set the
-//! old time last. It never tells against an export that was written where it lies: what is done with that
-//! later (a mode, a link, another name) comes after it was seen, and it was written before.
+//! A file that is brought in with older content shows it: by the clock of the file system, the new name, the
+//! changed time or the move of its folder is later than the time at which its content was written. This is
+//! checked whenever a content or its time is new, because programs that copy set the old time last. It says
+//! nothing against an export that was written in place: a changed mode, a link or another name comes after
+//! it was seen.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

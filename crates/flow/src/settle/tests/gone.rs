@@ -51,7 +51,7 @@ fn a_deleted_content_is_gone_when_a_second_look_misses_it_or_another_is_to_be_ta
     assert_eq!(looked(&mut deleted, 11, &[]), []);
     let gone = looked(&mut deleted, 12, &[]);
     assert_eq!(when(&gone), [(Path::new("a.obj"), FIRST)]);
-    assert_eq!(looked(&mut deleted, 13, &[]), [], "it is told once");
+    assert_eq!(looked(&mut deleted, 13, &[]), [], "it is reported once");
 
     let mut settling = one_seen(&first);
     let both = [("a.obj", 7, &first[..], 9), ("b.obj", 8, &second[..], 10)];
