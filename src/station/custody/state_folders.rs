@@ -22,21 +22,20 @@ pub fn look_after(custody: &Custody, board: &Board) {
         return;
     }
     let names = missing.join(", ");
-    let (code, message) = match custody.make_folders_anew() {
-        Ok(()) => {
-            error!(event = "custody-made-anew", folders = names);
-            let lost = "scans in them that were not delivered must be exported again";
-            (MADE_ANEW, format!("{names} removed from the state folder; {lost}"))
-        }
-        Err(error) => {
-            warn!(event = "custody-missing", folders = names, %error);
-            (MISSING, format!("{names} in the state folder cannot be created again: {error}"))
-        }
-    };
+    // In one step with the alarm, so that no answer finds the folders there and the alarm not yet.
     board.note(|facts| {
-        if code == MADE_ANEW {
-            facts.alarms.remove(MISSING);
-        }
+        let (code, message) = match custody.make_folders_anew() {
+            Ok(()) => {
+                error!(event = "custody-made-anew", folders = names);
+                facts.alarms.remove(MISSING);
+                let lost = "scans in them that were not delivered must be exported again";
+                (MADE_ANEW, format!("{names} removed from the state folder; {lost}"))
+            }
+            Err(error) => {
+                warn!(event = "custody-missing", folders = names, %error);
+                (MISSING, format!("{names} in the state folder cannot be created again: {error}"))
+            }
+        };
         facts.alarms.entry(code).or_insert(Alarm { message, since: Timestamp::now() });
     });
 }
