@@ -38,9 +38,9 @@ const shown = (id) => ({ id, shown: id });
 async function changeState(context, change) {
   await context.route("**/stream*", (route) => route.fulfill({ status: 503, body: "" }));
   await context.route("**/state*", async (route) => {
-    // The last question may come when the station is gone.
+    // The last question may come when the station is gone, or stops.
     const answer = await route.fetch().catch(() => null);
-    if (!answer) return route.abort();
+    if (!answer?.ok()) return route.abort();
     const state = await answer.json();
     change(state);
     return route.fulfill({ json: state });

@@ -232,9 +232,9 @@ test("whatever the station says, the page shows it as text and stays in its boun
     });
     await context.route("**/stream*", (route) => route.fulfill({ status: 503, body: "" }));
     await context.route("**/state*", async (route) => {
-      // The last question may come when the station is gone.
+      // The last question may come when the station is gone, or stops.
       const answer = await route.fetch().catch(() => null);
-      if (!answer) return route.abort();
+      if (!answer?.ok()) return route.abort();
       const state = await answer.json();
       state.next.pieces = ["", hostile[4], ""];
       state.undecided = hostile.map((id) => scan([id]));

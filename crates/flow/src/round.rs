@@ -11,7 +11,8 @@
 //!   otherwise, need a word at the booth. A name after the press is of the next round.
 //! - **R3 One press, after the name.** A name soon after a press without one may be for that press or for the
 //!   next. So may an order whose file may have lain there unread at a press ([`Rounds::overtaken`]).
-//! - **R4 One new content.** Its export was absent at a look after the press, and is not older by its own
+//! - **R4 One new content.** No other content was written beside it since the press, and none taken since
+//!   then that was seen before it. Its export was absent at a look after the press, and is not older by its own
 //!   time, its change time and those of the folders above it ([`super::export::writing`]): it was not brought
 //!   in, set back in time, or swapped in with a folder or a link. A content that was seen and is gone before
 //!   it was taken counts ([`super::settle::Gone`]).
@@ -126,10 +127,14 @@ impl Rounds {
         self.unheard(|capture| capture.by == Opener::Name);
     }
 
-    /// Every port of a button is open.
+    /// Every port of a button is open. A press that was missed until now may have been that of a patient who
+    /// was named meanwhile.
     pub fn hears(&mut self, now: Duration) {
         if self.hearing == Hearing::Deaf {
             self.hearing = Hearing::Since(now);
+            if let Some(next) = &mut self.names.next {
+                next.doubt.get_or_insert(Doubt::Unheard);
+            }
         }
     }
 
@@ -190,8 +195,8 @@ impl Rounds {
             // A patient who was ordered before the press needs no other order.
             (OrdersWhen::BeforePress, None | Some(Doubt::Shared)) => is_unnamed,
             (OrdersWhen::BeforePress, Some(_)) => true,
-            // The order of this press is still to come.
-            (OrdersWhen::AfterPress, doubt) => patient.is_none() || doubt.is_some(),
+            // The order of this press is still to come, whoever else was named for it.
+            (OrdersWhen::AfterPress, _) => true,
         };
         if is_unsure {
             self.press_is_unsure(now, is_unnamed);
@@ -203,10 +208,12 @@ impl Rounds {
         opened
     }
 
-    /// R1: where a capture of somebody else has not ended, an export may be of either.
+    /// R1: where a capture of somebody else has not ended, an export may be of either. Two that nobody was
+    /// named for may be of two patients, and one of them may still be named.
     fn at_rest(&self, opened: &mut Capture) {
         let own = opened.clone();
-        for earlier in self.open.iter().filter(|earlier| ids(earlier) != ids(&own)) {
+        let is_others = |earlier: &&Capture| own.is_unnamed() || ids(earlier) != ids(&own);
+        for earlier in self.open.iter().filter(is_others) {
             opened.doubt.get_or_insert(Doubt::Shared);
             if !own.is_unnamed() {
                 earlier.named().for_each(|named| opened.may_also_be(named));
@@ -275,6 +282,15 @@ impl Rounds {
             return Judged::Known;
         }
         let mut judged = self.judge(content.began, now);
+        if let Judged::Of(capture) = &judged
+            && !capture.is_unnamed()
+            && content.others.iter().any(|other| capture.may_have(*other, self.rules.late))
+        {
+            let late = self.rules.late;
+            let may_have = |capture: &&Capture| capture.may_have(content.began, late);
+            let all: Vec<&Capture> = self.open.iter().filter(may_have).collect();
+            judged = held(Why::Ambiguous, &all, content.began);
+        }
         if let Judged::Held { answered, doubtful, .. } = &mut judged
             && content.is_cut_short
         {

@@ -98,14 +98,15 @@ pub fn admitted(core: &Core, settled: &Settled) -> Result<Admitted, TakeFault> {
     Ok(Admitted::ToBeRead)
 }
 
-/// Takes a settled file that has been read. `began` is when its content began. Blocks.
+/// Takes a settled file that has been read. `began` is when its content began, `others` when those began that
+/// are seen and not taken. Blocks.
 ///
 /// # Errors
 /// [`TakeFault`]; the file must then be offered again.
 pub fn take(
     booth: &Booth,
     settled: &Settled,
-    began: Appeared,
+    (began, others): (Appeared, Vec<Appeared>),
     export: &Export,
 ) -> Result<Taken, TakeFault> {
     let core = booth.core();
@@ -129,7 +130,8 @@ pub fn take(
     let read = settled.writing.read();
     let fingerprint = fingerprint::of(&export.bytes, format).unwrap_or_default();
     let (fingerprint, companions) = (fingerprint.as_str(), companions.as_slice());
-    let found = Found { began, settled, format, is_cut_short, read, fingerprint, companions };
+    let found =
+        Found { began, others, settled, format, is_cut_short, read, fingerprint, companions };
     let Admission { verdict, not_an_id, same_as } = admit(booth, export, &found, says)?;
     if let Verdict::Held(code) = verdict {
         booth.ended(&export.scan, Outcome::Held { code: code.to_owned() });
@@ -193,6 +195,8 @@ fn fresh(core: &Core, settled: &Settled, export: &Export) -> Result<Vec<Companio
 struct Found<'a> {
     /// When its content was written.
     began: Appeared,
+    /// When the other contents appeared that are seen and not taken.
+    others: Vec<Appeared>,
     settled: &'a Settled,
     format: Format,
     /// Its format shows that more was to come.
@@ -233,6 +237,7 @@ fn admit(
     let Settled { path, stamp, .. } = found.settled;
     let content = Content {
         began: found.began,
+        others: found.others.clone(),
         is_known: known.is_some() || custody.is_sibling(path, *stamp)?,
         is_cut_short: found.is_cut_short,
         completes: match &known {

@@ -136,7 +136,8 @@ fn what_is_pressed_and_read_while_the_station_is_stopped_is_not_certain() {
     let body = coarse_body(1);
     room.write("a.obj", &body);
     room.wait_for_taken(&body);
-    assert_eq!(room.held(), ["press-unheard"]);
+    // In which order they were said is not known: it may be of either.
+    assert_eq!(room.held(), ["capture-ambiguous"]);
     assert_eq!(room.booth.records(), []);
     assert!(station.stop().success());
 }

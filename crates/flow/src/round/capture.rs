@@ -134,6 +134,9 @@ impl Capture {
 pub struct Content {
     /// When it was written.
     pub began: Appeared,
+    /// When the other contents appeared that were written beside it and are not taken, in any folder
+    /// ([`crate::Settling::others`]).
+    pub others: Vec<Appeared>,
     /// The scan arrived before, with these bytes or this geometry, or in another format.
     pub is_known: bool,
     /// Its format shows that it was cut short.

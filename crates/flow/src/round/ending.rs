@@ -32,6 +32,11 @@ impl Rounds {
                 if self.next().is_some() {
                     self.doubt_names(Doubt::Shared);
                 }
+                // It was seen before their presses, and there was no rest; or it is the second content of one
+                // whose first may still be refused.
+                for capture in &mut self.open {
+                    capture.doubt.get_or_insert(Doubt::Shared);
+                }
             }
             Judged::Of(capture) => {
                 let until = now + self.rules.window;

@@ -78,10 +78,12 @@ impl Rounds {
             return;
         }
         self.doubt_names(Doubt::Shared);
-        for named in capture.named() {
-            if self.missed.len() < DOUBTS_MOST && !self.missed.contains(named) {
-                self.missed.push(named.clone());
-            }
+        capture.named().for_each(|named| self.may_be_there(named.clone()));
+    }
+
+    fn may_be_there(&mut self, named: Named) {
+        if self.missed.len() < DOUBTS_MOST && !self.missed.contains(&named) {
+            self.missed.push(named);
         }
     }
 
@@ -331,6 +333,7 @@ impl Rounds {
         let is_theirs =
             |capture: &&Capture| capture.by == Opener::Press && capture.is_of(&named.id);
         if let Some(capture) = self.open.iter().find(is_theirs) {
+            self.names.unsure.retain(|press| press.at != capture.opened);
             return Paired::With(capture.clone());
         }
         let by_order = |capture: &Capture| {
@@ -399,30 +402,33 @@ impl Rounds {
         (None, all, Some(doubt))
     }
 
-    /// Drops names that have expired; returns whether there were any.
+    /// Drops names that have expired; returns whether there were any. Whoever was named may still be there.
     pub(super) fn drop_old_names(&mut self, now: Duration) -> bool {
         let lasts = self.rules.name_lasts;
-        let Some(next) = &mut self.names.next else { return false };
-        let before = next.names.len();
-        next.names.retain(|said| now <= said.at + lasts);
+        let Some(mut next) = self.names.next.take() else { return false };
+        let is_old = |said: &mut Said| now > said.at + lasts;
+        let old: Vec<Said> = next.names.extract_if(.., is_old).collect();
         let left = next.names.len();
-        if left == before {
+        if left > 0 {
+            // It is not known which of them have entered the booth: it may have been the expired ones.
+            next.used = next.used.min(left - 1);
+            self.names.next = Some(next);
+        }
+        if old.is_empty() {
             return false;
         }
-        // It is not known which of them have entered the booth: it may have been the expired ones.
-        next.used = next.used.min(left.saturating_sub(1));
-        if left == 0 {
-            self.names.next = None;
-        }
+        self.doubt_names(Doubt::Shared);
+        old.into_iter().for_each(|said| self.may_be_there(said.named));
         true
     }
 }
 
-/// Whether a card names somebody else than the one of whom it was just said that they are there. A word of
-/// a person replaces that on purpose.
+/// Whether a card names somebody of whom it was not said yet that they are there, while that was said of
+/// somebody else. A word of a person replaces that on purpose.
 fn contradicts(before: &Next, named: &Named) -> bool {
-    let said = |said: &Said| said.named.by != SourceKind::Order;
-    named.by == SourceKind::Reader && before.is_certain() && before.names.iter().any(said)
+    let mut said = before.names.iter().filter(|said| said.named.by != SourceKind::Order).peekable();
+    let is_other = said.peek().is_some() && said.all(|said| said.named.id != named.id);
+    named.by == SourceKind::Reader && is_other
 }
 
 /// How an order relates to the open presses.

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::time::Duration;
 
-use super::{Next, Settling};
+use super::{Next, Settled, Settling, Watched};
+use crate::export::stamp::Stamp;
 use crate::export::writing::Appeared;
 
 /// What the looks at an export folder have found.
@@ -25,6 +26,22 @@ impl Settling {
         let changed = changed.map(|(path, file)| (path.as_path(), file.writing.last_changed()));
         let overdue = self.overdue;
         changed.filter(move |(_, at)| now.saturating_sub(*at) >= overdue)
+    }
+
+    /// When the contents appeared that are seen and not taken and were there when this file was seen whole,
+    /// except its own and other formats of its name. What begins after that is another export of the same scan in
+    /// many booths, and is judged when it is taken.
+    pub fn others(&self, settled: &Settled) -> Vec<Appeared> {
+        let whole = settled.writing.last_changed();
+        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
+        let is_other = |path: &Path, file: &Watched| {
+            let is_same = path.with_extension("") == settled.path.with_extension("")
+                || inode(&file.group.stamp) == inode(&settled.stamp);
+            file.next != Next::Taken && !is_same
+        };
+        let others = self.files.iter().filter(|(path, file)| is_other(path, file));
+        let appeared = others.map(|(_, file)| file.writing.appeared());
+        appeared.filter(|other| other.seen <= whole).collect()
     }
 
     /// When the last look began, and when the files appeared that may become scans.

@@ -48,6 +48,7 @@ pub mod folder;
 pub mod intake;
 pub mod kinds;
 pub mod laws;
+pub mod oracle;
 pub mod people;
 pub mod sequence;
 pub mod truth;
@@ -95,7 +96,7 @@ fn all() -> Result<&'static Ended, String> {
         let mut all = Ended::default();
         for seed in seeds {
             let ended = sequence::run(&stations, seed, Off::Nothing, false);
-            if let Some(wrong) = &ended.wrong {
+            if let Some(wrong) = ended.wrong.as_ref().or(ended.unclean.as_ref()) {
                 let story = tell_again(&stations, seed, Off::Nothing);
                 return Err(format!("{story}\nGAITER_SEED={seed}: {wrong}"));
             }
@@ -144,6 +145,31 @@ fn control(off: Off) {
     println!("{off:?}: seed {seed}: {wrong}");
     if env::var_os("GAITER_TELL").is_some() {
         println!("{}", tell_again(&stations, seed, off));
+    }
+}
+
+/// The oracle notices each of the six rules that is off, whether a name is wrong or not.
+#[test]
+fn a_round_that_breaks_a_rule_is_noticed() {
+    let stations = Stations::new();
+    let rules = [
+        (Off::RestBefore, "R1"),
+        (Off::OrdersAddUp, "R2"),
+        (Off::PressAfterName, "R2"),
+        (Off::ContentNotName, "R4"),
+        (Off::FailedNamingDisarms, "R"),
+        (Off::EarsOpen, "R"),
+        (Off::InTime, "R6"),
+    ];
+    for (off, rule) in rules {
+        let broken = (1..=CONTROL_SEQUENCES).find_map(|seed| {
+            let ended = sequence::run(&stations, seed, off, false);
+            ended.unclean.filter(|flaw| flaw.starts_with(rule)).map(|flaw| (seed, flaw))
+        });
+        let Some((seed, flaw)) = broken else {
+            panic!("nobody notices that {off:?} does not hold")
+        };
+        println!("{off:?}: seed {seed}: {flaw}");
     }
 }
 

@@ -48,9 +48,9 @@ fn a_held_export_that_was_cut_short_uses_up_no_press_and_a_whole_one_does() {
         let mut captures = captures();
         pressed_for(&mut captures, "1", 1, 0);
         pressed_for(&mut captures, "2", 2, 10);
-        let (began, is_known, completes) = (seen(20), false, None);
-        let judged =
-            captures.judge_content(&Content { began, is_known, is_cut_short, completes }, at(20));
+        let (began, others, is_known, completes) = (seen(20), Vec::new(), false, None);
+        let content = Content { began, others, is_known, is_cut_short, completes };
+        let judged = captures.judge_content(&content, at(20));
         assert_eq!(code(&judged), AMBIGUOUS);
         captures.answer(&judged, at(20));
         assert_eq!(captures.waiting().count(), left);
@@ -64,6 +64,7 @@ fn the_rest_of_a_scan_that_is_measured_is_its_captures_and_its_part_opens_that_n
     taken(&mut captures, seen(10));
     let of = |id: &str| Content {
         began: seen(10),
+        others: Vec::new(),
         is_known: false,
         is_cut_short: false,
         completes: Some(vec![named(id)]),

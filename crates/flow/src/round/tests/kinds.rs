@@ -40,9 +40,13 @@ fn a_name_that_waited_while_a_source_of_names_was_away_is_not_certain() {
         let mut again = captures.clone();
         captures.pressed(1, at(10));
         is_held(&mut captures, 20, &["1"]);
-        again.named(by_whom("2", SourceKind::Reader), 1, at(5), &[]);
+        let mut other = again.clone();
+        again.named(by_whom("1", SourceKind::Reader), 1, at(5), &[]);
         again.pressed(1, at(10));
-        assert_eq!(patient_of(&export(&mut again, seen(20))), Some("2"));
+        assert_eq!(patient_of(&export(&mut again, seen(20))), Some("1"));
+        other.named(by_whom("2", SourceKind::Reader), 1, at(5), &[]);
+        other.pressed(1, at(10));
+        is_held(&mut other, 20, &["1", "2"]);
     }
 }
 
@@ -249,4 +253,82 @@ fn without_a_button_a_name_after_an_export_that_is_held_is_of_a_scan_of_its_own(
     // The decision was about the first: what was scanned after the card is still to come.
     captures.named(by_whom("2", SourceKind::Reader), 3, at(15), &[]);
     is_held(&mut captures, 20, &["1", "2"]);
+}
+
+/// The next press and its export, an hour of looks later.
+fn next_patient(captures: &mut Rounds, number: i64, second: u64) -> Judged {
+    captures.pressed(number, at(second));
+    taken(captures, seen(second + 5))
+}
+
+#[test]
+fn two_cards_contradict_each_other_until_one_of_them_is_read_again() {
+    let mut captures = captures();
+    for card in ["1", "2", "3"] {
+        captures.named(by_whom(card, SourceKind::Reader), 1, at(0), &[]);
+    }
+    let mut again = captures.clone();
+    assert_eq!(candidates(&next_patient(&mut captures, 1, 10)), ["1", "2", "3"]);
+    again.named(by_whom("2", SourceKind::Reader), 1, at(5), &[]);
+    assert_eq!(patient_of(&next_patient(&mut again, 1, 10)), Some("2"));
+}
+
+#[test]
+fn a_name_that_expired_is_not_replaced_by_the_next_order() {
+    // 1 waits for longer than a name is kept, and goes in after all.
+    for both_at_once in [true, false] {
+        let mut captures = captures();
+        captures.named(order("1"), 1, at(0), &[]);
+        let second = if both_at_once { 590 } else { 610 };
+        captures.named(order("2"), 1, at(second), &[]);
+        assert!(captures.pass(at(620), &[all_seen(620)]).name_expired == both_at_once);
+        let held = next_patient(&mut captures, 1, 630);
+        let mut whose = candidates(&held);
+        whose.sort_unstable();
+        assert_eq!(whose, ["1", "2"]);
+    }
+}
+
+#[test]
+fn an_order_that_comes_after_a_press_by_card_is_not_for_the_next_press_without_a_name() {
+    let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
+    let mut captures = Rounds { rules, ..captures() };
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.pressed(1, at(5));
+    assert_eq!(patient_of(&export(&mut captures, seen(10))), Some("1"));
+    captures.pressed(2, at(60));
+    captures.named(order("1"), 3, at(65), &[]);
+    assert_eq!(code(&taken(&mut captures, seen(70))), AMBIGUOUS);
+}
+
+#[test]
+fn an_order_is_for_no_press_that_was_made_while_another_without_a_name_was_open() {
+    let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
+    let mut captures = Rounds { rules, ..captures() };
+    captures.pressed(1, at(0));
+    // Their window and the time for late ones are over a second later.
+    captures.pressed(2, at(359));
+    captures.pass(at(361), &[all_seen(361)]);
+    captures.named(order("2"), 3, at(362), &[]);
+    assert_eq!(code(&taken(&mut captures, seen(365))), AMBIGUOUS);
+}
+
+#[test]
+fn who_was_named_while_the_button_was_away_may_have_pressed_it() {
+    let mut captures = captures();
+    captures.deaf();
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.hears(at(10));
+    captures.named(order("1"), 1, at(400), &[]);
+    assert_eq!(code(&next_patient(&mut captures, 1, 410)), UNHEARD);
+}
+
+#[test]
+fn a_second_content_while_the_first_is_measured_leaves_no_certainty_for_a_third() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
+    assert_eq!(taken(&mut captures, seen(15)), Judged::Unpressed);
+    captures.refused(1, at(20));
+    assert_eq!(code(&taken(&mut captures, seen(30))), AMBIGUOUS);
 }

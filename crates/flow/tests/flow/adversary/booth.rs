@@ -9,7 +9,7 @@ use std::time::Duration;
 use gaiter_flow::patient::identity::Identity;
 use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Names, Rounds, Rules};
 use gaiter_flow::settle::{Memory, Sights};
-use gaiter_flow::{Appeared, Settling};
+use gaiter_flow::{Appeared, OrdersWhen, Settling};
 use gaiter_record::SourceKind;
 
 use super::chance::Chance;
@@ -18,6 +18,7 @@ use super::disk::{Disk, Fault};
 use super::folder::Folder;
 use super::intake::{Phase, TakeFault};
 use super::laws::Off;
+use super::oracle::{Began, Oracle, Seen};
 use super::truth::{Truth, id};
 
 /// The times of the shipped configuration.
@@ -84,6 +85,7 @@ pub struct Booth {
     /// None while the station does not run.
     pub run: Option<Run>,
     pub truth: Truth,
+    pub oracle: Oracle,
     pub is_paused: bool,
     pub is_away: bool,
     pub is_unplugged: bool,
@@ -110,6 +112,7 @@ impl Booth {
             disk: Disk::default(),
             run: None,
             truth: Truth::default(),
+            oracle: Oracle::default(),
             is_paused: false,
             is_away: false,
             is_unplugged: false,
@@ -121,6 +124,8 @@ impl Booth {
         booth.start();
         let heard = Duration::from_secs(1);
         let looked = booth.clock();
+        let rules = booth.setup.rules;
+        booth.oracle = Oracle::new(rules.by_press, rules.orders == OrdersWhen::AfterPress);
         if let Some(run) = &mut booth.run {
             run.captures = Rounds::new(booth.setup.rules, Vec::new(), Names::default());
             run.captures.hears(heard);
@@ -137,6 +142,21 @@ impl Booth {
     /// The station's clock: since the machine's start.
     pub fn clock(&self) -> Duration {
         Duration::from_millis(self.now_ms - self.boot_ms)
+    }
+
+    /// What the station observed now.
+    pub fn observe(&mut self, what: Seen) {
+        self.oracle.observe(self.now_ms, what);
+    }
+
+    /// A time of the station's clock, milliseconds.
+    fn ms(&self, at: Duration) -> u64 {
+        self.boot_ms + at.as_millis() as u64
+    }
+
+    pub fn began(&self, content: Appeared) -> Began {
+        let absent_ms = content.absent.map(|absent| self.ms(absent));
+        Began { absent_ms, seen_ms: self.ms(content.seen) }
     }
 
     pub fn tell(&mut self, what: impl FnOnce() -> String) {
@@ -181,6 +201,7 @@ impl Booth {
             listed: 0,
             pass_at_ms: self.now_ms,
         });
+        self.observe(Seen::Start);
         self.tell(|| "the station starts".to_owned());
     }
 
@@ -196,6 +217,7 @@ impl Booth {
         self.disk.machine_was_off(self.boot_ms, self.now_ms, self.setup.rules.late);
         self.boot_ms = self.now_ms - 20_000;
         self.start_ms = Some(self.now_ms + 1000);
+        self.observe(Seen::Reboot);
         self.tell(|| "the machine starts anew".to_owned());
     }
 
@@ -294,10 +316,13 @@ impl Booth {
             let nobody = Named { id: NOBODY.to_owned(), by: SourceKind::Operator };
             after.named(nobody, 0, now, &[]);
         }
-        after.pressed(self.disk.next_capture(), now);
-        if change(self.setup.off, &mut self.disk, run, after).is_err() {
+        let number = self.disk.next_capture();
+        after.pressed(number, now);
+        let is_kept = change(self.setup.off, &mut self.disk, run, after).is_ok();
+        if !is_kept {
             run.captures.missed_press(now);
         }
+        self.observe(if is_kept { Seen::Press { number } } else { Seen::PressesAway });
         self.look_at_once();
         true
     }
@@ -314,6 +339,7 @@ impl Booth {
             && let Some(run) = &mut self.run
         {
             run.captures.unread();
+            self.observe(Seen::Unread);
         }
     }
 
@@ -336,23 +362,36 @@ impl Booth {
         let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by) };
         let is_told = by == SourceKind::Order && self.setup.off != Off::EarsOpen;
         let is_overtaken = is_told && after.overtaken(&named, absent);
+        let is_sure = doubt.is_none();
         let doubt = doubt.or(is_overtaken.then_some(Doubt::Crossed));
         let came = match doubt {
             None => after.named(named, number, now, &coming),
             Some(doubt) => after.doubtful(named, doubt, number, now, &coming),
         };
+        let still = |number: &i64| after.open().iter().any(|of| of.number == *number);
+        let before = run.captures.open().iter().map(|of| of.number);
+        let ended: Vec<i64> = before.filter(|number| !still(number)).collect();
         change(self.setup.off, &mut self.disk, run, after)?;
         if !matches!(came, NamedNext::Waits { .. }) {
             self.look_at_once();
         }
+        let round = match came {
+            NamedNext::Opened(capture, _) | NamedNext::Prolonged(capture) => capture.number,
+            NamedNext::Paired(_) | NamedNext::Waits { .. } => 0,
+        };
+        let absent_ms = absent.map_or(0, |absent| self.ms(absent));
+        let id = id.to_owned();
+        self.observe(Seen::Named { id, by, is_sure, absent_ms, round, ended });
         Ok(())
     }
 
     /// A source of names is away, or has come back.
     pub fn missed_name(&mut self) {
-        if let Some(run) = self.run.as_mut().filter(|_| self.setup.off != Off::EarsOpen) {
+        let Some(run) = &mut self.run else { return };
+        if self.setup.off != Off::EarsOpen {
             run.captures.missed_name();
         }
+        self.observe(Seen::NamesAway);
     }
 
     /// A source of names goes away for some seconds.
@@ -364,10 +403,11 @@ impl Booth {
 
     /// Somebody tried to name a patient, and it could not be read.
     pub fn unread(&mut self) {
-        let Some(run) = self.run.as_mut().filter(|_| self.setup.off != Off::FailedNamingDisarms)
-        else {
+        let Some(run) = &mut self.run else { return };
+        self.oracle.observe(self.now_ms, Seen::Unread);
+        if self.setup.off == Off::FailedNamingDisarms {
             return;
-        };
+        }
         let mut after = run.captures.clone();
         after.unread();
         let _ = change(self.setup.off, &mut self.disk, run, after.clone());
@@ -379,17 +419,22 @@ impl Booth {
         let Some(run) = &mut self.run else { return Err(Fault) };
         let mut after = run.captures.clone();
         after.call_off();
-        change(self.setup.off, &mut self.disk, run, after)
+        change(self.setup.off, &mut self.disk, run, after)?;
+        self.observe(Seen::CalledOff);
+        Ok(())
     }
 
     /// The scan that answered a capture was refused: another export is awaited.
     pub fn reopen_capture(&mut self, scan: Scan) -> Result<(), Fault> {
         let now = self.clock();
         let Some(run) = &mut self.run else { return Err(Fault) };
-        let Some(capture) = self.disk.answered_by(scan) else { return Ok(()) };
-        let mut after = run.captures.clone();
-        after.refused(capture.number, now);
-        change(self.setup.off, &mut self.disk, run, after)
+        if let Some(capture) = self.disk.answered_by(scan) {
+            let mut after = run.captures.clone();
+            after.refused(capture.number, now);
+            change(self.setup.off, &mut self.disk, run, after)?;
+        }
+        self.observe(Seen::Refused(scan));
+        Ok(())
     }
 
     /// The port of the button is open, or is not any more.
@@ -397,7 +442,12 @@ impl Booth {
         let now = self.clock();
         self.is_unplugged = !is_open;
         if let Some(run) = &mut self.run {
-            if is_open { run.captures.hears(now) } else { run.captures.deaf() }
+            if is_open {
+                run.captures.hears(now)
+            } else {
+                run.captures.deaf()
+            }
+            self.observe(if is_open { Seen::PressesBack } else { Seen::PressesAway });
         }
     }
 }

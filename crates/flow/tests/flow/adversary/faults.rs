@@ -4,6 +4,7 @@ use super::booth::Booth;
 use super::folder::Held;
 use super::intake::TakeFault;
 use super::kinds::Kind;
+use super::oracle::Seen;
 use super::people::{People, Said};
 use super::truth::Plan;
 
@@ -48,6 +49,7 @@ impl People {
                 self.booth.tell(|| "the journal is lost".to_owned());
                 self.booth.run = None;
                 self.booth.disk.is_locked = false;
+                self.booth.observe(Seen::JournalLost);
                 self.booth.disk.rebuild(self.booth.setup.off);
                 self.booth.pass_over_companions();
                 self.pass_over_orders();

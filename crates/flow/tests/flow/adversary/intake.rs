@@ -18,6 +18,7 @@ use super::content::Content;
 use super::disk::{Fault, Intake};
 use super::folder::{self, Held, name_of};
 use super::laws::Off;
+use super::oracle::{Seen, Went};
 use super::work::first_sights;
 
 /// A refused scan with fewer bytes than this tells nothing by being the beginning of another: the
@@ -180,6 +181,9 @@ impl Booth {
         lost.iter().for_each(|content| after.gone(content.appeared));
         let _ = change(off, &mut self.disk, run, after.clone());
         run.captures = after;
+        for content in &lost {
+            self.observe(Seen::Gone(self.began(content.appeared)));
+        }
         self.tell(|| format!("gone before it was taken: {lost:?}"));
     }
 
@@ -252,7 +256,8 @@ impl Booth {
     fn admit(&mut self, settled: &Settled, content: &Content, says: NameSays) -> Result<(), Fault> {
         let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
         let Some(run) = &self.run else { return Err(Fault) };
-        let mut began = run.settling.began(settled, content.bytes());
+        let observed = run.settling.began(settled, content.bytes());
+        let mut began = observed;
         self.tell(|| format!("{} is read; its content began {began:?}", name_of(&settled.path)));
         self.enter_kept()?;
         let known = self.disk.known(scan, &content.geometry());
@@ -268,7 +273,9 @@ impl Booth {
         }
         let is_known = known.is_some() && off != Off::KnownAnswerNothing;
         let is_cut_short = content.awaits_rest();
-        let judge = Judge { began, is_known, is_cut_short, completes };
+        let others = run.settling.others(settled);
+        let is_rest = completes.is_some();
+        let judge = Judge { began, others: others.clone(), is_known, is_cut_short, completes };
         let judged = match run.captures.judge_content(&judge, now) {
             Judged::Of(capture) if capture.named().any(|named| named.id == NOBODY) => {
                 Judged::Of(Capture { patient: None, ..capture })
@@ -303,7 +310,23 @@ impl Booth {
             geometry: content.geometry(),
             judged: judged.clone(),
         };
-        self.keep(content, &intake)
+        let was_kept = self.disk.spool_holds(scan);
+        let entered = self.keep(content, &intake);
+        let is_kept = self.run.is_none() || entered.is_ok() || self.disk.spool_holds(scan);
+        if let Some(went) = Went::of(&judged).filter(|_| is_kept && !was_kept) {
+            let others = others.iter().map(|other| self.began(*other)).collect();
+            let began = self.began(observed);
+            self.observe(Seen::Taken { scan, began, others, went, is_rest });
+            self.check_round();
+        }
+        entered
+    }
+
+    /// What was just given to a patient had a clean round.
+    fn check_round(&mut self) {
+        let Some(flaw) = self.oracle.flaw() else { return };
+        self.tell(|| format!("NO CLEAN ROUND: {flaw}"));
+        self.truth.unclean.get_or_insert(flaw);
     }
 
     /// Spool, then journal, then memory; or what goes wrong in between.

@@ -24,6 +24,8 @@ pub enum Off {
     FailedNamingDisarms,
     /// R5: Nobody tells that a source of names was away, or that an order lay there unread at a press.
     EarsOpen,
+    /// R6: The window of a capture is ten times as long as it should be.
+    InTime,
     /// A command that the journal did not take has taken effect.
     JournalFirst,
     /// A rebuild forgets what a person decided.
@@ -35,7 +37,7 @@ pub enum Off {
 }
 
 impl Off {
-    pub const ALL: [Off; 14] = [
+    pub const ALL: [Off; 15] = [
         Off::Nothing,
         Off::ContentNotName,
         Off::Inodes,
@@ -46,6 +48,7 @@ impl Off {
         Off::PressAfterName,
         Off::FailedNamingDisarms,
         Off::EarsOpen,
+        Off::InTime,
         Off::JournalFirst,
         Off::DecisionsOutlive,
         Off::FreshCompanions,

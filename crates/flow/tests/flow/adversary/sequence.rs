@@ -51,7 +51,8 @@ impl Stations {
             0 => OrdersWhen::BeforePress,
             _ => OrdersWhen::AfterPress,
         };
-        let rules = Rules { by_press, window: WINDOW, late: LATE, name_lasts: NAME_LASTS, orders };
+        let window = if off == Off::InTime { 10 * WINDOW } else { WINDOW };
+        let rules = Rules { by_press, window, late: LATE, name_lasts: NAME_LASTS, orders };
         Setup {
             rules,
             hints: chance.below(3) > 0,
@@ -67,6 +68,8 @@ impl Stations {
 #[derive(Debug, Default)]
 pub struct Ended {
     pub wrong: Option<String>,
+    /// A rule that was broken when a scan came to a patient.
+    pub unclean: Option<String>,
     pub story: Vec<String>,
     pub pairs: Pairs,
     pub events: u64,
@@ -144,6 +147,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     rest(&mut people);
     tally(&people, &mut ended);
     ended.wrong = people.booth.truth.wrong.clone();
+    ended.unclean = people.booth.truth.unclean.clone();
     ended.story = people.booth.story.take().unwrap_or_default();
     ended
 }

@@ -64,6 +64,8 @@ pub struct Truth {
     pub exports: Vec<Export>,
     /// A body under another's name.
     pub wrong: Option<String>,
+    /// The rule that a scan broke which came to a patient.
+    pub unclean: Option<String>,
     /// Bodies under another's name that nobody could have known of, see the assumptions.
     pub excused: usize,
     /// From now on what goes wrong is told apart: a thing came later than anybody waits for it.

@@ -8,6 +8,7 @@ use gaiter_flow::{Appeared, ScanState, Stamp};
 
 use super::booth::{Booth, Run, change};
 use super::content::Scan;
+use super::oracle::Seen;
 use super::truth::{Plan, id};
 
 /// How soon a measurement is tried again whose end the journal did not take, milliseconds.
@@ -44,6 +45,7 @@ impl Booth {
             && self.disk.closed(&run.captures.closed_by(capture.number)).is_ok()
         {
             run.captures.measured(capture.number);
+            self.observe(Seen::Measured(scan));
         }
         if is_due {
             self.is_measured(body);
@@ -96,6 +98,7 @@ impl Booth {
                 let answered = after.decided(&judged, who, now);
                 if change(self.setup.off, &mut self.disk, run, after).is_ok() {
                     self.disk.answers_now(scan, answered);
+                    self.observe(Seen::Decided { scan, id: Some(who.clone()), round: answered });
                 }
             }
         }

@@ -151,7 +151,8 @@ pub fn content(
     let known = |patients: Vec<Patient>| {
         patients.into_iter().filter(|patient| *patient > 0).map(named).collect()
     };
-    Content { began, is_known, is_cut_short, completes: completes.map(known) }
+    let others = Vec::new();
+    Content { began, others, is_known, is_cut_short, completes: completes.map(known) }
 }
 
 /// The number of the capture that an export answered.
