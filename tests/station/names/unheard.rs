@@ -136,8 +136,9 @@ fn what_is_pressed_and_read_while_the_station_is_stopped_is_not_certain() {
     let body = coarse_body(1);
     room.write("a.obj", &body);
     room.wait_for_taken(&body);
-    // In which order they were said is not known: it may be of either.
-    assert_eq!(room.held(), ["capture-ambiguous"]);
+    // Whichever the station hears first: the press was not certain, or it was for either.
+    let held = room.held();
+    assert!(held == ["press-unheard"] || held == ["capture-ambiguous"], "{held:?}");
     assert_eq!(room.booth.records(), []);
     assert!(station.stop().success());
 }
