@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
+use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
 use rig::verb::{code, gaiter_told, stderr, stdout};
@@ -188,6 +189,32 @@ fn a_person_is_erased_while_no_station_runs() {
     assert!(!since.contains("journal-set-aside") && !since.contains("journal-ruined"), "{since}");
     assert_eq!(daemon.stop().code(), Some(0));
     assert_erased(&booth);
+}
+
+#[test]
+fn an_erasure_that_something_in_the_persons_folder_stops_keeps_no_record_from_the_store() {
+    let (booth, daemon) = booth();
+    let (folder, elsewhere) = (booth.path("copy").join(ID), booth.path("elsewhere"));
+    fs::rename(&folder, &elsewhere).unwrap();
+    symlink(&elsewhere, &folder).unwrap();
+    let (_, said, shown) = erase(&booth);
+    assert!(said.contains("copy"), "{said}{shown}");
+    booth.wait_for("the attempt", || booth.log().contains("erasure-failed"));
+    // The store takes another's record, and its own fault is none.
+    booth.export("4711_z.obj", &coarse_body(7));
+    booth.wait_for("a record", || names(&booth.path("copy").join("4711")).len() == 1);
+    let status = booth.status();
+    assert_eq!(status["stores"]["copy"]["fault"], Value::Null);
+    let alarm = status["alarms"]["erasure-pending"]["message"].to_string();
+    assert!(alarm.contains("copy") && !alarm.contains(ID), "{alarm}");
+    assert_eq!(daemon.stop().code(), Some(0));
+    // Put right, the next start ends it.
+    fs::remove_file(&folder).unwrap();
+    fs::rename(&elsewhere, &folder).unwrap();
+    let daemon = booth.start_ready();
+    booth.wait_for("its end", || booth.status()["alarms"]["erasure-pending"] == Value::Null);
+    assert_erased(&booth);
+    assert_eq!(daemon.stop().code(), Some(0));
 }
 
 #[test]

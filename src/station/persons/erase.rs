@@ -19,7 +19,7 @@ pub(in crate::station) const PENDING: &str = "erasure-pending";
 /// Why a store was not cleared.
 #[derive(Debug, thiserror::Error)]
 pub(in crate::station) enum ClearFault {
-    /// The store is out of reach, or refuses.
+    /// The store is out of reach.
     #[error("the store could not be cleared")]
     Store(#[source] StoreFault),
     /// The erasure could not be noted.
@@ -69,10 +69,11 @@ fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> String {
     }
 }
 
-/// Clears a store of persons whose erasure waits for it. Returns for how many.
+/// Clears a store of persons whose erasure waits for it. Returns for how many. Where something in a person's
+/// own folder stops it, that erasure waits alone, and its alarm stays.
 ///
 /// # Errors
-/// See [`ClearFault`]; the store is then cleared at the next attempt.
+/// See [`ClearFault`]: the store is out of reach. It is then cleared at the next attempt.
 pub(in crate::station) fn clear_store(
     custody: &Custody,
     store: &RecordStore,
@@ -83,7 +84,15 @@ pub(in crate::station) fn clear_store(
         if !erasure.stores.iter().any(|name| name == store.name()) {
             continue;
         }
-        store.erase(patient, before, &whole(&erasure)).map_err(ClearFault::Store)?;
+        match store.erase(patient, before, &whole(&erasure)) {
+            Ok(()) => {}
+            Err(StoreFault::Permanent(misfit)) => {
+                let (store, error) = (store.name(), misfit.to_string());
+                warn!(event = "erasure-failed", person = whose, store, error);
+                continue;
+            }
+            Err(fault) => return Err(ClearFault::Store(fault)),
+        }
         custody.store_cleared(&whose, store.name())?;
         info!(event = "person-erased-in-store", person = whose, store = store.name());
         cleared += 1;

@@ -12,6 +12,7 @@ use gaiter_record::RECORD;
 use jiff::Timestamp;
 
 use super::FolderStore;
+use super::search::KEEPS_IT;
 use crate::store::brief::Brief;
 use crate::store::listing::records_in;
 use crate::store::{StoreFault, durable, sums, tried};
@@ -60,7 +61,8 @@ impl FolderStore {
     /// then, and the unassigned records of these scans.
     ///
     /// # Errors
-    /// A transient fault if the store is out of reach; a permanent one if the folder is a link.
+    /// A transient fault if the store is out of reach; a permanent one if the folder is a link, or something
+    /// of its own is in the way.
     pub fn erase(
         &self,
         patient: &str,
@@ -68,6 +70,16 @@ impl FolderStore {
         scans: &[ScanId],
     ) -> Result<(), StoreFault> {
         self.reach()?;
+        let erased = self.erase_in_reach(patient, before, scans);
+        erased.map_err(|fault| self.of_record(fault, &KEEPS_IT))
+    }
+
+    fn erase_in_reach(
+        &self,
+        patient: &str,
+        before: Timestamp,
+        scans: &[ScanId],
+    ) -> Result<(), StoreFault> {
         if let Some(folder) = self.own_folder(Some(patient))? {
             self.erase_in(&folder, patient, before)?;
             match fs::remove_dir(&folder) {

@@ -19,7 +19,7 @@ use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
 const SET_BY_HAND: &str = "set-by-hand";
 
 /// Errors that say that one record cannot leave its place, and nothing about the store.
-const KEEPS_IT: [ErrorKind; 6] = [
+pub(super) const KEEPS_IT: [ErrorKind; 6] = [
     ErrorKind::AlreadyExists,
     ErrorKind::DirectoryNotEmpty,
     ErrorKind::InvalidFilename,
