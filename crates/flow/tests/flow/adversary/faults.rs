@@ -67,6 +67,14 @@ impl People {
                 }
                 self.runs()
             }
+            Kind::ClockSet => {
+                let steps_ms = [500, 10_000, 600_000, 7_200_000];
+                let by_ms = steps_ms[self.booth.chance.below(steps_ms.len())];
+                let by_ms = if self.booth.chance.below(2) == 0 { by_ms } else { -by_ms };
+                self.booth.folder.set_clock(by_ms);
+                self.booth.tell(|| format!("the clock is set by {by_ms} ms"));
+                true
+            }
             Kind::TakeFails => {
                 let fault = some_fault(&mut self.booth);
                 self.booth.tell(|| format!("with the next scan goes wrong: {fault:?}"));

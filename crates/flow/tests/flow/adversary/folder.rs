@@ -43,11 +43,26 @@ pub struct Folder {
     inodes: BTreeMap<u64, Inode>,
     free: Vec<u64>,
     last: u64,
+    /// Its clock was set forward by so much, or back, milliseconds.
+    skew_ms: i64,
     /// Changes with every change.
     pub version: u64,
 }
 
+/// The clock of the file system when the simulation begins, milliseconds: later than it is ever set back by.
+const EPOCH_MS: i64 = 1_000_000_000;
+
 impl Folder {
+    /// Somebody, or a time server, sets the clock of the file system.
+    pub fn set_clock(&mut self, by_ms: i64) {
+        self.skew_ms += by_ms;
+    }
+
+    /// What its clock says at a time of the simulation.
+    fn clock_ms(&self, now_ms: u64) -> u64 {
+        now_ms.saturating_add_signed(EPOCH_MS + self.skew_ms)
+    }
+
     /// The files as a look finds them: path, state, inode.
     pub fn list(&self) -> Vec<(String, Stamp)> {
         let stamp = |ino: &u64| self.stamp_of(*ino);
@@ -104,6 +119,7 @@ impl Folder {
             self.last += 1;
             self.last
         });
+        let now_ms = self.clock_ms(now_ms);
         self.inodes.insert(ino, Inode { held, mtime_ms: now_ms, ctime_ms: now_ms });
         self.names.insert(name.to_owned(), ino);
         ino
@@ -112,6 +128,7 @@ impl Folder {
     /// Writes what an inode holds from now on; truncating and growing are the same to it.
     pub fn write(&mut self, ino: u64, held: Held, now_ms: u64) {
         self.version += 1;
+        let now_ms = self.clock_ms(now_ms);
         if let Some(file) = self.inodes.get_mut(&ino) {
             (file.held, file.mtime_ms, file.ctime_ms) = (held, now_ms, now_ms);
         }
@@ -120,6 +137,7 @@ impl Folder {
     /// A file comes in from elsewhere, with the time at which it was written there.
     pub fn move_in(&mut self, name: &str, held: Held, written_ms: u64, now_ms: u64) -> u64 {
         let ino = self.create(name, held, now_ms);
+        let written_ms = self.clock_ms(written_ms);
         if let Some(file) = self.inodes.get_mut(&ino) {
             file.mtime_ms = written_ms;
         }
@@ -130,6 +148,7 @@ impl Folder {
     fn older(&mut self, held: Held, written_ms: u64) -> u64 {
         self.version += 1;
         self.last += 1;
+        let written_ms = self.clock_ms(written_ms);
         self.inodes.insert(self.last, Inode { held, mtime_ms: written_ms, ctime_ms: written_ms });
         self.last
     }
@@ -140,7 +159,7 @@ impl Folder {
         self.names.insert(file.to_owned(), ino);
         self.last += 1;
         if let Some((folder, _)) = file.rsplit_once('/') {
-            self.below.insert(folder.to_owned(), (self.last, now_ms));
+            self.below.insert(folder.to_owned(), (self.last, self.clock_ms(now_ms)));
         }
     }
 
@@ -160,6 +179,7 @@ impl Folder {
     /// Somebody gives a file an older time.
     pub fn set_back(&mut self, ino: u64, written_ms: u64, now_ms: u64) {
         self.change_status(ino, now_ms);
+        let written_ms = self.clock_ms(written_ms);
         if let Some(file) = self.inodes.get_mut(&ino) {
             file.mtime_ms = written_ms;
         }
@@ -195,6 +215,7 @@ impl Folder {
     /// A change of mode, owner or links.
     pub fn change_status(&mut self, ino: u64, now_ms: u64) {
         self.version += 1;
+        let now_ms = self.clock_ms(now_ms);
         if let Some(file) = self.inodes.get_mut(&ino) {
             file.ctime_ms = now_ms;
         }
@@ -203,6 +224,7 @@ impl Folder {
     /// The times are set to now, the content stays.
     pub fn touch(&mut self, ino: u64, now_ms: u64) {
         self.version += 1;
+        let now_ms = self.clock_ms(now_ms);
         if let Some(file) = self.inodes.get_mut(&ino) {
             (file.mtime_ms, file.ctime_ms) = (now_ms, now_ms);
         }

@@ -99,6 +99,8 @@ pub enum Kind {
     Rebuild,
     /// The journal cannot be written for a while.
     JournalLocked,
+    /// The clock of the file system is set, by a second or by hours.
+    ClockSet,
     /// Something fails between spool, journal and memory with the next scan.
     TakeFails,
     /// The store goes out of reach, or comes back.
@@ -146,7 +148,7 @@ pub fn theme(of: Off) -> &'static [Kind] {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 51] = [
+    pub const ALL: [Kind; 52] = [
         Kind::Press,
         Kind::PressEarly,
         Kind::NextPatient,
@@ -193,6 +195,7 @@ impl Kind {
         Kind::Reboot,
         Kind::Rebuild,
         Kind::JournalLocked,
+        Kind::ClockSet,
         Kind::TakeFails,
         Kind::StoreAway,
         Kind::Decide,
@@ -210,7 +213,7 @@ impl Kind {
             Kind::OlderBroughtIn => Share::Apart,
             Kind::Pause | Kind::FolderAway | Kind::Unplug | Kind::Crash => Share::Fault,
             Kind::Reboot | Kind::Rebuild | Kind::JournalLocked | Kind::TakeFails => Share::Fault,
-            Kind::StoreAway => Share::Fault,
+            Kind::StoreAway | Kind::ClockSet => Share::Fault,
             _ => Share::Half,
         }
     }
@@ -225,7 +228,7 @@ impl Kind {
             Kind::ExportReplaces | Kind::ExportMovedIn => 8,
             Kind::ExportLate | Kind::OrderLate | Kind::OrderAfterPress => 6,
             Kind::OrderOvertaken => 8,
-            Kind::OrderAway => 4,
+            Kind::OrderAway => 5,
             Kind::GoesOn | Kind::AgainWhole => 10,
             Kind::RescanNamed => 115,
             Kind::GivenUp => 95,
@@ -238,6 +241,7 @@ impl Kind {
             Kind::Reboot => 5,
             Kind::Unplug => 4,
             Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch | Kind::Unread => 1,
+            Kind::ClockSet => 2,
             Kind::Grows | Kind::Ends | Kind::AgainSame | Kind::AgainComment => 4,
             _ => 3,
         }

@@ -403,7 +403,8 @@ impl Oracle {
                 Seen::Named { id, by: SourceKind::Order, is_sure, absent_ms, .. } => {
                     let is_overtaken =
                         !self.orders_come_after && recent.clone().any(|(at, _)| at > absent_ms);
-                    let is_crossed = recent.any(|(_, of)| !of.is_sure);
+                    // Several who were named before a press need no other order.
+                    let is_crossed = recent.any(|(_, of)| !of.is_sure && of.ids.len() < 2);
                     let is_sure = *is_sure && !is_overtaken;
                     if self.orders_come_after {
                         pair(&mut whose, names.said.is_empty(), (id, is_sure), *now_ms);
