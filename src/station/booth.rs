@@ -17,7 +17,7 @@ use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
 use gaiter_flow::round::{Capture, Content, Judged, Rounds, Rules};
 use gaiter_flow::settle::Sights;
-use gaiter_flow::{Appeared, OrdersWhen, ScanId};
+use gaiter_flow::{OrdersWhen, ScanId};
 use jiff::Timestamp;
 use tokio::sync::{Notify, watch};
 use tokio::task::{JoinError, spawn_blocking};
@@ -272,13 +272,6 @@ impl Booth {
         if let Some(known) = self.glance().sights.get_mut(place) {
             *known = sights;
         }
-    }
-
-    /// When the contents appeared that are seen and not taken in the export folders but this one.
-    pub fn coming_elsewhere(&self, place: usize) -> Vec<Appeared> {
-        let glance = self.glance();
-        let folders = glance.sights.iter().enumerate().filter(|(at, _)| *at != place);
-        folders.flat_map(|(_, sights)| sights.coming.clone()).collect()
     }
 
     /// Notes that a scan ended or needs an operator. Blocks.

@@ -305,17 +305,18 @@ impl Intake {
             true => self.settling.began(&settled, &export.bytes),
             false => settled.writing.began(&export.bytes),
         };
-        let others = match is_awaited {
-            true => [self.settling.others(&settled), self.notes.coming_elsewhere()].concat(),
+        let others = |export: &Export| match is_awaited {
+            true => self.settling.others(&settled, &export.bytes),
             false => Vec::new(),
         };
-        let read = read.map(|export| export.map(|export| (began_at(&export), export)));
+        let times = |export: &Export| (began_at(export), others(export));
+        let read = read.map(|export| export.map(|export| (times(&export), export)));
         let (settled, taken, mark, is_kept) = spawn_blocking(move || {
             let (mut mark, mut is_kept) = (None, false);
             let taken = read.and_then(|export| match export {
-                Some((content_began, export)) => {
+                Some((times, export)) => {
                     mark = Some(Mark::of(began, booth.core().now(), &export.bytes));
-                    let taken = ingest::take(&booth, &settled, (content_began, others), &export);
+                    let taken = ingest::take(&booth, &settled, times, &export);
                     is_kept = taken.is_err() && booth.core().custody.spool().holds(&export.scan);
                     taken
                 }

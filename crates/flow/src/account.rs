@@ -235,7 +235,9 @@ impl Delivered {
 /// Why a scan is held, in words for its code.
 fn why_held(code: &str) -> &'static str {
     match code {
-        round::AMBIGUOUS => "it could belong to more than one named or scanned patient",
+        round::AMBIGUOUS => {
+            "it could belong to more than one patient, or another scan lay beside it"
+        }
         round::UNCLEAR => {
             "it may have been written before the button was pressed or a patient named"
         }

@@ -15,27 +15,28 @@ const MADE_ANEW: &str = "custody-made-anew";
 /// Alarm: folders cannot be created again.
 const MISSING: &str = "custody-missing";
 
-/// Creates removed folders again and raises an alarm. Blocks, on the local disk only.
+/// Raises an alarm for removed folders and creates them again. Blocks, on the local disk only.
 pub fn look_after(custody: &Custody, board: &Board) {
     let missing = custody.missing_folders();
     if missing.is_empty() {
         return;
     }
     let names = missing.join(", ");
-    // In one step with the alarm, so that no answer finds the folders there and the alarm not yet.
-    board.note(|facts| {
-        let (code, message) = match custody.make_folders_anew() {
-            Ok(()) => {
-                error!(event = "custody-made-anew", folders = names);
-                facts.alarms.remove(MISSING);
-                let lost = "scans in them that were not delivered must be exported again";
-                (MADE_ANEW, format!("{names} removed from the state folder; {lost}"))
-            }
-            Err(error) => {
-                warn!(event = "custody-missing", folders = names, %error);
-                (MISSING, format!("{names} in the state folder cannot be created again: {error}"))
-            }
-        };
-        facts.alarms.entry(code).or_insert(Alarm { message, since: Timestamp::now() });
-    });
+    let raise = |code, message| {
+        let alarm = Alarm { message, since: Timestamp::now() };
+        board.note(|facts| drop(facts.alarms.entry(code).or_insert(alarm)));
+    };
+    // First, so that nobody finds the folders there and the alarm not yet.
+    let lost = "scans in them that were not delivered must be exported again";
+    raise(MADE_ANEW, format!("{names} removed from the state folder; {lost}"));
+    match custody.make_folders_anew() {
+        Ok(()) => {
+            error!(event = "custody-made-anew", folders = names);
+            board.note(|facts| drop(facts.alarms.remove(MISSING)));
+        }
+        Err(error) => {
+            warn!(event = "custody-missing", folders = names, %error);
+            raise(MISSING, format!("{names} in the state folder cannot be created again: {error}"));
+        }
+    }
 }

@@ -12,7 +12,7 @@ use gaiter_flow::export::mount::MountGuard;
 use gaiter_flow::export::passed_over::{Ignored, PassedOver};
 use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
 use gaiter_flow::settle::{Folders, Gone, Waiting};
-use gaiter_flow::{Appeared, Look, Settling, Stamp};
+use gaiter_flow::{Look, Settling, Stamp};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
@@ -208,11 +208,6 @@ impl Notes {
             }
         });
         self.booth.looked(self.place, settling.sights());
-    }
-
-    /// When the contents appeared that are seen and not taken in the other export folders.
-    pub fn coming_elsewhere(&self) -> Vec<Appeared> {
-        self.booth.coming_elsewhere(self.place)
     }
 
     /// Converts a time of the station's monotonic clock to wall time, despite later clock changes.

@@ -79,6 +79,8 @@ pub(in crate::station) fn clear_store(
     store: &RecordStore,
 ) -> Result<usize, ClearFault> {
     let mut cleared = 0;
+    let searched = custody.journal().is_to_be_searched(store.name());
+    let is_to_be_searched = searched.map_err(CustodyFault::from)?;
     for (whose, erasure) in custody.erasures().pending() {
         let Next::Stores { patient, before } = erasure.next() else { continue };
         if !erasure.stores.iter().any(|name| name == store.name()) {
@@ -86,7 +88,8 @@ pub(in crate::station) fn clear_store(
         }
         match store.erase(patient, before, &whole(&erasure)) {
             Ok(()) => {}
-            Err(StoreFault::Permanent(misfit)) => {
+            // A store that is still to be searched would bring the person back.
+            Err(StoreFault::Permanent(misfit)) if !is_to_be_searched => {
                 let (store, error) = (store.name(), misfit.to_string());
                 warn!(event = "erasure-failed", person = whose, store, error);
                 continue;

@@ -80,19 +80,23 @@ impl FolderStore {
         before: Timestamp,
         scans: &[ScanId],
     ) -> Result<(), StoreFault> {
-        if let Some(folder) = self.own_folder(Some(patient))? {
-            self.erase_in(&folder, patient, before)?;
-            match fs::remove_dir(&folder) {
-                // Newer records are in it, or those of another.
-                Err(error) if error.kind() == ErrorKind::DirectoryNotEmpty => {}
-                removed => tried("removing", &folder, removed)?,
-            }
-            tried("syncing", &self.root, durable::sync_folder(&self.root))?;
-        }
-        match self.own_folder(None)? {
+        let own = self.erase_own(patient, before);
+        let unassigned = match self.own_folder(None)? {
             Some(unassigned) => self.erase_unassigned(&unassigned, scans),
             None => Ok(()),
+        };
+        own.and(unassigned)
+    }
+
+    fn erase_own(&self, patient: &str, before: Timestamp) -> Result<(), StoreFault> {
+        let Some(folder) = self.own_folder(Some(patient))? else { return Ok(()) };
+        self.erase_in(&folder, patient, before)?;
+        match fs::remove_dir(&folder) {
+            // Newer records are in it, or those of another.
+            Err(error) if error.kind() == ErrorKind::DirectoryNotEmpty => {}
+            removed => tried("removing", &folder, removed)?,
         }
+        tried("syncing", &self.root, durable::sync_folder(&self.root))
     }
 
     fn erase_in(&self, folder: &Path, patient: &str, before: Timestamp) -> Result<(), StoreFault> {

@@ -37,6 +37,9 @@ const READ_MOST: usize = 8;
 /// systems keep times to 2 s.
 const STAMPS_APART: Duration = Duration::from_secs(2);
 
+/// Part of a file is read within this time after the look that finds it.
+const MARKED: Duration = Duration::from_secs(1);
+
 /// Digits of a mark's sum: two contents are taken for the same with a probability of 2⁻⁶⁴.
 const DIGITS: usize = 16;
 
@@ -276,6 +279,13 @@ impl Writing {
         let is_read = self.marks.last().is_some_and(|last| last.ended >= changed);
         let marked = self.marked_began().filter(|_| is_read);
         marked.unwrap_or(Appeared { seen: changed, ..self.first })
+    }
+
+    /// The end of the look at which what the file holds now was seen first.
+    pub(crate) fn content_seen(&self) -> Duration {
+        let began = self.last_began().seen;
+        let is_first = began <= self.first.seen + MARKED;
+        if is_first { self.first.seen } else { began.saturating_sub(MARKED) }
     }
 
     /// The lengths at which it was read whole, bytes, the latest one last: a longer content that begins

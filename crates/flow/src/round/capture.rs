@@ -134,7 +134,7 @@ impl Capture {
 pub struct Content {
     /// When it was written.
     pub began: Appeared,
-    /// When the other contents appeared that were written beside it and are not taken, in any folder
+    /// When the other contents appeared that were written beside it and are not taken
     /// ([`crate::Settling::others`]).
     pub others: Vec<Appeared>,
     /// The scan arrived before, with these bytes or this geometry, or in another format.

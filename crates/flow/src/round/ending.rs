@@ -34,8 +34,15 @@ impl Rounds {
                 }
                 // It was seen before their presses, and there was no rest; or it is the second content of one
                 // whose first may still be refused.
+                let taken = |of: &&Capture| of.state == CaptureState::Taken;
+                let taken = self.open.iter().filter(taken).filter_map(|of| of.patient.clone());
+                let taken: Vec<Named> = taken.collect();
                 for capture in &mut self.open {
-                    capture.doubt.get_or_insert(Doubt::Shared);
+                    // Another capture of the same patient: whichever it is of, it is theirs.
+                    let is_theirs = taken.iter().any(|named| capture.is_of(&named.id));
+                    if !is_theirs || capture.state == CaptureState::Taken {
+                        capture.doubt.get_or_insert(Doubt::Shared);
+                    }
                 }
             }
             Judged::Of(capture) => {

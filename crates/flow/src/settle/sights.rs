@@ -28,20 +28,22 @@ impl Settling {
         changed.filter(move |(_, at)| now.saturating_sub(*at) >= overdue)
     }
 
-    /// When the contents appeared that are seen and not taken and were there when this file was seen whole,
-    /// except its own and other formats of its name. What begins after that is another export of the same scan in
-    /// many booths, and is judged when it is taken.
-    pub fn others(&self, settled: &Settled) -> Vec<Appeared> {
+    /// When the contents began that are seen and not taken and were there when this file was seen whole, except
+    /// other formats of its name, and copies and earlier parts of its content. What begins after that is
+    /// another export of the same scan in many booths, and is judged when it is taken.
+    pub fn others(&self, settled: &Settled, bytes: &[u8]) -> Vec<Appeared> {
         let whole = settled.writing.last_changed();
         let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
         let is_other = |path: &Path, file: &Watched| {
-            let is_same = path.with_extension("") == settled.path.with_extension("")
-                || inode(&file.group.stamp) == inode(&settled.stamp);
-            file.next != Next::Taken && !is_same
+            let stamp = &file.group.stamp;
+            let is_its = path.with_extension("") == settled.path.with_extension("")
+                || inode(stamp) == inode(&settled.stamp)
+                || file.writing.seen_in(bytes).is_some();
+            let was_there = file.writing.content_seen() <= whole;
+            stamp.size > 0 && file.next != Next::Taken && !is_its && was_there
         };
         let others = self.files.iter().filter(|(path, file)| is_other(path, file));
-        let appeared = others.map(|(_, file)| file.writing.appeared());
-        appeared.filter(|other| other.seen <= whole).collect()
+        others.map(|(_, file)| file.writing.last_began()).collect()
     }
 
     /// When the last look began, and when the files appeared that may become scans.

@@ -273,7 +273,7 @@ impl Booth {
         }
         let is_known = known.is_some() && off != Off::KnownAnswerNothing;
         let is_cut_short = content.awaits_rest();
-        let others = run.settling.others(settled);
+        let others = run.settling.others(settled, content.bytes());
         let is_rest = completes.is_some();
         let judge = Judge { began, others: others.clone(), is_known, is_cut_short, completes };
         let judged = match run.captures.judge_content(&judge, now) {
