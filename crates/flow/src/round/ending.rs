@@ -56,8 +56,10 @@ impl Rounds {
                     let is_answered = Some(capture.number) == *answered;
                     if is_answered {
                         capture.state = CaptureState::Held;
-                        // Whatever else comes of its scan comes soon.
-                        capture.until = capture.until.min(now + self.rules.window);
+                        // Whatever else comes of its scan comes soon; that of another may take its time.
+                        if doubtful.is_empty() {
+                            capture.until = capture.until.min(now + self.rules.window);
+                        }
                     }
                     if is_answered || doubtful.contains(&capture.number) {
                         capture.doubt.get_or_insert(Doubt::Shared);
@@ -102,7 +104,8 @@ impl Rounds {
     pub fn measured(&mut self, number: i64) {
         let closed = self.closed_by(number);
         self.open.retain(|capture| {
-            let is_own = capture.state == CaptureState::Taken || capture.is_refused;
+            let is_refused = capture.is_refused && capture.is_waiting();
+            let is_own = capture.state == CaptureState::Taken || is_refused;
             let is_measured = capture.number == number && is_own;
             !is_measured && !closed.contains(&capture.number)
         });

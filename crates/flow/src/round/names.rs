@@ -27,12 +27,15 @@ pub struct Next {
     pub used: usize,
     /// Why it is not certain.
     pub doubt: Option<Doubt>,
+    /// The patients of orders that a word at the booth replaced: they were not scanned, and may come next.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left: Vec<Named>,
 }
 
 impl Next {
     /// One name, certain unless there is a doubt.
     pub fn one(named: Named, at: Duration, doubt: Option<Doubt>) -> Next {
-        Next { names: vec![Said { named, at }], used: 0, doubt }
+        Next { names: vec![Said { named, at }], used: 0, doubt, left: Vec::new() }
     }
 
     /// Whether it is certain who is next.
@@ -155,10 +158,21 @@ impl Rounds {
         let is_other = |next: &Next| next.names.iter().any(|said| said.named.id != named.id);
         let replaced = before.as_ref().is_some_and(is_other);
         let mut next = Next::one(named.clone(), now, is_crossed.then_some(Doubt::Crossed));
-        if let Some(before) = before.filter(|before| replaced && contradicts(before, &named)) {
-            // R2: two people were named at the booth. The light asks, and the next name is the answer.
-            next.names.splice(0..0, before.names);
-            next.doubt.get_or_insert(Doubt::Shared);
+        match before {
+            Some(before) if replaced && contradicts(&before, &named) => {
+                // R2: two people were named at the booth. The light asks, and one of them again is the answer.
+                next.names.splice(0..0, before.names);
+                next.left = before.left;
+                next.doubt.get_or_insert(Doubt::Shared);
+            }
+            Some(before) => {
+                let ordered = before.names.into_iter().map(|said| said.named);
+                let ordered = ordered.filter(|named| named.by == SourceKind::Order);
+                next.left = before.left.into_iter().chain(ordered).collect();
+                next.left.retain(|left| left.id != named.id);
+                next.left.truncate(DOUBTS_MOST);
+            }
+            None => {}
         }
         let in_doubt = !next.is_certain();
         self.names.next = Some(next);
@@ -386,7 +400,13 @@ impl Rounds {
         let Some(mut next) = self.names.next.take() else { return (None, Vec::new(), None) };
         let mut all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
         if let ([only], true) = (all.as_slice(), self.missed.is_empty()) {
-            return (Some(only.clone()), Vec::new(), next.doubt);
+            let used = (Some(only.clone()), Vec::new(), next.doubt);
+            // R2: whoever's order was replaced may be the next, whoever is ordered besides.
+            for left in next.left {
+                self.doubt_names(Doubt::Shared);
+                self.may_be_there(left);
+            }
+            return used;
         }
         // It is not known who the remaining patients are, either.
         let doubt = next.doubt.get_or_insert(Doubt::Shared).to_owned();

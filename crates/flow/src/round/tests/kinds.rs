@@ -332,3 +332,36 @@ fn a_second_content_while_the_first_is_measured_leaves_no_certainty_for_a_third(
     captures.refused(1, at(20));
     assert_eq!(code(&taken(&mut captures, seen(30))), AMBIGUOUS);
 }
+
+#[test]
+fn the_order_that_a_card_replaced_may_be_of_the_next_patient() {
+    // A and B are ordered, A's card is read, and B goes in although C was ordered meanwhile.
+    let mut captures = captures();
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.named(order("2"), 1, at(10), &[]);
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(20), &[]);
+    captures.pressed(1, at(25));
+    assert_eq!(patient_of(&export(&mut captures, seen(45))), Some("1"));
+    captures.named(order("3"), 2, at(60), &[]);
+    assert!(captures.asks_who());
+    let mut asked = captures.clone();
+    let held = next_patient(&mut captures, 2, 70);
+    let mut whose = candidates(&held);
+    whose.sort_unstable();
+    assert_eq!(whose, ["2", "3"]);
+    asked.named(by_whom("2", SourceKind::Reader), 2, at(65), &[]);
+    assert_eq!(patient_of(&next_patient(&mut asked, 2, 70)), Some("2"));
+}
+
+#[test]
+fn the_preview_of_a_held_export_ends_no_round_that_was_refused_before() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    taken(&mut captures, seen(10));
+    captures.refused(1, at(20));
+    pressed_for(&mut captures, "2", 2, 30);
+    let held = taken(&mut captures, seen(40));
+    assert_eq!(code(&held), AMBIGUOUS);
+    captures.measured(1);
+    assert!(captures.open().iter().any(|of| of.number == 1), "it waits for its own");
+}
