@@ -24,7 +24,9 @@ pub fn look_after(custody: &Custody, board: &Board) {
     let names = missing.join(", ");
     let raise = |code, message| {
         let alarm = Alarm { message, since: Timestamp::now() };
-        board.note(|facts| drop(facts.alarms.entry(code).or_insert(alarm)));
+        board.note(|facts| {
+            facts.alarms.entry(code).or_insert(alarm);
+        });
     };
     // First, so that nobody finds the folders there and the alarm not yet.
     let lost = "scans in them that were not delivered must be exported again";
@@ -32,7 +34,9 @@ pub fn look_after(custody: &Custody, board: &Board) {
     match custody.make_folders_anew() {
         Ok(()) => {
             error!(event = "custody-made-anew", folders = names);
-            board.note(|facts| drop(facts.alarms.remove(MISSING)));
+            board.note(|facts| {
+                facts.alarms.remove(MISSING);
+            });
         }
         Err(error) => {
             warn!(event = "custody-missing", folders = names, %error);
