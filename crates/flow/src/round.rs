@@ -195,7 +195,7 @@ impl Rounds {
             // A patient who was ordered before the press needs no other order.
             (OrdersWhen::BeforePress, None | Some(Doubt::Shared)) => is_unnamed,
             (OrdersWhen::BeforePress, Some(_)) => true,
-            // The order of this press is still to come, whoever else was named for it.
+            // The order of this press is still to come, even if a card named its patient.
             (OrdersWhen::AfterPress, _) => true,
         };
         if is_unsure {
@@ -282,11 +282,11 @@ impl Rounds {
             return Judged::Known;
         }
         let mut judged = self.judge(content.began, now);
+        let late = self.rules.late;
         if let Judged::Of(capture) = &judged
             && !capture.is_unnamed()
-            && content.others.iter().any(|other| capture.may_have(*other, self.rules.late))
+            && content.others.iter().any(|other| capture.may_have(*other, late))
         {
-            let late = self.rules.late;
             let may_have = |capture: &&Capture| capture.may_have(content.began, late);
             let all: Vec<&Capture> = self.open.iter().filter(may_have).collect();
             judged = held(Why::Ambiguous, &all, content.began);

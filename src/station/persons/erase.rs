@@ -19,7 +19,7 @@ pub(in crate::station) const PENDING: &str = "erasure-pending";
 /// Why a store was not cleared.
 #[derive(Debug, thiserror::Error)]
 pub(in crate::station) enum ClearFault {
-    /// The store is out of reach.
+    /// The store is out of reach, or must be cleared before it is searched.
     #[error("the store could not be cleared")]
     Store(#[source] StoreFault),
     /// The erasure could not be noted.

@@ -281,7 +281,7 @@ impl Writing {
         marked.unwrap_or(Appeared { seen: changed, ..self.first })
     }
 
-    /// The end of the look at which what the file holds now was seen first.
+    /// When a look first found what the file holds now: the end of that look.
     pub(crate) fn content_seen(&self) -> Duration {
         let began = self.last_began().seen;
         let is_first = began <= self.first.seen + MARKED;

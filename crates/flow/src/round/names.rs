@@ -159,7 +159,7 @@ impl Rounds {
         let replaced = before.as_ref().is_some_and(is_other);
         let mut next = Next::one(named.clone(), now, is_crossed.then_some(Doubt::Crossed));
         match before {
-            Some(before) if replaced && contradicts(&before, &named) => {
+            Some(before) if contradicts(&before, &named) => {
                 // R2: two people were named at the booth. The light asks, and one of them again is the answer.
                 next.names.splice(0..0, before.names);
                 next.left = before.left;
@@ -401,7 +401,7 @@ impl Rounds {
         let mut all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
         if let ([only], true) = (all.as_slice(), self.missed.is_empty()) {
             let used = (Some(only.clone()), Vec::new(), next.doubt);
-            // R2: whoever's order was replaced may be the next, whoever is ordered besides.
+            // R2: a patient whose order was replaced may be the next, even if another is ordered now.
             for left in next.left {
                 self.doubt_names(Doubt::Shared);
                 self.may_be_there(left);
@@ -422,7 +422,8 @@ impl Rounds {
         (None, all, Some(doubt))
     }
 
-    /// Drops names that have expired; returns whether there were any. Whoever was named may still be there.
+    /// Drops names that have expired; returns whether there were any. Their patients may still be
+    /// there.
     pub(super) fn drop_old_names(&mut self, now: Duration) -> bool {
         let lasts = self.rules.name_lasts;
         let Some(mut next) = self.names.next.take() else { return false };

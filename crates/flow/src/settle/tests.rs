@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 
+mod beside;
 mod brought_in;
 mod departed;
 mod gone;

@@ -157,8 +157,8 @@ fn a_round_that_breaks_a_rule_is_noticed() {
         (Off::OrdersAddUp, "R2"),
         (Off::PressAfterName, "R2"),
         (Off::ContentNotName, "R4"),
-        (Off::FailedNamingDisarms, "R"),
-        (Off::EarsOpen, "R"),
+        (Off::FailedNamingDisarms, "R5"),
+        (Off::EarsOpen, "R5"),
         (Off::InTime, "R6"),
     ];
     for (off, rule) in rules {

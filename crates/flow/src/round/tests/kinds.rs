@@ -255,7 +255,7 @@ fn without_a_button_a_name_after_an_export_that_is_held_is_of_a_scan_of_its_own(
     is_held(&mut captures, 20, &["1", "2"]);
 }
 
-/// The next press and its export, an hour of looks later.
+/// A press and its export, which is taken five seconds later.
 fn next_patient(captures: &mut Rounds, number: i64, second: u64) -> Judged {
     captures.pressed(number, at(second));
     taken(captures, seen(second + 5))
@@ -282,10 +282,8 @@ fn a_name_that_expired_is_not_replaced_by_the_next_order() {
         let second = if both_at_once { 590 } else { 610 };
         captures.named(order("2"), 1, at(second), &[]);
         assert!(captures.pass(at(620), &[all_seen(620)]).name_expired == both_at_once);
-        let held = next_patient(&mut captures, 1, 630);
-        let mut whose = candidates(&held);
-        whose.sort_unstable();
-        assert_eq!(whose, ["1", "2"]);
+        captures.pressed(1, at(630));
+        is_held(&mut captures, 635, &["1", "2"]);
     }
 }
 
@@ -345,10 +343,8 @@ fn the_order_that_a_card_replaced_may_be_of_the_next_patient() {
     captures.named(order("3"), 2, at(60), &[]);
     assert!(captures.asks_who());
     let mut asked = captures.clone();
-    let held = next_patient(&mut captures, 2, 70);
-    let mut whose = candidates(&held);
-    whose.sort_unstable();
-    assert_eq!(whose, ["2", "3"]);
+    captures.pressed(2, at(70));
+    is_held(&mut captures, 75, &["2", "3"]);
     asked.named(by_whom("2", SourceKind::Reader), 2, at(65), &[]);
     assert_eq!(patient_of(&next_patient(&mut asked, 2, 70)), Some("2"));
 }
@@ -360,8 +356,22 @@ fn the_preview_of_a_held_export_ends_no_round_that_was_refused_before() {
     taken(&mut captures, seen(10));
     captures.refused(1, at(20));
     pressed_for(&mut captures, "2", 2, 30);
-    let held = taken(&mut captures, seen(40));
-    assert_eq!(code(&held), AMBIGUOUS);
+    is_held(&mut captures, 40, &["1", "2"]);
     captures.measured(1);
     assert!(captures.open().iter().any(|of| of.number == 1), "it waits for its own");
+}
+
+#[test]
+fn without_a_button_a_held_export_of_one_takes_no_time_from_the_other() {
+    // A and B are named, and B goes first; A's export comes after the time of a press, within that of a name.
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds { rules, ..captures() };
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.named(order("2"), 2, at(20), &[]);
+    let held = is_held(&mut captures, 30, &["1", "2"]);
+    assert_eq!(captures.decided(&held, "2", at(40)), Some(2));
+    captures.measured(2);
+    assert_eq!(captures.pass(at(500), &[all_seen(500)]).over, [] as [i64; 0]);
+    captures.named(by_whom("3", SourceKind::Reader), 3, at(505), &[]);
+    is_held(&mut captures, 510, &["1", "2", "3"]);
 }

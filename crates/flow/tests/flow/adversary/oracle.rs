@@ -29,9 +29,9 @@ pub struct Began {
 pub enum Went {
     /// It is the export of this round, of this patient or of nobody.
     Round { number: i64, patient: Option<String> },
-    /// It is held; this round has got an export with it.
-    Held { answered: Option<i64> },
-    /// It is nobody's.
+    /// It is held; this round has got an export with it, and no other round may have it.
+    Held { answered: Option<i64>, is_alone: bool },
+    /// No patient was scanned for it.
     Nobody,
 }
 
@@ -45,7 +45,9 @@ impl Went {
                 let patient = capture.patient.as_ref().map(|named| named.id.clone());
                 Some(Went::Round { number: capture.number, patient })
             }
-            Judged::Held { answered, .. } => Some(Went::Held { answered: *answered }),
+            Judged::Held { answered, doubtful, .. } => {
+                Some(Went::Held { answered: *answered, is_alone: doubtful.is_empty() })
+            }
         }
     }
 }
@@ -272,7 +274,7 @@ impl Oracle {
             Seen::Taken { scan, went: Went::Round { number, .. }, .. } => {
                 Some((*scan, Some(*number)))
             }
-            Seen::Taken { scan, went: Went::Held { answered }, .. } => Some((*scan, *answered)),
+            Seen::Taken { scan, went: Went::Held { answered, .. }, .. } => Some((*scan, *answered)),
             Seen::Decided { scan, round, .. } => Some((*scan, *round)),
             _ => None,
         });
@@ -302,8 +304,10 @@ impl Oracle {
                 {
                     until_ms = at_ms + WINDOW_MS;
                 }
-                // Whatever else comes of its scan comes soon.
-                Seen::Taken { went: Went::Held { answered: Some(to) }, .. } if *to == number => {
+                // A second export of the same scan comes soon.
+                Seen::Taken { went: Went::Held { answered: Some(to), is_alone: true }, .. }
+                    if *to == number =>
+                {
                     until_ms = until_ms.min(at_ms + WINDOW_MS);
                 }
                 Seen::Decided { round: Some(to), .. } if *to == number => {
@@ -444,9 +448,11 @@ struct Waiting {
     said: Vec<(String, SourceKind, u64)>,
     /// The presses of some of them.
     presses: usize,
+    /// A word replaced the order of somebody else.
+    has_left: bool,
     /// It is not sure that the next press is theirs.
     is_unsure: bool,
-    /// Something went unheard since the last word at the booth.
+    /// Something went unheard, or an order was left over, since the last word at the booth.
     was_unheard: bool,
 }
 
@@ -456,7 +462,7 @@ impl Waiting {
         (self.is_unsure, self.was_unheard) = (true, true);
     }
 
-    /// Whoever was named so long ago may still be there.
+    /// Patients who were named so long ago may still be there.
     fn expire(&mut self, now_ms: u64) {
         let before = self.said.len();
         self.said.retain(|(_, _, at_ms)| now_ms <= at_ms + NAME_LASTS_MS);
@@ -473,6 +479,9 @@ impl Waiting {
         let is_new = !said.is_empty() && said.iter().all(|said| *said != id);
         let contradicts = by == SourceKind::Reader && is_new;
         if !contradicts {
+            let is_left =
+                |(said, by, _): &(String, SourceKind, u64)| *by == SourceKind::Order && said != id;
+            self.has_left |= self.said.iter().any(is_left);
             (self.said, self.presses) = (Vec::new(), 0);
         }
         self.said.push((id.to_owned(), by, now_ms));
@@ -495,6 +504,8 @@ impl Waiting {
         if self.presses >= ids.len() {
             (self.said, self.is_unsure, self.presses) = (Vec::new(), false, 0);
         }
+        // R2: the patient of an order that a word replaced may come next.
+        self.was_unheard |= is_sure && std::mem::take(&mut self.has_left);
         Whose { ids, is_sure, ..Whose::default() }
     }
 }
@@ -522,8 +533,8 @@ fn pair(
         **only = Whose { ids: vec![id.clone()], is_sure, is_ordered_after: true };
         return;
     }
-    // Whoever was named before a press is there; an order after it may be any other's, but never names a
-    // later press.
+    // The patient who was named before a press is there. An order after it may be another's, but never names
+    // a later press.
     for of in open.into_iter().filter(|of| !of.is_sure) {
         of.ids.push(id.clone());
     }
