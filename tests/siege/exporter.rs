@@ -11,7 +11,7 @@ use std::time::SystemTime;
 
 use rig::invariants::{self, PutKind};
 use rig::{Booth, names, sha256};
-use support::{coarse_body, rescanned};
+use support::coarse_body;
 
 use crate::chance::Chance;
 use crate::exports::{Act, Whom};
@@ -34,7 +34,6 @@ struct Lying {
 /// The exporter.
 pub struct Exporter<'a> {
     field: &'a Field,
-    body: Vec<u8>,
     scans: usize,
     names: usize,
     lying: Vec<Lying>,
@@ -50,10 +49,9 @@ pub type Fleeting = Vec<(String, Vec<u8>)>;
 /// Exports for as long as the siege lasts; gives what was there for a moment only.
 pub fn export(field: &Field, events: Vec<Event<Act>>) -> Fleeting {
     let said = Tail::of(&field.booth);
-    let body = coarse_body(0);
     let (lying, fleeting) = (Vec::new(), Vec::new());
     let mut exporter =
-        Exporter { field, body, scans: 0, names: 0, lying, said, taken: BTreeSet::new(), fleeting };
+        Exporter { field, scans: 0, names: 0, lying, said, taken: BTreeSet::new(), fleeting };
     follow(field, events, |act, chance| exporter.perform(act, chance));
     println!("{} scans were exported under {} names", exporter.scans, exporter.names);
     exporter.fleeting
@@ -120,11 +118,7 @@ impl Exporter<'_> {
     /// A new scan.
     fn new_scan(&mut self) -> (usize, Vec<u8>) {
         self.scans += 1;
-        (self.scans, self.bytes(self.scans))
-    }
-
-    fn bytes(&self, n: usize) -> Vec<u8> {
-        rescanned(self.body.clone(), n)
+        (self.scans, coarse_body(self.scans))
     }
 
     /// Notes what lies under a name now.
@@ -198,7 +192,7 @@ impl Exporter<'_> {
     fn finish(&mut self, chance: &mut Chance) {
         let short: Vec<Lying> = self.lying.iter().filter(|it| it.is_short).cloned().collect();
         let Some(it) = chance.pick(&short) else { return };
-        let bytes = self.bytes(it.n);
+        let bytes = coarse_body(it.n);
         let length = usize::try_from(fs::metadata(self.at(&it.name)).unwrap().len()).unwrap();
         let mut file = File::options().append(true).open(self.at(&it.name)).unwrap();
         file.write_all(&bytes[length..]).unwrap();
@@ -237,7 +231,7 @@ impl Exporter<'_> {
         let name = self.name_of(&patient);
         fs::rename(self.at(&it.name), self.at(&name)).unwrap();
         self.gone(&it.name);
-        self.lies(&name, it.n, &self.bytes(it.n), PutKind::Whole);
+        self.lies(&name, it.n, &coarse_body(it.n), PutKind::Whole);
         self.note_twins(&it.sum, !same_patient);
         self.tell(&format!("{} is now", it.name), &name);
     }
@@ -259,7 +253,7 @@ impl Exporter<'_> {
         let whole: Vec<Lying> = self.lying.iter().filter(|it| !it.is_short).cloned().collect();
         let Some(it) = chance.pick(&whole) else { return };
         change(&self.at(&it.name), chance);
-        self.field.booth.has_put(&it.name, &self.bytes(it.n), PutKind::Whole);
+        self.field.booth.has_put(&it.name, &coarse_body(it.n), PutKind::Whole);
         self.tell("mode or time of", &it.name);
     }
 
@@ -270,7 +264,7 @@ impl Exporter<'_> {
             Whom::Another => self.name_of(&format!("{}", 4730 + chance.below(5))),
             Whom::Nobody => self.name_of("scan"),
         };
-        let bytes = self.bytes(it.n);
+        let bytes = coarse_body(it.n);
         fs::write(self.at(&name), &bytes).unwrap();
         self.lies(&name, it.n, &bytes, PutKind::Whole);
         self.note_twins(&it.sum, true);

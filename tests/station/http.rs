@@ -83,7 +83,7 @@ fn metrics_and_health_follow_the_station_and_name_nobody() {
     assert!(text.contains("\ngaiter_disk_free_bytes "), "{text}");
 
     booth.take_records_away();
-    let other = support::rescanned(coarse(), 1);
+    let other = support::coarse_body(1);
     booth.export("990013_Mustermann.obj", &other);
     booth.wait_for("ill health", || {
         let (status, codes) = page(port, "/healthz");

@@ -15,15 +15,11 @@ pub fn coarse_body(n: usize) -> Vec<u8> {
     numbered(n, "fixtures/coarse/f_average.obj.gz")
 }
 
+/// The body of a fixture as scan `n` writes it: its first coordinate has further digits, which all count.
 fn numbered(n: usize, fixture: &str) -> Vec<u8> {
     let file = File::open(crate::root().join(fixture)).unwrap();
     let mut bytes = Vec::new();
     flate2::read::GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
-    rescanned(bytes, n)
-}
-
-/// The same body as another scan writes it: its first coordinate has further digits.
-pub fn rescanned(mut bytes: Vec<u8>, n: usize) -> Vec<u8> {
     let first = bytes.windows(3).position(|line| line == b"\nv ").unwrap() + 3;
     let end = first + bytes[first..].iter().position(|byte| *byte == b' ').unwrap();
     bytes.splice(end..end, format!("{n:09}").bytes());
