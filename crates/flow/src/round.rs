@@ -70,6 +70,8 @@ pub struct Rounds {
     uncertain: Option<Doubt>,
     /// The patients of captures that came to nothing since that word: they may still be there.
     missed: Vec<Named>,
+    /// Those of whom a person said since that word that a scan is theirs: their orders are used.
+    decided: Vec<String>,
     hearing: Hearing,
 }
 
@@ -93,8 +95,9 @@ impl Rounds {
     /// The state from the journal after a start, before any port is open: presses and names may have been
     /// lost since the previous run.
     pub fn new(rules: Rules, open: Vec<Capture>, names: Names) -> Rounds {
-        let (uncertain, missed, hearing) = (None, Vec::new(), Hearing::Deaf);
-        let mut rounds = Rounds { rules, open, names, uncertain, missed, hearing };
+        let (missed, decided) = (Vec::new(), Vec::new());
+        let (uncertain, hearing) = (None, Hearing::Deaf);
+        let mut rounds = Rounds { rules, open, names, uncertain, missed, decided, hearing };
         rounds.unheard(|_| true);
         rounds
     }
@@ -238,7 +241,9 @@ impl Rounds {
     pub fn call_off(&mut self) -> CalledOff {
         let captures = self.open.drain(..).map(|capture| capture.number).collect();
         let name = self.names.next.take().is_some();
-        (self.uncertain, self.missed) = (None, Vec::new());
+        // Nobody is named for them any more; an order may still be.
+        self.names.unsure.iter_mut().for_each(|press| press.is_unnamed = false);
+        self.is_certain_again();
         CalledOff { captures, name }
     }
 

@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use super::{Appeared, Capture, CaptureState, Doubt, Judged, Named, Opener, Passed, Rounds, Rules};
+use super::{
+    Appeared, Capture, CaptureState, DOUBTS_MOST, Doubt, Judged, Named, Opener, Passed, Rounds,
+    Rules,
+};
 use crate::settle::Sights;
 
 impl Rounds {
@@ -165,7 +168,28 @@ impl Rounds {
             next.doubt.get_or_insert(Doubt::Shared);
         }
         self.missed.retain(|named| named.id != patient);
+        if self.decided.len() < DOUBTS_MOST && self.decided.iter().all(|id| id != patient) {
+            self.decided.push(patient.to_owned());
+        }
+        self.leave_others_of(answered);
         answered
+    }
+
+    /// Whoever else this capture may have been of was not scanned with it, and may come next.
+    fn leave_others_of(&mut self, number: Option<i64>) {
+        let waits = |id: &str| {
+            let mut open = self.open.iter().filter(|of| Some(of.number) != number);
+            self.next_ids().iter().any(|next| next == id)
+                || self.decided.iter().any(|decided| decided == id)
+                || open.any(|of| of.named().any(|named| named.id == id))
+        };
+        let of = self.open.iter().filter(|capture| Some(capture.number) == number);
+        let left: Vec<Named> =
+            of.flat_map(Capture::named).filter(|named| !waits(&named.id)).cloned().collect();
+        for named in left {
+            self.doubt_names(Doubt::Shared);
+            self.may_be_there(named);
+        }
     }
 
     /// A person gave up a scan that was refused: no other export of its capture is expected.

@@ -84,7 +84,12 @@ impl Rounds {
         capture.named().for_each(|named| self.may_be_there(named.clone()));
     }
 
-    fn may_be_there(&mut self, named: Named) {
+    /// A word at the booth: whatever was before it is in question no more.
+    pub(super) fn is_certain_again(&mut self) {
+        (self.uncertain, self.missed, self.decided) = (None, Vec::new(), Vec::new());
+    }
+
+    pub(super) fn may_be_there(&mut self, named: Named) {
         if self.missed.len() < DOUBTS_MOST && !self.missed.contains(&named) {
             self.missed.push(named);
         }
@@ -153,7 +158,7 @@ impl Rounds {
         if is_crossed {
             self.cross(&named);
         }
-        (self.uncertain, self.missed) = (None, Vec::new());
+        self.is_certain_again();
         let before = self.names.next.take();
         let is_other = |next: &Next| next.names.iter().any(|said| said.named.id != named.id);
         let replaced = before.as_ref().is_some_and(is_other);
@@ -212,18 +217,17 @@ impl Rounds {
 
     /// An order is about to be heard whose file was not there yet at `absent` (`None`: that is not known). Each
     /// press since then may be its patient's. Returns whether there was one: then the order may have been for
-    /// that one and not for the next. An order that comes after its press is paired, whenever it was written.
+    /// that one and not for the next; where orders come after their presses, for one before it.
     pub fn overtaken(&mut self, named: &Named, absent: Option<Duration>) -> bool {
-        if self.rules.orders == OrdersWhen::AfterPress {
-            return false;
-        }
         let is_since = |capture: &&mut Capture| {
             capture.by == Opener::Press && absent.is_none_or(|absent| capture.opened > absent)
         };
+        let comes_after = self.rules.orders == OrdersWhen::AfterPress;
         let mut was_pressed = false;
         for capture in self.open.iter_mut().filter(is_since) {
-            was_pressed = true;
-            if !capture.is_of(&named.id) {
+            let is_theirs = capture.is_of(&named.id);
+            was_pressed |= !(comes_after && is_theirs);
+            if !is_theirs && !comes_after {
                 capture.may_also_be(named);
             }
         }
@@ -248,12 +252,9 @@ impl Rounds {
         coming: &[Appeared],
     ) -> NamedNext {
         let lasts = self.rules.name_lasts;
-        let given_up = match named.by {
-            SourceKind::Operator => self.give_up_others(&named.id, coming),
-            _ => Vec::new(),
-        };
+        let given_up = self.give_up(&named, coming);
         if named.by != SourceKind::Order {
-            (self.uncertain, self.missed) = (None, Vec::new());
+            self.is_certain_again();
         }
         // A name after a refusal, or after an export that was held for the capture, may mean a new scan.
         let joins = |capture: &&mut Capture| {
@@ -272,14 +273,30 @@ impl Rounds {
         NamedNext::Opened(opened, given_up)
     }
 
-    fn give_up_others(&mut self, id: &str, coming: &[Appeared]) -> Vec<i64> {
+    /// A word of a person ends what waits for others; a card only what waits for the same patient, if something
+    /// went unheard since.
+    fn give_up(&mut self, named: &Named, coming: &[Appeared]) -> Vec<i64> {
+        let id = named.id.as_str();
         // Whether a refused export comes again is asked first: this is the answer if it stands beside hers.
         let is_hers = |capture: &Capture| capture.patient.as_ref().is_some_and(|own| own.id == id);
         let was_asked = self.waiting().any(|capture| is_hers(capture) && !capture.is_of(id));
         let is_given_up = |capture: &mut Capture| {
             let is_coming_in = coming.iter().any(|file| capture.opened < file.seen);
-            let may_come_again = capture.is_refused && !was_asked;
-            capture.is_waiting() && !capture.is_of(id) && !may_come_again && !is_coming_in
+            let is_meant = match named.by {
+                SourceKind::Operator => {
+                    let may_come_again = capture.is_refused && !was_asked;
+                    !capture.is_of(id) && !may_come_again
+                }
+                SourceKind::Reader => {
+                    let was_unheard = matches!(capture.doubt, Some(Doubt::Unheard | Doubt::Unread));
+                    is_hers(capture)
+                        && capture.others.is_empty()
+                        && was_unheard
+                        && !capture.is_refused
+                }
+                _ => false,
+            };
+            capture.is_waiting() && is_meant && !is_coming_in
         };
         self.open.extract_if(.., is_given_up).map(|capture| capture.number).collect()
     }
@@ -302,6 +319,7 @@ impl Rounds {
                 is_unsure
             }
         };
+        self.decided.retain(|id| *id != named.id);
         // It may be for a missed press, or for one that a lost journal knew.
         let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
         let next = self.names.next.get_or_insert_with(|| Next::one(named.clone(), now, None));

@@ -211,21 +211,107 @@ fn an_order_that_lay_there_unread_at_a_press_may_be_for_that_press_or_for_the_ne
 }
 
 #[test]
-fn an_order_that_was_absent_after_the_press_is_for_the_next_and_one_to_be_paired_is_paired() {
+fn an_order_that_was_absent_after_the_press_is_for_the_next() {
     let mut captures = captures();
     captures.named(order("1"), 1, at(0), &[]);
     captures.pressed(1, at(5));
-    let mut after_press = captures.clone();
     assert!(!captures.overtaken(&order("2"), Some(at(5))));
     captures.named(order("2"), 2, at(8), &[]);
     assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
     captures.pressed(2, at(30));
     assert_eq!(patient_of(&export(&mut captures, seen(40))), Some("2"));
+}
 
-    after_press.rules.orders = OrdersWhen::AfterPress;
-    let before = after_press.clone();
-    assert!(!after_press.overtaken(&order("2"), Some(at(4))));
-    assert_eq!(after_press, before);
+#[test]
+fn where_orders_come_after_the_press_one_that_may_have_lain_there_before_it_may_be_of_an_earlier_one()
+ {
+    for (absent, is_sure) in [(Some(at(9)), false), (None, false), (Some(at(10)), true)] {
+        let mut captures = captures();
+        captures.rules.orders = OrdersWhen::AfterPress;
+        captures.pressed(1, at(10));
+        let is_overtaken = captures.overtaken(&order("1"), absent);
+        assert_eq!(is_overtaken, !is_sure);
+        if is_sure {
+            captures.named(order("1"), 2, at(15), &[]);
+            assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
+        } else {
+            captures.doubtful(order("1"), Doubt::Crossed, 2, at(15), &[]);
+            assert_eq!(code(&is_held(&mut captures, 20, &["1"])), AMBIGUOUS);
+        }
+    }
+    // One of somebody whose press is known is theirs, whenever it was written.
+    let mut captures = captures();
+    captures.rules.orders = OrdersWhen::AfterPress;
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.pressed(1, at(10));
+    assert!(!captures.overtaken(&order("1"), Some(at(4))));
+}
+
+#[test]
+fn whoever_was_ordered_with_somebody_who_was_scanned_twice_may_come_next() {
+    let mut captures = captures();
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.named(order("2"), 1, at(1), &[]);
+    for (number, second) in [(1, 10), (2, 30)] {
+        captures.pressed(number, at(second));
+        let judged = taken(&mut captures, seen(second + 5));
+        assert_eq!(captures.decided(&judged, "1", at(second + 8)), Some(number));
+        captures.measured(number);
+    }
+    captures.named(order("3"), 3, at(40), &[]);
+    captures.pressed(3, at(50));
+    is_held(&mut captures, 55, &["2", "3"]);
+}
+
+#[test]
+fn when_each_of_two_orders_has_its_scan_by_a_person_the_next_is_asked_for_nobody_else() {
+    for decides_first in [true, false] {
+        let mut captures = captures();
+        captures.named(order("1"), 1, at(0), &[]);
+        captures.named(order("2"), 1, at(1), &[]);
+        captures.pressed(1, at(10));
+        let first = taken(&mut captures, seen(15));
+        if decides_first {
+            captures.decided(&first, "1", at(16));
+            captures.measured(1);
+        }
+        captures.pressed(2, at(20));
+        let second = taken(&mut captures, seen(25));
+        if !decides_first {
+            captures.decided(&first, "1", at(26));
+            captures.measured(1);
+        }
+        assert_eq!(captures.decided(&second, "2", at(27)), Some(2));
+        captures.measured(2);
+        captures.named(order("3"), 3, at(40), &[]);
+        captures.pressed(3, at(50));
+        assert_eq!(patient_of(&export(&mut captures, seen(55))), Some("3"), "{decides_first}");
+    }
+}
+
+#[test]
+fn without_a_button_the_same_card_answers_what_went_unheard() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.uncertain = None;
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.missed_name();
+    let mut unanswered = captures.clone();
+    is_held(&mut unanswered, 20, &["1"]);
+    captures.named(by_whom("1", SourceKind::Reader), 2, at(10), &[]);
+    let mut began_before = captures.clone();
+    assert_eq!(taken(&mut began_before, seen(9)), Judged::Unpressed);
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
+}
+
+#[test]
+fn a_press_that_was_given_up_crosses_no_card() {
+    let mut captures = captures();
+    captures.pressed(1, at(0));
+    captures.call_off();
+    captures.named(by_whom("2", SourceKind::Reader), 2, at(10), &[]);
+    captures.pressed(2, at(20));
+    assert_eq!(patient_of(&export(&mut captures, seen(30))), Some("2"));
 }
 
 #[test]

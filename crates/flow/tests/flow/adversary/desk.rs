@@ -51,8 +51,41 @@ impl People {
     /// An order that is written now.
     pub fn written(&mut self, patient: usize) -> Order {
         let file = format!("order{}", self.booth.truth.comment());
-        let (mtime_ms, absent) = (self.booth.now_ms, Some(self.booth.clock()));
+        let (mtime_ms, absent) = (self.booth.now_ms, self.orders_absent());
         Order { file, patient, mtime_ms, is_late: false, absent }
+    }
+
+    /// When the station saw last that an order which is written now is not there.
+    pub fn orders_absent(&self) -> Option<Duration> {
+        if self.are_orders_away { self.orders_seen } else { Some(self.booth.clock()) }
+    }
+
+    /// The folder goes out of reach just before an order that comes after its press is written, or comes back.
+    pub fn orders_away(&mut self) -> bool {
+        let is_late = self.newest_not_ordered().is_some();
+        if !self.runs() || !(self.are_orders_away || is_late) {
+            return false;
+        }
+        self.booth.missed_name();
+        if self.are_orders_away {
+            self.booth.tell(|| "the folder of orders is back".to_owned());
+            self.are_orders_away = false;
+            self.read_orders();
+            return true;
+        }
+        self.booth.tell(|| "the folder of orders is out of reach".to_owned());
+        (self.are_orders_away, self.orders_seen) = (true, Some(self.booth.clock()));
+        self.newest_not_ordered().is_some_and(|patient| {
+            self.order(patient);
+            true
+        })
+    }
+
+    /// Whose order is still to come, if theirs was the last scan.
+    pub fn newest_not_ordered(&self) -> Option<usize> {
+        let newest = self.booth.truth.bodies.len().checked_sub(1);
+        let mut all = self.not_ordered.iter();
+        all.find(|(_, body)| Some(**body) == newest).map(|(patient, _)| *patient)
     }
 
     /// The station reads what orders there are.
@@ -60,8 +93,9 @@ impl People {
         if !self.runs() {
             // What a run could not keep it takes with it.
             self.letters.iter_mut().for_each(|order| (order.is_late, order.absent) = (false, None));
+            self.orders_seen = None;
         }
-        if !self.runs() || self.letters.is_empty() {
+        if !self.runs() || self.letters.is_empty() || self.are_orders_away {
             return;
         }
         if self.booth.disk.is_locked {

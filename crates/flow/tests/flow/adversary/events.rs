@@ -92,6 +92,9 @@ impl People {
     /// The folder of orders goes out of reach, the order is written, and the folder is back. Every other
     /// time the practice has taken the order back by then.
     fn order_away(&mut self) -> bool {
+        if self.orders_after_press() {
+            return self.orders_away();
+        }
         let Some(patient) = self.to_be_ordered().filter(|_| self.runs()) else { return false };
         self.booth.gap();
         self.booth.tell(|| format!("an order for {} is written out of reach", id(patient)));
@@ -137,11 +140,7 @@ impl People {
 
     fn order_after_press(&mut self) -> bool {
         let after_ms = 500 + self.booth.chance.below(4500) as u64;
-        let newest = self.booth.truth.bodies.len().checked_sub(1);
-        let Some((&patient, _)) = self.not_ordered.iter().find(|(_, body)| Some(**body) == newest)
-        else {
-            return false;
-        };
+        let Some(patient) = self.newest_not_ordered() else { return false };
         let is_fresh = |body: &super::truth::Body| self.booth.now_ms < body.scanned_ms + 60_000;
         if !self.has_button() || !self.booth.truth.bodies.last().is_some_and(is_fresh) {
             return false;
@@ -187,7 +186,7 @@ impl People {
 
     /// A kept order is written again with the same words, or only changes its mode.
     fn order_touched(&mut self, is_rewritten: bool) -> bool {
-        let (now, count, absent) = (self.booth.now_ms, self.orders.len(), self.booth.clock());
+        let (now, count, absent) = (self.booth.now_ms, self.orders.len(), self.orders_absent());
         if count == 0 || self.is_nobodys_awaited() || !self.runs() || self.booth.disk.is_locked {
             return false;
         }
@@ -196,7 +195,7 @@ impl People {
         if is_rewritten {
             order.mtime_ms = now;
         }
-        let order = super::desk::Order { absent: Some(absent), ..order.clone() };
+        let order = super::desk::Order { absent, ..order.clone() };
         self.letters.push(order);
         self.read_orders();
         true

@@ -2,7 +2,7 @@
 //! observe. It uses none of the laws of `flow::round`. Those name a round for each scan that it gives to a patient;
 //! the oracle says which rule that round breaks, if any.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gaiter_flow::round::Judged;
 use gaiter_record::SourceKind;
@@ -394,6 +394,7 @@ impl Oracle {
     fn whose_presses(&self) -> BTreeMap<i64, Whose> {
         let mut names = Waiting::default();
         let mut whose: BTreeMap<i64, (u64, Whose)> = BTreeMap::new();
+        let mut called_off_ms = 0;
         for (now_ms, what) in &self.seen {
             names.expire(*now_ms);
             if matches!(what, Seen::JournalLost | Seen::Reboot) {
@@ -405,8 +406,7 @@ impl Oracle {
             let mut recent = whose.values().filter(|(at_ms, _)| *now_ms <= at_ms + AWAITED_MS);
             match what {
                 Seen::Named { id, by: SourceKind::Order, is_sure, absent_ms, .. } => {
-                    let is_overtaken =
-                        !self.orders_come_after && recent.clone().any(|(at, _)| at > absent_ms);
+                    let is_overtaken = recent.clone().any(|(at, _)| at > absent_ms);
                     // Several who were named before a press need no other order.
                     let is_crossed = recent.any(|(_, of)| !of.is_sure && of.ids.len() < 2);
                     let is_sure = *is_sure && !is_overtaken;
@@ -418,21 +418,25 @@ impl Oracle {
                 }
                 Seen::Named { id, by, is_sure, .. } => {
                     // Not where an order that came too late for its press may have been for that one.
-                    let is_crossed =
-                        recent.any(|(at, of)| of.ids.is_empty() && !self.may_be_ordered(*at));
+                    let is_crossed = recent.any(|(at, of)| {
+                        of.ids.is_empty() && *at > called_off_ms && !self.may_be_ordered(*at)
+                    });
                     names.word(id, *by, *now_ms, *is_sure && !is_crossed);
                 }
                 Seen::Press { number } => {
                     whose.insert(*number, (*now_ms, names.used()));
                 }
-                Seen::CalledOff => names = Waiting::default(),
+                Seen::CalledOff => (names, called_off_ms) = (Waiting::default(), *now_ms),
                 Seen::PressesBack => names.is_unsure |= !names.said.is_empty(),
                 Seen::Unread | Seen::NamesAway | Seen::PressesAway | Seen::Start => names.doubt(),
                 Seen::Taken { went: Went::Nobody, .. } if !names.said.is_empty() => names.doubt(),
-                Seen::Decided { id: Some(id), .. }
-                    if names.said.iter().any(|(said, _, _)| said == id) =>
-                {
-                    names.is_unsure = true;
+                Seen::Decided { id: Some(id), round, .. } => {
+                    let (own, others): (Vec<_>, Vec<_>) =
+                        whose.iter().partition(|(number, _)| Some(**number) == *round);
+                    let ids = |of: Vec<(&i64, &(u64, Whose))>| {
+                        of.into_iter().flat_map(|(_, (_, of))| of.ids.clone()).collect()
+                    };
+                    names.decided(id, &ids(own), &ids(others));
                 }
                 _ => {}
             }
@@ -450,6 +454,8 @@ struct Waiting {
     presses: usize,
     /// A word replaced the order of somebody else.
     has_left: bool,
+    /// Who was said to be on a scan since the last word at the booth.
+    decided: Vec<String>,
     /// It is not sure that the next press is theirs.
     is_unsure: bool,
     /// Something went unheard, or an order was left over, since the last word at the booth.
@@ -457,6 +463,10 @@ struct Waiting {
 }
 
 impl Waiting {
+    fn waits(&self, id: &str) -> bool {
+        self.said.iter().any(|(said, _, _)| said == id)
+    }
+
     /// R5: no order is certain before the next word at the booth.
     fn doubt(&mut self) {
         (self.is_unsure, self.was_unheard) = (true, true);
@@ -486,9 +496,22 @@ impl Waiting {
         }
         self.said.push((id.to_owned(), by, now_ms));
         (self.is_unsure, self.was_unheard) = (contradicts || !is_sure, false);
+        self.decided.clear();
+    }
+
+    /// A scan that could have been of these is that patient's: whoever else was ordered for it may come next
+    /// (R2), unless another press may have been theirs.
+    fn decided(&mut self, id: &str, own: &BTreeSet<String>, others: &BTreeSet<String>) {
+        self.is_unsure |= self.waits(id);
+        self.decided.push(id.to_owned());
+        let has_scan = |of: &String| others.contains(of) || self.decided.contains(of);
+        if own.iter().any(|of| !has_scan(of) && !self.waits(of)) {
+            self.doubt();
+        }
     }
 
     fn order(&mut self, id: &str, now_ms: u64, is_sure: bool) {
+        self.decided.retain(|decided| decided != id);
         match self.said.iter_mut().find(|(said, _, _)| said == id) {
             Some((_, _, at_ms)) => *at_ms = now_ms,
             None => self.said.push((id.to_owned(), SourceKind::Order, now_ms)),

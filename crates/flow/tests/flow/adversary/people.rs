@@ -1,6 +1,7 @@
 //! The people: who stands in the booth, who is named, and by what rules they speak.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use gaiter_flow::ScanState;
 use gaiter_record::SourceKind;
@@ -44,6 +45,10 @@ pub struct People {
     pub orders: Vec<Order>,
     /// Orders that the station has not read, for it does not run or its journal cannot be written.
     pub letters: Vec<Order>,
+    /// The folder of orders is out of reach.
+    pub are_orders_away: bool,
+    /// Then: when the station last looked into it, on its clock.
+    pub orders_seen: Option<Duration>,
     pub patients: usize,
     pub keeps_orders: bool,
     /// So many scans were made before somebody last said that nobody is named.
@@ -67,6 +72,8 @@ impl People {
             not_ordered: BTreeMap::new(),
             orders: Vec::new(),
             letters: Vec::new(),
+            are_orders_away: false,
+            orders_seen: None,
             patients: 0,
             keeps_orders,
             given_up: 0,
@@ -296,6 +303,7 @@ impl People {
             Kind::Press => !self.awaits_exports() && !self.was_scanned(),
             Kind::NextPatient => self.standing.is_none() || self.was_scanned(),
             Kind::Card | Kind::Word | Kind::Order => self.said.is_none() && !self.was_scanned(),
+            Kind::OrderAway if self.orders_after_press() => true,
             Kind::CardAway | Kind::OrderAway | Kind::OrderOvertaken => {
                 self.said.is_none() && !self.was_scanned()
             }
