@@ -215,7 +215,9 @@ impl Rounds {
     /// named for may be of two patients, and one of them may still be named.
     fn at_rest(&self, opened: &mut Capture) {
         let own = opened.clone();
-        let is_others = |earlier: &&Capture| own.is_unnamed() || ids(earlier) != ids(&own);
+        let is_others = |earlier: &&Capture| {
+            own.is_unnamed() || earlier.doubt.is_some() || ids(earlier) != ids(&own)
+        };
         for earlier in self.open.iter().filter(is_others) {
             opened.doubt.get_or_insert(Doubt::Shared);
             if !own.is_unnamed() {

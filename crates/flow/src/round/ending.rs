@@ -186,10 +186,7 @@ impl Rounds {
         let of = self.open.iter().filter(|capture| Some(capture.number) == number);
         let left: Vec<Named> =
             of.flat_map(Capture::named).filter(|named| !waits(&named.id)).cloned().collect();
-        for named in left {
-            self.doubt_names(Doubt::Shared);
-            self.may_be_there(named);
-        }
+        self.leave(left);
     }
 
     /// A person gave up a scan that was refused: no other export of its capture is expected.

@@ -80,19 +80,22 @@ impl Rounds {
         if capture.is_unnamed() {
             return;
         }
-        self.doubt_names(Doubt::Shared);
-        capture.named().for_each(|named| self.may_be_there(named.clone()));
+        self.leave(capture.named().cloned());
+    }
+
+    /// These patients were named and not scanned: they may be there, even if another is ordered now (R2).
+    pub(super) fn leave(&mut self, patients: impl IntoIterator<Item = Named>) {
+        for named in patients {
+            self.doubt_names(Doubt::Shared);
+            if self.missed.len() < DOUBTS_MOST && !self.missed.contains(&named) {
+                self.missed.push(named);
+            }
+        }
     }
 
     /// A word at the booth: whatever was before it is in question no more.
     pub(super) fn is_certain_again(&mut self) {
         (self.uncertain, self.missed, self.decided) = (None, Vec::new(), Vec::new());
-    }
-
-    pub(super) fn may_be_there(&mut self, named: Named) {
-        if self.missed.len() < DOUBTS_MOST && !self.missed.contains(&named) {
-            self.missed.push(named);
-        }
     }
 
     /// The ids of the patients who may be next; one if that is certain.
@@ -419,11 +422,7 @@ impl Rounds {
         let mut all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
         if let ([only], true) = (all.as_slice(), self.missed.is_empty()) {
             let used = (Some(only.clone()), Vec::new(), next.doubt);
-            // R2: a patient whose order was replaced may be the next, even if another is ordered now.
-            for left in next.left {
-                self.doubt_names(Doubt::Shared);
-                self.may_be_there(left);
-            }
+            self.leave(next.left);
             return used;
         }
         // It is not known who the remaining patients are, either.
@@ -436,6 +435,8 @@ impl Rounds {
         next.used += 1;
         if next.used < next.names.len() {
             self.names.next = Some(next);
+        } else {
+            self.leave(next.left);
         }
         (None, all, Some(doubt))
     }
@@ -446,19 +447,19 @@ impl Rounds {
         let lasts = self.rules.name_lasts;
         let Some(mut next) = self.names.next.take() else { return false };
         let is_old = |said: &mut Said| now > said.at + lasts;
-        let old: Vec<Said> = next.names.extract_if(.., is_old).collect();
-        let left = next.names.len();
-        if left > 0 {
-            // It is not known which of them have entered the booth: it may have been the expired ones.
-            next.used = next.used.min(left - 1);
-            self.names.next = Some(next);
-        }
-        if old.is_empty() {
-            return false;
-        }
-        self.doubt_names(Doubt::Shared);
-        old.into_iter().for_each(|said| self.may_be_there(said.named));
-        true
+        let old: Vec<Named> = next.names.extract_if(.., is_old).map(|said| said.named).collect();
+        let had_old = !old.is_empty();
+        let left = match next.names.len() {
+            0 => next.left,
+            count => {
+                // It is not known which of them have entered the booth: it may have been the expired ones.
+                next.used = next.used.min(count - 1);
+                self.names.next = Some(next);
+                Vec::new()
+            }
+        };
+        self.leave(old.into_iter().chain(left));
+        had_old
     }
 }
 

@@ -84,6 +84,12 @@ fn order_then_press() {
 }
 
 #[test]
+fn press_then_order() {
+    let habits = Habits::of(Naming::Order, true);
+    days("press, then order", Habits { after_press: true, ..habits });
+}
+
+#[test]
 fn card_then_press() {
     days("card, then press", Habits::of(Naming::Card, true));
 }

@@ -461,3 +461,31 @@ fn without_a_button_a_held_export_of_one_takes_no_time_from_the_other() {
     captures.named(by_whom("3", SourceKind::Reader), 3, at(505), &[]);
     is_held(&mut captures, 510, &["1", "2", "3"]);
 }
+
+#[test]
+fn a_press_of_somebody_whose_earlier_one_may_be_anothers_is_not_at_rest() {
+    let mut captures = captures();
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.unread();
+    captures.pressed(1, at(5));
+    captures.named(by_whom("1", SourceKind::Reader), 2, at(10), &[]);
+    captures.pressed(2, at(15));
+    is_held(&mut captures, 20, &["1"]);
+}
+
+#[test]
+fn an_order_that_two_cards_replaced_may_still_come_next() {
+    let mut captures = captures();
+    captures.named(order("3"), 1, at(0), &[]);
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(1), &[]);
+    captures.named(by_whom("2", SourceKind::Reader), 1, at(2), &[]);
+    for (number, id, second) in [(1, "1", 10), (2, "2", 30)] {
+        captures.pressed(number, at(second));
+        let judged = is_held(&mut captures, second + 5, &["1", "2"]);
+        captures.decided(&judged, id, at(second + 8));
+        captures.measured(number);
+    }
+    captures.named(order("4"), 3, at(50), &[]);
+    captures.pressed(3, at(60));
+    is_held(&mut captures, 65, &["3", "4"]);
+}

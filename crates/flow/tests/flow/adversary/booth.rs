@@ -74,6 +74,12 @@ pub struct Run {
     pass_at_ms: u64,
 }
 
+/// What is said while the process stands still lies in the buffer of its port.
+enum Buffered {
+    Press,
+    Name { id: String, by: SourceKind },
+}
+
 /// Everything there is, at one time.
 pub struct Booth {
     pub setup: Setup,
@@ -89,6 +95,9 @@ pub struct Booth {
     pub is_paused: bool,
     pub is_away: bool,
     pub is_unplugged: bool,
+    /// The process stands still.
+    pub is_asleep: bool,
+    buffered: Vec<Buffered>,
     /// When the journal can be written again.
     pub unlock_ms: Option<u64>,
     /// When somebody starts the process again.
@@ -116,6 +125,8 @@ impl Booth {
             is_paused: false,
             is_away: false,
             is_unplugged: false,
+            is_asleep: false,
+            buffered: Vec::new(),
             unlock_ms: None,
             start_ms: None,
             fault: None,
@@ -227,7 +238,8 @@ impl Booth {
         self.wake();
         loop {
             let export = self.truth.next_end_ms().unwrap_or(NEVER);
-            let (step, work, pass) = self.run.as_ref().map_or((NEVER, NEVER, NEVER), |run| {
+            let run = self.run.as_ref().filter(|_| !self.is_asleep);
+            let (step, work, pass) = run.map_or((NEVER, NEVER, NEVER), |run| {
                 let is_idle = run.captures.open().is_empty() && run.captures.next().is_none();
                 let pass = if is_idle { NEVER } else { run.pass_at_ms };
                 (run.step_at_ms, run.work.keys().next().copied().unwrap_or(NEVER), pass)
@@ -275,7 +287,7 @@ impl Booth {
     fn make_up_looks(&mut self) {
         let now_ms = self.now_ms;
         let Some(at) = self.run.as_ref().and_then(|run| run.idle_ms) else { return };
-        if now_ms < at + LOOK_MS {
+        if now_ms < at + LOOK_MS || self.is_asleep {
             return;
         }
         let missed = (now_ms - LOOK_MS - at) / RESCAN_MS;
@@ -309,6 +321,10 @@ impl Booth {
 
     /// The button is pressed; whether the press was heard.
     pub fn heard_press(&mut self) -> bool {
+        if self.is_asleep {
+            self.buffered.extend((!self.is_unplugged).then_some(Buffered::Press));
+            return !self.is_unplugged;
+        }
         let now = self.clock();
         let Some(run) = self.run.as_mut().filter(|_| !self.is_unplugged) else { return false };
         let mut after = at_rest(self.setup.off, &run.captures);
@@ -335,6 +351,9 @@ impl Booth {
         doubt: Option<Doubt>,
         absent: Option<Duration>,
     ) {
+        if self.is_asleep {
+            return self.buffered.push(Buffered::Name { id: id.to_owned(), by });
+        }
         if self.name(id, by, doubt, absent).is_err()
             && let Some(run) = &mut self.run
         {
@@ -422,6 +441,36 @@ impl Booth {
         change(self.setup.off, &mut self.disk, run, after)?;
         self.observe(Seen::CalledOff);
         Ok(())
+    }
+
+    /// The process stands still: nothing is heard, looked at or measured.
+    pub fn falls_asleep(&mut self) {
+        self.make_up_looks();
+        self.is_asleep = true;
+        self.tell(|| "the process stands still".to_owned());
+    }
+
+    /// It goes on. It notices that first, and hears what was said meanwhile in any order.
+    pub fn awakes(&mut self) {
+        self.is_asleep = false;
+        let (now, off) = (self.clock(), self.setup.off);
+        if let Some(run) = &mut self.run {
+            if off != Off::EarsOpen {
+                run.captures.missed_press(now);
+                run.captures.missed_name();
+            }
+            run.settling.slept();
+            self.observe(Seen::PressesAway);
+            self.observe(Seen::NamesAway);
+        }
+        self.tell(|| "the process goes on".to_owned());
+        let mut buffered = std::mem::take(&mut self.buffered);
+        while !buffered.is_empty() {
+            match buffered.swap_remove(self.chance.below(buffered.len())) {
+                Buffered::Press => drop(self.heard_press()),
+                Buffered::Name { id, by } => self.heard_name(&id, by, None, None),
+            }
+        }
     }
 
     /// The scan that answered a capture was refused: another export is awaited.

@@ -90,7 +90,7 @@ impl People {
 
     /// The station reads what orders there are.
     pub fn read_orders(&mut self) {
-        if !self.runs() {
+        if self.booth.run.is_none() {
             // What a run could not keep it takes with it.
             self.letters.iter_mut().for_each(|order| (order.is_late, order.absent) = (false, None));
             self.orders_seen = None;

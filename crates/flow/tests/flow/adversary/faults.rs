@@ -11,7 +11,22 @@ use super::truth::Plan;
 impl People {
     /// A disturbance, if there is occasion for it.
     pub fn disturb(&mut self, kind: Kind) -> bool {
+        let is_tampered = matches!(kind, Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch);
+        if self.booth.is_asleep && kind != Kind::Sleep && !is_tampered {
+            return false;
+        }
         match kind {
+            Kind::Sleep if self.booth.is_asleep => {
+                self.booth.awakes();
+                true
+            }
+            Kind::Sleep => {
+                let runs = self.runs();
+                if runs {
+                    self.booth.falls_asleep();
+                }
+                runs
+            }
             Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch => self.tamper(kind),
             Kind::Pause => {
                 self.booth.is_paused = !self.booth.is_paused;

@@ -93,6 +93,8 @@ pub enum Kind {
     Unplug,
     /// The process is killed, or starts again.
     Crash,
+    /// The process stands still, or goes on.
+    Sleep,
     /// The machine starts anew.
     Reboot,
     /// The journal is lost and built anew.
@@ -148,7 +150,7 @@ pub fn theme(of: Off) -> &'static [Kind] {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 52] = [
+    pub const ALL: [Kind; 53] = [
         Kind::Press,
         Kind::PressEarly,
         Kind::NextPatient,
@@ -192,6 +194,7 @@ impl Kind {
         Kind::FolderAway,
         Kind::Unplug,
         Kind::Crash,
+        Kind::Sleep,
         Kind::Reboot,
         Kind::Rebuild,
         Kind::JournalLocked,
@@ -213,7 +216,7 @@ impl Kind {
             Kind::OlderBroughtIn => Share::Apart,
             Kind::Pause | Kind::FolderAway | Kind::Unplug | Kind::Crash => Share::Fault,
             Kind::Reboot | Kind::Rebuild | Kind::JournalLocked | Kind::TakeFails => Share::Fault,
-            Kind::StoreAway | Kind::ClockSet => Share::Fault,
+            Kind::StoreAway | Kind::ClockSet | Kind::Sleep => Share::Fault,
             _ => Share::Half,
         }
     }
@@ -231,7 +234,7 @@ impl Kind {
             Kind::OrderAway => 5,
             Kind::GoesOn | Kind::AgainWhole => 10,
             Kind::RescanNamed => 115,
-            Kind::GivenUp => 95,
+            Kind::GivenUp => 105,
 
             Kind::RescanUnnamed => 165,
             Kind::ExportOutOfOrder => 40,

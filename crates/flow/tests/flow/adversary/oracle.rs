@@ -528,7 +528,9 @@ impl Waiting {
             (self.said, self.is_unsure, self.presses) = (Vec::new(), false, 0);
         }
         // R2: the patient of an order that a word replaced may come next.
-        self.was_unheard |= is_sure && std::mem::take(&mut self.has_left);
+        if self.said.is_empty() {
+            self.was_unheard |= std::mem::take(&mut self.has_left);
+        }
         Whose { ids, is_sure, ..Whose::default() }
     }
 }

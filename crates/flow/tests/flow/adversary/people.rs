@@ -87,7 +87,7 @@ impl People {
     }
 
     pub fn runs(&self) -> bool {
-        self.booth.run.is_some()
+        self.booth.run.is_some() && !self.booth.is_asleep
     }
 
     /// Somebody new steps in, or somebody who is known comes back.
@@ -152,7 +152,9 @@ impl People {
     }
 
     pub fn card(&mut self) -> bool {
-        let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
+        // Nobody sees that the process stands still.
+        let may_name = self.may_name() || (self.booth.is_asleep && self.has_button());
+        let Some(patient) = self.standing.filter(|_| may_name) else { return false };
         self.booth.tell(|| format!("{} is named by card", id(patient)));
         let is_kept = !self.booth.disk.is_locked;
         self.booth.heard_name(&id(patient), SourceKind::Reader, None, None);
@@ -275,7 +277,8 @@ impl People {
         if !self.has_button() && is_again && self.unsettled_of(patient) {
             return false;
         }
-        let is_kept = self.runs() && !self.booth.disk.is_locked && !self.booth.is_unplugged;
+        let is_kept =
+            self.booth.run.is_some() && !self.booth.disk.is_locked && !self.booth.is_unplugged;
         if self.has_button() {
             let is_heard = self.booth.heard_press();
             self.booth

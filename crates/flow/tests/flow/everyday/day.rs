@@ -97,6 +97,7 @@ impl Day<'_> {
                     // Before the first patient nobody is in the booth.
                     let early = patient > 0 && self.habits.early && self.booth.chance.below(10) < 3;
                     let order = match early {
+                        _ if self.habits.after_press => press + self.some_s(1, 5),
                         true => press_before + self.some_s(5, 120),
                         false => press - self.some_s(15, 120),
                     };

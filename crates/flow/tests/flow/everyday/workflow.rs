@@ -42,6 +42,8 @@ pub struct Habits {
     pub early: bool,
     /// 2 % of the patients who are ordered never come.
     pub no_shows: bool,
+    /// Orders come some seconds after the press.
+    pub after_press: bool,
     pub identity: Rc<Identity>,
 }
 
@@ -60,6 +62,7 @@ impl Habits {
             refused: false,
             early: false,
             no_shows: false,
+            after_press: false,
             identity: Rc::new(identity),
         }
     }
@@ -70,7 +73,10 @@ impl Habits {
             window: WINDOW,
             late: LATE,
             name_lasts: NAME_LASTS,
-            orders: OrdersWhen::BeforePress,
+            orders: match self.after_press {
+                true => OrdersWhen::AfterPress,
+                false => OrdersWhen::BeforePress,
+            },
         };
         Setup {
             rules,
