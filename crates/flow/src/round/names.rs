@@ -5,7 +5,9 @@ use std::time::Duration;
 use gaiter_record::SourceKind;
 use serde::{Deserialize, Serialize};
 
-use super::{Capture, DOUBTS_MOST, Doubt, NAMES_MOST, Named, NamedNext, Opener, Rounds};
+use super::{
+    Capture, CaptureState, DOUBTS_MOST, Doubt, NAMES_MOST, Named, NamedNext, Opener, Rounds,
+};
 use crate::export::writing::Appeared;
 use crate::orders::when::OrdersWhen;
 
@@ -286,20 +288,20 @@ impl Rounds {
         let is_given_up = |capture: &mut Capture| {
             let is_coming_in = coming.iter().any(|file| capture.opened < file.seen);
             let is_meant = match named.by {
+                // Of a held one, too, nothing else is expected.
                 SourceKind::Operator => {
                     let may_come_again = capture.is_refused && !was_asked;
-                    !capture.is_of(id) && !may_come_again
+                    let is_taken = capture.state == CaptureState::Taken;
+                    !capture.is_of(id) && !may_come_again && !is_taken
                 }
                 SourceKind::Reader => {
                     let was_unheard = matches!(capture.doubt, Some(Doubt::Unheard | Doubt::Unread));
-                    is_hers(capture)
-                        && capture.others.is_empty()
-                        && was_unheard
-                        && !capture.is_refused
+                    let is_alone = capture.others.is_empty() && !capture.is_refused;
+                    is_hers(capture) && capture.is_waiting() && is_alone && was_unheard
                 }
                 _ => false,
             };
-            capture.is_waiting() && is_meant && !is_coming_in
+            is_meant && !is_coming_in
         };
         self.open.extract_if(.., is_given_up).map(|capture| capture.number).collect()
     }

@@ -489,3 +489,19 @@ fn an_order_that_two_cards_replaced_may_still_come_next() {
     captures.pressed(3, at(60));
     is_held(&mut captures, 65, &["3", "4"]);
 }
+
+#[test]
+fn without_a_button_a_word_of_a_person_ends_what_is_held_for_others() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    taken(&mut captures, seen(10));
+    captures.refused(1, at(12));
+    captures.named(by_whom("2", SourceKind::Reader), 2, at(20), &[]);
+    is_held(&mut captures, 30, &["1", "2"]);
+    captures.named(by_whom("3", SourceKind::Reader), 3, at(40), &[]);
+    let mut unanswered = captures.clone();
+    is_held(&mut unanswered, 60, &["1", "2", "3"]);
+    captures.named(by_whom("3", SourceKind::Operator), 4, at(50), &[]);
+    assert_eq!(patient_of(&export(&mut captures, seen(60))), Some("3"));
+}
