@@ -30,11 +30,13 @@ pub enum Heard {
         /// `None` if there was no look before.
         absent: Option<Duration>,
     },
-    /// An attempt to name the patient of the next scan could not be understood: an order was refused, a
-    /// card misread, a line cut off, a check digit wrong.
-    Unread {
-        /// The source that tried.
-        by: SourceKind,
+    /// An attempt to name the patient of the next scan could not be understood: a card was misread, a line
+    /// cut off, a check digit wrong.
+    Unread,
+    /// An order cannot be read, or was refused.
+    UnreadOrder {
+        /// As of an order.
+        absent: Option<Duration>,
     },
 }
 

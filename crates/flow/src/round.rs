@@ -38,6 +38,7 @@ use std::time::Duration;
 use super::export::writing::Appeared;
 use super::orders::when::OrdersWhen;
 pub use capture::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
+use gaiter_record::SourceKind;
 pub use names::{Names, Next, Said, Unsure};
 pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 
@@ -272,6 +273,11 @@ impl Rounds {
             return held(doubt.why(), &all, export);
         }
         match its_own {
+            Some(capture) if !self.said_since(&capture, export).is_empty() => {
+                let mut judged = held(Why::Ambiguous, &all, export);
+                judged.may_also_be(self.said_since(&capture, export));
+                judged
+            }
             Some(capture) if now <= capture.until + late => Judged::Of(capture),
             Some(_) => held(Why::Late, &all, export),
             // A second export of a scan that is being measured.
@@ -281,6 +287,19 @@ impl Rounds {
             }
             None => held(Why::Late, &all, export),
         }
+    }
+
+    /// Who else was named at the booth before the export began that may come again after a refusal: it may be
+    /// theirs, and their press forgotten.
+    fn said_since(&self, capture: &Capture, export: Appeared) -> Vec<Named> {
+        let said = self.next().map_or(&[][..], |next| &next.names);
+        let is_other = |said: &&Said| {
+            capture.is_refused
+                && said.named.by != SourceKind::Order
+                && said.at < export.seen
+                && said.named.id != capture.patient.as_ref().map_or("", |own| &own.id)
+        };
+        said.iter().filter(is_other).map(|said| said.named.clone()).collect()
     }
 
     /// Which capture a content belongs to; nothing changes before [`Rounds::answer`].

@@ -50,7 +50,8 @@ impl Booth {
             Heard::Ordered { id, doubt, absent } => {
                 self.heard_name(id, SourceKind::Order, *doubt, *absent)
             }
-            Heard::Unread { by } => self.unread(*by),
+            Heard::Unread => self.unread(SourceKind::Reader, Some(self.core.now())),
+            Heard::UnreadOrder { absent } => self.unread(SourceKind::Order, *absent),
         };
         if let Err(error) = done {
             self.core.check_corruption(&error);
@@ -70,17 +71,17 @@ impl Booth {
         let Some(Patient { id, .. }) = self.core.identity.patient(id, by) else {
             warn!(event = "finding", code = ID_NOT_ALLOWED);
             self.inner().last = Some((Outcome::NameUnread, self.core.now()));
-            return self.unread(by);
+            return self.unread(by, absent);
         };
         let mut inner = self.inner();
         if inner.captures.is_crowded(&id) {
             drop(inner);
             warn!(event = "names-too-many");
-            return self.unread(by);
+            return self.unread(by, absent);
         }
         let named = self.name(&mut inner, Named { id, by }, doubt, absent);
         // The name was given even if it could not be stored: the patient named before may have left.
-        named.map(drop).inspect_err(|_| inner.captures.unread())
+        named.map(drop).inspect_err(|_| inner.captures.unread(absent))
     }
 
     /// Writes a change of the captures to the journal and then applies it. If the journal fails,
@@ -195,11 +196,11 @@ impl Booth {
         Ok(next)
     }
 
-    /// Notes that a patient's name was given but could not be read.
-    fn unread(&self, by: SourceKind) -> Result<(), JournalError> {
+    /// Notes that a patient's name was given but could not be read; at `absent` it was not given yet.
+    fn unread(&self, by: SourceKind, absent: Option<Duration>) -> Result<(), JournalError> {
         let mut inner = self.inner();
         let mut after = inner.captures.clone();
-        after.unread();
+        after.unread(absent);
         info!(event = "name-unread", by = ?by);
         // Applied in memory even if the journal fails: it only makes names less certain.
         let kept = self.change_booth(&mut inner, after.clone(), "over", None);

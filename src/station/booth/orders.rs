@@ -22,7 +22,6 @@ use std::time::Duration;
 use gaiter_flow::booth::Heard;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
-use gaiter_record::SourceKind;
 use gaiter_record::gdt::{Charset, Order, OrderFault, order};
 use jiff::Timestamp;
 use tokio::task::{JoinError, spawn_blocking};
@@ -78,7 +77,7 @@ enum TakeFault {
 /// The orders of one folder on their way to being heard.
 struct Orders {
     settling: Settling,
-    /// Orders that could not be heard because the journal failed.
+    /// Orders that could not be heard: they could not be read, or the journal failed.
     unheard: BTreeMap<PathBuf, Before>,
     /// The files that the last look found.
     lying: BTreeMap<PathBuf, Lying>,
@@ -127,7 +126,15 @@ pub async fn worker(
             let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&booth), settled.clone());
             let before = orders.unheard.get(&settled.path).cloned();
             let absent = orders.absent(&settled.path);
-            let taking = move |pulse: &Pulse| take(&of, &theirs, &order, before, absent, pulse);
+            let taking = move |pulse: &Pulse| {
+                let is_first = before.is_none();
+                let taken = take(&of, &theirs, &order, before, absent, pulse);
+                if is_first && matches!(taken, Err(TakeFault::Io { .. })) {
+                    // Whoever it names may be the one who is there.
+                    of.hear(&Heard::UnreadOrder { absent });
+                }
+                taken
+            };
             let stalled = || Reach::stalled(&reach);
             let taken = patiently(DEADLINE, &mut stop, taking, alive, stalled).await?;
             let Some(taken) = taken else { return Ok(()) };
@@ -226,10 +233,8 @@ impl Orders {
                 self.unheard.remove(&settled.path);
                 self.settling.failed(settled, now, jitter::unit());
             }
-            Err(fault) => {
-                if let TakeFault::Journal(_) = fault {
-                    self.unheard.entry(settled.path.clone()).or_insert(Before::Unnoted);
-                }
+            Err(_) => {
+                self.unheard.entry(settled.path.clone()).or_insert(Before::Unnoted);
                 self.settling.failed(settled, now, jitter::unit());
             }
         }
@@ -262,6 +267,12 @@ impl Reach {
     /// Converts the result of a look, before anything that it found is heard. Blocks.
     fn told(&self, found: io::Result<list_orders::Found>) -> Look {
         match found {
+            Ok(found) if !found.unexamined.is_empty() => {
+                if self.lose("some of its files cannot be examined") {
+                    self.booth.missed_name(SOURCE);
+                }
+                Look::Seen(found.orders)
+            }
             Ok(found) => {
                 if !self.is_in.swap(true, Ordering::Relaxed) {
                     info!(event = "orders-in-reach");
@@ -322,7 +333,7 @@ pub fn brought(booth: &Booth, bytes: &[u8]) -> Result<Order, OrderFault> {
         // It is meant for another program.
         Err(OrderFault::OtherKind { .. }) => {}
         Err(_) => {
-            booth.hear(&Heard::Unread { by: SourceKind::Order });
+            booth.hear(&Heard::UnreadOrder { absent: Some(booth.core().now()) });
         }
     }
     order

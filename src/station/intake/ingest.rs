@@ -7,7 +7,7 @@ use std::os::unix::ffi::OsStrExt;
 use gaiter_flow::export::companions;
 use gaiter_flow::facts::IntakeState;
 use gaiter_flow::light::Outcome;
-use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED};
+use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED, PATIENTS_DIFFER};
 use gaiter_flow::round::{Content, Judged, Opener};
 use gaiter_flow::{Appeared, NameSays, ScanId, Settled, Verdict};
 use gaiter_scan::{self as scan, Format};
@@ -251,6 +251,10 @@ fn admit(
     let judged = captures.judge(&content);
     let hold = core.config.capture.without_trigger == WithoutTrigger::Hold;
     let whose = identity::of_judged(&judged, hold, says);
+    let judged = match whose.held {
+        Some(PATIENTS_DIFFER) => judged.contradicted(),
+        _ => judged,
+    };
     let not_an_id = whose.not_an_id;
     let admitted = custody.admit(&Arrival {
         scan,

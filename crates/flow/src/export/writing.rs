@@ -97,13 +97,15 @@ impl Mark {
         Mark::new(began, ended, bytes.len() as u64, head, tail)
     }
 
-    /// Whether a content begins with this part.
-    fn begins(&self, bytes: &[u8]) -> bool {
+    /// Whether this is a part of a content with that trunk: the content begins with it, or has another header
+    /// or end since.
+    fn is_of(&self, bytes: &[u8], trunk: Option<&str>) -> bool {
         let part = usize::try_from(self.size).ok().and_then(|size| bytes.get(..size));
-        part.is_some_and(|part| {
+        let begins = part.is_some_and(|part| {
             let (head, tail) = ends(part);
             self.size >= MARK_LEAST && sum(head, tail) == self.sum
-        })
+        });
+        begins || self.trunk.is_some() && self.trunk.as_deref() == trunk
     }
 }
 
@@ -298,7 +300,8 @@ impl Writing {
     pub fn began(&self, bytes: &[u8]) -> Appeared {
         let Some(changed) = self.changed else { return self.first };
         let began = self.seen_in(bytes).unwrap_or_else(|| {
-            let absent = self.marks.iter().map(|mark| mark.began).max().max(self.first.absent);
+            let others = self.marks.iter().filter(|mark| mark.trunk.is_some());
+            let absent = others.map(|mark| mark.began).max().max(self.first.absent);
             Appeared { absent, seen: changed }
         });
         began.written_by(self.written_last(bytes))
@@ -311,19 +314,24 @@ impl Writing {
 
     /// The same of a part of this content that was seen in this file, whatever the file holds now.
     pub(crate) fn written(&self, bytes: &[u8]) -> Option<Duration> {
+        let trunk = trunk(ends(bytes).0);
         let dated = self.marks.iter().filter(|mark| mark.written.is_some());
-        dated.filter(|mark| mark.begins(bytes)).filter_map(|mark| mark.written).min()
+        let own = dated.filter(|mark| mark.is_of(bytes, trunk.as_deref()));
+        own.filter_map(|mark| mark.written).min()
     }
 
     /// When a part of this content was seen in this file, whatever the file holds now; `None` if no part
-    /// is known to have been seen.
+    /// is known to have been seen. Of a place that was reserved it is not known whose it was.
     pub(crate) fn seen_in(&self, bytes: &[u8]) -> Option<Appeared> {
+        let trunk = trunk(ends(bytes).0);
         let mut absent = self.first.absent;
         for mark in &self.marks {
-            if mark.begins(bytes) {
+            if mark.is_of(bytes, trunk.as_deref()) {
                 return Some(Appeared { absent, seen: mark.ended.max(self.first.seen) });
             }
-            absent = absent.max(Some(mark.began));
+            if mark.trunk.is_some() {
+                absent = absent.max(Some(mark.began));
+            }
         }
         None
     }
@@ -378,6 +386,28 @@ mod tests {
         writing.change(s(60));
         let began = Appeared { absent: Some(s(9)), seen: s(60) };
         assert_eq!(writing.began(&[b"# exported\n", content(2, 9_000).as_slice()].concat()), began);
+    }
+
+    #[test]
+    fn a_content_whose_header_is_written_last_or_whose_place_was_reserved_began_when_it_was_first_seen()
+     {
+        let counted =
+            |count: u8| [&[b' '; 80][..], &[count, 0, 0, 0], content(1, 9_000).as_slice()].concat();
+        let whole = counted(9);
+        let mut filled = whole.clone();
+        filled[6_000..].fill(0);
+        let mut reserved = whole.clone();
+        reserved[84..].fill(0);
+        let began = Appeared { absent: Some(s(9)), seen: s(10) };
+        for (before, seen) in [(&counted(0)[..7_000], 10), (&filled, 10), (&reserved, 30)] {
+            let mut writing = first(9, 10);
+            writing.mark(Mark::of(s(10), s(10), before));
+            // A press comes in between, and a look at what lies there then.
+            writing.change(s(20));
+            writing.mark(Mark::of(s(20), s(20), before));
+            writing.change(s(30));
+            assert_eq!(writing.began(&whole), Appeared { seen: s(seen), ..began });
+        }
     }
 
     #[test]

@@ -172,6 +172,11 @@ impl Rounds {
             self.decided.push(patient.to_owned());
         }
         self.leave_others_of(answered);
+        // No card is for its press any more; an order may still be.
+        let decided = self.open.iter().find(|capture| Some(capture.number) == answered);
+        for press in &mut self.names.unsure {
+            press.is_unnamed &= decided.is_none_or(|capture| capture.opened != press.at);
+        }
         answered
     }
 

@@ -239,10 +239,14 @@ impl Rounds {
         was_pressed
     }
 
-    /// A name could not be read: the patient named before may have left.
-    pub fn unread(&mut self) {
+    /// A name could not be read that was not said yet at `absent` (`None`: that is not known): the patient
+    /// named before may have left, and each press since then may be that of the one who was named.
+    pub fn unread(&mut self, absent: Option<Duration>) {
         self.doubt_names(Doubt::Unread);
-        for capture in self.open.iter_mut().filter(|capture| capture.by == Opener::Name) {
+        let may_be_theirs = |capture: &&mut Capture| {
+            capture.by == Opener::Name || absent.is_none_or(|absent| capture.opened > absent)
+        };
+        for capture in self.open.iter_mut().filter(may_be_theirs) {
             capture.doubt.get_or_insert(Doubt::Unread);
         }
     }
@@ -258,6 +262,13 @@ impl Rounds {
     ) -> NamedNext {
         let lasts = self.rules.name_lasts;
         let given_up = self.give_up(&named, coming);
+        let ordered: Vec<Named> = given_up
+            .iter()
+            .filter_map(|capture| capture.patient.as_ref())
+            .filter(|other| other.by == SourceKind::Order && other.id != named.id)
+            .cloned()
+            .collect();
+        let given_up = given_up.iter().map(|capture| capture.number).collect();
         if named.by != SourceKind::Order {
             self.is_certain_again();
         }
@@ -268,19 +279,22 @@ impl Rounds {
         };
         if let Some(capture) = self.open.last_mut().filter(joins) {
             capture.until = now + lasts;
-            return NamedNext::Prolonged(capture.clone());
+            let prolonged = NamedNext::Prolonged(capture.clone());
+            self.leave(ordered);
+            return prolonged;
         }
         let mut opened = self.opened(number, now, lasts, Opener::Name, Some(named));
         opened.doubt = self.uncertain;
         self.at_rest(&mut opened);
         self.missed.iter().for_each(|missed| opened.may_also_be(missed));
         self.open.push(opened.clone());
+        self.leave(ordered);
         NamedNext::Opened(opened, given_up)
     }
 
     /// A word of a person ends what waits for others; a card only what waits for the same patient, if something
     /// went unheard since.
-    fn give_up(&mut self, named: &Named, coming: &[Appeared]) -> Vec<i64> {
+    fn give_up(&mut self, named: &Named, coming: &[Appeared]) -> Vec<Capture> {
         let id = named.id.as_str();
         // Whether a refused export comes again is asked first: this is the answer if it stands beside hers.
         let is_hers = |capture: &Capture| capture.patient.as_ref().is_some_and(|own| own.id == id);
@@ -303,7 +317,7 @@ impl Rounds {
             };
             is_meant && !is_coming_in
         };
-        self.open.extract_if(.., is_given_up).map(|capture| capture.number).collect()
+        self.open.extract_if(.., is_given_up).collect()
     }
 
     /// An order from the practice software: it comes from the desk, where it is not known who is in the

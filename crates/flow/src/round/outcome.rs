@@ -30,6 +30,27 @@ pub enum Judged {
 }
 
 impl Judged {
+    /// The result for an export whose own name is another patient's: of its capture it is not known whether
+    /// this was its export.
+    pub fn contradicted(self) -> Judged {
+        let Judged::Of(capture) = self else { return self };
+        Judged::Held {
+            why: Why::Ambiguous,
+            patient: None,
+            candidates: capture.named().cloned().collect(),
+            answered: Some(capture.number),
+            doubtful: Vec::new(),
+        }
+    }
+
+    /// These patients may be meant, too.
+    pub(super) fn may_also_be(&mut self, others: Vec<Named>) {
+        if let Judged::Held { patient, candidates, .. } = self {
+            *patient = None;
+            candidates.extend(others);
+        }
+    }
+
     /// The result for an export that begins with an earlier scan of these patients, or of nobody: it is
     /// that scan, complete, and no other patient's.
     pub(super) fn completing(self, whose: &[Named]) -> Judged {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::{Next, Settled, Settling, Watched};
 use crate::export::stamp::Stamp;
-use crate::export::writing::Appeared;
+use crate::export::writing::{Appeared, Writing};
 
 /// What the looks at an export folder have found.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -14,7 +14,8 @@ pub struct Sights {
     pub looked: Option<Duration>,
     /// When the files that are not taken yet appeared.
     pub coming: Vec<Appeared>,
-    /// When the files without a scan's name appeared: an export may be written under another name.
+    /// When the files without a scan's name appeared that have changed lately: an export may be written under
+    /// another name.
     pub beside: Vec<Appeared>,
 }
 
@@ -50,7 +51,12 @@ impl Settling {
     pub fn sights(&self) -> Sights {
         let untaken = self.files.values().filter(|file| file.next != Next::Taken);
         let coming = untaken.map(|file| file.writing.appeared()).collect();
-        let beside = self.passers.values().map(|file| file.writing.appeared()).collect();
+        let may_grow = |writing: &Writing| {
+            let since = |look: Duration| look.saturating_sub(writing.last_changed());
+            self.last_look.is_none_or(|look| since(look) < self.short_wait)
+        };
+        let beside = self.passers.values().map(|file| &file.writing);
+        let beside = beside.filter(|writing| may_grow(writing)).map(Writing::appeared).collect();
         Sights { looked: self.last_look, coming, beside }
     }
 }

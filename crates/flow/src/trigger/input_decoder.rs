@@ -254,7 +254,7 @@ fn read(
             Said::Id(id) => heard.push(Heard::Named { id, by }),
             Said::Unread => {
                 garbage += length;
-                heard.push(Heard::Unread { by });
+                heard.push(Heard::Unread);
             }
             Said::Nothing => garbage += length,
         }

@@ -11,7 +11,6 @@ use gaiter_flow::trigger::input_decoder::{Hearing, Shows};
 use gaiter_flow::trigger::report::Pattern;
 use gaiter_flow::trigger::token::Tokens;
 use gaiter_flow::trigger::{Input, InputDecoder};
-use gaiter_record::SourceKind;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -127,7 +126,7 @@ proptest! {
         for (heard, line) in heard.iter().zip(lines) {
             match heard {
                 Heard::Named { id, .. } => prop_assert_eq!(id.as_bytes(), line.trim_ascii()),
-                heard => prop_assert_eq!(heard, &Heard::Unread { by: SourceKind::Reader }),
+                heard => prop_assert_eq!(heard, &Heard::Unread),
             }
         }
     }

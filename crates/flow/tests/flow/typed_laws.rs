@@ -229,7 +229,7 @@ fn heard(inputs: &[(u64, Input)]) -> Vec<Vec<Heard>> {
 
 /// What was heard of one line, as far as it is what may be heard.
 fn told(group: &[Heard]) -> Option<Expected> {
-    let is_unread = |heard: &Heard| *heard == Heard::Unread { by: SourceKind::Reader };
+    let is_unread = |heard: &Heard| *heard == Heard::Unread;
     match group {
         [] => Some(Expected::Nothing),
         [Heard::Named { id, by: SourceKind::Reader }] => Some(Expected::Named(id.clone())),

@@ -7,7 +7,6 @@ use gaiter_flow::booth::Heard;
 use gaiter_flow::orders::news::{self, News};
 use gaiter_flow::round::Doubt;
 use gaiter_flow::{OrderState, Settled};
-use gaiter_record::SourceKind;
 use gaiter_record::gdt::{Order, OrderFault, order};
 use jiff::Timestamp;
 use tracing::{info, warn};
@@ -35,10 +34,10 @@ pub enum Taken {
     Unheard(Option<OrderState>),
 }
 
-/// An order for which the journal failed before.
+/// An order that could not be heard before.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Before {
-    /// It could not be noted.
+    /// It could not be read or noted.
     Unnoted,
     /// It was noted but could not be heard. Holds what was known before that.
     Noted(Option<OrderState>),
@@ -53,14 +52,14 @@ struct Taking<'a> {
     read: Read,
     /// It has a hidden name of ours.
     is_hidden: bool,
-    /// The journal failed earlier when it was to be heard: other patients may have been named since.
+    /// It could not be heard earlier: other patients may have been named since.
     is_late: bool,
     /// It did not lie there yet at this time; `None` if that is not known.
     absent: Option<Duration>,
     pulse: &'a Pulse,
 }
 
-/// Deals with one order. `before` is set if the journal has failed for it; at `absent` it did not lie there
+/// Deals with one order. `before` is set if it could not be heard before; at `absent` it did not lie there
 /// yet. Blocks.
 ///
 /// # Errors
@@ -144,7 +143,7 @@ impl Taking<'_> {
                 return Ok(Taken::Done);
             }
             Err(fault) => {
-                let unread = Heard::Unread { by: SourceKind::Order };
+                let unread = Heard::UnreadOrder { absent: self.absent };
                 (Some(unread), Some((fault.code(), fault.to_string())))
             }
             Ok(_) if self.is_old() => {
@@ -166,7 +165,7 @@ impl Taking<'_> {
         if let Err(fault) = self.note() {
             // The name was given but is not stored: the patient named before may have left.
             if heard.is_some() {
-                self.booth.hear(&Heard::Unread { by: SourceKind::Order });
+                self.booth.hear(&Heard::UnreadOrder { absent: self.absent });
             }
             return Err(fault);
         }

@@ -137,7 +137,7 @@ impl Noted {
         match heard {
             Heard::Press(_) => self.facts.presses += 1,
             Heard::Named { .. } => self.facts.ids += 1,
-            Heard::Ordered { .. } | Heard::Unread { .. } => {}
+            Heard::Ordered { .. } | Heard::Unread | Heard::UnreadOrder { .. } => {}
         }
     }
 

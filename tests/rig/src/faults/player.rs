@@ -121,7 +121,7 @@ impl Player {
             Some(Heard::Press(Press::Short)) => "short".into(),
             Some(Heard::Press(Press::Long)) => "long".into(),
             Some(Heard::Named { id, .. }) => format!("id {id}"),
-            Some(Heard::Unread { .. }) => "unread".into(),
+            Some(Heard::Unread | Heard::UnreadOrder { .. }) => "unread".into(),
             Some(Heard::Ordered { .. }) => "ordered".into(),
         }
     }

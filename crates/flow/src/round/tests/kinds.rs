@@ -466,7 +466,7 @@ fn without_a_button_a_held_export_of_one_takes_no_time_from_the_other() {
 fn a_press_of_somebody_whose_earlier_one_may_be_anothers_is_not_at_rest() {
     let mut captures = captures();
     captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
-    captures.unread();
+    captures.unread(Some(at(900)));
     captures.pressed(1, at(5));
     captures.named(by_whom("1", SourceKind::Reader), 2, at(10), &[]);
     captures.pressed(2, at(15));
@@ -504,4 +504,78 @@ fn without_a_button_a_word_of_a_person_ends_what_is_held_for_others() {
     is_held(&mut unanswered, 60, &["1", "2", "3"]);
     captures.named(by_whom("3", SourceKind::Operator), 4, at(50), &[]);
     assert_eq!(patient_of(&export(&mut captures, seen(60))), Some("3"));
+}
+
+#[test]
+fn a_refused_export_that_may_come_again_is_not_certain_once_somebody_else_is_named_at_the_booth() {
+    let mut captures = captures();
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.pressed(1, at(1));
+    taken(&mut captures, seen(10));
+    captures.refused(1, at(15));
+    captures.named(by_whom("2", SourceKind::Reader), 2, at(30), &[]);
+    let mut hers = captures.clone();
+    // What began before the card is the first one's; what begins after it may be of a press that was forgotten.
+    assert_eq!(patient_of(&export(&mut hers, seen(25))), Some("1"));
+    is_held(&mut captures, 40, &["1", "2"]);
+}
+
+#[test]
+fn an_export_that_names_somebody_else_leaves_its_capture_in_doubt() {
+    let mut captures = captures();
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
+    captures.pressed(1, at(1));
+    let judged = captures.judge(seen(10), at(12)).contradicted();
+    captures.answer(&judged, at(12));
+    // The picture that is made of it ends nothing.
+    captures.measured(1);
+    let mut after = captures.clone();
+    after.named(by_whom("3", SourceKind::Reader), 3, at(20), &[]);
+    after.pressed(2, at(21));
+    is_held(&mut after, 30, &["1", "3"]);
+    // Whose it is does not make the next one certain.
+    captures.decided(&judged, "2", at(20));
+    is_held(&mut captures, 30, &["1"]);
+}
+
+#[test]
+fn without_a_button_whoever_was_ordered_and_given_up_for_another_may_come_next() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.uncertain = None;
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.named(by_whom("2", SourceKind::Operator), 2, at(10), &[]);
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("2"));
+    captures.named(order("3"), 3, at(30), &[]);
+    is_held(&mut captures, 40, &["1", "3"]);
+}
+
+#[test]
+fn an_order_that_cannot_be_read_may_be_for_each_press_since_it_came() {
+    for (absent, is_sure) in [(Some(at(4)), false), (None, false), (Some(at(5)), true)] {
+        let mut captures = captures();
+        captures.named(order("1"), 1, at(0), &[]);
+        captures.pressed(1, at(5));
+        captures.unread(absent);
+        if is_sure {
+            assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
+        } else {
+            assert_eq!(code(&is_held(&mut captures, 20, &["1"])), UNREAD);
+        }
+    }
+}
+
+#[test]
+fn a_press_whose_scan_a_person_decided_crosses_no_card() {
+    let mut captures = captures();
+    captures.pressed(1, at(0));
+    captures.named(by_whom("1", SourceKind::Reader), 1, at(2), &[]);
+    let judged = is_held(&mut captures, 10, &["1"]);
+    captures.decided(&judged, "1", at(15));
+    captures.measured(1);
+    // The first card may have been for the next press: the same card again says who is there.
+    captures.named(by_whom("2", SourceKind::Reader), 2, at(30), &[]);
+    captures.named(by_whom("2", SourceKind::Reader), 2, at(32), &[]);
+    captures.pressed(2, at(35));
+    assert_eq!(patient_of(&export(&mut captures, seen(40))), Some("2"));
 }

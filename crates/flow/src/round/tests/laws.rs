@@ -217,20 +217,20 @@ fn two_open_presses_or_two_orders_are_held_where_orders_come_after_the_press() {
 fn a_naming_that_failed_disarms_the_name_that_waits_until_a_word_at_the_booth() {
     let mut captures = captures();
     captures.named(order("1"), 1, at(0), &[]);
-    captures.unread();
+    captures.unread(Some(at(900)));
     captures.pressed(1, at(2));
     assert_eq!(code(&export(&mut captures, seen(20))), UNREAD);
 
     for good in [named("1"), by_whom("1", SourceKind::Reader)] {
         let mut captures = self::captures();
         captures.named(order("1"), 1, at(0), &[]);
-        captures.unread();
+        captures.unread(Some(at(900)));
         captures.named(good, 1, at(1), &[]);
         captures.pressed(1, at(2));
         assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
     }
     captures.named(order("1"), 2, at(100), &[]);
-    captures.unread();
+    captures.unread(Some(at(900)));
     // The corrected order says who is expected, not who is there.
     captures.named(order("2"), 2, at(101), &[]);
     captures.pressed(2, at(102));
@@ -242,7 +242,7 @@ fn without_a_button_a_naming_that_failed_disarms_what_waits_for_its_export() {
     let rules = Rules { by_press: false, ..rules() };
     let mut captures = Rounds::new(rules, Vec::new(), Names::default());
     captures.named(named("1"), 1, at(0), &[]);
-    captures.unread();
+    captures.unread(Some(at(900)));
     assert_eq!(code(&export(&mut captures, seen(5))), UNREAD);
 }
 

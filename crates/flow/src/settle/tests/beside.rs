@@ -71,3 +71,16 @@ fn so_does_one_that_was_written_over_a_file_that_was_taken() {
     assert_eq!(others.len(), 1);
     assert!(others[0].seen >= Duration::from_secs(20), "its content began then: {others:?}");
 }
+
+#[test]
+fn a_file_that_is_no_scan_may_become_one_only_while_it_changes() {
+    let mut settling = settling();
+    let note = BTreeMap::from([(PathBuf::from("note.log"), stamp_of(7, 100, 9))]);
+    let mut beside = |second: u64| {
+        settling.pass_over(note.clone(), at(second));
+        settling.observe(seen(&[]), at(second));
+        settling.sights().beside.len()
+    };
+    let end = 10 + SHORT_WAIT.as_secs();
+    assert_eq!([10, end - 1, end + 1].map(&mut beside), [1, 1, 0]);
+}

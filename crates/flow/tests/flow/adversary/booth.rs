@@ -357,7 +357,7 @@ impl Booth {
         if self.name(id, by, doubt, absent).is_err()
             && let Some(run) = &mut self.run
         {
-            run.captures.unread();
+            run.captures.unread(absent);
             self.observe(Seen::Unread);
         }
     }
@@ -422,13 +422,14 @@ impl Booth {
 
     /// Somebody tried to name a patient, and it could not be read.
     pub fn unread(&mut self) {
+        let now = self.clock();
         let Some(run) = &mut self.run else { return };
         self.oracle.observe(self.now_ms, Seen::Unread);
         if self.setup.off == Off::FailedNamingDisarms {
             return;
         }
         let mut after = run.captures.clone();
-        after.unread();
+        after.unread(Some(now));
         let _ = change(self.setup.off, &mut self.disk, run, after.clone());
         run.captures = after;
     }

@@ -285,6 +285,10 @@ impl Booth {
         let named = self.setup.identity.of_file_name(&name_of(&settled.path));
         let says = [named, says];
         let whose = identity::of_judged(&judged, self.setup.hold_unpressed, says);
+        let judged = match whose.held {
+            Some(identity::PATIENTS_DIFFER) => judged.contradicted(),
+            _ => judged,
+        };
         let patient = whose.patient.map(|patient| patient.id);
         let patients = known.map_or_else(Vec::new, |known| self.disk.patients(known));
         let verdict = identity::judge(patients.iter().map(Option::as_deref), patient.as_deref());

@@ -394,7 +394,8 @@ impl Oracle {
     fn whose_presses(&self) -> BTreeMap<i64, Whose> {
         let mut names = Waiting::default();
         let mut whose: BTreeMap<i64, (u64, Whose)> = BTreeMap::new();
-        let mut called_off_ms = 0;
+        // Presses that were given up, or decided upon: no word is for them.
+        let (mut called_off_ms, mut decided) = (0, BTreeSet::<i64>::new());
         for (now_ms, what) in &self.seen {
             names.expire(*now_ms);
             if matches!(what, Seen::JournalLost | Seen::Reboot) {
@@ -403,12 +404,12 @@ impl Oracle {
                 names = Waiting::default();
                 continue;
             }
-            let mut recent = whose.values().filter(|(at_ms, _)| *now_ms <= at_ms + AWAITED_MS);
+            let mut recent = whose.iter().filter(|(_, (at_ms, _))| *now_ms <= at_ms + AWAITED_MS);
             match what {
                 Seen::Named { id, by: SourceKind::Order, is_sure, absent_ms, .. } => {
-                    let is_overtaken = recent.clone().any(|(at, _)| at > absent_ms);
+                    let is_overtaken = recent.clone().any(|(_, (at, _))| at > absent_ms);
                     // Several who were named before a press need no other order.
-                    let is_crossed = recent.any(|(_, of)| !of.is_sure && of.ids.len() < 2);
+                    let is_crossed = recent.any(|(_, (_, of))| !of.is_sure && of.ids.len() < 2);
                     let is_sure = *is_sure && !is_overtaken;
                     if self.orders_come_after {
                         pair(&mut whose, names.said.is_empty(), (id, is_sure), *now_ms);
@@ -418,8 +419,9 @@ impl Oracle {
                 }
                 Seen::Named { id, by, is_sure, .. } => {
                     // Not where an order that came too late for its press may have been for that one.
-                    let is_crossed = recent.any(|(at, of)| {
-                        of.ids.is_empty() && *at > called_off_ms && !self.may_be_ordered(*at)
+                    let is_crossed = recent.any(|(number, (at, of))| {
+                        let is_settled = *at <= called_off_ms || decided.contains(number);
+                        of.ids.is_empty() && !is_settled && !self.may_be_ordered(*at)
                     });
                     names.word(id, *by, *now_ms, *is_sure && !is_crossed);
                 }
@@ -431,6 +433,7 @@ impl Oracle {
                 Seen::Unread | Seen::NamesAway | Seen::PressesAway | Seen::Start => names.doubt(),
                 Seen::Taken { went: Went::Nobody, .. } if !names.said.is_empty() => names.doubt(),
                 Seen::Decided { id: Some(id), round, .. } => {
+                    decided.extend(round);
                     let (own, others): (Vec<_>, Vec<_>) =
                         whose.iter().partition(|(number, _)| Some(**number) == *round);
                     let ids = |of: Vec<(&i64, &(u64, Whose))>| {

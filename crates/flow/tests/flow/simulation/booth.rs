@@ -127,7 +127,7 @@ impl Booth {
             (true, Stage::Pressed(_)) => captures.missed_press(now),
             // The person who names sees that it failed, and says it again; an order does so too.
             (true, _) => {
-                captures.unread();
+                captures.unread(Some(now));
                 return Did::Nothing;
             }
             (false, _) => {
