@@ -88,12 +88,12 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, pulse: &Pulse) {
             was_open = Some(is_open);
             booth.port(name, is_open);
         }
+        // A journal that is slow to take what was heard keeps this port waiting: that counts as a sleep.
+        listens_since = clock();
         for heard in heard.drain(..) {
             noted.count(&heard);
             booth.hear(&heard);
         }
-        // A journal that is slow to take what was heard is no sleep.
-        listens_since = clock();
         tell(name, &mut attendant, clock());
         noted.note(core, &mut attendant);
         if !pause.is_zero() {
