@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::os::unix::ffi::OsStringExt;
 
+use gaiter_flow::ScanState;
 use gaiter_flow::account::{Happened, Listed, Whole};
 use gaiter_flow::health::bytes;
 
@@ -32,17 +33,17 @@ pub fn list(scans: &[Listed]) -> String {
     );
     for scan in scans {
         let mut why = scan.code.clone().unwrap_or_default();
-        if let Some(closed) = &scan.closed {
-            why = format!("{closed} {why}");
+        if let Some(closed) = scan.closed {
+            why = format!("{} {why}", closed.word());
         }
-        if scan.attempts > 0 && scan.state == "spooled" {
+        if scan.attempts > 0 && scan.state == ScanState::Spooled {
             why = format!("{} attempts {why}", scan.attempts);
         }
         let line = format!(
             "{:8}  {:19}  {:11}  {:6}  {:>8}  {}",
             scan.scan,
             local(scan.first_seen),
-            scan.shown_state(),
+            scan.disposition.word(),
             scan.format,
             bytes(scan.size),
             shown(why.trim())
@@ -66,7 +67,7 @@ fn detail(whole: &Whole) -> String {
     let summary = &whole.summary;
     let mut rows = vec![
         ("scan", whole.scan.clone()),
-        ("state", whole.shown_state().to_owned()),
+        ("state", whole.disposition().word().to_owned()),
         ("first seen", local(summary.first_seen)),
         ("file's time", summary.file_time.map_or("unknown".to_owned(), local)),
         ("format", format!("{}, {}", summary.format, bytes(summary.size))),
@@ -75,7 +76,7 @@ fn detail(whole: &Whole) -> String {
         let message = summary.message.as_deref().unwrap_or_default();
         rows.push(("refused", format!("[{code}] {message}")));
     }
-    rows.extend(summary.closed.clone().map(|why| ("closed", why)));
+    rows.extend(summary.closed.map(|why| ("closed", why.word().to_owned())));
     rows.extend(whole.candidates.iter().map(|id| ("candidate", id.clone())));
     rows.extend(whole.preview.clone().map(|folder| ("preview", folder)));
     for delivery in &whole.deliveries {
@@ -83,7 +84,7 @@ fn detail(whole: &Whole) -> String {
         rows.push(("patient", delivery.patient.clone().unwrap_or_else(|| "none is named".into())));
         let code = delivery.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
         let to_go = if delivery.is_to_go() { ", to be withdrawn" } else { "" };
-        rows.push(("store", format!("{}: {}{code}{to_go}", delivery.store, delivery.state)));
+        rows.push(("store", format!("{}: {}{code}{to_go}", delivery.store, delivery.state.word())));
         if delivery.attempts > 0 {
             let next = delivery.next_at.map(|at| format!(", next {}", local(at)));
             rows.push(("attempts", format!("{}{}", delivery.attempts, next.unwrap_or_default())));

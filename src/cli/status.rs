@@ -148,7 +148,7 @@ fn rows(look: &Look) -> Vec<(String, String)> {
     let last = status.last.as_ref().map(|last| {
         let (seen, ago) = (last.first_seen, ago(last.first_seen, now));
         let listed = look.scans.iter().find(|scan| scan.scan == last.scan);
-        let state = listed.map_or(last.state.as_str(), Listed::shown_state);
+        let state = listed.map_or(last.state.word(), |scan| scan.disposition.word());
         format!("{} seen {}, {ago} ago: {state}", last.scan, local(seen))
     });
     row("last scan", last.unwrap_or_else(|| "none yet".to_owned()));

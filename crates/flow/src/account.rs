@@ -5,11 +5,15 @@ use std::collections::BTreeMap;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::disposition::Disposition;
 use super::facts::StoreFacts;
 use super::health::{ago, words};
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use super::patient::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
-use super::{DeliveryState, ScanState, round};
+use super::{Closed, DeliveryState, ScanState, round};
+
+/// So many digits of a scan's id tell it from others, in lists and sentences.
+const SHORT: usize = 8;
 
 /// A scan, when it was first seen, and where it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,8 +22,8 @@ pub struct Seen {
     pub scan: String,
     /// When the station first saw it.
     pub first_seen: Timestamp,
-    /// Its state, as a word.
-    pub state: String,
+    /// Its state.
+    pub state: ScanState,
 }
 
 /// A scan in a list, without anything that identifies the patient.
@@ -29,8 +33,10 @@ pub struct Listed {
     pub scan: String,
     /// When the station first saw it.
     pub first_seen: Timestamp,
-    /// Its state, as a word.
-    pub state: String,
+    /// Its state.
+    pub state: ScanState,
+    /// What became of it.
+    pub disposition: Disposition,
     /// A delivery of it waits for the operator.
     pub held: bool,
     /// Its format's file-name ending.
@@ -43,28 +49,33 @@ pub struct Listed {
     pub attempts: u64,
     /// When the next attempt is due.
     pub next_at: Option<Timestamp>,
-    /// Why it no longer needs a decision, although it was refused or held: `given-up`, `superseded` or
-    /// `let-go`.
-    pub closed: Option<String>,
+    /// Why it no longer needs a decision, although it was refused or held.
+    pub closed: Option<Closed>,
     /// A record of it is, or may be, in a place from which it must be taken back.
     pub withdrawing: bool,
 }
 
 impl Listed {
-    /// Its state in a word for people, the same in every table.
-    pub fn shown_state(&self) -> &str {
-        shown_state(&self.state, self.closed.is_some(), self.held, self.withdrawing)
-    }
-}
-
-/// What matters most about a scan: a decision that is made or needed, then a record in the wrong place, then
-/// the state of the scan itself.
-fn shown_state(state: &str, is_closed: bool, is_held: bool, is_withdrawing: bool) -> &str {
-    match (is_closed, is_held, is_withdrawing) {
-        (true, ..) => "closed",
-        (_, true, _) => "held",
-        (_, _, true) => "withdrawing",
-        _ => state,
+    /// A scan as it stands in a list.
+    pub fn of(whole: &Whole) -> Listed {
+        let Whole { scan, summary, deliveries, .. } = whole;
+        let is_any = |state| deliveries.iter().any(|of| of.state == state);
+        let codes = deliveries.iter().filter_map(|of| of.code.as_ref());
+        let pending = deliveries.iter().filter(|of| of.state == DeliveryState::Pending);
+        Listed {
+            scan: scan.get(..SHORT).unwrap_or(scan).to_owned(),
+            first_seen: summary.first_seen,
+            state: summary.state,
+            disposition: whole.disposition(),
+            held: is_any(DeliveryState::Held),
+            format: summary.format.clone(),
+            size: summary.size,
+            code: summary.code.clone().or_else(|| codes.max().cloned()),
+            attempts: deliveries.iter().map(|of| of.attempts).sum(),
+            next_at: pending.filter_map(|of| of.next_at).min(),
+            closed: summary.closed,
+            withdrawing: deliveries.iter().any(|of| whole.is_to_be_taken_back(of)),
+        }
     }
 }
 
@@ -142,23 +153,27 @@ pub struct Whole {
 }
 
 impl Whole {
-    /// Its state in a word for people, the same in every table.
-    pub fn shown_state(&self) -> &str {
-        let in_state = |delivery: &Delivered, state: DeliveryState| delivery.state == state.word();
-        let is_held = self.deliveries.iter().any(|of| in_state(of, DeliveryState::Held));
-        // A record in a store that gets no other one in its place is left to the operator.
-        let is_replaced = |of: &Delivered| {
-            let mut others = self.deliveries.iter().filter(|other| other.store == of.store);
-            others.any(|other| {
-                in_state(other, DeliveryState::Pending) || in_state(other, DeliveryState::Refused)
-            })
+    /// What became of it.
+    pub fn disposition(&self) -> Disposition {
+        Disposition::of(&self.summary, &self.deliveries)
+    }
+
+    /// Whether a record is to be removed from its store. One in a store that gets no other in its place is left
+    /// to a person.
+    fn is_to_be_taken_back(&self, of: &Delivered) -> bool {
+        let mut others = self.deliveries.iter().filter(|other| other.store == of.store);
+        let is_coming = |other: &Delivered| {
+            matches!(other.state, DeliveryState::Pending | DeliveryState::Refused)
         };
-        let is_withdrawing = self
-            .deliveries
-            .iter()
-            .any(|of| in_state(of, DeliveryState::Withdrawing) || of.is_to_go() && is_replaced(of));
-        let summary = &self.summary;
-        shown_state(&summary.state, summary.closed.is_some(), is_held, is_withdrawing)
+        of.state == DeliveryState::Withdrawing || of.is_to_go() && others.any(is_coming)
+    }
+
+    /// Why it is held, as a code, if it is.
+    pub fn held_for(&self) -> Option<&str> {
+        let is_held = self.disposition() == Disposition::Held;
+        let mut held = self.deliveries.iter().filter(|of| of.state == DeliveryState::Held);
+        let held = held.next().filter(|_| is_held)?;
+        Some(held.code.as_deref().unwrap_or(SAME_SCAN_OTHER_PATIENT))
     }
 }
 
@@ -176,8 +191,8 @@ pub struct Happened {
 /// The scan itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Its state, as a word.
-    pub state: String,
+    /// Its state.
+    pub state: ScanState,
     /// When the station first saw it.
     pub first_seen: Timestamp,
     /// Its file's own time.
@@ -190,9 +205,8 @@ pub struct Summary {
     pub code: Option<String>,
     /// The same, for people.
     pub message: Option<String>,
-    /// Why it no longer needs a decision, although it was refused or held: `given-up`, `superseded` or
-    /// `let-go`.
-    pub closed: Option<String>,
+    /// Why it no longer needs a decision, although it was refused or held.
+    pub closed: Option<Closed>,
     /// Measures must be taken by hand, or the patient scanned again.
     #[serde(default)]
     pub incomplete: bool,
@@ -205,8 +219,8 @@ pub struct Delivered {
     pub patient: Option<String>,
     /// The store.
     pub store: String,
-    /// Its state, as a word.
-    pub state: String,
+    /// Its state.
+    pub state: DeliveryState,
     /// Why it is held or was refused.
     pub code: Option<String>,
     /// Failed attempts.
@@ -221,14 +235,14 @@ impl Delivered {
     /// Whether its record is, or may be, in a place from which it must be taken back.
     pub fn is_to_go(&self) -> bool {
         let unwanted = [UNASSIGNED, SUPERSEDED, HANDED_OVER];
-        self.state == DeliveryState::Withdrawing.word()
-            || self.state == DeliveryState::Delivered.word()
+        self.state == DeliveryState::Withdrawing
+            || self.state == DeliveryState::Delivered
                 && self.code.as_deref().is_some_and(|code| unwanted.contains(&code))
     }
 
     /// Whether its record is in the store, under the patient to whom the scan belongs.
     pub fn is_there(&self) -> bool {
-        self.state == DeliveryState::Delivered.word() && !self.is_to_go()
+        self.state == DeliveryState::Delivered && !self.is_to_go()
     }
 }
 
@@ -252,96 +266,87 @@ fn why_held(code: &str) -> &'static str {
 }
 
 /// Why a refused or held scan no longer needs a decision, in words.
-fn why_closed(closed: &str) -> &'static str {
+fn why_closed(closed: Closed) -> &'static str {
     match closed {
-        "superseded" => "the same patient's next scan was delivered",
-        "let-go" => "it was not decided on before its time in quarantine ended",
-        _ => "the operator gave it up",
+        Closed::GivenUp => "the operator gave it up",
+        Closed::Superseded => "the same patient's next scan was delivered",
+        Closed::LetGo => "it was not decided on before its time in quarantine ended",
     }
 }
 
-/// The outcome for a scan, in words that follow "it"; `held` is the code for why it is held, if it is.
-pub fn in_words(summary: &Summary, held: Option<&str>) -> String {
-    if let Some(code) = held {
+/// The outcome for a scan, in words that follow "it".
+pub fn in_words(whole: &Whole) -> String {
+    if let Some(code) = whole.held_for() {
         return format!("is held because {}, until the operator decides", why_held(code));
     }
-    let refused = summary.state == ScanState::Refused.word();
-    match &summary.code {
-        Some(code) if refused => format!("was refused ({code}) and is in quarantine"),
-        None if refused => "was refused and is in quarantine".into(),
-        _ if summary.state == ScanState::Delivered.word() => "was delivered".into(),
-        _ => "was taken and waits for its record to be delivered".into(),
+    match (whole.summary.state, &whole.summary.code) {
+        (ScanState::Refused, Some(code)) => format!("was refused ({code}) and is in quarantine"),
+        (ScanState::Refused, None) => "was refused and is in quarantine".into(),
+        (ScanState::Delivered, _) => "was delivered".into(),
+        (ScanState::Spooled, _) => "was taken and waits for its record to be delivered".into(),
     }
 }
 
 /// Why a scan is where it is, in one sentence that names no patient. `stores` has the state of each
 /// store.
 pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> String {
-    let (scan, summary) = (whole.scan.get(..8).unwrap_or(&whole.scan), &whole.summary);
-    let code = |code: &Option<String>| code.clone().unwrap_or_else(|| "no code".to_owned());
-    let in_state = |state: DeliveryState| {
-        whole.deliveries.iter().find(|delivery| delivery.state == state.word())
-    };
-    if summary.state == ScanState::Refused.word() {
-        let why = summary.message.as_deref().unwrap_or("the reason is in the file beside it");
-        let code = code(&summary.code);
-        let closed = summary.closed.as_deref().map(why_closed);
-        let closed =
-            closed.map_or(String::new(), |why| format!("; no decision is needed, because {why}"));
-        return format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}.");
-    }
-    if let Some(pending) = in_state(DeliveryState::Pending) {
-        let waited = ago(summary.first_seen, now);
-        let store = stores.get(pending.store.as_str());
-        if let Some(fault) = store.and_then(|store| store.fault.as_ref()) {
-            let store = &pending.store;
-            return format!(
-                "Scan {scan} has been safe in the spool for {waited} and waits for the store \
-                 \"{store}\", which accepts no records now: {fault}."
-            );
+    let (scan, summary) = (whole.scan.get(..SHORT).unwrap_or(&whole.scan), &whole.summary);
+    let closed = summary.closed.map(why_closed);
+    let closed =
+        closed.map_or(String::new(), |why| format!("; no decision is needed, because {why}"));
+    match whole.disposition() {
+        _ if summary.state == ScanState::Refused => {
+            let why = summary.message.as_deref().unwrap_or("the reason is in the file beside it");
+            let code = summary.code.as_deref().unwrap_or("no code");
+            format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}.")
         }
-        return match (pending.attempts, pending.next_at) {
-            (0, _) => format!(
-                "Scan {scan} has been safe in the spool for {waited} and waits for its turn to be \
-                 measured."
-            ),
-            (attempts, next_at) => {
-                let next = next_at.map(|at| words(at.duration_since(now).unsigned_abs()));
-                let next = next.map_or(String::new(), |next| format!(", the next in {next}"));
-                let store = &pending.store;
-                let code = pending.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
-                format!(
-                    "Scan {scan} has been safe in the spool for {waited}; the store \"{store}\" \
-                     did not accept its record in {attempts} attempts{code}; attempts \
-                     continue{next}."
-                )
-            }
-        };
-    }
-    let held = in_state(DeliveryState::Held).filter(|_| summary.closed.is_none());
-    if let Some(held) = held {
-        let code = held.code.as_deref().unwrap_or(SAME_SCAN_OTHER_PATIENT);
-        let why = why_held(code);
-        return format!(
-            "Scan {scan} is held [{code}]: {why}; operator action needed: look (gaiter show {scan}) and decide \
-             (gaiter release or gaiter assign)."
-        );
-    }
-    let mut done = whole.deliveries.iter().filter(|delivery| delivery.is_there());
-    if in_state(DeliveryState::Withdrawing).is_some() {
-        return format!(
+        Disposition::Held | Disposition::Refused => {
+            let code = whole.held_for().unwrap_or(SAME_SCAN_OTHER_PATIENT);
+            let why = why_held(code);
+            format!(
+                "Scan {scan} is held [{code}]: {why}; operator action needed: look (gaiter show {scan}) and \
+                 decide (gaiter release or gaiter assign)."
+            )
+        }
+        Disposition::Spooled => {
+            let waited = ago(summary.first_seen, now);
+            let waits = waits(whole, stores, now);
+            format!("Scan {scan} has been safe in the spool for {waited}{waits}.")
+        }
+        Disposition::Withdrawing => format!(
             "Scan {scan} was taken back; its record could not be removed yet; attempts continue \
              (gaiter show {scan})."
+        ),
+        Disposition::Delivered => format!("Scan {scan} is delivered; nothing is left to do."),
+        Disposition::Closed => format!("Scan {scan} was held{closed}."),
+        Disposition::Unassigned | Disposition::Left => format!(
+            "Scan {scan} is delivered; no patient was named, so it is stored under _unassigned{closed}."
+        ),
+    }
+}
+
+/// What a scan in the spool waits for, in words that follow the time.
+fn waits(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> String {
+    let mut pending = whole.deliveries.iter().filter(|of| of.state == DeliveryState::Pending);
+    let Some(pending) = pending.next() else { return String::new() };
+    let store = &pending.store;
+    let fault = stores.get(store.as_str()).and_then(|store| store.fault.as_ref());
+    if let Some(fault) = fault {
+        return format!(
+            " and waits for the store \"{store}\", which accepts no records now: {fault}"
         );
     }
-    let unassigned = done.next().is_some_and(|delivery| delivery.patient.is_none());
-    let whose = if unassigned {
-        "no patient was named, so it is stored under _unassigned"
-    } else {
-        "nothing is left to do"
-    };
-    format!("Scan {scan} is delivered; {whose}.")
+    if pending.attempts == 0 {
+        return " and waits for its turn to be measured".to_owned();
+    }
+    let next = pending.next_at.map(|at| words(at.duration_since(now).unsigned_abs()));
+    let next = next.map_or(String::new(), |next| format!(", the next in {next}"));
+    let code = pending.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
+    let attempts = pending.attempts;
+    format!(
+        "; the store \"{store}\" did not accept its record in {attempts} attempts{code}; attempts continue{next}"
+    )
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -12,8 +12,11 @@
 //! Finish, Deliver, Refuse and Gone are the station's own steps, and so is Keep, from withdrawing back
 //! to delivered; the others need the operator.
 
+use serde::{Deserialize, Serialize};
+
 /// Where a scan is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ScanState {
     /// Its bytes are in the spool; at least one delivery is to be made.
     Spooled,
@@ -35,7 +38,8 @@ pub enum ScanStep {
 }
 
 /// Where a delivery is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DeliveryState {
     /// To be made.
     Pending,
@@ -50,6 +54,37 @@ pub enum DeliveryState {
     Withdrawing,
     /// It was taken back.
     Withdrawn,
+}
+
+/// Why a scan that was refused or held, or is stored without a patient, needs no decision any more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Closed {
+    /// A person gave it up.
+    GivenUp,
+    /// The same patient's next scan was measured.
+    Superseded,
+    /// Nobody decided before its time in quarantine was over; its bytes are gone.
+    LetGo,
+}
+
+impl Closed {
+    /// All reasons.
+    pub const ALL: [Closed; 3] = [Closed::GivenUp, Closed::Superseded, Closed::LetGo];
+
+    /// The word in the journal.
+    pub fn word(self) -> &'static str {
+        match self {
+            Closed::GivenUp => "given-up",
+            Closed::Superseded => "superseded",
+            Closed::LetGo => "let-go",
+        }
+    }
+
+    /// The reason of a word in the journal.
+    pub fn of_word(word: &str) -> Option<Closed> {
+        Closed::ALL.into_iter().find(|why| why.word() == word)
+    }
 }
 
 /// The code of a delivered record that the operator takes back from its patient.

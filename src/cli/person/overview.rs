@@ -122,7 +122,7 @@ fn scans(person: &Person, language: Language) -> Vec<Vec<String>> {
                 .collect();
             vec![
                 escaped(&time(scan.summary.first_seen)),
-                escaped(&format!("{} ({})", scan.sha256, scan.summary.state)),
+                escaped(&format!("{} ({})", scan.sha256, scan.summary.state.word())),
                 escaped(language.text(whose(scan.whose))),
                 deliveries.join("<br>"),
             ]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use gaiter_flow::account::Seen;
 use gaiter_flow::confinement::{Confinement, Enforced};
 use gaiter_flow::health::Complaint;
+use gaiter_flow::{Disposition, ScanState};
 
 use super::*;
 use crate::station::operator::control::status::{BoothStatus, StoreStatus, TriggerStatus};
@@ -14,7 +15,7 @@ fn at(second: i64) -> Timestamp {
 }
 
 fn status() -> Status {
-    let seen = Seen { scan: "abcd1234".into(), first_seen: at(0), state: "spooled".into() };
+    let seen = Seen { scan: "abcd1234".into(), first_seen: at(0), state: ScanState::Spooled };
     let counts = [("spooled", 1), ("delivered", 20), ("refused", 2), ("held", 0)];
     let port = TriggerStatus {
         state: "open".into(),
@@ -73,11 +74,16 @@ fn status() -> Status {
     }
 }
 
-fn scan(state: &str) -> Listed {
+fn scan(state: ScanState) -> Listed {
     Listed {
         scan: "abcd1234".into(),
         first_seen: at(0),
-        state: state.into(),
+        state,
+        disposition: match state {
+            ScanState::Spooled => Disposition::Spooled,
+            ScanState::Delivered => Disposition::Delivered,
+            ScanState::Refused => Disposition::Refused,
+        },
         held: false,
         closed: None,
         withdrawing: false,
@@ -91,7 +97,7 @@ fn scan(state: &str) -> Listed {
 
 #[test]
 fn held_scans_stand_first_and_nothing_is_listed_twice() {
-    let named = |name: &str| Listed { scan: name.into(), ..scan("delivered") };
+    let named = |name: &str| Listed { scan: name.into(), ..scan(ScanState::Delivered) };
     let list = |names: &[&str]| names.iter().map(|name| named(name)).collect::<Vec<_>>();
     let shown = held_first(list(&["h1", "h2"]), list(&["a", "h1", "b", "c", "d"]));
     let names: Vec<&str> = shown.iter().map(|scan| scan.scan.as_str()).collect();
@@ -125,17 +131,17 @@ abcd1234  2027-01-15 08:00:00  spooled      obj       4.5 MB
 fn a_station_in_order_says_so_first_and_its_last_scans_at_the_end() {
     // Times are told in the zone of the machine that runs the test.
     let ready = READY.replace("2027-01-15 08:00:00", &local(at(0)));
-    assert_eq!(screen(status(), vec![scan("spooled")], None), ready);
+    assert_eq!(screen(status(), vec![scan(ScanState::Spooled)], None), ready);
 }
 
 #[test]
 fn on_a_terminal_it_fits_one_screen_and_every_id_stays_whole() {
-    let scans = (0..LAST_SCANS).map(|_| scan("delivered")).collect();
+    let scans = (0..LAST_SCANS).map(|_| scan(ScanState::Delivered)).collect();
     let said = screen(status(), scans, Some(80));
     assert!(said.lines().count() < 24, "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
     let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
-    let piped = screen(status(), vec![scan("delivered")], None);
+    let piped = screen(status(), vec![scan(ScanState::Delivered)], None);
     let (said, piped) = (words(&said), words(&piped));
     assert_eq!(said[..piped.len()], piped, "wrapping parts words only at spaces");
 }

@@ -351,7 +351,7 @@ fn a_rebuilt_journal_learns_from_the_store_and_holds_what_it_would_have_held() {
     let record = found_record();
     custody.found(&record, "folder").unwrap();
     assert!(custody.journal.pending().unwrap().is_empty(), "held, not delivered to 0815");
-    assert!(custody.journal.held_for(&scan).unwrap().is_some());
+    assert!(custody.journal.whole(&scan).unwrap().unwrap().held_for().is_some());
     assert!(custody.spool.holds(&scan), "a person may still release it");
     custody.found(&record, "folder").unwrap();
     assert_eq!(custody.journal.patients(&scan).unwrap().len(), 2);

@@ -4,11 +4,10 @@ mod amended;
 
 use std::path::Path;
 
-use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use gaiter_record::Patient;
 use jiff::Timestamp;
-use rusqlite::{Connection, OptionalExtension, Transaction, params};
+use rusqlite::{Connection, Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{Due, Task, count, detail, set_code, step};
@@ -130,16 +129,6 @@ impl Journal {
     /// The patients the scan belongs to: neither those it is held for nor those it was withdrawn from.
     pub fn owners(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
         owners(&self.connection(), scan)
-    }
-
-    /// Why a delivery of the scan waits for a decision; `None` if none does.
-    pub fn held_for(&self, scan: &ScanId) -> Result<Option<String>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT coalesce(code, ?3) FROM deliveries WHERE sha256 = ?1 AND state = ?2 LIMIT 1",
-        )?;
-        let cells = [scan.as_str(), DeliveryState::Held.word(), SAME_SCAN_OTHER_PATIENT];
-        Ok(query.query_row(cells, |row| row.get(0)).optional()?)
     }
 }
 

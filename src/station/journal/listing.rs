@@ -4,9 +4,10 @@ mod newest;
 mod search;
 
 use std::collections::BTreeMap;
+use std::io;
 
 use gaiter_flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
-use gaiter_flow::{DeliveryState, ScanId, ScanState};
+use gaiter_flow::{Closed, DeliveryState, ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 
@@ -87,36 +88,23 @@ impl Journal {
 
     /// The latest scans, newest first, at most `limit`.
     pub fn list(&self, filter: Option<Filter>, limit: u32) -> Result<Vec<Listed>, JournalError> {
-        let connection = self.viewer();
-        let mut query = connection.prepare_cached(&format!(
-            "SELECT sha256, first_seen, scans.state,
-                    coalesce(sum(deliveries.state = 'held'), 0) AS held, format, size,
-                    coalesce(scans.code, max(deliveries.code)), coalesce(sum(attempts), 0),
-                    min(CASE deliveries.state WHEN 'pending' THEN next_at END), closed,
-                    EXISTS (SELECT 1 FROM deliveries WHERE sha256 = scans.sha256 AND {})
-             FROM scans LEFT JOIN deliveries USING (sha256) GROUP BY sha256
-             HAVING ?1 = '' OR (?1 = 'held' AND held > 0) OR scans.state = ?1
-             ORDER BY first_seen DESC, scans.rowid DESC LIMIT ?2",
-            to_be_taken_back()
-        ))?;
+        let viewer = self.viewer();
+        let connection = viewer.unchecked_transaction()?;
+        let mut query = connection.prepare_cached(
+            "SELECT sha256 FROM scans
+             WHERE ?1 = '' OR state = ?1
+                   OR ?1 = ?3 AND sha256 IN (SELECT sha256 FROM deliveries WHERE state = ?3)
+             ORDER BY first_seen DESC, rowid DESC LIMIT ?2",
+        )?;
         let word = FILTERS.iter().find(|(_, known)| Some(*known) == filter);
-        let word = word.map_or("", |(word, _)| word);
-        let rows = query.query_map(params![word, limit], |row| {
-            Ok(Listed {
-                scan: short(row, 0)?,
-                first_seen: time(row, 1)?,
-                state: row.get(2)?,
-                held: count(row, 3)? > 0,
-                format: row.get(4)?,
-                size: count(row, 5)?,
-                code: row.get(6)?,
-                attempts: count(row, 7)?,
-                next_at: time_or_none(row, 8)?,
-                closed: row.get(9)?,
-                withdrawing: row.get(10)?,
-            })
-        })?;
-        Ok(rows.collect::<Result<_, _>>()?)
+        let cells = params![word.map_or("", |(word, _)| word), limit, DeliveryState::Held.word()];
+        let rows = query.query_map(cells, |row| row.get(0))?;
+        let mut list = Vec::new();
+        for row in rows {
+            let scan = cell("sha256", row?, |text| ScanId::parse(text).ok())?;
+            list.extend(whole(&connection, &scan)?.as_ref().map(Listed::of));
+        }
+        Ok(list)
     }
 
     /// The scans whose id begins with these digits, at most `limit`.
@@ -133,52 +121,66 @@ impl Journal {
     /// Everything known about a scan except its history and preview; `None` if it was never seen.
     pub fn whole(&self, scan: &ScanId) -> Result<Option<Whole>, JournalError> {
         let viewer = self.viewer();
-        let connection = viewer.unchecked_transaction()?;
-        let mut query = connection.prepare_cached(
-            "SELECT state, first_seen, file_time, format, size, code, message, closed, candidates,
-                    incomplete
-             FROM scans WHERE sha256 = ?1",
-        )?;
-        let found = query.query_row([scan.as_str()], |row| {
-            let summary = Summary {
-                state: row.get(0)?,
-                first_seen: time(row, 1)?,
-                file_time: time_or_none(row, 2)?,
-                format: row.get(3)?,
-                size: count(row, 4)?,
-                code: row.get(5)?,
-                message: row.get(6)?,
-                closed: row.get(7)?,
-                incomplete: row.get(9)?,
-            };
-            Ok((summary, ids(row, 8)?))
-        });
-        let Some((summary, candidates)) = found.optional()? else { return Ok(None) };
-        let mut query = connection.prepare_cached(
-            "SELECT patient, store, state, code, attempts, next_at, folder
-             FROM deliveries WHERE sha256 = ?1 ORDER BY patient, store",
-        )?;
-        let rows = query.query_map([scan.as_str()], |row| {
-            Ok(Delivered {
-                patient: Some(row.get(0)?).filter(|id: &String| !id.is_empty()),
-                store: row.get(1)?,
-                state: row.get(2)?,
-                code: row.get(3)?,
-                attempts: count(row, 4)?,
-                next_at: time_or_none(row, 5)?,
-                folder: row.get(6)?,
-            })
-        })?;
-        let deliveries = rows.collect::<Result<_, _>>()?;
-        Ok(Some(Whole {
-            scan: scan.to_string(),
-            summary,
-            deliveries,
-            candidates,
-            preview: None,
-            history: Vec::new(),
-        }))
+        whole(&*viewer.unchecked_transaction()?, scan)
     }
+}
+
+fn whole(connection: &Connection, scan: &ScanId) -> Result<Option<Whole>, JournalError> {
+    let mut query = connection.prepare_cached(
+        "SELECT state, first_seen, file_time, format, size, code, message, closed, candidates, incomplete
+         FROM scans WHERE sha256 = ?1",
+    )?;
+    let found = query.query_row([scan.as_str()], |row| {
+        let closed: Option<String> = row.get(7)?;
+        let summary = Summary {
+            state: word(row, 0, ScanState::of_word)?,
+            first_seen: time(row, 1)?,
+            file_time: time_or_none(row, 2)?,
+            format: row.get(3)?,
+            size: count(row, 4)?,
+            code: row.get(5)?,
+            message: row.get(6)?,
+            closed: closed.map(|_| word(row, 7, Closed::of_word)).transpose()?,
+            incomplete: row.get(9)?,
+        };
+        Ok((summary, ids(row, 8)?))
+    });
+    let Some((summary, candidates)) = found.optional()? else { return Ok(None) };
+    let mut query = connection.prepare_cached(
+        "SELECT patient, store, state, code, attempts, next_at, folder
+         FROM deliveries WHERE sha256 = ?1 ORDER BY patient, store",
+    )?;
+    let rows = query.query_map([scan.as_str()], |row| {
+        Ok(Delivered {
+            patient: Some(row.get(0)?).filter(|id: &String| !id.is_empty()),
+            store: row.get(1)?,
+            state: word(row, 2, DeliveryState::of_word)?,
+            code: row.get(3)?,
+            attempts: count(row, 4)?,
+            next_at: time_or_none(row, 5)?,
+            folder: row.get(6)?,
+        })
+    })?;
+    let deliveries = rows.collect::<Result<_, _>>()?;
+    Ok(Some(Whole {
+        scan: scan.to_string(),
+        summary,
+        deliveries,
+        candidates,
+        preview: None,
+        history: Vec::new(),
+    }))
+}
+
+/// What a word stands for that gaiter wrote.
+fn word<T>(
+    row: &Row<'_>,
+    column: usize,
+    read: impl FnOnce(&str) -> Option<T>,
+) -> rusqlite::Result<T> {
+    let word: String = row.get(column)?;
+    let unknown = || wrong(column, io::Error::other(format!("the word {word:?} is not known")));
+    read(&word).ok_or_else(unknown)
 }
 
 /// SQL: a delivery whose record is to be withdrawn from a store that has, or is to have, the right
@@ -198,7 +200,8 @@ fn to_be_taken_back() -> String {
 fn one_seen(connection: &Connection, query: &str) -> rusqlite::Result<Option<Seen>> {
     let mut query = connection.prepare_cached(&format!("{query} LIMIT 1"))?;
     let seen = |row: &Row<'_>| {
-        Ok(Seen { scan: short(row, 0)?, first_seen: time(row, 1)?, state: row.get(2)? })
+        let state = word(row, 2, ScanState::of_word)?;
+        Ok(Seen { scan: short(row, 0)?, first_seen: time(row, 1)?, state })
     };
     query.query_row([DeliveryState::Pending.word()], seen).optional()
 }

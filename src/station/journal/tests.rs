@@ -100,7 +100,7 @@ fn spooled_bytes_have_served_with_the_last_delivery_unless_one_is_held() {
     let due = journal.pending().unwrap();
     assert!(journal.delivered(&due[0], folder).unwrap());
     assert!(!journal.delivered(&due[1], folder).unwrap());
-    assert!(journal.held_for(&row('b').scan).unwrap().is_some());
+    assert!(journal.whole(&row('b').scan).unwrap().unwrap().held_for().is_some());
     assert_eq!(journal.scans_in(ScanState::Delivered).unwrap(), [row('a').scan, row('b').scan]);
     assert!(journal.pending().unwrap().is_empty());
     let again = journal.delivered(&due[0], folder);
@@ -287,7 +287,7 @@ fn a_refused_scan_is_closed_by_the_same_patients_next_good_one_and_by_nobody_els
     let tally = journal.tally().unwrap();
     assert_eq!((tally.scans["refused"], tally.closed), (3, 1));
     let listed = journal.list(None, 9).unwrap();
-    let closed = listed.iter().filter(|scan| scan.closed.as_deref() == Some("superseded"));
+    let closed = listed.iter().filter(|scan| scan.closed == Some(gaiter_flow::Closed::Superseded));
     assert_eq!(closed.count(), 1);
     let last = journal.history(&row('a').scan).unwrap().pop().unwrap();
     assert_eq!(
@@ -316,7 +316,7 @@ fn page_and_status_read_what_is_committed_while_a_change_is_being_made() {
                 answer.send(seen).unwrap();
             });
             let seen = answered.recv_timeout(HANG).expect("the readers wait for the writer");
-            assert_eq!(seen, (0, "spooled".to_owned(), (vec![scan.clone()], vec![]), edition));
+            assert_eq!(seen, (0, ScanState::Spooled, (vec![scan.clone()], vec![]), edition));
             Ok(())
         });
         change.unwrap();

@@ -26,8 +26,7 @@ pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;
 pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
 pub use scans::{
-    ScanShown, Told, is_held, needs_decision, of as row_key, record_folder, record_patient,
-    shown as scan_shown,
+    ScanShown, Told, of as row_key, record_folder, record_patient, shown as scan_shown,
 };
 
 /// Name and number of the snapshot's schema.

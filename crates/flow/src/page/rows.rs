@@ -16,11 +16,10 @@ const KEY_DIGITS: usize = 16;
 pub fn rows(whole: Whole) -> Vec<Whole> {
     let owners: BTreeSet<String> = whole.deliveries.iter().filter_map(owner).collect();
     let is_closed = whole.summary.closed.is_some();
-    let waits = |of: &Delivered| {
-        let [pending, held, refused] =
-            [DeliveryState::Pending, DeliveryState::Held, DeliveryState::Refused]
-                .map(DeliveryState::word);
-        of.state == pending || (of.state == held || of.state == refused) && !is_closed
+    let waits = |of: &Delivered| match of.state {
+        DeliveryState::Pending => true,
+        DeliveryState::Held | DeliveryState::Refused => !is_closed,
+        _ => false,
     };
     let is_owners = |of: &Delivered| of.patient.as_ref().is_some_and(|id| owners.contains(id));
     let has_rest = whole.deliveries.iter().any(|of| waits(of) && !is_owners(of));
@@ -41,7 +40,7 @@ fn of_owner(whole: &Whole, id: &str) -> Whole {
     let deliveries = whole.deliveries.iter().filter(theirs).cloned().collect();
     let mut row = Whole { deliveries, candidates: Vec::new(), ..whole.clone() };
     // What became of the scan for others is told in their rows.
-    row.summary.state = ScanState::Delivered.word().to_owned();
+    row.summary.state = ScanState::Delivered;
     (row.summary.code, row.summary.message, row.summary.closed) = (None, None, None);
     row
 }

@@ -12,7 +12,7 @@ use super::rows::key;
 use super::{PatientShown, distinct};
 use crate::account::{Delivered, Whole};
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
-use crate::{DeliveryState, ScanState, round};
+use crate::{Closed, DeliveryState, Disposition, ScanState, round};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -63,63 +63,26 @@ pub struct Told {
     pub unmeasured: Option<String>,
 }
 
-/// The state of a scan, for the operator's decision.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Refused,
-    Held,
-    /// It was refused or held, and no longer needs a decision.
-    Closed,
-    /// It was taken back, but its record is not removed yet.
-    Withdrawing,
-    Waiting,
-    Unassigned,
-    Somebodys,
-}
-
-impl Place {
-    /// The stable word; it decides colour and sign.
-    fn word(self) -> &'static str {
-        match self {
-            Place::Refused => "refused",
-            Place::Held => "held",
-            Place::Closed => "closed",
-            Place::Withdrawing => "withdrawing",
-            Place::Waiting => "spooled",
-            Place::Unassigned => "unassigned",
-            Place::Somebodys => "delivered",
-        }
-    }
-}
-
 /// A scan as the page shows it.
 pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
-    let place = place(whole);
-    let held = |delivery: &&Delivered| delivery.state == DeliveryState::Held.word();
-    let code = match place {
-        Place::Refused | Place::Closed => whole.summary.code.clone(),
-        Place::Held => {
-            let code = whole.deliveries.iter().find(held).and_then(|held| held.code.clone());
-            Some(code.unwrap_or_else(|| SAME_SCAN_OTHER_PATIENT.to_owned()))
-        }
+    let is = whole.disposition();
+    let code = match is {
+        Disposition::Refused | Disposition::Closed => whole.summary.code.clone(),
+        Disposition::Held => whole.held_for().map(str::to_owned),
         _ => None,
     };
-    let advice = code.as_deref().and_then(|code| match place {
-        Place::Refused => Some(of_refused(code, language)),
-        Place::Held => Some(of_held(code, language)),
+    let advice = code.as_deref().and_then(|code| match is {
+        Disposition::Refused => Some(of_refused(code, language)),
+        Disposition::Held => Some(of_held(code, language)),
         _ => None,
     });
-    let state = place.word();
-    let word = match place {
-        Place::Closed => {
-            let why = whole.summary.closed.as_deref().unwrap_or_default();
-            let word = language.find(&format!("page.scan.closed.{why}"));
-            word.unwrap_or_else(|| language.text("page.scan.closed.given-up"))
-        }
+    let state = is.word();
+    let word = match (is, whole.summary.closed) {
+        (Disposition::Closed, Some(why)) => language.word("page.scan.closed", why.word()),
         _ => language.word("page.scan", state),
     };
-    let acts = acts(place, code.as_deref(), whole);
-    let unmeasured = told.unmeasured.as_deref().filter(|_| place == Place::Held);
+    let acts = acts(is, code.as_deref(), whole);
+    let unmeasured = told.unmeasured.as_deref().filter(|_| is == Disposition::Held);
     let of = of(whole).unwrap_or_default();
     ScanShown {
         scan: whole.scan.clone(),
@@ -130,9 +93,9 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         code,
         advice,
         patients: patients(whole),
-        candidates: candidates(place, &acts, whole),
-        owner: only(place == Place::Somebodys, whole),
-        again: only(place == Place::Refused, whole),
+        candidates: candidates(is, &acts, whole),
+        owner: only(is == Disposition::Delivered, whole),
+        again: only(is == Disposition::Refused, whole),
         acts,
         incomplete: whole.summary.incomplete,
         measures: told.measures.clone(),
@@ -155,63 +118,36 @@ fn no_preview(code: &str, language: Language) -> String {
     format!("{none} {} [{code}]", of_refused(code, language).what)
 }
 
-/// A refusal or a missing decision takes precedence over anything else that is in progress.
-fn place(whole: &Whole) -> Place {
-    let is_any = |state: DeliveryState| {
-        whole.deliveries.iter().any(|delivery| delivery.state == state.word())
-    };
-    let has_owner =
-        whole.deliveries.iter().any(|delivery| delivery.patient.is_some() && delivery.is_there());
-    let is_closed = whole.summary.closed.is_some();
-    if whole.summary.state == ScanState::Refused.word() {
-        if is_closed { Place::Closed } else { Place::Refused }
-    } else if is_any(DeliveryState::Held) && !is_closed {
-        Place::Held
-    } else if is_any(DeliveryState::Pending) {
-        Place::Waiting
-    } else if is_any(DeliveryState::Withdrawing) {
-        Place::Withdrawing
-    } else if has_owner {
-        Place::Somebodys
-    } else if is_closed && is_any(DeliveryState::Held) {
-        Place::Closed
-    } else {
-        Place::Unassigned
-    }
-}
-
 /// The verbs that help, the likeliest first. If the scan could belong to either of two patients, a
 /// release would be a guess, so it is not offered.
-fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
+fn acts(is: Disposition, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
     let is_guess =
         matches!(code, Some(PATIENTS_DIFFER | round::AMBIGUOUS)) || whole.candidates.len() > 1;
     let is_for_one = theirs(whole).len() == 1;
-    match place {
-        Place::Refused => vec!["retry", "give_up"],
+    let was_tried = whole.deliveries.iter().any(|delivery| delivery.attempts > 0);
+    match is {
+        Disposition::Refused => vec!["retry", "give_up"],
         // Its bytes are gone; they come back with another export of the scan.
-        Place::Closed if whole.summary.closed.as_deref() == Some("let-go") => Vec::new(),
-        Place::Closed if whole.summary.state == ScanState::Refused.word() => vec!["retry"],
-        Place::Closed => vec!["assign"],
+        Disposition::Closed if whole.summary.closed == Some(Closed::LetGo) => Vec::new(),
+        Disposition::Closed if whole.summary.state == ScanState::Refused => vec!["retry"],
+        Disposition::Closed | Disposition::Left => vec!["assign"],
         // It already belongs to a patient, so an assignment would be refused.
-        Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) && is_for_one => {
+        Disposition::Held if code == Some(SAME_SCAN_OTHER_PATIENT) && is_for_one => {
             vec!["release", "give_up"]
         }
-        Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) => vec!["give_up"],
-        Place::Held if is_guess || !is_for_one => vec!["assign", "give_up"],
-        Place::Held => vec!["release", "assign", "give_up"],
-        Place::Waiting if whole.deliveries.iter().any(|delivery| delivery.attempts > 0) => {
-            vec!["retry"]
-        }
-        Place::Waiting | Place::Withdrawing => Vec::new(),
-        Place::Unassigned if whole.summary.closed.is_some() => vec!["assign"],
-        Place::Unassigned => vec!["assign", "leave"],
-        Place::Somebodys => vec!["unassign"],
+        Disposition::Held if code == Some(SAME_SCAN_OTHER_PATIENT) => vec!["give_up"],
+        Disposition::Held if is_guess || !is_for_one => vec!["assign", "give_up"],
+        Disposition::Held => vec!["release", "assign", "give_up"],
+        Disposition::Spooled if was_tried => vec!["retry"],
+        Disposition::Spooled | Disposition::Withdrawing => Vec::new(),
+        Disposition::Unassigned => vec!["assign", "leave"],
+        Disposition::Delivered => vec!["unassign"],
     }
 }
 
 /// To whom a held scan can be given with one click, without the patient to whom a release gives it.
-fn candidates(place: Place, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
-    if ![Place::Held, Place::Closed].contains(&place) || !acts.contains(&"assign") {
+fn candidates(is: Disposition, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
+    if ![Disposition::Held, Disposition::Closed].contains(&is) || !acts.contains(&"assign") {
         return Vec::new();
     }
     let released = if acts.contains(&"release") { theirs(whole) } else { BTreeSet::new() };
@@ -223,20 +159,6 @@ fn only(is_there: bool, whole: &Whole) -> Option<PatientShown> {
     let theirs = theirs(whole);
     let only = theirs.first().filter(|_| is_there && theirs.len() == 1);
     only.map(|id| PatientShown::of(id))
-}
-
-/// Whether an operator must decide about a scan.
-pub fn needs_decision(whole: &Whole) -> bool {
-    match place(whole) {
-        Place::Refused | Place::Held => true,
-        Place::Unassigned => whole.summary.closed.is_none(),
-        Place::Closed | Place::Withdrawing | Place::Waiting | Place::Somebodys => false,
-    }
-}
-
-/// Whether a scan is held, so that it may have a preview.
-pub fn is_held(whole: &Whole) -> bool {
-    place(whole) == Place::Held
 }
 
 /// The folder in `store` of the record that may be opened from a scan: one without a patient, or that of
@@ -269,9 +191,9 @@ fn patients(whole: &Whole) -> Vec<String> {
 
 /// The ids of the patients to whom it belongs, each once; for a held scan, of those for whom it is held.
 fn theirs(whole: &Whole) -> BTreeSet<&str> {
-    let gone = |of: &Delivered| of.is_to_go() || of.state == DeliveryState::Withdrawn.word();
+    let gone = |of: &Delivered| of.is_to_go() || of.state == DeliveryState::Withdrawn;
     let is_closed = whole.summary.closed.is_some();
-    let is_held = |of: &Delivered| of.state == DeliveryState::Held.word();
+    let is_held = |of: &Delivered| of.state == DeliveryState::Held;
     let is_any_held = whole.deliveries.iter().any(is_held) && !is_closed;
     let theirs = whole.deliveries.iter().filter(|of| match is_any_held {
         true => is_held(of),

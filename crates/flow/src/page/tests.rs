@@ -11,6 +11,7 @@ use super::*;
 use crate::account::{Delivered, Summary, Whole};
 use crate::booth::Signal;
 use crate::facts::SourceState;
+use crate::{Closed, DeliveryState, ScanState};
 
 const BOTH: [Language; 2] = [Language::En, Language::De];
 
@@ -41,7 +42,7 @@ fn delivery(patient: Option<&str>, state: &str, code: Option<&str>) -> Delivered
     Delivered {
         patient: patient.map(str::to_owned),
         store: "folder".to_owned(),
-        state: state.to_owned(),
+        state: DeliveryState::of_word(state).unwrap(),
         code: code.map(str::to_owned),
         attempts: 0,
         next_at: None,
@@ -55,7 +56,7 @@ fn scan(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> ScanShow
 
 fn whole(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> Whole {
     let summary = Summary {
-        state: state.to_owned(),
+        state: ScanState::of_word(state).unwrap(),
         first_seen: at(0),
         file_time: None,
         format: "obj".to_owned(),
@@ -110,9 +111,9 @@ fn a_record_is_opened_from_a_scan_only_under_the_name_of_its_patient() {
 #[test]
 fn a_refused_scan_whose_bytes_were_let_go_is_offered_for_no_retry() {
     let mut whole = whole("refused", Some("no-leg"), vec![delivery(Some("1"), "refused", None)]);
-    for (closed, acts) in [("given-up", vec!["retry"]), ("let-go", vec![])] {
-        whole.summary.closed = Some(closed.to_owned());
-        assert_eq!(scan_shown(&whole, &Told::default(), Language::En).acts, acts, "{closed}");
+    for (closed, acts) in [(Closed::GivenUp, vec!["retry"]), (Closed::LetGo, vec![])] {
+        whole.summary.closed = Some(closed);
+        assert_eq!(scan_shown(&whole, &Told::default(), Language::En).acts, acts, "{closed:?}");
     }
 }
 

@@ -157,7 +157,10 @@ fn the_id_is_in_no_byte_of_the_journal_afterwards_and_others_stay() {
     assert_eq!(journal.scan(&scan('a')).unwrap(), None);
     assert_eq!(journal.owners(&scan('b')).unwrap(), [OTHER]);
     assert_eq!(journal.candidates(&scan('c')).unwrap(), [OTHER]);
-    assert!(journal.held_for(&scan('c')).unwrap().is_some(), "it is still to be decided");
+    assert!(
+        journal.whole(&scan('c')).unwrap().unwrap().held_for().is_some(),
+        "it is still to be decided"
+    );
     assert!(!journal.has_served(&scan('c')).unwrap(), "its bytes are still needed");
     assert_eq!(journal.patients(&scan('e')).unwrap(), [Some(OTHER.to_owned())]);
     let waiting = journal.captures_waiting().unwrap();

@@ -321,7 +321,7 @@ fn what_practice_software_was_handed_stays_and_is_nobodys_any_more() {
         whole.deliveries.iter().find(theirs).unwrap().clone()
     };
     let left = of(&due.store);
-    assert_eq!((left.state.as_str(), left.code.as_deref()), ("delivered", Some(HANDED_OVER)));
+    assert_eq!((left.state, left.code.as_deref()), (DeliveryState::Delivered, Some(HANDED_OVER)));
     assert!(left.is_to_go() && !left.is_there());
     // And theirs again, if it is said so.
     world.unassign();

@@ -135,10 +135,9 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
     let is_again = same_as.is_some();
     let scan = same_as.unwrap_or(scan);
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
-    let held = journal.held_for(&scan)?;
     let last = journal.history(&scan)?.pop();
     let at = last.and_then(|last| last.at.parse().ok());
-    let state = account::in_words(&whole.summary, held.as_deref());
+    let state = account::in_words(&whole);
     let again_since = is_again.then_some(whole.summary.first_seen);
     Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()), again_since }))
 }

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use gaiter_flow::ScanId;
 use gaiter_flow::account::{Search, Whole};
 use gaiter_flow::page::{self, Known, ScanShown, Shown, Told};
+use gaiter_flow::{Disposition, ScanId};
 use gaiter_record::SheetLine;
 
 use super::desk::Desk;
@@ -36,7 +36,7 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
         scan(desk, row)
     };
     // A scan stands in one list only: what waits for a decision stands above.
-    let needs = page::needs_decision;
+    let needs = |row: &Whole| row.disposition().needs_decision();
     let undecided: Vec<ScanShown> =
         waiting.iter().filter(|row| needs(row)).map(&mut show).collect();
     let decided = newest.iter().filter(|row| !needs(row));
@@ -135,6 +135,6 @@ pub fn folder(desk: &Desk, row: &Whole) -> Option<PathBuf> {
 
 /// What is known about the legs of a held scan.
 fn preview(desk: &Desk, row: &Whole) -> Option<Preview> {
-    let scan = ScanId::parse(&row.scan).ok().filter(|_| page::is_held(row))?;
+    let scan = ScanId::parse(&row.scan).ok().filter(|_| row.disposition() == Disposition::Held)?;
     desk.previews.get(&scan)
 }

@@ -3,9 +3,10 @@
 use gaiter_language::Language;
 
 use super::{delivery, whole, with_folders};
+use crate::Closed;
 use crate::account::Whole;
 use crate::page::rows::rows;
-use crate::page::{ScanShown, Told, needs_decision, record_folder, row_key, scan_shown};
+use crate::page::{ScanShown, Told, record_folder, row_key, scan_shown};
 
 /// State, patients, folder and verbs of a row.
 type RowTold = (String, Vec<String>, Option<String>, Vec<&'static str>);
@@ -78,8 +79,8 @@ fn rows_have_keys_of_their_own_that_name_no_patient() {
 #[test]
 fn a_scan_that_was_given_up_while_it_was_held_can_still_be_assigned_and_needs_no_decision() {
     let mut held = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
-    held.summary.closed = Some("given-up".to_owned());
+    held.summary.closed = Some(Closed::GivenUp);
     let shown = scan_shown(&held, &Told::default(), Language::En);
     assert_eq!((shown.state, shown.acts.clone()), ("closed", vec!["assign"]));
-    assert!(!needs_decision(&held));
+    assert!(!held.disposition().needs_decision());
 }
