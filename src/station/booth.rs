@@ -17,7 +17,7 @@ use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
 use gaiter_flow::round::{Capture, Content, Judged, Rounds, Rules};
 use gaiter_flow::settle::Sights;
-use gaiter_flow::{OrdersWhen, ScanId};
+use gaiter_flow::{Appeared, OrdersWhen, ScanId};
 use jiff::Timestamp;
 use tokio::sync::{Notify, watch};
 use tokio::task::{JoinError, spawn_blocking};
@@ -36,8 +36,9 @@ pub use hearing::NameFault;
 /// Interval between updates of the light: a person notices no shorter delay.
 const LIGHT: Duration = Duration::from_millis(200);
 
-/// Interval between checks whether the whole station is ready; each reads the journal.
+/// Interval between checks whether the whole station is ready, and while it is not; each reads the journal.
 const READY: Duration = Duration::from_secs(5);
+const NOT_READY: Duration = Duration::from_secs(1);
 
 /// The booth of a station.
 #[derive(Debug)]
@@ -186,6 +187,7 @@ pub struct BoothState {
 pub struct WhoIsNext {
     state: BoothState,
     has_button: bool,
+    is_button_away: bool,
     next: Vec<String>,
     awaited_for: Vec<String>,
     is_asked: bool,
@@ -198,6 +200,7 @@ impl WhoIsNext {
         Situation {
             signal: self.state.signal,
             has_button: self.has_button,
+            is_button_away: self.is_button_away,
             awaited: self.state.awaited,
             next: &self.next,
             awaited_for: &self.awaited_for,
@@ -238,8 +241,8 @@ impl Booth {
         let inner = self.inner();
         let (next, awaited_for) = (inner.captures.next_ids(), inner.captures.awaited_ids());
         let last = inner.last.as_ref().map(|(outcome, _)| outcome.clone());
-        let is_asked = inner.captures.asks_who();
-        WhoIsNext { state, has_button, next, awaited_for, is_asked, last }
+        let (is_asked, is_button_away) = (inner.captures.asks_who(), !inner.away.is_empty());
+        WhoIsNext { state, has_button, is_button_away, next, awaited_for, is_asked, last }
     }
 
     /// Locks the captures. Blocks during writes to the journal.
@@ -319,7 +322,9 @@ impl Booth {
 
     fn scene(&self, not_ready: bool) -> Scene {
         let inner = self.inner();
-        let coming = self.glance().sights.iter().any(|folder| !folder.coming.is_empty());
+        // What lay there at the first look may be known: it counts once it is taken.
+        let is_new = |file: &Appeared| file.absent.is_some();
+        let coming = self.glance().sights.iter().any(|folder| folder.coming.iter().any(is_new));
         Scene {
             not_ready,
             paused: self.core.is_paused(),
@@ -383,7 +388,9 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
             warn!(event = "journal-failed", error = chain(&error));
         }
         if let Some(asked) = asked {
-            (not_ready, next_ready) = (asked, core.now() + READY);
+            // A light that shows what is over sends people to look for nothing.
+            let pause = if asked { NOT_READY } else { READY };
+            (not_ready, next_ready) = (asked, core.now() + pause);
         }
         let shown = light.show(&scene, core.now());
         booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);

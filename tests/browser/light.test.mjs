@@ -147,3 +147,27 @@ test("the kiosk has a way back to the page", async () => {
     await page.waitForSelector("#undecided_title");
   });
 });
+
+test("a station that hangs is told within five seconds, and takes no decision until it answers", async () => {
+  await at(await Station.make(), async (station) => {
+    const { page } = await tab(browser, station);
+    await page.clock.install();
+    await page.goto(station.link());
+    await light(page, "ready");
+    const name = page.getByRole("button", { name: "Name the next patient" });
+    assert.ok(await name.isEnabled());
+    process.kill(station.child.pid, "SIGSTOP");
+    try {
+      // The page's own clock, however busy the machine is.
+      await page.clock.runFor(5000);
+      await light(page, "away");
+      assert.ok(await name.isDisabled());
+      await shoot(page, "light-hangs");
+      assert.deepEqual(await violations(page), []);
+    } finally {
+      process.kill(station.child.pid, "SIGCONT");
+    }
+    await light(page, "ready");
+    assert.ok(await name.isEnabled());
+  });
+});

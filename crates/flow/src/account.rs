@@ -155,7 +155,10 @@ pub struct Whole {
 impl Whole {
     /// What became of it.
     pub fn disposition(&self) -> Disposition {
-        Disposition::of(&self.summary, &self.deliveries)
+        let Whole { summary, deliveries, .. } = self;
+        let deliveries = deliveries.iter();
+        let told = deliveries.map(|of| (of.state, of.patient.is_some() && of.is_there()));
+        Disposition::of(summary.state, summary.closed.is_some(), told)
     }
 
     /// Whether a record is to be removed from its store. One in a store that gets no other in its place is left
@@ -297,6 +300,8 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
     match whole.disposition() {
         _ if summary.state == ScanState::Refused => {
             let why = summary.message.as_deref().unwrap_or("the reason is in the file beside it");
+            // Some reasons are sentences.
+            let why = why.trim_end_matches(['.', '?', '!']);
             let code = summary.code.as_deref().unwrap_or("no code");
             format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}.")
         }
@@ -349,4 +354,4 @@ fn waits(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> 
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -3,7 +3,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::account::{Delivered, Summary};
 use crate::lifecycle::{DeliveryState, ScanState};
 
 /// What matters most about a scan: a decision that is needed, then what is still to be done, then where its
@@ -30,11 +29,16 @@ pub enum Disposition {
 }
 
 impl Disposition {
-    /// That of a scan with these deliveries.
-    pub fn of(summary: &Summary, deliveries: &[Delivered]) -> Disposition {
-        let is_any = |state| deliveries.iter().any(|delivery| delivery.state == state);
-        let has_owner = deliveries.iter().any(|of| of.patient.is_some() && of.is_there());
-        match (summary.state, summary.closed.is_some()) {
+    /// That of a scan with these deliveries: of each its state, and whether its record lies with a patient to whom
+    /// the scan belongs. `is_closed`: it needs no decision any more.
+    pub fn of(
+        scan: ScanState,
+        is_closed: bool,
+        deliveries: impl Iterator<Item = (DeliveryState, bool)> + Clone,
+    ) -> Disposition {
+        let is_any = |wanted| deliveries.clone().any(|(state, _)| state == wanted);
+        let has_owner = deliveries.clone().any(|(_, is_theirs)| is_theirs);
+        match (scan, is_closed) {
             (ScanState::Refused, false) => Disposition::Refused,
             (ScanState::Refused, true) => Disposition::Closed,
             (_, false) if is_any(DeliveryState::Held) => Disposition::Held,
@@ -69,81 +73,32 @@ impl Disposition {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::account::tests::whole;
-    use crate::lifecycle::{Closed, UNASSIGNED};
 
     #[test]
     fn what_matters_most_is_told() {
         use DeliveryState::{Delivered, Held, Pending, Refused, Withdrawing, Withdrawn};
-        let (first, second, nobody) = (Some("1"), Some("2"), None);
-        for (scan, closed, deliveries, disposition) in [
-            (ScanState::Spooled, false, vec![(first, Pending)], Disposition::Spooled),
-            (ScanState::Refused, false, vec![(first, Refused)], Disposition::Refused),
-            (ScanState::Refused, true, vec![(first, Refused)], Disposition::Closed),
-            // One store has its record, and another's disk was full.
-            (
-                ScanState::Refused,
-                false,
-                vec![(first, Delivered), (first, Refused)],
-                Disposition::Refused,
-            ),
-            (ScanState::Spooled, false, vec![(first, Pending), (second, Held)], Disposition::Held),
-            (ScanState::Delivered, false, vec![(first, Held)], Disposition::Held),
-            (ScanState::Delivered, true, vec![(first, Held)], Disposition::Closed),
-            (
-                ScanState::Delivered,
-                true,
-                vec![(first, Delivered), (second, Held)],
-                Disposition::Delivered,
-            ),
-            (
-                ScanState::Spooled,
-                false,
-                vec![(first, Pending), (nobody, Delivered)],
-                Disposition::Spooled,
-            ),
-            (
-                ScanState::Delivered,
-                false,
-                vec![(first, Delivered), (nobody, Withdrawing)],
-                Disposition::Withdrawing,
-            ),
-            (ScanState::Delivered, false, vec![(first, Delivered)], Disposition::Delivered),
-            (ScanState::Delivered, false, vec![(nobody, Delivered)], Disposition::Unassigned),
-            (ScanState::Delivered, true, vec![(nobody, Delivered)], Disposition::Left),
-            (
-                ScanState::Delivered,
-                false,
-                vec![(first, Withdrawn), (nobody, Delivered)],
-                Disposition::Unassigned,
-            ),
+        use Disposition as Is;
+        let done = ScanState::Delivered;
+        for (scan, is_closed, deliveries, disposition) in [
+            (ScanState::Spooled, false, vec![(Pending, false)], Is::Spooled),
+            (ScanState::Refused, false, vec![(Refused, false)], Is::Refused),
+            (ScanState::Refused, true, vec![(Refused, false)], Is::Closed),
+            // One store has its record, and another took none.
+            (ScanState::Refused, false, vec![(Delivered, true), (Refused, false)], Is::Refused),
+            (ScanState::Spooled, false, vec![(Pending, false), (Held, false)], Is::Held),
+            (done, false, vec![(Held, false)], Is::Held),
+            (done, true, vec![(Held, false)], Is::Closed),
+            (done, true, vec![(Delivered, true), (Held, false)], Is::Delivered),
+            (ScanState::Spooled, false, vec![(Pending, false), (Delivered, false)], Is::Spooled),
+            (done, false, vec![(Delivered, true), (Withdrawing, false)], Is::Withdrawing),
+            (done, false, vec![(Delivered, true)], Is::Delivered),
+            (done, false, vec![(Delivered, false)], Is::Unassigned),
+            (done, true, vec![(Delivered, false)], Is::Left),
+            (done, false, vec![(Withdrawn, false), (Delivered, false)], Is::Unassigned),
         ] {
-            let mut whole = whole(scan, Pending, 0);
-            whole.summary.closed = closed.then_some(Closed::GivenUp);
-            let delivery = whole.deliveries.remove(0);
-            whole.deliveries = deliveries
-                .iter()
-                .map(|(patient, state)| crate::account::Delivered {
-                    patient: patient.map(str::to_owned),
-                    state: *state,
-                    ..delivery.clone()
-                })
-                .collect();
-            assert_eq!(whole.disposition(), disposition, "{scan:?} {closed} {deliveries:?}");
-            assert_eq!(
-                disposition.needs_decision(),
-                !closed
-                    && disposition.word() != "spooled"
-                    && !matches!(disposition, Disposition::Delivered | Disposition::Withdrawing)
-            );
+            let found = Disposition::of(scan, is_closed, deliveries.iter().copied());
+            assert_eq!(found, disposition, "{scan:?} {is_closed} {deliveries:?}");
+            assert!(!(is_closed && found.needs_decision()), "{found:?}");
         }
-    }
-
-    #[test]
-    fn a_record_that_is_to_go_is_nobodys() {
-        let mut taken_back = whole(ScanState::Delivered, DeliveryState::Delivered, 0);
-        assert_eq!(taken_back.disposition(), Disposition::Delivered);
-        taken_back.deliveries[0].code = Some(UNASSIGNED.to_owned());
-        assert_eq!(taken_back.disposition(), Disposition::Unassigned);
     }
 }

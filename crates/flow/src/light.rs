@@ -69,9 +69,15 @@ pub const NO_EXPORT: &str = "no-export";
 /// The complaint that the operator has paused the station. The light has its own signal for it.
 const PAUSED: &str = "paused";
 
+/// The most serious complaint for which the light has no signal of its own.
+pub fn first_fault(complaints: &[Complaint]) -> Option<&Complaint> {
+    let has_signal = |code: &str| [NO_EXPORT, PAUSED].contains(&code);
+    complaints.iter().find(|complaint| !has_signal(&complaint.code))
+}
+
 /// Whether the station is not ready in a way for which the light has no signal of its own.
 pub fn is_not_ready(complaints: &[Complaint]) -> bool {
-    complaints.iter().any(|complaint| ![NO_EXPORT, PAUSED].contains(&complaint.code.as_str()))
+    first_fault(complaints).is_some()
 }
 
 /// The light, and since when it shows its signal.

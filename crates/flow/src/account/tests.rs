@@ -7,7 +7,7 @@ fn at(second: i64) -> Timestamp {
 }
 
 /// A scan first seen at 0 with one delivery.
-pub fn whole(state: ScanState, delivery: DeliveryState, attempts: u64) -> Whole {
+fn whole(state: ScanState, delivery: DeliveryState, attempts: u64) -> Whole {
     let refused = state == ScanState::Refused;
     Whole {
         scan: "abcd".repeat(16),
@@ -89,4 +89,20 @@ fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
     let stores = BTreeMap::from([("folder", fault)]);
     let said = explain(&whole(ScanState::Spooled, DeliveryState::Pending, 0), &stores, at(1));
     assert!(said.contains("waits for the store") && said.contains("opening failed"), "{said}");
+}
+
+#[test]
+fn a_reason_that_is_a_sentence_of_its_own_ends_once() {
+    let mut refused = whole(ScanState::Refused, DeliveryState::Refused, 0);
+    refused.summary.message = Some("are both legs in the scan?".to_owned());
+    let said = explain(&refused, &BTreeMap::new(), at(1));
+    assert!(said.ends_with("are both legs in the scan."), "{said}");
+}
+
+#[test]
+fn a_record_that_is_to_go_is_nobodys() {
+    let mut taken_back = whole(ScanState::Delivered, DeliveryState::Delivered, 0);
+    assert_eq!(taken_back.disposition(), Disposition::Delivered);
+    taken_back.deliveries[0].code = Some(UNASSIGNED.to_owned());
+    assert_eq!(taken_back.disposition(), Disposition::Unassigned);
 }

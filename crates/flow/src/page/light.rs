@@ -25,6 +25,8 @@ pub struct Situation<'a> {
     pub signal: Signal,
     /// A button is connected to the station.
     pub has_button: bool,
+    /// It is not there, or another one is not: presses may be missed.
+    pub is_button_away: bool,
     /// How many exports are expected.
     pub awaited: usize,
     /// The ids of the patients who may be next: one if it is certain, several if it is in doubt.
@@ -84,6 +86,9 @@ fn of_last(last: &Outcome, language: Language) -> Option<String> {
 /// The key of the sentence on what to do next.
 fn next_step(booth: &Situation<'_>) -> &'static str {
     match (booth.signal, booth.has_button) {
+        (Signal::Ready | Signal::Armed | Signal::NoExport, true) if booth.is_button_away => {
+            "page.step.button_away"
+        }
         (Signal::Ready, true) if booth.is_asked => "page.step.say_who",
         (Signal::Ready, true) if !booth.next.is_empty() => "page.step.press_for_named",
         (Signal::Ready, true) => "page.step.press",

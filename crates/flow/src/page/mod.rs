@@ -21,6 +21,7 @@ use serde::Serialize;
 
 use super::facts::{Facts, IntakeState};
 use super::health::Complaint;
+use super::light::first_fault;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;
@@ -152,7 +153,7 @@ pub fn shown(
     let mut next = next::shown(&known.booth, language);
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
-    let first = known.complaints.first().map(|first| of_complaint(first, language));
+    let first = first_fault(known.complaints).map(|first| of_complaint(first, language));
     Shown {
         schema: SCHEMA,
         page: known.page.to_owned(),

@@ -23,6 +23,7 @@ fn booth(signal: Signal) -> Situation<'static> {
     Situation {
         signal,
         has_button: true,
+        is_button_away: false,
         awaited: 0,
         next: &[],
         awaited_for: &[],
@@ -132,11 +133,11 @@ fn every_signal_has_a_word_and_a_sentence_of_its_own_in_both_languages() {
 
 #[test]
 fn attention_says_first_what_is_most_wrong_and_what_to_do() {
-    let paused = Complaint { code: "paused".into(), message: "x".into(), remedy: "y".into() };
-    let light = page(booth(Signal::Attention), std::slice::from_ref(&paused), Language::En).light;
-    assert_eq!(light.sentence, "The station is paused. Resume to continue.");
-    let light = page(booth(Signal::Attention), &[paused], Language::De).light;
-    assert_eq!(light.sentence, "Die Station macht Pause. Zum Weitermachen fortsetzen.");
+    let full = Complaint { code: "disk-low".into(), message: "x".into(), remedy: "y".into() };
+    for (language, words) in BOTH.into_iter().zip(["The disk is nearly full.", "Die Festplatte"]) {
+        let light = page(booth(Signal::Attention), std::slice::from_ref(&full), language).light;
+        assert!(light.sentence.starts_with(words), "{}", light.sentence);
+    }
 }
 
 #[test]

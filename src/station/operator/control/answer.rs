@@ -150,7 +150,11 @@ fn next(desk: &Desk) -> String {
 /// The link to the operator's page, with the token needed to decide there.
 fn page(desk: &Desk) -> Result<Answer, Fault> {
     let link = desk.link().ok_or_else(|| {
-        let message = "no page is served: set status.listen, or enable gaiter.socket";
+        let facts = desk.core.board.facts();
+        let message = match facts.endpoints.values().next() {
+            Some(why) => format!("the page's address cannot be used: {why}"),
+            None => "no page is served: set status.listen, or enable gaiter.socket".to_owned(),
+        };
         Fault::new(FaultKind::Failed, "page-not-served", message)
     })?;
     Ok(Answer::Sentence(link))

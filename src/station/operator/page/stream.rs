@@ -18,8 +18,8 @@ use super::body::Pieces;
 use super::endpoint::HttpEndpoint;
 use crate::station::operator::http::connections::Connection;
 
-/// How often a beat is sent: a browser that gets nothing for three beats tries another way.
-const BEAT: Duration = Duration::from_secs(10);
+/// How often a beat is sent: a browser that gets nothing for two beats asks by itself.
+const BEAT: Duration = Duration::from_secs(1);
 
 /// How soon a browser reconnects after its stream has ended, ms.
 const RETRY_MS: u32 = 1000;

@@ -24,9 +24,24 @@ function takeToken() {
   return true;
 }
 
+// A decision waits for the journal, and no longer than a person does.
+const DECIDE_MS = 15000;
+
 function post(path, body) {
   const headers = { "Authorization": `Bearer ${token}`, "Content-Type": "application/json" };
-  return fetch(path, { method: "POST", headers, body: JSON.stringify(body), credentials: "same-origin" });
+  return fetchWithin(DECIDE_MS, path, { method: "POST", headers, body: JSON.stringify(body), credentials: "same-origin" });
+}
+
+// An answer, its text included, or a failure once this time is over.
+async function fetchWithin(ms, path, options = {}) {
+  const given = new AbortController();
+  const timer = setTimeout(() => given.abort(), ms);
+  try {
+    const answer = await fetch(path, { ...options, signal: given.signal });
+    return new Response(await answer.text(), { status: answer.status, statusText: answer.statusText });
+  } finally {
+    clearTimeout(timer);
+  }
 }
 
 // The cookie that lets the browser open reports by itself.

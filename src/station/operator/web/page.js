@@ -249,14 +249,24 @@ function fit() {
   }
 }
 
-// A station that does not answer is not ready, whatever it said last.
+// A station that does not answer is not ready, whatever it said last, and takes no decision.
 function away() {
   showLight({ signal: "away", word: label("away_word"), sentence: label("away") });
+  answers(false);
+}
+
+let isAnswering = true;
+function answers(does) {
+  if (isAnswering === does) return;
+  isAnswering = does;
+  root.toggleAttribute("data-away", !does);
+  for (const button of document.querySelectorAll("main button")) button.disabled = !does;
 }
 
 let last = null;
 function show(station) {
   last = station;
+  answers(true);
   const canAct = isLocal && token !== null;
   $("station").textContent = station.station;
   document.title = `${station.light.word} – ${station.station}`;
@@ -329,12 +339,15 @@ function take(text) {
 // ---- the stream, and what to do without one
 
 const query = isKiosk ? "?kiosk" : "";
-const SILENT_MS = 30000; // three beats
-const LOOK_MS = 3000;
+// A station that hangs is told within five seconds: two beats, a look at the clock, and no answer.
+const SILENT_MS = 2000;
+const LOOK_MS = 1000;
+const ANSWER_MS = 1500;
 const ANEW_MS = 30000;
 let source = null;
 let heard = 0;
 let connected = 0;
+let looking = false;
 
 function connect() {
   source?.close();
@@ -349,20 +362,23 @@ function connect() {
 }
 
 async function look() {
+  if (looking) return;
+  looking = true;
   try {
-    const answer = await fetch(`/state${query}`);
+    const answer = await fetchWithin(ANSWER_MS, `/state${query}`);
     if (!answer.ok) throw new Error(answer.statusText);
     take(await answer.text());
   } catch {
     away();
   }
+  looking = false;
 }
 
 // Too many streams, or one that has fallen silent: the page asks by itself, and tries a stream again.
 setInterval(() => {
-  const isOpen = source && source.readyState === EventSource.OPEN && Date.now() - heard < SILENT_MS;
-  if (isOpen) return;
-  if (source?.readyState !== EventSource.CONNECTING || Date.now() - heard >= SILENT_MS) look();
+  if (Date.now() - heard < SILENT_MS) return;
+  // One that is being connected again has told that it was gone.
+  if (source?.readyState !== EventSource.CONNECTING) look();
   if (Date.now() - connected >= ANEW_MS) connect();
 }, LOOK_MS);
 

@@ -57,3 +57,24 @@ fn a_pause_has_its_own_word_and_says_how_it_ends() {
         assert_eq!((light.signal, light.word), ("paused", word));
     }
 }
+
+#[test]
+fn a_button_that_is_not_there_is_told_instead_of_to_be_pressed() {
+    for signal in [Signal::Ready, Signal::Armed, Signal::NoExport] {
+        for (language, words) in BOTH.into_iter().zip(["is not there", "nicht angeschlossen"]) {
+            let away = Situation { is_button_away: true, ..booth(signal) };
+            let said = page(away, &[], language).light.sentence;
+            assert!(said.contains(words), "{signal:?}: {said}");
+            let without = Situation { has_button: false, ..away };
+            assert!(!page(without, &[], language).light.sentence.contains(words));
+        }
+    }
+}
+
+#[test]
+fn a_held_scan_goes_before_the_alarm_for_an_export_that_did_not_come() {
+    let last = Outcome::Held { code: "export-late".to_owned() };
+    let late = Complaint { code: crate::light::NO_EXPORT.to_owned(), ..Complaint::journal() };
+    let said = sentence(&last, &[late], Language::En);
+    assert!(said.starts_with("The last scan is held."), "{said}");
+}
