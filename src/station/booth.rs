@@ -51,6 +51,7 @@ pub struct Booth {
     signal: watch::Sender<Signal>,
     /// Notified at each press: what is in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
+    orders_look: Arc<Notify>,
 }
 
 #[derive(Debug)]
@@ -226,7 +227,8 @@ impl Booth {
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, glance) = (Mutex::new(inner), Mutex::new(glance));
-        Ok(Booth { core, inner, glance, signal, looks })
+        let orders_look = Arc::default();
+        Ok(Booth { core, inner, glance, signal, looks, orders_look })
     }
 
     /// The core that the workers share.
@@ -268,6 +270,11 @@ impl Booth {
     /// Locks the captures while an export is taken in. Blocks.
     pub fn hold(&self) -> Held<'_> {
         Held { inner: self.inner() }
+    }
+
+    /// The signal that makes the station look for orders at once.
+    pub fn orders_look(&self) -> Arc<Notify> {
+        Arc::clone(&self.orders_look)
     }
 
     /// Notes what the looks at an export folder have found.

@@ -89,8 +89,10 @@ pub enum Filter {
     Delivered,
     /// Refused, in quarantine.
     Refused,
-    /// A delivery waits for the operator.
+    /// A person must say whose it is.
     Held,
+    /// Its record is stored without a patient.
+    Unassigned,
 }
 
 /// What to search for among all scans.
@@ -127,11 +129,12 @@ pub enum SearchState {
 }
 
 /// The words for the filters, in the order in which a scan meets them.
-pub const FILTERS: [(&str, Filter); 4] = [
+pub const FILTERS: [(&str, Filter); 5] = [
     ("spooled", Filter::Spooled),
     ("delivered", Filter::Delivered),
     ("refused", Filter::Refused),
     ("held", Filter::Held),
+    ("unassigned", Filter::Unassigned),
 ];
 
 /// Everything the journal knows about a scan and its deliveries, including patients' ids.
@@ -282,11 +285,17 @@ pub fn in_words(whole: &Whole) -> String {
     if let Some(code) = whole.held_for() {
         return format!("is held because {}, until the operator decides", why_held(code));
     }
-    match (whole.summary.state, &whole.summary.code) {
-        (ScanState::Refused, Some(code)) => format!("was refused ({code}) and is in quarantine"),
-        (ScanState::Refused, None) => "was refused and is in quarantine".into(),
-        (ScanState::Delivered, _) => "was delivered".into(),
-        (ScanState::Spooled, _) => "was taken and waits for its record to be delivered".into(),
+    match (whole.disposition(), &whole.summary.code) {
+        (Disposition::Refused | Disposition::Closed, Some(code)) => {
+            let closed = whole.summary.closed.map_or("in quarantine", |_| "closed");
+            format!("was refused ({code}) and is {closed}")
+        }
+        (Disposition::Refused, None) => "was refused and is in quarantine".into(),
+        (Disposition::Closed | Disposition::Held, _) => "was held and is closed".into(),
+        (Disposition::Delivered, _) => "was delivered".into(),
+        (Disposition::Withdrawing, _) => "was taken back; its record is not removed yet".into(),
+        (Disposition::Unassigned | Disposition::Left, _) => "was delivered for no patient".into(),
+        (Disposition::Spooled, _) => "was taken and waits for its record to be delivered".into(),
     }
 }
 
@@ -300,10 +309,11 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
     match whole.disposition() {
         _ if summary.state == ScanState::Refused => {
             let why = summary.message.as_deref().unwrap_or("the reason is in the file beside it");
-            // Some reasons are sentences.
-            let why = why.trim_end_matches(['.', '?', '!']);
+            // Some reasons are sentences, or questions.
+            let why = why.trim_end_matches('.');
+            let end = if closed.is_empty() && why.ends_with(['?', '!']) { "" } else { "." };
             let code = summary.code.as_deref().unwrap_or("no code");
-            format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}.")
+            format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}{end}")
         }
         Disposition::Held | Disposition::Refused => {
             let code = whole.held_for().unwrap_or(SAME_SCAN_OTHER_PATIENT);

@@ -29,6 +29,18 @@ pub enum Disposition {
 }
 
 impl Disposition {
+    /// All of them.
+    pub const ALL: [Disposition; 8] = [
+        Disposition::Refused,
+        Disposition::Held,
+        Disposition::Spooled,
+        Disposition::Withdrawing,
+        Disposition::Delivered,
+        Disposition::Closed,
+        Disposition::Unassigned,
+        Disposition::Left,
+    ];
+
     /// That of a scan with these deliveries: of each its state, and whether its record lies with a patient to whom
     /// the scan belongs. `is_closed`: it needs no decision any more.
     pub fn of(
@@ -51,7 +63,7 @@ impl Disposition {
         }
     }
 
-    /// The word for it on the page and in the terminal; on the page it decides colour and sign.
+    /// The word for it in the journal, on the page and in the terminal; on the page it decides colour and sign.
     pub fn word(self) -> &'static str {
         match self {
             Disposition::Refused => "refused",
@@ -60,8 +72,14 @@ impl Disposition {
             Disposition::Withdrawing => "withdrawing",
             Disposition::Delivered => "delivered",
             Disposition::Closed => "closed",
-            Disposition::Unassigned | Disposition::Left => "unassigned",
+            Disposition::Unassigned => "unassigned",
+            Disposition::Left => "left",
         }
+    }
+
+    /// Whether its record is stored without a patient.
+    pub fn is_unassigned(self) -> bool {
+        matches!(self, Disposition::Unassigned | Disposition::Left)
     }
 
     /// Whether a person must decide about it.

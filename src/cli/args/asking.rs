@@ -34,7 +34,8 @@ pub struct StatusArgs {
 /// `gaiter scans`
 #[derive(Debug, clap::Args)]
 pub struct ScansArgs {
-    /// Only scans in this state: spooled (waiting for a record), held (waiting for a decision)
+    /// Only scans in this state: spooled (waiting for a record), held (waiting for a decision),
+    /// unassigned (stored without a patient)
     #[arg(long, value_parser = filter())]
     pub state: Option<Filter>,
     /// The largest number of scans to list

@@ -101,7 +101,7 @@ impl Booth {
     }
 
     fn look_at_folders(&self) {
-        self.looks.iter().for_each(|look| look.notify_one());
+        self.looks.iter().chain([&self.orders_look]).for_each(|look| look.notify_one());
     }
 
     fn pressed(&self) -> Result<(), JournalError> {
@@ -337,8 +337,8 @@ impl Booth {
         }
     }
 
-    /// Notes that the machine slept, or that the process was stopped: what was said meanwhile lies in buffers
-    /// and files, and is heard in any order. Blocks.
+    /// Notes that the machine slept, that the process was stopped, or that a slow disk kept a port waiting: what was
+    /// said meanwhile lies in buffers and files, and is heard in any order. Blocks.
     pub fn slept(&self) {
         warn!(event = "booth-slept");
         self.missed_anything();

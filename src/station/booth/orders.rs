@@ -107,7 +107,11 @@ pub async fn worker(
     let (core, config) = (Arc::clone(booth.core()), Arc::new(config));
     let settling = Settling::new(config.quiet, config.quiet, config.max_age);
     let mut orders = Orders::new(settling);
-    let reach = Arc::new(Reach { booth: Arc::clone(&booth), is_in: AtomicBool::new(true) });
+    let reach = Arc::new(Reach {
+        booth: Arc::clone(&booth),
+        is_in: AtomicBool::new(true),
+        is_any_unread: AtomicBool::new(false),
+    });
     let mut forgotten = core.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
         let alive = || beat.beat();
@@ -146,7 +150,7 @@ pub async fn worker(
             }
             orders.taken(&settled, taken, core.now());
         }
-        rest(&config, &core, &beat, &mut stop).await;
+        rest(&config, &booth, &beat, &mut stop).await;
     }
     Ok(())
 }
@@ -241,9 +245,11 @@ impl Orders {
     }
 }
 
-/// Waits for the next look and keeps beating.
-async fn rest(config: &OrdersConfig, core: &Core, beat: &Beat, stop: &mut Stop) {
-    let until = core.now() + config.rescan;
+/// Waits for the next look and keeps beating. A press asks for one at once: an order that was not there then came
+/// after it.
+async fn rest(config: &OrdersConfig, booth: &Booth, beat: &Beat, stop: &mut Stop) {
+    let core = booth.core();
+    let (until, pressed) = (core.now() + config.rescan, booth.orders_look());
     loop {
         beat.beat();
         let left = until.saturating_sub(core.now()).min(LOOK_UP);
@@ -252,6 +258,7 @@ async fn rest(config: &OrdersConfig, core: &Core, beat: &Beat, stop: &mut Stop) 
         }
         tokio::select! {
             () = stop.requested() => return,
+            () = pressed.notified() => return,
             () = sleep(left) => {}
         }
     }
@@ -261,21 +268,23 @@ async fn rest(config: &OrdersConfig, core: &Core, beat: &Beat, stop: &mut Stop) 
 struct Reach {
     booth: Arc<Booth>,
     is_in: AtomicBool,
+    /// It holds files that cannot be examined.
+    is_any_unread: AtomicBool,
 }
 
 impl Reach {
     /// Converts the result of a look, before anything that it found is heard. Blocks.
     fn told(&self, found: io::Result<list_orders::Found>) -> Look {
         match found {
-            Ok(found) if !found.unexamined.is_empty() => {
-                if self.lose("some of its files cannot be examined") {
-                    self.booth.missed_name(SOURCE);
-                }
-                Look::Seen(found.orders)
-            }
             Ok(found) => {
                 if !self.is_in.swap(true, Ordering::Relaxed) {
                     info!(event = "orders-in-reach");
+                    self.booth.missed_name(SOURCE);
+                }
+                // Whoever they name may be there.
+                let is_any_unread = !found.unexamined.is_empty();
+                if self.is_any_unread.swap(is_any_unread, Ordering::Relaxed) != is_any_unread {
+                    warn!(event = "orders-unexamined", count = found.unexamined.len());
                     self.booth.missed_name(SOURCE);
                 }
                 self.booth.core().board.note(|facts| drop(facts.alarms.remove(OUT_OF_REACH)));

@@ -6,11 +6,12 @@ mod search;
 use std::collections::BTreeMap;
 use std::io;
 
-use gaiter_flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
-use gaiter_flow::{Closed, DeliveryState, ScanId, ScanState};
+use gaiter_flow::account::{Delivered, Filter, Listed, Seen, Summary, Whole};
+use gaiter_flow::{Closed, DeliveryState, Disposition, ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 
+use super::disposition::is_one_of;
 use super::withdrawal::UNWANTED;
 use super::{Journal, JournalError, cell};
 
@@ -20,7 +21,7 @@ pub struct Tally {
     /// Scans by the word of their state; every state is present. Refused scans that need no further
     /// decision are not counted.
     pub scans: BTreeMap<&'static str, u64>,
-    /// Scans with a delivery that waits for an operator, whatever their own state.
+    /// Scans of which a person must say whose they are, whatever their own state.
     pub held: u64,
     /// Refused or held scans that need no further decision.
     pub closed: u64,
@@ -55,12 +56,9 @@ impl Journal {
         )?;
         let rows = query.query_map([], |row| Ok(((row.get(0)?, row.get(1)?), count(row, 2)?)))?;
         let deliveries = rows.collect::<Result<_, _>>()?;
-        let held = connection.query_row(
-            "SELECT count(DISTINCT sha256) FROM deliveries JOIN scans USING (sha256)
-             WHERE deliveries.state = ?1 AND closed IS NULL",
-            [DeliveryState::Held.word()],
-            |row| count(row, 0),
-        )?;
+        let is_held = is_one_of(|found| found == Disposition::Held);
+        let held = format!("SELECT count(*) FROM scans WHERE {is_held}");
+        let held = connection.query_row(&held, [], |row| count(row, 0))?;
         let closed = connection.query_row(
             "SELECT count(*) FROM scans WHERE closed IS NOT NULL",
             [],
@@ -90,15 +88,11 @@ impl Journal {
     pub fn list(&self, filter: Option<Filter>, limit: u32) -> Result<Vec<Listed>, JournalError> {
         let viewer = self.viewer();
         let connection = viewer.unchecked_transaction()?;
-        let mut query = connection.prepare_cached(
-            "SELECT sha256 FROM scans
-             WHERE ?1 = '' OR state = ?1
-                   OR ?1 = ?3 AND sha256 IN (SELECT sha256 FROM deliveries WHERE state = ?3)
-             ORDER BY first_seen DESC, rowid DESC LIMIT ?2",
-        )?;
-        let word = FILTERS.iter().find(|(_, known)| Some(*known) == filter);
-        let cells = params![word.map_or("", |(word, _)| word), limit, DeliveryState::Held.word()];
-        let rows = query.query_map(cells, |row| row.get(0))?;
+        let mut query = connection.prepare_cached(&format!(
+            "SELECT sha256 FROM scans WHERE {} ORDER BY first_seen DESC, rowid DESC LIMIT ?1",
+            of_filter(filter)
+        ))?;
+        let rows = query.query_map([limit], |row| row.get(0))?;
         let mut list = Vec::new();
         for row in rows {
             let scan = cell("sha256", row?, |text| ScanId::parse(text).ok())?;
@@ -170,6 +164,19 @@ fn whole(connection: &Connection, scan: &ScanId) -> Result<Option<Whole>, Journa
         preview: None,
         history: Vec::new(),
     }))
+}
+
+/// SQL: a scan passes this filter.
+fn of_filter(filter: Option<Filter>) -> String {
+    let in_state = |state: ScanState| format!("state = '{}'", state.word());
+    match filter {
+        None => "TRUE".to_owned(),
+        Some(Filter::Spooled) => in_state(ScanState::Spooled),
+        Some(Filter::Delivered) => in_state(ScanState::Delivered),
+        Some(Filter::Refused) => in_state(ScanState::Refused),
+        Some(Filter::Held) => is_one_of(|found| found == Disposition::Held),
+        Some(Filter::Unassigned) => is_one_of(Disposition::is_unassigned),
+    }
 }
 
 /// What a word stands for that gaiter wrote.

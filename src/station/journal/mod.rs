@@ -11,6 +11,7 @@ mod captures;
 mod decided;
 mod deliveries;
 mod delivery_row;
+mod disposition;
 mod erasure;
 mod error;
 mod found;
@@ -115,6 +116,7 @@ impl Journal {
         integrity::check::pages(&connection)?;
         let head = HeadFile::open(path).map_err(JournalError::Head)?;
         schema::establish(&mut connection, is_anew)?;
+        disposition::note_changes(&connection)?;
         integrity::check::rows(&connection)?;
         if erasure::is_old_head(&connection)? {
             // An erasure was cut off before it could write the head.
@@ -188,6 +190,7 @@ impl Journal {
         let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let before = history::newest(&transaction)?;
         let done = change(&transaction)?;
+        disposition::decide_touched(&transaction)?;
         let after = history::newest(&transaction)?;
         transaction.commit()?;
         if let Some(head) = after.filter(|after| before.as_ref() != Some(after)) {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
 use super::integrity::seal;
-use super::{JournalError, captures, history, meta};
+use super::{JournalError, captures, disposition, history, meta};
 
 /// The schema this gaiter reads and writes, in `PRAGMA user_version`: one per step of [`STEPS`].
 pub(super) const KNOWN: i64 = STEPS.len() as i64;
@@ -14,7 +14,7 @@ pub(super) const KNOWN: i64 = STEPS.len() as i64;
 type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
 
 /// From an empty file to the current schema. A released step is never changed.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     |transaction| Ok(transaction.execute_batch(FIRST)?),
     |transaction| {
         transaction.execute_batch(SECOND)?;
@@ -29,6 +29,7 @@ const STEPS: [Step; 7] = [
     |transaction| Ok(transaction.execute_batch(FIFTH)?),
     |transaction| Ok(transaction.execute_batch(SIXTH)?),
     |transaction| Ok(transaction.execute_batch(SEVENTH)?),
+    |transaction| Ok(transaction.execute_batch(EIGHTH)?),
 ];
 
 /// `patient` is '' if no patient was named. `sources` is JSON. `next_at` tells operators when the next
@@ -163,6 +164,12 @@ const SEVENTH: &str = "
 ALTER TABLE sightings ADD COLUMN same_as TEXT;
 ";
 
+/// `disposition`: what became of the scan, as flow decides from the scan and its deliveries.
+const EIGHTH: &str = "
+ALTER TABLE scans ADD COLUMN disposition TEXT NOT NULL DEFAULT 'spooled';
+CREATE INDEX scans_by_disposition ON scans (disposition, first_seen);
+";
+
 /// The tables of the current schema.
 pub(super) const TABLES: [&str; 8] =
     ["scans", "deliveries", "sightings", "meta", "history", "captures", "looks", "orders"];
@@ -184,6 +191,7 @@ pub fn establish(connection: &mut Connection, is_anew: bool) -> Result<(), Journ
         let detail = serde_json::json!({ "from": found, "to": KNOWN });
         history::append(&transaction, None, history::Event::Schema, &detail)?;
     }
+    disposition::decide_all(&transaction)?;
     Ok(transaction.commit()?)
 }
 

@@ -195,8 +195,25 @@ fn an_older_journal_is_brought_to_this_schema_with_what_it_knows() {
     let source = Source { confidence: None, ..Source::of(SourceKind::FileName) };
     let expected = Patient { id: "4711".to_owned(), sources: vec![source] };
     assert_eq!(pending[0].patient, Some(expected));
+    assert_eq!(journal.misjudged(), []);
     drop(journal);
     Journal::open(&path).unwrap();
+}
+
+#[test]
+fn what_became_of_a_scan_is_decided_anew_when_the_journal_is_opened() {
+    let (_dir, journal) = journal();
+    enter(&journal, &row('a'), None, DeliveryState::Pending);
+    let due = journal.pending().unwrap();
+    journal.delivered(&due[0], Path::new("/r/x")).unwrap();
+    assert_eq!(journal.undecided(9).unwrap(), [row('a').scan]);
+    // As an older gaiter left it.
+    let path = journal.path.clone();
+    drop(journal);
+    edit(&path, "UPDATE scans SET disposition = 'spooled'");
+    let journal = Journal::open(&path).unwrap();
+    assert_eq!(journal.undecided(9).unwrap(), [row('a').scan]);
+    assert_eq!(journal.misjudged(), []);
 }
 
 #[test]

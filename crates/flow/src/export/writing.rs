@@ -24,6 +24,9 @@ const TRUNK_BYTES: usize = END_BYTES / 2;
 /// The header of a binary STL: a title, and a count that some exporters write last, bytes.
 const STL_HEADER_BYTES: usize = 84;
 
+/// What some programs put before a text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// So many zeros at the end are a place that is reserved and not written yet, bytes.
 const RESERVED_LEAST: usize = 16;
 
@@ -97,16 +100,25 @@ impl Mark {
         Mark::new(began, ended, bytes.len() as u64, head, tail)
     }
 
-    /// Whether this is a part of a content with that trunk: the content begins with it, or has another header
-    /// or end since.
-    fn is_of(&self, bytes: &[u8], trunk: Option<&str>) -> bool {
+    /// Whether a content begins with this part.
+    fn begins(&self, bytes: &[u8]) -> bool {
         let part = usize::try_from(self.size).ok().and_then(|size| bytes.get(..size));
-        let begins = part.is_some_and(|part| {
+        part.is_some_and(|part| {
             let (head, tail) = ends(part);
             self.size >= MARK_LEAST && sum(head, tail) == self.sum
-        });
-        begins || self.trunk.is_some() && self.trunk.as_deref() == trunk
+        })
     }
+}
+
+/// What a mark says of a content.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Says {
+    /// It is a part of this content.
+    Own,
+    /// It is a part of another.
+    Other,
+    /// It may be either.
+    Nothing,
 }
 
 fn ends(bytes: &[u8]) -> (&[u8], &[u8]) {
@@ -133,7 +145,10 @@ fn header(head: &[u8]) -> usize {
     if head.iter().take(STL_HEADER_BYTES).any(|byte| *byte == 0) {
         return STL_HEADER_BYTES;
     }
-    let is_comment = |line: &&[u8]| line.starts_with(b"#");
+    let is_comment = |line: &&[u8]| {
+        let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line).trim_ascii();
+        line.is_empty() || line.starts_with(b"#")
+    };
     head.split_inclusive(|byte| *byte == b'\n').take_while(is_comment).map(<[u8]>::len).sum()
 }
 
@@ -300,8 +315,9 @@ impl Writing {
     pub fn began(&self, bytes: &[u8]) -> Appeared {
         let Some(changed) = self.changed else { return self.first };
         let began = self.seen_in(bytes).unwrap_or_else(|| {
-            let others = self.marks.iter().filter(|mark| mark.trunk.is_some());
-            let absent = others.map(|mark| mark.began).max().max(self.first.absent);
+            let said = self.said_of(bytes);
+            let others = said.filter(|(_, says)| *says == Says::Other);
+            let absent = others.map(|(mark, _)| mark.began).max().max(self.first.absent);
             Appeared { absent, seen: changed }
         });
         began.written_by(self.written_last(bytes))
@@ -314,23 +330,44 @@ impl Writing {
 
     /// The same of a part of this content that was seen in this file, whatever the file holds now.
     pub(crate) fn written(&self, bytes: &[u8]) -> Option<Duration> {
+        let said = self.said_of(bytes);
+        let own = said.filter(|(_, says)| *says != Says::Other);
+        own.filter_map(|(mark, _)| mark.written).min()
+    }
+
+    /// What each mark says of a content, in their order.
+    fn said_of(&self, bytes: &[u8]) -> impl Iterator<Item = (&Mark, Says)> {
         let trunk = trunk(ends(bytes).0);
-        let dated = self.marks.iter().filter(|mark| mark.written.is_some());
-        let own = dated.filter(|mark| mark.is_of(bytes, trunk.as_deref()));
-        own.filter_map(|mark| mark.written).min()
+        // What was dealt with is no part of what comes after it, unless that begins with it.
+        let kept = self.kept.as_ref().map(|kept| kept.trunk.as_deref());
+        self.marks.iter().map(move |mark| {
+            let is_alike = mark.trunk.is_some() && mark.trunk == trunk;
+            let was_kept = kept.is_some_and(|kept| kept == mark.trunk.as_deref());
+            let says = match (&mark.trunk, is_alike) {
+                _ if mark.begins(bytes) => Says::Own,
+                (Some(_), true) if was_kept => Says::Nothing,
+                (Some(_), true) => Says::Own,
+                (Some(_), false) => Says::Other,
+                // A place that was reserved may be this content's; in a file whose content was dealt with, it
+                // came after that.
+                (None, _) if kept.is_some() => Says::Other,
+                (None, _) => Says::Nothing,
+            };
+            (mark, says)
+        })
     }
 
     /// When a part of this content was seen in this file, whatever the file holds now; `None` if no part
-    /// is known to have been seen. Of a place that was reserved it is not known whose it was.
+    /// is known to have been seen.
     pub(crate) fn seen_in(&self, bytes: &[u8]) -> Option<Appeared> {
-        let trunk = trunk(ends(bytes).0);
         let mut absent = self.first.absent;
-        for mark in &self.marks {
-            if mark.is_of(bytes, trunk.as_deref()) {
-                return Some(Appeared { absent, seen: mark.ended.max(self.first.seen) });
-            }
-            if mark.trunk.is_some() {
-                absent = absent.max(Some(mark.began));
+        for (mark, says) in self.said_of(bytes) {
+            match says {
+                Says::Own => {
+                    return Some(Appeared { absent, seen: mark.ended.max(self.first.seen) });
+                }
+                Says::Other => absent = absent.max(Some(mark.began)),
+                Says::Nothing => {}
             }
         }
         None
@@ -411,6 +448,28 @@ mod tests {
     }
 
     #[test]
+    fn a_content_after_one_that_was_dealt_with_is_not_taken_for_it_because_they_begin_alike() {
+        let alike = content(7, 3_000);
+        let [old, new] = [1, 2].map(|of| [alike.as_slice(), &content(of, 9_000)].concat());
+        let stamp = Stamp { dev: 1, ino: 7, size: 12_000, mtime_ns: 5, ctime_ns: 5 };
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), &old));
+        writing.keep(stamp);
+        writing.change(s(30));
+        writing.mark(Mark::of(s(30), s(30), &new));
+        // Since when it is there is not known.
+        assert_eq!(writing.began(&new), Appeared { absent: Some(s(9)), seen: s(30) });
+        assert_eq!(writing.began(&old).seen, s(10), "the same again");
+        let mut reserved = first(9, 10);
+        reserved.mark(Mark::of(s(10), s(10), &content(1, 9_000)));
+        reserved.keep(stamp);
+        reserved.change(s(20));
+        reserved.mark(Mark::of(s(20), s(20), &[0; 9_000]));
+        reserved.change(s(30));
+        assert_eq!(reserved.began(&content(2, 9_000)).absent, Some(s(20)));
+    }
+
+    #[test]
     fn a_touched_file_began_when_it_did() {
         let body = content(1, 9_000);
         let mut writing = first(9, 10);
@@ -431,6 +490,7 @@ mod tests {
             (&body[..5_000], &body[..], false),
             (&body[..], &other[..], true),
             (&behind(b"# 9:15\n")[..], &behind(b"# again\n# 10:15\n")[..], false),
+            (&behind(b"\xef\xbb\xbf\n# 9:15\n")[..], &behind(b"\n# 10:15\n")[..], false),
             (&behind(b"ply\n0 \nend_header")[..], &behind(b"ply\n17\nend_header")[..], false),
             (&counted(0)[..], &counted(9)[..], false),
             // Of a place that is reserved, and of a part that is too short, nothing is known.

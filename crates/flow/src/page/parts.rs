@@ -95,13 +95,8 @@ fn port_shown(port: &str, facts: &TriggerFacts, language: Language) -> PartShown
     let name = language.find(&format!("page.part.port.{port}"));
     let health = match facts.state {
         PortState::Open => "good",
-        PortState::NotLooked | PortState::Settling => "wait",
-        PortState::Absent
-        | PortState::Busy
-        | PortState::Denied
-        | PortState::Failed
-        | PortState::Stuck
-        | PortState::Hung => "bad",
+        state if state.is_fault() => "bad",
+        _ => "wait",
     };
     PartShown {
         name: name.unwrap_or_else(|| language.text("page.part.port.reader")).to_owned(),

@@ -43,6 +43,11 @@ impl PortState {
         PortState::Hung,
     ];
 
+    /// Whether it is not listened to, and will not be in a moment.
+    pub fn is_fault(self) -> bool {
+        !matches!(self, PortState::NotLooked | PortState::Settling | PortState::Open)
+    }
+
     /// Its stable word in `status` and metrics.
     pub const fn word(self) -> &'static str {
         match self {

@@ -149,6 +149,7 @@ fn the_id_is_in_no_byte_of_the_journal_afterwards_and_others_stay() {
     for _ in 0..2 {
         erase(&journal);
         assert_eq!(holding(dir.path(), ID), [""; 0]);
+        assert_eq!(journal.misjudged(), []);
         journal.check().unwrap();
     }
     assert!(!holding(dir.path(), OTHER).is_empty());

@@ -2,10 +2,10 @@
 //! what people look for; text that no scan has is looked for in all.
 
 use gaiter_flow::account::{Search, SearchState};
-use gaiter_flow::{DeliveryState, ScanId, ScanState};
+use gaiter_flow::{Disposition, ScanId, ScanState};
 use rusqlite::params;
 
-use super::newest::{is_unassigned, is_undecided};
+use crate::station::journal::disposition::is_one_of;
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, cell};
 
@@ -15,19 +15,17 @@ impl Journal {
         let connection = self.viewer();
         let mut query = connection.prepare_cached(&format!(
             "SELECT sha256 FROM scans
-             WHERE (?3 = '' OR substr(sha256, 1, length(?3)) = lower(?3)
+             WHERE (?1 = '' OR substr(sha256, 1, length(?1)) = lower(?1)
                     OR sha256 IN (SELECT sha256 FROM deliveries
-                                  WHERE patient <> '' AND instr(lower(patient), lower(?3)) > 0))
-                   AND (?4 IS NULL OR first_seen >= ?4) AND (?5 IS NULL OR first_seen < ?5)
-                   AND (?6 = 0 OR incomplete = 1) AND {}
-             ORDER BY first_seen DESC, rowid DESC LIMIT ?7 OFFSET ?8",
+                                  WHERE patient <> '' AND instr(lower(patient), lower(?1)) > 0))
+                   AND (?2 IS NULL OR first_seen >= ?2) AND (?3 IS NULL OR first_seen < ?3)
+                   AND (?4 = 0 OR incomplete = 1) AND {}
+             ORDER BY first_seen DESC, rowid DESC LIMIT ?5 OFFSET ?6",
             of_state(search.state)
         ))?;
         let time = |at: Option<jiff::Timestamp>| at.map(|at| at.to_string());
         let rows = query.query_map(
             params![
-                ScanState::Refused.word(),
-                DeliveryState::Held.word(),
                 search.text.trim(),
                 time(search.from),
                 time(search.until),
@@ -41,18 +39,17 @@ impl Journal {
     }
 }
 
-/// SQL: a scan has this state. `?1` and `?2` are as in [`is_undecided`].
+/// SQL: a scan has this state. One that has a record of a patient may be held for another.
 fn of_state(state: Option<SearchState>) -> String {
     match state {
-        None => "?1 = ?1 AND ?2 = ?2".to_owned(),
-        Some(SearchState::Undecided) => format!("({})", is_undecided()),
-        Some(SearchState::Refused) => "(state = ?1 AND ?2 = ?2)".to_owned(),
-        Some(SearchState::Unassigned) => format!("(?1 = ?1 AND ?2 = ?2 AND {})", is_unassigned()),
+        None => "TRUE".to_owned(),
+        Some(SearchState::Undecided) => is_one_of(Disposition::needs_decision),
+        Some(SearchState::Refused) => format!("state = '{}'", ScanState::Refused.word()),
+        Some(SearchState::Unassigned) => is_one_of(Disposition::is_unassigned),
         Some(SearchState::Delivered) => format!(
-            "(?1 = ?1 AND ?2 = ?2 AND EXISTS
-                 (SELECT 1 FROM deliveries AS theirs
-                  WHERE theirs.sha256 = scans.sha256 AND theirs.patient <> ''
-                        AND theirs.state = 'delivered' AND coalesce(theirs.code, '') NOT IN {UNWANTED}))"
+            "EXISTS (SELECT 1 FROM deliveries AS theirs
+                     WHERE theirs.sha256 = scans.sha256 AND theirs.patient <> ''
+                           AND theirs.state = 'delivered' AND coalesce(theirs.code, '') NOT IN {UNWANTED})"
         ),
     }
 }

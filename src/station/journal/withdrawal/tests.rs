@@ -256,8 +256,10 @@ fn rests_where_it_was_decided_last(
     let mut world = World::new(first, looks_before);
     for happening in happenings {
         world.happens(*happening);
+        prop_assert_eq!(world.journal.misjudged(), []);
     }
     world.comes_to_rest();
+    prop_assert_eq!(world.journal.misjudged(), []);
     let decided = BTreeSet::from([world.decided.clone()]);
     for (store, records) in &world.stores {
         prop_assert_eq!(records, &decided, "in {}", store);

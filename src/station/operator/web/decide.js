@@ -80,6 +80,7 @@ function say(sentence, isBad) {
 
 // What the station answers to a decision. A refused one has a code.
 async function ask(body) {
+  if (!isAnswering) return { isDone: false, code: null, sentence: label("away") };
   try {
     const answer = await post("/ask", body);
     const { code, sentence } = await answer.json();

@@ -76,7 +76,7 @@ function time(at, isLong = false) {
 }
 
 const HEALTH = {
-  delivered: "good", spooled: "wait", unassigned: "wait", withdrawing: "wait", closed: "wait", held: "bad", refused: "bad",
+  delivered: "good", spooled: "wait", unassigned: "wait", left: "wait", withdrawing: "wait", closed: "wait", held: "bad", refused: "bad",
 };
 
 function state(word, health) {
@@ -249,7 +249,8 @@ function fit() {
   }
 }
 
-// A station that does not answer is not ready, whatever it said last, and takes no decision.
+// A station that does not answer is not ready, whatever it said last, and is sent no decision. One that was sent
+// before may still be carried out.
 function away() {
   showLight({ signal: "away", word: label("away_word"), sentence: label("away") });
   answers(false);
@@ -354,7 +355,11 @@ function connect() {
   connected = Date.now();
   source = new EventSource(`/stream${query}`);
   source.onmessage = (event) => take(event.data);
-  source.addEventListener("beat", () => { heard = Date.now(); });
+  source.addEventListener("beat", () => {
+    heard = Date.now();
+    // It hung, and goes on: nothing need have changed meanwhile.
+    if (!isAnswering && last) show(last);
+  });
   source.onerror = () => {
     if (source.readyState === EventSource.CLOSED) look();
     else away();

@@ -2,11 +2,13 @@
 
 use gaiter_language::Language;
 
-use super::{BOTH, booth, page};
+use super::{BOTH, at, booth, page};
 use crate::booth::Signal;
+use crate::facts::{Facts, TriggerFacts};
 use crate::health::Complaint;
 use crate::light::Outcome;
-use crate::page::Situation;
+use crate::page::{Known, Situation, shown};
+use crate::trigger::PortState;
 
 fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> String {
     let booth = Situation { last: Some(last), ..booth(Signal::Attention) };
@@ -58,15 +60,26 @@ fn a_pause_has_its_own_word_and_says_how_it_ends() {
     }
 }
 
+/// What the light says while a button's port is in this state.
+fn with_port(booth: Situation<'_>, state: PortState, language: Language) -> String {
+    let mut facts = Facts::new(at(0), 1);
+    facts.triggers.insert("serial", TriggerFacts { state, ..TriggerFacts::new(at(0)) });
+    let known =
+        Known { page: "1", station: "b", facts: &facts, complaints: &[], booth, now: at(1) };
+    shown(&known, Vec::new(), 0, Vec::new(), language).light.sentence
+}
+
 #[test]
 fn a_button_that_is_not_there_is_told_instead_of_to_be_pressed() {
     for signal in [Signal::Ready, Signal::Armed, Signal::NoExport] {
         for (language, words) in BOTH.into_iter().zip(["is not there", "nicht angeschlossen"]) {
             let away = Situation { is_button_away: true, ..booth(signal) };
-            let said = page(away, &[], language).light.sentence;
+            let said = with_port(away, PortState::Absent, language);
             assert!(said.contains(words), "{signal:?}: {said}");
+            let said = with_port(away, PortState::Settling, language);
+            assert!(!said.contains(words), "at a start: {said}");
             let without = Situation { has_button: false, ..away };
-            assert!(!page(without, &[], language).light.sentence.contains(words));
+            assert!(!with_port(without, PortState::Absent, language).contains(words));
         }
     }
 }

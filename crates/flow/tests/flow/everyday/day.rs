@@ -1,6 +1,7 @@
 //! One day at a booth: who comes when, what people do, and what the scanner writes.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
 
 use gaiter_flow::ScanState;
 use gaiter_flow::round::Capture;
@@ -39,6 +40,7 @@ pub struct Day<'a> {
     acts: BTreeMap<(u64, u64), Act>,
     acts_made: u64,
     files: Vec<String>,
+    pressed_ms: u64,
     /// Of each body, whether it is a second scan of somebody whose first one was refused.
     pub is_again: Vec<bool>,
     /// Patients at whose scan the light asked who is there, and nobody answered.
@@ -55,6 +57,7 @@ pub fn play(habits: &Habits, seed: u64, tells: bool) -> Day<'_> {
         acts,
         acts_made: 0,
         files,
+        pressed_ms: 0,
         is_again: Vec::new(),
         unanswered: BTreeSet::new(),
     };
@@ -134,8 +137,12 @@ impl Day<'_> {
 
     fn name(&mut self, patient: usize, by: SourceKind) {
         self.booth.tell(|| format!("{} is named: {by:?}", id(patient)));
-        let absent = Some(self.booth.clock());
-        self.booth.heard_name(&id(patient), by, None, absent);
+        // The folder of orders is looked into every two seconds, and at each press.
+        let ago_ms = self.booth.chance.below(2000) as u64;
+        let since_press_ms = self.booth.now_ms - self.pressed_ms;
+        let ago = Duration::from_millis(ago_ms.min(since_press_ms));
+        let absent = self.booth.clock().saturating_sub(ago);
+        self.booth.heard_name(&id(patient), by, None, Some(absent));
     }
 
     /// Half of what the light asks is answered.
@@ -160,6 +167,7 @@ impl Day<'_> {
     fn press(&mut self, patient: usize, is_again: bool) {
         if self.habits.button {
             self.booth.heard_press();
+            self.pressed_ms = self.booth.now_ms;
         }
         self.booth.tell(|| format!("{} is scanned", id(patient)));
         let body = self.booth.scan_body(patient, true);

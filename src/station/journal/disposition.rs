@@ -1,0 +1,99 @@
+//! What became of each scan, kept beside it. Flow decides it from the scan and its deliveries, with every change.
+
+use gaiter_flow::{DeliveryState, Disposition, ScanState};
+use rusqlite::{Connection, OptionalExtension, Transaction};
+
+use super::withdrawal::UNWANTED;
+use super::{JournalError, cell};
+
+/// Notes for this connection alone which scans its changes touch; nothing of it is in the file. The table has no
+/// key: the conflict clause of the statement that fires a trigger would overrule the trigger's own.
+const NOTED: &str = "
+PRAGMA temp_store = MEMORY;
+CREATE TEMP TABLE touched (sha256 TEXT);
+CREATE TEMP TRIGGER scan_came AFTER INSERT ON main.scans
+BEGIN INSERT INTO touched VALUES (NEW.sha256); END;
+CREATE TEMP TRIGGER scan_changed AFTER UPDATE OF state, closed ON main.scans
+BEGIN INSERT INTO touched VALUES (NEW.sha256); END;
+CREATE TEMP TRIGGER delivery_came AFTER INSERT ON main.deliveries
+BEGIN INSERT INTO touched VALUES (NEW.sha256); END;
+CREATE TEMP TRIGGER delivery_changed AFTER UPDATE OF patient, state, code ON main.deliveries
+BEGIN INSERT INTO touched VALUES (NEW.sha256); END;
+CREATE TEMP TRIGGER delivery_went AFTER DELETE ON main.deliveries
+BEGIN INSERT INTO touched VALUES (OLD.sha256); END;
+";
+
+/// From now on the changes of this connection are noted for [`decide_touched`].
+pub(super) fn note_changes(connection: &Connection) -> Result<(), JournalError> {
+    Ok(connection.execute_batch(NOTED)?)
+}
+
+/// Decides anew about the scans that a change has touched.
+pub(super) fn decide_touched(transaction: &Transaction<'_>) -> Result<(), JournalError> {
+    if decide(transaction, "SELECT DISTINCT sha256 FROM touched")? {
+        transaction.prepare_cached("DELETE FROM touched")?.execute([])?;
+    }
+    Ok(())
+}
+
+/// Decides about all scans: an older gaiter may have decided otherwise, or not at all.
+pub(super) fn decide_all(transaction: &Transaction<'_>) -> Result<(), JournalError> {
+    decide(transaction, "SELECT sha256 FROM scans").map(drop)
+}
+
+/// Decides about the scans of a query; whether there were any.
+fn decide(transaction: &Transaction<'_>, which: &str) -> Result<bool, JournalError> {
+    let mut query = transaction.prepare_cached(which)?;
+    let scans = query.query_map([], |row| row.get(0))?.collect::<Result<Vec<String>, _>>()?;
+    let mut keep = transaction.prepare_cached(
+        "UPDATE scans SET disposition = ?2 WHERE sha256 = ?1 AND disposition <> ?2",
+    )?;
+    for scan in &scans {
+        if let Some(found) = of_scan(transaction, scan)? {
+            keep.execute([scan, found.word()])?;
+        }
+    }
+    Ok(!scans.is_empty())
+}
+
+/// What became of a scan by the rows of it and its deliveries; `None` if it is not there any more.
+fn of_scan(connection: &Connection, scan: &str) -> Result<Option<Disposition>, JournalError> {
+    let mut query = connection
+        .prepare_cached("SELECT state, closed IS NOT NULL FROM scans WHERE sha256 = ?1")?;
+    let found = query.query_row([scan], |row| Ok((row.get(0)?, row.get(1)?))).optional()?;
+    let Some((state, is_closed)): Option<(String, bool)> = found else { return Ok(None) };
+    let state = cell("state", state, ScanState::of_word)?;
+    let mut query = connection.prepare_cached(&format!(
+        "SELECT state, patient <> '' AND state = 'delivered' AND coalesce(code, '') NOT IN {UNWANTED}
+         FROM deliveries WHERE sha256 = ?1"
+    ))?;
+    let rows = query.query_map([scan], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    let mut deliveries = Vec::new();
+    for row in rows {
+        let (state, is_theirs): (String, bool) = row?;
+        deliveries.push((cell("state", state, DeliveryState::of_word)?, is_theirs));
+    }
+    Ok(Some(Disposition::of(state, is_closed, deliveries.into_iter())))
+}
+
+/// SQL: what became of a scan is one of these.
+pub(super) fn is_one_of(wanted: impl Fn(Disposition) -> bool) -> String {
+    let all = Disposition::ALL.into_iter().filter(|found| wanted(*found));
+    let words: Vec<String> = all.map(|found| format!("'{}'", found.word())).collect();
+    format!("disposition IN ({})", words.join(", "))
+}
+
+#[cfg(test)]
+impl super::Journal {
+    /// The scans whose kept disposition is not what their rows say, with the kept one.
+    pub fn misjudged(&self) -> Vec<(String, String)> {
+        let connection = self.connection();
+        let mut query = connection.prepare("SELECT sha256, disposition FROM scans").unwrap();
+        let rows = query.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
+        let kept: Vec<(String, String)> = rows.collect::<Result<_, _>>().unwrap();
+        let is_wrong = |(scan, word): &(String, String)| {
+            of_scan(&connection, scan).unwrap().map(Disposition::word) != Some(word)
+        };
+        kept.into_iter().filter(is_wrong).collect()
+    }
+}
