@@ -30,6 +30,13 @@ fn said(booth: &Booth, args: &[&str]) -> String {
     stdout(&output)
 }
 
+/// Has a delivery tried again at once, unless the station has done so by itself.
+#[track_caller]
+fn try_again(booth: &Booth, scan: &str) {
+    let output = booth.gaiter(&["retry", scan]);
+    assert!(matches!(code(&output), Some(0 | 64)), "{}", stderr(&output));
+}
+
 #[track_caller]
 fn assign(booth: &Booth, scan: &str, id: &str) {
     let output = gaiter_told(&booth.path("station.toml"), &["assign", scan], &format!("{id}\n"));
@@ -206,7 +213,7 @@ fn a_record_that_was_changed_by_hand_is_said_to_lie_there_until_it_has_left() {
     assert!(said(&booth, &["explain", id]).contains("could not be removed yet"));
     assert!(record.exists());
     fs::write(&record, sound).unwrap();
-    said(&booth, &["retry", id]);
+    try_again(&booth, id);
     at_rest(&booth, "the take-back", &["_unassigned"], &scan);
     booth.wait_for("the end of the alarm", || complaints(&booth).is_empty());
     assert_eq!(booth.status()["scans"]["withdrawing"], 0);
@@ -235,7 +242,7 @@ fn a_record_with_something_in_its_way_waits_alone_and_the_store_goes_on() {
     assert!(booth.log().contains("something is in its way"), "{}", booth.log());
     assert!(!booth.log().contains("store-unavailable"), "{}", booth.log());
     fs::remove_file(&stone).unwrap();
-    said(&booth, &["retry", id]);
+    try_again(&booth, id);
     booth.wait_for_journal(OPEN, 0);
     booth.wait_for("the end of the alarm", || complaints(&booth).is_empty());
     assert_eq!(names(&booth.path("records/4711")), [""; 0]);
