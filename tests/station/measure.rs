@@ -171,18 +171,20 @@ fn a_process_that_stands_still_is_ended_in_time_and_begun_again() {
     // However slow the machine is, a process that does not stand still ends before that.
     let booth = booth("[measure]\nwall = \"15s\"\n");
     let daemon = booth.start();
-    let mut scans = Vec::new();
+    let (good, mut scans) = (coarse_body(90), Vec::new());
     let was_ended = || booth.log().contains("measuring-too-long");
     // One that has its answer already when it is stopped does not stand still: then the next one.
     while !was_ended() {
         let scan = body(51 + scans.len());
         booth.export(&format!("4711_hangs{}.obj", scans.len()), &scan);
         signal(&booth, &sha256(&scan), Signal::STOP);
+        if scans.is_empty() {
+            booth.export("4711_good.obj", &good);
+        }
         scans.push(scan);
-        booth.wait_for("its end", || was_ended() || booth.records().len() == scans.len());
+        let all_done = || booth.records().len() == scans.len() + 1;
+        booth.wait_for("its end", || was_ended() || all_done());
     }
-    let good = coarse_body(90);
-    booth.export("4711_good.obj", &good);
     booth.wait_for_records(scans.len() + 1);
     assert_eq!(daemon.stop().code(), Some(0));
     // It computed nothing meanwhile, so it was not the scan that took so long.

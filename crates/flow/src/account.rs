@@ -10,10 +10,8 @@ use super::facts::StoreFacts;
 use super::health::{ago, words};
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use super::patient::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
+use super::scan_id::SHORT;
 use super::{Closed, DeliveryState, ScanState, round};
-
-/// So many digits of a scan's id tell it from others, in lists and sentences.
-const SHORT: usize = 8;
 
 /// A scan, when it was first seen, and where it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -282,20 +280,23 @@ fn why_closed(closed: Closed) -> &'static str {
 
 /// The outcome for a scan, in words that follow "it".
 pub fn in_words(whole: &Whole) -> String {
+    let Whole { summary, .. } = whole;
     if let Some(code) = whole.held_for() {
         return format!("is held because {}, until the operator decides", why_held(code));
     }
-    match (whole.disposition(), &whole.summary.code) {
-        (Disposition::Refused | Disposition::Closed, Some(code)) => {
-            let closed = whole.summary.closed.map_or("in quarantine", |_| "closed");
-            format!("was refused ({code}) and is {closed}")
+    let place = if summary.closed.is_some() { "closed" } else { "in quarantine" };
+    match whole.disposition() {
+        _ if summary.state == ScanState::Refused => match &summary.code {
+            Some(code) => format!("was refused ({code}) and is {place}"),
+            None => format!("was refused and is {place}"),
+        },
+        Disposition::Delivered => "was delivered".into(),
+        Disposition::Withdrawing => "was taken back; its record is not removed yet".into(),
+        Disposition::Unassigned | Disposition::Left => "was delivered for no patient".into(),
+        Disposition::Spooled => "was taken and waits for its record to be delivered".into(),
+        Disposition::Closed | Disposition::Held | Disposition::Refused => {
+            "was held and is closed".into()
         }
-        (Disposition::Refused, None) => "was refused and is in quarantine".into(),
-        (Disposition::Closed | Disposition::Held, _) => "was held and is closed".into(),
-        (Disposition::Delivered, _) => "was delivered".into(),
-        (Disposition::Withdrawing, _) => "was taken back; its record is not removed yet".into(),
-        (Disposition::Unassigned | Disposition::Left, _) => "was delivered for no patient".into(),
-        (Disposition::Spooled, _) => "was taken and waits for its record to be delivered".into(),
     }
 }
 

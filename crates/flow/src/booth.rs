@@ -35,7 +35,7 @@ pub enum Heard {
     Unread,
     /// An order cannot be read, or was refused.
     UnreadOrder {
-        /// As of an order.
+        /// The file was not there at this time; `None` if there was no look before.
         absent: Option<Duration>,
     },
 }

@@ -246,7 +246,7 @@ impl Rounds {
         let name = self.names.next.take().is_some();
         // Nobody is named for them any more; an order may still be.
         self.names.unsure.iter_mut().for_each(|press| press.is_unnamed = false);
-        self.is_certain_again();
+        self.clear_doubts();
         CalledOff { captures, name }
     }
 
@@ -273,13 +273,11 @@ impl Rounds {
             return held(doubt.why(), &all, export);
         }
         match its_own {
-            Some(capture) if !self.said_since(&capture, export).is_empty() => {
-                let mut judged = held(Why::Ambiguous, &all, export);
-                judged.may_also_be(self.said_since(&capture, export));
-                judged
-            }
-            Some(capture) if now <= capture.until + late => Judged::Of(capture),
-            Some(_) => held(Why::Late, &all, export),
+            Some(capture) => match self.named_meanwhile(&capture, export) {
+                others if !others.is_empty() => held(Why::Ambiguous, &all, export).or_of(others),
+                _ if now <= capture.until + late => Judged::Of(capture),
+                _ => held(Why::Late, &all, export),
+            },
             // A second export of a scan that is being measured.
             None if !all.iter().any(|capture| capture.is_waiting()) => Judged::Unpressed,
             None if all.iter().all(|capture| export.absent < Some(capture.opened)) => {
@@ -289,9 +287,9 @@ impl Rounds {
         }
     }
 
-    /// Who else was named at the booth before the export began that may come again after a refusal: it may be
-    /// theirs, and their press forgotten.
-    fn said_since(&self, capture: &Capture, export: Appeared) -> Vec<Named> {
+    /// The patients who were named at the booth before this export began, while the capture waits for another
+    /// export after a refusal. It may be theirs if their press was forgotten.
+    fn named_meanwhile(&self, capture: &Capture, export: Appeared) -> Vec<Named> {
         let said = self.next().map_or(&[][..], |next| &next.names);
         let is_other = |said: &&Said| {
             capture.is_refused

@@ -4,8 +4,8 @@ use std::fmt;
 
 use gaiter_record::hex;
 
-/// How many characters of an id are used in logs and folder names.
-const SHORT: usize = 8;
+/// How many characters of an id are used in logs, lists and folder names.
+pub(crate) const SHORT: usize = 8;
 
 /// The SHA-256 of a scan's bytes, 64 lower-case hexadecimal digits; safe as a file name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

@@ -134,7 +134,7 @@ pub async fn worker(
                 let is_first = before.is_none();
                 let taken = take(&of, &theirs, &order, before, absent, pulse);
                 if is_first && matches!(taken, Err(TakeFault::Io { .. })) {
-                    // Whoever it names may be the one who is there.
+                    // Its patient may be the one at the booth.
                     of.hear(&Heard::UnreadOrder { absent });
                 }
                 taken
@@ -281,7 +281,7 @@ impl Reach {
                     info!(event = "orders-in-reach");
                     self.booth.missed_name(SOURCE);
                 }
-                // Whoever they name may be there.
+                // Their patients may be at the booth.
                 let is_any_unread = !found.unexamined.is_empty();
                 if self.is_any_unread.swap(is_any_unread, Ordering::Relaxed) != is_any_unread {
                     warn!(event = "orders-unexamined", count = found.unexamined.len());

@@ -6,8 +6,9 @@ use super::*;
 
 mod ruin;
 
+use gaiter_flow::account::Filter;
 use gaiter_flow::round::Judged;
-use gaiter_flow::{DeliveryState, ScanId, ScanState, Stamp};
+use gaiter_flow::{DeliveryState, Disposition, ScanId, ScanState, Stamp};
 use gaiter_record::{Patient, Source, SourceKind};
 use ruin::edit;
 
@@ -213,6 +214,8 @@ fn what_became_of_a_scan_is_decided_anew_when_the_journal_is_opened() {
     edit(&path, "UPDATE scans SET disposition = 'spooled'");
     let journal = Journal::open(&path).unwrap();
     assert_eq!(journal.undecided(9).unwrap(), [row('a').scan]);
+    let unassigned = journal.list(Some(Filter::Unassigned), 9).unwrap();
+    assert_eq!(unassigned[0].disposition, Disposition::Unassigned);
     assert_eq!(journal.misjudged(), []);
 }
 

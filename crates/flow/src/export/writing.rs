@@ -110,15 +110,15 @@ impl Mark {
     }
 }
 
-/// What a mark says of a content.
+/// Whether a mark is of a given content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Says {
-    /// It is a part of this content.
-    Own,
+enum Match {
+    /// It is a part of it.
+    Same,
     /// It is a part of another.
     Other,
-    /// It may be either.
-    Nothing,
+    /// It may be of either.
+    Unknown,
 }
 
 fn ends(bytes: &[u8]) -> (&[u8], &[u8]) {
@@ -315,8 +315,8 @@ impl Writing {
     pub fn began(&self, bytes: &[u8]) -> Appeared {
         let Some(changed) = self.changed else { return self.first };
         let began = self.seen_in(bytes).unwrap_or_else(|| {
-            let said = self.said_of(bytes);
-            let others = said.filter(|(_, says)| *says == Says::Other);
+            let marks = self.compared(bytes);
+            let others = marks.filter(|(_, found)| *found == Match::Other);
             let absent = others.map(|(mark, _)| mark.began).max().max(self.first.absent);
             Appeared { absent, seen: changed }
         });
@@ -330,30 +330,30 @@ impl Writing {
 
     /// The same of a part of this content that was seen in this file, whatever the file holds now.
     pub(crate) fn written(&self, bytes: &[u8]) -> Option<Duration> {
-        let said = self.said_of(bytes);
-        let own = said.filter(|(_, says)| *says != Says::Other);
+        let marks = self.compared(bytes);
+        let own = marks.filter(|(_, found)| *found != Match::Other);
         own.filter_map(|(mark, _)| mark.written).min()
     }
 
-    /// What each mark says of a content, in their order.
-    fn said_of(&self, bytes: &[u8]) -> impl Iterator<Item = (&Mark, Says)> {
+    /// Each mark, in their order, and whether it is of this content.
+    fn compared(&self, bytes: &[u8]) -> impl Iterator<Item = (&Mark, Match)> {
         let trunk = trunk(ends(bytes).0);
         // What was dealt with is no part of what comes after it, unless that begins with it.
         let kept = self.kept.as_ref().map(|kept| kept.trunk.as_deref());
         self.marks.iter().map(move |mark| {
             let is_alike = mark.trunk.is_some() && mark.trunk == trunk;
             let was_kept = kept.is_some_and(|kept| kept == mark.trunk.as_deref());
-            let says = match (&mark.trunk, is_alike) {
-                _ if mark.begins(bytes) => Says::Own,
-                (Some(_), true) if was_kept => Says::Nothing,
-                (Some(_), true) => Says::Own,
-                (Some(_), false) => Says::Other,
+            let found = match (&mark.trunk, is_alike) {
+                _ if mark.begins(bytes) => Match::Same,
+                (Some(_), true) if was_kept => Match::Unknown,
+                (Some(_), true) => Match::Same,
+                (Some(_), false) => Match::Other,
                 // A place that was reserved may be this content's; in a file whose content was dealt with, it
                 // came after that.
-                (None, _) if kept.is_some() => Says::Other,
-                (None, _) => Says::Nothing,
+                (None, _) if kept.is_some() => Match::Other,
+                (None, _) => Match::Unknown,
             };
-            (mark, says)
+            (mark, found)
         })
     }
 
@@ -361,13 +361,13 @@ impl Writing {
     /// is known to have been seen.
     pub(crate) fn seen_in(&self, bytes: &[u8]) -> Option<Appeared> {
         let mut absent = self.first.absent;
-        for (mark, says) in self.said_of(bytes) {
-            match says {
-                Says::Own => {
+        for (mark, found) in self.compared(bytes) {
+            match found {
+                Match::Same => {
                     return Some(Appeared { absent, seen: mark.ended.max(self.first.seen) });
                 }
-                Says::Other => absent = absent.max(Some(mark.began)),
-                Says::Nothing => {}
+                Match::Other => absent = absent.max(Some(mark.began)),
+                Match::Unknown => {}
             }
         }
         None

@@ -171,7 +171,7 @@ impl Rounds {
         if self.decided.len() < DOUBTS_MOST && self.decided.iter().all(|id| id != patient) {
             self.decided.push(patient.to_owned());
         }
-        self.leave_others_of(answered);
+        self.miss_other_candidates(answered);
         // No card is for its press any more; an order may still be.
         let decided = self.open.iter().find(|capture| Some(capture.number) == answered);
         for press in &mut self.names.unsure {
@@ -180,8 +180,9 @@ impl Rounds {
         answered
     }
 
-    /// Whoever else this capture may have been of was not scanned with it, and may come next.
-    fn leave_others_of(&mut self, number: Option<i64>) {
+    /// The other candidates of this capture were not scanned with it and may come next, unless their names still
+    /// wait or another capture may be theirs.
+    fn miss_other_candidates(&mut self, number: Option<i64>) {
         let waits = |id: &str| {
             let mut open = self.open.iter().filter(|of| Some(of.number) != number);
             self.next_ids().iter().any(|next| next == id)
@@ -191,7 +192,7 @@ impl Rounds {
         let of = self.open.iter().filter(|capture| Some(capture.number) == number);
         let left: Vec<Named> =
             of.flat_map(Capture::named).filter(|named| !waits(&named.id)).cloned().collect();
-        self.leave(left);
+        self.note_missed(left);
     }
 
     /// A person gave up a scan that was refused: no other export of its capture is expected.

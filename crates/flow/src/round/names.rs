@@ -82,11 +82,11 @@ impl Rounds {
         if capture.is_unnamed() {
             return;
         }
-        self.leave(capture.named().cloned());
+        self.note_missed(capture.named().cloned());
     }
 
     /// These patients were named and not scanned: they may be there, even if another is ordered now (R2).
-    pub(super) fn leave(&mut self, patients: impl IntoIterator<Item = Named>) {
+    pub(super) fn note_missed(&mut self, patients: impl IntoIterator<Item = Named>) {
         for named in patients {
             self.doubt_names(Doubt::Shared);
             if self.missed.len() < DOUBTS_MOST && !self.missed.contains(&named) {
@@ -95,8 +95,8 @@ impl Rounds {
         }
     }
 
-    /// A word at the booth: whatever was before it is in question no more.
-    pub(super) fn is_certain_again(&mut self) {
+    /// After a word at the booth nothing from before it makes a name uncertain.
+    pub(super) fn clear_doubts(&mut self) {
         (self.uncertain, self.missed, self.decided) = (None, Vec::new(), Vec::new());
     }
 
@@ -163,7 +163,7 @@ impl Rounds {
         if is_crossed {
             self.cross(&named);
         }
-        self.is_certain_again();
+        self.clear_doubts();
         let before = self.names.next.take();
         let is_other = |next: &Next| next.names.iter().any(|said| said.named.id != named.id);
         let replaced = before.as_ref().is_some_and(is_other);
@@ -270,7 +270,7 @@ impl Rounds {
             .collect();
         let given_up = given_up.iter().map(|capture| capture.number).collect();
         if named.by != SourceKind::Order {
-            self.is_certain_again();
+            self.clear_doubts();
         }
         // A name after a refusal, or after an export that was held for the capture, may mean a new scan.
         let joins = |capture: &&mut Capture| {
@@ -280,7 +280,7 @@ impl Rounds {
         if let Some(capture) = self.open.last_mut().filter(joins) {
             capture.until = now + lasts;
             let prolonged = NamedNext::Prolonged(capture.clone());
-            self.leave(ordered);
+            self.note_missed(ordered);
             return prolonged;
         }
         let mut opened = self.opened(number, now, lasts, Opener::Name, Some(named));
@@ -288,7 +288,7 @@ impl Rounds {
         self.at_rest(&mut opened);
         self.missed.iter().for_each(|missed| opened.may_also_be(missed));
         self.open.push(opened.clone());
-        self.leave(ordered);
+        self.note_missed(ordered);
         NamedNext::Opened(opened, given_up)
     }
 
@@ -438,7 +438,7 @@ impl Rounds {
         let mut all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
         if let ([only], true) = (all.as_slice(), self.missed.is_empty()) {
             let used = (Some(only.clone()), Vec::new(), next.doubt);
-            self.leave(next.left);
+            self.note_missed(next.left);
             return used;
         }
         // It is not known who the remaining patients are, either.
@@ -452,7 +452,7 @@ impl Rounds {
         if next.used < next.names.len() {
             self.names.next = Some(next);
         } else {
-            self.leave(next.left);
+            self.note_missed(next.left);
         }
         (None, all, Some(doubt))
     }
@@ -474,7 +474,7 @@ impl Rounds {
                 Vec::new()
             }
         };
-        self.leave(old.into_iter().chain(left));
+        self.note_missed(old.into_iter().chain(left));
         had_old
     }
 }

@@ -43,12 +43,13 @@ impl Judged {
         }
     }
 
-    /// These patients may be meant, too.
-    pub(super) fn may_also_be(&mut self, others: Vec<Named>) {
-        if let Judged::Held { patient, candidates, .. } = self {
+    /// The same result with these candidates besides.
+    pub(super) fn or_of(mut self, others: Vec<Named>) -> Judged {
+        if let Judged::Held { patient, candidates, .. } = &mut self {
             *patient = None;
             candidates.extend(others);
         }
+        self
     }
 
     /// The result for an export that begins with an earlier scan of these patients, or of nobody: it is

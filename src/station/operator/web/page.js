@@ -253,21 +253,21 @@ function fit() {
 // before may still be carried out.
 function away() {
   showLight({ signal: "away", word: label("away_word"), sentence: label("away") });
-  answers(false);
+  setAnswering(false);
 }
 
 let isAnswering = true;
-function answers(does) {
-  if (isAnswering === does) return;
-  isAnswering = does;
-  root.toggleAttribute("data-away", !does);
-  for (const button of document.querySelectorAll("main button")) button.disabled = !does;
+function setAnswering(is) {
+  if (isAnswering === is) return;
+  isAnswering = is;
+  root.toggleAttribute("data-away", !is);
+  for (const button of document.querySelectorAll("main button")) button.disabled = !is;
 }
 
 let last = null;
 function show(station) {
   last = station;
-  answers(true);
+  setAnswering(true);
   const canAct = isLocal && token !== null;
   $("station").textContent = station.station;
   document.title = `${station.light.word} – ${station.station}`;

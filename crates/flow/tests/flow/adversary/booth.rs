@@ -96,7 +96,7 @@ pub struct Booth {
     pub is_away: bool,
     pub is_unplugged: bool,
     /// The process stands still.
-    pub is_asleep: bool,
+    pub is_suspended: bool,
     buffered: Vec<Buffered>,
     /// When the journal can be written again.
     pub unlock_ms: Option<u64>,
@@ -125,7 +125,7 @@ impl Booth {
             is_paused: false,
             is_away: false,
             is_unplugged: false,
-            is_asleep: false,
+            is_suspended: false,
             buffered: Vec::new(),
             unlock_ms: None,
             start_ms: None,
@@ -238,7 +238,7 @@ impl Booth {
         self.wake();
         loop {
             let export = self.truth.next_end_ms().unwrap_or(NEVER);
-            let run = self.run.as_ref().filter(|_| !self.is_asleep);
+            let run = self.run.as_ref().filter(|_| !self.is_suspended);
             let (step, work, pass) = run.map_or((NEVER, NEVER, NEVER), |run| {
                 let is_idle = run.captures.open().is_empty() && run.captures.next().is_none();
                 let pass = if is_idle { NEVER } else { run.pass_at_ms };
@@ -287,7 +287,7 @@ impl Booth {
     fn make_up_looks(&mut self) {
         let now_ms = self.now_ms;
         let Some(at) = self.run.as_ref().and_then(|run| run.idle_ms) else { return };
-        if now_ms < at + LOOK_MS || self.is_asleep {
+        if now_ms < at + LOOK_MS || self.is_suspended {
             return;
         }
         let missed = (now_ms - LOOK_MS - at) / RESCAN_MS;
@@ -321,7 +321,7 @@ impl Booth {
 
     /// The button is pressed; whether the press was heard.
     pub fn heard_press(&mut self) -> bool {
-        if self.is_asleep {
+        if self.is_suspended {
             self.buffered.extend((!self.is_unplugged).then_some(Buffered::Press));
             return !self.is_unplugged;
         }
@@ -351,7 +351,7 @@ impl Booth {
         doubt: Option<Doubt>,
         absent: Option<Duration>,
     ) {
-        if self.is_asleep {
+        if self.is_suspended {
             return self.buffered.push(Buffered::Name { id: id.to_owned(), by });
         }
         if self.name(id, by, doubt, absent).is_err()
@@ -445,15 +445,15 @@ impl Booth {
     }
 
     /// The process stands still: nothing is heard, looked at or measured.
-    pub fn falls_asleep(&mut self) {
+    pub fn suspends(&mut self) {
         self.make_up_looks();
-        self.is_asleep = true;
+        self.is_suspended = true;
         self.tell(|| "the process stands still".to_owned());
     }
 
     /// It goes on. It notices that first, and hears what was said meanwhile in any order.
-    pub fn awakes(&mut self) {
-        self.is_asleep = false;
+    pub fn resumes(&mut self) {
+        self.is_suspended = false;
         let (now, off) = (self.clock(), self.setup.off);
         if let Some(run) = &mut self.run {
             if off != Off::EarsOpen {

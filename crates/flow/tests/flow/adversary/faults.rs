@@ -12,18 +12,18 @@ impl People {
     /// A disturbance, if there is occasion for it.
     pub fn disturb(&mut self, kind: Kind) -> bool {
         let is_tampered = matches!(kind, Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch);
-        if self.booth.is_asleep && kind != Kind::Sleep && !is_tampered {
+        if self.booth.is_suspended && kind != Kind::Sleep && !is_tampered {
             return false;
         }
         match kind {
-            Kind::Sleep if self.booth.is_asleep => {
-                self.booth.awakes();
+            Kind::Sleep if self.booth.is_suspended => {
+                self.booth.resumes();
                 true
             }
             Kind::Sleep => {
                 let runs = self.runs();
                 if runs {
-                    self.booth.falls_asleep();
+                    self.booth.suspends();
                 }
                 runs
             }

@@ -502,7 +502,7 @@ impl Waiting {
         self.decided.clear();
     }
 
-    /// A scan that could have been of these is that patient's: whoever else was ordered for it may come next
+    /// A scan that could have been of these is that patient's. The others who were ordered for it may come next
     /// (R2), unless another press may have been theirs.
     fn decided(&mut self, id: &str, own: &BTreeSet<String>, others: &BTreeSet<String>) {
         self.is_unsure |= self.waits(id);

@@ -87,7 +87,7 @@ impl People {
     }
 
     pub fn runs(&self) -> bool {
-        self.booth.run.is_some() && !self.booth.is_asleep
+        self.booth.run.is_some() && !self.booth.is_suspended
     }
 
     /// Somebody new steps in, or somebody who is known comes back.
@@ -153,7 +153,7 @@ impl People {
 
     pub fn card(&mut self) -> bool {
         // Nobody sees that the process stands still.
-        let may_name = self.may_name() || (self.booth.is_asleep && self.has_button());
+        let may_name = self.may_name() || (self.booth.is_suspended && self.has_button());
         let Some(patient) = self.standing.filter(|_| may_name) else { return false };
         self.booth.tell(|| format!("{} is named by card", id(patient)));
         let is_kept = !self.booth.disk.is_locked;

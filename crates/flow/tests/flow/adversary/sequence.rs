@@ -181,7 +181,7 @@ fn what_is_away(booth: &Booth) -> Option<Kind> {
         (booth.is_paused, Kind::Pause),
         (booth.is_away, Kind::FolderAway),
         (booth.is_unplugged, Kind::Unplug),
-        (booth.is_asleep, Kind::Sleep),
+        (booth.is_suspended, Kind::Sleep),
         (booth.disk.is_store_away, Kind::StoreAway),
         (booth.run.is_none(), Kind::Crash),
     ];
@@ -215,8 +215,8 @@ fn gap_ms(chance: &mut Chance) -> u64 {
 /// Everything comes to an end.
 fn rest(people: &mut People) {
     let booth = &mut people.booth;
-    if booth.is_asleep {
-        booth.awakes();
+    if booth.is_suspended {
+        booth.resumes();
     }
     (booth.is_paused, booth.is_away, booth.fault) = (false, false, None);
     (booth.disk.is_locked, booth.disk.is_store_away) = (false, false);

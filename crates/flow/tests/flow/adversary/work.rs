@@ -85,7 +85,7 @@ impl Booth {
 
     /// A person decides, and the scan is measured for that.
     pub fn decide_as(&mut self, scan: Scan, who: Option<String>) -> bool {
-        if self.run.is_none() || self.is_asleep || self.disk.decide(scan, &who).is_err() {
+        if self.run.is_none() || self.is_suspended || self.disk.decide(scan, &who).is_err() {
             return false;
         }
         self.tell(|| format!("a person decides that {scan:?} is of {who:?}"));
