@@ -11,8 +11,9 @@ use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::account::Whole;
 use gaiter_flow::booth::Signal;
-use gaiter_flow::light::{self, Light, Outcome, Scene};
+use gaiter_flow::light::{self, Last, Light, Outcome, Progress, Scene};
 use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
 use gaiter_flow::round::{Capture, Content, Judged, Rounds, Rules};
@@ -65,9 +66,7 @@ struct Inner {
     /// Whether the last orders came before or after the press.
     orders: Vec<OrderCame>,
     missed: bool,
-    last: Option<(Outcome, Duration)>,
-    /// The scan that ended last.
-    last_scan: Option<ScanId>,
+    last: Option<(Last, Duration)>,
 }
 
 impl Inner {
@@ -115,7 +114,6 @@ impl Inner {
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: None,
-            last_scan: None,
         })
     }
 
@@ -192,7 +190,9 @@ pub struct WhoIsNext {
     next: Vec<String>,
     awaited_for: Vec<String>,
     is_asked: bool,
+    progress: Option<Progress>,
     last: Option<Outcome>,
+    last_of: Vec<String>,
 }
 
 impl WhoIsNext {
@@ -207,7 +207,9 @@ impl WhoIsNext {
             awaited_for: &self.awaited_for,
             is_asked: self.is_asked,
             is_in_doubt: self.state.is_in_doubt,
+            progress: self.progress,
             last: self.last.as_ref(),
+            last_of: &self.last_of,
         }
     }
 }
@@ -240,11 +242,19 @@ impl Booth {
     pub fn who_is_next(&self) -> WhoIsNext {
         let state = self.state();
         let has_button = !self.core.config.buttons().is_empty();
-        let inner = self.inner();
-        let (next, awaited_for) = (inner.captures.next_ids(), inner.captures.awaited_ids());
-        let last = inner.last.as_ref().map(|(outcome, _)| outcome.clone());
-        let (is_asked, is_button_away) = (inner.captures.asks_who(), !inner.away.is_empty());
-        WhoIsNext { state, has_button, is_button_away, next, awaited_for, is_asked, last }
+        let mut inner = self.inner();
+        let (last, last_of) = self.last(&inner).unzip();
+        WhoIsNext {
+            state,
+            has_button,
+            is_button_away: !inner.away.is_empty(),
+            next: inner.captures.next_ids(),
+            awaited_for: inner.captures.awaited_ids(),
+            is_asked: inner.captures.asks_who(),
+            progress: self.progress(&mut inner),
+            last,
+            last_of: last_of.unwrap_or_default(),
+        }
     }
 
     /// Locks the captures. Blocks during writes to the journal.
@@ -284,25 +294,48 @@ impl Booth {
         }
     }
 
-    /// Notes that a scan ended or needs an operator. Blocks.
-    pub fn ended(&self, scan: &ScanId, outcome: Outcome) {
+    /// Notes that a step of a scan has ended. If nothing of it is in work any more the light shows how it ended;
+    /// `to_do` is what is to be done with the patient. Blocks.
+    pub fn ended(&self, scan: &ScanId, to_do: &[String]) {
         let now = self.core.now();
         let mut inner = self.inner();
-        let is_waiting = matches!(outcome, Outcome::Held { .. } | Outcome::Refused { .. });
-        if inner.in_work.remove(scan) || is_waiting {
-            inner.last = Some((outcome, now));
-            inner.last_scan = Some(scan.clone());
+        let Some(whole) = self.whole(scan) else { return };
+        let needs_person = matches!(
+            Outcome::of(&whole, to_do),
+            Some(Outcome::Held { .. } | Outcome::Refused { .. })
+        );
+        if !whole.is_in_work() && (inner.in_work.remove(scan) || needs_person) {
+            inner.last = Some((Last::Scan { scan: scan.clone(), to_do: to_do.to_owned() }, now));
         }
     }
 
-    /// Notes that a person settled measures of a scan. The light follows if it was this scan's measures that
-    /// were missing. Blocks.
-    pub fn amended(&self, scan: &ScanId, outcome: Outcome) {
-        let now = self.core.now();
-        let mut inner = self.inner();
-        let is_lacking = matches!(inner.last, Some((Outcome::Incomplete { .. }, _)));
-        if is_lacking && inner.last_scan.as_ref() == Some(scan) {
-            inner.last = Some((outcome, now));
+    /// Notes that a person settled measures of a scan: what is still to be done with its patient. Blocks.
+    pub fn amended(&self, settled: &ScanId, still: Vec<String>) {
+        match &mut self.inner().last {
+            Some((Last::Scan { scan, to_do }, _)) if scan == settled => *to_do = still,
+            _ => {}
+        }
+    }
+
+    /// A scan as the journal knows it; `None` if it does not, or cannot be read.
+    fn whole(&self, scan: &ScanId) -> Option<Whole> {
+        let whole = self.core.custody.journal().whole(scan);
+        whole.inspect_err(|error| self.core.check_corruption(error)).ok().flatten()
+    }
+
+    /// What the light tells of what happened last, and of whose scan.
+    fn last(&self, inner: &Inner) -> Option<(Outcome, Vec<String>)> {
+        let (last, _) = inner.last.as_ref()?;
+        match last {
+            Last::Scan { scan, to_do } => {
+                let whole = self.whole(scan)?;
+                Some((Outcome::of(&whole, to_do)?, whole.possible_owners()))
+            }
+            Last::NameUnread => Some((Outcome::NameUnread, Vec::new())),
+            Last::Known(scan) => {
+                let owners = self.whole(scan).map(|whole| whole.possible_owners());
+                Some((Outcome::Known, owners.unwrap_or_default()))
+            }
         }
     }
 
@@ -328,18 +361,54 @@ impl Booth {
     }
 
     fn scene(&self, not_ready: bool) -> Scene {
-        let inner = self.inner();
-        // What lay there at the first look may be known: it counts once it is taken.
-        let is_new = |file: &Appeared| file.absent.is_some();
-        let coming = self.glance().sights.iter().any(|folder| folder.coming.iter().any(is_new));
+        let mut inner = self.inner();
+        let progress = self.progress(&mut inner);
+        let at = inner.last.as_ref().map(|(_, at)| *at);
         Scene {
             not_ready,
             paused: self.core.is_paused(),
             missed: inner.missed,
             armed: inner.captures.is_armed(),
-            busy: coming || !inner.in_work.is_empty(),
-            last: inner.last.clone(),
+            progress,
+            last: self.last(&inner).map(|(outcome, _)| outcome).zip(at),
         }
+    }
+
+    /// How far the export or scan is that needs a person soonest.
+    fn progress(&self, inner: &mut Inner) -> Option<Progress> {
+        // What lay there at the first look may be known: it counts once it is taken.
+        let is_any_new = |files: &[Appeared]| files.iter().any(|file| file.absent.is_some());
+        let glance = self.glance();
+        let is_any =
+            |of: fn(&Sights) -> &[Appeared]| glance.sights.iter().any(|at| is_any_new(of(at)));
+        if is_any(|at| &at.stopped) {
+            Some(Progress::Stopped)
+        } else if is_any(|at| &at.coming) {
+            Some(Progress::ComingIn)
+        } else {
+            drop(glance);
+            self.is_any_in_work(inner).then_some(Progress::Measuring)
+        }
+    }
+
+    /// Whether a scan that came in, or that ended last and that a person has released or tried again, is on its way
+    /// to its record. What a person has settled otherwise is not.
+    fn is_any_in_work(&self, inner: &mut Inner) -> bool {
+        if let Some((Last::Scan { scan, .. }, _)) = &inner.last
+            && self.whole(scan).is_some_and(|whole| whole.is_in_work())
+        {
+            inner.in_work.insert(scan.clone());
+            inner.last = None;
+        }
+        while let Some(scan) = inner.in_work.first() {
+            let is_settled =
+                |whole: Whole| !whole.is_in_work() && Outcome::of(&whole, &[]).is_none();
+            if !self.whole(scan).is_none_or(is_settled) {
+                return true;
+            }
+            inner.in_work.pop_first();
+        }
+        false
     }
 }
 
@@ -349,10 +418,11 @@ impl Held<'_> {
         self.inner.captures.judge_content(content, self.inner.booth.core.now())
     }
 
-    /// A known scan was exported again: if another export is expected, the light says so.
-    pub fn known(&mut self) {
-        if self.inner.captures.open().iter().any(Capture::is_open) {
-            self.inner.last = Some((Outcome::Known, self.inner.booth.core.now()));
+    /// A known scan was exported again: if another export is expected, or somebody named, the light says so.
+    pub fn known(&mut self, scan: &ScanId) {
+        let captures = &self.inner.captures;
+        if captures.open().iter().any(Capture::is_open) || !captures.next_ids().is_empty() {
+            self.inner.last = Some((Last::Known(scan.clone()), self.inner.booth.core.now()));
         }
     }
 

@@ -1,6 +1,6 @@
 //! What the journal knows about scans, as shown to people and programs, and one scan in a sentence.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -170,6 +170,32 @@ impl Whole {
             matches!(other.state, DeliveryState::Pending | DeliveryState::Refused)
         };
         of.state == DeliveryState::Withdrawing || of.is_to_go() && others.any(is_coming)
+    }
+
+    /// Whether the station works on it without a person: it is to be measured, or its record delivered.
+    pub fn is_in_work(&self) -> bool {
+        self.disposition() == Disposition::Spooled
+    }
+
+    /// The patients to whom it belongs, as their ids are, each once; if it is held, those for whom it is held.
+    pub fn owners(&self) -> BTreeSet<&str> {
+        let gone = |of: &Delivered| of.is_to_go() || of.state == DeliveryState::Withdrawn;
+        let is_closed = self.summary.closed.is_some();
+        let is_held = |of: &Delivered| of.state == DeliveryState::Held;
+        let is_any_held = self.deliveries.iter().any(is_held) && !is_closed;
+        let theirs = self.deliveries.iter().filter(|of| match is_any_held {
+            true => is_held(of),
+            false => !(gone(of) || is_closed && is_held(of)),
+        });
+        theirs.filter_map(|of| of.patient.as_deref()).collect()
+    }
+
+    /// The patients to whom it belongs, or may belong if it is held, each once.
+    pub fn possible_owners(&self) -> Vec<String> {
+        let is_held = self.disposition() == Disposition::Held;
+        let candidates = self.candidates.iter().filter(|_| is_held).map(String::as_str);
+        let all: BTreeSet<&str> = self.owners().into_iter().chain(candidates).collect();
+        all.into_iter().map(str::to_owned).collect()
     }
 
     /// Why it is held, as a code, if it is.

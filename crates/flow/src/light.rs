@@ -4,8 +4,11 @@
 
 use std::time::Duration;
 
+use super::account::Whole;
 use super::booth::Signal;
+use super::disposition::Disposition;
 use super::health::Complaint;
+use super::scan_id::ScanId;
 
 /// The shortest time for which a signal is shown; a shorter one would not be seen.
 const STANDS: Duration = Duration::from_secs(1);
@@ -13,12 +16,29 @@ const STANDS: Duration = Duration::from_secs(1);
 /// How long "done" is shown: the operator is helping the patient out of the booth.
 const DONE_STANDS: Duration = Duration::from_secs(30);
 
-/// How the last scan ended.
+/// What happened last at the booth since the last press.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Last {
+    /// This scan ended, or needs a person. How it stands is asked when the light is shown: a person may have
+    /// decided since.
+    Scan {
+        /// The scan.
+        scan: ScanId,
+        /// What is to be done with the patient, in sentences.
+        to_do: Vec<String>,
+    },
+    /// A patient was to be named, and the id could not be read.
+    NameUnread,
+    /// While an export is expected, or a patient named, the scanner wrote this scan again: it answers nothing.
+    Known(ScanId),
+}
+
+/// What the light tells of what happened last.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
-    /// Its record is in every store.
+    /// Its record is stored.
     Delivered,
-    /// Its record is in every store, and some measures must be taken by hand or the patient scanned again.
+    /// Its record is stored, and some measures must be taken by hand or the patient scanned again.
     Incomplete {
         /// What is to be done with the patient, in sentences.
         to_do: Vec<String>,
@@ -35,11 +55,43 @@ pub enum Outcome {
     },
     /// A patient was to be named, and the id could not be read.
     NameUnread,
-    /// While an export is expected the scanner wrote one that is known: it answers nothing.
+    /// The scanner exported an old scan again.
     Known,
 }
 
+/// How far an export or scan is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Progress {
+    /// It is measured, or its record delivered.
+    Measuring,
+    /// It is being written.
+    ComingIn,
+    /// It lacks its end, and is not being written any more.
+    Stopped,
+}
+
 impl Outcome {
+    /// That of a scan; `None` while it is in work, and if it needs nothing any more.
+    pub fn of(whole: &Whole, to_do: &[String]) -> Option<Outcome> {
+        match whole.disposition() {
+            _ if whole.is_in_work() => None,
+            Disposition::Refused => {
+                let code = whole.summary.code.clone().unwrap_or_default();
+                Some(Outcome::Refused { code })
+            }
+            Disposition::Held => {
+                Some(Outcome::Held { code: whole.held_for().unwrap_or_default().to_owned() })
+            }
+            Disposition::Spooled | Disposition::Delivered | Disposition::Unassigned => {
+                Some(match whole.summary.incomplete {
+                    true => Outcome::Incomplete { to_do: to_do.to_owned() },
+                    false => Outcome::Delivered,
+                })
+            }
+            Disposition::Withdrawing | Disposition::Closed | Disposition::Left => None,
+        }
+    }
+
     /// Whether a person must see it before the next patient.
     fn needs_person(&self) -> bool {
         !matches!(self, Outcome::Delivered)
@@ -57,8 +109,8 @@ pub struct Scene {
     pub missed: bool,
     /// The station waits for the export of a press.
     pub armed: bool,
-    /// A file is arriving, or a scan that has arrived is on its way to its record.
-    pub busy: bool,
+    /// A file is arriving, or a scan that has arrived is on its way to its record: how far it is.
+    pub progress: Option<Progress>,
     /// How the last scan since the last press ended, and when.
     pub last: Option<(Outcome, Duration)>,
 }
@@ -116,7 +168,7 @@ fn wanted(scene: &Scene, now: Duration) -> Signal {
     match scene {
         Scene { not_ready: true, .. } => Signal::Attention,
         Scene { paused: true, .. } => Signal::Paused,
-        Scene { busy: true, .. } => Signal::Receiving,
+        Scene { progress: Some(_), .. } => Signal::Receiving,
         // The export that is missing may be the one that was held.
         Scene { last: Some((outcome, _)), .. } if outcome.needs_person() => Signal::Attention,
         Scene { armed: true, .. } => Signal::Armed,
@@ -147,7 +199,7 @@ mod tests {
         assert_eq!(light.show(&scene, at(20)), Signal::Ready);
         scene.armed = true;
         assert_eq!(light.show(&scene, at(21)), Signal::Armed);
-        scene.busy = true;
+        scene.progress = Some(Progress::ComingIn);
         assert_eq!(light.show(&scene, at(40)), Signal::Receiving);
         let delivered = Some((Outcome::Delivered, at(60)));
         scene = Scene { last: delivered, ..Scene::default() };
@@ -159,7 +211,7 @@ mod tests {
     fn done_is_never_shown_while_a_record_is_still_to_be_delivered() {
         let last = Some((Outcome::Delivered, at(0)));
         let mut light = Light::new(at(0));
-        let scene = Scene { busy: true, last, ..Scene::default() };
+        let scene = Scene { progress: Some(Progress::Measuring), last, ..Scene::default() };
         for tenths in 0..100 {
             assert_ne!(light.show(&scene, at(tenths)), Signal::Done);
         }

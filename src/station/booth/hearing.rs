@@ -7,7 +7,7 @@ use gaiter_flow::booth::{Heard, Press};
 use gaiter_flow::export::passed_over;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::health::EXPORT_PASSED_OVER;
-use gaiter_flow::light::{NO_EXPORT, Outcome};
+use gaiter_flow::light::{Last, NO_EXPORT};
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Rounds};
@@ -70,7 +70,7 @@ impl Booth {
     ) -> Result<(), JournalError> {
         let Some(Patient { id, .. }) = self.core.identity.patient(id, by) else {
             warn!(event = "finding", code = ID_NOT_ALLOWED);
-            self.inner().last = Some((Outcome::NameUnread, self.core.now()));
+            self.inner().last = Some((Last::NameUnread, self.core.now()));
             return self.unread(by, absent);
         };
         let mut inner = self.inner();

@@ -3,10 +3,10 @@
 
 use std::time::{Duration, Instant};
 
+use gaiter_flow::Facts;
 use gaiter_flow::facts::{Alarm, StoreAttempt};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
-use gaiter_flow::{Facts, ScanState, light};
 use gaiter_record::{FIRST_REVISION, RecordFile};
 use jiff::Timestamp;
 use tracing::{info, warn};
@@ -121,14 +121,7 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
             .map_err(|fault| of_store(fault, row))?;
         store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
         core.custody.delivered(due, &receipt.folder)?;
-        let state = core.custody.journal().scan(&due.scan)?.map(|row| row.state);
-        if state == Some(ScanState::Delivered) {
-            let outcome = match to_do.is_empty() {
-                true => light::Outcome::Delivered,
-                false => light::Outcome::Incomplete { to_do: to_do.clone() },
-            };
-            booth.ended(&due.scan, outcome);
-        }
+        booth.ended(&due.scan, to_do);
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
         core.observer.tell(StationEvent::Delivered { scan, folder: receipt.folder });
@@ -203,7 +196,7 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
                 }
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
-                booth.ended(&due.scan, light::Outcome::Refused { code: code.to_string() });
+                booth.ended(&due.scan, &[]);
                 core.observer.tell(StationEvent::Refused { scan, code, message });
                 return Ended::ForGood;
             }

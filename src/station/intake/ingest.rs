@@ -6,7 +6,6 @@ use std::os::unix::ffi::OsStrExt;
 
 use gaiter_flow::export::companions;
 use gaiter_flow::facts::IntakeState;
-use gaiter_flow::light::Outcome;
 use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED, PATIENTS_DIFFER};
 use gaiter_flow::round::{Content, Judged, Opener};
 use gaiter_flow::{Appeared, NameSays, ScanId, Settled, Verdict};
@@ -133,8 +132,8 @@ pub fn take(
     let found =
         Found { began, others, settled, format, is_cut_short, read, fingerprint, companions };
     let Admission { verdict, not_an_id, same_as } = admit(booth, export, &found, says)?;
-    if let Verdict::Held(code) = verdict {
-        booth.ended(&export.scan, Outcome::Held { code: code.to_owned() });
+    if let Verdict::Held(_) = verdict {
+        booth.ended(&export.scan, &[]);
     }
     let scan = export.scan.short();
     if not_an_id {
@@ -245,8 +244,8 @@ fn admit(
             None => custody.completed_by(&export.bytes, found.read)?,
         },
     };
-    if known.is_some() {
-        captures.known();
+    if let Some(known) = &known {
+        captures.known(known);
     }
     let judged = captures.judge(&content);
     let hold = core.config.capture.without_trigger == WithoutTrigger::Hold;

@@ -4,6 +4,7 @@
 
 mod files;
 mod held;
+mod light;
 mod visits;
 
 use std::fs::{self, Permissions};
@@ -235,10 +236,11 @@ fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand()
     let mut after_receipt = light.skip_while(|light| light["signal"] != "receiving");
     let end = after_receipt.find(|light| light["signal"] != "receiving").unwrap();
     assert_eq!(end["signal"], "attention");
-    assert_eq!(end["sentence"], "Measure by hand: right B1, B, Y · left B1, B, Y.");
+    let to_do = "Measure by hand: right B1, B, Y · left B1, B, Y.";
+    assert_eq!(end["sentence"], format!("The scan of 4711 lacks measures. {to_do}"));
     booth.wait_for("the measures", || {
         let measures = site.state_of(&site.operator())["scans"][0]["measures"].clone();
-        measures["verdict"] == "by-hand" && measures["to_do"][0] == end["sentence"]
+        measures["verdict"] == "by-hand" && measures["to_do"][0] == to_do
     });
     assert_eq!(daemon.stop().code(), Some(0));
     after_receipt.for_each(drop);

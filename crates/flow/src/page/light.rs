@@ -3,9 +3,11 @@
 use gaiter_language::Language;
 use serde::Serialize;
 
+use super::distinct;
 use super::reasons::{Advice, of_held, of_refused};
+use super::sentence::{Sentence, Text};
 use crate::booth::Signal;
-use crate::light::Outcome;
+use crate::light::{Outcome, Progress};
 
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -15,7 +17,8 @@ pub struct LightShown {
     /// The word that is read from a distance.
     pub word: &'static str,
     /// What to do next.
-    pub sentence: String,
+    #[serde(flatten)]
+    pub said: Sentence,
 }
 
 /// The state of the booth.
@@ -37,8 +40,12 @@ pub struct Situation<'a> {
     pub is_asked: bool,
     /// A press may have been missed.
     pub is_in_doubt: bool,
+    /// How far the export or scan is for which the light says "measuring".
+    pub progress: Option<Progress>,
     /// How the last scan since the last press ended; `None` if none has ended since.
     pub last: Option<&'a Outcome>,
+    /// The ids of the patients to whom that scan belongs, or may belong if it is held.
+    pub last_of: &'a [String],
 }
 
 /// The light; `first` is the most serious fault, if there is one.
@@ -48,38 +55,86 @@ pub(super) fn shown(
     is_any_undecided: bool,
     language: Language,
 ) -> LightShown {
-    let decide = language.text("page.decide");
-    let step = language.text(next_step(booth));
-    let sentence = match (booth.signal, first) {
-        (Signal::Attention, Some(advice)) => advice.in_a_row(),
+    let decide = is_any_undecided.then(|| language.text("page.decide"));
+    let step = || Words::new(language.text(next_step(booth)));
+    let said = match (booth.signal, first) {
+        (Signal::Attention, Some(advice)) => Words::new(&advice.in_a_row()),
         // The patient waits, a decision can wait.
-        (Signal::Attention, None) => match booth.last.and_then(|last| of_last(last, language)) {
-            Some(sentence) => sentence,
-            None if is_any_undecided => decide.to_owned(),
-            None => step.to_owned(),
+        (Signal::Attention, None) => match of_last(booth, language) {
+            Some(words) => words,
+            None => decide.map_or_else(step, Words::new),
         },
-        (Signal::Ready | Signal::Done, _) if is_any_undecided => format!("{step} {decide}"),
-        _ => step.to_owned(),
+        (Signal::Done, _) => Words::of_last(booth, DONE, language).and(decide),
+        (Signal::Ready, _) => step().and(decide),
+        _ => step(),
     };
     let signal = booth.signal.word();
-    LightShown { signal, word: language.word("page.light", signal), sentence }
+    let word = match (booth.signal, booth.progress) {
+        (Signal::Receiving, Some(Progress::ComingIn)) => "coming_in",
+        (Signal::Receiving, Some(Progress::Stopped)) => "stopped",
+        _ => signal,
+    };
+    let said = Sentence::new(said.text, said.anonymous);
+    LightShown { signal, word: language.word("page.light", word), said }
+}
+
+/// Keys of a sentence on the last scan: without ids, and with them.
+type Keys = [&'static str; 2];
+
+const DONE: Keys = ["page.step.done", "page.step.done_of"];
+const HELD: Keys = ["page.step.held", "page.step.held_of"];
+const REFUSED: Keys = ["page.step.refused", "page.step.refused_of"];
+const LACKS: Keys = ["page.step.lacks", "page.step.lacks_of"];
+const KNOWN: Keys = ["page.step.known", "page.step.known_of"];
+
+/// Sentences that may name patients, and the same without ids.
+struct Words {
+    text: Text,
+    anonymous: String,
+}
+
+impl Words {
+    fn new(words: &str) -> Words {
+        Words { text: Text::new().words(words), anonymous: words.to_owned() }
+    }
+
+    /// A sentence on the last scan.
+    fn of_last(booth: &Situation<'_>, [without, with]: Keys, language: Language) -> Words {
+        let patients = distinct(booth.last_of);
+        let words = Words::new(language.text(without));
+        if patients.is_empty() {
+            return words;
+        }
+        let is_held = matches!(booth.last, Some(Outcome::Held { .. }));
+        let before_last = language.text(if is_held { "page.next.or" } else { "page.next.and" });
+        Words { text: Text::new().sentence(language.text(with), &patients, before_last), ..words }
+    }
+
+    /// Followed by more sentences that name nobody.
+    fn and<'a>(self, more: impl IntoIterator<Item = &'a str>) -> Words {
+        more.into_iter().fold(self, |Words { text, anonymous }, more| Words {
+            text: text.words(" ").words(more),
+            anonymous: format!("{anonymous} {more}"),
+        })
+    }
 }
 
 /// What the last scan needs from a person at the booth; `None` if nothing.
-fn of_last(last: &Outcome, language: Language) -> Option<String> {
+fn of_last(booth: &Situation<'_>, language: Language) -> Option<Words> {
     let text = |key| language.text(key);
-    Some(match last {
+    let of = |keys| Words::of_last(booth, keys, language);
+    Some(match booth.last? {
         Outcome::Delivered => return None,
-        Outcome::Incomplete { to_do } => to_do.join(" "),
+        Outcome::Incomplete { to_do } => of(LACKS).and(to_do.iter().map(String::as_str)),
         Outcome::Held { code } => {
             let why = of_held(code, language).what;
-            format!("{} {why} {}", text("page.step.held"), text("page.step.decide_held"))
+            of(HELD).and([why.as_str(), text("page.step.decide_held")])
         }
         Outcome::Refused { code } => {
-            format!("{} {}", text("page.step.refused"), of_refused(code, language).in_a_row())
+            of(REFUSED).and([of_refused(code, language).in_a_row().as_str()])
         }
-        Outcome::NameUnread => text("page.step.name_unread").to_owned(),
-        Outcome::Known => text("page.step.known").to_owned(),
+        Outcome::NameUnread => Words::new(text("page.step.name_unread")),
+        Outcome::Known => of(KNOWN).and([text("page.step.export_new")]),
     })
 }
 
@@ -94,7 +149,11 @@ fn next_step(booth: &Situation<'_>) -> &'static str {
         (Signal::Ready, true) => "page.step.press",
         (Signal::Ready, false) => "page.step.scan",
         (Signal::Armed, _) => "page.step.armed",
-        (Signal::Receiving, _) => "page.step.receiving",
+        (Signal::Receiving, _) => match booth.progress {
+            Some(Progress::ComingIn) => "page.step.coming_in",
+            Some(Progress::Stopped) => "page.step.stopped",
+            Some(Progress::Measuring) | None => "page.step.receiving",
+        },
         (Signal::Done, _) => "page.step.done",
         (Signal::Attention, _) => "page.step.attention",
         (Signal::Paused, _) => "page.step.paused",

@@ -13,6 +13,7 @@ mod parts;
 mod reasons;
 pub mod rows;
 mod scans;
+mod sentence;
 
 use gaiter_language::Language;
 use gaiter_record::shown;
@@ -29,6 +30,7 @@ pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
 pub use scans::{
     ScanShown, Told, of as row_key, record_folder, record_patient, shown as scan_shown,
 };
+pub use sentence::Sentence;
 
 /// Name and number of the snapshot's schema.
 pub const SCHEMA: &str = "gaiter.page/1";
@@ -178,6 +180,7 @@ impl Shown {
     /// The same for readers who may not know whose scans these are.
     pub fn without_ids(mut self) -> Shown {
         self.ids = false;
+        self.light.said.hide_ids();
         self.next.hide_ids();
         for scan in self.undecided.iter_mut().chain(&mut self.scans) {
             scan.patients.clear();

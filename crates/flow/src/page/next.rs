@@ -1,34 +1,30 @@
 //! Who is next: the named patients, and the expected exports.
 
-use gaiter_language::{Language, Piece, pieces};
+use gaiter_language::Language;
 use serde::Serialize;
 
 use super::light::Situation;
+use super::sentence::{Sentence, Text};
 use super::{PatientShown, distinct};
 
 /// The next patient on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct NextShown {
     /// Who is next, in a sentence or two.
-    pub sentence: String,
-    /// The same sentence in pieces, words and ids in turn, so that an id is set apart from the words.
-    pub pieces: Vec<String>,
+    #[serde(flatten)]
+    pub said: Sentence,
     /// The patients who may be next: one if it is certain, several if it is in doubt.
     pub who: Vec<PatientShown>,
     /// There is something to call off.
     pub can_be_called_off: bool,
     /// The warning that a press may have been missed.
     pub doubt: Option<&'static str>,
-    /// The same sentence without an id.
-    #[serde(skip)]
-    anonymous: String,
 }
 
 impl NextShown {
     /// Removes the ids.
     pub(super) fn hide_ids(&mut self) {
-        self.sentence.clone_from(&self.anonymous);
-        self.pieces = vec![self.anonymous.clone()];
+        self.said.hide_ids();
         self.who.clear();
     }
 }
@@ -36,11 +32,8 @@ impl NextShown {
 /// Who is next.
 pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let who = next(booth);
-    let Text(pieces) = told(booth, &who, language);
     NextShown {
-        sentence: pieces.concat(),
-        pieces,
-        anonymous: anonymous(booth, &who, language),
+        said: Sentence::new(told(booth, &who, language), anonymous(booth, &who, language)),
         can_be_called_off: !who.is_empty() || booth.awaited > 0,
         who,
         doubt: booth.is_in_doubt.then(|| language.text("page.next.in_doubt")),
@@ -52,50 +45,6 @@ pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
 fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
     let awaited = if booth.has_button { &[] } else { booth.awaited_for };
     distinct(booth.next.iter().chain(awaited))
-}
-
-/// Words and ids in turn, starting and ending with words.
-struct Text(Vec<String>);
-
-impl Text {
-    fn new() -> Text {
-        Text(vec![String::new()])
-    }
-
-    fn words(mut self, words: &str) -> Text {
-        if let Some(last) = self.0.last_mut() {
-            last.push_str(words);
-        }
-        self
-    }
-
-    fn id(mut self, patient: &PatientShown) -> Text {
-        self.0.extend([patient.shown.clone(), String::new()]);
-        self
-    }
-
-    /// Ids separated by commas, with this word before the last.
-    fn ids(self, patients: &[PatientShown], before_last: &str) -> Text {
-        let last = patients.len().saturating_sub(1);
-        patients.iter().enumerate().fold(self, |text, (at, patient)| match at {
-            0 => text.id(patient),
-            at if at == last => text.words(before_last).id(patient),
-            _ => text.words(", ").id(patient),
-        })
-    }
-
-    /// A sentence with the ids in its place, after a space if there is a sentence before.
-    fn sentence(self, words: &str, patients: &[PatientShown], before_last: &str) -> Text {
-        let text = if self.is_empty() { self } else { self.words(" ") };
-        pieces(words).fold(text, |text, piece| match piece {
-            Piece::Words(words) => text.words(words),
-            Piece::Place { .. } => text.ids(patients, before_last),
-        })
-    }
-
-    fn is_empty(&self) -> bool {
-        self.0.iter().all(String::is_empty)
-    }
 }
 
 /// Who is next and whose exports are expected.

@@ -12,7 +12,7 @@ use super::rows::key;
 use super::{PatientShown, distinct};
 use crate::account::{Delivered, Whole};
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
-use crate::{Closed, DeliveryState, Disposition, ScanState, round};
+use crate::{Closed, Disposition, ScanState, round};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -106,7 +106,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
 
 /// The key of the row of the only patient who has a record of a scan.
 pub fn of(whole: &Whole) -> Option<String> {
-    let theirs = theirs(whole);
+    let theirs = whole.owners();
     let mut has_record = whole.deliveries.iter().filter(|of| of.is_there());
     let only = theirs.first().filter(|_| theirs.len() == 1)?;
     has_record.any(|of| of.patient.as_deref() == Some(only)).then(|| key(&whole.scan, only))
@@ -123,7 +123,7 @@ fn no_preview(code: &str, language: Language) -> String {
 fn acts(is: Disposition, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
     let is_guess =
         matches!(code, Some(PATIENTS_DIFFER | round::AMBIGUOUS)) || whole.candidates.len() > 1;
-    let is_for_one = theirs(whole).len() == 1;
+    let is_for_one = whole.owners().len() == 1;
     let was_tried = whole.deliveries.iter().any(|delivery| delivery.attempts > 0);
     match is {
         Disposition::Refused => vec!["retry", "give_up"],
@@ -150,13 +150,13 @@ fn candidates(is: Disposition, acts: &[&str], whole: &Whole) -> Vec<PatientShown
     if ![Disposition::Held, Disposition::Closed].contains(&is) || !acts.contains(&"assign") {
         return Vec::new();
     }
-    let released = if acts.contains(&"release") { theirs(whole) } else { BTreeSet::new() };
+    let released = if acts.contains(&"release") { whole.owners() } else { BTreeSet::new() };
     distinct(whole.candidates.iter().filter(|id| !released.contains(id.as_str())))
 }
 
 /// The only patient to whom a scan belongs, if it is in the right place.
 fn only(is_there: bool, whole: &Whole) -> Option<PatientShown> {
-    let theirs = theirs(whole);
+    let theirs = whole.owners();
     let only = theirs.first().filter(|_| is_there && theirs.len() == 1);
     only.map(|id| PatientShown::of(id))
 }
@@ -173,7 +173,7 @@ pub fn record_patient<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
 }
 
 fn record_of<'a>(whole: &'a Whole, store: &str) -> Option<&'a Delivered> {
-    let shown = theirs(whole);
+    let shown = whole.owners();
     let may_be_opened = |of: &&Delivered| {
         let is_theirs = |patient| shown.len() == 1 && shown.contains(patient);
         of.patient.as_deref().is_none_or(is_theirs)
@@ -186,18 +186,5 @@ fn record_of<'a>(whole: &'a Whole, store: &str) -> Option<&'a Delivered> {
 
 /// The patients to whom it belongs, as they are shown.
 fn patients(whole: &Whole) -> Vec<String> {
-    theirs(whole).into_iter().map(shown::id).collect()
-}
-
-/// The ids of the patients to whom it belongs, each once; for a held scan, of those for whom it is held.
-fn theirs(whole: &Whole) -> BTreeSet<&str> {
-    let gone = |of: &Delivered| of.is_to_go() || of.state == DeliveryState::Withdrawn;
-    let is_closed = whole.summary.closed.is_some();
-    let is_held = |of: &Delivered| of.state == DeliveryState::Held;
-    let is_any_held = whole.deliveries.iter().any(is_held) && !is_closed;
-    let theirs = whole.deliveries.iter().filter(|of| match is_any_held {
-        true => is_held(of),
-        false => !(gone(of) || is_closed && is_held(of)),
-    });
-    theirs.filter_map(|of| of.patient.as_deref()).collect()
+    whole.owners().into_iter().map(shown::id).collect()
 }

@@ -29,7 +29,9 @@ fn booth(signal: Signal) -> Situation<'static> {
         awaited_for: &[],
         is_asked: false,
         is_in_doubt: false,
+        progress: None,
         last: None,
+        last_of: &[],
     }
 }
 
@@ -123,7 +125,7 @@ fn every_signal_has_a_word_and_a_sentence_of_its_own_in_both_languages() {
     let said: BTreeSet<(String, String)> = BOTH
         .into_iter()
         .flat_map(|language| Signal::ALL.map(|signal| page(booth(signal), &[], language).light))
-        .map(|light| (light.word.to_owned(), light.sentence))
+        .map(|light| (light.word.to_owned(), light.said.text))
         .collect();
     assert_eq!(said.len(), 2 * Signal::ALL.len(), "{said:?}");
     let sentences: BTreeSet<&String> = said.iter().map(|(_, sentence)| sentence).collect();
@@ -136,7 +138,7 @@ fn attention_says_first_what_is_most_wrong_and_what_to_do() {
     let full = Complaint { code: "disk-low".into(), message: "x".into(), remedy: "y".into() };
     for (language, words) in BOTH.into_iter().zip(["The disk is nearly full.", "Die Festplatte"]) {
         let light = page(booth(Signal::Attention), std::slice::from_ref(&full), language).light;
-        assert!(light.sentence.starts_with(words), "{}", light.sentence);
+        assert!(light.said.text.starts_with(words), "{}", light.said.text);
     }
 }
 
@@ -154,7 +156,7 @@ fn a_station_that_is_ready_says_that_a_scan_waits_for_a_decision() {
     };
     let light = shown(&known, vec![waiting], 0, Vec::new(), Language::En).light;
     assert_eq!(
-        light.sentence,
+        light.said.text,
         "Press the button, then scan. A scan waits for your decision on the page."
     );
 }
@@ -169,7 +171,7 @@ fn what_is_wrong_is_said_before_a_decision_is_asked_for_and_of_many_faults_the_f
         let known = Known { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
         let held = vec![delivery(Some("1"), "held", Some("export-late"))];
         let undecided = vec![scan("delivered", None, held)];
-        shown(&known, undecided, 0, Vec::new(), Language::En).light.sentence
+        shown(&known, undecided, 0, Vec::new(), Language::En).light.said.text
     };
     let both = [complaint("disk-low"), complaint("paused")];
     assert!(sentence(&both).starts_with("The disk is nearly full."), "{}", sentence(&both));
@@ -257,12 +259,12 @@ fn without_ids_no_patient_is_named_anywhere() {
     page.undecided.push(scan("refused", Some("no-leg"), refused));
     assert!(page.undecided.iter().any(|scan| scan.again.is_some()));
     assert!(page.scans.iter().any(|scan| scan.owner.is_some()));
-    assert!(page.next.sentence.contains("4711") && page.next.who[0].id == "4711");
+    assert!(page.next.said.text.contains("4711") && page.next.who[0].id == "4711");
     assert_eq!(page.undecided[1].candidates[0].id, "4711");
     let page = page.without_ids();
     assert!(!format!("{page:?}").contains("4711") && !page.ids);
     assert!(page.next.can_be_called_off);
-    assert_eq!(page.next.sentence, "The next patient is named. One export is expected.");
+    assert_eq!(page.next.said.text, "The next patient is named. One export is expected.");
 }
 
 #[test]

@@ -14,6 +14,8 @@ pub struct Sights {
     pub looked: Option<Duration>,
     /// When the files that are not taken yet appeared.
     pub coming: Vec<Appeared>,
+    /// The same for those of them that lack their end and are not being written any more.
+    pub stopped: Vec<Appeared>,
     /// When the files without a scan's name appeared that have changed lately: an export may be written under
     /// another name.
     pub beside: Vec<Appeared>,
@@ -50,6 +52,9 @@ impl Settling {
     /// When the last look began, and when the files appeared that may become scans.
     pub fn sights(&self) -> Sights {
         let untaken = self.files.values().filter(|file| file.next != Next::Taken);
+        let is_stopped = |file: &&Watched| file.next == Next::Rest && !file.is_lost;
+        let stopped = untaken.clone().filter(is_stopped);
+        let stopped = stopped.map(|file| file.writing.appeared()).collect();
         let coming = untaken.map(|file| file.writing.appeared()).collect();
         let may_grow = |writing: &Writing| {
             let since = |look: Duration| look.saturating_sub(writing.last_changed());
@@ -57,6 +62,6 @@ impl Settling {
         };
         let beside = self.passers.values().map(|file| &file.writing);
         let beside = beside.filter(|writing| may_grow(writing)).map(Writing::appeared).collect();
-        Sights { looked: self.last_look, coming, beside }
+        Sights { looked: self.last_look, coming, stopped, beside }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use gaiter_flow::{ScanId, light};
+use gaiter_flow::ScanId;
 use gaiter_language::Language;
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::measure::amendment::{Amendment, Deed};
@@ -105,13 +105,7 @@ pub(super) fn set(
     let completeness = Completeness::of(&amended.record, &config.garment);
     let lacks = matches!(completeness.kind(), Kind::ByHand | Kind::ScanAgain);
     journal.still_lacks_measures(&row.scan, lacks)?;
-    booth.amended(
-        &row.scan,
-        match lacks {
-            true => light::Outcome::Incomplete { to_do: completeness.sentences(config.language) },
-            false => light::Outcome::Delivered,
-        },
-    );
+    booth.amended(&row.scan, completeness.sentences(config.language));
     let (scan, revision) = (short(&row.scan), amended.record.revision);
     info!(event = "record-amended", scan, revision);
     let verdict = completeness.sentences(Language::En).join(" ");

@@ -144,7 +144,7 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
 
 /// Who is next, in the page's words; the operator who asks may see the ids.
 fn next(desk: &Desk) -> String {
-    next_shown(&desk.booth.who_is_next().situation(), Language::En).sentence
+    next_shown(&desk.booth.who_is_next().situation(), Language::En).said.text
 }
 
 /// The link to the operator's page, with the token needed to decide there.

@@ -229,7 +229,7 @@ function showLight(light) {
   drawn.set("light", JSON.stringify(light));
   $("light").dataset.signal = light.signal;
   $("word").textContent = light.word;
-  $("sentence").textContent = light.sentence;
+  $("sentence").replaceChildren(...sentence(light));
   $("sign").replaceChildren(sign(light.signal));
   if (isKiosk) fit();
 }
@@ -252,7 +252,7 @@ function fit() {
 // A station that does not answer is not ready, whatever it said last, and is sent no decision. One that was sent
 // before may still be carried out.
 function away() {
-  showLight({ signal: "away", word: label("away_word"), sentence: label("away") });
+  showLight({ signal: "away", word: label("away_word"), pieces: [label("away")] });
   setAnswering(false);
 }
 

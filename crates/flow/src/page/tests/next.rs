@@ -5,10 +5,14 @@ use super::*;
 /// The sentence on who is next, with ids and without.
 fn next(booth: Situation<'_>, language: Language) -> [String; 2] {
     let page = page(booth, &[], language);
-    let pieces = page.next.pieces.concat();
-    assert_eq!(page.next.sentence, pieces);
-    assert!(page.next.pieces.len() % 2 == 1, "words first and last: {:?}", page.next.pieces);
-    [pieces, page.without_ids().next.sentence]
+    let pieces = page.next.said.pieces.concat();
+    assert_eq!(page.next.said.text, pieces);
+    assert!(
+        page.next.said.pieces.len() % 2 == 1,
+        "words first and last: {:?}",
+        page.next.said.pieces
+    );
+    [pieces, page.without_ids().next.said.text]
 }
 
 #[test]
@@ -103,8 +107,8 @@ fn while_it_is_in_doubt_who_is_next_the_light_asks_for_it_before_the_press() {
         page(Situation { next, is_asked, ..booth(Signal::Ready) }, &[], Language::En)
     };
     for next in [&ids[..], &ids[..1]] {
-        assert!(shown(next, true).light.sentence.starts_with("Say who is in the booth"));
+        assert!(shown(next, true).light.said.text.starts_with("Say who is in the booth"));
     }
-    assert_eq!(shown(&ids[..1], true).next.sentence, "Is it 1 who is in the booth?");
-    assert!(shown(&ids[..1], false).light.sentence.starts_with("Press the button"));
+    assert_eq!(shown(&ids[..1], true).next.said.text, "Is it 1 who is in the booth?");
+    assert!(shown(&ids[..1], false).light.said.text.starts_with("Press the button"));
 }

@@ -1,0 +1,101 @@
+//! The light of the real station: it says what is, for whose scan, and no longer than it is so.
+
+use rig::verb::code;
+use rig::web::Site;
+use rig::{Booth, sha256};
+use serde_json::{Value, json};
+use support::{body, coarse_body};
+
+use super::{booth, decide, wait_for_state};
+
+/// Waits until the light shows this signal, and the sentence with ids begins so.
+#[track_caller]
+fn wait_for_light(booth: &Booth, site: &Site, signal: &str, said: &str) {
+    let operator = site.operator();
+    let mut last = Value::Null;
+    booth.wait_for(&format!("{signal}: {said}"), || {
+        last = site.state_of(&operator)["light"].clone();
+        let sentence = last["sentence"].as_str().unwrap();
+        last["signal"] == signal && sentence.starts_with(said)
+    });
+}
+
+/// Whether patients' ids are kept from those who may not know them.
+fn names_nobody(site: &Site, id: &str) -> bool {
+    !site.get("/state", &[]).body.contains(id)
+}
+
+#[test]
+fn an_export_that_stopped_is_told_as_such_until_its_rest_comes() {
+    let booth = booth("");
+    booth.reconfigure(|config| config.replace("short_wait = \"3000ms\"", "short_wait = \"1m\""));
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    let bytes = coarse_body(0);
+    booth.wait_for_look();
+    booth.export("4711_a.obj", &bytes[..bytes.len() / 2]);
+    wait_for_light(&booth, &site, "receiving", "The export stopped halfway.");
+    assert_eq!(site.state()["light"]["word"], "Export stopped");
+    booth.export("4711_a.obj", &bytes);
+    booth.wait_for_records(1);
+    assert_eq!(booth.records(), [("4711".to_owned(), sha256(&bytes))]);
+    wait_for_light(&booth, &site, "attention", "The scan of 4711 lacks measures. Measure by hand:");
+    assert!(names_nobody(&site, "4711"));
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_held_scan_that_a_person_decided_on_is_not_held_at_the_light() {
+    let booth = booth("[capture]\nwithout_trigger = \"hold\"\n");
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    for (n, ask, after, said) in [
+        (0, "release", "done", "The record of 4711 is stored."),
+        (1, "give_up", "ready", "Scan the next patient."),
+    ] {
+        let bytes = body(n);
+        booth.export(&format!("4711_{n}.obj"), &bytes);
+        wait_for_light(&booth, &site, "attention", "The scan of 4711 is held.");
+        assert_eq!(decide(&site, &json!({"ask": ask, "scan": sha256(&bytes)})).status, 200);
+        wait_for_light(&booth, &site, after, said);
+    }
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_refused_scan_that_a_person_gave_up_is_told_no_longer() {
+    let booth = booth("");
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    let bytes = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    booth.export("4711_a.obj", bytes);
+    wait_for_light(&booth, &site, "attention", "The scan of 4711 cannot be used.");
+    assert!(names_nobody(&site, "4711"));
+    assert_eq!(code(&booth.gaiter(&["give-up", &sha256(bytes)])), Some(0));
+    wait_for_light(&booth, &site, "ready", "Scan the next patient.");
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn an_old_scan_that_is_exported_for_the_next_patient_is_told_with_whose_it_is_and_the_name_waits() {
+    let booth = booth("");
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    let old = body(0);
+    booth.export("4711_a.obj", &old);
+    wait_for_light(&booth, &site, "done", "The record of 4711 is stored.");
+    assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": "0815"})).status, 200);
+    booth.wait_for_look();
+    booth.export("again.obj", &old);
+    let said = "The scanner has exported an old scan again, that of 4711.";
+    wait_for_light(&booth, &site, "attention", said);
+    assert!(names_nobody(&site, "4711"));
+    let next = site.state_of(&site.operator())["next"]["sentence"].clone();
+    assert_eq!(next, "0815's export is expected.");
+    booth.export("new.obj", &body(1));
+    wait_for_light(&booth, &site, "done", "The record of 0815 is stored.");
+    wait_for_state(&booth, &site, "nobody named", |state| {
+        state["next"]["sentence"] == "No patient is named."
+    });
+    assert_eq!(daemon.stop().code(), Some(0));
+}
