@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use gaiter_flow::account::{Filter, Listed};
-use gaiter_flow::health::{ago, bytes, words};
+use gaiter_flow::health::{Severity, ago, bytes, words};
 use jiff::Timestamp;
 
 use super::args::{AskArgs, StatusArgs};
@@ -101,10 +101,12 @@ fn table(look: &Look, columns: Option<usize>) -> String {
     }
     for complaint in &status.complaints {
         let (message, remedy) = (shown(&complaint.message), shown(&complaint.remedy));
-        let wrong = format!("not ready: {message} [{}]", complaint.code);
-        wrapped(&wrong, columns)
-            .iter()
-            .for_each(|line| text += &(painted(paint::BAD, line) + "\n"));
+        let (begin, colour) = match complaint.severity {
+            Severity::Fault => ("not ready", paint::BAD),
+            Severity::Notice => ("note", paint::CARE),
+        };
+        let said = format!("{begin}: {message} [{}]", complaint.code);
+        wrapped(&said, columns).iter().for_each(|line| text += &(painted(colour, line) + "\n"));
         let within = columns.map(|columns| columns.saturating_sub(8));
         let lines = wrapped(&remedy, within);
         let _ = writeln!(text, "    do: {}", lines.join("\n        "));

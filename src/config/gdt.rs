@@ -103,7 +103,7 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
     let sender = reader.text("store.gdt.sender", Default("LEGSCAN1"), short_name);
     let procedure = reader.text("store.gdt.procedure", Default("ALLG00"), short_name);
     let key = "store.gdt.file_name";
-    let file_name = reader.text(key, Default("{receiver}{sender}.GDT"), |text| Ok(text.to_owned()));
+    let file_name = reader.text(key, Default(""), |text| Ok(text.to_owned()));
     let version = reader.text("store.gdt.version", Default(""), or_none(version));
     let charset = reader.text("store.gdt.charset", Default(""), or_none(parse::word(CHARSETS)));
     let attach = reader.list("store.gdt.attach", Default(""), plain_name);
@@ -122,7 +122,10 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
         let short = |name: &Option<Found<String>>| {
             name.as_ref().map_or("X".to_owned(), |name| name.value.clone())
         };
-        let name = FileName::new(&found.value, &short(&receiver), &short(&sender));
+        let of_profile = profile.as_ref().map_or(Product::Default, |product| product.value);
+        let text = Some(found.value.as_str()).filter(|text| !text.is_empty());
+        let text = text.unwrap_or(of_profile.file_name());
+        let name = FileName::new(text, &short(&receiver), &short(&sender));
         if name.is_none() {
             let what = "name of a file that GDT exchanges";
             let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";

@@ -1,5 +1,6 @@
 //! The board on which workers note what they know, for others to read.
 
+use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use gaiter_flow::Facts;
@@ -17,6 +18,11 @@ impl Board {
     /// Changes the facts. `change` must be short, because everyone else waits.
     pub fn note(&self, change: impl FnOnce(&mut Facts)) {
         change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// The stores that wait until somebody fetches what they have.
+    pub fn unfetched(&self) -> BTreeSet<&'static str> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).unfetched()
     }
 
     /// The current facts.

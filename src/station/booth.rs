@@ -6,7 +6,7 @@ mod hearing;
 pub(in crate::station) mod orders;
 pub mod trigger;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -61,8 +61,8 @@ struct Inner {
     next_number: i64,
     /// The ports that are not open.
     away: BTreeSet<&'static str>,
-    /// Scans that came in and whose records are not all delivered.
-    in_work: BTreeSet<ScanId>,
+    /// Scans that came in and whose records are not all delivered, with what is to be done with the patient.
+    in_work: BTreeMap<ScanId, Vec<String>>,
     /// Whether the last orders came before or after the press.
     orders: Vec<OrderCame>,
     missed: bool,
@@ -110,11 +110,16 @@ impl Inner {
             captures,
             next_number: journal.next_capture()?,
             away: buttons,
-            in_work: BTreeSet::new(),
+            in_work: BTreeMap::new(),
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: None,
         })
+    }
+
+    /// Whether this scan is what happened last.
+    fn has_last(&self, this: &ScanId) -> bool {
+        matches!(&self.last, Some((Last::Scan { scan, .. }, _)) if scan == this)
     }
 
     /// When the last waiting capture was opened; `None` if none waits.
@@ -294,18 +299,22 @@ impl Booth {
         }
     }
 
-    /// Notes that a step of a scan has ended. If nothing of it is in work any more the light shows how it ended;
-    /// `to_do` is what is to be done with the patient. Blocks.
+    /// Notes that a step of a scan has ended, and what is to be done with the patient. If the station does not work
+    /// on the scan any more, the light shows how it ended. Blocks.
     pub fn ended(&self, scan: &ScanId, to_do: &[String]) {
         let now = self.core.now();
         let mut inner = self.inner();
         let Some(whole) = self.whole(scan) else { return };
-        let needs_person = matches!(
-            Outcome::of(&whole, to_do),
-            Some(Outcome::Held { .. } | Outcome::Refused { .. })
-        );
-        if !whole.is_in_work() && (inner.in_work.remove(scan) || needs_person) {
-            inner.last = Some((Last::Scan { scan: scan.clone(), to_do: to_do.to_owned() }, now));
+        let outcome = Outcome::of(&whole, to_do);
+        let needs_person = matches!(outcome, Some(Outcome::Held { .. } | Outcome::Refused { .. }));
+        let was_in_work = inner.in_work.contains_key(scan);
+        if whole.is_in_work(&self.core.board.unfetched()) {
+            inner.in_work.entry(scan.clone()).and_modify(|known| *known = to_do.to_owned());
+        } else if was_in_work || needs_person || inner.has_last(scan) {
+            inner.in_work.remove(scan);
+            let at =
+                inner.last.as_ref().filter(|_| inner.has_last(scan)).map_or(now, |(_, at)| *at);
+            inner.last = Some((Last::Scan { scan: scan.clone(), to_do: to_do.to_owned() }, at));
         }
     }
 
@@ -394,19 +403,22 @@ impl Booth {
     /// Whether a scan that came in, or that ended last and that a person has released or tried again, is on its way
     /// to its record. What a person has settled otherwise is not.
     fn is_any_in_work(&self, inner: &mut Inner) -> bool {
-        if let Some((Last::Scan { scan, .. }, _)) = &inner.last
-            && self.whole(scan).is_some_and(|whole| whole.is_in_work())
+        let unfetched = self.core.board.unfetched();
+        if let Some((Last::Scan { scan, to_do }, _)) = &inner.last
+            && self.whole(scan).is_some_and(|whole| whole.is_in_work(&unfetched))
         {
-            inner.in_work.insert(scan.clone());
+            inner.in_work.insert(scan.clone(), to_do.clone());
             inner.last = None;
         }
-        while let Some(scan) = inner.in_work.first() {
-            let is_settled =
-                |whole: Whole| !whole.is_in_work() && Outcome::of(&whole, &[]).is_none();
-            if !self.whole(scan).is_none_or(is_settled) {
+        while let Some((scan, _)) = inner.in_work.first_key_value() {
+            let whole = self.whole(scan);
+            if whole.as_ref().is_some_and(|whole| whole.is_in_work(&unfetched)) {
                 return true;
             }
-            inner.in_work.pop_first();
+            let ended = inner.in_work.pop_first();
+            if let Some((scan, to_do)) = ended.filter(|_| whole.is_some()) {
+                inner.last = Some((Last::Scan { scan, to_do }, self.core.now()));
+            }
         }
         false
     }
@@ -433,7 +445,7 @@ impl Held<'_> {
             self.inner.missed = false;
         }
         if !held {
-            self.inner.in_work.insert(scan.clone());
+            self.inner.in_work.insert(scan.clone(), Vec::new());
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use gaiter_flow::Facts;
+use gaiter_flow::account::Seen;
 use gaiter_flow::health::{Backlog, Complaint, complaints};
 use jiff::Timestamp;
 
@@ -19,7 +20,7 @@ pub struct Overview {
     pub tally: Option<Tally>,
     /// Room on the disk of the state folder; `None` if unknown.
     pub disk: Option<Disk>,
-    /// Why the station is not ready.
+    /// Why the station is not ready, and what a person should know.
     pub complaints: Vec<Complaint>,
     /// How long the station has been running.
     pub running: Duration,
@@ -47,7 +48,7 @@ impl Overview {
         let found = match &tally {
             None => vec![Complaint::journal()],
             Some(tally) => {
-                let oldest = tally.oldest.as_ref().map(|seen| seen.first_seen);
+                let oldest = oldest(tally, &facts).map(|seen| seen.first_seen);
                 let backlog = Backlog { pending: pending(tally), oldest };
                 complaints(&facts, &backlog, core.config.status.overdue, now)
             }
@@ -60,10 +61,32 @@ impl Overview {
         Overview { facts, tally, disk, complaints: found, running, now }
     }
 
+    /// What keeps the station from being ready.
+    pub fn faults(&self) -> impl Iterator<Item = &Complaint> {
+        self.complaints.iter().filter(|complaint| complaint.is_fault())
+    }
+
+    /// Whether scans become records.
+    pub fn is_ready(&self) -> bool {
+        self.faults().next().is_none()
+    }
+
+    /// The scan that has waited longest for its record.
+    pub fn oldest(&self) -> Option<&Seen> {
+        oldest(self.tally.as_ref()?, &self.facts)
+    }
+
     /// How many records are to be delivered; zero if the journal cannot be read.
     pub fn pending(&self) -> u64 {
         self.tally.as_ref().map_or(0, pending)
     }
+}
+
+/// The oldest scan that a store other than those that wait to be fetched from has no record of.
+fn oldest<'a>(tally: &'a Tally, facts: &Facts) -> Option<&'a Seen> {
+    let unfetched = facts.unfetched();
+    let awaited = tally.oldest.iter().filter(|(store, _)| !unfetched.contains(store.as_str()));
+    awaited.map(|(_, seen)| seen).min_by_key(|seen| seen.first_seen)
 }
 
 /// Deliveries to be made.

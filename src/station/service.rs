@@ -38,11 +38,10 @@ pub fn tell_status(line: &str) {
 /// its own log.
 pub fn status_line(overview: &Overview) -> String {
     let waiting = overview.pending();
-    if overview.complaints.is_empty() {
+    if overview.is_ready() {
         return format!("ready; {waiting} records to be delivered");
     }
-    let codes: Vec<&str> =
-        overview.complaints.iter().map(|complaint| complaint.code.as_str()).collect();
+    let codes: Vec<&str> = overview.faults().map(|complaint| complaint.code.as_str()).collect();
     let codes = codes.join(", ");
     format!("not ready: {codes}; {waiting} records to be delivered; see gaiter status")
 }

@@ -3,15 +3,18 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use gaiter_record::gdt::{Charset, message};
 use rig::Booth;
-use rig::verb::{stderr, stdout};
-use support::coarse_body;
+use rig::verb::{code, stderr, stdout};
+use rig::web::Site;
+use serde_json::{Value, json};
 use support::gdt_check;
 use support::gdt_check::{checked, contents};
+use support::{body, coarse_body};
 
 /// What stands in orders and may appear nowhere.
 const PLANTED: [&str; 3] = ["Quastenflosser", "Hammerhai", "03021960"];
@@ -230,18 +233,40 @@ fn every_named_record_is_handed_over_once_across_restarts_and_a_lost_journal() {
 }
 
 #[test]
-fn a_result_waits_until_the_last_one_is_fetched_and_the_status_says_so() {
-    let booth = practice("profile = \"tomedo\"");
+fn a_result_that_nobody_fetched_is_no_fault_and_the_next_patients_scan_is_done() {
+    let booth = practice("file_name = \"{receiver}{sender}.GDT\"");
+    booth.reconfigure(|config| format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n"));
     let daemon = booth.start();
-    booth.export("4711_a.obj", &coarse_body(1));
+    let site = Site::of(&booth, "local");
+    booth.export("4711_a.obj", &body(1));
     let results = booth.path("results");
     booth.wait_for("the first", || !visible(&results).is_empty());
-    booth.export("4712_b.obj", &coarse_body(2));
-    booth.wait_for_records(2);
-    let told = || stdout(&booth.gaiter(&["status", "--json"]));
-    booth.wait_for("the status", || told().contains("has not fetched the last result"));
+    let state = || site.state_of(&site.operator());
+    for (n, id) in [(2, "4712"), (3, "4713")] {
+        booth.export(&format!("{id}_b.obj"), &body(n));
+        let said = format!("The record of {id} is stored. The patient may get dressed.");
+        booth.wait_for("done at the light", || state()["light"]["sentence"] == said);
+        let newest = state()["scans"][0].clone();
+        assert_eq!(newest["patients"][0], id);
+        assert_eq!(newest["word"], "Stored, to be fetched");
+    }
+    let notice = |state: &Value| state["complaints"][0].clone();
+    booth.wait_for("the notice", || notice(&state())["code"] == "result-not-fetched");
+    assert_eq!(notice(&state())["severity"], "notice");
+    let gdt =
+        state()["parts"].as_array().unwrap().iter().find(|of| of["health"] == "wait").cloned();
+    assert_eq!(gdt.unwrap()["word"], "waits until the last result is fetched");
+    let told = booth.gaiter(&["status"]);
+    assert!(code(&told) == Some(0) && stdout(&told).contains("ready\nnote: "), "{}", stdout(&told));
+    assert_eq!(site.get("/healthz", &[]).status, 200);
     assert_eq!(contents(&fetch(&booth), "3000"), ["4711"]);
-    assert_eq!(contents(&fetch(&booth), "3000"), ["4712"]);
+    let others = [fetch(&booth), fetch(&booth)].map(|lines| contents(&lines, "3000"));
+    assert_eq!(
+        BTreeSet::from(others),
+        [["4712".to_owned()], ["4713".to_owned()]].map(Vec::from).into()
+    );
+    booth.wait_for("the end of the notice", || state()["complaints"] == json!([]));
+    booth.wait_for("the last result", || state()["scans"][0]["word"] == "Stored");
     assert_eq!(daemon.stop().code(), Some(0));
     assert!(!booth.log_names("4711") && !booth.log_names("4712"), "{}", booth.log());
 }

@@ -172,9 +172,13 @@ impl Whole {
         of.state == DeliveryState::Withdrawing || of.is_to_go() && others.any(is_coming)
     }
 
-    /// Whether the station works on it without a person: it is to be measured, or its record delivered.
-    pub fn is_in_work(&self) -> bool {
-        self.disposition() == Disposition::Spooled
+    /// Whether the station works on it: it is to be measured, or its record delivered to another store than
+    /// those of `unfetched`, which wait until somebody fetches what they have.
+    pub fn is_in_work(&self, unfetched: &BTreeSet<&str>) -> bool {
+        let is_due = |of: &Delivered| {
+            of.state == DeliveryState::Pending && !unfetched.contains(of.store.as_str())
+        };
+        self.disposition() == Disposition::Spooled && self.deliveries.iter().any(is_due)
     }
 
     /// The patients to whom it belongs, as their ids are, each once; if it is held, those for whom it is held.
@@ -372,10 +376,10 @@ fn waits(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> 
     let mut pending = whole.deliveries.iter().filter(|of| of.state == DeliveryState::Pending);
     let Some(pending) = pending.next() else { return String::new() };
     let store = &pending.store;
-    let fault = stores.get(store.as_str()).and_then(|store| store.fault.as_ref());
-    if let Some(fault) = fault {
+    let refusal = stores.get(store.as_str()).and_then(|store| store.refusal.as_ref());
+    if let Some(refusal) = refusal {
         return format!(
-            " and waits for the store \"{store}\", which accepts no records now: {fault}"
+            " and waits for the store \"{store}\", which accepts no records now: {refusal}"
         );
     }
     if pending.attempts == 0 {

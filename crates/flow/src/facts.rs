@@ -1,7 +1,7 @@
 //! What the station knows about itself at one moment, for `gaiter status`, metrics and health. Workers
 //! record their own part; nothing here makes decisions.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -107,8 +107,8 @@ pub struct WaitingFile {
 /// One record store.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct StoreFacts {
-    /// The fault of the last attempt; `None` if it succeeded.
-    pub fault: Option<String>,
+    /// Why it took nothing at the last attempt; `None` if it did.
+    pub refusal: Option<StoreRefusal>,
     /// Since when it is in this state.
     pub since: Timestamp,
     /// A delivery met the fault. That the store can be reached does not disprove it.
@@ -116,13 +116,37 @@ pub struct StoreFacts {
     pub is_of_delivery: bool,
 }
 
-/// What was done at a store, with the fault it met.
+/// Why a store takes no record now.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
+#[serde(rename_all = "snake_case", tag = "is", content = "why")]
+pub enum StoreRefusal {
+    /// It does not work: the fault, without its path.
+    #[error("{0}")]
+    Fault(String),
+    /// The last result is still in the place of the next: the practice software has not fetched it.
+    #[error(
+        "the practice software has not fetched the last result; the next one waits for its place"
+    )]
+    NotFetched,
+}
+
+impl StoreRefusal {
+    /// The fault, if it is one.
+    pub fn fault(&self) -> Option<&str> {
+        match self {
+            StoreRefusal::Fault(why) => Some(why),
+            StoreRefusal::NotFetched => None,
+        }
+    }
+}
+
+/// What was done at a store, with the refusal it met.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StoreAttempt {
     /// A look whether it can be reached.
-    Look(Option<String>),
+    Look(Option<StoreRefusal>),
     /// A delivery.
-    Delivery(Option<String>),
+    Delivery(Option<StoreRefusal>),
 }
 
 impl StoreFacts {
@@ -135,17 +159,23 @@ impl StoreFacts {
         now: Timestamp,
     ) -> StoreFacts {
         let was_of_delivery = before.is_some_and(|before| before.is_of_delivery);
-        let (fault, is_of_delivery) = match attempt {
+        let (refusal, is_of_delivery) = match attempt {
             StoreAttempt::Look(None) if was_of_delivery && is_awaited => {
-                (before.and_then(|before| before.fault.clone()), true)
+                (before.and_then(|before| before.refusal.clone()), true)
             }
-            StoreAttempt::Look(fault) => (fault, was_of_delivery),
-            StoreAttempt::Delivery(fault) => (fault, true),
+            StoreAttempt::Look(refusal) => (refusal, was_of_delivery),
+            StoreAttempt::Delivery(refusal) => (refusal, true),
         };
-        let is_same = before.is_some_and(|before| before.fault.is_some() == fault.is_some());
+        let kind = |refusal: &Option<StoreRefusal>| refusal.as_ref().map(std::mem::discriminant);
+        let is_same = before.is_some_and(|before| kind(&before.refusal) == kind(&refusal));
         let since = before.filter(|_| is_same).map_or(now, |before| before.since);
-        let is_of_delivery = is_of_delivery && fault.is_some();
-        StoreFacts { fault, since, is_of_delivery }
+        let is_of_delivery = is_of_delivery && refusal.is_some();
+        StoreFacts { refusal, since, is_of_delivery }
+    }
+
+    /// Whether it waits until somebody fetches what it has: it works, and takes the next record then.
+    pub fn waits_for_fetch(&self) -> bool {
+        self.refusal == Some(StoreRefusal::NotFetched)
     }
 }
 
@@ -258,6 +288,12 @@ impl Facts {
             *counts.entry(ignored.why).or_default() += 1;
         }
         counts
+    }
+
+    /// The stores that wait until somebody fetches what they have.
+    pub fn unfetched(&self) -> BTreeSet<&'static str> {
+        let stores = self.stores.iter().filter(|(_, facts)| facts.waits_for_fetch());
+        stores.map(|(store, _)| *store).collect()
     }
 
     /// How many exports were overwritten or deleted before they were taken, and nobody has called off.

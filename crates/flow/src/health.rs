@@ -11,7 +11,7 @@ use jiff::tz::TimeZone;
 use serde::{Deserialize, Serialize};
 
 use super::Facts;
-use super::facts::{IntakeState, SourceFacts, SourceState, TriggerFacts};
+use super::facts::{IntakeState, SourceFacts, SourceState, StoreFacts, StoreRefusal, TriggerFacts};
 use super::trigger::PortState;
 
 /// How long a source or a store may be out of order before it is reported: longer than a look that hits
@@ -27,11 +27,28 @@ const EXPORT_GONE: &str = "export-gone";
 /// Alarm: an export is awaited, and what came is not read.
 pub const EXPORT_PASSED_OVER: &str = "export-passed-over";
 
-/// Something that keeps the station from being ready.
+/// Whether a complaint keeps the station from being ready.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Scans do not become records.
+    #[default]
+    Fault,
+    /// They do, and a person should know something all the same.
+    Notice,
+}
+
+/// Something that keeps the station from being ready, or that a person should know.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Complaint {
     /// Stable code.
     pub code: String,
+    /// Whether it keeps the station from being ready.
+    #[serde(default)]
+    pub severity: Severity,
+    /// The store or port that it is about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subject: Option<String>,
     /// What is wrong, a sentence without its full stop.
     pub message: String,
     /// What the operator can do, in the same form.
@@ -49,7 +66,17 @@ pub struct Backlog {
 
 impl Complaint {
     fn new(code: &str, message: String, remedy: &str) -> Complaint {
-        Complaint { code: code.to_owned(), message, remedy: remedy.to_owned() }
+        let (code, remedy) = (code.to_owned(), remedy.to_owned());
+        Complaint { code, severity: Severity::Fault, subject: None, message, remedy }
+    }
+
+    fn about(self, subject: &str) -> Complaint {
+        Complaint { subject: Some(subject.to_owned()), ..self }
+    }
+
+    /// Whether it keeps the station from being ready.
+    pub fn is_fault(&self) -> bool {
+        self.severity == Severity::Fault
     }
 
     /// The journal cannot be read.
@@ -59,7 +86,7 @@ impl Complaint {
     }
 }
 
-/// Everything that keeps the station from being ready, the worst first; empty if it is ready. `overdue`
+/// Everything that keeps the station from being ready, the worst first, then what a person should know. `overdue`
 /// is how long a scan may be without a record.
 pub fn complaints(
     facts: &Facts,
@@ -93,6 +120,7 @@ pub fn complaints(
             format!("a changed configuration was refused, the old one stays in force: {fault}");
         Complaint::new("reload-refused", message, "run gaiter check, fix the file, reload again")
     }));
+    complaints.extend(unfetched(facts, now));
     complaints
 }
 
@@ -161,11 +189,31 @@ fn gone(facts: &Facts) -> Option<Complaint> {
 
 fn stores(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
     facts.stores.iter().filter_map(move |(store, facts)| {
-        let fault = facts.fault.as_ref().filter(|_| has_lasted(facts.since, now, BLIP))?;
+        let fault = facts.refusal.as_ref().and_then(StoreRefusal::fault)?;
+        if !has_lasted(facts.since, now, BLIP) {
+            return None;
+        }
         let message = format!("the record store \"{store}\" accepts no records: {fault}");
         let remedy =
             "check that it is mounted, writable and has free space; nothing is lost meanwhile";
-        Some(Complaint::new("store-fault", message, remedy))
+        Some(Complaint::new("store-fault", message, remedy).about(store))
+    })
+}
+
+/// The stores whose next record waits until somebody fetches the last.
+fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
+    let waiting =
+        move |facts: &StoreFacts| facts.waits_for_fetch() && has_lasted(facts.since, now, BLIP);
+    let stores = facts.stores.iter().filter(move |(_, facts)| waiting(facts));
+    stores.map(move |(store, facts)| {
+        let since = ago(facts.since, now);
+        let message = format!(
+            "the practice software has not fetched a result for {since}; the next one waits for its place"
+        );
+        let remedy = "see that its import runs; the patients' folders have every record; if it takes \
+                      numbered files, see store.gdt.file_name";
+        let complaint = Complaint::new("result-not-fetched", message, remedy).about(store);
+        Complaint { severity: Severity::Notice, ..complaint }
     })
 }
 

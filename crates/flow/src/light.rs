@@ -71,10 +71,9 @@ pub enum Progress {
 }
 
 impl Outcome {
-    /// That of a scan; `None` while it is in work, and if it needs nothing any more.
+    /// That of a scan that is not in work; `None` if it needs nothing any more.
     pub fn of(whole: &Whole, to_do: &[String]) -> Option<Outcome> {
         match whole.disposition() {
-            _ if whole.is_in_work() => None,
             Disposition::Refused => {
                 let code = whole.summary.code.clone().unwrap_or_default();
                 Some(Outcome::Refused { code })
@@ -124,7 +123,7 @@ const PAUSED: &str = "paused";
 /// The most serious complaint for which the light has no signal of its own.
 pub fn first_fault(complaints: &[Complaint]) -> Option<&Complaint> {
     let has_signal = |code: &str| [NO_EXPORT, PAUSED].contains(&code);
-    complaints.iter().find(|complaint| !has_signal(&complaint.code))
+    complaints.iter().find(|complaint| complaint.is_fault() && !has_signal(&complaint.code))
 }
 
 /// Whether the station is not ready in a way for which the light has no signal of its own.
@@ -185,6 +184,7 @@ fn wanted(scene: &Scene, now: Duration) -> Signal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::health::Severity;
 
     const SECOND: Duration = Duration::from_secs(1);
 
@@ -250,12 +250,13 @@ mod tests {
 
     #[test]
     fn an_export_that_did_not_arrive_is_shown_as_such_and_not_as_a_station_that_is_not_ready() {
-        let no_export =
-            Complaint { code: NO_EXPORT.to_owned(), message: String::new(), remedy: String::new() };
+        let no_export = Complaint { code: NO_EXPORT.to_owned(), ..Complaint::journal() };
         assert!(!is_not_ready(&[]) && !is_not_ready(std::slice::from_ref(&no_export)));
         let paused = Complaint { code: PAUSED.to_owned(), ..no_export.clone() };
         assert!(!is_not_ready(&[paused]));
         assert!(is_not_ready(&[no_export, Complaint::journal()]));
+        let notice = Complaint { severity: Severity::Notice, ..Complaint::journal() };
+        assert!(!is_not_ready(&[notice]));
     }
 
     #[test]

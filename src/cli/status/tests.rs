@@ -163,7 +163,8 @@ fn what_is_wrong_and_what_to_do_stands_first() {
     status.ready = false;
     for code in ["paused", "store-fault"] {
         let (message, remedy) = (format!("it is {code}"), "gaiter resume".to_owned());
-        status.complaints.push(Complaint { code: code.into(), message, remedy });
+        let code = code.into();
+        status.complaints.push(Complaint { code, message, remedy, ..Complaint::journal() });
     }
     let said = screen(status, Vec::new(), None);
     let first = "not ready: it is paused [paused]\n    do: gaiter resume\nnot ready: it is store";

@@ -218,8 +218,8 @@ fn something_is_due(core: &Core) -> Result<bool, JournalError> {
     let pending = core.custody.journal().pending()?;
     let facts = core.board.facts();
     let is_in_reach = |store: &str| {
-        let fault = facts.stores.get(store).and_then(|facts| facts.fault.as_ref());
-        core.stores.named(store).is_some() && fault.is_none()
+        let refusal = facts.stores.get(store).and_then(|facts| facts.refusal.as_ref());
+        core.stores.named(store).is_some() && refusal.is_none()
     };
     Ok(pending.iter().any(|due| is_in_reach(&due.store)))
 }

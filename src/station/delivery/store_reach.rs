@@ -1,6 +1,6 @@
 //! Whether a store can be reached, and what is reported about it.
 
-use gaiter_flow::facts::{StoreAttempt, StoreFacts};
+use gaiter_flow::facts::{StoreAttempt, StoreFacts, StoreRefusal};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -16,15 +16,16 @@ use crate::store::{RecordStore, StoreFault};
 /// of a run finds a journal that is older than the store's records. Blocks.
 pub fn ask(core: &Core, name: &str) -> bool {
     let Some(store) = core.stores.named(name) else {
-        let fault = "it is no longer in the configuration".to_owned();
+        let fault = StoreRefusal::Fault("it is no longer in the configuration".to_owned());
         note(core, name, StoreAttempt::Look(Some(fault)));
         return false;
     };
     let asked = begin(core, store)
-        .and_then(|()| store.reach().map_err(|fault| without_path(&fault)))
-        .and_then(|()| clear(core, store))
-        .and_then(|()| know(core, store))
-        .and_then(|()| core.stores.open(store).map_err(|fault| without_path(&fault)));
+        .map_err(StoreRefusal::Fault)
+        .and_then(|()| store.reach().map_err(|fault| refusal(&fault)))
+        .and_then(|()| clear(core, store).map_err(StoreRefusal::Fault))
+        .and_then(|()| know(core, store).map_err(StoreRefusal::Fault))
+        .and_then(|()| core.stores.open(store).map_err(|fault| refusal(&fault)));
     let in_reach = asked.is_ok();
     note(core, name, StoreAttempt::Look(asked.err()));
     in_reach
@@ -83,14 +84,19 @@ pub fn note(core: &Core, name: &str, attempt: StoreAttempt) {
     core.board.note(|facts| {
         let known = facts.stores.get(store);
         let next = StoreFacts::after(known, attempt, is_awaited, Timestamp::now());
-        before = known.and_then(|known| known.fault.clone());
-        after.clone_from(&next.fault);
+        before = known.and_then(|known| known.refusal.clone());
+        after.clone_from(&next.refusal);
         facts.stores.insert(store, next);
     });
     match (before, after) {
-        (None, Some(fault)) => warn!(event = "store-unavailable", store, fault),
+        (Some(StoreRefusal::Fault(_)), Some(StoreRefusal::Fault(_)))
+        | (Some(StoreRefusal::NotFetched), Some(StoreRefusal::NotFetched))
+        | (None, None) => {}
+        (_, Some(StoreRefusal::Fault(fault))) => {
+            warn!(event = "store-unavailable", store, fault);
+        }
+        (_, Some(StoreRefusal::NotFetched)) => info!(event = "result-not-fetched", store),
         (Some(_), None) => info!(event = "store-in-reach", store),
-        _ => {}
     }
 }
 
@@ -105,14 +111,22 @@ pub fn note_stalled(core: &Core, name: &str) -> bool {
     const STALLED: &str = "it does not answer";
     let mut known = false;
     core.board.note(|facts| {
-        let fault = facts.stores.get(name).and_then(|facts| facts.fault.as_deref());
-        known = fault == Some(STALLED);
+        let refusal = facts.stores.get(name).and_then(|facts| facts.refusal.as_ref());
+        known = refusal.and_then(StoreRefusal::fault) == Some(STALLED);
     });
     if known {
         return false;
     }
-    note(core, name, StoreAttempt::Look(Some(STALLED.to_owned())));
+    note(core, name, StoreAttempt::Look(Some(StoreRefusal::Fault(STALLED.to_owned()))));
     true
+}
+
+/// Why a store takes no record, without its path.
+fn refusal(fault: &StoreFault) -> StoreRefusal {
+    match fault {
+        StoreFault::NotFetched => StoreRefusal::NotFetched,
+        _ => StoreRefusal::Fault(without_path(fault)),
+    }
 }
 
 /// A store's fault without its path.

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use gaiter_flow::Facts;
-use gaiter_flow::facts::{Alarm, StoreAttempt};
+use gaiter_flow::facts::{Alarm, StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
 use gaiter_record::{FIRST_REVISION, RecordFile};
@@ -42,7 +42,7 @@ pub(super) enum Setback {
     /// It may finish later.
     PutOff { code: &'static str, error: String },
     /// It may finish when the store is in reach.
-    StoreFailed { code: &'static str, error: String },
+    StoreFailed { code: &'static str, refusal: StoreRefusal },
     /// It may finish when custody works again.
     Custody(CustodyFault),
 }
@@ -99,7 +99,7 @@ fn note_measured(core: &Core, took: Duration) {
 pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
     let core = booth.core();
     let put = || -> Result<(), Setback> {
-        let Ready { row, files, to_do } = ready;
+        let Ready { row, files, .. } = ready;
         if !core.custody.journal().is_to_be_made(due)? {
             // The decision changed during the measurement: no patient gets another's record.
             return Ok(());
@@ -121,16 +121,17 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
             .map_err(|fault| of_store(fault, row))?;
         store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
         core.custody.delivered(due, &receipt.folder)?;
-        booth.ended(&due.scan, to_do);
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
         core.observer.tell(StationEvent::Delivered { scan, folder: receipt.folder });
         Ok(())
     };
-    match put() {
+    let ended = match put() {
         Ok(()) => Ended::ForGood,
         Err(setback) => set_back(booth, due, setback),
-    }
+    };
+    booth.ended(&due.scan, &ready.to_do);
+    ended
 }
 
 /// Takes back the record of a scan that now belongs to another patient.
@@ -206,9 +207,9 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
             core.board.note(note_kept);
             (KEPT, misfit.to_string(), Ended::Kept)
         }
-        Setback::StoreFailed { code, error } => {
-            let fault = StoreAttempt::Delivery(Some(format!("{code}: {error}")));
-            store_reach::note(core, &due.store, fault);
+        Setback::StoreFailed { code, refusal } => {
+            let error = refusal.to_string();
+            store_reach::note(core, &due.store, StoreAttempt::Delivery(Some(refusal)));
             (code, error, Ended::StoreFailed)
         }
         Setback::PutOff { code, error } => (code, error, Ended::PutOff),
@@ -232,9 +233,10 @@ pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
     let code = fault.code();
     match fault {
         StoreFault::Transient { what, source, .. } => {
-            Setback::StoreFailed { code, error: format!("{what} failed: {source}") }
+            let refusal = StoreRefusal::Fault(format!("{code}: {what} failed: {source}"));
+            Setback::StoreFailed { code, refusal }
         }
-        StoreFault::NotFetched => Setback::StoreFailed { code, error: fault.to_string() },
+        StoreFault::NotFetched => Setback::StoreFailed { code, refusal: StoreRefusal::NotFetched },
         StoreFault::Permanent(misfit) => {
             let message = misfit.to_string();
             Setback::Refused(Reason::new(code, message, Stage::Store, row.first_seen))

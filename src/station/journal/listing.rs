@@ -29,8 +29,8 @@ pub struct Tally {
     pub withdrawing: u64,
     /// Deliveries by store and the word of their state; only combinations that occur.
     pub deliveries: BTreeMap<(String, String), u64>,
-    /// The oldest scan that waits for a record.
-    pub oldest: Option<Seen>,
+    /// Of each store, the oldest scan whose record it waits for.
+    pub oldest: BTreeMap<String, Seen>,
     /// The latest scan.
     pub last: Option<Seen>,
 }
@@ -69,18 +69,22 @@ impl Journal {
             [],
             |row| count(row, 0),
         )?;
-        let oldest = "SELECT sha256, first_seen, scans.state FROM deliveries JOIN scans
-                      USING (sha256) WHERE deliveries.state = ?1 ORDER BY first_seen, sha256";
-        let last = "SELECT sha256, first_seen, state FROM scans WHERE ?1 <> ''
-                    ORDER BY first_seen DESC, rowid DESC";
+        let oldest = "SELECT sha256, min(first_seen), scans.state, store FROM deliveries
+                      JOIN scans USING (sha256) WHERE deliveries.state = ?1 GROUP BY store";
+        let mut oldest = connection.prepare_cached(oldest)?;
+        let pending = [DeliveryState::Pending.word()];
+        let oldest = oldest.query_map(pending, |row| Ok((row.get(3)?, seen(row)?)))?;
+        let last = "SELECT sha256, first_seen, state FROM scans
+                    ORDER BY first_seen DESC, rowid DESC LIMIT 1";
+        let last = connection.prepare_cached(last)?.query_row([], seen).optional()?;
         Ok(Tally {
             scans,
             held,
             closed,
             withdrawing,
             deliveries,
-            oldest: one_seen(&connection, oldest)?,
-            last: one_seen(&connection, last)?,
+            oldest: oldest.collect::<Result<_, _>>()?,
+            last,
         })
     }
 
@@ -204,13 +208,9 @@ fn to_be_taken_back() -> String {
 }
 
 /// The first scan of a query on pending deliveries, or on all scans.
-fn one_seen(connection: &Connection, query: &str) -> rusqlite::Result<Option<Seen>> {
-    let mut query = connection.prepare_cached(&format!("{query} LIMIT 1"))?;
-    let seen = |row: &Row<'_>| {
-        let state = word(row, 2, ScanState::of_word)?;
-        Ok(Seen { scan: short(row, 0)?, first_seen: time(row, 1)?, state })
-    };
-    query.query_row([DeliveryState::Pending.word()], seen).optional()
+fn seen(row: &Row<'_>) -> rusqlite::Result<Seen> {
+    let state = word(row, 2, ScanState::of_word)?;
+    Ok(Seen { scan: short(row, 0)?, first_seen: time(row, 1)?, state })
 }
 
 fn count(row: &Row<'_>, column: usize) -> rusqlite::Result<u64> {

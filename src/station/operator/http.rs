@@ -247,9 +247,9 @@ async fn metrics(State(monitors): State<Monitors>) -> Response {
 /// 200 and "ready", or 503 and the codes of what is wrong, one per line.
 async fn healthz(State(monitors): State<Monitors>) -> Response {
     match monitors.overview().await {
-        Some(overview) if overview.complaints.is_empty() => "ready\n".into_response(),
+        Some(overview) if overview.is_ready() => "ready\n".into_response(),
         Some(overview) => {
-            let codes = overview.complaints.iter().map(|complaint| format!("{}\n", complaint.code));
+            let codes = overview.faults().map(|complaint| format!("{}\n", complaint.code));
             (StatusCode::SERVICE_UNAVAILABLE, codes.collect::<String>()).into_response()
         }
         None => no_answer(),

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::atomic::AtomicU64;
 
 use gaiter_flow::facts::{IntakeState, SourceState, TriggerFacts};
-use gaiter_flow::health::age;
+use gaiter_flow::health::{Complaint, age};
 use gaiter_flow::trigger::PortState;
 use gaiter_record::phantom::CheckResult;
 use prometheus_client::encoding::text::encode;
@@ -41,12 +41,15 @@ pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
 fn of_station(registry: &mut Registry, overview: &Overview) {
     let Overview { facts, complaints, disk, running, .. } = overview;
     gauge(registry, "up", "1 while the station runs", 1.0);
-    let ready = if complaints.is_empty() { 1.0 } else { 0.0 };
+    let ready = if overview.is_ready() { 1.0 } else { 0.0 };
     gauge(registry, "ready", "1 while scans become records", ready);
     let running = running.as_secs_f64();
     gauge(registry, "running_seconds", "Time since the station began", running);
-    let codes = complaints.iter().map(|complaint| ([("code", complaint.code.clone())], 1.0));
-    family(registry, "complaint", "What prevents the station from being ready", codes);
+    let code = |complaint: &Complaint| ([("code", complaint.code.clone())], 1.0);
+    let help = "What prevents the station from being ready";
+    family(registry, "complaint", help, overview.faults().map(code));
+    let notices = complaints.iter().filter(|complaint| !complaint.is_fault()).map(code);
+    family(registry, "notice", "What a person should know", notices);
     let alarms = facts.alarms.keys().map(|code| ([("code", (*code).to_owned())], 1.0));
     family(registry, "alarm", "What an operator must know", alarms);
     let intake = [
@@ -83,10 +86,9 @@ fn of_scans(registry: &mut Registry, overview: &Overview) {
         ([("store", store.clone()), ("state", state.clone())], *count as f64)
     });
     family(registry, "deliveries", "Deliveries in the journal by store and state", deliveries);
-    let oldest = tally.oldest.as_ref();
     // Infinite if the clock was set back, so that an alert fires.
     let waited = |since| age(since, overview.now).map_or(f64::INFINITY, |age| age.as_secs_f64());
-    let oldest = oldest.map_or(0.0, |seen| waited(seen.first_seen));
+    let oldest = overview.oldest().map_or(0.0, |seen| waited(seen.first_seen));
     let help = "How long the oldest scan without a record has waited, 0 if none waits";
     gauge(registry, "oldest_undelivered_seconds", help, oldest);
 }
@@ -115,7 +117,7 @@ fn of_sources(registry: &mut Registry, overview: &Overview) {
         .map(|(place, source)| ([("export_dir", place.to_string())], source.waiting.len() as f64));
     family(registry, "source_waiting_files", "Files not taken yet", waiting);
     let stores = overview.facts.stores.iter().map(|(store, facts)| {
-        ([("store", (*store).to_owned())], f64::from(u8::from(facts.fault.is_none())))
+        ([("store", (*store).to_owned())], f64::from(u8::from(facts.refusal.is_none())))
     });
     family(registry, "store_takes_records", "1 while the last delivery went well", stores);
 }

@@ -1,6 +1,7 @@
 //! What is said of a scan in each of its states.
 
 use super::*;
+use crate::facts::StoreRefusal;
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()
@@ -82,7 +83,7 @@ fn a_record_without_a_patient_says_so() {
 #[test]
 fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
     let fault = StoreFacts {
-        fault: Some("opening failed".to_owned()),
+        refusal: Some(StoreRefusal::Fault("opening failed".to_owned())),
         since: at(0),
         is_of_delivery: false,
     };
@@ -105,4 +106,12 @@ fn a_record_that_is_to_go_is_nobodys() {
     assert_eq!(taken_back.disposition(), Disposition::Delivered);
     taken_back.deliveries[0].code = Some(UNASSIGNED.to_owned());
     assert_eq!(taken_back.disposition(), Disposition::Unassigned);
+}
+
+#[test]
+fn a_scan_whose_last_result_waits_to_be_fetched_is_not_in_work() {
+    let mut whole = whole(ScanState::Spooled, DeliveryState::Pending, 0);
+    assert!(whole.is_in_work(&BTreeSet::from(["gdt"])), "its own store waits for nobody");
+    whole.deliveries[0].store = "gdt".to_owned();
+    assert!(whole.is_in_work(&BTreeSet::new()) && !whole.is_in_work(&BTreeSet::from(["gdt"])));
 }

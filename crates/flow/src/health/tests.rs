@@ -26,6 +26,10 @@ fn codes(facts: &Facts, backlog: &Backlog, now: Timestamp) -> Vec<String> {
     complaints(facts, backlog, OVERDUE, now).into_iter().map(|found| found.code).collect()
 }
 
+fn fault(why: &str) -> Option<StoreRefusal> {
+    Some(StoreRefusal::Fault(why.to_owned()))
+}
+
 fn source(state: SourceState) -> Facts {
     let mut facts = facts();
     facts.sources[1].state = state;
@@ -41,7 +45,7 @@ fn a_station_in_order_is_ready_before_its_first_look_too() {
 #[test]
 fn every_fault_has_its_code_and_something_to_do() {
     let stored =
-        StoreFacts { fault: Some("writing failed".into()), since: at(0), is_of_delivery: false };
+        StoreFacts { refusal: fault("writing failed"), since: at(0), is_of_delivery: false };
     let alarm = Alarm { message: "the journal was rebuilt".into(), since: at(0) };
     let waiting = WaitingFile { why: String::new(), since: at(0), overdue: true };
     let cases: Vec<(&str, Facts)> = vec![
@@ -80,7 +84,7 @@ fn a_fault_that_passes_at_once_is_no_complaint() {
     let gone = source(SourceState::OutOfReach("timed out".into()));
     assert_eq!(codes(&gone, &EMPTY, at(4)), [""; 0]);
     assert_eq!(codes(&gone, &EMPTY, at(5)), ["source-out-of-reach"]);
-    let fault = StoreFacts { fault: Some("busy".into()), since: at(0), is_of_delivery: false };
+    let fault = StoreFacts { refusal: fault("busy"), since: at(0), is_of_delivery: false };
     let store = Facts { stores: BTreeMap::from([("folder", fault)]), ..facts() };
     assert_eq!(codes(&store, &EMPTY, at(4)), [""; 0]);
     assert_eq!(codes(&store, &EMPTY, at(5)), ["store-fault"]);
@@ -92,20 +96,20 @@ fn the_fault_of_a_delivery_stays_until_a_record_is_delivered_or_none_waits() {
         StoreFacts::after(Some(before), attempt, is_awaited, at(second))
     };
     let well = StoreFacts::after(None, StoreAttempt::Look(None), true, at(0));
-    assert_eq!((well.fault.as_deref(), well.since), (None, at(0)));
-    let full = after(&well, StoreAttempt::Delivery(Some("full".into())), true, 10);
+    assert_eq!((well.refusal.clone(), well.since), (None, at(0)));
+    let full = after(&well, StoreAttempt::Delivery(fault("full")), true, 10);
     // The folder can be written, as long as the file is small.
     let looked = after(&full, StoreAttempt::Look(None), true, 20);
-    assert_eq!((looked.fault.as_deref(), looked.since), (Some("full"), at(10)));
-    let away = after(&looked, StoreAttempt::Look(Some("away".into())), true, 30);
+    assert_eq!((looked.refusal.clone(), looked.since), (fault("full"), at(10)));
+    let away = after(&looked, StoreAttempt::Look(fault("away")), true, 30);
     let back = after(&away, StoreAttempt::Look(None), true, 40);
-    assert_eq!((back.fault.as_deref(), back.since), (Some("away"), at(10)));
-    assert_eq!(after(&back, StoreAttempt::Look(None), false, 50).fault, None);
+    assert_eq!((back.refusal.clone(), back.since), (fault("away"), at(10)));
+    assert_eq!(after(&back, StoreAttempt::Look(None), false, 50).refusal, None);
     let delivered = after(&back, StoreAttempt::Delivery(None), true, 50);
-    assert_eq!((delivered.fault, delivered.since), (None, at(50)));
+    assert_eq!((delivered.refusal, delivered.since), (None, at(50)));
     // What a look finds, a look disproves.
-    let away = after(&well, StoreAttempt::Look(Some("away".into())), true, 60);
-    assert_eq!(after(&away, StoreAttempt::Look(None), true, 70).fault, None);
+    let away = after(&well, StoreAttempt::Look(fault("away")), true, 60);
+    assert_eq!(after(&away, StoreAttempt::Look(None), true, 70).refusal, None);
 }
 
 #[test]
@@ -171,4 +175,16 @@ fn a_port_that_is_not_sound_for_a_minute_has_the_code_of_its_state() {
         assert_eq!(codes(&facts, &EMPTY, at(60)), [code]);
         assert_eq!(codes(&at_port(state, None), &EMPTY, at(600)), Vec::<String>::new());
     }
+}
+
+#[test]
+fn a_result_that_nobody_fetched_is_a_notice_of_a_station_that_is_ready() {
+    let refusal = Some(StoreRefusal::NotFetched);
+    let waits = StoreFacts { refusal, since: at(0), is_of_delivery: true };
+    let facts = Facts { stores: BTreeMap::from([("gdt", waits)]), ..facts() };
+    assert_eq!(complaints(&facts, &EMPTY, OVERDUE, at(4)), []);
+    let found = complaints(&facts, &EMPTY, OVERDUE, at(3600));
+    let [notice] = found.as_slice() else { panic!("{found:?}") };
+    assert_eq!((notice.code.as_str(), notice.is_fault()), ("result-not-fetched", false));
+    assert_eq!(notice.subject.as_deref(), Some("gdt"));
 }

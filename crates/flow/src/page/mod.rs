@@ -21,7 +21,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::facts::{Facts, IntakeState};
-use super::health::Complaint;
+use super::health::{Complaint, Severity};
 use super::light::first_fault;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
@@ -72,7 +72,7 @@ pub struct Shown {
     pub next: NextShown,
     /// The operator has paused the station.
     pub paused: bool,
-    /// What keeps the station from being ready.
+    /// What keeps the station from being ready, then what a person should know.
     pub complaints: Vec<ComplaintShown>,
     /// Scans that wait for the operator's decision, newest first.
     pub undecided: Vec<ScanShown>,
@@ -113,11 +113,13 @@ fn distinct<'a>(ids: impl IntoIterator<Item = &'a String>) -> Vec<PatientShown> 
     found
 }
 
-/// Something that keeps the station from being ready.
+/// Something that keeps the station from being ready, or that a person should know.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ComplaintShown {
     /// Stable code.
     pub code: String,
+    /// Whether it keeps the station from being ready; it decides the colour.
+    pub severity: Severity,
     /// What is wrong and what to do.
     #[serde(flatten)]
     pub advice: Advice,
@@ -150,6 +152,7 @@ pub fn shown(
 ) -> Shown {
     let complaints = known.complaints.iter().map(|complaint| ComplaintShown {
         code: complaint.code.clone(),
+        severity: complaint.severity,
         advice: of_complaint(complaint, language),
     });
     let mut next = next::shown(&known.booth, language);

@@ -6,7 +6,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use crate::Facts;
-use crate::facts::{PhantomFacts, SourceFacts, SourceState, TriggerFacts};
+use crate::facts::{PhantomFacts, SourceFacts, SourceState, StoreRefusal, TriggerFacts};
 use crate::health::{BLIP, has_lasted};
 use crate::trigger::PortState;
 
@@ -37,14 +37,16 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
         PartShown { name, word, health, why }
     });
     let stores = facts.stores.iter().map(|(store, facts)| {
-        let health = match &facts.fault {
-            None => "good",
-            Some(_) if !has_lasted(facts.since, now, BLIP) => "wait",
-            Some(_) => "bad",
+        let (health, state) = match &facts.refusal {
+            None => ("good", "good"),
+            Some(StoreRefusal::NotFetched) => ("wait", "unfetched"),
+            Some(_) if !has_lasted(facts.since, now, BLIP) => ("wait", "wait"),
+            Some(_) => ("bad", "bad"),
         };
         let name = language.word("page.part.store", store).to_owned();
-        let word = language.word("page.part.store_state", health);
-        PartShown { name, word, health, why: facts.fault.clone() }
+        let word = language.word("page.part.store_state", state);
+        let why = facts.refusal.as_ref().and_then(StoreRefusal::fault).map(str::to_owned);
+        PartShown { name, word, health, why }
     });
     let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
     let phantom = facts.phantom.iter().map(|phantom| phantom_shown(phantom, now, language));

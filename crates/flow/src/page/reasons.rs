@@ -50,7 +50,9 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
 pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let code = complaint.code.as_str();
     let of = if code.starts_with("trigger-") { "trigger-any" } else { code };
-    Advice::of("page.complaint", of, language).unwrap_or_else(|| match language {
+    let about = complaint.subject.as_ref().map(|subject| format!("{of}-{subject}"));
+    let about = about.and_then(|of| Advice::of("page.complaint", &of, language));
+    about.or_else(|| Advice::of("page.complaint", of, language)).unwrap_or_else(|| match language {
         Language::En => Advice::new(sentence(&complaint.message), sentence(&complaint.remedy)),
         _ => said_as_it_is(code, "page.do.technician", language),
     })

@@ -52,9 +52,11 @@ pub struct ScanShown {
     pub unmeasured: Option<String>,
 }
 
-/// What was read from a scan's record, or from the preview of a held scan.
+/// What is known of a scan apart from the journal: read from its record, or from the preview of a held scan.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Told {
+    /// Its record is stored, and only a result that nobody has fetched yet keeps another from its place.
+    pub is_to_be_fetched: bool,
     /// Its measures.
     pub measures: Option<RecordSummary>,
     /// Its files.
@@ -76,9 +78,10 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         Disposition::Held => Some(of_held(code, language)),
         _ => None,
     });
-    let state = is.word();
+    let state = if told.is_to_be_fetched { Disposition::Delivered } else { is }.word();
     let word = match (is, whole.summary.closed) {
         (Disposition::Closed, Some(why)) => language.word("page.scan.closed", why.word()),
+        _ if told.is_to_be_fetched => language.text("page.scan.unfetched"),
         _ => language.word("page.scan", state),
     };
     let acts = acts(is, code.as_deref(), whole);

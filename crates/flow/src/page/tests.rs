@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use super::*;
 use crate::account::{Delivered, Summary, Whole};
 use crate::booth::Signal;
-use crate::facts::SourceState;
+use crate::facts::{SourceState, StoreFacts, StoreRefusal};
 use crate::{Closed, DeliveryState, ScanState};
 
 const BOTH: [Language; 2] = [Language::En, Language::De];
@@ -135,7 +135,7 @@ fn every_signal_has_a_word_and_a_sentence_of_its_own_in_both_languages() {
 
 #[test]
 fn attention_says_first_what_is_most_wrong_and_what_to_do() {
-    let full = Complaint { code: "disk-low".into(), message: "x".into(), remedy: "y".into() };
+    let full = Complaint { code: "disk-low".into(), ..Complaint::journal() };
     for (language, words) in BOTH.into_iter().zip(["The disk is nearly full.", "Die Festplatte"]) {
         let light = page(booth(Signal::Attention), std::slice::from_ref(&full), language).light;
         assert!(light.said.text.starts_with(words), "{}", light.said.text);
@@ -163,8 +163,7 @@ fn a_station_that_is_ready_says_that_a_scan_waits_for_a_decision() {
 
 #[test]
 fn what_is_wrong_is_said_before_a_decision_is_asked_for_and_of_many_faults_the_first() {
-    let complaint =
-        |code: &str| Complaint { code: code.into(), message: "x".into(), remedy: "y".into() };
+    let complaint = |code: &str| Complaint { code: code.into(), ..Complaint::journal() };
     let facts = Facts::new(at(0), 1);
     let sentence = |complaints: &[Complaint]| {
         let booth = booth(Signal::Attention);
@@ -201,10 +200,8 @@ fn a_press_that_may_have_gone_unheard_is_told() {
 #[test]
 fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
     let mut facts = Facts::new(at(0), 1);
-    let fault = Some("No space left".to_owned());
-    facts
-        .stores
-        .insert("folder", crate::facts::StoreFacts { fault, since: at(0), is_of_delivery: false });
+    let refusal = Some(StoreRefusal::Fault("No space left".to_owned()));
+    facts.stores.insert("folder", StoreFacts { refusal, since: at(0), is_of_delivery: false });
     let health = |second: i64| {
         let parts = parts::shown(&facts, at(second), Language::En);
         let store = parts.into_iter().find(|part| part.name == "Records").unwrap();
@@ -238,8 +235,12 @@ fn a_reason_is_of_its_own_code() {
 
 #[test]
 fn a_complaint_that_is_not_known_is_said_as_the_station_says_it() {
-    let unknown =
-        Complaint { code: "new".into(), message: "it burns".into(), remedy: "run".into() };
+    let unknown = Complaint {
+        code: "new".into(),
+        message: "it burns".into(),
+        remedy: "run".into(),
+        ..Complaint::journal()
+    };
     let advice = of_complaint(&unknown, Language::En);
     assert_eq!((advice.what.as_str(), advice.next.as_str()), ("It burns.", "Run."));
     assert!(of_complaint(&unknown, Language::De).what.contains("new"));

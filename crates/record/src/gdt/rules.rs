@@ -25,6 +25,17 @@ impl Product {
         }
     }
 
+    /// How its results are named, in the form of [`FileName::new`].
+    pub const fn file_name(self) -> &'static str {
+        match self {
+            // It fetches numbered files only if it is set to.
+            Product::Turbomed => "{receiver}{sender}.GDT",
+            Product::Default | Product::Medistar | Product::Tomedo => {
+                "{receiver}{sender}.{counter}"
+            }
+        }
+    }
+
     /// The character set it reads and writes.
     pub const fn charset(self) -> Charset {
         match self {

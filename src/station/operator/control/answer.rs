@@ -182,7 +182,9 @@ fn ordered(desk: &Desk, bytes: &[u8]) -> Result<Answer, Fault> {
 }
 
 fn status(desk: &Desk) -> Status {
-    let Overview { facts, tally, disk, complaints, running, now } = Overview::take(&desk.core);
+    let overview = Overview::take(&desk.core);
+    let (is_ready, oldest) = (overview.is_ready(), overview.oldest().cloned());
+    let Overview { facts, tally, disk, complaints, running, now } = overview;
     let intake = match facts.intake {
         IntakeState::Open => "open",
         IntakeState::Paused => "paused",
@@ -195,14 +197,14 @@ fn status(desk: &Desk) -> Status {
             [("held", tally.held), ("closed", tally.closed), ("withdrawing", tally.withdrawing)];
         scans.extend(others.map(|(word, count)| (word.to_owned(), count)));
     }
-    let (oldest, last) = tally.map_or((None, None), |tally| (tally.oldest, tally.last));
+    let last = tally.and_then(|tally| tally.last);
     let places = facts.sources.iter().enumerate();
     let stores = facts.stores.iter();
     let triggers = facts.triggers.iter();
     let alarms = facts.alarms.iter();
     Status {
         schema: "gaiter.status/1".to_owned(),
-        ready: complaints.is_empty(),
+        ready: is_ready,
         complaints,
         station: desk.core.config.station.id.clone(),
         gaiter: env!("CARGO_PKG_VERSION").to_owned(),

@@ -19,7 +19,7 @@ pub struct Status {
     pub schema: String,
     /// Whether scans become records.
     pub ready: bool,
-    /// What prevents that.
+    /// What prevents that, and what a person should know.
     pub complaints: Vec<Complaint>,
     /// The station's name.
     pub station: String,
@@ -215,7 +215,7 @@ pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
 
 impl From<&StoreFacts> for StoreStatus {
     fn from(facts: &StoreFacts) -> StoreStatus {
-        StoreStatus { fault: facts.fault.clone(), since: facts.since }
+        StoreStatus { fault: facts.refusal.as_ref().map(ToString::to_string), since: facts.since }
     }
 }
 

@@ -111,7 +111,7 @@ pub fn read(folder: &Path, language: Language, garment: &Garment) -> Told {
     Told {
         measures: record.map(|record| RecordSummary::of(&record, language, garment)),
         files: names(&folder),
-        unmeasured: None,
+        ..Told::default()
     }
 }
 

@@ -303,7 +303,7 @@ function show(station) {
     : make("p", { class: "empty" }, label("no_scans")));
   showDecided(station);
   redraw("complaints", station.complaints, (complaints) => complaints.map((complaint) =>
-    make("li", {}, make("strong", { class: "bad" }, complaint.what), ` ${complaint.next} `,
+    make("li", { class: complaint.severity }, make("strong", { class: complaint.severity === "fault" ? "bad" : "wait" }, complaint.what), ` ${complaint.next} `,
       make("span", { class: "quiet" }, `${label("code")}: ${complaint.code}`))));
   redraw("parts", station.parts, (parts) => parts.map(part));
 }
