@@ -182,6 +182,8 @@ pub struct BoothState {
     pub is_named: bool,
     /// A press may have been missed a short while ago.
     pub is_in_doubt: bool,
+    /// How many minutes longer presses are in doubt for that, as far as it is known.
+    pub doubt_left_min: Option<u64>,
     /// Most orders come after the press, and the configuration expects them before it.
     pub orders_come_late: Option<OrdersComeLate>,
 }
@@ -212,6 +214,7 @@ impl WhoIsNext {
             awaited_for: &self.awaited_for,
             is_asked: self.is_asked,
             is_in_doubt: self.state.is_in_doubt,
+            doubt_left_min: self.state.doubt_left_min,
             progress: self.progress,
             last: self.last.as_ref(),
             last_of: &self.last_of,
@@ -357,6 +360,7 @@ impl Booth {
             awaited: inner.captures.open().iter().filter(|capture| capture.is_open()).count(),
             is_named: inner.captures.next().is_some(),
             is_in_doubt: inner.captures.is_in_doubt(now),
+            doubt_left_min: inner.captures.doubt_left(now).map(|left| left.as_secs().div_ceil(60)),
             orders_come_late: match inner.captures.orders_when() {
                 OrdersWhen::BeforePress => orders_come_late(&inner.orders),
                 OrdersWhen::AfterPress => None,

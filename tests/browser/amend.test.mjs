@@ -41,7 +41,7 @@ test("a person sets measures, is told what is wrong, and sees them with their ma
     assert.equal(await girth.getAttribute("placeholder"), (scanned.girth_tape_mm / 10).toFixed(1));
     const save = form.getByRole("button", { name: "Save" });
     await form.getByLabel("Reason").fill("swollen");
-    await form.getByLabel("Name").fill("Anna Berg");
+    await form.getByLabel("Your name").fill("Anna Berg");
     await save.click();
     await form.getByText("No value is entered.").waitFor();
     await girth.fill("38,x");
@@ -56,7 +56,7 @@ test("a person sets measures, is told what is wrong, and sees them with their ma
     await form.getByText("right leg, C: girth 13.8 cm is far off the scan").waitFor();
     await form.getByRole("button", { name: "Save all the same" }).waitFor();
     // A decimal comma, and a second measure in the same revision.
-    await girth.fill("38,55");
+    await girth.fill("38,55 cm");
     await form.getByRole("combobox", { name: "Left D" }).selectOption({ label: "not measurable" });
     await save.click();
     await form.waitFor({ state: "hidden" });
@@ -67,13 +67,13 @@ test("a person sets measures, is told what is wrong, and sees them with their ma
     assert.deepEqual(now.legs.find((leg) => leg.side === "right").landmarks.C, scanned, "the scan's value stays");
     const row = page.locator("#scans_body tbody tr", { has: page.getByRole("rowheader", { name: "C", exact: true }) });
     await until("the new girth", async () => (await row.textContent()).includes("38.6*"));
-    await page.getByText("Not measurable: left D.").first().waitFor();
+    await page.getByText("Not measurable: left leg: D.").first().waitFor();
     assert.deepEqual(await page.locator("#scans_body td.absent").allTextContents(), ["not measurable"]);
     await shoot(page, "amended");
 
     // It can be taken back; the name is remembered.
     form = await open(page);
-    assert.equal(await form.getByLabel("Name").inputValue(), "Anna Berg");
+    assert.equal(await form.getByLabel("Your name").inputValue(), "Anna Berg");
     assert.equal(await form.getByLabel("Right C: Girth (cm)").getAttribute("placeholder"), "38.6");
     await form.getByRole("combobox", { name: "Right C" }).selectOption({ label: "as scanned" });
     await form.getByLabel("Reason").fill("slip");
@@ -100,5 +100,36 @@ test("without the link for decisions no measure can be set", async () => {
     })).status, body_);
     assert.equal(status, 401);
     assert.equal(record(station).revision, 1);
+  });
+});
+
+test("what is to be measured by hand stands above, and its form begins with what is asked", async () => {
+  await at(await Station.make(), async (station) => {
+    const { page } = await tab(browser, station);
+    await page.goto(station.link());
+    await station.looked();
+    // Of its right calf too little was seen.
+    station.export("4711_x.obj", body(0, "f_average_tc2"));
+    const card = page.locator("#undecided_body article");
+    await card.getByText("Measure by hand: right leg: C").waitFor();
+    const [first] = await card.locator(".buttons button").all();
+    assert.equal(await first.textContent(), "Set by hand …");
+    assert.equal(await first.getAttribute("class"), "main");
+    const form = await open(page);
+    const girth = form.getByLabel("Right C: Girth (cm), to be measured");
+    await girth.and(page.locator("input.asked:focus")).waitFor();
+    assert.deepEqual(await violations(page), []);
+    await shoot(page, "amend-asked");
+    assert.equal(await form.getByLabel("Left D: Girth (cm)").isVisible(), false);
+    await form.getByText("All other measures").click();
+    assert.equal(await form.getByLabel("Left D: Girth (cm)").isVisible(), true);
+    await girth.fill("34,0 cm");
+    await form.getByLabel("Right C: Height (cm), to be measured").fill("34");
+    await form.getByLabel("Reason").fill("not seen");
+    await form.getByLabel("Your name").fill("Anna Berg");
+    await form.getByRole("button", { name: "Save" }).click();
+    await form.waitFor({ state: "hidden" });
+    const set = record(station).amendments.map(({ leg, measure, girth_mm: mm }) => [leg, measure, mm]);
+    assert.deepEqual(set, [["right", "C", 340]]);
   });
 });

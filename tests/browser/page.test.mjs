@@ -210,7 +210,8 @@ test("hostile ids show as text, and nothing of them runs", async () => {
       await light(page, "done");
     }
     // The id is sent as it is, and not as it is shown.
-    const hidden = page.locator("#scans_body article").filter({ hasText: "[U+202E]" });
+    const hidden = page.locator("#scans_body details.folded").filter({ hasText: "[U+202E]" });
+    await hidden.locator("summary").first().click();
     await hidden.getByRole("button", { name: "Take back" }).click();
     await page.locator("#question").getByRole("button", { name: "Take back" }).click();
     await page.getByText("The scan is unassigned again.").waitFor();

@@ -74,6 +74,8 @@ test("a scan released to a second patient keeps report, picture and take-back fo
     await of("4711").getByRole("link", { name: "Report", exact: true }).waitFor();
     await held.getByRole("button", { name: "Release" }).click();
     await page.locator("#question").getByRole("button", { name: "Release" }).click();
+    // The newest stands open.
+    await page.locator("#scans_body details.folded > summary").click();
     for (const id of ["4711", "0815"]) {
       const card = of(id);
       const link = card.getByRole("link", { name: "Data (JSON)" });

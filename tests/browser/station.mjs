@@ -25,8 +25,8 @@ const FLAGS = [
 ];
 
 /** A scan that has every measure of a calf stocking; each `n` gives another scan of the same body. */
-export function body(n) {
-  const file = join(root, "fixtures/scans/f_average_clean.obj.gz");
+export function body(n, name = "f_average_clean") {
+  const file = join(root, `fixtures/scans/${name}.obj.gz`);
   const text = gunzipSync(readFileSync(file)).toString("latin1");
   return Buffer.from(text.replace(/\nv (\S+)/, (_, x) => `\nv ${x}${String(n).padStart(9, "0")}`), "latin1");
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use super::disposition::Disposition;
+use super::disposition::{Disposition, Task};
 use super::facts::StoreFacts;
 use super::health::{ago, words};
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
@@ -170,6 +170,15 @@ impl Whole {
             matches!(other.state, DeliveryState::Pending | DeliveryState::Refused)
         };
         of.state == DeliveryState::Withdrawing || of.is_to_go() && others.any(is_coming)
+    }
+
+    /// What a person must do about it.
+    pub fn task(&self) -> Task {
+        match self.disposition() {
+            found if found.needs_decision() => Task::Decide,
+            found if self.summary.incomplete && found.may_lack_measures() => Task::Complete,
+            _ => Task::Nothing,
+        }
     }
 
     /// Whether the station works on it: it is to be measured, or its record delivered to another store than

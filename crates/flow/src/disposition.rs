@@ -77,6 +77,11 @@ impl Disposition {
         }
     }
 
+    /// Whether measures that its record lacks are asked for: a patient has it.
+    pub fn may_lack_measures(self) -> bool {
+        self == Disposition::Delivered
+    }
+
     /// Whether its record is stored without a patient.
     pub fn is_unassigned(self) -> bool {
         matches!(self, Disposition::Unassigned | Disposition::Left)
@@ -86,6 +91,18 @@ impl Disposition {
     pub fn needs_decision(self) -> bool {
         matches!(self, Disposition::Refused | Disposition::Held | Disposition::Unassigned)
     }
+}
+
+/// What a person must do about a scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Task {
+    /// Nothing.
+    Nothing,
+    /// Decide about it.
+    Decide,
+    /// Take measures by hand that its record lacks, or scan the patient again.
+    Complete,
 }
 
 #[cfg(test)]

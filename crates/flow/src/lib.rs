@@ -27,7 +27,7 @@ pub mod settle;
 pub mod trigger;
 pub mod trusted_time;
 
-pub use disposition::Disposition;
+pub use disposition::{Disposition, Task};
 pub use export::companions::{Companion, DoneFile, Group};
 pub use export::file_system::FileSystem;
 pub use export::mask::Mask;

@@ -182,10 +182,16 @@ impl Rounds {
 
     /// Whether a press at this time would be in doubt, because an earlier one may have been missed.
     pub fn is_in_doubt(&self, now: Duration) -> bool {
-        // The export of a missed press may arrive as late as any other.
-        let awaited = self.rules.awaited();
-        let heard_long = matches!(self.hearing, Hearing::Since(at) if now >= at + awaited);
-        self.rules.by_press && !heard_long
+        self.rules.by_press && self.doubt_left(now) != Some(Duration::ZERO)
+    }
+
+    /// How long presses are in doubt from now on, if the button is heard; `None` while it is not.
+    pub fn doubt_left(&self, now: Duration) -> Option<Duration> {
+        match self.hearing {
+            // The export of a missed press may arrive as late as any other.
+            Hearing::Since(at) => Some((at + self.rules.awaited()).saturating_sub(now)),
+            Hearing::Deaf => None,
+        }
     }
 
     /// The button was pressed: opens a capture with this number, for the patient whose name waited.

@@ -9,6 +9,8 @@ mod words;
 use gaiter_leg::Level;
 use gaiter_sizes::Garment;
 
+use super::measure::amendment::Subject;
+
 /// What a record holds for an order of one garment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Completeness {
@@ -59,6 +61,25 @@ pub enum Item {
     Foot,
     /// Length of the inside of the leg.
     InsideLeg,
+}
+
+impl Item {
+    /// What it asks of a measure: `girth`, `height` or `length`.
+    pub fn values_of(self, subject: Subject) -> &'static [&'static str] {
+        match (self, subject) {
+            (Item::Level(level, part), Subject::Level(of)) if level == of => match part {
+                // On the foot there is no height.
+                Part::Both if level < Level::B => &["girth"],
+                Part::Both => &["girth", "height"],
+                Part::Girth => &["girth"],
+                Part::Height => &["height"],
+            },
+            (Item::Foot, Subject::FootLength) | (Item::InsideLeg, Subject::InsideLeg) => {
+                &["length"]
+            }
+            _ => &[],
+        }
+    }
 }
 
 /// What of a level is to be measured.

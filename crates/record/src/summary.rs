@@ -1,4 +1,5 @@
-//! Both legs at a glance for the operator's page: girth and height at B, B1, C and D.
+//! Both legs at a glance for the operator's page: girth and height at B, B1, C and D and where else the garment
+//! needs them.
 
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
@@ -8,7 +9,7 @@ use serde::Serialize;
 use super::completeness::Completeness;
 use super::measure::amendment::Subject;
 use super::measure::{Absent, Length, Measure, why_absent};
-use super::report::Content;
+use super::report::{Content, Mark};
 use super::rounding;
 use super::schema::Record;
 
@@ -18,7 +19,7 @@ const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];
 /// The measures of a record, ready to show.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RecordSummary {
-    /// D, C, B1 and B.
+    /// D, C, B1, B and what else the garment needs, highest first; then the length of the foot, if it needs that.
     pub levels: Vec<SummaryLevel>,
     /// How many notes of each weight the report has, in its words; empty if it has none.
     pub notes: String,
@@ -28,11 +29,13 @@ pub struct RecordSummary {
     pub to_do: Vec<String>,
 }
 
-/// One level of both legs. A leg on which it was not found has no figures.
+/// One level of both legs, or the length of both feet. A leg on which it was not found has no figures.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SummaryLevel {
     /// Its name.
     pub level: &'static str,
+    /// Whether it has a girth and a height, or one length alone.
+    pub is_level: bool,
     /// On the patient's right leg.
     pub right: Option<SummaryFigures>,
     /// On the patient's left leg.
@@ -46,12 +49,14 @@ pub struct SummaryLevel {
 /// The figures of one level of one leg, cm with one decimal, as text in the reader's language.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SummaryFigures {
-    /// Tape girth.
+    /// Tape girth, or length.
     pub girth_cm: String,
     /// Height above the floor.
     pub height_cm: String,
-    /// Whether there is a doubt about it.
-    pub is_doubted: bool,
+    /// Whether there is a doubt about the girth.
+    pub is_girth_doubted: bool,
+    /// Whether there is a doubt about the height.
+    pub is_height_doubted: bool,
     /// Whether a person set the girth.
     pub is_girth_by_hand: bool,
     /// Whether a person set the height.
@@ -61,23 +66,13 @@ pub struct SummaryFigures {
 impl RecordSummary {
     /// The measures of a record as text in a language, for an order of this garment.
     pub fn of(record: &Record, language: Language, garment: &Garment) -> RecordSummary {
-        let figures = |side: Side, level: Level| {
-            Some(SummaryFigures::of(&Measure::of(record, side, level).ok()?, language))
-        };
-        let absent = |side: Side, level: Level| {
-            let absent = Measure::of(record, side, level).err()?;
-            Some(language.text(why_absent(record, side, level, absent)))
-        };
-        let levels = LEVELS.map(|level| SummaryLevel {
-            level: level.name(),
-            right: figures(Side::Right, level),
-            left: figures(Side::Left, level),
-            right_absent: absent(Side::Right, level),
-            left_absent: absent(Side::Left, level),
-        });
+        let is_shown = |level: &Level| LEVELS.contains(level) || garment.levels().contains(level);
+        let levels = Level::ALL.into_iter().rev().filter(is_shown);
+        let foot = garment.needs_foot().then_some(Subject::FootLength);
+        let shown = levels.map(Subject::Level).chain(foot);
         let completeness = Completeness::of(record, garment);
         RecordSummary {
-            levels: levels.into(),
+            levels: shown.map(|of| SummaryLevel::of(record, of, language)).collect(),
             notes: Content::counted(record, language),
             verdict: completeness.kind().word(),
             to_do: completeness.sentences(language),
@@ -85,15 +80,52 @@ impl RecordSummary {
     }
 }
 
+impl SummaryLevel {
+    fn of(record: &Record, subject: Subject, language: Language) -> SummaryLevel {
+        let figures = |side: Side| match subject {
+            Subject::Level(level) => match Measure::of(record, side, level) {
+                Ok(measure) => Ok(SummaryFigures::of(&measure, language)),
+                Err(absent) => Err(language.text(why_absent(record, side, level, absent))),
+            },
+            length => match Length::of(record, side, length) {
+                Ok(length) => Ok(SummaryFigures::of_length(length, language)),
+                Err(absent) => Err(absent.words(language)),
+            },
+        };
+        let [right, left] = [Side::Right, Side::Left].map(figures);
+        SummaryLevel {
+            level: subject.name(language),
+            is_level: matches!(subject, Subject::Level(_)),
+            right: right.clone().ok(),
+            left: left.clone().ok(),
+            right_absent: right.err(),
+            left_absent: left.err(),
+        }
+    }
+}
+
 impl SummaryFigures {
     fn of(measure: &Measure<'_>, language: Language) -> SummaryFigures {
+        let is_doubted = |length: Length| measure.mark_of(length) == Mark::Doubtful;
         let words = |length: Length| rounding::cm_words(length.mm, language);
         SummaryFigures {
             girth_cm: words(measure.girth),
             height_cm: measure.height.map(words).unwrap_or_default(),
-            is_doubted: !measure.doubts.is_empty(),
+            is_girth_doubted: is_doubted(measure.girth),
+            is_height_doubted: measure.height.is_some_and(is_doubted),
             is_girth_by_hand: measure.girth.is_by_hand,
             is_height_by_hand: measure.height.is_some_and(|height| height.is_by_hand),
+        }
+    }
+
+    fn of_length(length: Length, language: Language) -> SummaryFigures {
+        SummaryFigures {
+            girth_cm: rounding::cm_words(length.mm, language),
+            height_cm: String::new(),
+            is_girth_doubted: false,
+            is_height_doubted: false,
+            is_girth_by_hand: length.is_by_hand,
+            is_height_by_hand: false,
         }
     }
 }
@@ -122,10 +154,19 @@ pub struct SheetCell {
     pub height: String,
     /// Whether a person set any of it.
     pub is_by_hand: bool,
+    /// What of it is to be measured by hand: `girth`, `height` or `length`.
+    pub asked: Vec<&'static str>,
 }
 
-/// The whole measuring sheet of a record.
-pub fn sheet(record: &Record, language: Language) -> Vec<SheetLine> {
+/// The whole measuring sheet of a record, for an order of this garment.
+pub fn sheet(record: &Record, language: Language, garment: &Garment) -> Vec<SheetLine> {
+    let Completeness { by_hand, .. } = Completeness::of(record, garment);
+    let cell = |side: Side, subject: Subject| {
+        let items = Side::FROM_FRONT.into_iter().zip(&by_hand).find(|(of, _)| *of == side);
+        let items = items.into_iter().flat_map(|(_, items)| items);
+        let asked = items.flat_map(|item| item.values_of(subject)).copied().collect();
+        SheetCell { asked, ..SheetCell::of(record, side, subject, language) }
+    };
     let line = |subject: Subject| SheetLine {
         measure: subject.word(),
         name: subject.name(language),
@@ -134,8 +175,8 @@ pub fn sheet(record: &Record, language: Language) -> Vec<SheetLine> {
             Subject::Level(_) => "level",
             _ => "length",
         },
-        right: SheetCell::of(record, Side::Right, subject, language),
-        left: SheetCell::of(record, Side::Left, subject, language),
+        right: cell(Side::Right, subject),
+        left: cell(Side::Left, subject),
     };
     Subject::all().map(line).collect()
 }
@@ -151,6 +192,6 @@ impl SheetCell {
         };
         let or_why = |absent: Absent| (absent.words(language).to_owned(), String::new());
         let (value, height) = found.unwrap_or_else(or_why);
-        SheetCell { value, height, is_by_hand }
+        SheetCell { value, height, is_by_hand, asked: Vec::new() }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use jiff::Timestamp;
+
 use super::*;
 
 mod ruin;
@@ -207,13 +209,13 @@ fn what_became_of_a_scan_is_decided_anew_when_the_journal_is_opened() {
     enter(&journal, &row('a'), None, DeliveryState::Pending);
     let due = journal.pending().unwrap();
     journal.delivered(&due[0], Path::new("/r/x")).unwrap();
-    assert_eq!(journal.undecided(9).unwrap(), [row('a').scan]);
+    assert_eq!(journal.open_tasks(9, Timestamp::MAX).unwrap(), [row('a').scan]);
     // As an older gaiter left it.
     let path = journal.path.clone();
     drop(journal);
     edit(&path, "UPDATE scans SET disposition = 'spooled'");
     let journal = Journal::open(&path).unwrap();
-    assert_eq!(journal.undecided(9).unwrap(), [row('a').scan]);
+    assert_eq!(journal.open_tasks(9, Timestamp::MAX).unwrap(), [row('a').scan]);
     let unassigned = journal.list(Some(Filter::Unassigned), 9).unwrap();
     assert_eq!(unassigned[0].disposition, Disposition::Unassigned);
     assert_eq!(journal.misjudged(), []);
@@ -270,10 +272,13 @@ fn a_refused_scan_whose_bytes_were_let_go_needs_no_decision_any_more() {
     let (_dir, journal) = journal();
     enter(&journal, &row('a'), Some("4711"), DeliveryState::Pending);
     journal.refused(&row('a').scan, "no-leg", "no leg").unwrap();
-    assert_eq!(journal.undecided(9).unwrap(), [row('a').scan]);
+    assert_eq!(journal.open_tasks(9, Timestamp::MAX).unwrap(), [row('a').scan]);
     journal.let_go_of(&row('a').scan).unwrap();
     let tally = journal.tally().unwrap();
-    assert_eq!((journal.undecided(9).unwrap(), tally.scans["refused"]), (vec![], 0));
+    assert_eq!(
+        (journal.open_tasks(9, Timestamp::MAX).unwrap(), tally.scans["refused"]),
+        (vec![], 0)
+    );
     assert!(journal.was_let_go(&row('a').scan).unwrap());
 }
 
@@ -293,7 +298,7 @@ fn a_refused_scan_is_closed_by_the_same_patients_next_good_one_and_by_nobody_els
     refused(&at('c', 2), None);
     refused(&at('d', 9), Some("4711"));
     let undecided = || {
-        let scans = journal.undecided(9).unwrap();
+        let scans = journal.open_tasks(9, Timestamp::MAX).unwrap();
         scans.iter().map(|scan| scan.as_str()[..1].to_owned()).collect::<String>()
     };
     assert_eq!(undecided(), "dcba");
@@ -331,7 +336,8 @@ fn page_and_status_read_what_is_committed_while_a_change_is_being_made() {
             scope.spawn(|| {
                 let tally = journal.tally().unwrap();
                 let whole = journal.whole(&scan).unwrap().unwrap();
-                let newest = (journal.newest(9).unwrap(), journal.undecided(9).unwrap());
+                let newest =
+                    (journal.newest(9).unwrap(), journal.open_tasks(9, Timestamp::MAX).unwrap());
                 let seen = (tally.scans["refused"], whole.summary.state, newest, journal.edition());
                 answer.send(seen).unwrap();
             });

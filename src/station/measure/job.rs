@@ -219,7 +219,7 @@ mod tests {
     fn an_answer_reads_back() {
         let files = vec![file("record.json", b"{\n}\n"), file("empty", b""), file("S", b"\0\xff")];
         let refused = Answer::Refused { code: "no-leg".into(), message: "line\nbreak".into() };
-        let to_do = vec!["Measure by hand: right C.".to_owned()];
+        let to_do = vec!["Measure by hand: right leg: C.".to_owned()];
         for answer in [Answer::Files { files, to_do }, refused] {
             assert_eq!(Answer::read(&mut &written(&answer)[..], 100).unwrap(), answer);
         }

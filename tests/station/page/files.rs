@@ -9,7 +9,7 @@ use rig::whole::names;
 use rig::{Booth, sha256};
 use support::coarse_body;
 
-use super::{booth, record_of};
+use super::{booth, first_scan, record_of};
 
 #[test]
 fn every_file_of_a_record_is_served_as_it_was_made_and_no_other() {
@@ -33,7 +33,7 @@ fn every_file_of_a_record_is_served_as_it_was_made_and_no_other() {
     let get = |name: &str| site.get(&format!("/scan/{scan}/{name}"), &operator);
 
     let listed = || -> Vec<String> {
-        serde_json::from_value(site.state()["scans"][0]["files"].clone()).unwrap()
+        serde_json::from_value(first_scan(&site.state())["files"].clone()).unwrap()
     };
     booth.wait_for("the files", || !listed().is_empty());
     let mut listed = listed();

@@ -1,6 +1,6 @@
 //! The light of the real station: it says what is, for whose scan, and no longer than it is so.
 
-use rig::verb::code;
+use rig::verb::{code, stderr};
 use rig::web::Site;
 use rig::{Booth, sha256};
 use serde_json::{Value, json};
@@ -96,6 +96,48 @@ fn an_old_scan_that_is_exported_for_the_next_patient_is_told_with_whose_it_is_an
     wait_for_light(&booth, &site, "done", "The record of 0815 is stored.");
     wait_for_state(&booth, &site, "nobody named", |state| {
         state["next"]["sentence"] == "No patient is named."
+    });
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_record_that_lacks_measures_stands_with_what_a_person_must_do_and_marks_what_is_asked() {
+    let booth = booth("");
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    // Of this body's ankle and heel too little is to be seen.
+    let bytes = coarse_body(0);
+    booth.export("4711_a.obj", &bytes);
+    let state = wait_for_state(&booth, &site, "the task", |state| {
+        state["undecided"][0]["measures"]["verdict"] == "by-hand"
+    });
+    assert_eq!((&state["undecided"][0]["task"], &state["scans"]), (&json!("complete"), &json!([])));
+    // It waits for no decision, so nobody is sent to decide.
+    let sentence = site.state()["light"]["sentence"].clone();
+    assert!(!sentence.to_string().contains("decision"), "{sentence}");
+    let sheet = site.get(&format!("/scan/{}/measures", sha256(&bytes)), &site.operator());
+    let sheet: Value = serde_json::from_str(&sheet.body).unwrap();
+    let asked = |measure: &str| {
+        let line = sheet.as_array().unwrap().iter().find(|line| line["measure"] == measure);
+        line.unwrap()["right"]["asked"].clone()
+    };
+    assert_eq!(asked("B1"), json!(["girth", "height"]));
+    assert_eq!((asked("Y"), asked("C")), (json!(["girth"]), json!([])));
+    // What is settled leaves the list.
+    let scan = sha256(&bytes);
+    for (level, girth_cm, height_cm) in
+        [("B1", "24", Some("20")), ("B", "20", Some("11")), ("Y", "31", None)]
+    {
+        for leg in ["right", "left"] {
+            let mut set = vec!["amend", "--leg", leg, "--level", level, "--girth-cm", girth_cm];
+            set.extend(height_cm.into_iter().flat_map(|height| ["--height-cm", height]));
+            set.extend(["--reason", "swollen", "--by", "Anna", "--sure", &scan]);
+            let set = booth.gaiter(&set);
+            assert_eq!(code(&set), Some(0), "{}", stderr(&set));
+        }
+    }
+    wait_for_state(&booth, &site, "the end of the task", |state| {
+        state["undecided"] == json!([]) && state["scans"][0]["task"] == "nothing"
     });
     assert_eq!(daemon.stop().code(), Some(0));
 }

@@ -35,6 +35,12 @@ fn wait_for_state(booth: &Booth, site: &Site, what: &str, holds: impl Fn(&Value)
     last
 }
 
+/// The first scan on the page: what a person must do something about stands above.
+fn first_scan(state: &Value) -> &Value {
+    let undecided = &state["undecided"][0];
+    if undecided.is_null() { &state["scans"][0] } else { undecided }
+}
+
 /// The folder of the patient's only record.
 fn record_of(booth: &Booth, patient: &str) -> PathBuf {
     let folders = fs::read_dir(booth.path("records").join(patient)).unwrap();
@@ -55,8 +61,8 @@ fn a_scan_is_shown_with_its_measures_as_its_record_has_them() {
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);
     let state =
-        wait_for_state(&booth, &site, "measures", |state| !state["scans"][0]["measures"].is_null());
-    let shown = &state["scans"][0];
+        wait_for_state(&booth, &site, "measures", |state| !first_scan(state)["measures"].is_null());
+    let shown = first_scan(&state);
     assert_eq!((&shown["scan"], &shown["state"]), (&sha256(&bytes).into(), &"delivered".into()));
     let record: Value =
         serde_json::from_slice(&fs::read(record_of(&booth, "4711").join("record.json")).unwrap())
@@ -88,7 +94,7 @@ fn only_those_with_the_token_learn_whose_a_scan_is() {
     let site = Site::of(&booth, "local");
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);
-    wait_for_state(&booth, &site, "measures", |state| !state["scans"][0]["measures"].is_null());
+    wait_for_state(&booth, &site, "measures", |state| !first_scan(state)["measures"].is_null());
     let scan = sha256(&bytes);
     let record = format!("/scan/{scan}/record.json");
     assert!(!site.get("/state", &[]).body.contains("4711"));
@@ -236,10 +242,11 @@ fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand()
     let mut after_receipt = light.skip_while(|light| light["signal"] != "receiving");
     let end = after_receipt.find(|light| light["signal"] != "receiving").unwrap();
     assert_eq!(end["signal"], "attention");
-    let to_do = "Measure by hand: right B1, B, Y · left B1, B, Y.";
+    let to_do = "Measure by hand: right leg: B1, B and Y; left leg: B1, B and Y.";
     assert_eq!(end["sentence"], format!("The scan of 4711 lacks measures. {to_do}"));
     booth.wait_for("the measures", || {
-        let measures = site.state_of(&site.operator())["scans"][0]["measures"].clone();
+        let state = site.state_of(&site.operator());
+        let measures = &first_scan(&state)["measures"];
         measures["verdict"] == "by-hand" && measures["to_do"][0] == to_do
     });
     assert_eq!(daemon.stop().code(), Some(0));
@@ -358,7 +365,7 @@ fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_c
         wait_for_state(&booth, &site, "the light", |state| state["light"]["signal"] == "armed");
         booth.export(&format!("x{n}.obj"), &body(n));
         booth.wait_for("the scan", || {
-            site.state_of(&site.operator())["scans"][0]["patients"][0] == seen
+            first_scan(&site.state_of(&site.operator()))["patients"][0] == seen
         });
         wait_for_state(&booth, &site, "its end", |state| state["light"]["signal"] == "done");
     }

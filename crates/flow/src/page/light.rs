@@ -40,6 +40,8 @@ pub struct Situation<'a> {
     pub is_asked: bool,
     /// A press may have been missed.
     pub is_in_doubt: bool,
+    /// How many minutes longer presses are in doubt for that; `None` while the button is not heard.
+    pub doubt_left_min: Option<u64>,
     /// How far the export or scan is for which the light says "measuring".
     pub progress: Option<Progress>,
     /// How the last scan since the last press ended; `None` if none has ended since.
@@ -84,7 +86,6 @@ type Keys = [&'static str; 2];
 const DONE: Keys = ["page.step.done", "page.step.done_of"];
 const HELD: Keys = ["page.step.held", "page.step.held_of"];
 const REFUSED: Keys = ["page.step.refused", "page.step.refused_of"];
-const LACKS: Keys = ["page.step.lacks", "page.step.lacks_of"];
 const KNOWN: Keys = ["page.step.known", "page.step.known_of"];
 
 /// Sentences that may name patients, and the same without ids.
@@ -125,7 +126,15 @@ fn of_last(booth: &Situation<'_>, language: Language) -> Option<Words> {
     let of = |keys| Words::of_last(booth, keys, language);
     Some(match booth.last? {
         Outcome::Delivered => return None,
-        Outcome::Incomplete { to_do } => of(LACKS).and(to_do.iter().map(String::as_str)),
+        Outcome::Incomplete { to_do } if to_do.is_empty() => Words::new(text("page.step.lacks")),
+        Outcome::Incomplete { to_do } => {
+            let anonymous = to_do.join(" ");
+            let named = Words::of_last(booth, ["page.step.lacks", "page.step.lacks_of"], language);
+            match booth.last_of {
+                [] => Words::new(&anonymous),
+                _ => Words { anonymous, ..named.and(to_do.iter().map(String::as_str)) },
+            }
+        }
         Outcome::Held { code } => {
             let why = of_held(code, language).what;
             of(HELD).and([why.as_str(), text("page.step.decide_held")])

@@ -20,6 +20,7 @@ use gaiter_record::shown;
 use jiff::Timestamp;
 use serde::Serialize;
 
+use super::disposition::Task;
 use super::facts::{Facts, IntakeState};
 use super::health::{Complaint, Severity};
 use super::light::first_fault;
@@ -74,7 +75,7 @@ pub struct Shown {
     pub paused: bool,
     /// What keeps the station from being ready, then what a person should know.
     pub complaints: Vec<ComplaintShown>,
-    /// Scans that wait for the operator's decision, newest first.
+    /// Scans about which a person must do something, newest first.
     pub undecided: Vec<ScanShown>,
     /// How many more of these there are than are shown.
     pub more_undecided: u64,
@@ -163,11 +164,12 @@ pub fn shown(
     let is_button_away = known.booth.is_button_away && is_fault;
     let booth = Situation { is_button_away, ..known.booth };
     let first = first_fault(known.complaints).map(|first| of_complaint(first, language));
+    let is_any_undecided = undecided.iter().any(|scan| scan.task == Task::Decide);
     Shown {
         schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
-        light: light::shown(&booth, first.as_ref(), !undecided.is_empty(), language),
+        light: light::shown(&booth, first.as_ref(), is_any_undecided, language),
         next,
         paused: known.facts.intake == IntakeState::Paused,
         complaints: complaints.collect(),

@@ -18,7 +18,7 @@ pub struct NextShown {
     /// There is something to call off.
     pub can_be_called_off: bool,
     /// The warning that a press may have been missed.
-    pub doubt: Option<&'static str>,
+    pub doubt: Option<String>,
 }
 
 impl NextShown {
@@ -36,7 +36,10 @@ pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
         said: Sentence::new(told(booth, &who, language), anonymous(booth, &who, language)),
         can_be_called_off: !who.is_empty() || booth.awaited > 0,
         who,
-        doubt: booth.is_in_doubt.then(|| language.text("page.next.in_doubt")),
+        doubt: booth.is_in_doubt.then(|| match booth.doubt_left_min {
+            Some(minutes) => language.filled("page.next.in_doubt_for", &[("minutes", &minutes)]),
+            None => language.text("page.next.in_doubt").to_owned(),
+        }),
     }
 }
 

@@ -12,7 +12,7 @@ use super::rows::key;
 use super::{PatientShown, distinct};
 use crate::account::{Delivered, Whole};
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
-use crate::{Closed, Disposition, ScanState, round};
+use crate::{Closed, Disposition, ScanState, Task, round};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -40,6 +40,8 @@ pub struct ScanShown {
     pub owner: Option<PatientShown>,
     /// For a refused scan, the one patient to whom it belongs, who can be named to be scanned again.
     pub again: Option<PatientShown>,
+    /// What a person must do.
+    pub task: Task,
     /// What the operator can decide.
     pub acts: Vec<&'static str>,
     /// Measures must be taken by hand, or the patient scanned again, as far as the journal knows.
@@ -99,6 +101,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         candidates: candidates(is, &acts, whole),
         owner: only(is == Disposition::Delivered, whole),
         again: only(is == Disposition::Refused, whole),
+        task: whole.task(),
         acts,
         incomplete: whole.summary.incomplete,
         measures: told.measures.clone(),

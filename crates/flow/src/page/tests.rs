@@ -29,6 +29,7 @@ fn booth(signal: Signal) -> Situation<'static> {
         awaited_for: &[],
         is_asked: false,
         is_in_doubt: false,
+        doubt_left_min: None,
         progress: None,
         last: None,
         last_of: &[],
@@ -189,11 +190,12 @@ fn a_decision_that_is_missing_goes_before_what_is_under_way() {
 #[test]
 fn a_press_that_may_have_gone_unheard_is_told() {
     for language in BOTH {
-        let doubt = |is_in_doubt| {
-            let booth = Situation { is_in_doubt, ..booth(Signal::Ready) };
+        let doubt = |is_in_doubt, doubt_left_min| {
+            let booth = Situation { is_in_doubt, doubt_left_min, ..booth(Signal::Ready) };
             page(booth, &[], language).next.doubt
         };
-        assert!(doubt(true).is_some() && doubt(false).is_none());
+        assert!(doubt(true, None).is_some() && doubt(false, Some(0)).is_none());
+        assert!(doubt(true, Some(7)).unwrap().contains(" 7 "), "and how long it is in doubt");
     }
 }
 

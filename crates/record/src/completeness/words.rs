@@ -46,15 +46,25 @@ impl Completeness {
     }
 }
 
-/// `right C, D · left D`; empty if there are none.
+/// `right leg: C and D; left leg: D`; empty if there are none.
 fn items_by_leg(of_legs: &[Vec<Item>; 2], language: Language) -> String {
     let of_leg = |(side, items): (Side, &Vec<Item>)| {
         let names: Vec<String> = items.iter().map(|item| item.name(language)).collect();
-        let leg = language.word("completeness.leg", side.word());
-        (!names.is_empty()).then(|| format!("{leg} {}", names.join(", ")))
+        let items = match names.as_slice() {
+            [] => return None,
+            [only] => only.clone(),
+            [first @ .., last] => {
+                format!("{}{}{last}", first.join(", "), language.text("completeness.and"))
+            }
+        };
+        let leg = match side {
+            Side::Left => "completeness.leg.left",
+            Side::Right => "completeness.leg.right",
+        };
+        Some(language.filled(leg, &[("items", &items)]))
     };
     let legs = Side::FROM_FRONT.into_iter().zip(of_legs);
-    legs.filter_map(of_leg).collect::<Vec<_>>().join(" · ")
+    legs.filter_map(of_leg).collect::<Vec<_>>().join("; ")
 }
 
 impl Item {

@@ -62,11 +62,11 @@ fn a_whole_record_is_complete_for_a_calf_stocking_and_estimates_are_not_measures
     );
     assert_eq!(
         said(&RECORD, &Garment::of("AF").unwrap()),
-        "Measure by hand: right F, E · left F, E."
+        "Measure by hand: right leg: F and E; left leg: F and E."
     );
     assert_eq!(
         said(&RECORD, &Garment::of("AG").unwrap()),
-        "Measure by hand: right F, E · left F, E."
+        "Measure by hand: right leg: F and E; left leg: F and E."
     );
 }
 
@@ -74,8 +74,8 @@ fn a_whole_record_is_complete_for_a_calf_stocking_and_estimates_are_not_measures
 fn what_is_missing_or_doubtful_is_measured_by_hand_if_the_garment_needs_it() {
     let without = |level: &'static str| with_right(move |leg| drop(leg.landmarks.remove(level)));
     for (record, garment, expected) in [
-        (without("C"), &Garment::default(), "Measure by hand: right C."),
-        (without("Y"), &Garment::default(), "Measure by hand: right Y."),
+        (without("C"), &Garment::default(), "Measure by hand: right leg: C."),
+        (without("Y"), &Garment::default(), "Measure by hand: right leg: Y."),
         (
             without("A"),
             &Garment::default(),
@@ -86,8 +86,12 @@ fn what_is_missing_or_doubtful_is_measured_by_hand_if_the_garment_needs_it() {
             &Garment::default(),
             "Complete: all measures for a calf stocking (AD) were taken.",
         ),
-        (without("G"), &Garment::of("AG").unwrap(), "Measure by hand: right G, F, E · left F, E."),
-        (doubted("B1", "flat"), &Garment::default(), "Measure by hand: right B1."),
+        (
+            without("G"),
+            &Garment::of("AG").unwrap(),
+            "Measure by hand: right leg: G, F and E; left leg: F and E.",
+        ),
+        (doubted("B1", "flat"), &Garment::default(), "Measure by hand: right leg: B1."),
         (
             doubted("G", "gap"),
             &Garment::default(),
@@ -99,7 +103,11 @@ fn what_is_missing_or_doubtful_is_measured_by_hand_if_the_garment_needs_it() {
             &Garment::default(),
             "Complete: all measures for a calf stocking (AD) were taken.",
         ),
-        (with_right(|leg| leg.foot = None), &Garment::default(), "Measure by hand: right foot."),
+        (
+            with_right(|leg| leg.foot = None),
+            &Garment::default(),
+            "Measure by hand: right leg: foot.",
+        ),
     ] {
         assert_eq!(said(&record, garment), expected);
     }
@@ -111,12 +119,12 @@ fn what_another_scan_would_do_better_comes_first() {
         (
             doubted("C", "cloth"),
             &Garment::default(),
-            "Scan again: with bare legs. Or measure by hand: right C.",
+            "Scan again: with bare legs. Or measure by hand: right leg: C.",
         ),
         (
             doubted("C", "scatter"),
             &Garment::default(),
-            "Scan again: standing still. Or measure by hand: right C.",
+            "Scan again: standing still. Or measure by hand: right leg: C.",
         ),
         (
             found(finding("leg-not-measured", Some("left"), None)),
@@ -146,7 +154,8 @@ fn what_another_scan_would_do_better_comes_first() {
         assert_eq!(kind == Kind::ScanAgain, expected.starts_with("Scan again"), "{expected}");
     }
     let mut touching = doubted("G", "gap");
-    let expected = "Scan again: legs apart. Or measure by hand: right G, F, E · left F, E.";
+    let expected =
+        "Scan again: legs apart. Or measure by hand: right leg: G, F and E; left leg: F and E.";
     for code in ["thighs-touch", "crotch-uncertain"] {
         touching.findings = vec![finding(code, None, None)];
         assert_eq!(said(&touching, &Garment::of("AG").unwrap()), expected);
@@ -155,7 +164,8 @@ fn what_another_scan_would_do_better_comes_first() {
     let implausible = with_right(|leg| drop(leg.landmarks.remove("C")));
     let note = finding("level-implausible", Some("right"), Some("C"));
     let implausible = Record { findings: vec![note], ..implausible };
-    let expected = "Scan again: a girth was found that no leg has. Or measure by hand: right C.";
+    let expected =
+        "Scan again: a girth was found that no leg has. Or measure by hand: right leg: C.";
     assert_eq!(said(&implausible, &Garment::default()), expected);
 }
 
@@ -220,11 +230,11 @@ fn what_a_person_set_is_not_asked_for_again() {
     let gap = doubted("C", "gap");
     assert_eq!(said(&measured(&gap, "C", Some(38.0), None), &Garment::default()), COMPLETE);
     let only_height = measured(&gap, "C", None, Some(31.0));
-    assert_eq!(said(&only_height, &Garment::default()), "Measure by hand: right C (girth).");
+    assert_eq!(said(&only_height, &Garment::default()), "Measure by hand: right leg: C (girth).");
     let shallow = doubted("C", "shallow");
     assert_eq!(said(&measured(&shallow, "C", None, Some(31.0)), &Garment::default()), COMPLETE);
     let only_girth = measured(&shallow, "C", Some(38.0), None);
-    assert_eq!(said(&only_girth, &Garment::default()), "Measure by hand: right C (height).");
+    assert_eq!(said(&only_girth, &Garment::default()), "Measure by hand: right leg: C (height).");
     // Where another scan was wanted for this level alone, none is now.
     let cloth = doubted("C", "cloth");
     assert_eq!(said(&measured(&cloth, "C", Some(38.0), Some(31.0)), &Garment::default()), COMPLETE);
@@ -246,14 +256,14 @@ fn what_cannot_be_measured_is_said_and_is_never_complete() {
     let noted = by_hand(&missing, "C", Deed::NotMeasurable, [None; 3]);
     let verdict = Completeness::of(&noted, &Garment::default());
     assert_eq!((verdict.kind(), verdict.kind().word()), (Kind::NotMeasurable, "not-measurable"));
-    assert_eq!(said(&noted, &Garment::default()), "Not measurable: right C.");
+    assert_eq!(said(&noted, &Garment::default()), "Not measurable: right leg: C.");
     let and_b1 = Record { legs: doubted("B1", "flat").legs, ..noted };
     assert_eq!(
         said(&and_b1, &Garment::default()),
-        "Measure by hand: right B1. Not measurable: right C."
+        "Measure by hand: right leg: B1. Not measurable: right leg: C."
     );
     let back = by_hand(&and_b1, "C", Deed::TakenBack, [None; 3]);
-    assert_eq!(said(&back, &Garment::default()), "Measure by hand: right B1.");
+    assert_eq!(said(&back, &Garment::default()), "Measure by hand: right leg: B1.");
 }
 
 #[test]

@@ -268,7 +268,7 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
             assert!(comments.contains(said), "{said}: {comments}");
         }
         let verdict = Completeness::of(&record, &garment()).sentences(Language::En).join(" ");
-        assert!(verdict.contains("Not measurable: right D."), "{verdict}");
+        assert!(verdict.contains("Not measurable: right leg: D."), "{verdict}");
     }
     assert!(with_f > 0, "a girth was set in place of an estimate");
 }

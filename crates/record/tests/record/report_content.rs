@@ -217,7 +217,7 @@ fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
     let words = words(&page);
     assert_eq!(words.matches("20.0 ± 0.2 ?").count(), 1, "the measuring sheet");
     assert!(words.contains("~19.0 ± 0.4 ~25.0 ± 1.4"));
-    assert!(words.contains("Measure by hand: right C · left C."));
+    assert!(words.contains("Measure by hand: right leg: C; left leg: C."));
     assert!(words.contains("1000 ± 20"));
     for note in &content.notes.entries {
         for text in [Some(&note.title), note.meaning.as_ref(), note.action.as_ref()] {
@@ -269,10 +269,11 @@ fn at_a_glance_a_doubt_is_seen_and_the_notes_are_counted_as_in_the_report() {
     let brief = RecordSummary::of(&record, Language::De, &Garment::default());
     assert_eq!(brief.notes, Content::of(&record, Language::De, &Garment::default()).summary);
     let names: Vec<&str> = brief.levels.iter().map(|level| level.level).collect();
-    assert_eq!(names, ["D", "C", "B1", "B"]);
-    for level in &brief.levels {
-        let doubts = [&level.right, &level.left].map(|leg| leg.as_ref().unwrap().is_doubted);
-        assert_eq!(doubts, [level.level == "C"; 2], "{}", level.level);
+    assert_eq!(names, ["D", "C", "B1", "B", "Y", "Fuß, Länge"], "what a calf stocking needs");
+    for level in brief.levels.iter().filter(|level| level.right.is_some()) {
+        let figures = [&level.right, &level.left].map(|leg| leg.as_ref().unwrap());
+        let doubts = figures.map(|of| [of.is_girth_doubted, of.is_height_doubted]);
+        assert_eq!(doubts, [[level.level == "C"; 2]; 2], "{}", level.level);
     }
     let girths =
         [&brief.levels[1].right, &brief.levels[1].left].map(|leg| &leg.as_ref().unwrap().girth_cm);

@@ -299,8 +299,8 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
     assert!(words.contains("~19.0 ± 0.4\n") && words.contains("~38.0 ± 0.8\n"), "{words}");
     let words = words.replace('\n', " ");
     let content = Content::of(&record, Language::En, &Garment::default());
-    assert_eq!(content.verdict.sentences, ["Measure by hand: right C."]);
-    assert!(words.contains("Measure by hand: right C."), "{words}");
+    assert_eq!(content.verdict.sentences, ["Measure by hand: right leg: C."]);
+    assert!(words.contains("Measure by hand: right leg: C."), "{words}");
     let tilted = content.levels.tilted.unwrap();
     assert!(words.contains(&tilted), "{tilted:?} in {words}");
     assert!(content.notes.entries.len() >= 2);

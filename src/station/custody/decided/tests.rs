@@ -149,11 +149,15 @@ fn a_release_and_what_was_given_up_outlive_the_journal() {
     custody.refuse(&scan, reason()).unwrap();
     assert_eq!(custody.give_up(&scan).unwrap(), Acted::Done(0));
     let custody = rebuilt(custody, dir.path());
-    assert_eq!(custody.journal.undecided(9).unwrap(), []);
+    assert_eq!(custody.journal.open_tasks(9, Timestamp::MAX).unwrap(), []);
     assert_eq!(custody.retry(&scan).unwrap(), Acted::Done(1));
     custody.refuse(&scan, reason()).unwrap();
     let custody = rebuilt(custody, dir.path());
-    assert_eq!(custody.journal.undecided(9).unwrap(), [scan], "it was tried again since");
+    assert_eq!(
+        custody.journal.open_tasks(9, Timestamp::MAX).unwrap(),
+        [scan],
+        "it was tried again since"
+    );
 }
 
 #[test]
@@ -228,10 +232,13 @@ fn a_held_duplicate_is_given_up_and_its_bytes_go_as_others_that_have_served() {
     let custody = open(dir.path());
     let row = delivered(&custody);
     admit(&custody, says("0815"));
-    assert_eq!(custody.journal.undecided(9).unwrap(), std::slice::from_ref(&row.scan));
+    assert_eq!(
+        custody.journal.open_tasks(9, Timestamp::MAX).unwrap(),
+        std::slice::from_ref(&row.scan)
+    );
     assert_eq!(custody.give_up(&row.scan).unwrap(), Acted::Done(0));
     assert_eq!(custody.give_up(&row.scan).unwrap(), Acted::Nothing);
-    assert_eq!(custody.journal.undecided(9).unwrap(), []);
+    assert_eq!(custody.journal.open_tasks(9, Timestamp::MAX).unwrap(), []);
     assert!(custody.journal.has_served(&row.scan).unwrap());
     assert_eq!(custody.release(&row.scan).unwrap(), Acted::Done(1), "it still can be decided");
     let due: Vec<Due> = custody.journal.pending().unwrap();
@@ -245,7 +252,7 @@ fn a_held_scan_without_a_record_is_given_up_and_its_bytes_stay_as_those_of_a_ref
     let scan = sums::scan_id(BYTES);
     admit(&custody, Whose { held: Some("no-press"), ..says("4711") });
     assert_eq!(custody.give_up(&scan).unwrap(), Acted::Done(0));
-    assert_eq!(custody.journal.undecided(9).unwrap(), []);
+    assert_eq!(custody.journal.open_tasks(9, Timestamp::MAX).unwrap(), []);
     let later = Timestamp::now() + jiff::SignedDuration::from_hours(1);
     assert_eq!(custody.let_go_spooled(later).unwrap(), 0, "no record holds these bytes");
     assert_eq!(custody.forget(later).unwrap(), 0);
@@ -274,13 +281,17 @@ fn a_record_without_a_patient_waits_for_a_decision_until_it_is_left_so() {
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
     admit(&custody, Whose::default());
-    assert_eq!(custody.journal.undecided(9).unwrap(), [], "its record is not made yet");
+    assert_eq!(
+        custody.journal.open_tasks(9, Timestamp::MAX).unwrap(),
+        [],
+        "its record is not made yet"
+    );
     let due = custody.journal.pending().unwrap();
     custody.delivered(&due[0], Path::new("/r/_unassigned/x")).unwrap();
-    assert_eq!(custody.journal.undecided(9).unwrap(), std::slice::from_ref(&scan));
-    assert_eq!(custody.journal.count_undecided().unwrap(), 1);
+    assert_eq!(custody.journal.open_tasks(9, Timestamp::MAX).unwrap(), std::slice::from_ref(&scan));
+    assert_eq!(custody.journal.count_open_tasks(Timestamp::MAX).unwrap(), 1);
     assert_eq!(custody.give_up(&scan).unwrap(), Acted::Done(0));
-    assert_eq!(custody.journal.undecided(9).unwrap(), []);
+    assert_eq!(custody.journal.open_tasks(9, Timestamp::MAX).unwrap(), []);
     let row = custody.journal.scan(&scan).unwrap().unwrap();
     let assigned = custody.assign(&row, &patient("4711"), Some(stored()));
     assert_eq!(assigned.unwrap(), Acted::Done(1), "it can still be assigned");

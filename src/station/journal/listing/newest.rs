@@ -2,6 +2,7 @@
 //! in one pass.
 
 use gaiter_flow::{Disposition, ScanId};
+use jiff::Timestamp;
 use rusqlite::Row;
 
 use super::count;
@@ -20,18 +21,17 @@ impl Journal {
         self.scans_of("TRUE", limit)
     }
 
-    /// The scans that wait for an operator's decision, newest first, at most `limit`.
-    pub fn undecided(&self, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        self.scans_of(&is_one_of(Disposition::needs_decision), limit)
+    /// The scans that wait for an operator's decision, and those seen since a time whose records lack measures;
+    /// newest first, at most `limit`.
+    pub fn open_tasks(&self, limit: u32, since: Timestamp) -> Result<Vec<ScanId>, JournalError> {
+        self.scans_of(&has_task(since), limit)
     }
 
-    /// How many scans wait for an operator's decision.
-    pub fn count_undecided(&self) -> Result<u64, JournalError> {
-        let which = is_one_of(Disposition::needs_decision);
+    /// How many scans these are.
+    pub fn count_open_tasks(&self, since: Timestamp) -> Result<u64, JournalError> {
         let connection = self.viewer();
-        let query = format!("SELECT count(*) FROM scans WHERE {which}");
-        let mut query = connection.prepare_cached(&query)?;
-        Ok(query.query_row([], |row| count(row, 0))?)
+        let query = format!("SELECT count(*) FROM scans WHERE {}", has_task(since));
+        Ok(connection.query_row(&query, [], |row| count(row, 0))?)
     }
 
     /// The scans that are held, newest first, at most `limit`.
@@ -50,10 +50,17 @@ impl Journal {
 
     fn scans_of(&self, which: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
         let connection = self.viewer();
-        let mut query = connection.prepare_cached(&format!(
+        let mut query = connection.prepare(&format!(
             "SELECT sha256 FROM scans WHERE {which} ORDER BY first_seen DESC, rowid DESC LIMIT ?1"
         ))?;
         let rows = query.query_map([limit], |row: &Row<'_>| row.get(0))?;
         rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
     }
+}
+
+/// SQL: a person must decide about the scan, or its record lacks measures and it was seen since this time.
+fn has_task(since: Timestamp) -> String {
+    let decide = is_one_of(Disposition::needs_decision);
+    let may_lack = is_one_of(Disposition::may_lack_measures);
+    format!("({decide} OR incomplete = 1 AND {may_lack} AND first_seen >= '{since}')")
 }

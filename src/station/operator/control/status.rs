@@ -121,7 +121,7 @@ pub struct BoothStatus {
 
 impl From<BoothState> for BoothStatus {
     fn from(state: BoothState) -> BoothStatus {
-        let BoothState { signal, awaited, is_named, is_in_doubt, orders_come_late } = state;
+        let BoothState { signal, awaited, is_named, is_in_doubt, orders_come_late, .. } = state;
         let light = signal.word().to_owned();
         let advice = orders_come_late.map(|late| late.to_string());
         BoothStatus { light, awaited, named: is_named, in_doubt: is_in_doubt, advice }

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use gaiter_flow::account::{Search, Whole};
 use gaiter_flow::page::{self, Known, ScanShown, Shown, Told};
-use gaiter_flow::{Disposition, ScanId};
+use gaiter_flow::{Disposition, ScanId, Task};
 use gaiter_record::SheetLine;
+use jiff::{SignedDuration, Timestamp};
 
 use super::desk::Desk;
 use super::{assets, summaries};
@@ -28,7 +29,10 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
     let overview = Overview::take(core);
     let who_is_next = desk.booth.who_is_next();
     let journal = core.custody.journal();
-    let waiting = rows(desk, journal.undecided(UNDECIDED));
+    // Later the patient is gone, and the record says what it lacks.
+    let measured_since = overview.now.saturating_sub(SignedDuration::from_hours(24));
+    let measured_since = measured_since.unwrap_or(Timestamp::MIN);
+    let waiting = rows(desk, journal.open_tasks(UNDECIDED, measured_since));
     let newest = rows(desk, journal.newest(LAST + UNDECIDED));
     let mut records = Vec::new();
     let mut show = |row: &Whole| {
@@ -36,12 +40,17 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
         scan(desk, row)
     };
     // A scan stands in one list only: what waits for a decision stands above.
-    let needs = |row: &Whole| row.disposition().needs_decision();
+    let needs = |row: &Whole| match row.task() {
+        Task::Decide => true,
+        Task::Complete => row.summary.first_seen >= measured_since,
+        Task::Nothing => false,
+    };
     let undecided: Vec<ScanShown> =
         waiting.iter().filter(|row| needs(row)).map(&mut show).collect();
     let decided = newest.iter().filter(|row| !needs(row));
     let scans = decided.take(LAST as usize).map(&mut show).collect();
-    let count = journal.count_undecided().inspect_err(|error| core.check_corruption(error));
+    let count = journal.count_open_tasks(measured_since);
+    let count = count.inspect_err(|error| core.check_corruption(error));
     let more = count.unwrap_or_default().saturating_sub(undecided.len() as u64);
     let version = assets::version(language);
     let known = Known {
@@ -111,8 +120,9 @@ pub fn one(desk: &Desk, scan: &ScanId) -> Vec<ScanShown> {
 /// Every measure of the record of a scan's row with this key. Blocks as long as the store does.
 pub fn sheet(desk: &Desk, scan: &ScanId, key: Option<&str>) -> Vec<SheetLine> {
     let folder = row(desk, scan, key).and_then(|row| folder(desk, &row));
-    let language = desk.core.config.language;
-    folder.map(|folder| summaries::sheet(&folder, language)).unwrap_or_default()
+    let config = &desk.core.config;
+    let sheet = |folder: PathBuf| summaries::sheet(&folder, config.language, &config.garment);
+    folder.map(sheet).unwrap_or_default()
 }
 
 /// The row of a scan with this key; without a key, its only row.

@@ -117,9 +117,9 @@ pub fn read(folder: &Path, language: Language, garment: &Garment) -> Told {
 
 /// Every measure of the record in this folder, or of its latest revision; empty if it cannot be read. Blocks
 /// as long as the store does.
-pub fn sheet(folder: &Path, language: Language) -> Vec<SheetLine> {
+pub fn sheet(folder: &Path, language: Language, garment: &Garment) -> Vec<SheetLine> {
     let record = record(&revision::latest(folder).join("record.json"));
-    record.map(|record| record::sheet(&record, language)).unwrap_or_default()
+    record.map(|record| record::sheet(&record, language, garment)).unwrap_or_default()
 }
 
 /// The names of the files of a record or preview, in the order in which the page shows them.

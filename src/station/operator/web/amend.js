@@ -10,17 +10,19 @@ function canAmend({ state, files }) {
   return ["delivered", "unassigned", "left"].includes(state) && files.includes("record.json");
 }
 
-function amendButton(scan) {
-  return button(label("amend"), `amend ${rowKey(scan)}`, () => amend(scan));
+function amendButton(scan, isMain) {
+  return button(label("amend"), `amend ${rowKey(scan)}`, () => amend(scan), isMain);
 }
 
 // One box of the form. What counts now stands in it in grey.
 function box(line, side, value) {
   const of = value === "height" ? label("height") : line.kind === "length" ? label("amend_length") : label("girth");
   const now = line[side][value === "height" ? "height" : "value"];
+  const isAsked = line[side].asked.includes(value);
   return make("input", {
-    type: "text", inputmode: "decimal", autocomplete: "off", placeholder: now, "data-value": value,
-    "aria-label": `${label(side)} ${line.name}: ${of} (${label("cm")})`, size: 6,
+    type: "text", inputmode: "decimal", autocomplete: "off", placeholder: now, "data-value": value, size: 6,
+    "aria-label": `${label(side)} ${line.name}: ${of} (${label("cm")})${isAsked ? `, ${label("amend_asked")}` : ""}`,
+    class: isAsked ? "asked" : undefined,
   });
 }
 
@@ -49,7 +51,8 @@ function read(line, side, is, inputs) {
   for (const input of inputs) {
     const text = input.value.trim();
     if (!text) continue;
-    const cm = /^\d+([.,]\d+)?$/.test(text) ? Number(text.replace(",", ".")) : NaN;
+    const [, digits] = /^(\d+(?:[.,]\d+)?)(?:\s*cm)?$/i.exec(text) ?? [];
+    const cm = digits ? Number(digits.replace(",", ".")) : NaN;
     if (Number.isNaN(cm)) {
       input.focus();
       throw new Error(label("amend_number").replace("{text}", text));
@@ -91,6 +94,17 @@ function amendTable(lines) {
   return { table, readers };
 }
 
+// What is asked for stands first, and everything else behind one more click.
+function amendTables(lines) {
+  const isAsked = (line) => AMEND_SIDES.some((side) => line[side].asked.length);
+  const asked = amendTable(lines.filter(isAsked));
+  const others = amendTable(lines.filter((line) => !isAsked(line)));
+  if (!asked.readers.length) return { parts: [others.table], readers: others.readers };
+  if (!others.readers.length) return { parts: [asked.table], readers: asked.readers };
+  const more = make("details", {}, make("summary", {}, label("amend_more")), others.table);
+  return { parts: [asked.table, more], readers: [...asked.readers, ...others.readers] };
+}
+
 let amending = 0;
 async function amend(scan) {
   const mine = amending += 1;
@@ -109,8 +123,8 @@ async function amend(scan) {
   const [dialog, fault, save] = [$("amend"), $("amend_fault"), $("amend_yes")];
   const [patient] = scan.patients.length === 1 ? scan.patients : [];
   $("amend_title").replaceChildren(...[patient === undefined ? label("amend_plain") : phrase(label("amend_of"), { patient })].flat());
-  const { table, readers } = amendTable(lines);
-  $("amend_body").replaceChildren(table);
+  const { parts, readers } = amendTables(lines);
+  $("amend_body").replaceChildren(...parts);
   fault.textContent = "";
   save.disabled = false;
   let isSure = false;
@@ -119,7 +133,7 @@ async function amend(scan) {
     save.textContent = label("amend_yes");
   };
   askAnew();
-  table.addEventListener("input", askAnew);
+  parts.forEach((part) => part.addEventListener("input", askAnew));
   $("amend_reason").value = "";
   $("amend_by").value = rememberedName();
   dialog.querySelector("form").onsubmit = async (event) => {
@@ -154,5 +168,5 @@ async function amend(scan) {
     if (token) say(said.sentence, false);
   };
   dialog.showModal();
-  table.querySelector("input")?.focus();
+  $("amend_body").querySelector("input.asked, input")?.focus();
 }

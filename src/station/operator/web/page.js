@@ -84,9 +84,9 @@ function state(word, health) {
 }
 
 function cell(figures, name) {
-  const kind = name === "girth_cm" ? "girth" : undefined;
-  const doubt = figures.is_doubted && kind ? make("abbr", { title: label("doubted") }, "?") : null;
-  const isByHand = kind ? figures.is_girth_by_hand : figures.is_height_by_hand;
+  const kind = name === "girth_cm" ? "girth" : "height";
+  const doubt = figures[`is_${kind}_doubted`] ? make("abbr", { title: label("doubted") }, "?") : null;
+  const isByHand = figures[`is_${kind}_by_hand`];
   const hand = isByHand ? make("abbr", { title: label("by_hand") }, "*") : null;
   return make("td", { class: kind }, figures[name], doubt, hand);
 }
@@ -101,10 +101,13 @@ function measures(of) {
   const rows = of.levels.map((level) => make("tr", {},
     make("th", { scope: "row" }, level.level),
     sides.flatMap((side) => (level[side]
-      ? [cell(level[side], "girth_cm"), cell(level[side], "height_cm")]
+      ? [cell(level[side], "girth_cm"), level.is_level ? cell(level[side], "height_cm") : make("td")]
       : make("td", { class: "absent", colspan: 2 }, level[`${side}_absent`])))));
   return make("table", {}, make("thead", {}, head, units), make("tbody", {}, rows));
 }
+
+// What of the measures can be read from afar.
+const atAGlance = (of) => ({ ...of, levels: of.levels.filter(({ level }) => ["D", "C", "B1", "B"].includes(level)) });
 
 function patients(ids) {
   return ids.map((id) => make("p", { class: "word" }, `${label("patient")} `, make("bdi", {}, id)));
@@ -113,9 +116,10 @@ function patients(ids) {
 function about(scan, canAct, ...more) {
   const offered = [...scan.candidates.map((of) => candidate(scan, of)), ...(scan.again ? [scanAgain(scan, scan.again)] : [])];
   const isMain = (key, at) => at === 0 && !["give_up", "unassign", "leave"].includes(key) && offered.length === 0;
-  const buttons = canAct
-    ? [...offered, ...scan.acts.map((key, at) => act(key, scan, isMain(key, at))), canAmend(scan) ? amendButton(scan) : null].filter(Boolean)
-    : [];
+  const acts = scan.acts.map((key, at) => act(key, scan, isMain(key, at)));
+  const isToComplete = scan.task === "complete";
+  const amending = canAmend(scan) ? [amendButton(scan, isToComplete)] : [];
+  const buttons = canAct ? [...offered, ...(isToComplete ? [...amending, ...acts] : [...acts, ...amending])] : [];
   return [
     make("h3", {}, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
     ...patients(scan.patients),
@@ -156,10 +160,22 @@ function otherFiles(scan, anchors) {
   return details;
 }
 
+// A scan below the first, in one line; a redraw leaves it as open as it was.
+function folded(scan, card) {
+  if (!scan.measures) return card;
+  const key = rowKey(scan);
+  const line = [time(scan.at), " ", state(scan.word, HEALTH[scan.state]), " ",
+    ...scan.patients.map((id) => make("bdi", {}, id)), ...(isSettled(scan.measures) ? [] : verdict(scan.measures))];
+  const details = make("details", { class: "folded", open: unfolded.has(key) }, make("summary", { "data-key": `card ${key}` }, line), card);
+  details.addEventListener("toggle", () => (details.open ? unfolded.add(key) : unfolded.delete(key)));
+  return details;
+}
+
+const unfolded = new Set();
 function scanCard(scan, canAct, showsIds) {
   if (!scan.measures) return make("article", { class: "card scan plain" }, make("div", { class: "about" }, about(scan, canAct)));
   const drawing = showsIds && scan.files.includes("legs.svg")
-    ? make("img", { class: "drawing", src: address(scan, "legs.svg"), alt: label("drawing"), loading: "lazy" })
+    ? make("img", { class: "drawing", src: `${address(scan, "legs.svg")}#front`, alt: label("drawing"), loading: "lazy" })
     : null;
   const { notes } = scan.measures;
   const findings = [
@@ -282,7 +298,7 @@ function show(station) {
     redraw("last_body", newest ? { ...newest, isSaid } : null, (scan) => scan
       ? [
           make("p", { class: "when" }, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
-          ...(scan.measures ? [...(isSaid || isSettled(scan.measures) ? [] : verdict(scan.measures)), measures(scan.measures)] : []),
+          ...(scan.measures ? [...(isSaid || isSettled(scan.measures) ? [] : verdict(scan.measures)), measures(atAGlance(scan.measures))] : []),
         ]
       : make("p", { class: "quiet" }, label("no_scans")));
     fit();
@@ -299,7 +315,7 @@ function show(station) {
     more ? make("p", { class: "more" }, `${more} ${label("more")}`) : null,
   ]);
   redraw("scans_body", { scans: station.scans, canAct, ids }, ({ scans }) => scans.length
-    ? scans.map((scan) => scanCard(scan, canAct, ids))
+    ? scans.map((scan, at) => (at ? folded(scan, scanCard(scan, canAct, ids)) : scanCard(scan, canAct, ids)))
     : make("p", { class: "empty" }, label("no_scans")));
   showDecided(station);
   redraw("complaints", station.complaints, (complaints) => complaints.map((complaint) =>

@@ -48,9 +48,14 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
 }
 
 /// The legs and their girths in one drawing below each other, as an SVG file, if they are among a
-/// record's figures.
+/// record's figures. Its view `front` is the legs from the front alone.
 pub(crate) fn overview(figures: &[Figure], language: Language) -> String {
     let ([mut width, mut height], mut marks) = ([0.0_f64, 0.0], String::new());
+    let first = figures.iter().find(|figure| figure.name == OVERVIEW[0]);
+    if let Some((front, cut)) = first.and_then(|first| Some((first, first.picture.cuts.first()?))) {
+        let [_, height] = front.picture.size;
+        marks += &format!("<view id=\"front\" viewBox=\"0 0 {cut:.2} {height:.2}\"/>\n");
+    }
     for figure in figures.iter().filter(|figure| OVERVIEW.contains(&figure.name)) {
         if height > 0.0 {
             marks.push_str(&svg::marks(&figure.picture.moved_down(height)));
