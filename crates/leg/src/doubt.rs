@@ -15,7 +15,7 @@ pub enum Doubt {
         /// Standard error of the height, mm.
         height_sd_mm: f64,
     },
-    /// The girth is poorly determined, mostly because the height is where the girth changes fast.
+    /// The girth is poorly determined: at its height, or because that is uncertain where the girth changes fast.
     #[error("its girth is uncertain by {girth_sd_mm:.0} mm")]
     GirthUncertain {
         /// Standard error of the girth, mm.

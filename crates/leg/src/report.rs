@@ -2,7 +2,7 @@
 
 use super::doubt::Doubt;
 use super::finding::{Finding, LegFault, What};
-use super::level::Level;
+use super::level::{By, Level};
 use super::measured::{LegReport, LevelSection};
 use super::method::Tape;
 use super::side::Side;
@@ -181,7 +181,12 @@ impl Measures {
     /// Adds a doubt to all levels whose girth is poorly determined.
     fn doubt_uncertain_girths(&mut self) {
         for landmark in &mut self.levels.found {
-            let girth_sd_mm = landmark.girth_sd_mm;
+            let girth_sd_mm = match landmark.by {
+                // Where it lies matters to nobody as long as the girth belongs to its height: on half of all legs the
+                // place is uncertain by some centimetres, and people agree no better on it.
+                By::Steepest => landmark.girth_sd_mm,
+                _ => landmark.girth_of_level_sd_mm,
+            };
             if girth_sd_mm > GIRTH_DOUBT_SD_MM {
                 landmark.doubts.push(Doubt::GirthUncertain { girth_sd_mm });
             }

@@ -99,12 +99,14 @@ struct Checked<'a> {
 impl Checked<'_> {
     fn leg(&self, leg: &LegFigures) -> Result<(), RecordFault> {
         for (level, of) in &leg.landmarks {
-            self.level(level, of.height_mm, of.girth_tape_mm, [of.height_sd_mm, of.girth_sd_mm])?;
+            let sds_mm = [of.height_sd_mm, of.girth_sd_mm, of.girth_of_level_sd_mm];
+            self.level(level, of.height_mm, of.girth_tape_mm, sds_mm)?;
             let others = [Some(of.girth_contour_mm), of.surface_length_mm];
             self.all(level, others.into_iter().flatten(), LENGTHS_MM)?;
         }
         for (level, of) in &leg.estimates {
-            self.level(level, of.height_mm, of.girth_tape_mm, [of.height_sd_mm, of.girth_sd_mm])?;
+            let sds_mm = [of.height_sd_mm, of.girth_sd_mm, of.girth_of_level_sd_mm];
+            self.level(level, of.height_mm, of.girth_tape_mm, sds_mm)?;
         }
         for at in &leg.along {
             let place = format!("{} mm along the leg", at.along_axis_mm);
@@ -130,7 +132,7 @@ impl Checked<'_> {
         level: &str,
         height_mm: f64,
         girth_mm: f64,
-        errors_mm: [Option<f64>; 2],
+        errors_mm: [Option<f64>; 3],
     ) -> Result<(), RecordFault> {
         self.all(&format!("height of {level}"), [height_mm], HEIGHTS_MM)?;
         self.all(&format!("girth of {level}"), [girth_mm], LENGTHS_MM)?;

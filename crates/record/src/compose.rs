@@ -160,6 +160,7 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
         girth_contour_mm: mm(landmark.girth_contour_mm),
         height_sd_mm: judged(landmark.height_sd_mm),
         girth_sd_mm: judged(landmark.girth_sd_mm),
+        girth_of_level_sd_mm: judged(landmark.girth_of_level_sd_mm),
         girth_per_deg_mm: landmark.girth_per_deg_mm.map(mm),
         doubts: codes(&landmark.doubts),
     }
@@ -174,6 +175,7 @@ fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
         girth_tape_mm: mm(estimate.girth_tape_mm),
         height_sd_mm: judged(estimate.height_sd_mm),
         girth_sd_mm: judged(estimate.girth_sd_mm),
+        girth_of_level_sd_mm: judged(estimate.girth_of_level_sd_mm),
         doubts: codes(&estimate.doubts),
     };
     report.estimates.iter().map(|one| (one.level.name().to_owned(), figures(one))).collect()

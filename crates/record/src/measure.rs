@@ -25,14 +25,17 @@ const HARMLESS: &str = "folds";
 const OF_GIRTH: [&str; 7] =
     ["gap", "scatter", "cloth", "folds", "not-seen", "knee-bent", "sole-not-seen"];
 
-/// The doubt about a girth that is uncertain because its height is: either of them settles it.
-const OF_EITHER: &str = "girth-uncertain";
+/// The doubt about a girth that is uncertain at its height, or because that is: only both by hand settle it.
+const OF_BOTH: &str = "girth-uncertain";
 
 /// The girth and the height of a level. What a person set counts; the rest is the scan's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure<'a> {
-    /// The girth by tape.
+    /// The girth by tape, with its error at this height.
     pub girth: Length,
+    /// Standard error of the scan's girth as that of the level, mm: with what the uncertain height adds; `None` if
+    /// it is unknown, or a person set the girth.
+    pub girth_of_level_sd_mm: Option<f64>,
     /// The vertical height above the floor; `None` on the foot, where the tape is not level.
     pub height: Option<Length>,
     /// Whether the scan's part of it is estimated by a proportion of the body.
@@ -168,6 +171,7 @@ impl Measure<'_> {
     fn found(level: Level, of: &LandmarkFigures) -> Measure<'_> {
         Measure {
             girth: Length::scanned(of.girth_tape_mm, of.girth_sd_mm),
+            girth_of_level_sd_mm: of.girth_of_level_sd_mm.or(of.girth_sd_mm),
             height: height(level, of.height_mm, of.height_sd_mm),
             is_estimate: false,
             doubts: of.doubts.iter().map(String::as_str).collect(),
@@ -179,6 +183,7 @@ impl Measure<'_> {
     fn estimated(level: Level, of: &EstimateFigures) -> Measure<'_> {
         Measure {
             girth: Length::scanned(of.girth_tape_mm, of.girth_sd_mm),
+            girth_of_level_sd_mm: of.girth_of_level_sd_mm.or(of.girth_sd_mm),
             height: height(level, of.height_mm, of.height_sd_mm),
             is_estimate: true,
             doubts: of.doubts.iter().map(String::as_str).collect(),
@@ -209,12 +214,13 @@ impl Measure<'_> {
         let is_all_by_hand = girth.is_by_hand && scanned_height.is_none();
         let is_estimate = scanned.as_ref().is_some_and(|of| of.is_estimate);
         let counts = |doubt: &&str| match *doubt {
-            OF_EITHER => hand.girth_mm.is_none() && height.is_none(),
+            OF_BOTH => hand.girth_mm.is_none() || height.is_none(),
             doubt if OF_GIRTH.contains(&doubt) => hand.girth_mm.is_none(),
             _ => height.is_none(),
         };
         Some(Measure {
             girth,
+            girth_of_level_sd_mm: girth.sd_mm,
             height: height.or(scanned_height),
             is_estimate: is_estimate && height.is_none() && !is_all_by_hand,
             by: scanned.as_ref().map_or("", |of| of.by),

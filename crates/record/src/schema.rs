@@ -211,8 +211,12 @@ pub struct LandmarkFigures {
     pub girth_contour_mm: f64,
     /// Standard error of the height; null if unknown.
     pub height_sd_mm: Option<f64>,
-    /// Standard error of the tape girth; null if unknown.
+    /// Standard error of the tape girth at this height; null if unknown. In older records that of the level.
     pub girth_sd_mm: Option<f64>,
+    /// Standard error of the tape girth as that of the level: with what the uncertain height adds; null if unknown,
+    /// missing in older records.
+    #[serde(default)]
+    pub girth_of_level_sd_mm: Option<f64>,
     /// How much the tape girth changes at most per degree by which the tape is tilted; null if unknown.
     #[serde(default)]
     pub girth_per_deg_mm: Option<f64>,
@@ -237,8 +241,12 @@ pub struct EstimateFigures {
     pub girth_tape_mm: f64,
     /// Standard error of the height, from the variation between people; null if unknown.
     pub height_sd_mm: Option<f64>,
-    /// The standard error of the girth that follows from it; null if unknown.
+    /// Standard error of the girth at this height; null if unknown. In older records that of the level.
     pub girth_sd_mm: Option<f64>,
+    /// Standard error of the girth as that of the level: with what the uncertain height adds; null if unknown, missing
+    /// in older records.
+    #[serde(default)]
+    pub girth_of_level_sd_mm: Option<f64>,
     /// Codes of doubts.
     pub doubts: Vec<String>,
 }

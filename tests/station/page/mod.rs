@@ -242,7 +242,7 @@ fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand()
     let mut after_receipt = light.skip_while(|light| light["signal"] != "receiving");
     let end = after_receipt.find(|light| light["signal"] != "receiving").unwrap();
     assert_eq!(end["signal"], "attention");
-    let to_do = "Measure by hand: right leg: B1, B and Y; left leg: B1, B and Y.";
+    let to_do = "Measure by hand: right leg: B and Y; left leg: B and Y.";
     assert_eq!(end["sentence"], format!("The scan of 4711 lacks measures. {to_do}"));
     booth.wait_for("the measures", || {
         let state = site.state_of(&site.operator());

@@ -187,7 +187,7 @@ fn off_deg(truth: &Value, leg: &LegReport) -> Option<f64> {
 }
 
 fn claim([girth, height]: &mut [Claims; 2], landmark: &Landmark, [girth_mm, height_mm]: [f64; 2]) {
-    girth.0.push((girth_mm, landmark.girth_sd_mm));
+    girth.0.push((girth_mm, landmark.girth_of_level_sd_mm));
     height.0.push((height_mm, landmark.height_sd_mm));
 }
 

@@ -117,8 +117,8 @@ pub(crate) fn differences(legs: &[LegReport]) -> Option<Differences> {
         Some(LevelDifference {
             level,
             girth_mm: Difference::of(
-                [l.girth_tape_mm, l.girth_sd_mm],
-                [r.girth_tape_mm, r.girth_sd_mm],
+                [l.girth_tape_mm, l.girth_of_level_sd_mm],
+                [r.girth_tape_mm, r.girth_of_level_sd_mm],
             ),
             height_mm: Difference::of([l.height_mm, l.height_sd_mm], [r.height_mm, r.height_sd_mm]),
         })

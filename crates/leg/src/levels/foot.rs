@@ -202,6 +202,8 @@ fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landma
     let girth_slope = slope(|section| section.girth.tape_mm);
     let independent_mm = TAU * own.rms_mm / (own.points as f64).sqrt();
     let noise_mm = own.girth_sd.map_or(independent_mm, |[girth_sd_mm, ..]| girth_sd_mm);
+    // The tape is not level: there is no height to which the girth could belong.
+    let girth_sd_mm = (girth_slope * HEEL_SD_MM).hypot(noise_mm);
     Some(Landmark {
         level: Level::Y,
         by: By::HeelTape,
@@ -211,7 +213,8 @@ fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landma
         girth_tape_mm: own.girth.tape_mm,
         girth_contour_mm: own.girth.contour_mm,
         height_sd_mm: (slope(|section| section.height_mm) * HEEL_SD_MM).abs(),
-        girth_sd_mm: (girth_slope * HEEL_SD_MM).hypot(noise_mm),
+        girth_sd_mm,
+        girth_of_level_sd_mm: girth_sd_mm,
         girth_per_deg_mm: None,
         doubts: section_doubts(&own),
     })
@@ -227,6 +230,7 @@ fn a(leg: &Leg, axis: &LegAxis, frame: &Frame, stature_mm: f64) -> Option<Estima
     if own.gap_deg > GAP_DOUBT_DEG {
         doubts.push(Doubt::Gap { gap_deg: own.gap_deg });
     }
+    let girth_sd_mm = spread(|ball| ball.tape_mm).hypot(SOLE_SD_MM);
     Some(Estimate {
         level: Level::A,
         by: By::FootShares { medial: MEDIAL_SHARE, lateral: LATERAL_SHARE },
@@ -234,7 +238,8 @@ fn a(leg: &Leg, axis: &LegAxis, frame: &Frame, stature_mm: f64) -> Option<Estima
         height_mm: own.centre.z,
         girth_tape_mm: own.tape_mm,
         height_sd_mm: spread(|ball| ball.centre.z),
-        girth_sd_mm: spread(|ball| ball.tape_mm).hypot(SOLE_SD_MM),
+        girth_sd_mm,
+        girth_of_level_sd_mm: girth_sd_mm,
         doubts,
     })
 }

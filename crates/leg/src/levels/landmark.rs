@@ -26,8 +26,12 @@ pub struct Landmark {
     pub girth_contour_mm: f64,
     /// Standard error of the height, mm.
     pub height_sd_mm: f64,
-    /// Standard error of the tape girth, mm.
+    /// Standard error of the tape girth at this height, mm: however uncertain it is where the level lies, this girth
+    /// belongs to this height.
     pub girth_sd_mm: f64,
+    /// Standard error of the tape girth as that of the level, mm: with what the uncertain height adds where the
+    /// girth changes along the leg.
+    pub girth_of_level_sd_mm: f64,
     /// How much the tape girth changes at most with a tilt of the tape, mm per degree; `None` if unknown.
     pub girth_per_deg_mm: Option<f64>,
     /// What a reader must know before using it.
@@ -67,8 +71,10 @@ pub struct Estimate {
     pub girth_tape_mm: f64,
     /// Standard error of the height, mm: the variation of the proportion among people.
     pub height_sd_mm: f64,
-    /// Standard error of the tape girth, mm, from that of the height.
+    /// Standard error of the tape girth at this height, mm.
     pub girth_sd_mm: f64,
+    /// Standard error of the tape girth as that of the level, mm: with what the uncertain height adds.
+    pub girth_of_level_sd_mm: f64,
     /// What a reader must know before using it.
     pub doubts: Vec<Doubt>,
 }
@@ -76,7 +82,7 @@ pub struct Estimate {
 impl From<Landmark> for Estimate {
     fn from(place: Landmark) -> Estimate {
         let Landmark { level, by, along_mm, height_mm, girth_tape_mm, .. } = place;
-        let Landmark { height_sd_mm, girth_sd_mm, doubts, .. } = place;
+        let Landmark { height_sd_mm, girth_sd_mm, girth_of_level_sd_mm, doubts, .. } = place;
         Estimate {
             level,
             by,
@@ -85,6 +91,7 @@ impl From<Landmark> for Estimate {
             girth_tape_mm,
             height_sd_mm,
             girth_sd_mm,
+            girth_of_level_sd_mm,
             doubts,
         }
     }

@@ -27,14 +27,14 @@ pub(crate) struct Ruler<'c, F> {
 }
 
 impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
-    /// A level at a distance along the axis, with the standard errors of its height and girth;
-    /// `None` outside the measured sections.
+    /// A level at a distance along the axis, with the standard errors of its height and of the girth as that of the
+    /// level; `None` outside the measured sections.
     pub fn landmark(
         &self,
         level: Level,
         by: By,
         along_mm: f64,
-        [height_sd_mm, girth_sd_mm]: [f64; 2],
+        [height_sd_mm, girth_of_level_sd_mm]: [f64; 2],
     ) -> Option<Landmark> {
         let girth = self.curve.girth(along_mm);
         Some(Landmark {
@@ -46,7 +46,8 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
             girth_tape_mm: girth.tape_mm,
             girth_contour_mm: girth.contour_mm,
             height_sd_mm,
-            girth_sd_mm,
+            girth_sd_mm: self.curve.tape_sd(along_mm, 0),
+            girth_of_level_sd_mm,
             girth_per_deg_mm: None,
             doubts: doubts(self.curve, along_mm, (self.near)(along_mm)),
         })
@@ -63,8 +64,8 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
     ) -> Option<Landmark> {
         let along_mm = self.along_mm(height_mm)?;
         let [_, slope, _, _] = self.curve.tape(along_mm);
-        let girth_sd_mm = self.curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
-        self.landmark(level, by, along_mm, [height_sd_mm, girth_sd_mm])
+        let of_level_mm = self.curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
+        self.landmark(level, by, along_mm, [height_sd_mm, of_level_mm])
     }
 
     /// The distance along the axis at which the sections' centre has a given height; heights ascend

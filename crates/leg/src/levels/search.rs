@@ -154,13 +154,9 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
         let along_mm = steepest(curve, b_mm, c_mm)?;
         let slope = curve.tape(along_mm)[1];
         let height_sd_mm = steepest_sd_mm(curve, along_mm).min(SLOPE_SPAN_MM);
-        let girth_sd_mm = curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
-        let sds = [height_sd_mm, girth_sd_mm];
-        let mut landmark = self.ruler.landmark(Level::B1, By::Steepest, along_mm, sds)?;
-        if height_sd_mm > FLAT_SD_MM {
-            landmark.doubts.push(Doubt::Flat { height_sd_mm });
-        }
-        Some(landmark)
+        let of_level_mm = curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
+        // That the place is uncertain is no doubt: the girth belongs to its height.
+        self.ruler.landmark(Level::B1, By::Steepest, along_mm, [height_sd_mm, of_level_mm])
     }
 
     /// B1 at a fixed height above B; its height has the standard error of B's, and it is never above C.

@@ -31,7 +31,9 @@ pub fn complete<'a>(
         landmark.girth_per_deg_mm = Some(here.per_deg[0].hypot(here.per_deg[1]));
         let changes = others.iter().map(|other| here.change_mm(other));
         let change_mm = changes.fold(0.0, |most: f64, mm| most.max(mm.abs()));
-        landmark.girth_sd_mm = landmark.girth_sd_mm.hypot(change_mm);
+        for sd_mm in [&mut landmark.girth_sd_mm, &mut landmark.girth_of_level_sd_mm] {
+            *sd_mm = sd_mm.hypot(change_mm);
+        }
         if landmark.by != By::Turn || others.is_empty() {
             continue;
         }

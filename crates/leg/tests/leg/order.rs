@@ -69,7 +69,7 @@ fn g_is_as_far_below_the_crotch_as_the_method_says() {
         assert_eq!(g.by, By::BelowCrotch { distance_mm });
         assert_eq!(g.doubts, []);
         // The girth is no better known than the crotch: 2π · 0.05 of its height's error.
-        near(g.girth_sd_mm, TAU * 0.05 * g.height_sd_mm, 0.05, "standard error");
+        near(g.girth_of_level_sd_mm, TAU * 0.05 * g.height_sd_mm, 0.05, "standard error");
         assert!(report.level_sections.iter().any(|at| at.level == Level::G));
     }
 }

@@ -335,6 +335,29 @@ fn the_girth_curve_is_the_true_one_but_for_the_height_of_the_floor() {
 }
 
 #[test]
+fn the_girth_of_b1_belongs_to_its_height_wherever_that_is() {
+    let mut table = Table::default();
+    for (name, (found, truth)) in BODIES.iter() {
+        for leg in &found.legs {
+            let (b1, side) = (landmark(leg, Level::B1), leg.side.word());
+            let at_mm = |height_mm| profile(&truth["legs"][side], "tape_mm", height_mm).unwrap();
+            let girth_mm = at_mm(b1.height_mm);
+            // What the floor is off by shifts all heights.
+            let shift_mm = at_mm(b1.height_mm + 2.0 * found.body.floor_sd_mm) - girth_mm;
+            let limit_mm = allowed_mm(name).hypot(shift_mm);
+            let is_good = (b1.girth_tape_mm - girth_mm).abs() <= limit_mm;
+            table.row(&format!("{name} {side} B1"), b1.girth_tape_mm, girth_mm, is_good);
+            assert!(b1.girth_sd_mm <= b1.girth_of_level_sd_mm, "{b1:?}");
+            // That its place is uncertain by centimetres is no reason to measure by hand.
+            let is_uncertain =
+                b1.doubts.iter().any(|of| matches!(of.code(), "girth-uncertain" | "flat"));
+            assert!(!is_uncertain, "{name} {side}: {b1:?}");
+        }
+    }
+    table.check(3 * 2);
+}
+
+#[test]
 fn the_uncertainties_of_b_c_and_d_are_neither_too_small_nor_too_large() {
     let (mut girths, mut heights) = (Vec::new(), Vec::new());
     each_leg(&ALL, |_, leg, truth| {

@@ -88,7 +88,7 @@ fn not_measurable(record: &Record, side: Side, level: Level) -> String {
 }
 
 fn of_level(leg: Option<&LegFigures>, level: Level, measure: &Measure<'_>) -> String {
-    let Measure { girth, height, is_estimate, doubts, by, by_hand } = measure;
+    let Measure { girth, height, is_estimate, doubts, by, by_hand, .. } = measure;
     let height_mm = height.map(|height| height.mm);
     let landmark = leg.and_then(|leg| leg.landmarks.get(level.name()));
     // The girth along the skin belongs to the scan's own girth.

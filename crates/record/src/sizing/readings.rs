@@ -35,7 +35,9 @@ fn girth(record: &Record, side: Side, level: Level, scanner_mm: f64) -> Result<G
     Ok(match girth.is_by_hand {
         true => Given { uncertainty_mm: Some(TAPE_GIRTH_MM), ..given(girth) },
         false => {
-            let uncertainty_mm = girth.sd_mm.map(|sd_mm| sd_mm.hypot(scanner_mm));
+            // A size chart means the girth of the level, wherever that lies.
+            let sd_mm = measure.girth_of_level_sd_mm;
+            let uncertainty_mm = sd_mm.map(|sd_mm| sd_mm.hypot(scanner_mm));
             Given { uncertainty_mm, ..given(girth) }
         }
     })
