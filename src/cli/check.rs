@@ -1,5 +1,6 @@
 //! `gaiter check`: checks the configuration and, if it has no fault, the folders and disks it names.
 
+mod booth;
 mod environment;
 mod names;
 mod readers;
@@ -17,6 +18,7 @@ use super::terminal::paint::{self, painted};
 use super::{Exit, ask, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::operator::control::protocol::{Answer, Request};
+use crate::station::operator::control::status::Status;
 use row::{Example, Row, Verdict};
 
 /// Checks the configuration, then the environment, and prints both.
@@ -39,7 +41,6 @@ pub fn check(args: &CheckArgs) -> Exit {
             Ok(config) => {
                 let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
                 rows.extend(around(&args.config, &config));
-                rows.extend(habit(&args.config, &config));
                 (paint::print(table(&rows)), worst(&rows))
             }
             Err(error) => return explain_config(&error),
@@ -54,21 +55,26 @@ pub fn check(args: &CheckArgs) -> Exit {
     }
 }
 
-/// The checks of what is around the station: folders and disks, who may read, the system's service.
+/// The checks of what is around the station: folders and disks, who may read, the system's service, the booth; and
+/// what the running station advises.
 fn around(file: &Path, config: &Config) -> Vec<Row> {
+    let running = match ask::ask(file, &Request::Status) {
+        Ok(Answer::Status(status)) => Some(status),
+        _ => None,
+    };
     let mut rows = environment::rows(config);
     rows.extend(tables::rows(config));
     rows.extend(readers::rows(config));
     rows.extend(unit::rows(file, config));
+    rows.extend(booth::rows(config, running.as_deref()));
+    rows.extend(running.and_then(|status| habit(config, &status)));
     rows
 }
 
-/// The running station's advice if the configuration does not fit the orders it has seen from the
-/// practice. `None` if no station runs.
-fn habit(file: &Path, config: &Config) -> Option<Row> {
+/// The running station's advice if the configuration does not fit the orders it has seen from the practice.
+fn habit(config: &Config, status: &Status) -> Option<Row> {
     config.patient.orders.as_ref()?;
-    let Ok(Answer::Status(status)) = ask::ask(file, &Request::Status) else { return None };
-    let advice = status.booth.advice?;
+    let advice = status.booth.advice.clone()?;
     Some(Row::at("orders", "patient.orders.when", Verdict::Warn, advice))
 }
 
@@ -154,7 +160,6 @@ fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
     let exit = match &read {
         Ok(config) => {
             checks = around(file, config);
-            checks.extend(habit(file, config));
             worst(&checks)
         }
         Err(error) => {

@@ -130,7 +130,8 @@ impl Run<'_> {
                         Exit::Io
                     }
                 };
-                (exit, Some(Row::measured(name, &measured.record, &self.choices.report.garment)))
+                let (garment, is_delivered) = (&self.choices.report.garment, exit == Exit::Done);
+                (exit, Some(Row::measured(name, &measured.record, garment, is_delivered)))
             }
             Err(fault) => {
                 complain(&fault);

@@ -323,3 +323,33 @@ fn a_group_that_may_read_records_needs_a_folder_that_hands_itself_on() {
     assert!(found["detail"].as_str().unwrap().contains("chmod g+s"), "{found}");
     assert_eq!(row(0o2750)["verdict"], "ok");
 }
+
+#[test]
+fn a_button_that_is_not_there_and_an_address_that_is_taken_are_told_without_a_station() {
+    let dir = TempDir::new().unwrap();
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap();
+    let more = format!(
+        "[trigger.serial]\nport = \"{}/ttyBUTTON\"\ntokens = [\"PRESS\"]\n[status]\nlisten = \"{address}\"\n",
+        dir.path().display()
+    );
+    let file = station(dir.path(), "");
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, format!("{text}{more}")).unwrap();
+    let rows = json(&check(&file, &["--json"]))["checks"].clone();
+    let row = |of: &str| {
+        let row = rows.as_array().unwrap().iter().find(|row| row["check"] == of).cloned();
+        row.unwrap_or_else(|| panic!("no {of} in {rows}"))
+    };
+    let is = |row: serde_json::Value, verdict: &str, words: &str| {
+        assert_eq!(row["verdict"], verdict, "{row}");
+        assert!(row["detail"].as_str().unwrap().contains(words), "{row}");
+    };
+    is(row("port"), "warn", "is not there");
+    is(row("address"), "warn", "ss -ltnp");
+    drop(taken);
+    fs::write(dir.path().join("ttyBUTTON"), "").unwrap();
+    let rows = json(&check(&file, &["--json"]))["checks"].to_string();
+    assert!(rows.contains("is there (trigger.serial.port)"), "{rows}");
+    assert!(rows.contains("is free (status.listen)"), "{rows}");
+}

@@ -44,6 +44,8 @@ enum Came {
         /// Tape girths, mm: right, then left.
         girths_mm: [[Option<f64>; 4]; 2],
         verdict: Kind,
+        /// Whether its record was printed and written as asked.
+        is_delivered: bool,
     },
     Not {
         /// Why it was not measured.
@@ -52,12 +54,13 @@ enum Came {
 }
 
 impl Row {
-    /// The row of a scan that was measured, with the verdict for an order of this garment.
-    pub fn measured(name: String, record: &Record, garment: &Garment) -> Row {
+    /// The row of a scan that was measured, with the verdict for an order of this garment; `is_delivered` unless its
+    /// record could not be printed or written.
+    pub fn measured(name: String, record: &Record, garment: &Garment, is_delivered: bool) -> Row {
         let girths_mm = Side::FROM_FRONT
             .map(|side| LEVELS.map(|level| Some(Measure::of(record, side, level).ok()?.girth.mm)));
         let verdict = Completeness::of(record, garment).kind();
-        Row { name, came: Came::Measured { girths_mm, verdict } }
+        Row { name, came: Came::Measured { girths_mm, verdict, is_delivered } }
     }
 
     /// The row of a scan that was not measured.
@@ -79,10 +82,13 @@ pub fn summary(rows: &[Row], columns: usize) -> String {
     for Row { name, came } in rows {
         let name = shortened(name, room);
         let _ = match came {
-            Came::Measured { girths_mm, verdict } => {
+            Came::Measured { girths_mm, verdict, is_delivered } => {
                 let cells: String = girths_mm.iter().flatten().map(|girth| cell(*girth)).collect();
-                let verdict = painted(colour(*verdict), said(*verdict));
-                writeln!(text, "{name:wide$}{cells}  {verdict}")
+                let (colour, said) = match is_delivered {
+                    true => (colour(*verdict), said(*verdict)),
+                    false => (paint::BAD, "not written"),
+                };
+                writeln!(text, "{name:wide$}{cells}  {}", painted(colour, said))
             }
             Came::Not { code } => {
                 let why = painted(paint::BAD, format_args!("not measured [{code}]"));
@@ -111,9 +117,13 @@ fn said(verdict: Kind) -> &'static str {
 /// The totals: scans measured, scans not measured by reason, and what is to be done with them.
 fn totals(rows: &[Row]) -> String {
     let (mut verdicts, mut why) = (BTreeMap::<Kind, usize>::new(), BTreeMap::<&str, usize>::new());
+    let mut unwritten = 0;
     for row in rows {
         match row.came {
-            Came::Measured { verdict, .. } => *verdicts.entry(verdict).or_default() += 1,
+            Came::Measured { verdict, is_delivered, .. } => {
+                *verdicts.entry(verdict).or_default() += 1;
+                unwritten += usize::from(!is_delivered);
+            }
             Came::Not { code } => *why.entry(code).or_default() += 1,
         }
     }
@@ -124,6 +134,9 @@ fn totals(rows: &[Row]) -> String {
         verdicts.iter().map(|(kind, count)| format!("{count} {}", said(*kind))).collect();
     if !told.is_empty() {
         let _ = write!(text, " ({})", told.join(", "));
+    }
+    if unwritten > 0 {
+        let _ = write!(text, ", {unwritten} not written");
     }
     if not > 0 {
         let codes: Vec<String> =
@@ -140,7 +153,10 @@ mod tests {
     use super::*;
 
     fn row(name: &str, girths_mm: [[Option<f64>; 4]; 2], verdict: Kind) -> Row {
-        Row { name: name.to_owned(), came: Came::Measured { girths_mm, verdict } }
+        Row {
+            name: name.to_owned(),
+            came: Came::Measured { girths_mm, verdict, is_delivered: true },
+        }
     }
 
     #[test]
@@ -168,7 +184,7 @@ mod tests {
         });
         let record: Record = serde_json::from_value(record).unwrap();
         let of = |girth_mm: f64| [None, Some(girth_mm), None, None];
-        let measured = Row::measured("a.obj".to_owned(), &record, &Garment::default());
+        let measured = Row::measured("a.obj".to_owned(), &record, &Garment::default(), true);
         assert_eq!(measured, row("a.obj", [of(380.0), of(412.0)], Kind::ByHand));
     }
 

@@ -6,6 +6,7 @@ use jiff::Timestamp;
 
 use super::*;
 
+mod one_state;
 mod ruin;
 
 use gaiter_flow::account::Filter;

@@ -193,6 +193,9 @@ fn who_calls_the_station_by_another_name_is_not_answered() {
             assert_eq!(asked("localhost"), 200, "{path}");
         }
     }
+    let none = site.get("/elsewhere", &[]);
+    assert_eq!(none.status, 404);
+    assert!(none.body.contains("There is no such page.") && none.body.contains("href=\"/\""));
     let page = site.get("/", &[]);
     let policy = page.header("content-security-policy").unwrap();
     assert!(policy.starts_with("default-src 'none'; script-src 'self'"), "{policy}");

@@ -192,6 +192,8 @@ impl Shown {
             scan.candidates.clear();
             scan.owner = None;
             scan.again = None;
+            // A folder of the store has the name of a patient.
+            scan.detail = None;
         }
         self
     }

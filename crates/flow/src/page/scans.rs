@@ -32,6 +32,8 @@ pub struct ScanShown {
     pub code: Option<String>,
     /// The same in words, and what to do.
     pub advice: Option<Advice>,
+    /// Why it was refused, with figures, in English; for the technician.
+    pub detail: Option<String>,
     /// The ids of the patients to whom it belongs; for a held scan, of those for whom it is held.
     pub patients: Vec<String>,
     /// For a held scan, the patients to whom it may belong and can be given.
@@ -95,6 +97,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         at: whole.summary.first_seen,
         state,
         word,
+        detail: whole.summary.message.clone().filter(|_| is == Disposition::Refused),
         code,
         advice,
         patients: patients(whole),

@@ -18,6 +18,7 @@ pub mod endpoint;
 mod feed;
 mod files;
 mod guard;
+mod notice;
 pub mod publish;
 mod search;
 mod snapshot;
@@ -36,6 +37,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 
 use self::endpoint::HttpEndpoint;
+use self::notice::notice;
 use super::http::listeners::Way;
 
 /// The routes of an endpoint; `others` are pages for monitors, on this machine only.
@@ -57,7 +59,9 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
         }
         Way::Network => read.with_state(Arc::clone(endpoint)),
     };
-    routes.layer(from_fn_with_state(Arc::clone(endpoint), guard::guard))
+    let language = endpoint.desk.core.config.language;
+    let none = async move || notice(StatusCode::NOT_FOUND, "page.notice.no_page", language);
+    routes.fallback(none).layer(from_fn_with_state(Arc::clone(endpoint), guard::guard))
 }
 
 /// The current snapshot.

@@ -19,6 +19,7 @@ use tracing::warn;
 
 use super::endpoint::HttpEndpoint;
 use super::files::Row;
+use super::notice::notice;
 use super::snapshot;
 use crate::config::Config;
 use crate::station::runtime::causes::chain;
@@ -72,14 +73,15 @@ async fn answer(
     headers: HeaderMap,
     form: Form,
 ) -> Response {
-    let none = (StatusCode::NOT_FOUND, "no such scan, or it is no patient's\n");
-    let Ok(scan) = ScanId::parse(&scan) else { return none.into_response() };
+    let language = endpoint.desk.core.config.language;
+    let told = |status, key| notice(status, key, language);
+    let none = || told(StatusCode::NOT_FOUND, "page.notice.no_visits");
+    let Ok(scan) = ScanId::parse(&scan) else { return none() };
     if !endpoint.shows_ids(&headers, None) {
-        let sentence = "records are a patient's: open the page with the link from gaiter page\n";
-        return (StatusCode::FORBIDDEN, sentence).into_response();
+        return told(StatusCode::FORBIDDEN, "page.notice.no_link");
     }
     let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "the record store is busy\n").into_response();
+        return told(StatusCode::SERVICE_UNAVAILABLE, "page.notice.busy");
     };
     let made = spawn_blocking(move || {
         let _reader = reader;
@@ -97,15 +99,11 @@ async fn answer(
             let policy = (header::CONTENT_SECURITY_POLICY, served.policy);
             ([kind, policy], bytes).into_response()
         }
-        Ok(Err(NoVisits::One)) => {
-            let sentence =
-                "this patient has records of one day only: there is nothing to compare\n";
-            (StatusCode::CONFLICT, sentence).into_response()
-        }
+        Ok(Err(NoVisits::One)) => told(StatusCode::CONFLICT, "page.notice.one_visit"),
         Ok(Err(NoVisits::Unreachable)) => {
-            (StatusCode::SERVICE_UNAVAILABLE, "the record store is out of reach\n").into_response()
+            told(StatusCode::SERVICE_UNAVAILABLE, "page.notice.store_away")
         }
-        Ok(Err(NoVisits::Unknown)) => none.into_response(),
+        Ok(Err(NoVisits::Unknown)) => none(),
         Ok(Err(NoVisits::Failed)) | Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
     }
 }

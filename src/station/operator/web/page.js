@@ -125,7 +125,7 @@ function about(scan, canAct, ...more) {
     ...patients(scan.patients),
     make("p", { class: "quiet" }, `${label("scan")} ${scan.scan.slice(0, 8)}`),
     scan.advice ? make("p", {}, `${scan.advice.what} ${scan.advice.next}`) : null,
-    scan.code ? make("p", { class: "quiet" }, `${label("code")}: ${scan.code}`) : null,
+    scan.code ? make("p", { class: "quiet" }, `${label("code")}: ${scan.code}`, scan.detail ? [" – ", make("span", { lang: "en" }, scan.detail)] : null) : null,
     scan.unmeasured ? make("p", { class: "quiet" }, scan.unmeasured) : null,
     ...more,
     buttons.length ? make("p", { class: "buttons" }, buttons) : null,

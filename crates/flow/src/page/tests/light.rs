@@ -29,7 +29,11 @@ fn what_is_to_be_done_with_the_patient_stands_at_the_light_and_a_fault_before_it
 fn a_refused_scan_is_told_with_its_reason_and_what_to_do_at_the_booth() {
     for (code, english, german) in [
         ("scan-empty", "Export it again.", "noch einmal exportieren"),
-        ("body-side-unclear", "Scan again with the legs apart.", "die Beine auseinander"),
+        (
+            "body-not-two-legs",
+            "Scan again: standing, with the legs apart.",
+            "die Beine auseinander",
+        ),
         ("no-leg", "Scan again with the legs bare and apart.", "frei und auseinander"),
     ] {
         let last = Outcome::Refused { code: code.to_owned() };

@@ -1,0 +1,93 @@
+//! The ports of the booth and the addresses of the page: as the running station has them; without one, whether they
+//! are there.
+
+use std::net::{SocketAddr, TcpListener};
+use std::path::Path;
+
+use super::row::{Row, Verdict};
+use crate::config::Config;
+use crate::config::port::{InputPlace, SerialPlace};
+use crate::config::trigger::ReaderPlace;
+use crate::station::operator::control::status::Status;
+
+/// A row for each port that the configuration names and that can be looked for, and for each address.
+pub(super) fn rows(config: &Config, running: Option<&Status>) -> Vec<Row> {
+    match running {
+        Some(status) => of_station(status),
+        None => ports(config).into_iter().chain(addresses(config)).collect(),
+    }
+}
+
+/// What the running station says of its ports, and of addresses that it could not have.
+fn of_station(status: &Status) -> Vec<Row> {
+    let ports = status.triggers.iter().map(|(port, of)| {
+        let why = of.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
+        let verdict = match of.state.as_str() {
+            "open" | "settling" | "not_looked" => Verdict::Ok,
+            _ => Verdict::Warn,
+        };
+        Row::at("port", port, verdict, format!("the station has it as {}{why}", of.state))
+    });
+    let taken = status.complaints.iter().filter(|complaint| complaint.code == "page-unavailable");
+    let taken = taken.map(|of| Row::at("address", "page", Verdict::Warn, of.message.clone()));
+    ports.chain(taken).collect()
+}
+
+/// The ports at a path. Those that are found by a device's name are looked for by the station alone.
+fn ports(config: &Config) -> Vec<Row> {
+    let trigger = &config.trigger;
+    let serial =
+        trigger.serial.as_ref().map(|of| ("trigger.serial.port", serial_of(&of.line.place)));
+    let keys = trigger.keys.as_ref().map(|of| ("trigger.keys.device", input(&of.device)));
+    let reader = trigger.reader.as_ref().map(|of| match &of.at {
+        ReaderPlace::Serial(line) => ("patient.reader.port", serial_of(&line.place)),
+        ReaderPlace::Keys(device) => ("patient.reader.keys", input(device)),
+    });
+    let ports = [serial, keys, reader].into_iter().flatten();
+    let ports = ports.filter_map(|(key, path)| Some((key, path?)));
+    ports
+        .map(|(key, path)| match path.exists() {
+            true => Row::ok("port", path, format!("is there ({key})")),
+            false => Row::new(
+                "port",
+                path,
+                Verdict::Warn,
+                format!("is not there: plug it in, or see {key}"),
+            ),
+        })
+        .collect()
+}
+
+fn serial_of(place: &SerialPlace) -> Option<&Path> {
+    match place {
+        SerialPlace::Path(path) => Some(path),
+        SerialPlace::Usb(_) => None,
+    }
+}
+
+fn input(place: &InputPlace) -> Option<&Path> {
+    match place {
+        InputPlace::Path(path) => Some(path),
+        InputPlace::Name(_) => None,
+    }
+}
+
+/// The addresses of the page, which the station must be able to take.
+fn addresses(config: &Config) -> Vec<Row> {
+    let all = [("status.listen", config.status.listen), ("network in [page]", config.page.network)];
+    let all = all.into_iter().filter_map(|(key, address)| Some((key, address?)));
+    all.map(|(key, address)| address_row(key, address)).collect()
+}
+
+fn address_row(key: &str, address: SocketAddr) -> Row {
+    match TcpListener::bind(address) {
+        Ok(_) => Row::at("address", address, Verdict::Ok, format!("is free ({key})")),
+        Err(fault) => {
+            let detail = format!(
+                "cannot be taken ({key}): {fault}; unless gaiter.socket holds it for the station, ss -ltnp names \
+                 the program"
+            );
+            Row::at("address", address, Verdict::Warn, detail)
+        }
+    }
+}
