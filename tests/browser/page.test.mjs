@@ -313,3 +313,31 @@ test("what the kiosk says of the light can be read from 3 m, and fits its screen
     }
   });
 });
+
+test("nothing is cut off: German on the narrowest phone, both legs of a report on a phone, the toes on a laptop", async () => {
+  await at(await Station.make({ more: `[report]\nlanguage = "de"\n` }), async (station) => {
+    station.export("4711_a.obj", body(7, "f_average_tc2"));
+    const on = async (width, height) => {
+      const { page } = await tab(browser, station, { viewport: { width, height }, locale: "de" });
+      await page.goto(station.link());
+      await page.waitForSelector("td.girth");
+      return page;
+    };
+    const narrow = await on(320, 640);
+    assert.ok(await narrow.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "320 px");
+    await shoot(narrow, "page-320");
+    const phone = await on(390, 844);
+    const report = await phone.getByRole("link", { name: "Bericht", exact: true }).getAttribute("href");
+    await phone.goto(station.origin + report);
+    const right = await phone.locator("table.levels").evaluate((table) => table.getBoundingClientRect().right);
+    assert.ok(right <= 390, `the left leg ends at ${right} px of 390`);
+    await shoot(phone, "report-390");
+    const laptop = await on(1280, 800);
+    await laptop.getByRole("button", { name: "3D-Ansicht" }).click();
+    const stage = await laptop.locator("#viewer .gaiter-stage").evaluate((stage) => {
+      const dialog = document.getElementById("viewer_body").getBoundingClientRect();
+      return { bottom: stage.getBoundingClientRect().bottom, end: dialog.bottom };
+    });
+    assert.ok(stage.bottom <= stage.end, JSON.stringify(stage));
+  });
+});
