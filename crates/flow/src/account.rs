@@ -172,11 +172,18 @@ impl Whole {
         of.state == DeliveryState::Withdrawing || of.is_to_go() && others.any(is_coming)
     }
 
+    /// Whether a patient to whom it belongs has its record.
+    fn has_record(&self) -> bool {
+        self.deliveries.iter().any(|of| of.patient.is_some() && of.is_there())
+    }
+
     /// What a person must do about it.
     pub fn task(&self) -> Task {
         match self.disposition() {
             found if found.needs_decision() => Task::Decide,
-            found if self.summary.incomplete && found.may_lack_measures() => Task::Complete,
+            found if self.summary.incomplete && found.may_lack_measures() && self.has_record() => {
+                Task::Complete
+            }
             _ => Task::Nothing,
         }
     }

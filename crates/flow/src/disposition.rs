@@ -77,9 +77,10 @@ impl Disposition {
         }
     }
 
-    /// Whether measures that its record lacks are asked for: a patient has it.
+    /// Whether measures that its record lacks are asked for, if a patient has it: also while another store, or the
+    /// result for the practice software, still waits for it.
     pub fn may_lack_measures(self) -> bool {
-        self == Disposition::Delivered
+        matches!(self, Disposition::Delivered | Disposition::Spooled)
     }
 
     /// Whether its record is stored without a patient.

@@ -210,7 +210,7 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
         let message = format!(
             "the practice software has not fetched a result for {since}; the next one waits for its place"
         );
-        let remedy = "see that its import runs; the patients' folders have every record; if it takes \
+        let remedy = "see that its import runs; records go to the patients' folders meanwhile; if it takes \
                       numbered files, see store.gdt.file_name";
         let complaint = Complaint::new("result-not-fetched", message, remedy).about(store);
         Complaint { severity: Severity::Notice, ..complaint }

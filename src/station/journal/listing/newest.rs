@@ -6,6 +6,7 @@ use jiff::Timestamp;
 use rusqlite::Row;
 
 use super::count;
+use super::search::has_record;
 use crate::station::journal::disposition::is_one_of;
 use crate::station::journal::{Journal, JournalError, cell};
 
@@ -62,5 +63,8 @@ impl Journal {
 fn has_task(since: Timestamp) -> String {
     let decide = is_one_of(Disposition::needs_decision);
     let may_lack = is_one_of(Disposition::may_lack_measures);
-    format!("({decide} OR incomplete = 1 AND {may_lack} AND first_seen >= '{since}')")
+    let has_record = has_record();
+    format!(
+        "({decide} OR incomplete = 1 AND {may_lack} AND first_seen >= '{since}' AND {has_record})"
+    )
 }

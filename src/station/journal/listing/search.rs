@@ -46,10 +46,15 @@ fn of_state(state: Option<SearchState>) -> String {
         Some(SearchState::Undecided) => is_one_of(Disposition::needs_decision),
         Some(SearchState::Refused) => format!("state = '{}'", ScanState::Refused.word()),
         Some(SearchState::Unassigned) => is_one_of(Disposition::is_unassigned),
-        Some(SearchState::Delivered) => format!(
-            "EXISTS (SELECT 1 FROM deliveries AS theirs
-                     WHERE theirs.sha256 = scans.sha256 AND theirs.patient <> ''
-                           AND theirs.state = 'delivered' AND coalesce(theirs.code, '') NOT IN {UNWANTED})"
-        ),
+        Some(SearchState::Delivered) => has_record(),
     }
+}
+
+/// SQL: a patient to whom a scan belongs has its record.
+pub(super) fn has_record() -> String {
+    format!(
+        "EXISTS (SELECT 1 FROM deliveries AS theirs
+                 WHERE theirs.sha256 = scans.sha256 AND theirs.patient <> ''
+                       AND theirs.state = 'delivered' AND coalesce(theirs.code, '') NOT IN {UNWANTED})"
+    )
 }

@@ -7,7 +7,7 @@ const AMEND_SIDES = ["right", "left"];
 
 // Whether a scan has a record of its own, not only the preview of a held one.
 function canAmend({ state, files }) {
-  return ["delivered", "unassigned", "left"].includes(state) && files.includes("record.json");
+  return ["delivered", "spooled", "unassigned", "left"].includes(state) && files.includes("record.json");
 }
 
 function amendButton(scan, isMain) {
