@@ -465,7 +465,8 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
     let mut slept = false;
     while !stop.is_requested() {
         beat.beat();
-        let (looked, asks) = (Arc::clone(&booth), core.now() >= next_ready);
+        let began = core.now();
+        let (looked, asks) = (Arc::clone(&booth), began >= next_ready);
         let step = spawn_blocking(move || {
             if slept {
                 looked.slept();
@@ -487,12 +488,13 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
         }
         let shown = light.show(&scene, core.now());
         booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
-        let rested = core.now();
         tokio::select! {
             () = stop.requested() => break,
             () = sleep(LIGHT) => {}
         }
-        slept = core.now().saturating_sub(rested) > LIGHT + ASLEEP;
+        // The step counts too: the process may have been stopped in it, and a disk that holds it up for so long holds
+        // up the ports.
+        slept = core.now().saturating_sub(began) > LIGHT + ASLEEP;
     }
     Ok(())
 }

@@ -131,7 +131,7 @@ fn what_is_pressed_and_read_while_the_station_is_stopped_is_not_certain() {
     sleep(Duration::from_secs(3));
     kill_process(pid, Signal::CONT).unwrap();
     room.booth.wait_for("both", || room.heard("pressed") > pressed && room.heard("named") > named);
-    assert!(room.booth.log().contains("event=\"booth-slept\""));
+    room.booth.wait_for("the sleep", || room.booth.log().contains("event=\"booth-slept\""));
     room.wait_for_look();
     let body = coarse_body(1);
     room.write("a.obj", &body);
