@@ -415,12 +415,17 @@ impl Booth {
             inner.last = None;
         }
         while let Some((scan, _)) = inner.in_work.first_key_value() {
-            let whole = self.whole(scan);
+            let whole = match self.core.custody.journal().whole(scan) {
+                Ok(whole) => whole,
+                Err(error) => {
+                    self.core.check_corruption(&error);
+                    return true;
+                }
+            };
             if whole.as_ref().is_some_and(|whole| whole.is_in_work(&unfetched)) {
                 return true;
             }
-            let ended = inner.in_work.pop_first();
-            if let Some((scan, to_do)) = ended.filter(|_| whole.is_some()) {
+            if let Some(((scan, to_do), _)) = inner.in_work.pop_first().zip(whole) {
                 inner.last = Some((Last::Scan { scan, to_do }, self.core.now()));
             }
         }
@@ -436,6 +441,10 @@ impl Held<'_> {
 
     /// A known scan was exported again: if another export is expected, or somebody named, the light says so.
     pub fn known(&mut self, scan: &ScanId) {
+        // The scanner may write a scan once more that is being measured.
+        if self.inner.in_work.contains_key(scan) {
+            return;
+        }
         let captures = &self.inner.captures;
         if captures.open().iter().any(Capture::is_open) || !captures.next_ids().is_empty() {
             self.inner.last = Some((Last::Known(scan.clone()), self.inner.booth.core.now()));

@@ -173,7 +173,7 @@ impl Whole {
     }
 
     /// Whether a patient to whom it belongs has its record.
-    fn has_record(&self) -> bool {
+    pub fn has_record(&self) -> bool {
         self.deliveries.iter().any(|of| of.patient.is_some() && of.is_there())
     }
 

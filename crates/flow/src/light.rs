@@ -81,6 +81,7 @@ impl Outcome {
             Disposition::Held => {
                 Some(Outcome::Held { code: whole.held_for().unwrap_or_default().to_owned() })
             }
+            Disposition::Spooled if !whole.has_record() => None,
             Disposition::Spooled | Disposition::Delivered | Disposition::Unassigned => {
                 Some(match whole.summary.incomplete {
                     true => Outcome::Incomplete { to_do: to_do.to_owned() },

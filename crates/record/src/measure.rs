@@ -214,7 +214,8 @@ impl Measure<'_> {
         let is_all_by_hand = girth.is_by_hand && scanned_height.is_none();
         let is_estimate = scanned.as_ref().is_some_and(|of| of.is_estimate);
         let counts = |doubt: &&str| match *doubt {
-            OF_BOTH => hand.girth_mm.is_none() || height.is_none(),
+            // On the foot there is no height.
+            OF_BOTH => hand.girth_mm.is_none() || height.is_none() && scanned_height.is_some(),
             doubt if OF_GIRTH.contains(&doubt) => hand.girth_mm.is_none(),
             _ => height.is_none(),
         };

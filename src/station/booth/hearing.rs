@@ -192,6 +192,9 @@ impl Booth {
         if !matches!(next, NamedNext::Waits { .. }) {
             self.look_at_folders();
         }
+        if matches!(inner.last, Some((Last::NameUnread, _))) {
+            inner.last = None;
+        }
         info!(event = "patient-named", by = ?by);
         Ok(next)
     }

@@ -66,8 +66,11 @@ pub(super) fn shown(
             Some(words) => words,
             None => decide.map_or_else(step, Words::new),
         },
-        (Signal::Done, _) => Words::of_last(booth, DONE, language).and(decide),
-        (Signal::Ready, _) => step().and(decide),
+        // Another scan may have ended since the light was lit.
+        (Signal::Done, _) if booth.last == Some(&Outcome::Delivered) => {
+            Words::of_last(booth, DONE, language).and(decide)
+        }
+        (Signal::Ready | Signal::Done, _) => step().and(decide),
         _ => step(),
     };
     let signal = booth.signal.word();

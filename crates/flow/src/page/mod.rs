@@ -188,6 +188,8 @@ impl Shown {
         self.light.said.hide_ids();
         self.next.hide_ids();
         for scan in self.undecided.iter_mut().chain(&mut self.scans) {
+            // It is made from the patient's id, and short ids can be tried.
+            scan.of.clear();
             scan.patients.clear();
             scan.candidates.clear();
             scan.owner = None;

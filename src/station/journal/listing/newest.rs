@@ -22,10 +22,12 @@ impl Journal {
         self.scans_of("TRUE", limit)
     }
 
-    /// The scans that wait for an operator's decision, and those seen since a time whose records lack measures;
-    /// newest first, at most `limit`.
+    /// The scans that wait for an operator's decision, newest first, then those seen since a time whose records
+    /// lack measures; at most `limit`.
     pub fn open_tasks(&self, limit: u32, since: Timestamp) -> Result<Vec<ScanId>, JournalError> {
-        self.scans_of(&has_task(since), limit)
+        // A decision that waits is never below what a record lacks.
+        let decide = is_one_of(Disposition::needs_decision);
+        self.scans_by(&has_task(since), &format!("{decide} DESC, "), limit)
     }
 
     /// How many scans these are.
@@ -50,9 +52,14 @@ impl Journal {
     }
 
     fn scans_of(&self, which: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
+        self.scans_by(which, "", limit)
+    }
+
+    /// `first`: SQL of what counts before the newest.
+    fn scans_by(&self, which: &str, first: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
         let connection = self.viewer();
         let mut query = connection.prepare(&format!(
-            "SELECT sha256 FROM scans WHERE {which} ORDER BY first_seen DESC, rowid DESC LIMIT ?1"
+            "SELECT sha256 FROM scans WHERE {which} ORDER BY {first}first_seen DESC, rowid DESC LIMIT ?1"
         ))?;
         let rows = query.query_map([limit], |row: &Row<'_>| row.get(0))?;
         rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()

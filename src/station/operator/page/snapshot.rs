@@ -91,8 +91,9 @@ fn shown(desk: &Desk, row: &Whole, mut told: Told) -> ScanShown {
         told.unmeasured = Some(code);
     }
     let unfetched = desk.core.board.unfetched();
-    told.is_to_be_fetched =
-        row.disposition() == Disposition::Spooled && !row.is_in_work(&unfetched);
+    told.is_to_be_fetched = row.disposition() == Disposition::Spooled
+        && row.has_record()
+        && !row.is_in_work(&unfetched);
     page::scan_shown(row, &told, desk.core.config.language)
 }
 
