@@ -360,7 +360,10 @@ impl Booth {
             awaited: inner.captures.open().iter().filter(|capture| capture.is_open()).count(),
             is_named: inner.captures.next().is_some(),
             is_in_doubt: inner.captures.is_in_doubt(now),
-            doubt_left_min: inner.captures.doubt_left(now).map(|left| left.as_secs().div_ceil(60)),
+            doubt_left_min: inner
+                .captures
+                .doubt_left(now)
+                .map(|left| (left.as_secs() + 1).div_ceil(60)),
             orders_come_late: match inner.captures.orders_when() {
                 OrdersWhen::BeforePress => orders_come_late(&inner.orders),
                 OrdersWhen::AfterPress => None,
