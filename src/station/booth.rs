@@ -251,6 +251,8 @@ impl Booth {
         let state = self.state();
         let has_button = !self.core.config.buttons().is_empty();
         let mut inner = self.inner();
+        // First: a scan that was released or tried again has not ended any more.
+        let progress = self.progress(&mut inner);
         let (last, last_of) = self.last(&inner).unzip();
         WhoIsNext {
             state,
@@ -259,7 +261,7 @@ impl Booth {
             next: inner.captures.next_ids(),
             awaited_for: inner.captures.awaited_ids(),
             is_asked: inner.captures.asks_who(),
-            progress: self.progress(&mut inner),
+            progress,
             last,
             last_of: last_of.unwrap_or_default(),
         }
@@ -363,7 +365,7 @@ impl Booth {
             doubt_left_min: inner
                 .captures
                 .doubt_left(now)
-                .map(|left| (left.as_secs() + 1).div_ceil(60)),
+                .map(|left| left.saturating_sub(Duration::from_nanos(1)).as_secs() / 60 + 1),
             orders_come_late: match inner.captures.orders_when() {
                 OrdersWhen::BeforePress => orders_come_late(&inner.orders),
                 OrdersWhen::AfterPress => None,

@@ -4,6 +4,8 @@
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
 
+use gaiter_flow::trigger::PortState;
+
 use super::row::{Row, Verdict};
 use crate::config::Config;
 use crate::config::port::{InputPlace, SerialPlace};
@@ -22,10 +24,9 @@ pub(super) fn rows(config: &Config, running: Option<&Status>) -> Vec<Row> {
 fn of_station(status: &Status) -> Vec<Row> {
     let ports = status.triggers.iter().map(|(port, of)| {
         let why = of.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
-        let verdict = match of.state.as_str() {
-            "open" | "settling" | "not_looked" => Verdict::Ok,
-            _ => Verdict::Warn,
-        };
+        let state = PortState::ALL.into_iter().find(|state| state.word() == of.state);
+        let is_sound = state.is_some_and(|state| !state.is_fault());
+        let verdict = if is_sound { Verdict::Ok } else { Verdict::Warn };
         Row::at("port", port, verdict, format!("the station has it as {}{why}", of.state))
     });
     let taken = status.complaints.iter().filter(|complaint| complaint.code == "page-unavailable");
@@ -37,11 +38,11 @@ fn of_station(status: &Status) -> Vec<Row> {
 fn ports(config: &Config) -> Vec<Row> {
     let trigger = &config.trigger;
     let serial =
-        trigger.serial.as_ref().map(|of| ("trigger.serial.port", serial_of(&of.line.place)));
-    let keys = trigger.keys.as_ref().map(|of| ("trigger.keys.device", input(&of.device)));
+        trigger.serial.as_ref().map(|of| ("trigger.serial.port", path_of_serial(&of.line.place)));
+    let keys = trigger.keys.as_ref().map(|of| ("trigger.keys.device", path_of_input(&of.device)));
     let reader = trigger.reader.as_ref().map(|of| match &of.at {
-        ReaderPlace::Serial(line) => ("patient.reader.port", serial_of(&line.place)),
-        ReaderPlace::Keys(device) => ("patient.reader.keys", input(device)),
+        ReaderPlace::Serial(line) => ("patient.reader.port", path_of_serial(&line.place)),
+        ReaderPlace::Keys(device) => ("patient.reader.keys", path_of_input(device)),
     });
     let ports = [serial, keys, reader].into_iter().flatten();
     let ports = ports.filter_map(|(key, path)| Some((key, path?)));
@@ -58,14 +59,14 @@ fn ports(config: &Config) -> Vec<Row> {
         .collect()
 }
 
-fn serial_of(place: &SerialPlace) -> Option<&Path> {
+fn path_of_serial(place: &SerialPlace) -> Option<&Path> {
     match place {
         SerialPlace::Path(path) => Some(path),
         SerialPlace::Usb(_) => None,
     }
 }
 
-fn input(place: &InputPlace) -> Option<&Path> {
+fn path_of_input(place: &InputPlace) -> Option<&Path> {
     match place {
         InputPlace::Path(path) => Some(path),
         InputPlace::Name(_) => None,
@@ -75,8 +76,7 @@ fn input(place: &InputPlace) -> Option<&Path> {
 /// The addresses of the page, which the station must be able to take.
 fn addresses(config: &Config) -> Vec<Row> {
     let all = [("status.listen", config.status.listen), ("network in [page]", config.page.network)];
-    let all = all.into_iter().filter_map(|(key, address)| Some((key, address?)));
-    all.map(|(key, address)| address_row(key, address)).collect()
+    all.into_iter().filter_map(|(key, address)| Some(address_row(key, address?))).collect()
 }
 
 fn address_row(key: &str, address: SocketAddr) -> Row {

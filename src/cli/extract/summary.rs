@@ -208,4 +208,17 @@ day/4711…rst.obj     -  35.3  28.7  21.1     -     -     -     -  scan again
 ";
         assert_eq!(told, expected);
     }
+
+    #[test]
+    fn a_record_that_could_not_be_written_is_counted_and_its_verdict_is_not_shown() {
+        let whole = row("4715.obj", [[Some(352.96); 4]; 2], Kind::Complete);
+        let mut unwritten = whole.clone();
+        if let Came::Measured { is_delivered, .. } = &mut unwritten.came {
+            *is_delivered = false;
+        }
+        let told = anstream::adapter::strip_str(&summary(&[unwritten, whole], 76)).to_string();
+        let lines: Vec<&str> = told.lines().collect();
+        assert!(lines[2].ends_with("not written") && lines[3].ends_with("complete"), "{told}");
+        assert_eq!(lines[4], "2 scans: 2 measured (2 complete), 1 not written");
+    }
 }

@@ -34,6 +34,8 @@ enum Step {
     /// A record is delivered, or taken back where it is to go.
     Served,
     PutOff,
+    /// One store takes no record of it, ever.
+    RefusedAtStore,
     Lacks,
     Refused,
     LetGo,
@@ -51,6 +53,7 @@ fn step() -> impl Strategy<Value = Step> {
         4 => (of, any::<bool>()).prop_map(|(of, is_held)| Step::Comes { of, is_held }),
         8 => Just(Step::Served),
         1 => Just(Step::PutOff),
+        1 => Just(Step::RefusedAtStore),
         1 => Just(Step::Lacks),
         2 => Just(Step::Refused),
         1 => Just(Step::LetGo),
@@ -99,6 +102,9 @@ fn happens(journal: &Journal, n: usize, step: Step) {
             At::HandOver => {}
         },
         (Step::PutOff, Some(due)) => journal.put_off(&due, "put-off", first_seen()).unwrap(),
+        (Step::RefusedAtStore, Some(due)) if due.task == At::Deliver => {
+            journal.refused_at_store(&due, "patient-folder-clash").map(drop).unwrap();
+        }
         (Step::Lacks, _) => journal.lacks_measures(&scan).unwrap(),
         (Step::Refused, _) if whole.summary.state == ScanState::Spooled => {
             journal.refused(&scan, "no-leg", "neither leg can be measured").unwrap();
@@ -158,7 +164,7 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     prop_assert_eq!(shown.state, is.word(), "{:?}", &whole);
     prop_assert_eq!(shown.task == Task::Decide, is.needs_decision(), "{:?}", &whole);
     prop_assert_eq!(journal.is_undecided(&scan).unwrap(), is.needs_decision());
-    // Whoever is sent to decide finds something to decide, and why.
+    // A scan that needs a decision offers one.
     prop_assert!(!(is.needs_decision() && shown.acts.is_empty()), "{:?}", &whole);
     let is_told = matches!(is, Disposition::Held | Disposition::Refused);
     prop_assert_eq!(shown.advice.is_some(), is_told, "{:?}", &whole);
@@ -171,6 +177,10 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
         None => vec![Disposition::Withdrawing, Disposition::Closed, Disposition::Left],
     };
     prop_assert!(at_the_light.contains(&is), "{:?}: {:?}", at_the_light, &whole);
+    // While a result waits to be fetched, the light says "done" only of a record that a patient has.
+    let waits = is == Disposition::Spooled && !whole.is_in_work(&BTreeSet::from(["gdt"]));
+    let is_done = Outcome::of(&whole, &[]).is_some();
+    prop_assert_eq!(waits && is_done, waits && whole.has_record(), "{:?}", &whole);
     let said = in_words(&whole);
     prop_assert_eq!(said.starts_with("is held because"), is == Disposition::Held, "{}", said);
     prop_assert_eq!(said.ends_with("in quarantine"), is == Disposition::Refused, "{}", said);

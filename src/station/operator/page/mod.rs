@@ -18,7 +18,7 @@ pub mod endpoint;
 mod feed;
 mod files;
 mod guard;
-mod notice;
+mod plain_page;
 pub mod publish;
 mod search;
 mod snapshot;
@@ -37,7 +37,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 
 use self::endpoint::HttpEndpoint;
-use self::notice::notice;
+use self::plain_page::plain_page;
 use super::http::listeners::Way;
 
 /// The routes of an endpoint; `others` are pages for monitors, on this machine only.
@@ -60,7 +60,7 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
         Way::Network => read.with_state(Arc::clone(endpoint)),
     };
     let language = endpoint.desk.core.config.language;
-    let none = async move || notice(StatusCode::NOT_FOUND, "page.notice.no_page", language);
+    let none = async move || plain_page(StatusCode::NOT_FOUND, "page.plain.no_page", language);
     routes.fallback(none).layer(from_fn_with_state(Arc::clone(endpoint), guard::guard))
 }
 

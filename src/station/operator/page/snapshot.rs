@@ -21,6 +21,9 @@ const LAST: u32 = 12;
 /// How many scans that wait for a decision are shown. More than that cannot be handled by clicks.
 const UNDECIDED: u32 = 20;
 
+/// How long measures that a record lacks are asked for: then the patient is gone, and the record says what it lacks.
+const COMPLETED_WITHIN: SignedDuration = SignedDuration::from_hours(24);
+
 /// Takes a snapshot. Blocks, on the local disk only: what records say comes from the summaries. The
 /// second value names the records that the summaries should read, by the key of their row.
 pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
@@ -29,8 +32,7 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
     let overview = Overview::take(core);
     let who_is_next = desk.booth.who_is_next();
     let journal = core.custody.journal();
-    // Later the patient is gone, and the record says what it lacks.
-    let measured_since = overview.now.saturating_sub(SignedDuration::from_hours(24));
+    let measured_since = overview.now.saturating_sub(COMPLETED_WITHIN);
     let measured_since = measured_since.unwrap_or(Timestamp::MIN);
     let waiting = rows(desk, journal.open_tasks(UNDECIDED, measured_since));
     let newest = rows(desk, journal.newest(LAST + UNDECIDED));

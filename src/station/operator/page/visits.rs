@@ -19,7 +19,7 @@ use tracing::warn;
 
 use super::endpoint::HttpEndpoint;
 use super::files::Row;
-use super::notice::notice;
+use super::plain_page::plain_page;
 use super::snapshot;
 use crate::config::Config;
 use crate::station::runtime::causes::chain;
@@ -74,14 +74,14 @@ async fn answer(
     form: Form,
 ) -> Response {
     let language = endpoint.desk.core.config.language;
-    let told = |status, key| notice(status, key, language);
-    let none = || told(StatusCode::NOT_FOUND, "page.notice.no_visits");
+    let told = |status, key| plain_page(status, key, language);
+    let none = || told(StatusCode::NOT_FOUND, "page.plain.no_visits");
     let Ok(scan) = ScanId::parse(&scan) else { return none() };
     if !endpoint.shows_ids(&headers, None) {
-        return told(StatusCode::FORBIDDEN, "page.notice.no_link");
+        return told(StatusCode::FORBIDDEN, "page.plain.no_link");
     }
     let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
-        return told(StatusCode::SERVICE_UNAVAILABLE, "page.notice.busy");
+        return told(StatusCode::SERVICE_UNAVAILABLE, "page.plain.busy");
     };
     let made = spawn_blocking(move || {
         let _reader = reader;
@@ -99,9 +99,9 @@ async fn answer(
             let policy = (header::CONTENT_SECURITY_POLICY, served.policy);
             ([kind, policy], bytes).into_response()
         }
-        Ok(Err(NoVisits::One)) => told(StatusCode::CONFLICT, "page.notice.one_visit"),
+        Ok(Err(NoVisits::One)) => told(StatusCode::CONFLICT, "page.plain.one_visit"),
         Ok(Err(NoVisits::Unreachable)) => {
-            told(StatusCode::SERVICE_UNAVAILABLE, "page.notice.store_away")
+            told(StatusCode::SERVICE_UNAVAILABLE, "page.plain.store_away")
         }
         Ok(Err(NoVisits::Unknown)) => none(),
         Ok(Err(NoVisits::Failed)) | Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),

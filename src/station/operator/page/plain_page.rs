@@ -5,9 +5,9 @@ use axum::response::{IntoResponse, Response};
 use gaiter_language::Language;
 
 /// The sentence of this key with the way back to the operator's page.
-pub fn notice(status: StatusCode, key: &'static str, language: Language) -> Response {
+pub fn plain_page(status: StatusCode, key: &'static str, language: Language) -> Response {
     let (tag, text) = (language.tag(), |key| language.text(key));
-    let (said, back) = (text(key), text("page.notice.back"));
+    let (said, back) = (text(key), text("page.plain.back"));
     let page = format!(
         "<!doctype html>\n<html lang=\"{tag}\">\n<head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
