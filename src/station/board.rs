@@ -25,6 +25,12 @@ impl Board {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).unfetched()
     }
 
+    /// Whether a port is not listened to, and will not be in a moment.
+    pub fn is_any_port_at_fault(&self) -> bool {
+        let facts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        facts.triggers.values().any(|port| port.state.is_fault())
+    }
+
     /// The current facts.
     pub fn facts(&self) -> Facts {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()

@@ -16,10 +16,10 @@ use gaiter_flow::booth::Signal;
 use gaiter_flow::light::{self, Last, Light, Outcome, Progress, Scene};
 use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
-use gaiter_flow::round::{Capture, Content, Judged, Rounds, Rules};
+use gaiter_flow::round::{Capture, Content, HeldNext, Judged, Rounds, Rules};
 use gaiter_flow::settle::Sights;
 use gaiter_flow::{Appeared, OrdersWhen, ScanId};
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use tokio::sync::{Notify, watch};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -40,6 +40,12 @@ const LIGHT: Duration = Duration::from_millis(200);
 /// Interval between checks whether the whole station is ready, and while it is not; each reads the journal.
 const READY: Duration = Duration::from_secs(5);
 const NOT_READY: Duration = Duration::from_secs(1);
+
+/// How many scans that waited for their records before a start the light follows: more than a day has.
+const IN_WORK_MOST: u32 = 1000;
+
+/// For how long after a scan a start still tells at the light what it needs.
+const TODAY: SignedDuration = SignedDuration::from_hours(24);
 
 /// The booth of a station.
 #[derive(Debug)]
@@ -106,14 +112,16 @@ impl Inner {
         if buttons.is_empty() {
             captures.hears(Duration::ZERO);
         }
+        let next_number = journal.next_capture()?;
+        let in_work = journal.spooled(IN_WORK_MOST)?.into_iter().map(|scan| (scan, Vec::new()));
         Ok(Inner {
             captures,
-            next_number: journal.next_capture()?,
+            next_number,
             away: buttons,
-            in_work: BTreeMap::new(),
+            in_work: in_work.collect(),
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
-            last: None,
+            last: last_before(journal, next_number)?.map(|last| (last, now)),
         })
     }
 
@@ -126,6 +134,18 @@ impl Inner {
     fn last_opened(&self) -> Option<Duration> {
         self.captures.waiting().map(|capture| capture.opened).max()
     }
+}
+
+/// What the light told before the start, if a person must still see it: of the newest scan, unless the button was
+/// pressed or a patient named after it. What older ones need stands on the page.
+fn last_before(journal: &Journal, next_capture: i64) -> Result<Option<Last>, JournalError> {
+    let Some(scan) = journal.newest(1)?.pop() else { return Ok(None) };
+    let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
+    let captured = journal.captured_at(next_capture - 1)?;
+    let is_of_today = Timestamp::now().duration_since(whole.summary.first_seen) < TODAY;
+    let is_last = captured.is_none_or(|at| at <= whole.summary.first_seen) && is_of_today;
+    let needs_person = Outcome::of(&whole, &[]).is_some_and(|outcome| outcome.needs_person());
+    Ok((is_last && needs_person).then(|| Last::Scan { scan, to_do: Vec::new() }))
 }
 
 /// What can be read and noted without waiting for the journal.
@@ -197,6 +217,7 @@ pub struct WhoIsNext {
     next: Vec<String>,
     awaited_for: Vec<String>,
     is_asked: bool,
+    held_next: Option<HeldNext>,
     progress: Option<Progress>,
     last: Option<Outcome>,
     last_of: Vec<String>,
@@ -215,6 +236,7 @@ impl WhoIsNext {
             is_asked: self.is_asked,
             is_in_doubt: self.state.is_in_doubt,
             doubt_left_min: self.state.doubt_left_min,
+            held_next: self.held_next.as_ref(),
             progress: self.progress,
             last: self.last.as_ref(),
             last_of: &self.last_of,
@@ -257,10 +279,11 @@ impl Booth {
         WhoIsNext {
             state,
             has_button,
-            is_button_away: !inner.away.is_empty(),
+            is_button_away: self.is_button_away(&inner),
             next: inner.captures.next_ids(),
             awaited_for: inner.captures.awaited_ids(),
             is_asked: inner.captures.asks_who(),
+            held_next: inner.captures.held_next(self.core.now()),
             progress,
             last,
             last_of: last_of.unwrap_or_default(),
@@ -378,6 +401,11 @@ impl Booth {
         self.glance().last_opened
     }
 
+    /// Whether a button is not there. At a start, and while a port settles, there is nothing to be done.
+    fn is_button_away(&self, inner: &Inner) -> bool {
+        !inner.away.is_empty() && self.core.board.is_any_port_at_fault()
+    }
+
     fn scene(&self, not_ready: bool) -> Scene {
         let mut inner = self.inner();
         let progress = self.progress(&mut inner);
@@ -385,6 +413,7 @@ impl Booth {
         Scene {
             not_ready,
             paused: self.core.is_paused(),
+            is_button_away: self.is_button_away(&inner),
             missed: inner.missed,
             armed: inner.captures.is_armed(),
             progress,

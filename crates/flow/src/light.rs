@@ -48,6 +48,11 @@ pub enum Outcome {
         /// Why, as a stable code.
         code: String,
     },
+    /// Its record is stored without a patient: the operator must say whose it is.
+    Unassigned {
+        /// What is to be done with the patient, in sentences.
+        to_do: Vec<String>,
+    },
     /// It cannot be measured, or its record cannot be stored.
     Refused {
         /// Why, as a stable code.
@@ -82,18 +87,17 @@ impl Outcome {
                 Some(Outcome::Held { code: whole.held_for().unwrap_or_default().to_owned() })
             }
             Disposition::Spooled if !whole.has_record() => None,
-            Disposition::Spooled | Disposition::Delivered | Disposition::Unassigned => {
-                Some(match whole.summary.incomplete {
-                    true => Outcome::Incomplete { to_do: to_do.to_owned() },
-                    false => Outcome::Delivered,
-                })
-            }
+            Disposition::Unassigned => Some(Outcome::Unassigned { to_do: to_do.to_owned() }),
+            Disposition::Spooled | Disposition::Delivered => Some(match whole.summary.incomplete {
+                true => Outcome::Incomplete { to_do: to_do.to_owned() },
+                false => Outcome::Delivered,
+            }),
             Disposition::Withdrawing | Disposition::Closed | Disposition::Left => None,
         }
     }
 
     /// Whether a person must see it before the next patient.
-    fn needs_person(&self) -> bool {
+    pub fn needs_person(&self) -> bool {
         !matches!(self, Outcome::Delivered)
     }
 }
@@ -105,6 +109,8 @@ pub struct Scene {
     pub not_ready: bool,
     /// The operator has paused it.
     pub paused: bool,
+    /// A button is not there: presses are missed.
+    pub is_button_away: bool,
     /// No export arrived after the last press.
     pub missed: bool,
     /// The station waits for the export of a press.
@@ -171,6 +177,7 @@ fn wanted(scene: &Scene, now: Duration) -> Signal {
         Scene { progress: Some(_), .. } => Signal::Receiving,
         // The export that is missing may be the one that was held.
         Scene { last: Some((outcome, _)), .. } if outcome.needs_person() => Signal::Attention,
+        Scene { is_button_away: true, .. } => Signal::Attention,
         Scene { armed: true, .. } => Signal::Armed,
         Scene { missed: true, .. } => Signal::NoExport,
         Scene { last: Some((Outcome::Delivered, at)), .. }
@@ -282,6 +289,7 @@ mod tests {
             Outcome::Held { code: code() },
             Outcome::Refused { code: code() },
             Outcome::Incomplete { to_do: Vec::new() },
+            Outcome::Unassigned { to_do: Vec::new() },
             Outcome::NameUnread,
             Outcome::Known,
         ] {
@@ -289,6 +297,21 @@ mod tests {
             let last = Some((outcome, at(10)));
             let scene = Scene { armed: true, last, ..Scene::default() };
             assert_eq!(light.show(&scene, at(20)), Signal::Attention, "{scene:?}");
+        }
+    }
+
+    #[test]
+    fn without_its_button_the_station_is_not_ready_and_a_scan_that_is_measured_goes_on() {
+        let away = Scene { is_button_away: true, ..Scene::default() };
+        let scenes = [
+            (Scene { last: Some((Outcome::Delivered, at(10))), ..away.clone() }, Signal::Attention),
+            (Scene { armed: true, ..away.clone() }, Signal::Attention),
+            (Scene { missed: true, ..away.clone() }, Signal::Attention),
+            (Scene { progress: Some(Progress::Measuring), ..away.clone() }, Signal::Receiving),
+            (Scene { paused: true, ..away }, Signal::Paused),
+        ];
+        for (scene, shown) in scenes {
+            assert_eq!(Light::new(at(0)).show(&scene, at(20)), shown, "{scene:?}");
         }
     }
 

@@ -29,6 +29,7 @@
 
 mod capture;
 mod ending;
+mod held_next;
 mod names;
 mod outcome;
 
@@ -39,6 +40,7 @@ use super::export::writing::Appeared;
 use super::orders::when::OrdersWhen;
 pub use capture::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
 use gaiter_record::SourceKind;
+pub use held_next::HeldNext;
 pub use names::{Names, Next, Said, Unsure};
 pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 

@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::delivery_row::{Due, Task, count, detail, set_code, step};
 use super::integrity::seal;
+use super::listing::has_record;
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, cell, history, json_cell};
@@ -89,10 +90,14 @@ impl Journal {
         })
     }
 
-    /// Notes that the record of a scan lacks measures: a person must take them by hand or scan again.
+    /// Notes that the record of a scan lacks measures: a person must take them by hand or scan again. Once a patient
+    /// has it, what a person has set since counts.
     pub fn lacks_measures(&self, scan: &ScanId) -> Result<(), JournalError> {
-        let noted = "UPDATE scans SET incomplete = 1 WHERE sha256 = ?1 AND incomplete = 0";
-        self.connection().prepare_cached(noted)?.execute([scan.as_str()])?;
+        let has_record = has_record();
+        let noted = format!(
+            "UPDATE scans SET incomplete = 1 WHERE sha256 = ?1 AND incomplete = 0 AND NOT {has_record}"
+        );
+        self.connection().prepare_cached(&noted)?.execute([scan.as_str()])?;
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! The light of the real station: it says what is, for whose scan, and no longer than it is so.
 
 use rig::verb::{code, stderr};
+use rig::booth::Room;
 use rig::web::Site;
 use rig::{Booth, sha256};
 use serde_json::{Value, json};
@@ -59,6 +60,66 @@ fn a_held_scan_that_a_person_decided_on_is_not_held_at_the_light() {
         assert_eq!(decide(&site, &json!({"ask": ask, "scan": sha256(&bytes)})).status, 200);
         wait_for_light(&booth, &site, after, said);
     }
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn what_a_person_must_see_is_told_after_a_start_as_before_it() {
+    let booth = booth("[capture]\nwithout_trigger = \"hold\"\n");
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    let bytes = body(0);
+    booth.export("4711_a.obj", &bytes);
+    wait_for_light(&booth, &site, "attention", "The scan of 4711 is held.");
+    assert_eq!(daemon.stop().code(), Some(0));
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    wait_for_light(&booth, &site, "attention", "The scan of 4711 is held.");
+    assert_eq!(code(&booth.gaiter(&["release", &sha256(&bytes)])), Some(0));
+    wait_for_light(&booth, &site, "done", "The record of 4711 is stored.");
+    assert_eq!(daemon.stop().code(), Some(0));
+    // What is done needs nobody, and is not told again.
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    wait_for_light(&booth, &site, "ready", "Scan the next patient.");
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_scan_without_a_patient_is_not_done_until_a_person_has_said_whose_it_is() {
+    let booth = booth("");
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    let bytes = body(0);
+    booth.export("body.obj", &bytes);
+    let said = "The record of the last scan is stored, but without a patient.";
+    wait_for_light(&booth, &site, "attention", said);
+    let ask = json!({"ask": "assign", "scan": sha256(&bytes), "patient": "4711"});
+    assert_eq!(decide(&site, &ask).status, 200);
+    wait_for_light(&booth, &site, "done", "The record of 4711 is stored.");
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_refused_scan_that_may_come_again_is_told_to_hold_the_next_until_it_is_given_up() {
+    let mut room = Room::with_button("[status]\nlisten = \"127.0.0.1:0\"\n");
+    let daemon = room.start();
+    let site = Site::of(&room.booth, "local");
+    let bytes = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    room.name("4711");
+    room.press();
+    room.wait_for_look();
+    room.booth.export("4711_a.obj", bytes);
+    wait_for_light(&room.booth, &site, "attention", "The scan of 4711 cannot be used.");
+    let sentence = || site.state_of(&site.operator())["light"]["sentence"].to_string();
+    assert!(sentence().contains("If it is not made again, give it up"), "{}", sentence());
+    room.name("0815");
+    room.press();
+    let said = "Scan now, then export. It will be held: the scan of 4711 could not be used";
+    wait_for_light(&room.booth, &site, "armed", said);
+    assert!(names_nobody(&site, "4711"));
+    assert_eq!(code(&room.booth.gaiter(&["give-up", &sha256(bytes)])), Some(0));
+    room.booth.wait_for("no word of 4711", || !sentence().contains("4711"));
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

@@ -8,6 +8,7 @@ use super::reasons::{Advice, of_held, of_refused};
 use super::sentence::{Sentence, Text};
 use crate::booth::Signal;
 use crate::light::{Outcome, Progress};
+use crate::round::HeldNext;
 
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -42,6 +43,8 @@ pub struct Situation<'a> {
     pub is_in_doubt: bool,
     /// How many minutes longer presses are in doubt for that; `None` while the button is not heard.
     pub doubt_left_min: Option<u64>,
+    /// Why the scan that is made next would be held.
+    pub held_next: Option<&'a HeldNext>,
     /// How far the export or scan is for which the light says "measuring".
     pub progress: Option<Progress>,
     /// How the last scan since the last press ended; `None` if none has ended since.
@@ -58,20 +61,29 @@ pub(super) fn shown(
     language: Language,
 ) -> LightShown {
     let decide = is_any_undecided.then(|| language.text("page.decide"));
+    let away = language.text(BUTTON_AWAY);
+    let also_away = booth.is_button_away.then_some(away);
     let step = || Words::new(language.text(next_step(booth)));
     let said = match (booth.signal, first) {
         (Signal::Attention, Some(advice)) => Words::new(&advice.in_a_row()),
         // The patient waits, a decision can wait.
         (Signal::Attention, None) => match of_last(booth, language) {
-            Some(words) => words,
+            Some(words) => words.and(also_away),
+            None if booth.is_button_away => Words::new(away).and(decide),
             None => decide.map_or_else(step, Words::new),
         },
-        // Another scan may have ended since the light was lit.
         (Signal::Done, _) if booth.last == Some(&Outcome::Delivered) => {
-            Words::of_last(booth, DONE, language).and(decide)
+            Words::of_last(booth, DONE, language).and(also_away).and(decide)
         }
-        (Signal::Ready | Signal::Done, _) => step().and(decide),
-        _ => step(),
+        // Another scan may have ended since the light was lit.
+        (Signal::Ready | Signal::Done | Signal::Armed | Signal::NoExport, _) => {
+            match booth.is_button_away {
+                true => Words::new(away),
+                false => step().and_held_next(booth, language),
+            }
+            .and(decide.filter(|_| booth.signal != Signal::Armed))
+        }
+        (Signal::Receiving | Signal::Paused, _) => step().and(also_away),
     };
     let signal = booth.signal.word();
     let word = match (booth.signal, booth.progress) {
@@ -83,12 +95,16 @@ pub(super) fn shown(
     LightShown { signal, word: language.word("page.light", word), said }
 }
 
-/// Keys of a sentence on the last scan: without ids, and with them.
+/// The button is not there.
+const BUTTON_AWAY: &str = "page.step.button_away";
+
+/// Keys of a sentence that may name patients: without ids, and with them.
 type Keys = [&'static str; 2];
 
 const DONE: Keys = ["page.step.done", "page.step.done_of"];
 const HELD: Keys = ["page.step.held", "page.step.held_of"];
 const REFUSED: Keys = ["page.step.refused", "page.step.refused_of"];
+const LACKS: Keys = ["page.step.lacks", "page.step.lacks_of"];
 const KNOWN: Keys = ["page.step.known", "page.step.known_of"];
 
 /// Sentences that may name patients, and the same without ids.
@@ -102,16 +118,51 @@ impl Words {
         Words { text: Text::new().words(words), anonymous: words.to_owned() }
     }
 
-    /// A sentence on the last scan.
-    fn of_last(booth: &Situation<'_>, [without, with]: Keys, language: Language) -> Words {
-        let patients = distinct(booth.last_of);
+    /// A sentence that names these patients, if there are any.
+    fn naming(
+        ids: &[String],
+        [without, with]: Keys,
+        before_last: &'static str,
+        language: Language,
+    ) -> Words {
         let words = Words::new(language.text(without));
-        if patients.is_empty() {
-            return words;
+        match distinct(ids).as_slice() {
+            [] => words,
+            patients => {
+                let text =
+                    Text::new().sentence(language.text(with), patients, language.text(before_last));
+                Words { text, ..words }
+            }
         }
+    }
+
+    /// A sentence on the last scan.
+    fn of_last(booth: &Situation<'_>, keys: Keys, language: Language) -> Words {
         let is_held = matches!(booth.last, Some(Outcome::Held { .. }));
-        let before_last = language.text(if is_held { "page.next.or" } else { "page.next.and" });
-        Words { text: Text::new().sentence(language.text(with), &patients, before_last), ..words }
+        let before_last = if is_held { "page.next.or" } else { "page.next.and" };
+        Words::naming(booth.last_of, keys, before_last, language)
+    }
+
+    /// Followed by why the next scan would be held, and what ends that.
+    fn and_held_next(self, booth: &Situation<'_>, language: Language) -> Words {
+        let keys = match booth.held_next {
+            None => return self,
+            // The light asks who it is.
+            Some(HeldNext::Uncertain) if booth.signal == Signal::Ready && booth.is_asked => {
+                return self;
+            }
+            Some(HeldNext::MayComeAgain(_)) => ["page.hold.again", "page.hold.again_of"],
+            Some(HeldNext::Undecided(_)) => ["page.hold.undecided"; 2],
+            Some(HeldNext::Unheard) => ["page.hold.unheard"; 2],
+            Some(HeldNext::NotCome(_)) => ["page.hold.not_come", "page.hold.not_come_of"],
+            Some(HeldNext::Uncertain) => ["page.hold.uncertain"; 2],
+        };
+        let ids = booth.held_next.map_or(&[][..], HeldNext::patients);
+        let reason = Words::naming(ids, keys, "page.next.and", language);
+        Words {
+            text: self.text.words(" ").text(reason.text),
+            anonymous: format!("{} {}", self.anonymous, reason.anonymous),
+        }
     }
 
     /// Followed by more sentences that name nobody.
@@ -127,23 +178,31 @@ impl Words {
 fn of_last(booth: &Situation<'_>, language: Language) -> Option<Words> {
     let text = |key| language.text(key);
     let of = |keys| Words::of_last(booth, keys, language);
+    let also_held = match booth.held_next {
+        Some(HeldNext::MayComeAgain(_)) => Some(text("page.hold.until_given_up")),
+        Some(HeldNext::Undecided(_)) => Some(text("page.hold.until_decided")),
+        _ => None,
+    };
     Some(match booth.last? {
         Outcome::Delivered => return None,
-        Outcome::Incomplete { to_do } if to_do.is_empty() => Words::new(text("page.step.lacks")),
         Outcome::Incomplete { to_do } => {
-            let anonymous = to_do.join(" ");
-            let named = Words::of_last(booth, ["page.step.lacks", "page.step.lacks_of"], language);
-            match booth.last_of {
-                [] => Words::new(&anonymous),
-                _ => Words { anonymous, ..named.and(to_do.iter().map(String::as_str)) },
+            let named = of(LACKS).and(to_do.iter().map(String::as_str));
+            match (to_do.as_slice(), booth.last_of) {
+                ([], _) => named,
+                (_, []) => Words::new(&to_do.join(" ")),
+                _ => Words { anonymous: to_do.join(" "), ..named },
             }
         }
         Outcome::Held { code } => {
             let why = of_held(code, language).what;
-            of(HELD).and([why.as_str(), text("page.step.decide_held")])
+            of(HELD).and([why.as_str(), text("page.step.decide_held")]).and(also_held)
+        }
+        Outcome::Unassigned { to_do } => {
+            let to_do = to_do.iter().map(String::as_str);
+            Words::new(text("page.step.unassigned")).and(to_do)
         }
         Outcome::Refused { code } => {
-            of(REFUSED).and([of_refused(code, language).in_a_row().as_str()])
+            of(REFUSED).and([of_refused(code, language).in_a_row().as_str()]).and(also_held)
         }
         Outcome::NameUnread => Words::new(text("page.step.name_unread")),
         Outcome::Known => of(KNOWN).and([text("page.step.export_new")]),
@@ -153,9 +212,6 @@ fn of_last(booth: &Situation<'_>, language: Language) -> Option<Words> {
 /// The key of the sentence on what to do next.
 fn next_step(booth: &Situation<'_>) -> &'static str {
     match (booth.signal, booth.has_button) {
-        (Signal::Ready | Signal::Armed | Signal::NoExport, true) if booth.is_button_away => {
-            "page.step.button_away"
-        }
         (Signal::Ready, true) if booth.is_asked => "page.step.say_who",
         (Signal::Ready, true) if !booth.next.is_empty() => "page.step.press_for_named",
         (Signal::Ready, true) => "page.step.press",

@@ -159,17 +159,13 @@ pub fn shown(
     let mut next = next::shown(&known.booth, language);
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
-    // At a start, and while a port settles, there is nothing to be done.
-    let is_fault = known.facts.triggers.values().any(|port| port.state.is_fault());
-    let is_button_away = known.booth.is_button_away && is_fault;
-    let booth = Situation { is_button_away, ..known.booth };
     let first = first_fault(known.complaints).map(|first| of_complaint(first, language));
     let is_any_undecided = undecided.iter().any(|scan| scan.task == Task::Decide);
     Shown {
         schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
-        light: light::shown(&booth, first.as_ref(), is_any_undecided, language),
+        light: light::shown(&known.booth, first.as_ref(), is_any_undecided, language),
         next,
         paused: known.facts.intake == IntakeState::Paused,
         complaints: complaints.collect(),

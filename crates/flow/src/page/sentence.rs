@@ -48,6 +48,14 @@ impl Text {
         self
     }
 
+    /// Followed by this text.
+    pub(super) fn text(self, Text(more): Text) -> Text {
+        let mut more = more.into_iter();
+        let mut text = self.words(&more.next().unwrap_or_default());
+        text.0.extend(more);
+        text
+    }
+
     fn id(mut self, patient: &PatientShown) -> Text {
         self.0.extend([patient.shown.clone(), String::new()]);
         self

@@ -30,6 +30,7 @@ fn booth(signal: Signal) -> Situation<'static> {
         is_asked: false,
         is_in_doubt: false,
         doubt_left_min: None,
+        held_next: None,
         progress: None,
         last: None,
         last_of: &[],

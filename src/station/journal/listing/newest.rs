@@ -22,6 +22,11 @@ impl Journal {
         self.scans_of("TRUE", limit)
     }
 
+    /// The scans that wait for their records, newest first, at most `limit`.
+    pub fn spooled(&self, limit: u32) -> Result<Vec<ScanId>, JournalError> {
+        self.scans_of(&is_one_of(|found| found == Disposition::Spooled), limit)
+    }
+
     /// The scans that wait for an operator's decision, newest first, then those seen since a time whose records
     /// lack measures; at most `limit`.
     pub fn open_tasks(&self, limit: u32, since: Timestamp) -> Result<Vec<ScanId>, JournalError> {

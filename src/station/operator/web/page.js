@@ -294,7 +294,7 @@ function show(station) {
   if (isKiosk) {
     const [newest] = [...station.undecided, ...station.scans].sort((a, b) => Date.parse(b.at) - Date.parse(a.at));
     // As long as the light says what to do, it is not said twice.
-    const isSaid = light.signal === "attention";
+    const isSaid = newest?.measures?.to_do.every((sentence) => light.sentence.includes(sentence));
     redraw("last_body", newest ? { ...newest, isSaid } : null, (scan) => scan
       ? [
           make("p", { class: "when" }, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),

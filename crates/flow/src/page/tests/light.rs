@@ -2,13 +2,12 @@
 
 use gaiter_language::Language;
 
-use super::{BOTH, at, booth, page};
+use super::{BOTH, booth, page};
 use crate::booth::Signal;
-use crate::facts::{Facts, TriggerFacts};
 use crate::health::Complaint;
 use crate::light::{Outcome, Progress};
-use crate::page::{Known, Situation, shown};
-use crate::trigger::PortState;
+use crate::page::Situation;
+use crate::round::HeldNext;
 
 fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> String {
     let booth = Situation { last: Some(last), ..booth(Signal::Attention) };
@@ -64,27 +63,65 @@ fn a_pause_has_its_own_word_and_says_how_it_ends() {
     }
 }
 
-/// What the light says while a button's port is in this state.
-fn with_port(booth: Situation<'_>, state: PortState, language: Language) -> String {
-    let mut facts = Facts::new(at(0), 1);
-    facts.triggers.insert("serial", TriggerFacts { state, ..TriggerFacts::new(at(0)) });
-    let known =
-        Known { page: "1", station: "b", facts: &facts, complaints: &[], booth, now: at(1) };
-    shown(&known, Vec::new(), 0, Vec::new(), language).light.said.text
+#[test]
+fn a_button_that_is_not_there_is_told_instead_of_to_be_pressed_and_after_what_else_there_is_to_say()
+{
+    let (delivered, unread) = (Outcome::Delivered, Outcome::NameUnread);
+    for (language, words) in BOTH.into_iter().zip(["is not there", "nicht angeschlossen"]) {
+        for (signal, last, begins) in [
+            (Signal::Ready, None, true),
+            (Signal::Armed, None, true),
+            (Signal::NoExport, None, true),
+            (Signal::Attention, None, true),
+            (Signal::Attention, Some(&unread), false),
+            (Signal::Done, Some(&delivered), false),
+            (Signal::Receiving, None, false),
+            (Signal::Paused, None, false),
+        ] {
+            let away = Situation { is_button_away: true, last, ..booth(signal) };
+            let said = page(away, &[], language).light.said.text;
+            let away = said.find(words).unwrap_or_else(|| panic!("{signal:?}: {said}"));
+            assert_eq!(away < 20, begins, "{signal:?}: {said}");
+            assert_eq!(said.matches(words).count(), 1, "{signal:?}: {said}");
+        }
+    }
 }
 
 #[test]
-fn a_button_that_is_not_there_is_told_instead_of_to_be_pressed() {
-    for signal in [Signal::Ready, Signal::Armed, Signal::NoExport] {
-        for (language, words) in BOTH.into_iter().zip(["is not there", "nicht angeschlossen"]) {
-            let away = Situation { is_button_away: true, ..booth(signal) };
-            let said = with_port(away, PortState::Absent, language);
-            assert!(said.contains(words), "{signal:?}: {said}");
-            let said = with_port(away, PortState::Settling, language);
-            assert!(!said.contains(words), "at a start: {said}");
-            let without = Situation { has_button: false, ..away };
-            assert!(!with_port(without, PortState::Absent, language).contains(words));
+fn a_scan_that_would_be_held_is_told_before_it_is_made_with_what_ends_that() {
+    let of = vec!["4711".to_owned()];
+    for (why, names, ends) in [
+        (HeldNext::MayComeAgain(of.clone()), true, "Scan 4711 first, or give that scan up."),
+        (HeldNext::Undecided(of.clone()), false, "until you decide about the scan that is held."),
+        (HeldNext::Unheard, false, "a press of the button may have been missed."),
+        (HeldNext::NotCome(of), true, "If it does not come any more, call it off first."),
+        (HeldNext::Uncertain, false, "it is not certain who is in the booth."),
+    ] {
+        for signal in [Signal::Ready, Signal::Armed] {
+            let booth = Situation { held_next: Some(&why), ..booth(signal) };
+            let page = page(booth, &[], Language::En);
+            let said = page.light.said.text.clone();
+            assert!(said.contains("will be held") && said.ends_with(ends), "{said}");
+            assert_eq!(said.contains("4711"), names, "{said}");
+            assert!(!page.without_ids().light.said.text.contains("4711"));
         }
+    }
+}
+
+#[test]
+fn a_refused_or_held_scan_is_told_with_what_it_keeps_others_from() {
+    let of = vec!["4711".to_owned()];
+    let refused = Outcome::Refused { code: "no-leg".to_owned() };
+    let held = Outcome::Held { code: "capture-unclear".to_owned() };
+    for (last, why, ends) in [
+        (&refused, HeldNext::MayComeAgain(of.clone()), "until then the scans of others are held."),
+        (&held, HeldNext::Undecided(of), "Until then the next scan is held too."),
+    ] {
+        let alone = Situation { last: Some(last), ..booth(Signal::Attention) };
+        assert!(!page(alone, &[], Language::En).light.said.text.contains("ntil then"));
+        let booth = Situation { held_next: Some(&why), ..alone };
+        let said = page(booth, &[], Language::En).light.said.text;
+        assert!(said.ends_with(ends), "{said}");
     }
 }
 

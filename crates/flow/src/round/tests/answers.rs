@@ -153,3 +153,72 @@ fn a_content_without_a_press_that_is_gone_puts_the_name_that_waits_in_doubt() {
     captures.gone(seen(5));
     assert_eq!(patient_of(&export(&mut captures, seen(20))), None);
 }
+
+#[test]
+fn a_scan_that_would_be_held_is_foreseen_with_the_reason_that_a_person_can_end() {
+    let mut captures = captures();
+    let of = |id: &str| vec![id.to_owned()];
+    assert_eq!(captures.held_next(at(0)), None);
+    pressed_for(&mut captures, "1", 1, 0);
+    assert_eq!(captures.held_next(at(1)), None, "its own press");
+    let first = taken(&mut captures, seen(10));
+    refuse(&mut captures, &first, at(16));
+    // The same patient may be scanned again, another not.
+    captures.named(named("1"), 2, at(17), &[]);
+    assert_eq!(captures.held_next(at(17)), None);
+    captures.named(named("2"), 2, at(18), &[]);
+    assert_eq!(captures.held_next(at(18)), Some(HeldNext::MayComeAgain(of("1"))));
+    captures.pressed(2, at(19));
+    assert_eq!(captures.held_next(at(19)), Some(HeldNext::MayComeAgain(of("1"))));
+    captures.given_up(1);
+    captures.open[0].others.clear();
+    captures.open[0].doubt = None;
+    assert_eq!(captures.held_next(at(20)), None);
+}
+
+#[test]
+fn a_held_scan_a_missing_export_and_a_missed_press_are_foreseen_to_hold_the_next() {
+    let of = |id: &str| vec![id.to_owned()];
+    let mut held = captures();
+    held.named(named("1"), 1, at(0), &[]);
+    held.missed_name();
+    pressed_for(&mut held, "1", 1, 0);
+    held.open[0].doubt = Some(Doubt::Unread);
+    assert_eq!(code(&taken(&mut held, seen(10))), UNREAD);
+    held.named(named("2"), 2, at(11), &[]);
+    assert_eq!(held.held_next(at(11)), Some(HeldNext::Undecided(of("1"))));
+
+    let mut missing = captures();
+    pressed_for(&mut missing, "1", 1, 0);
+    missing.pass(at(61), &[all_seen(61)]);
+    missing.named(named("2"), 2, at(62), &[]);
+    assert_eq!(missing.held_next(at(62)), Some(HeldNext::NotCome(of("1"))));
+    missing.call_off();
+    missing.named(named("2"), 2, at(63), &[]);
+    assert_eq!(missing.held_next(at(63)), None);
+
+    let mut unheard = captures();
+    unheard.deaf();
+    unheard.hears(at(0));
+    unheard.named(named("1"), 1, at(1), &[]);
+    assert_eq!(unheard.held_next(at(1)), Some(HeldNext::Unheard));
+    assert_eq!(unheard.held_next(at(0) + rules().awaited()), None);
+    let nobody = Rounds { names: Names::default(), ..unheard };
+    assert_eq!(nobody.held_next(at(1)), None, "nobody can be mistaken");
+}
+
+#[test]
+fn without_a_button_a_name_beside_a_refused_scan_is_foreseen_to_be_held() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Rounds::new(rules, Vec::new(), Names::default());
+    captures.uncertain = None;
+    captures.hears(at(0));
+    captures.named(order("1"), 1, at(0), &[]);
+    assert_eq!(captures.held_next(at(1)), None);
+    let first = taken(&mut captures, seen(10));
+    refuse(&mut captures, &first, at(16));
+    assert_eq!(captures.held_next(at(17)), None, "its own repetition");
+    captures.named(order("2"), 2, at(18), &[]);
+    let again = HeldNext::MayComeAgain(vec!["1".to_owned()]);
+    assert_eq!(captures.held_next(at(19)), Some(again));
+}
