@@ -220,6 +220,7 @@ pub struct WhoIsNext {
     held_next: Option<HeldNext>,
     progress: Option<Progress>,
     last: Option<Outcome>,
+    last_scan: String,
     last_of: Vec<String>,
 }
 
@@ -239,6 +240,7 @@ impl WhoIsNext {
             held_next: self.held_next.as_ref(),
             progress: self.progress,
             last: self.last.as_ref(),
+            last_scan: &self.last_scan,
             last_of: &self.last_of,
         }
     }
@@ -286,6 +288,10 @@ impl Booth {
             held_next: inner.captures.held_next(self.core.now()),
             progress,
             last,
+            last_scan: match &inner.last {
+                Some((Last::Scan { scan, .. }, _)) => scan.to_string(),
+                _ => String::new(),
+            },
             last_of: last_of.unwrap_or_default(),
         }
     }

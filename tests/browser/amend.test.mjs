@@ -133,3 +133,33 @@ test("what is to be measured by hand stands above, and its form begins with what
     assert.deepEqual(set, [["right", "C", 340]]);
   });
 });
+
+test("on a phone the form shows both legs, what is wrong and its buttons, and nothing is beside the screen", async () => {
+  for (const [width, language, names] of [
+    [390, "en", { form: /by hand/, left: "Left C: Girth (cm)", reason: "Reason", by: "Your name", save: "Save", far: /far off/ }],
+    [320, "de", { form: /von Hand/, left: "Links C: Umfang (cm)", reason: "Grund", by: "Ihr Name", save: "Speichern", far: /weit/ }],
+  ]) {
+    await at(await Station.make({ more: `[report]\nlanguage = "${language}"\n` }), async (station) => {
+      const { page } = await tab(browser, station, { viewport: { width, height: 844 } });
+      await page.goto(station.link());
+      await station.looked();
+      station.export("4711_x.obj", body(0));
+      await page.waitForSelector("td.girth");
+      await page.getByRole("button", { name: /by hand|von Hand/i }).first().click();
+      const form = page.getByRole("dialog", { name: names.form });
+      await form.waitFor();
+      assert.deepEqual(await violations(page), []);
+      await form.getByLabel(names.left).fill("13,8");
+      await form.getByLabel(names.reason).fill("x");
+      await form.getByLabel(names.by).fill("x");
+      await form.getByRole("button", { name: names.save }).click();
+      await form.getByText(names.far).waitFor();
+      await shoot(page, `amend-${width}`);
+      const outside = await form.evaluate((dialog, right) => [...dialog.querySelectorAll("input, select, button, p, h2")]
+        .filter((part) => part.getBoundingClientRect().width && part.getBoundingClientRect().right > right)
+        .map((part) => part.outerHTML), width);
+      assert.deepEqual(outside, []);
+      assert.ok(await form.evaluate((dialog) => dialog.scrollWidth <= dialog.clientWidth), "nothing to scroll to the side");
+    });
+  }
+});

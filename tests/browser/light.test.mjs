@@ -9,7 +9,7 @@ before(async () => { browser = await browse(); });
 after(async () => { await browser.close(); });
 
 const VIEWPORTS = [
-  { width: 1920, height: 1080 }, { width: 1280, height: 720 }, { width: 1080, height: 1920 }, { width: 390, height: 844 },
+  { width: 1920, height: 1080 }, { width: 1280, height: 800 }, { width: 1280, height: 720 }, { width: 1080, height: 1920 }, { width: 390, height: 844 },
 ];
 
 /** What is cut off or wider than the screen. */
@@ -22,6 +22,11 @@ async function overflow(page) {
     return {
       wide: all.scrollWidth > innerWidth, cut: cut.map((part) => part.id || part.className || part.tagName),
       light: light.scrollHeight > light.clientHeight + 1,
+      covered: ["last", "next"].some((id) => {
+        const box = document.getElementById(id);
+        return box && document.documentElement.dataset.view === "kiosk"
+          && (box.getBoundingClientRect().top < light.getBoundingClientRect().bottom || box.scrollHeight > box.clientHeight + 1);
+      }),
     };
   });
 }
@@ -36,7 +41,7 @@ async function said(browser, station, name) {
       await page.waitForSelector("#light[data-signal]");
       const found = await overflow(page);
       const shown = `${name} ${place} ${viewport.width}`;
-      assert.deepEqual(found, { wide: false, cut: [], light: false }, shown);
+      assert.deepEqual(found, { wide: false, cut: [], light: false, covered: false }, shown);
       await shoot(page, `light-${name}-${place === "/" ? "page" : "kiosk"}-${viewport.width}`);
       sentence = await page.locator("#sentence").textContent();
       assert.deepEqual(await violations(page), [], shown);
@@ -68,7 +73,7 @@ test("a held scan is told while another export is expected", async () => {
     station.export("0815_a.obj", body(60));
     await light(page, "attention");
     const sentence = await said(browser, station, "held");
-    assert.match(sentence, /^The last scan is held\. .*Decide on the page whose it is\.$/s);
+    assert.match(sentence, /^The last scan is held\. .*Decide on the page whose it is\. Until then the next scan is held too\.$/s);
   });
 });
 

@@ -1,7 +1,7 @@
 //! The light of the real station: it says what is, for whose scan, and no longer than it is so.
 
-use rig::verb::{code, stderr};
 use rig::booth::Room;
+use rig::verb::{code, stderr};
 use rig::web::Site;
 use rig::{Booth, sha256};
 use serde_json::{Value, json};

@@ -5,7 +5,9 @@ use serde::Serialize;
 
 use super::distinct;
 use super::reasons::{Advice, of_held, of_refused};
+use super::scans::ScanShown;
 use super::sentence::{Sentence, Text};
+use crate::Task;
 use crate::booth::Signal;
 use crate::light::{Outcome, Progress};
 use crate::round::HeldNext;
@@ -49,17 +51,20 @@ pub struct Situation<'a> {
     pub progress: Option<Progress>,
     /// How the last scan since the last press ended; `None` if none has ended since.
     pub last: Option<&'a Outcome>,
+    /// The id of that scan; empty if it is of none.
+    pub last_scan: &'a str,
     /// The ids of the patients to whom that scan belongs, or may belong if it is held.
     pub last_of: &'a [String],
 }
 
-/// The light; `first` is the most serious fault, if there is one.
+/// The light; `first` is the most serious fault, if there is one, `undecided` what a person must do something about.
 pub(super) fn shown(
     booth: &Situation<'_>,
     first: Option<&Advice>,
-    is_any_undecided: bool,
+    undecided: &[ScanShown],
     language: Language,
 ) -> LightShown {
+    let is_any_undecided = undecided.iter().any(|scan| scan.task == Task::Decide);
     let decide = is_any_undecided.then(|| language.text("page.decide"));
     let away = language.text(BUTTON_AWAY);
     let also_away = booth.is_button_away.then_some(away);
@@ -67,7 +72,7 @@ pub(super) fn shown(
     let said = match (booth.signal, first) {
         (Signal::Attention, Some(advice)) => Words::new(&advice.in_a_row()),
         // The patient waits, a decision can wait.
-        (Signal::Attention, None) => match of_last(booth, language) {
+        (Signal::Attention, None) => match of_last(booth, undecided, language) {
             Some(words) => words.and(also_away),
             None if booth.is_button_away => Words::new(away).and(decide),
             None => decide.map_or_else(step, Words::new),
@@ -147,6 +152,8 @@ impl Words {
     fn and_held_next(self, booth: &Situation<'_>, language: Language) -> Words {
         let keys = match booth.held_next {
             None => return self,
+            // Whoever did not come is named and scanned again, and that is not held.
+            Some(_) if booth.signal == Signal::NoExport => return self,
             // The light asks who it is.
             Some(HeldNext::Uncertain) if booth.signal == Signal::Ready && booth.is_asked => {
                 return self;
@@ -175,7 +182,10 @@ impl Words {
 }
 
 /// What the last scan needs from a person at the booth; `None` if nothing.
-fn of_last(booth: &Situation<'_>, language: Language) -> Option<Words> {
+fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -> Option<Words> {
+    let useless =
+        undecided.iter().find(|scan| scan.scan == booth.last_scan && scan.unmeasured.is_some());
+    let useless = useless.and_then(|scan| scan.advice.as_ref());
     let text = |key| language.text(key);
     let of = |keys| Words::of_last(booth, keys, language);
     let also_held = match booth.held_next {
@@ -195,7 +205,11 @@ fn of_last(booth: &Situation<'_>, language: Language) -> Option<Words> {
         }
         Outcome::Held { code } => {
             let why = of_held(code, language).what;
-            of(HELD).and([why.as_str(), text("page.step.decide_held")]).and(also_held)
+            let [why, next] = match useless {
+                Some(advice) => [advice.what.as_str(), &advice.next],
+                None => [why.as_str(), text("page.step.decide_held")],
+            };
+            of(HELD).and([why, next]).and(also_held)
         }
         Outcome::Unassigned { to_do } => {
             let to_do = to_do.iter().map(String::as_str);

@@ -20,7 +20,6 @@ use gaiter_record::shown;
 use jiff::Timestamp;
 use serde::Serialize;
 
-use super::disposition::Task;
 use super::facts::{Facts, IntakeState};
 use super::health::{Complaint, Severity};
 use super::light::first_fault;
@@ -160,12 +159,11 @@ pub fn shown(
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
     let first = first_fault(known.complaints).map(|first| of_complaint(first, language));
-    let is_any_undecided = undecided.iter().any(|scan| scan.task == Task::Decide);
     Shown {
         schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
-        light: light::shown(&known.booth, first.as_ref(), is_any_undecided, language),
+        light: light::shown(&known.booth, first.as_ref(), &undecided, language),
         next,
         paused: known.facts.intake == IntakeState::Paused,
         complaints: complaints.collect(),

@@ -25,6 +25,11 @@ impl Advice {
         format!("{} {}", self.what, self.next)
     }
 
+    /// This situation first, then the other; what to do is of this one.
+    pub(super) fn before(self, other: &Advice) -> Advice {
+        Advice { what: format!("{} {}", self.what, other.what), ..self }
+    }
+
     /// The advice for a code in a table of texts; `None` for an unknown code.
     fn of(table: &str, code: &str, language: Language) -> Option<Advice> {
         let what = language.find(&format!("{table}.{code}.what"))?;

@@ -77,9 +77,14 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         Disposition::Held => whole.held_for().map(str::to_owned),
         _ => None,
     };
-    let advice = code.as_deref().and_then(|code| match is {
-        Disposition::Refused => Some(of_refused(code, language)),
-        Disposition::Held => Some(of_held(code, language)),
+    let unmeasured = told.unmeasured.as_deref().filter(|_| is == Disposition::Held);
+    let advice = code.as_deref().and_then(|code| match (is, unmeasured) {
+        (Disposition::Refused, _) => Some(of_refused(code, language)),
+        // Whose it is does not matter where it cannot be used.
+        (Disposition::Held, Some(why)) => {
+            Some(of_refused(why, language).before(&of_held(code, language)))
+        }
+        (Disposition::Held, None) => Some(of_held(code, language)),
         _ => None,
     });
     let state = if told.is_to_be_fetched { Disposition::Delivered } else { is }.word();
@@ -88,8 +93,8 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         _ if told.is_to_be_fetched => language.text("page.scan.unfetched"),
         _ => language.word("page.scan", state),
     };
-    let acts = acts(is, code.as_deref(), whole);
-    let unmeasured = told.unmeasured.as_deref().filter(|_| is == Disposition::Held);
+    let mut acts = acts(is, code.as_deref(), whole);
+    acts.sort_by_key(|act| unmeasured.is_some() && *act != "give_up");
     let of = of(whole).unwrap_or_default();
     ScanShown {
         scan: whole.scan.clone(),
@@ -109,7 +114,8 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         incomplete: whole.summary.incomplete,
         measures: told.measures.clone(),
         files: told.files.clone(),
-        unmeasured: unmeasured.map(|code| no_preview(code, language)),
+        unmeasured: unmeasured
+            .map(|code| format!("{} [{code}]", language.text("page.scan.no_picture"))),
     }
 }
 
@@ -119,12 +125,6 @@ pub fn of(whole: &Whole) -> Option<String> {
     let mut has_record = whole.deliveries.iter().filter(|of| of.is_there());
     let only = theirs.first().filter(|_| theirs.len() == 1)?;
     has_record.any(|of| of.patient.as_deref() == Some(only)).then(|| key(&whole.scan, only))
-}
-
-/// Why there is no picture of a held scan.
-fn no_preview(code: &str, language: Language) -> String {
-    let none = language.text("page.scan.no_picture");
-    format!("{none} {} [{code}]", of_refused(code, language).what)
 }
 
 /// The verbs that help, the likeliest first. If the scan could belong to either of two patients, a

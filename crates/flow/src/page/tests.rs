@@ -33,6 +33,7 @@ fn booth(signal: Signal) -> Situation<'static> {
         held_next: None,
         progress: None,
         last: None,
+        last_scan: "",
         last_of: &[],
     }
 }

@@ -137,10 +137,21 @@ fn a_scan_is_shown_whole_with_its_deliveries() {
 }
 
 #[test]
+fn a_scan_lacks_measures_from_its_first_record_on_and_a_later_one_undoes_nothing_that_a_person_has_set()
+ {
+    let (_dir, journal) = journal();
+    for (digits, lacks) in [("abcd", true), ("1111", false)] {
+        journal.lacks_measures(&scan(digits)).unwrap();
+        let whole = journal.whole(&scan(digits)).unwrap().unwrap();
+        assert_eq!(whole.summary.incomplete, lacks, "{digits}");
+    }
+}
+
+#[test]
 fn a_search_finds_scans_by_patient_id_time_and_state_newest_first_and_says_that_there_are_more() {
     let (_dir, journal) = journal();
     enter(&journal, "2222", 50, None, Done);
-    journal.lacks_measures(&scan("1111")).unwrap();
+    journal.still_lacks_measures(&scan("1111"), true).unwrap();
     let all = Search { limit: 9, ..Search::default() };
     let of = |search: &Search| -> Vec<String> {
         let found = journal.search(search).unwrap();

@@ -14,9 +14,11 @@ function amendButton(scan, isMain) {
   return button(label("amend"), `amend ${rowKey(scan)}`, () => amend(scan), isMain);
 }
 
+const caption = (value) => label({ height: "height", length: "amend_length", girth: "girth" }[value]);
+
 // One box of the form. What counts now stands in it in grey.
 function box(line, side, value) {
-  const of = value === "height" ? label("height") : line.kind === "length" ? label("amend_length") : label("girth");
+  const of = caption(value);
   const now = line[side][value === "height" ? "height" : "value"];
   const isAsked = line[side].asked.includes(value);
   return make("input", {
@@ -38,8 +40,9 @@ function boxes(line, side) {
     for (const input of inputs) input.disabled = select.value !== "measured";
   });
   const mark = line[side].is_by_hand ? make("abbr", { title: label("by_hand") }, "*") : null;
-  const cells = inputs.map((input) => make("td", { colspan: 3 - values.length }, input));
-  const row = [...cells, make("td", {}, select, mark)];
+  const cells = inputs.map((input) => make("td", { colspan: 3 - values.length, "data-caption": caption(input.dataset.value) }, input));
+  // Where a leg has a line of its own, its name stands before it.
+  const row = [make("td", { class: "side", "aria-hidden": "true" }, label(side)), ...cells, make("td", {}, select, mark)];
   return { row, read: () => read(line, side, select.value, inputs) };
 }
 

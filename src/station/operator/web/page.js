@@ -254,14 +254,15 @@ function showLight(light) {
 const FIT_LEAST = 0.33;
 const FIT_STEP = 0.04;
 function fit() {
-  const box = $("light");
-  const { paddingTop, paddingBottom } = getComputedStyle(box);
-  const room = () => box.clientHeight - parseFloat(paddingTop) - parseFloat(paddingBottom);
-  const tall = () => Math.max(...[...box.children].map((part) => part.offsetHeight));
-  const overflows = () => tall() > room() || box.scrollHeight > box.clientHeight || box.scrollWidth > box.clientWidth;
-  for (let scale = 1; scale >= FIT_LEAST; scale -= FIT_STEP) {
-    box.style.setProperty("--fit", scale);
-    if (!overflows()) return;
+  for (const box of ["light", "last", "next"].map($)) {
+    const { paddingTop, paddingBottom } = getComputedStyle(box);
+    const room = () => box.clientHeight - parseFloat(paddingTop) - parseFloat(paddingBottom);
+    const tall = () => Math.max(...[...box.children].map((part) => part.offsetHeight));
+    const overflows = () => tall() > room() || box.scrollHeight > box.clientHeight || box.scrollWidth > box.clientWidth;
+    for (let scale = 1; scale >= FIT_LEAST; scale -= FIT_STEP) {
+      box.style.setProperty("--fit", scale);
+      if (!overflows()) break;
+    }
   }
 }
 

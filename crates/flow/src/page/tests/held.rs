@@ -1,6 +1,8 @@
 //! What a held scan shows and offers.
 
 use super::*;
+use crate::light::Outcome;
+use crate::page::reasons::{Advice, of_refused};
 
 /// For a held scan with these candidates: the patients who can be chosen, and the verbs.
 fn choices(
@@ -36,15 +38,38 @@ fn a_held_scan_offers_its_candidates_and_a_release_only_where_exactly_one_patien
 }
 
 #[test]
-fn a_held_scan_that_cannot_be_measured_says_why_there_is_no_picture() {
+fn a_held_scan_that_cannot_be_measured_says_that_first_and_offers_first_to_give_it_up() {
     let told = Told { unmeasured: Some("no-leg".to_owned()), ..Told::default() };
     let held = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
-    let said = |whole: &Whole, language| scan_shown(whole, &told, language).unmeasured;
-    let english = "There is no picture of its legs. The legs cannot be measured. [no-leg]";
-    assert_eq!(said(&held, Language::En).as_deref(), Some(english));
-    assert!(said(&held, Language::De).unwrap().starts_with("Von seinen Beinen"));
+    for (language, begins, held_for) in [
+        (Language::En, "The legs cannot be measured. ", "It arrived after"),
+        (Language::De, "Die Beine lassen sich nicht vermessen. ", "Er kam nach"),
+    ] {
+        let shown = scan_shown(&held, &told, language);
+        let Advice { what, next } = shown.advice.clone().unwrap();
+        assert!(what.starts_with(begins) && what.contains(held_for), "{what}");
+        assert_eq!(next, of_refused("no-leg", language).next);
+        assert_eq!(shown.acts, ["give_up", "release", "assign"]);
+        assert!(shown.unmeasured.as_deref().unwrap().ends_with("[no-leg]"));
+        // The light says the same of the scan that ended last, and of no other.
+        let last = Outcome::Held { code: "export-late".to_owned() };
+        for (last_scan, is_told) in [(shown.scan.as_str(), true), ("0", false)] {
+            let booth = Situation { last: Some(&last), last_scan, ..booth(Signal::Attention) };
+            let facts = Facts::new(at(0), 1);
+            let known = Known {
+                page: "1",
+                station: "b",
+                facts: &facts,
+                complaints: &[],
+                booth,
+                now: at(1),
+            };
+            let page = crate::page::shown(&known, vec![shown.clone()], 0, Vec::new(), language);
+            assert_eq!(page.light.said.text.contains(&what), is_told, "{}", page.light.said.text);
+        }
+    }
     let stored = whole("delivered", None, vec![delivery(Some("1"), "delivered", None)]);
-    assert_eq!(said(&stored, Language::En), None);
+    assert_eq!(scan_shown(&stored, &told, Language::En).unmeasured, None);
 }
 
 #[test]
