@@ -134,12 +134,13 @@ test("a record without a patient needs a decision, is listed once, and can be le
     station.export("nobody.obj", body(61));
     const card = page.locator("#undecided_body article");
     await card.getByText("No patient").waitFor();
-    await light(page, "done");
-    assert.match(await page.locator("#sentence").textContent(), /waits for your decision/);
+    await light(page, "attention");
+    assert.match(await page.locator("#sentence").textContent(), /stored, but without a patient\. Say on the page whose it is\./);
     assert.equal(await page.locator("#scans_body article").count(), 0, "it stands in two lists");
     await card.getByRole("button", { name: "Leave unassigned" }).click();
     await page.locator("#question").getByRole("button", { name: "Leave unassigned" }).click();
     await page.getByText("Nothing waits for a decision.").waitFor();
+    await light(page, "ready");
     await page.locator("#scans_body article").getByRole("button", { name: "Assign" }).waitFor();
   });
 });

@@ -95,8 +95,8 @@ pub(crate) fn why_absent(
         Absent::NotFound if is_found("level-implausible", Some(level.name())) => {
             "report.missing.level_implausible"
         }
-        // The scan shows the skin, and not where on it the level lies.
-        Absent::NotFound if is_estimated(record, side, level) => "report.missing.level_absent",
+        // The only estimate without figures.
+        Absent::NotFound if is_estimated(record, side, level) => "report.missing.below_d",
         Absent::NotFound => "report.missing.level_not_seen",
     }
 }

@@ -116,14 +116,14 @@ pub struct Levels {
 pub struct SheetColumns {
     /// The level.
     pub level: String,
-    /// The legs, each over three columns, in the order of [`Side::FROM_FRONT`].
+    /// The legs, each over four columns, in the order of [`Side::FROM_FRONT`].
     pub legs: [String; 2],
     /// A girth, with its unit.
     pub girth: String,
     /// A height above the floor, with its unit.
     pub height: String,
-    /// The column that is left open for corrections by hand.
-    pub by_hand: String,
+    /// The columns that are left open for a girth and a height by hand.
+    pub by_hand: [String; 2],
 }
 
 /// One level of both legs.
@@ -135,6 +135,8 @@ pub struct LevelRow {
     pub place: String,
     /// Whether the garment needs it.
     pub is_needed: bool,
+    /// Whether it lies at a height above the floor: not those of the foot.
+    pub has_height: bool,
     /// The figures of each leg, in the order of [`Side::FROM_FRONT`].
     pub legs: [LevelFigures; 2],
 }
@@ -340,8 +342,20 @@ impl Content {
 }
 
 /// What a person fills in on the measuring sheet, in this order.
-const OPEN_FIELDS: [&str; 9] =
-    ["patient", "class", "knit", "product", "colour", "toe", "band", "quantity", "signature"];
+const OPEN_FIELDS: [&str; 12] = [
+    "patient",
+    "class",
+    "knit",
+    "product",
+    "colour",
+    "toe",
+    "band",
+    "quantity",
+    "remark",
+    "measured_by",
+    "date",
+    "signature",
+];
 
 /// A record with the language of its report.
 struct Report<'a> {

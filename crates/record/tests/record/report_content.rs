@@ -179,6 +179,7 @@ fn a_doubt_is_told_at_its_level_and_among_the_notes_with_all_its_places() {
     // A knee that would lie below D is no knee.
     let e = content.levels.rows.iter().find(|row| row.level == "E").unwrap();
     assert!(!e.legs[0].girth.is_missing() && e.legs[1].girth.is_missing(), "{e:?}");
+    assert_eq!(e.legs[1].girth.value, "no estimate: D lies high");
     assert!(c.legs.iter().all(|leg| told(&leg.girth).ends_with(" ?")), "{c:?}");
     let [gap, below] = &content.notes.entries[..] else { unreachable!("{:?}", content.notes) };
     assert_eq!((gap.code.as_str(), gap.weight), ("gap", Weight::Warning));

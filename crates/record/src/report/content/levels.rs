@@ -20,7 +20,10 @@ impl Report<'_> {
                 legs: Side::FROM_FRONT.map(|side| self.leg_heading(side)),
                 girth: self.text("report.sheet.girth"),
                 height: self.text("report.sheet.height"),
-                by_hand: self.text("report.sheet.by_hand"),
+                by_hand: [
+                    self.text("report.sheet.girth_by_hand"),
+                    self.text("report.sheet.height_by_hand"),
+                ],
             },
             key: self.key(&rows),
             rows,
@@ -36,6 +39,7 @@ impl Report<'_> {
             level: level.name().to_owned(),
             place: self.language.word("level", level.name()).to_owned(),
             is_needed: self.garment.levels().contains(&level),
+            has_height: level >= Level::B,
             legs: Side::FROM_FRONT.map(|side| self.level(side, level)),
         }
     }

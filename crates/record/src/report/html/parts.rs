@@ -99,18 +99,19 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
         .into_iter()
         .zip(&columns.legs)
         .map(|(side, leg)| {
-            let attributes = format!(" scope=\"colgroup\" colspan=\"3\" class=\"{}\"", side.word());
+            let attributes = format!(" scope=\"colgroup\" colspan=\"4\" class=\"{}\"", side.word());
             words("th", &attributes, leg)
         })
         .collect();
     let first = words("th", " scope=\"col\" rowspan=\"2\"", &columns.level) + &legs;
-    let by_hand = words("th", " scope=\"col\" class=\"by-hand\"", &columns.by_hand);
+    let open = |text: &String| words("th", " scope=\"col\" class=\"by-hand\"", text);
+    let by_hand: String = columns.by_hand.iter().map(open).collect();
     let of_leg = column(&columns.girth) + &column(&columns.height) + &by_hand;
     let head = element("tr", "", &first) + &element("tr", "", &of_leg.repeat(2));
     let rows: String = levels.rows.iter().map(level).collect();
     let lengths: String = levels.lengths.iter().map(length).collect();
-    let groups = "<colgroup><col></colgroup><colgroup span=\"3\"></colgroup>\
-                  <colgroup span=\"3\"></colgroup>";
+    let groups = "<colgroup><col></colgroup><colgroup span=\"4\"></colgroup>\
+                  <colgroup span=\"4\"></colgroup>";
     let head = groups.to_owned() + &element("thead", "", &head);
     let inside = head + &element("tbody", "", &(rows + &lengths));
     let table = wide("levels", &element("table", " class=\"levels\"", &inside));
@@ -139,7 +140,7 @@ fn level(row: &LevelRow) -> String {
             cells += &figure(&leg.girth);
             cells += &figure(&leg.height);
         }
-        cells += BY_HAND;
+        cells += if row.has_height { BOXES } else { ONE_BOX };
     }
     element("tr", if row.is_needed { " class=\"needed\"" } else { "" }, &cells)
 }
@@ -155,7 +156,7 @@ fn length(row: &SheetRow) -> String {
             _ => "",
         };
         let shown = format!("{}{margin}{sign}", of.value);
-        words("td", &format!(" colspan=\"2\"{class}"), &shown) + BY_HAND
+        words("td", &format!(" colspan=\"2\"{class}"), &shown) + ONE_BOX
     };
     let cells: String = row.figures.iter().map(of_leg).collect();
     element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &cells))
@@ -174,8 +175,9 @@ fn age(age: &Age) -> String {
     words("p", &attributes, &age.until)
 }
 
-/// A cell that is left open on paper.
-const BY_HAND: &str = "<td class=\"by-hand\"></td>";
+/// The cells that are left open on paper: for a girth and a height, or for one figure.
+const BOXES: &str = "<td class=\"by-hand\"></td><td class=\"by-hand\"></td>";
+const ONE_BOX: &str = "<td class=\"by-hand\" colspan=\"2\"></td>";
 
 /// The fields of an order that a scan cannot give, for paper.
 fn open_fields(content: &Content) -> String {

@@ -78,13 +78,13 @@ fn levels(flow: &mut Flow<'_>, levels: &Levels, age: &String, see_sizes: Option<
         Cell::new(words, Type { is_bold: true, ..SMALL_TYPE }, anchor).inked(Ink::Muted)
     };
     let [right, left] = &columns.legs;
-    let leg = |words: &str, ink: Ink| Cell::new(words, BOLD_TYPE, Anchor::Start).inked(ink).over(3);
+    let leg = |words: &str, ink: Ink| Cell::new(words, BOLD_TYPE, Anchor::Start).inked(ink).over(4);
     let first = vec![head("", Anchor::Start).over(2), leg(right, Ink::Right), leg(left, Ink::Left)];
     let mut second = vec![head(&columns.level, Anchor::Start).over(2)];
     for _ in 0..2 {
         second.push(head(&columns.girth, Anchor::End));
         second.push(head(&columns.height, Anchor::End));
-        second.push(head(&columns.by_hand, Anchor::Middle));
+        second.extend(columns.by_hand.iter().map(|words| head(words, Anchor::Middle)));
     }
     let heads = [first, second].map(|cells| Row { cells, is_joined: false }).into();
     let rows = levels.rows.iter().map(level).chain(levels.lengths.iter().map(length)).collect();
@@ -104,7 +104,7 @@ fn levels(flow: &mut Flow<'_>, levels: &Levels, age: &String, see_sizes: Option<
 fn level(row: &LevelRow) -> Row {
     let name = Type { is_bold: row.is_needed, ..BODY_TYPE };
     let mut cells = vec![
-        Cell::new(&row.level, name, Anchor::Start),
+        Cell::new(&row.level, name, Anchor::Start).whole(),
         Cell::new(&row.place, SMALL_TYPE, Anchor::Start).inked(Ink::Muted).whole(),
     ];
     for LevelFigures { girth, height } in &row.legs {
@@ -115,7 +115,10 @@ fn level(row: &LevelRow) -> Row {
             cells.push(figure(girth, name));
             cells.push(figure(height, BODY_TYPE));
         }
-        cells.push(Cell::to_fill_in());
+        match row.has_height {
+            true => cells.extend([Cell::to_fill_in(), Cell::to_fill_in()]),
+            false => cells.push(Cell::to_fill_in().over(2)),
+        }
     }
     Row { cells, is_joined: false }
 }
@@ -125,7 +128,7 @@ fn length(row: &SheetRow) -> Row {
     let mut cells = vec![Cell::new(&row.head, BODY_TYPE, Anchor::Start).over(2).whole()];
     for of in &row.figures {
         cells.push(figure(of, if of.is_missing() { SMALL_TYPE } else { BODY_TYPE }).over(2));
-        cells.push(Cell::to_fill_in());
+        cells.push(Cell::to_fill_in().over(2));
     }
     Row { cells, is_joined: false }
 }
