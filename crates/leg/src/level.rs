@@ -1,7 +1,5 @@
 //! The levels of a leg: their names and how each is found.
 
-use std::fmt;
-
 /// A level of the leg (RAL-GZ 387).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
@@ -86,28 +84,4 @@ pub enum By {
         /// On the lateral side.
         lateral: f64,
     },
-}
-
-impl fmt::Display for By {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            By::Turn => write!(f, "turning point of the girth"),
-            By::Steepest => write!(f, "largest slope of the girth between B and C"),
-            By::AboveB { distance_mm } => write!(f, "{distance_mm} mm above B"),
-            By::BelowCrotch { distance_mm } => write!(f, "{distance_mm} mm below the crotch"),
-            By::HeelTape => write!(f, "tape at 45 degrees from the back edge of the heel"),
-            By::Knee { stature_share, above_d_mm: None } => {
-                write!(f, "{stature_share} of the stature")
-            }
-            By::Knee { stature_share, above_d_mm: Some(mm) } => {
-                write!(f, "mean of {stature_share} of the stature and {mm} mm above D")
-            }
-            By::Between(low, high) => {
-                write!(f, "halfway between {} and {}", low.name(), high.name())
-            }
-            By::FootShares { medial, lateral } => {
-                write!(f, "{medial} (medial) and {lateral} (lateral) of the foot's length")
-            }
-        }
-    }
 }

@@ -150,7 +150,7 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
     let own = report.level_sections.iter().find(|at| at.level == landmark.level);
     let centre = own.map(|at| report.axis.at(at.section.along_mm, &at.section.centre));
     LandmarkFigures {
-        by: landmark.by.to_string(),
+        by: Statement::from(&landmark.by).in_english(),
         rule: Some(Statement::from(&landmark.by)),
         height_mm: mm(landmark.height_mm),
         along_axis_mm: mm(report.lengths.at(landmark.along_mm)),
@@ -168,7 +168,7 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
 
 fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
     let figures = |estimate: &Estimate| EstimateFigures {
-        by: estimate.by.to_string(),
+        by: Statement::from(&estimate.by).in_english(),
         rule: Some(Statement::from(&estimate.by)),
         height_mm: mm(estimate.height_mm),
         along_axis_mm: mm(report.lengths.at(estimate.along_mm)),
@@ -238,12 +238,13 @@ fn features(at: &LevelSection) -> impl Iterator<Item = FeatureFigures> + '_ {
 }
 
 fn note(finding: &Finding) -> FindingNote {
+    let says = Statement::of_finding(&finding.what);
     FindingNote {
         code: finding.code().to_owned(),
         severity: finding.severity().word().to_owned(),
         leg: finding.side.map(|side| side.word().to_owned()),
         level: finding.level.map(|level| level.name().to_owned()),
-        message: finding.what.to_string(),
-        says: Statement::of_finding(&finding.what),
+        message: says.in_english(),
+        says: Some(says),
     }
 }

@@ -2,6 +2,7 @@
 //! the English message, and other languages make their text from it.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use gaiter_cad::{CadFault, End};
 use gaiter_language::{Language, fill};
@@ -22,6 +23,9 @@ use serde::{Deserialize, Serialize};
 
 use super::rounding;
 
+/// In the place of a figure that a statement does not have.
+const NOT_KNOWN: &str = "?";
+
 /// A statement of a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -40,7 +44,7 @@ pub struct Statement {
 pub enum Figure {
     /// A number, to 10⁻⁶.
     Number(f64),
-    /// The name of a level or file.
+    /// The name of a level or file, or quoted words.
     Name(String),
     /// A nested statement.
     Statement(Box<Statement>),
@@ -56,7 +60,7 @@ impl Statement {
         self
     }
 
-    /// A figure that is not finite is left out: JSON cannot say it, and the English words stand.
+    /// A figure that is not finite is left out, because JSON cannot say it, and told as [`NOT_KNOWN`].
     fn number(self, name: &str, value: f64) -> Statement {
         if value.is_finite() {
             self.with(name, Figure::Number(rounding::share(value)))
@@ -77,11 +81,22 @@ impl Statement {
         self.with("why", Figure::Statement(Box::new(why)))
     }
 
-    /// Its text in a language. `None` if it, a statement within it or a figure is unknown.
+    /// With words that are English in every language: those of a file, or for experts.
+    fn quoting(self, words: &impl fmt::Display) -> Statement {
+        self.with("why", Figure::Name(words.to_string()))
+    }
+
+    /// Its text in English, as records keep it beside the statement.
+    pub fn in_english(&self) -> String {
+        self.in_words(Language::En).unwrap_or_else(|| self.is.clone())
+    }
+
+    /// Its text in a language. `None` if it, or a statement within it, is unknown.
     pub fn in_words(&self, language: Language) -> Option<String> {
         let template = language.find(&format!("statement.{}", self.is))?;
         fill(template, |name, decimals| {
-            Some(match self.figures.get(name)? {
+            let Some(figure) = self.figures.get(name) else { return Some(NOT_KNOWN.to_owned()) };
+            Some(match figure {
                 Figure::Number(value) => match decimals {
                     "*" => rounding::shortest(*value, language),
                     "around" => {
@@ -123,9 +138,9 @@ impl Statement {
         Statement::of("file-not-made").with("file", file).because(why)
     }
 
-    /// The statement of a finding; `None` if there is only an English text.
-    pub fn of_finding(what: &What) -> Option<Statement> {
-        Some(match what {
+    /// The statement of a finding.
+    pub fn of_finding(what: &What) -> Statement {
+        match what {
             What::LevelAbsent(absence) => Statement::of("level-absent").because(absence.into()),
             What::LevelImplausible { girth_mm } => {
                 Statement::of("level-implausible").number("girth_mm", *girth_mm)
@@ -152,7 +167,7 @@ impl Statement {
             What::LegCut { end_mm } => Statement::of("leg-cut").number("end_mm", *end_mm),
             What::Doubtful(doubt) => doubt.into(),
             What::LegNotMeasured(fault) => Statement::of("leg-not-measured").because(fault.into()),
-            What::NoSurface(fault) => return no_surface(fault),
+            What::NoSurface(fault) => fault.into(),
             What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm } => {
                 Statement::of("surface-short")
                     .number("from_mm", *from_mm)
@@ -172,49 +187,55 @@ impl Statement {
                 .number("height_mm", *height_mm)
                 .because(why.into()),
             What::LegsDiffer(differ) => differ.into(),
-            What::SecondOpinion(opinion) => return second_opinion(opinion),
-        })
+            What::SecondOpinion(opinion) => opinion.into(),
+        }
     }
 }
 
-fn no_surface(fault: &NoSurface) -> Option<Statement> {
-    Some(match *fault {
-        NoSurface::TooFewRows { rows, needed, from_mm, to_mm } => {
-            Statement::of("no-surface-too-few-sections")
-                .count("rows", rows)
-                .count("needed", needed)
-                .number("from_mm", from_mm)
-                .number("to_mm", to_mm)
+impl From<&NoSurface> for Statement {
+    fn from(fault: &NoSurface) -> Statement {
+        match *fault {
+            NoSurface::TooFewRows { rows, needed, from_mm, to_mm } => {
+                Statement::of("no-surface-too-few-sections")
+                    .count("rows", rows)
+                    .count("needed", needed)
+                    .number("from_mm", from_mm)
+                    .number("to_mm", to_mm)
+            }
+            NoSurface::Folded { height_mm } => {
+                Statement::of("no-surface-folded").number("height_mm", height_mm)
+            }
+            NoSurface::NothingSeen => Statement::of("no-surface-nothing-seen"),
+            NoSurface::Fit(ref fault) => Statement::of("no-surface-fit").quoting(fault),
         }
-        NoSurface::Folded { height_mm } => {
-            Statement::of("no-surface-folded").number("height_mm", height_mm)
-        }
-        NoSurface::NothingSeen => Statement::of("no-surface-nothing-seen"),
-        // This text is for experts in the fit.
-        NoSurface::Fit(_) => return None,
-    })
+    }
 }
 
-fn second_opinion(opinion: &SecondOpinion) -> Option<Statement> {
-    Some(match *opinion {
-        // The text quotes a line of the file.
-        SecondOpinion::Unreadable { .. } => return None,
-        SecondOpinion::Ambiguous { files } => Statement::of("ord-ambiguous").count("files", files),
-        SecondOpinion::Unit { theirs_mm, ours_mm, factor } => Statement::of("ord-unit")
-            .number("theirs_mm", theirs_mm)
-            .number("ours_mm", ours_mm)
-            .number("factor", factor),
-        SecondOpinion::Disagrees { measure, theirs_mm, ours_mm } => Statement::of(match measure {
-            Measure::Stature => "ord-stature-disagrees",
-            Measure::Calf => "ord-calf-disagrees",
-            Measure::Ankle => "ord-ankle-disagrees",
-        })
-        .number("theirs_mm", theirs_mm)
-        .number("ours_mm", ours_mm),
-        SecondOpinion::Sides { left_mm, right_mm } => {
-            Statement::of("ord-sides").number("left_mm", left_mm).number("right_mm", right_mm)
+impl From<&SecondOpinion> for Statement {
+    fn from(opinion: &SecondOpinion) -> Statement {
+        match *opinion {
+            SecondOpinion::Unreadable { ref why } => Statement::of("ord-unreadable").quoting(why),
+            SecondOpinion::Ambiguous { files } => {
+                Statement::of("ord-ambiguous").count("files", files)
+            }
+            SecondOpinion::Unit { theirs_mm, ours_mm, factor } => Statement::of("ord-unit")
+                .number("theirs_mm", theirs_mm)
+                .number("ours_mm", ours_mm)
+                .number("factor", factor),
+            SecondOpinion::Disagrees { measure, theirs_mm, ours_mm } => {
+                Statement::of(match measure {
+                    Measure::Stature => "ord-stature-disagrees",
+                    Measure::Calf => "ord-calf-disagrees",
+                    Measure::Ankle => "ord-ankle-disagrees",
+                })
+                .number("theirs_mm", theirs_mm)
+                .number("ours_mm", ours_mm)
+            }
+            SecondOpinion::Sides { left_mm, right_mm } => {
+                Statement::of("ord-sides").number("left_mm", left_mm).number("right_mm", right_mm)
+            }
         }
-    })
+    }
 }
 
 impl From<&Doubt> for Statement {

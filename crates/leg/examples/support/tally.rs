@@ -57,7 +57,7 @@ impl Tally {
             }
             tally.legs_refused += 1;
             let own = findings.iter().filter(|finding| finding.side == Some(side));
-            let refused = own.map(|finding| format!("{name} {}: {}", side.word(), finding.what));
+            let refused = own.map(|finding| format!("{name} {}: {:?}", side.word(), finding.what));
             tally.refusals.extend(refused);
         }
         tally

@@ -62,10 +62,9 @@ pub struct VolumeDifference {
 }
 
 /// A difference that reaches the swelling threshold and exceeds its own uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LegsDiffer {
     /// In the tape girth at a level.
-    #[error("the {} leg's girth is larger by {by_mm:.0} mm (standard error {sd_mm:.1})", larger.word())]
     Girth {
         /// The leg with the larger girth.
         larger: Side,
@@ -75,11 +74,6 @@ pub enum LegsDiffer {
         sd_mm: f64,
     },
     /// In the volume of the whole leg.
-    #[error(
-        "the {} leg's volume is larger by {by_ml:.0} mL, {percent:.1} % of the smaller one \
-         (standard error {sd_ml:.0} mL)",
-        larger.word()
-    )]
     Volume {
         /// The leg with the larger volume.
         larger: Side,

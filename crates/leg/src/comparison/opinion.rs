@@ -11,45 +11,20 @@ pub enum Measure {
     Ankle,
 }
 
-impl Measure {
-    fn word(self) -> &'static str {
-        match self {
-            Measure::Stature => "body height",
-            Measure::Calf => "calf girth",
-            Measure::Ankle => "ankle girth",
-        }
-    }
-
-    /// Our measure that the scanner's is compared with.
-    fn own(self) -> &'static str {
-        match self {
-            Measure::Stature => "body height",
-            Measure::Calf => "C",
-            Measure::Ankle => "B",
-        }
-    }
-}
-
 /// A disagreement between the scanner's measures and ours, or the reason for not comparing them.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum SecondOpinion {
     /// The measurement file could not be read.
-    #[error("the scanner's own measures (.ord) were not compared: {why}")]
     Unreadable {
         /// The reason.
         why: String,
     },
     /// More than one measurement file could belong to the scan.
-    #[error("{files} measurement files (.ord) have this scan's name; none of them was compared")]
     Ambiguous {
         /// How many.
         files: usize,
     },
     /// The scanner's stature is ours in another unit.
-    #[error(
-        "the scanner's stature is {theirs_mm:.0} mm, gaiter's {ours_mm:.0} mm, a factor of \
-         {factor}: a wrong unit in one of the two files?"
-    )]
     Unit {
         /// The scanner's stature, mm by its unit.
         theirs_mm: f64,
@@ -59,7 +34,6 @@ pub enum SecondOpinion {
         factor: f64,
     },
     /// A measure differs by more than the definitions of two programs explain.
-    #[error("the scanner's {} is {theirs_mm:.0} mm, gaiter's {} {ours_mm:.0} mm", measure.word(), measure.own())]
     Disagrees {
         /// Which measure.
         measure: Measure,
@@ -69,10 +43,6 @@ pub enum SecondOpinion {
         ours_mm: f64,
     },
     /// Each calf fits the other leg.
-    #[error(
-        "the scanner's calves, {left_mm:.0} mm left and {right_mm:.0} mm right, each fit the \
-         other leg: are left and right swapped?"
-    )]
     Sides {
         /// The scanner's left calf, mm.
         left_mm: f64,

@@ -31,22 +31,14 @@ const UNDERCUT_MIN: f64 = 0.4;
 const CUT_SD_MM: f64 = 12.0;
 
 /// Why the soles do not show the floor.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FloorDoubt {
     /// The soles do not lie in a level plane.
-    #[error(
-        "heels and balls of the feet end at heights up to {spread_mm:.0} mm apart: does the export \
-         lean, or is a foot raised?"
-    )]
     Uneven {
         /// From the lowest to the highest, mm.
         spread_mm: f64,
     },
     /// The skin of the feet ends before it turns under.
-    #[error(
-        "the skin of the feet ends while it is still upright: are the feet cut off, or are there \
-         shoes?"
-    )]
     NotTurning,
 }
 

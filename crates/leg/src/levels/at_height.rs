@@ -44,10 +44,9 @@ pub struct AtLength {
 }
 
 /// Why there is no girth at a height.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NoGirth {
     /// The leg was not measured at this height.
-    #[error("girths were measured from {from_mm:.0} to {to_mm:.0} mm")]
     Outside {
         /// Lowest height, mm.
         from_mm: f64,
@@ -55,7 +54,6 @@ pub enum NoGirth {
         to_mm: f64,
     },
     /// The sections around it are open.
-    #[error("the skin there was not seen")]
     NotSeen,
 }
 

@@ -69,33 +69,23 @@ impl Peak {
 }
 
 /// Why a level is absent.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Absence {
     /// The curve has no extremum of this kind.
-    #[error("the girth curve has no such turning point")]
     NoTurn,
     /// The curve is lowest where the search begins.
-    #[error(
-        "the girth is even smaller at {along_mm:.0} mm along the leg, where the search begins: the \
-         smallest girth lies below, or was not seen"
-    )]
     BelowSearch {
         /// Lower end of the search, along the axis, mm.
         along_mm: f64,
     },
     /// The curve does not turn before the end of the search.
-    #[error(
-        "the girth has no clear turning point up to {along_mm:.0} mm along the leg, where the search ends"
-    )]
     AboveSearch {
         /// Upper end of the search, along the axis, mm.
         along_mm: f64,
     },
     /// The level depends on another one that is absent.
-    #[error("it is measured from {}, which is absent", .0.name())]
     Needs(Level),
     /// The level would lie above one that is higher on every leg.
-    #[error("it would lie above {}", .0.name())]
     Beyond(Level),
 }
 

@@ -92,13 +92,11 @@ pub enum AxisFault {
 }
 
 /// Why the planes do not turn towards the thigh, but stay square to the shank.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NoThigh {
     /// Too little of the thigh or of the knee was seen.
-    #[error("too little of thigh and knee was seen")]
     NotSeen,
     /// The knee is bent too far.
-    #[error("the knee is bent by {bend_deg:.0} degrees")]
     TooBent {
         /// Angle between the axes of shank and thigh, degrees.
         bend_deg: f64,

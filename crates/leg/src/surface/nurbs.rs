@@ -78,13 +78,9 @@ pub struct LegSurface {
 }
 
 /// Why the sections do not allow a surface.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum NoSurface {
     /// Too little of the leg was seen.
-    #[error(
-        "no surface: between {from_mm:.0} and {to_mm:.0} mm only {rows} sections have no unseen \
-         band between them; a surface needs {needed}"
-    )]
     TooFewRows {
         /// Sections in the longest part.
         rows: usize,
@@ -97,17 +93,20 @@ pub enum NoSurface {
     },
     /// The surface would fold, which skin around a middle line never does: it oscillates where too
     /// little of the leg was seen.
-    #[error("no surface: it would fold at {height_mm:.0} mm, where too little of the leg was seen")]
     Folded {
         /// Height of the fold, mm.
         height_mm: f64,
     },
     /// The whole surface lies in holes.
-    #[error("no surface: none of its skin was seen")]
     NothingSeen,
     /// The sections cannot be fitted.
-    #[error("no surface: {0}")]
-    Fit(#[from] FitFault),
+    Fit(FitFault),
+}
+
+impl From<FitFault> for NoSurface {
+    fn from(fault: FitFault) -> NoSurface {
+        NoSurface::Fit(fault)
+    }
 }
 
 /// The required extent of the surface.

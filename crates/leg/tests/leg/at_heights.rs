@@ -103,8 +103,15 @@ fn a_height_that_no_leg_has_is_a_finding_of_each_leg() {
     let missing: Vec<&Finding> = found.findings.iter().filter(is_missing).collect();
     let sides: Vec<_> = missing.iter().map(|finding| finding.side).collect();
     assert_eq!(sides, Side::BOTH.map(Some));
-    let said = missing[0].what.to_string();
-    assert!(said.starts_with("no girth at 900 mm: girths were measured from"), "{said}");
+    let What::HeightNotMeasured { height_mm, why: NoGirth::Outside { from_mm, to_mm } } =
+        missing[0].what
+    else {
+        panic!("{missing:?}")
+    };
+    assert!(
+        height_mm == 900.0 && from_mm < 100.0 && (600.0..900.0).contains(&to_mm),
+        "{missing:?}"
+    );
     for leg in &found.legs {
         let [seen, none] = &leg.at[..] else { panic!("{:?}", leg.at) };
         assert!(girth(seen).doubts.is_empty());

@@ -3,9 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use gaiter_leg::doubt::Doubt;
 use gaiter_leg::finding::Severity;
 use gaiter_leg::method::{Axis, FacingChoice, SurfaceMethod};
-use gaiter_leg::{Extraction, Finding, Level, Method, Side, extract};
+use gaiter_leg::{Extraction, Finding, Level, Method, Side, What, extract};
 use gaiter_scan::Format;
 use support::chance::Chance;
 use support::mesh::Mesh;
@@ -78,9 +79,9 @@ fn a_body_that_gives_no_cause_has_no_findings() {
 #[test]
 fn a_gap_at_the_calf_is_doubted_and_one_too_wide_to_close_says_that_the_skin_was_not_seen() {
     let gap = check_left(&with_gap(45.0, 320.0, 360.0), Some(Level::C), "gap");
-    let deg: f64 = gap.what.to_string().split(' ').next().unwrap().parse().unwrap();
+    let What::Doubtful(Doubt::Gap { gap_deg }) = gap.what else { panic!("{gap:?}") };
     // The columns of the mannequin are 9 degrees apart.
-    assert!((45.0..=63.0).contains(&deg), "{deg}");
+    assert!((45.0..=63.0).contains(&gap_deg), "{gap_deg}");
     let unseen = check_left(&with_gap(360.0, 320.0, 357.0), Some(Level::C), "not-seen");
     assert_eq!(unseen.severity(), Severity::Warning);
 }

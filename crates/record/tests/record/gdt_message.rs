@@ -193,7 +193,7 @@ fn doubts_and_findings_are_told_and_what_is_only_information_is_not() {
     assert_eq!(contents(&lines, "6227")[1], "rechts D: level-absent");
     // A statement is told in German, with umlauts as far as there are any.
     let mut said = note("warning", "the thighs touch from 702 mm on");
-    said.says = Statement::of_finding(&What::ThighsTouch { from_mm: 702.0 });
+    said.says = Some(Statement::of_finding(&What::ThighsTouch { from_mm: 702.0 }));
     record.findings = vec![said];
     let lines = checked(
         &result(&record, &Garment::default(), &rules(Charset::Ascii), noon(), &[]).unwrap(),
