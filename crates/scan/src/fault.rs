@@ -121,10 +121,10 @@ pub enum CutSign {
         /// 1-based number of that line.
         line: usize,
     },
-    /// Points that no face uses, so the face list was cut.
-    #[error("{unused} of {points} points belong to no face; export it again")]
+    /// Patches of points that no face uses, so the face list was cut.
+    #[error("{unused} of {points} points lie together and belong to no face; export it again")]
     UnusedPoints {
-        /// Number of points that no face uses.
+        /// Number of points in these patches.
         unused: usize,
         /// Number of points.
         points: usize,

@@ -50,17 +50,19 @@ fn case(truth_path: &Path) -> Result<Case, Box<dyn Error>> {
     let truth: Value = serde_json::from_slice(&fs::read(truth_path)?)?;
     let name = truth["name"].as_str().unwrap_or_default().to_owned();
     let up = if truth["up"] == "z" { Up::Z } else { Up::Y };
-    let bytes = scan_bytes(&truth_path.with_file_name(&name))?;
+    let bytes = scan_bytes(truth_path, &name)?;
     Ok(Case { name, bytes, up, truth })
 }
 
-fn scan_bytes(stem: &Path) -> io::Result<Vec<u8>> {
-    let plain = stem.with_extension("obj");
+fn scan_bytes(truth_path: &Path, name: &str) -> io::Result<Vec<u8>> {
+    // A name may have a dot.
+    let plain = truth_path.with_file_name(format!("{name}.obj"));
     if plain.exists() {
         return fs::read(plain);
     }
+    let packed = truth_path.with_file_name(format!("{name}.obj.gz"));
     let mut bytes = Vec::new();
-    GzDecoder::new(fs::File::open(stem.with_extension("obj.gz"))?).read_to_end(&mut bytes)?;
+    GzDecoder::new(fs::File::open(packed)?).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

@@ -6,3 +6,4 @@ mod cases;
 mod dialects;
 mod fingerprint;
 mod formats;
+mod loose_points;
