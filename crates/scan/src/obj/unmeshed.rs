@@ -1,6 +1,6 @@
 //! Points that no face uses: strays of an exporter, which leaves them in, or skin whose faces were cut off.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use nalgebra::Point3;
 
@@ -36,7 +36,7 @@ pub(super) fn in_bare_patches(
     };
     let mut is_used = vec![false; points.len()];
     order.iter().for_each(|number| is_used[*number as usize] = true);
-    let mut cells: HashMap<Cell, Counted> = HashMap::new();
+    let mut cells: BTreeMap<Cell, Counted> = BTreeMap::new();
     for (point, is_used) in points.iter().zip(&is_used) {
         let counted = cells.entry(cell(point)).or_default();
         *if *is_used { &mut counted.used } else { &mut counted.unused } += 1;
