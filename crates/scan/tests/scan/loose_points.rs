@@ -1,5 +1,7 @@
 //! Points of a mesh that no face uses: strays are left out, missing faces are told.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fmt::Write;
 
 use gaiter_scan::{Format, ScanFault, read};
