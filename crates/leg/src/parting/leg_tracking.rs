@@ -1,13 +1,13 @@
 //! Tracks legs slice by slice: whatever lies where a leg was one slice ago is the leg. Hands,
 //! specks and floor pieces never lie there. Shells, holes and closed outlines are irrelevant.
 
-use nalgebra::{Point2, Vector3};
+use nalgebra::{Point2, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::cluster::clusters;
 use super::footprint::Footprint;
 use super::thigh_divider::Neck;
-use crate::sections::slice::Mesh;
+use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::side::{Side, Sides};
 
 /// Points of a slice closer than this are connected, mm: twice the spacing of a usual export (6 mm) …
@@ -128,10 +128,46 @@ pub fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
     let slices = mesh.slices(&Vector3::z_axis(), &ascending);
     let mut flat: Vec<Vec<Point2<f64>>> =
         slices.iter().map(|slice| slice.iter().map(|c| c.position.xy()).collect()).collect();
+    add_across_facets(mesh, &ascending, &mut flat);
     if heights_mm != ascending {
         flat.reverse();
     }
     flat
+}
+
+/// Adds points to slices at ascending heights where one facet is wider than a link, as decimation leaves it on flat
+/// skin: the skin is one across it.
+fn add_across_facets(mesh: &Mesh, heights_mm: &[f64], slices: &mut [Vec<Point2<f64>>]) {
+    for triangle in mesh.triangles() {
+        let corners = triangle.map(|corner| mesh.points()[corner as usize]);
+        let [a, b, c] = corners;
+        let longest_mm = (a - b).norm().max((b - c).norm()).max((c - a).norm());
+        if !(LINK_MIN_MM..=EDGE_MAX_MM).contains(&longest_mm) {
+            continue;
+        }
+        let lowest_mm = a.z.min(b.z).min(c.z);
+        let first = heights_mm.partition_point(|height_mm| *height_mm <= lowest_mm);
+        for (height_mm, slice) in heights_mm[first..].iter().zip(&mut slices[first..]) {
+            let [from, to] = match cut_of(&corners, *height_mm) {
+                Some(cut) => cut,
+                None => break,
+            };
+            let parts = ((to - from).norm() / LINK_MIN_MM).ceil();
+            slice
+                .extend((1..parts as usize).map(|part| from + (to - from) * (part as f64 / parts)));
+        }
+    }
+}
+
+/// Where a horizontal plane cuts a facet; `None` if it does not.
+fn cut_of(corners: &[Point3<f64>; 3], height_mm: f64) -> Option<[Point2<f64>; 2]> {
+    let [a, b, c] = corners;
+    let mut ends = [(a, b), (b, c), (c, a)].into_iter().filter_map(|(from, to)| {
+        let is_cut = (from.z < height_mm) != (to.z < height_mm);
+        let at = |share: f64| from.xy() + (to.xy() - from.xy()) * share;
+        is_cut.then(|| at((height_mm - from.z) / (to.z - from.z)))
+    });
+    Some([ends.next()?, ends.next()?])
 }
 
 /// The points of a slice's clusters that belong to the left and to the right leg, and the neck if
@@ -197,4 +233,44 @@ fn gap_mm(own: &Sides<Vec<Point2<f64>>>) -> Option<f64> {
     let (left, right) = (near(&own.left, inner_left), near(&own.right, inner_right));
     let pairs = left.iter().flat_map(|p| right.iter().map(move |q| (p - q).norm()));
     pairs.min_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    /// A trunk with facets all around, of which those at the back are `wide_mm` wide and the others 8 mm.
+    fn trunk(wide_mm: f64) -> Mesh {
+        let radius_mm = 150.0;
+        let mut angles = Vec::new();
+        let mut angle: f64 = 0.0;
+        while angle < TAU {
+            angles.push(angle);
+            let width_mm = if (2.5..4.0).contains(&angle) { wide_mm } else { 8.0 };
+            angle += width_mm / radius_mm;
+        }
+        let count = angles.len() as u32;
+        let at =
+            |angle: &f64, z: f64| Point3::new(radius_mm * angle.cos(), radius_mm * angle.sin(), z);
+        let points = [0.0, 20.0].iter().flat_map(|z| angles.iter().map(move |a| at(a, *z)));
+        let facets = (0..count).flat_map(|a| {
+            let b = (a + 1) % count;
+            [[a, b, b + count], [a, b + count, a + count]]
+        });
+        Mesh::new(points.collect(), facets.collect())
+    }
+
+    #[test]
+    fn skin_is_one_across_facets_that_are_wider_than_the_others() {
+        for wide_mm in [10.0, 20.0, 30.0, 40.0, 50.0] {
+            let mesh = trunk(wide_mm);
+            let slice = &slices(&mesh, &[10.0])[0];
+            assert_eq!(clusters(slice, link_mm(&mesh)).len(), 1, "{wide_mm}");
+        }
+        // Wider ones are no skin.
+        let mesh = trunk(80.0);
+        assert!(clusters(&slices(&mesh, &[10.0])[0], link_mm(&mesh)).len() > 1);
+    }
 }
