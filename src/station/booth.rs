@@ -59,6 +59,8 @@ pub struct Booth {
     /// Notified at each press: what is in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
     orders_look: Arc<Notify>,
+    /// Notified at each press: the light answers it at once.
+    pressed: Notify,
 }
 
 #[derive(Debug)]
@@ -261,8 +263,8 @@ impl Booth {
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, glance) = (Mutex::new(inner), Mutex::new(glance));
-        let orders_look = Arc::default();
-        Ok(Booth { core, inner, glance, signal, looks, orders_look })
+        let (orders_look, pressed) = (Arc::default(), Notify::new());
+        Ok(Booth { core, inner, glance, signal, looks, orders_look, pressed })
     }
 
     /// The core that the workers share.
@@ -391,10 +393,7 @@ impl Booth {
             awaited: inner.captures.open().iter().filter(|capture| capture.is_open()).count(),
             is_named: inner.captures.next().is_some(),
             is_in_doubt: inner.captures.is_in_doubt(now),
-            doubt_left_min: inner
-                .captures
-                .doubt_left(now)
-                .map(|left| left.saturating_sub(Duration::from_nanos(1)).as_secs() / 60 + 1),
+            doubt_left_min: light::minutes(inner.captures.doubt_left(now)),
             orders_come_late: match inner.captures.orders_when() {
                 OrdersWhen::BeforePress => orders_come_late(&inner.orders),
                 OrdersWhen::AfterPress => None,
@@ -509,7 +508,7 @@ impl Held<'_> {
 /// If a step panicked.
 pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
     let core = Arc::clone(booth.core());
-    let mut light = Light::new(core.now());
+    let mut light = Light::switched_on();
     let (mut not_ready, mut next_ready) = (false, core.now());
     let mut slept = false;
     while !stop.is_requested() {
@@ -539,6 +538,7 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
         booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
         tokio::select! {
             () = stop.requested() => break,
+            () = booth.pressed.notified() => {}
             () = sleep(LIGHT) => {}
         }
         // The step counts too: the process may have been stopped in it, and a disk that holds it up for so long holds

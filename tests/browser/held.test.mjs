@@ -21,8 +21,8 @@ const WORDS = {
   de: {
     name: "Nächsten Patienten eingeben …", id: "Patientennummer", assign: "Zuordnen …", yes: "Zuordnen", cancel: "Abbrechen", close: "Schließen",
     view: "3D-Ansicht", held: "Zurückgehalten", give: (id) => `An ${id} geben`, given: (id) => `Der Scan gehört dann zu ${id}, und die Messakte geht an niemand anderen.`,
-    next: (id) => `Als Nächstes: ${id}.`, replace: "Ersetzen", asks: (a, b) => `${a} ist benannt und wurde nicht gescannt. Durch ${b} ersetzen?`,
-    hidden: "Der nächste Patient ist benannt.", inBooth: (id) => `${id} ist in der Kabine`, refused: /keine Patientennummer/,
+    next: (id) => `Als Nächstes: ${id}.`, replace: "Ersetzen", asks: (a, b) => `${a} ist ausgewählt und wurde nicht gescannt. Durch ${b} ersetzen?`,
+    hidden: "Der nächste Patient ist ausgewählt.", inBooth: (id) => `${id} ist in der Kabine`, refused: /keine Patientennummer/,
     again: "Neu scannen …", yesAgain: "Neu scannen", againOf: (id) => `${id} neu scannen`,
   },
 };

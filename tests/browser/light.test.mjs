@@ -73,7 +73,7 @@ test("a held scan is told while another export is expected", async () => {
     station.export("0815_a.obj", body(60));
     await light(page, "attention");
     const sentence = await said(browser, station, "held");
-    assert.match(sentence, /^The last scan is held\. .*Decide on the page whose it is\. Until then the next scan is held too\.$/s);
+    assert.match(sentence, /^The last scan is held\. .*Decide on the page whose it is\. Until then, or for up to \d+ min, other scans are held\.$/s);
   });
 });
 
@@ -87,7 +87,7 @@ test("an export that does not come is told, and a station without a button is no
     await light(page, "armed");
     await light(page, "no_export");
     const sentence = await said(browser, station, "no-export");
-    assert.equal(sentence, "No export came. Name the patient and scan again.");
+    assert.equal(sentence, "No export came. Name the patient and scan again. If another patient is next, call off first. Until then, or for up to 1 min, other scans are held.");
   });
 });
 

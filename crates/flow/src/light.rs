@@ -138,6 +138,11 @@ pub fn is_not_ready(complaints: &[Complaint]) -> bool {
     first_fault(complaints).is_some()
 }
 
+/// Whole minutes that are left, the one that has begun included.
+pub fn minutes(left: Option<Duration>) -> Option<u64> {
+    left.map(|left| left.saturating_sub(Duration::from_nanos(1)).as_secs() / 60 + 1)
+}
+
 /// The light, and since when it shows its signal.
 #[derive(Debug, Clone, Copy)]
 pub struct Light {
@@ -146,9 +151,9 @@ pub struct Light {
 }
 
 impl Light {
-    /// A light that has just been switched on.
-    pub fn new(now: Duration) -> Light {
-        Light { shown: Signal::Ready, since: now }
+    /// A light that has just been switched on: what it shows first is shown at once.
+    pub fn switched_on() -> Light {
+        Light { shown: Signal::Ready, since: Duration::ZERO }
     }
 
     /// What it shows now.
@@ -202,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_scan_goes_from_ready_to_done_and_back() {
-        let mut light = Light::new(at(0));
+        let mut light = Light::switched_on();
         let mut scene = Scene::default();
         assert_eq!(light.show(&scene, at(20)), Signal::Ready);
         scene.armed = true;
@@ -218,7 +223,7 @@ mod tests {
     #[test]
     fn done_is_never_shown_while_a_record_is_still_to_be_delivered() {
         let last = Some((Outcome::Delivered, at(0)));
-        let mut light = Light::new(at(0));
+        let mut light = Light::switched_on();
         let scene = Scene { progress: Some(Progress::Measuring), last, ..Scene::default() };
         for tenths in 0..100 {
             assert_ne!(light.show(&scene, at(tenths)), Signal::Done);
@@ -227,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_record_that_lacks_measures_is_never_done_and_stays_until_the_next_press() {
-        let mut light = Light::new(at(0));
+        let mut light = Light::switched_on();
         let scene = Scene {
             last: Some((Outcome::Incomplete { to_do: Vec::new() }, at(10))),
             ..Scene::default()
@@ -241,7 +246,7 @@ mod tests {
 
     #[test]
     fn a_state_that_comes_and_goes_does_not_flicker_and_a_press_is_answered_at_once() {
-        let mut light = Light::new(at(0));
+        let mut light = Light::switched_on();
         let mut changes = 0;
         let mut before = Signal::Ready;
         for tenths in 0..100 {
@@ -269,7 +274,7 @@ mod tests {
 
     #[test]
     fn what_a_person_must_see_stays_until_the_next_press() {
-        let mut light = Light::new(at(0));
+        let mut light = Light::switched_on();
         let outcome = Outcome::Held { code: "capture-unclear".to_owned() };
         let held = Scene { last: Some((outcome, at(10))), ..Scene::default() };
         assert_eq!(light.show(&held, at(20)), Signal::Attention);
@@ -293,7 +298,7 @@ mod tests {
             Outcome::NameUnread,
             Outcome::Known,
         ] {
-            let mut light = Light::new(at(0));
+            let mut light = Light::switched_on();
             let last = Some((outcome, at(10)));
             let scene = Scene { armed: true, last, ..Scene::default() };
             assert_eq!(light.show(&scene, at(20)), Signal::Attention, "{scene:?}");
@@ -311,18 +316,18 @@ mod tests {
             (Scene { paused: true, ..away }, Signal::Paused),
         ];
         for (scene, shown) in scenes {
-            assert_eq!(Light::new(at(0)).show(&scene, at(20)), shown, "{scene:?}");
+            assert_eq!(Light::switched_on().show(&scene, at(20)), shown, "{scene:?}");
         }
     }
 
     #[test]
     fn a_pause_is_shown_at_once_and_so_is_its_end_and_a_fault_counts_more() {
-        let mut light = Light::new(at(0));
+        let mut light = Light::switched_on();
         assert_eq!(light.show(&Scene::default(), at(10)), Signal::Ready);
         let paused = Scene { paused: true, armed: true, ..Scene::default() };
         assert_eq!(light.show(&paused, at(10)), Signal::Paused);
         assert_eq!(light.show(&Scene::default(), at(10)), Signal::Ready);
-        let mut light = Light::new(at(0));
+        let mut light = Light::switched_on();
         let broken = Scene { not_ready: true, ..paused };
         assert_eq!(light.show(&broken, at(20)), Signal::Attention);
     }

@@ -40,7 +40,7 @@ use super::export::writing::Appeared;
 use super::orders::when::OrdersWhen;
 pub use capture::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
 use gaiter_record::SourceKind;
-pub use held_next::HeldNext;
+pub use held_next::{HeldNext, HoldReason};
 pub use names::{Names, Next, Said, Unsure};
 pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 

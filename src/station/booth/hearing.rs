@@ -124,6 +124,7 @@ impl Booth {
         inner.next_number += 1;
         (inner.missed, inner.last) = (false, None);
         drop(inner);
+        self.pressed.notify_one();
         self.look_at_folders();
         let (number, has_patient) = (capture.number, patient.is_some());
         info!(event = "pressed", capture = number, has_patient);
@@ -253,6 +254,8 @@ impl Booth {
         let judged = custody.spool().intake(scan).map_or(Judged::Unpressed, |intake| intake.judged);
         let owners = custody.journal().owners(scan)?;
         let mut inner = self.inner();
+        // The light tells how it ends, whatever it told last.
+        inner.in_work.insert(scan.clone(), Vec::new());
         let mut after = inner.captures.clone();
         let now = self.core.now();
         let answered = owners.iter().filter_map(|id| after.decided(&judged, id, now)).next_back();

@@ -97,8 +97,9 @@ fn a_held_scan_that_cannot_be_measured_says_why_and_stays_held() {
     assert!(said.starts_with("There is no picture of its legs. ") && said.ends_with(']'), "{said}");
     assert_eq!((&held["state"], &held["files"]), (&"held".into(), &json!([])));
     let what = held["advice"]["what"].as_str().unwrap();
-    let light = state["light"]["sentence"].as_str().unwrap();
-    assert!(light.contains(what), "{light}");
+    wait_for_state(&booth, &site, "the same at the light", |state| {
+        state["light"]["sentence"].as_str().unwrap().contains(what)
+    });
     assert_eq!(held["acts"][0], "give_up");
     assert_eq!(booth.journal("SELECT count(*) FROM deliveries WHERE state = 'held'"), Some(1));
     assert_eq!(booth.journal("SELECT count(*) FROM scans WHERE state = 'refused'"), Some(0));

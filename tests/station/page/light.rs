@@ -112,14 +112,16 @@ fn a_refused_scan_that_may_come_again_is_told_to_hold_the_next_until_it_is_given
     room.booth.export("4711_a.obj", bytes);
     wait_for_light(&room.booth, &site, "attention", "The scan of 4711 cannot be used.");
     let sentence = || site.state_of(&site.operator())["light"]["sentence"].to_string();
-    assert!(sentence().contains("If it is not made again, give it up"), "{}", sentence());
+    assert!(sentence().contains("Or give it up on the page. Until then"), "{}", sentence());
     room.name("0815");
     room.press();
-    let said = "Scan now, then export. It will be held: the scan of 4711 could not be used";
+    let said = "Scan now, then export. You will be asked whose scan it is.";
     wait_for_light(&room.booth, &site, "armed", said);
     assert!(names_nobody(&site, "4711"));
     assert_eq!(code(&room.booth.gaiter(&["give-up", &sha256(bytes)])), Some(0));
-    room.booth.wait_for("no word of 4711", || !sentence().contains("4711"));
+    assert_eq!(code(&room.booth.gaiter(&["patient", "clear"])), Some(0));
+    room.name("0815");
+    wait_for_light(&room.booth, &site, "ready", "Press the button, then scan the patient");
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

@@ -9,8 +9,8 @@ use super::scans::ScanShown;
 use super::sentence::{Sentence, Text};
 use crate::Task;
 use crate::booth::Signal;
-use crate::light::{Outcome, Progress};
-use crate::round::HeldNext;
+use crate::light::{Outcome, Progress, minutes};
+use crate::round::{HeldNext, HoldReason};
 
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -66,27 +66,37 @@ pub(super) fn shown(
 ) -> LightShown {
     let is_any_undecided = undecided.iter().any(|scan| scan.task == Task::Decide);
     let decide = is_any_undecided.then(|| language.text("page.decide"));
+    let is_incomplete = |scan: &ScanShown| scan.task == Task::Complete;
+    let is_any_incomplete = decide.is_none() && undecided.iter().any(is_incomplete);
+    let complete = is_any_incomplete.then(|| language.text("page.complete"));
     let away = language.text(BUTTON_AWAY);
     let also_away = booth.is_button_away.then_some(away);
     let step = || Words::new(language.text(next_step(booth)));
     let said = match (booth.signal, first) {
-        (Signal::Attention, Some(advice)) => Words::new(&advice.in_a_row()),
-        // The patient waits, a decision can wait.
-        (Signal::Attention, None) => match of_last(booth, undecided, language) {
-            Some(words) => words.and(also_away),
-            None if booth.is_button_away => Words::new(away).and(decide),
-            None => decide.map_or_else(step, Words::new),
-        },
+        (Signal::Attention, first) => {
+            let fault = first.map(|advice| Words::new(&advice.in_a_row()));
+            // The patient waits, a decision can wait.
+            let last = of_last(booth, undecided, language);
+            let away = also_away.filter(|_| first.is_none()).map(Words::new);
+            let said = [fault, last, away].into_iter().flatten().reduce(Words::then);
+            said.unwrap_or_else(|| decide.map_or_else(step, Words::new))
+        }
         (Signal::Done, _) if booth.last == Some(&Outcome::Delivered) => {
-            Words::of_last(booth, DONE, language).and(also_away).and(decide)
+            Words::of_last(booth, DONE, language).and(also_away).and(decide).and(complete)
+        }
+        (Signal::Armed, _) if !booth.is_button_away => {
+            step().and(booth.held_next.map(|_| language.text("page.hold.armed")))
         }
         // Another scan may have ended since the light was lit.
         (Signal::Ready | Signal::Done | Signal::Armed | Signal::NoExport, _) => {
-            match booth.is_button_away {
-                true => Words::new(away),
-                false => step().and_held_next(booth, language),
+            match (booth.is_button_away, first_to_do(booth, language)) {
+                (true, _) => Words::new(away),
+                (false, Some(words)) if booth.signal == Signal::NoExport => step().then(words),
+                (false, Some(words)) => words.then(step()),
+                (false, None) => step(),
             }
-            .and(decide.filter(|_| booth.signal != Signal::Armed))
+            .and(decide)
+            .and(complete)
         }
         (Signal::Receiving | Signal::Paused, _) => step().and(also_away),
     };
@@ -148,28 +158,19 @@ impl Words {
         Words::naming(booth.last_of, keys, before_last, language)
     }
 
-    /// Followed by why the next scan would be held, and what ends that.
-    fn and_held_next(self, booth: &Situation<'_>, language: Language) -> Words {
-        let keys = match booth.held_next {
-            None => return self,
-            // Whoever did not come is named and scanned again, and that is not held.
-            Some(_) if booth.signal == Signal::NoExport => return self,
-            // The light asks who it is.
-            Some(HeldNext::Uncertain) if booth.signal == Signal::Ready && booth.is_asked => {
-                return self;
-            }
-            Some(HeldNext::MayComeAgain(_)) => ["page.hold.again", "page.hold.again_of"],
-            Some(HeldNext::Undecided(_)) => ["page.hold.undecided"; 2],
-            Some(HeldNext::Unheard) => ["page.hold.unheard"; 2],
-            Some(HeldNext::NotCome(_)) => ["page.hold.not_come", "page.hold.not_come_of"],
-            Some(HeldNext::Uncertain) => ["page.hold.uncertain"; 2],
-        };
-        let ids = booth.held_next.map_or(&[][..], HeldNext::patients);
-        let reason = Words::naming(ids, keys, "page.next.and", language);
+    /// Followed by these.
+    fn then(self, more: Words) -> Words {
         Words {
-            text: self.text.words(" ").text(reason.text),
-            anonymous: format!("{} {}", self.anonymous, reason.anonymous),
+            text: self.text.words(" ").text(more.text),
+            anonymous: format!("{} {}", self.anonymous, more.anonymous),
         }
+    }
+
+    /// Followed by what happens until then, and how long at the most.
+    fn then_until(self, held: &HeldNext, language: Language) -> Words {
+        let until = minutes(held.left)
+            .map(|minutes| language.filled("page.hold.until", &[("minutes", &minutes)]));
+        self.and(until.as_deref())
     }
 
     /// Followed by more sentences that name nobody.
@@ -181,6 +182,33 @@ impl Words {
     }
 }
 
+/// What must be done before the next scan, or it is held; `None` if it would not be, or the light asks already.
+fn first_to_do(booth: &Situation<'_>, language: Language) -> Option<Words> {
+    let held = booth.held_next?;
+    let keys = match held.why {
+        // Whoever did not come is named and scanned again, and that is not held.
+        _ if booth.signal == Signal::NoExport => ["page.hold.others"; 2],
+        HoldReason::Uncertain if booth.is_asked => return None,
+        HoldReason::Uncertain => ["page.hold.uncertain"; 2],
+        HoldReason::MayComeAgain => ["page.hold.again", "page.hold.again_of"],
+        HoldReason::Undecided => ["page.hold.undecided"; 2],
+        HoldReason::NotCome => ["page.hold.not_come", "page.hold.not_come_of"],
+        HoldReason::Unheard => {
+            return Some(Words::new(&in_doubt(minutes(held.left), language)));
+        }
+    };
+    let words = Words::naming(&held.of, keys, "page.next.and", language);
+    Some(words.then_until(held, language))
+}
+
+/// A press may have been missed, and how many minutes longer that matters.
+pub(super) fn in_doubt(left_min: Option<u64>, language: Language) -> String {
+    match left_min {
+        Some(minutes) => language.filled("page.next.in_doubt_for", &[("minutes", &minutes)]),
+        None => language.text("page.next.in_doubt").to_owned(),
+    }
+}
+
 /// What the last scan needs from a person at the booth; `None` if nothing.
 fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -> Option<Words> {
     let useless =
@@ -188,10 +216,12 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
     let useless = useless.and_then(|scan| scan.advice.as_ref());
     let text = |key| language.text(key);
     let of = |keys| Words::of_last(booth, keys, language);
-    let also_held = match booth.held_next {
-        Some(HeldNext::MayComeAgain(_)) => Some(text("page.hold.until_given_up")),
-        Some(HeldNext::Undecided(_)) => Some(text("page.hold.until_decided")),
-        _ => None,
+    let also_held = |words: Words| match booth.held_next {
+        Some(held) if held.why == HoldReason::MayComeAgain => {
+            words.and([text("page.hold.or_give_up")]).then_until(held, language)
+        }
+        Some(held) if held.why == HoldReason::Undecided => words.then_until(held, language),
+        _ => words,
     };
     Some(match booth.last? {
         Outcome::Delivered => return None,
@@ -209,14 +239,14 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
                 Some(advice) => [advice.what.as_str(), &advice.next],
                 None => [why.as_str(), text("page.step.decide_held")],
             };
-            of(HELD).and([why, next]).and(also_held)
+            also_held(of(HELD).and([why, next]))
         }
         Outcome::Unassigned { to_do } => {
             let to_do = to_do.iter().map(String::as_str);
             Words::new(text("page.step.unassigned")).and(to_do)
         }
         Outcome::Refused { code } => {
-            of(REFUSED).and([of_refused(code, language).in_a_row().as_str()]).and(also_held)
+            also_held(of(REFUSED).and([of_refused(code, language).in_a_row().as_str()]))
         }
         Outcome::NameUnread => Words::new(text("page.step.name_unread")),
         Outcome::Known => of(KNOWN).and([text("page.step.export_new")]),

@@ -3,7 +3,7 @@
 use gaiter_language::Language;
 use serde::Serialize;
 
-use super::light::Situation;
+use super::light::{Situation, in_doubt};
 use super::sentence::{Sentence, Text};
 use super::{PatientShown, distinct};
 
@@ -15,6 +15,8 @@ pub struct NextShown {
     pub said: Sentence,
     /// The patients who may be next: one if it is certain, several if it is in doubt.
     pub who: Vec<PatientShown>,
+    /// It is asked who is in the booth.
+    pub is_asked: bool,
     /// There is something to call off.
     pub can_be_called_off: bool,
     /// The warning that a press may have been missed.
@@ -36,10 +38,8 @@ pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
         said: Sentence::new(told(booth, &who, language), anonymous(booth, &who, language)),
         can_be_called_off: !who.is_empty() || booth.awaited > 0,
         who,
-        doubt: booth.is_in_doubt.then(|| match booth.doubt_left_min {
-            Some(minutes) => language.filled("page.next.in_doubt_for", &[("minutes", &minutes)]),
-            None => language.text("page.next.in_doubt").to_owned(),
-        }),
+        is_asked: booth.is_asked,
+        doubt: booth.is_in_doubt.then(|| in_doubt(booth.doubt_left_min, language)),
     }
 }
 
@@ -61,9 +61,17 @@ fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text
     };
     let is_said = !booth.has_button && (who.len() > 1 || booth.is_asked);
     let awaited_for = if is_said { Vec::new() } else { distinct(booth.awaited_for) };
-    let text = match awaited_for.as_slice() {
-        [] => text,
-        [_] => text.sentence(language.text("page.next.export_of"), &awaited_for, and),
+    let text = match awaited_for.len() {
+        0 => text,
+        1 => text.sentence(language.text("page.next.export_of"), &awaited_for, and),
+        // Of each it is not certain that theirs is still to come.
+        patients if patients > booth.awaited => match booth.awaited {
+            1 => text.sentence(language.text("page.next.export_of"), &awaited_for, or),
+            count => {
+                let words = language.filled("page.next.exports_of_some", &[("count", &count)]);
+                text.sentence(&words, &awaited_for, or)
+            }
+        },
         _ => text.sentence(language.text("page.next.exports_of"), &awaited_for, and),
     };
     let text = match counted(unnamed(booth), language) {

@@ -54,10 +54,10 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
 /// What keeps the station from being ready.
 pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let code = complaint.code.as_str();
-    let of = if code.starts_with("trigger-") { "trigger-any" } else { code };
-    let about = complaint.subject.as_ref().map(|subject| format!("{of}-{subject}"));
-    let about = about.and_then(|of| Advice::of("page.complaint", &of, language));
-    about.or_else(|| Advice::of("page.complaint", of, language)).unwrap_or_else(|| match language {
+    let found = |of: &str| Advice::of("page.complaint", of, language);
+    let about = complaint.subject.as_ref().and_then(|subject| found(&format!("{code}-{subject}")));
+    let any = || code.starts_with("trigger-").then(|| found("trigger-any")).flatten();
+    about.or_else(|| found(code)).or_else(any).unwrap_or_else(|| match language {
         Language::En => Advice::new(sentence(&complaint.message), sentence(&complaint.remedy)),
         _ => said_as_it_is(code, "page.do.technician", language),
     })

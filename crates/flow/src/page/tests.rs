@@ -223,7 +223,7 @@ fn a_reason_is_of_its_own_code() {
         (round::AMBIGUOUS, "more than one", "mehr als einem"),
         (round::UNCLEAR, "before the button", "bevor der Knopf"),
         (round::LATE, "after the time", "nach der Zeit"),
-        (round::UNHEARD, "been missed", "nicht gehört"),
+        (round::UNHEARD, "been missed", "nicht erkannt"),
         (round::UNREAD, "could not be read", "nicht lesbar"),
         (round::REPEATED, "second time", "zweites Mal"),
         (identity::NO_PRESS, "Nobody pressed", "Niemand hat"),

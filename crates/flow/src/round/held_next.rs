@@ -10,30 +10,30 @@ const TRIAL: i64 = i64::MAX;
 /// From a look without the export to the look that shows it: any time serves.
 const A_MOMENT: Duration = Duration::from_millis(1);
 
-/// Why the next scan would be held. Where there are more reasons, the first of these that applies; the patients
-/// are those whom the earlier captures name.
+/// Why the next scan would be held, and how long at the most.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum HeldNext {
-    /// The scan of these patients was refused, and may be made again. Ends with that scan, or if it is given up.
-    MayComeAgain(Vec<String>),
-    /// An earlier scan is held. Ends with a person's decision about it.
-    Undecided(Vec<String>),
-    /// A press may have been missed. Ends with time.
-    Unheard,
-    /// The export of these patients has not come. Ends when it comes, with time, or if it is called off.
-    NotCome(Vec<String>),
-    /// It is not certain who is in the booth.
-    Uncertain,
+pub struct HeldNext {
+    /// The reason.
+    pub why: HoldReason,
+    /// The patients whom the earlier captures name.
+    pub of: Vec<String>,
+    /// When it ends by itself, from now; `None` if that is not known.
+    pub left: Option<Duration>,
 }
 
-impl HeldNext {
-    /// The patients whom the reason names.
-    pub fn patients(&self) -> &[String] {
-        match self {
-            HeldNext::MayComeAgain(of) | HeldNext::Undecided(of) | HeldNext::NotCome(of) => of,
-            HeldNext::Unheard | HeldNext::Uncertain => &[],
-        }
-    }
+/// Why the next scan would be held. Where there are more reasons, the first of these that applies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HoldReason {
+    /// An earlier scan was refused, and may be made again. Ends with that scan, or if it is given up.
+    MayComeAgain,
+    /// An earlier scan is held. Ends with a person's decision about it.
+    Undecided,
+    /// A press may have been missed.
+    Unheard,
+    /// An earlier export has not come. Ends when it comes, or if it is called off.
+    NotCome,
+    /// It is not certain who is in the booth.
+    Uncertain,
 }
 
 impl Rounds {
@@ -49,26 +49,29 @@ impl Rounds {
         };
         let export = Appeared { absent: Some(now), seen: now + A_MOMENT };
         let Judged::Held { why, .. } = trial.judge(export, now) else { return None };
-        let earlier = |which: fn(&Capture) -> bool| {
+        let late = self.rules.late;
+        let reason = |why: HoldReason, which: fn(&Capture) -> bool| {
             let of = self.open.iter().filter(|capture| capture.number != own && which(capture));
-            let mut of = of.filter(|capture| capture.may_have(export, self.rules.late)).peekable();
-            of.peek()?;
+            let of: Vec<&Capture> = of.filter(|capture| capture.may_have(export, late)).collect();
+            let end = of.iter().map(|capture| capture.until + late).max()?;
             let mut ids: Vec<String> = Vec::new();
-            for named in of.flat_map(Capture::named) {
+            for named in of.into_iter().flat_map(Capture::named) {
                 if !ids.contains(&named.id) {
                     ids.push(named.id.clone());
                 }
             }
-            Some(ids)
+            Some(HeldNext { why, of: ids, left: Some(end.saturating_sub(now)) })
         };
-        let may_come_again = earlier(|capture| capture.is_refused && capture.is_waiting());
-        let undecided = earlier(|capture| capture.state == CaptureState::Held);
-        let is_unheard = why == Why::Unheard || self.is_in_doubt(now);
-        may_come_again
-            .map(HeldNext::MayComeAgain)
-            .or_else(|| undecided.map(HeldNext::Undecided))
-            .or_else(|| is_unheard.then_some(HeldNext::Unheard))
-            .or_else(|| earlier(Capture::is_waiting).map(HeldNext::NotCome))
-            .or(Some(HeldNext::Uncertain))
+        let unheard = || {
+            let is_unheard = why == Why::Unheard || self.is_in_doubt(now);
+            let (why, of, left) = (HoldReason::Unheard, Vec::new(), self.doubt_left(now));
+            is_unheard.then_some(HeldNext { why, of, left })
+        };
+        let uncertain = || HeldNext { why: HoldReason::Uncertain, of: Vec::new(), left: None };
+        let held = reason(HoldReason::MayComeAgain, |of| of.is_refused && of.is_waiting())
+            .or_else(|| reason(HoldReason::Undecided, |of| of.state == CaptureState::Held))
+            .or_else(unheard)
+            .or_else(|| reason(HoldReason::NotCome, Capture::is_waiting));
+        Some(held.unwrap_or_else(uncertain))
     }
 }

@@ -26,7 +26,7 @@ fn who_is_next_is_named_with_a_button_and_without() {
             &none,
             0,
             "No patient is named.",
-            "Es ist kein Patient benannt.",
+            "Kein Patient ausgewählt.",
             "No patient is named.",
         ),
         (true, &one, &none, 0, "Next: 4711.", "Als Nächstes: 4711.", "The next patient is named."),

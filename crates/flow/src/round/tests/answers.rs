@@ -154,6 +154,11 @@ fn a_content_without_a_press_that_is_gone_puts_the_name_that_waits_in_doubt() {
     assert_eq!(patient_of(&export(&mut captures, seen(20))), None);
 }
 
+/// Why the next scan would be held, and whom that names.
+fn told(captures: &Rounds, now: Duration) -> Option<(HoldReason, Vec<String>)> {
+    captures.held_next(now).map(|held| (held.why, held.of))
+}
+
 #[test]
 fn a_scan_that_would_be_held_is_foreseen_with_the_reason_that_a_person_can_end() {
     let mut captures = captures();
@@ -167,9 +172,9 @@ fn a_scan_that_would_be_held_is_foreseen_with_the_reason_that_a_person_can_end()
     captures.named(named("1"), 2, at(17), &[]);
     assert_eq!(captures.held_next(at(17)), None);
     captures.named(named("2"), 2, at(18), &[]);
-    assert_eq!(captures.held_next(at(18)), Some(HeldNext::MayComeAgain(of("1"))));
+    assert_eq!(told(&captures, at(18)), Some((HoldReason::MayComeAgain, of("1"))));
     captures.pressed(2, at(19));
-    assert_eq!(captures.held_next(at(19)), Some(HeldNext::MayComeAgain(of("1"))));
+    assert_eq!(told(&captures, at(19)), Some((HoldReason::MayComeAgain, of("1"))));
     captures.given_up(1);
     captures.open[0].others.clear();
     captures.open[0].doubt = None;
@@ -186,13 +191,15 @@ fn a_held_scan_a_missing_export_and_a_missed_press_are_foreseen_to_hold_the_next
     held.open[0].doubt = Some(Doubt::Unread);
     assert_eq!(code(&taken(&mut held, seen(10))), UNREAD);
     held.named(named("2"), 2, at(11), &[]);
-    assert_eq!(held.held_next(at(11)), Some(HeldNext::Undecided(of("1"))));
+    assert_eq!(told(&held, at(11)), Some((HoldReason::Undecided, of("1"))));
 
     let mut missing = captures();
     pressed_for(&mut missing, "1", 1, 0);
     missing.pass(at(61), &[all_seen(61)]);
     missing.named(named("2"), 2, at(62), &[]);
-    assert_eq!(missing.held_next(at(62)), Some(HeldNext::NotCome(of("1"))));
+    assert_eq!(told(&missing, at(62)), Some((HoldReason::NotCome, of("1"))));
+    // Window and late are 360 s.
+    assert_eq!(missing.held_next(at(62)).and_then(|held| held.left), Some(298 * SECOND));
     missing.call_off();
     missing.named(named("2"), 2, at(63), &[]);
     assert_eq!(missing.held_next(at(63)), None);
@@ -201,7 +208,7 @@ fn a_held_scan_a_missing_export_and_a_missed_press_are_foreseen_to_hold_the_next
     unheard.deaf();
     unheard.hears(at(0));
     unheard.named(named("1"), 1, at(1), &[]);
-    assert_eq!(unheard.held_next(at(1)), Some(HeldNext::Unheard));
+    assert_eq!(told(&unheard, at(1)), Some((HoldReason::Unheard, Vec::new())));
     assert_eq!(unheard.held_next(at(0) + rules().awaited()), None);
     let nobody = Rounds { names: Names::default(), ..unheard };
     assert_eq!(nobody.held_next(at(1)), None, "nobody can be mistaken");
@@ -219,6 +226,6 @@ fn without_a_button_a_name_beside_a_refused_scan_is_foreseen_to_be_held() {
     refuse(&mut captures, &first, at(16));
     assert_eq!(captures.held_next(at(17)), None, "its own repetition");
     captures.named(order("2"), 2, at(18), &[]);
-    let again = HeldNext::MayComeAgain(vec!["1".to_owned()]);
-    assert_eq!(captures.held_next(at(19)), Some(again));
+    let again = (HoldReason::MayComeAgain, vec!["1".to_owned()]);
+    assert_eq!(told(&captures, at(19)), Some(again));
 }
