@@ -8,6 +8,7 @@ use nalgebra::{
 
 use super::body_fault::BodyFault;
 use super::components::without_fragments;
+use super::floor_plane::above_floor;
 use super::layers::unlinked_share;
 use super::point_cloud;
 use super::soles::FloorDoubt;
@@ -93,6 +94,13 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         return Err(BodyFault::OnlyFragments);
     }
     let upright = upright(method.up);
+    let above = match method.scope {
+        Scope::Body => above_floor(scan, &upright),
+        Scope::Leg(_) => None,
+    };
+    let (above, floor) = above.unzip();
+    let above = above.map(|above| without_fragments(&above));
+    let scan = above.as_ref().unwrap_or(scan);
     let (low, high) = extent(scan.points.iter().map(|point| upright * point));
     let size = match method.scope {
         Scope::Body => whole_body(method, &upright, high - low)?,
@@ -104,7 +112,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         * upright.to_homogeneous();
     let standing = moved(scan, &to_mm, unit);
     let (stance, (wound, unlinked_share)) = rayon::join(
-        || stance(&standing, size.scale_mm),
+        || stance(&standing, size.scale_mm, floor.map(|floor| (floor - low.z) * unit.in_mm())),
         || (winding::check(&standing, method.winding), unlinked_share(&standing, size.scale_mm)),
     );
     let stance = stance?;

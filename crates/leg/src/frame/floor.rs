@@ -48,6 +48,13 @@ pub struct Floor {
     pub doubt: Option<FloorDoubt>,
 }
 
+impl Floor {
+    /// A floor that was scanned at this height, mm.
+    pub(crate) fn seen(height_mm: f64) -> Floor {
+        Floor { height_mm, sd_mm: SD_MIN_MM, doubt: None }
+    }
+}
+
 /// The floor under the feet, given as points, of a body with this stature; `None` if there are no points.
 pub(crate) fn floor(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Option<Floor> {
     let edge_mm = EDGE_RADIUS_SHARE * stature_mm;

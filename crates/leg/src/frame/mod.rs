@@ -5,6 +5,7 @@ pub mod body;
 pub(super) mod body_fault;
 pub(super) mod components;
 pub mod floor;
+mod floor_plane;
 pub(super) mod layers;
 pub(super) mod long_axis;
 pub(super) mod point_cloud;

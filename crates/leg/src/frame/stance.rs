@@ -119,11 +119,15 @@ pub struct NoLegs {
     pub most: usize,
 }
 
-/// Finds the stance of a body with this stature, mm.
+/// Finds the stance of a body with this stature, mm; `floor_mm` is the height of its floor if that was scanned.
 ///
 /// # Errors
 /// [`NoLegs`] if too few heights show exactly two shanks, or one and nothing else.
-pub(crate) fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
+pub(crate) fn stance(
+    mesh: &Mesh,
+    stature_mm: f64,
+    floor_mm: Option<f64>,
+) -> Result<Stance, NoLegs> {
     let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
     // Only a tenth of the body is sliced.
     let [low, high] = [heights[0], heights[heights.len() - 1]];
@@ -141,11 +145,10 @@ pub(crate) fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     Ok(Stance {
         feet: feet_points.iter().zip(&shanks).map(middle).collect(),
         toes: toes(&shanks, &feet_points, stature_mm),
-        floor: floor(&feet_points, stature_mm).unwrap_or(Floor {
-            height_mm: 0.0,
-            sd_mm: f64::INFINITY,
-            doubt: None,
-        }),
+        floor: floor_mm
+            .map(Floor::seen)
+            .or_else(|| floor(&feet_points, stature_mm))
+            .unwrap_or(Floor { height_mm: 0.0, sd_mm: f64::INFINITY, doubt: None }),
         shanks,
     })
 }

@@ -4,7 +4,7 @@
 //! export that is only wound the other way round; nothing in the scan tells the two apart. A point cloud, and
 //! pieces of a mesh that contradict each other, tell nothing.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::body_fault::BodyFault;
 use super::union_find::DisjointSets;
@@ -87,23 +87,29 @@ fn pieces(triangles: &[[u32; 3]]) -> Vec<u32> {
 /// Whether the triangles turn inwards or outwards about the middle of the body, as far as all of them
 /// together tell: quick, and right where all are wound alike.
 fn seem_outward(mesh: &Mesh) -> bool {
-    let mut sum = Vector3::zeros();
-    mesh.triangles()
-        .iter()
-        .flatten()
-        .for_each(|corner| sum += mesh.points()[*corner as usize].coords);
-    let middle = sum / (3 * mesh.triangles().len()).max(1) as f64;
-    let volume = mesh.triangles().iter().map(|triangle| {
-        let [a, b, c] = triangle.map(|corner| mesh.points()[corner as usize].coords - middle);
+    volume(mesh.points(), mesh.triangles().iter()) > 0.0
+}
+
+/// Six times the volume that triangles enclose with their own middle; negative if they turn inwards.
+pub(super) fn volume<'a>(
+    points: &[Point3<f64>],
+    triangles: impl Iterator<Item = &'a [u32; 3]> + Clone,
+) -> f64 {
+    let at = |corner: u32| points[corner as usize].coords;
+    let (count, sum) = triangles.clone().fold((0.0, Vector3::zeros()), |(count, sum), corners| {
+        (count + 3.0, sum + corners.map(at).into_iter().sum::<Vector3<f64>>())
+    });
+    let middle = sum / f64::max(count, 1.0);
+    let volumes = triangles.map(|corners| {
+        let [a, b, c] = corners.map(|corner| at(corner) - middle);
         a.dot(&b.cross(&c))
     });
-    volume.sum::<f64>() > 0.0
+    volumes.sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Point3;
 
     /// A tetrahedron wound outwards, seen in a mirror or not, its triangles turned round or not.
     fn body(is_mirrored: bool, is_turned: bool) -> Mesh {

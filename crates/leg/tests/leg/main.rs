@@ -8,6 +8,7 @@ mod cloud;
 mod curvature;
 mod features;
 mod findings;
+mod floors;
 mod found;
 mod held_back;
 mod laws;

@@ -1,0 +1,148 @@
+//! A floor, plate or platform under the feet that was scanned with them: it is the floor, and no skin.
+//!
+//! The skin of a standing body faces upwards only on the backs of the feet, which are small and no plane. Soles that
+//! an exporter closed face downwards.
+
+use gaiter_scan::Scan;
+use nalgebra::{Point3, Rotation3, Vector3};
+
+use super::components::renumbered;
+use super::unit_inference::extent;
+use super::winding::volume;
+
+/// Heights up to this share of the scan's may be a floor: what a patient is made to stand on is hardly higher than
+/// 250 mm.
+const FLOOR_SHARE: f64 = 0.15;
+
+/// The body above this share of the scan's height tells which side of its triangles is outside.
+const BODY_SHARE: f64 = 0.2;
+
+/// A facet of a level floor turns up by this at least (cosine): within 32°, which noise of 1.5 mm turns facets of an
+/// edge of 5 mm.
+const UP_MIN_COSINE: f64 = 0.85;
+
+/// Facets of one plane lie within this height, as a share of the scan's: 6 mm of 1.6 m, four times that noise.
+const THICKNESS_SHARE: f64 = 6.0 / 1600.0;
+
+/// The least area of a floor, as a share of the squared height of the scan: 80 cm² at 1.6 m. Backs of feet have up to
+/// 45 cm² in such a height. A smaller piece that hangs on no foot is left out as a fragment.
+const AREA_MIN_SHARE: f64 = 0.0031;
+
+/// What lies less than this above the plane is the floor's, in standard deviations of its facets …
+const ABOVE_SDS: f64 = 3.0;
+
+/// … and at least this share of the scan's height: 2 mm of 1.6 m.
+const ABOVE_MIN_SHARE: f64 = 2.0 / 1600.0;
+
+/// The triangles of a scan above its floor, and the floor's height along `upright` z, in the export's unit. `None` if
+/// no floor was scanned. A bare cloud shows none.
+pub(crate) fn above_floor(scan: &Scan, upright: &Rotation3<f64>) -> Option<(Scan, f64)> {
+    let up = upright.inverse() * Vector3::z();
+    let heights: Vec<f64> = scan.points.iter().map(|point| up.dot(&point.coords)).collect();
+    let [low, high] = heights
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(*z), high.max(*z)]);
+    let height = high - low;
+    let height_of = |corners: &[u32; 3]| heights[corners[0] as usize];
+    let area_min = AREA_MIN_SHARE * height * height;
+    // Nearly no scan has so much level skin: only then is it worth asking which side is outside.
+    let near =
+        scan.triangles.iter().filter(|corners| height_of(corners) < low + FLOOR_SHARE * height);
+    let level: Vec<Facet> = near.filter_map(|corners| Facet::of(scan, corners, &up)).collect();
+    if level.iter().map(|facet| facet.area).sum::<f64>() < area_min {
+        return None;
+    }
+    let body =
+        scan.triangles.iter().filter(|corners| height_of(corners) > low + BODY_SHARE * height);
+    let is_outward = volume(&scan.points, body) > 0.0;
+    let facing_up = level.into_iter().filter(|facet| facet.is_up == is_outward).collect();
+    let plane = largest(facing_up, THICKNESS_SHARE * height)?;
+    if plane.area < area_min || !lies_under(&plane, scan, &heights, THICKNESS_SHARE * height) {
+        return None;
+    }
+    let top = plane.height + (ABOVE_SDS * plane.sd).max(ABOVE_MIN_SHARE * height);
+    let middle =
+        |corners: &[u32; 3]| corners.iter().map(|c| heights[*c as usize]).sum::<f64>() / 3.0;
+    let above = scan.triangles.iter().filter(|corners| middle(corners) > top).copied();
+    let (triangles, used) = renumbered(scan.points.len(), above.collect());
+    let points = used.iter().map(|point| scan.points[*point as usize]).collect();
+    Some((Scan { points, triangles }, plane.height))
+}
+
+/// A level facet, in the export's coordinates.
+#[derive(Clone, Copy)]
+struct Facet {
+    middle: Point3<f64>,
+    /// Of its middle.
+    height: f64,
+    area: f64,
+    /// Whether it turns up, if triangles turn outwards.
+    is_up: bool,
+}
+
+impl Facet {
+    /// The facet of a triangle; `None` if it is not level.
+    fn of(scan: &Scan, corners: &[u32; 3], up: &Vector3<f64>) -> Option<Facet> {
+        let [a, b, c] = corners.map(|corner| scan.points[corner as usize].coords);
+        let normal = (b - a).cross(&(c - a));
+        let (rise, length) = (normal.dot(up), normal.norm());
+        let middle = (a + b + c) / 3.0;
+        (rise.abs() > UP_MIN_COSINE * length).then(|| Facet {
+            height: middle.dot(up),
+            middle: middle.into(),
+            area: length / 2.0,
+            is_up: rise > 0.0,
+        })
+    }
+}
+
+/// Facets at one height.
+struct Plane {
+    /// Mean, weighted by area.
+    height: f64,
+    /// Standard deviation of their heights.
+    sd: f64,
+    area: f64,
+    /// The corners of their extent.
+    reach: (Point3<f64>, Point3<f64>),
+}
+
+/// Whether nothing is lower than the plane but what it covers, as the walls of a platform: a floor has no feet below.
+fn lies_under(plane: &Plane, scan: &Scan, heights: &[f64], thickness: f64) -> bool {
+    let (low, high) = plane.reach;
+    let low_points = scan.points.iter().zip(heights);
+    let mut below = low_points.filter(|(_, height)| **height < plane.height - thickness);
+    let margin = 2.0 * thickness;
+    below.all(|(point, _)| {
+        let is_beyond =
+            |axis: &usize| !(low[*axis] - margin..=high[*axis] + margin).contains(&point[*axis]);
+        // Along the upright axis it may be.
+        (0..3).filter(is_beyond).count() <= 1
+    })
+}
+
+/// The largest area of facets within a height of `thickness`; `None` if there are none.
+fn largest(mut facets: Vec<Facet>, thickness: f64) -> Option<Plane> {
+    facets.sort_by(|a, b| a.height.total_cmp(&b.height));
+    let (mut first, mut area) = (0, 0.0);
+    let mut best = (0.0, 0..0);
+    for (index, facet) in facets.iter().enumerate() {
+        area += facet.area;
+        while facets[first].height < facet.height - thickness {
+            area -= facets[first].area;
+            first += 1;
+        }
+        if area > best.0 {
+            best = (area, first..index + 1);
+        }
+    }
+    let plane = &facets[best.1];
+    let area: f64 = plane.iter().map(|facet| facet.area).sum();
+    let mean = |of: &dyn Fn(f64) -> f64| {
+        plane.iter().map(|facet| of(facet.height) * facet.area).sum::<f64>() / area
+    };
+    let height = mean(&|height| height);
+    let sd = mean(&|other| (other - height).powi(2)).sqrt();
+    let reach = extent(plane.iter().map(|facet| facet.middle));
+    (area > 0.0).then_some(Plane { height, sd, area, reach })
+}
