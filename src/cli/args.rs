@@ -160,7 +160,7 @@ pub enum Verb {
     /// For a held scan, also shows the patients it may belong to and the folder with pictures of its
     /// legs. Make sure that no other person can see the screen.
     Show(OneArgs),
-    /// Explain in one sentence why a file or a scan is where it is
+    /// Explain why a file or a scan is where it is
     Explain(ExplainArgs),
     /// Try a refused scan again, or a waiting one at once
     ///

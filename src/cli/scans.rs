@@ -5,7 +5,8 @@ use std::os::unix::ffi::OsStringExt;
 
 use gaiter_flow::ScanState;
 use gaiter_flow::account::{Happened, Listed, Whole};
-use gaiter_flow::health::bytes;
+use gaiter_flow::words::bytes;
+use gaiter_language::Language;
 
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
 use super::terminal::clock::local;
@@ -45,7 +46,7 @@ pub fn list(scans: &[Listed]) -> String {
             local(scan.first_seen),
             scan.disposition.word(),
             scan.format,
-            bytes(scan.size),
+            bytes(scan.size, Language::En),
             shown(why.trim())
         );
         let _ = writeln!(text, "{}", line.trim_end());
@@ -70,7 +71,7 @@ fn detail(whole: &Whole) -> String {
         ("state", whole.disposition().word().to_owned()),
         ("first seen", local(summary.first_seen)),
         ("file's time", summary.file_time.map_or("unknown".to_owned(), local)),
-        ("format", format!("{}, {}", summary.format, bytes(summary.size))),
+        ("format", format!("{}, {}", summary.format, bytes(summary.size, Language::En))),
     ];
     if let Some(code) = &summary.code {
         let message = summary.message.as_deref().unwrap_or_default();
@@ -104,7 +105,7 @@ fn detail(whole: &Whole) -> String {
     lines.collect()
 }
 
-/// Explains in one sentence why a file or scan is where it is.
+/// Explains why a file or scan is where it is.
 pub fn explain(args: &ExplainArgs) -> Exit {
     let request = match Named::of(&args.what) {
         Named::Scan(scan) => Request::ExplainScan { scan },

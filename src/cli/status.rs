@@ -7,7 +7,9 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use gaiter_flow::account::{Filter, Listed};
-use gaiter_flow::health::{Severity, ago, bytes, words};
+use gaiter_flow::health::Severity;
+use gaiter_flow::words::{ago, bytes, duration};
+use gaiter_language::Language;
 use jiff::Timestamp;
 
 use super::args::{AskArgs, StatusArgs};
@@ -132,7 +134,7 @@ fn rows(look: &Look) -> Vec<(String, String)> {
         (Some(oldest), Some(age_s)) => format!(
             "{} has waited {} for its record",
             oldest.scan,
-            words(Duration::from_secs(age_s))
+            duration(Duration::from_secs(age_s), Language::En)
         ),
         _ => "no scan is waiting for its record".to_owned(),
     };
@@ -148,7 +150,7 @@ fn rows(look: &Look) -> Vec<(String, String)> {
     let counts = if status.scans.is_empty() { "unknown".to_owned() } else { counts.join(", ") };
     row("scans", counts);
     let last = status.last.as_ref().map(|last| {
-        let (seen, ago) = (last.first_seen, ago(last.first_seen, now));
+        let (seen, ago) = (last.first_seen, ago(last.first_seen, now, Language::En));
         let listed = look.scans.iter().find(|scan| scan.scan == last.scan);
         let state = listed.map_or(last.state.word(), |scan| scan.disposition.word());
         format!("{} seen {}, {ago} ago: {state}", last.scan, local(seen))
@@ -166,11 +168,13 @@ fn rows(look: &Look) -> Vec<(String, String)> {
         );
     }
     let disk = match (status.disk_free_bytes, status.disk_bytes) {
-        (Some(free), Some(size)) => format!("{} free of {}", bytes(free), bytes(size)),
+        (Some(free), Some(size)) => {
+            format!("{} free of {}", bytes(free, Language::En), bytes(size, Language::En))
+        }
         _ => "unknown".to_owned(),
     };
     row("disk", disk);
-    let ago = words(Duration::from_secs(status.running_s));
+    let ago = duration(Duration::from_secs(status.running_s), Language::En);
     let process = format!("gaiter {}, process {}, running for {ago}", status.gaiter, status.pid);
     row("station", format!("{}, {process}", status.station));
     rows
@@ -191,7 +195,7 @@ fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
             .map(|source| (format!("export {}", source.export_dir), said_of(source, now))),
     );
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
-        let time = ago(trigger.since, now);
+        let time = ago(trigger.since, now, Language::En);
         let state = trigger.state.replace('_', " ");
         let why = trigger.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
         let heard = match (trigger.presses, trigger.ids) {
@@ -206,7 +210,7 @@ fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
         rows.push(("store".to_owned(), "nothing delivered yet in this run".to_owned()));
     }
     rows.extend(status.stores.iter().map(|(name, store)| {
-        let time = ago(store.since, now);
+        let time = ago(store.since, now, Language::En);
         let state = match &store.fault {
             None => format!("has accepted records for {time}"),
             Some(fault) => format!("has accepted no records for {time}: {fault}"),
@@ -242,7 +246,7 @@ fn at_booth(status: &Status) -> String {
 
 /// The state of one export folder in words.
 fn said_of(source: &SourceStatus, now: Timestamp) -> String {
-    let time = ago(source.since, now);
+    let time = ago(source.since, now, Language::En);
     let why = source.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
     let mut text = match source.state.as_str() {
         "watched" => "looked through".to_owned(),
@@ -250,7 +254,7 @@ fn said_of(source: &SourceStatus, now: Timestamp) -> String {
         state => format!("{} for {time}{why}", state.replace('_', " ")),
     };
     if let Some(last) = source.last_look {
-        let _ = write!(text, ", last {} ago", ago(last, now));
+        let _ = write!(text, ", last {} ago", ago(last, now, Language::En));
     }
     if let Some(kind) = &source.file_system {
         let _ = write!(text, ", {kind}{}", if source.polled { " (polled)" } else { "" });

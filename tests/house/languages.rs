@@ -21,12 +21,14 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 46] = [
+const BY_CODE: [(&str, &str); 48] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
     ("completeness.again", "`Again::key`"),
     ("completeness.check", "`Check::key`"),
+    ("explain.closed", "`Closed::word`"),
+    ("explain.passed_over", "`PassedOver::word`"),
     ("finding", "the findings and doubts of a record"),
     ("leg", "`Side::word`"),
     ("leg.heading", "`Side::word`"),

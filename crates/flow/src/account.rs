@@ -1,17 +1,19 @@
 //! What the journal knows about scans, as shown to people and programs, and one scan in a sentence.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
+use gaiter_language::Language;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::disposition::{Disposition, Task};
 use super::facts::StoreFacts;
-use super::health::{ago, words};
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
-use super::patient::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
+use super::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use super::scan_id::SHORT;
-use super::{Closed, DeliveryState, ScanState, round};
+use super::words::{ago, duration};
+use super::{Closed, DeliveryState, ScanState};
 
 /// A scan, when it was first seen, and where it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -296,118 +298,128 @@ impl Delivered {
     }
 }
 
-/// Why a scan is held, in words for its code.
-fn why_held(code: &str) -> &'static str {
-    match code {
-        round::AMBIGUOUS => {
-            "it could belong to more than one patient, or another scan lay beside it"
-        }
-        round::UNCLEAR => {
-            "it may have been written before the button was pressed or a patient named"
-        }
-        round::LATE => "it arrived after the time allowed for the export of the press",
-        round::UNHEARD => "a press of the button may have been missed",
-        round::UNREAD => "a card or an order before it could not be read or kept",
-        round::REPEATED => "the order that names its patient came a second time",
-        NO_PRESS => "the button was not pressed for it",
-        PATIENTS_DIFFER => "two sources name different patients",
-        _ => "the same data arrived for a second patient",
-    }
+/// Why a scan is held, as a sentence for its code.
+pub fn why_held(code: &str, language: Language) -> &'static str {
+    let own = language.find(&format!("page.held.{code}.what"));
+    own.unwrap_or_else(|| language.text("page.held.other.what"))
 }
 
-/// Why a refused or held scan no longer needs a decision, in words.
-fn why_closed(closed: Closed) -> &'static str {
-    match closed {
-        Closed::GivenUp => "the operator gave it up",
-        Closed::Superseded => "the same patient's next scan was delivered",
-        Closed::LetGo => "it was not decided on before its time in quarantine ended",
-    }
-}
-
-/// The outcome for a scan, in words that follow "it".
-pub fn in_words(whole: &Whole) -> String {
-    let Whole { summary, .. } = whole;
-    if let Some(code) = whole.held_for() {
-        return format!("is held because {}, until the operator decides", why_held(code));
-    }
-    let place = if summary.closed.is_some() { "closed" } else { "in quarantine" };
-    match whole.disposition() {
-        _ if summary.state == ScanState::Refused => match &summary.code {
-            Some(code) => format!("was refused ({code}) and is {place}"),
-            None => format!("was refused and is {place}"),
-        },
-        Disposition::Delivered => "was delivered".into(),
-        Disposition::Withdrawing => "was taken back; its record is not removed yet".into(),
-        Disposition::Unassigned | Disposition::Left => "was delivered for no patient".into(),
-        Disposition::Spooled => "was taken and waits for its record to be delivered".into(),
-        Disposition::Closed | Disposition::Held | Disposition::Refused => {
-            "was held and is closed".into()
-        }
-    }
-}
-
-/// Why a scan is where it is, in one sentence that names no patient. `stores` has the state of each
-/// store.
-pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> String {
-    let (scan, summary) = (whole.scan.get(..SHORT).unwrap_or(&whole.scan), &whole.summary);
-    let closed = summary.closed.map(why_closed);
-    let closed =
-        closed.map_or(String::new(), |why| format!("; no decision is needed, because {why}"));
-    match whole.disposition() {
+/// The outcome for a scan, in words that follow the scan. Why it is held is a sentence of its own, that of
+/// [`why_held`].
+pub fn in_words(whole: &Whole, language: Language) -> String {
+    let summary = &whole.summary;
+    let key = match whole.disposition() {
         _ if summary.state == ScanState::Refused => {
-            let why = summary.message.as_deref().unwrap_or("the reason is in the file beside it");
-            // Some reasons are sentences, or questions.
-            let why = why.trim_end_matches('.');
-            let end = if closed.is_empty() && why.ends_with(['?', '!']) { "" } else { "." };
-            let code = summary.code.as_deref().unwrap_or("no code");
-            format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}{end}")
+            let is_closed = summary.closed.is_some();
+            let key = if is_closed { "explain.state.closed" } else { "explain.state.refused" };
+            return language.filled(key, &[("code", &code_of(summary, language))]);
         }
+        Disposition::Held => "explain.state.held",
+        Disposition::Delivered => "explain.state.delivered",
+        Disposition::Withdrawing => "explain.state.withdrawing",
+        Disposition::Unassigned | Disposition::Left => "explain.state.unassigned",
+        Disposition::Spooled => "explain.state.spooled",
+        Disposition::Closed | Disposition::Refused => "explain.state.held_closed",
+    };
+    language.text(key).to_owned()
+}
+
+fn code_of(summary: &Summary, language: Language) -> &str {
+    summary.code.as_deref().unwrap_or_else(|| language.text("explain.no_code"))
+}
+
+/// Why a scan is where it is, without a name of the patient. `stores` has the state of each store.
+pub fn explain(
+    whole: &Whole,
+    stores: &BTreeMap<&str, StoreFacts>,
+    now: Timestamp,
+    language: Language,
+) -> String {
+    let (scan, summary) = (whole.scan.get(..SHORT).unwrap_or(&whole.scan), &whole.summary);
+    let filled = |key| language.filled(key, &[("scan", &scan)]);
+    let with_closed = |key| {
+        let closed = not_needed(summary, language);
+        language.filled(key, &[("scan", &scan), ("closed", &closed)])
+    };
+    match whole.disposition() {
+        _ if summary.state == ScanState::Refused => refused(scan, summary, language),
         Disposition::Held | Disposition::Refused => {
             let code = whole.held_for().unwrap_or(SAME_SCAN_OTHER_PATIENT);
-            let why = why_held(code);
-            format!(
-                "Scan {scan} is held [{code}]: {why}; operator action needed: look (gaiter show {scan}) and \
-                 decide (gaiter release or gaiter assign)."
-            )
+            let why = why_held(code, language);
+            let words: [(&str, &dyn Display); 3] =
+                [("scan", &scan), ("code", &code), ("why", &why)];
+            language.filled("explain.scan.held", &words)
         }
         Disposition::Spooled => {
-            let waited = ago(summary.first_seen, now);
-            let waits = waits(whole, stores, now);
-            format!("Scan {scan} has been safe in the spool for {waited}{waits}.")
+            let waited = ago(summary.first_seen, now, language);
+            let waits = waits(whole, stores, now, language);
+            let words: [(&str, &dyn Display); 3] =
+                [("scan", &scan), ("time", &waited), ("waits", &waits)];
+            language.filled("explain.scan.spooled", &words)
         }
-        Disposition::Withdrawing => format!(
-            "Scan {scan} was taken back; its record could not be removed yet; attempts continue \
-             (gaiter show {scan})."
-        ),
-        Disposition::Delivered => format!("Scan {scan} is delivered; nothing is left to do."),
-        Disposition::Closed => format!("Scan {scan} was held{closed}."),
-        Disposition::Unassigned | Disposition::Left => format!(
-            "Scan {scan} is delivered; no patient was named, so it is stored under _unassigned{closed}."
-        ),
+        Disposition::Withdrawing => filled("explain.scan.withdrawing"),
+        Disposition::Delivered => filled("explain.scan.delivered"),
+        Disposition::Closed => with_closed("explain.scan.closed"),
+        Disposition::Unassigned | Disposition::Left => with_closed("explain.scan.unassigned"),
     }
+}
+
+/// That a scan was refused. The figures in the reason of its refusal are only told in English.
+fn refused(scan: &str, summary: &Summary, language: Language) -> String {
+    let code = summary.code.as_deref().unwrap_or_default();
+    let own = match language {
+        Language::En => None,
+        _ => language.find(&format!("page.refused.{code}.what")),
+    };
+    let why = own.or(summary.message.as_deref());
+    // Some reasons are sentences, or questions.
+    let why = why.unwrap_or_else(|| language.text("explain.no_reason")).trim_end_matches('.');
+    let closed = not_needed(summary, language);
+    let words: [(&str, &dyn Display); 4] = [
+        ("scan", &scan),
+        ("code", &code_of(summary, language)),
+        ("why", &why),
+        ("closed", &closed),
+    ];
+    let said = language.filled("explain.scan.refused", &words);
+    let is_ended = closed.is_empty() && why.ends_with(['?', '!']);
+    if is_ended { said } else { said + "." }
+}
+
+/// Why a refused or held scan no longer needs a decision, in words that follow its state; empty if it does.
+fn not_needed(summary: &Summary, language: Language) -> String {
+    let Some(closed) = summary.closed else { return String::new() };
+    let why = language.word("explain.closed", closed.word());
+    language.filled("explain.not_needed", &[("why", &why)])
 }
 
 /// What a scan in the spool waits for, in words that follow the time.
-fn waits(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> String {
+fn waits(
+    whole: &Whole,
+    stores: &BTreeMap<&str, StoreFacts>,
+    now: Timestamp,
+    language: Language,
+) -> String {
     let mut pending = whole.deliveries.iter().filter(|of| of.state == DeliveryState::Pending);
     let Some(pending) = pending.next() else { return String::new() };
     let store = &pending.store;
     let refusal = stores.get(store.as_str()).and_then(|store| store.refusal.as_ref());
     if let Some(refusal) = refusal {
-        return format!(
-            " and waits for the store \"{store}\", which accepts no records now: {refusal}"
-        );
+        let words: [(&str, &dyn Display); 2] =
+            [("store", store), ("why", &refusal.in_words(language))];
+        return language.filled("explain.waits_for.store", &words);
     }
     if pending.attempts == 0 {
-        return " and waits for its turn to be measured".to_owned();
+        return language.text("explain.waits_for.turn").to_owned();
     }
-    let next = pending.next_at.map(|at| words(at.duration_since(now).unsigned_abs()));
-    let next = next.map_or(String::new(), |next| format!(", the next in {next}"));
+    let next = pending.next_at.map_or(String::new(), |at| {
+        let time = duration(at.duration_since(now).unsigned_abs(), language);
+        language.filled("explain.waits_for.next", &[("time", &time)])
+    });
     let code = pending.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
-    let attempts = pending.attempts;
-    format!(
-        "; the store \"{store}\" did not accept its record in {attempts} attempts{code}; attempts continue{next}"
-    )
+    let words: [(&str, &dyn Display); 4] =
+        [("store", store), ("attempts", &pending.attempts), ("code", &code), ("next", &next)];
+    language.filled("explain.waits_for.attempts", &words)
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
-//! One sentence that explains why a file is where it is.
+//! Why a file is where it is, in words.
 
+use std::fmt::Display;
 use std::path::Path;
 
+use gaiter_language::Language;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
@@ -13,9 +15,11 @@ use super::health::local;
 /// What the journal knows about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Known {
-    /// The outcome for its scan, in words that follow "it": "was delivered", "is held: a person
-    /// decides", "was refused (scan-cut-short)".
+    /// The outcome for its scan, in words that follow the scan: "was delivered", "was refused
+    /// (scan-cut-short) and is in quarantine".
     pub state: String,
+    /// Why, as a sentence of its own, if there is more to say.
+    pub why: Option<&'static str>,
     /// When that was; `None` if the journal does not say.
     pub at: Option<Timestamp>,
     /// The scan's first digits; `None` for a file that was refused unread.
@@ -24,99 +28,130 @@ pub struct Known {
     pub again_since: Option<Timestamp>,
 }
 
-/// Explains in one sentence where a file is and why. Times are told in this time zone.
-pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>, zone: &TimeZone) -> String {
+/// Who asks: in which language, and in which time zone times are told.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    /// The language.
+    pub language: Language,
+    /// The time zone.
+    pub zone: &'a TimeZone,
+}
+
+impl Asked<'_> {
+    fn text(self, key: &'static str) -> String {
+        self.language.text(key).to_owned()
+    }
+
+    fn at(self, key: &'static str, name: &str, at: Timestamp) -> String {
+        self.language.filled(key, &[(name, &local(at, self.zone))])
+    }
+}
+
+/// Explains where a file is and why.
+pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>, asked: Asked<'_>) -> String {
     let source = facts.sources.iter().find(|source| {
         source.folder.as_ref().is_some_and(|folder| path != folder && path.starts_with(folder))
     });
     if let Some(file) = source.and_then(|source| source.waiting.get(path)) {
-        let again = match known {
-            Some(_) => "The file has changed since it was taken: it",
-            None => "The file",
-        };
-        return format!("{again} {}.", waits(file, facts.intake, zone));
+        let key = if known.is_some() { "explain.file_changed" } else { "explain.file" };
+        return asked.language.filled(key, &[("state", &waits(file, facts.intake, asked))]);
     }
     if let Some(known) = known {
-        return said(&known, zone);
+        return said(&known, asked);
     }
     match source {
-        Some(source) => not_seen(source, path, zone),
-        None => "The file is not in an export folder of this station.".to_owned(),
+        Some(source) => not_seen(source, path, asked),
+        None => asked.text("explain.elsewhere"),
     }
 }
 
-fn waits(file: &WaitingFile, intake: IntakeState, zone: &TimeZone) -> String {
-    let WaitingFile { why, since, overdue } = file;
-    let since = local(*since, zone);
-    let late = if *overdue { ", longer than a file should wait" } else { "" };
+fn waits(file: &WaitingFile, intake: IntakeState, asked: Asked<'_>) -> String {
+    let language = asked.language;
     let shut = match intake {
         IntakeState::Open => String::new(),
-        IntakeState::Paused => "; the operator has paused the station".to_owned(),
+        IntakeState::Paused => asked.text("explain.paused"),
         IntakeState::DiskLow { free, floor } => {
-            format!("; the disk is nearly full: {free} bytes are free, {floor} must stay free")
+            language.filled("explain.disk_low", &[("free", &free), ("floor", &floor)])
         }
     };
-    format!("{why} (seen since {since}{late}){shut}")
+    let words: [(&str, &dyn Display); 3] = [
+        ("wait", &file.wait.words(language)),
+        ("since", &local(file.since, asked.zone)),
+        ("shut", &shut),
+    ];
+    language.filled(if file.overdue { "explain.waits_late" } else { "explain.waits" }, &words)
 }
 
-fn said(known: &Known, zone: &TimeZone) -> String {
-    let which = match (&known.scan, known.again_since) {
-        (None, _) => "The file".to_owned(),
-        (Some(scan), None) => format!("The file's scan {scan}"),
+fn said(known: &Known, asked: Asked<'_>) -> String {
+    let language = asked.language;
+    let state = match known.at {
+        None => known.state.clone(),
+        Some(at) => {
+            let words: [(&str, &dyn Display); 2] =
+                [("state", &known.state), ("at", &local(at, asked.zone))];
+            language.filled("explain.state_at", &words)
+        }
+    };
+    let said = match (&known.scan, known.again_since) {
+        (None, _) => language.filled("explain.file", &[("state", &state)]),
+        (Some(scan), None) => {
+            language.filled("explain.scan_of_file", &[("scan", scan), ("state", &state)])
+        }
         (Some(scan), Some(taken)) => {
-            let taken = local(taken, zone);
-            format!("The file has the points and triangles of scan {scan}, taken {taken}, which")
+            let words: [(&str, &dyn Display); 3] =
+                [("scan", scan), ("taken", &local(taken, asked.zone)), ("state", &state)];
+            language.filled("explain.same_as", &words)
         }
     };
-    let at = known.at.map_or(String::new(), |at| format!(" ({})", local(at, zone)));
-    format!("{which} {}{at}.", known.state)
+    match known.why {
+        Some(why) => format!("{said} {why}"),
+        None => said,
+    }
 }
 
-fn not_seen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
+fn not_seen(source: &SourceFacts, path: &Path, asked: Asked<'_>) -> String {
+    let language = asked.language;
     let ignored = path.ancestors().find_map(|place| Some((place, *source.ignored.get(place)?)));
     if let Some((place, why)) = ignored.map(|(place, ignored)| (place, ignored.why)) {
-        let said = if place == path { why.words() } else { why.words_within() };
-        let left = match why.is_of_name() {
-            true => " It has lain there for longer than a file should.",
-            false => "",
+        let is_itself = place == path;
+        let words = if is_itself { why.words(language) } else { why.words_within(language) };
+        let said = language.filled("explain.file", &[("state", &words)]);
+        return match why.is_of_name() {
+            true => format!("{said} {}", language.text("explain.name_stays")),
+            false => said,
         };
-        return format!("The file {said}.{left}");
     }
     if let Some(at) = source.gone.get(path) {
-        let at = local(*at, zone);
-        return format!(
-            "The file was overwritten or deleted before it was taken in (noticed {at})."
-        );
+        return asked.at("explain.gone", "at", *at);
     }
-    let since = local(source.since, zone);
+    let because = |key, why: &String| {
+        let words: [(&str, &dyn Display); 2] =
+            [("since", &local(source.since, asked.zone)), ("why", why)];
+        language.filled(key, &words)
+    };
     match &source.state {
-        SourceState::NotLooked => "The file's folder has not been looked at yet.".to_owned(),
-        SourceState::OutOfReach(error) => {
-            format!("The file's folder has been out of reach since {since}: {error}.")
-        }
-        SourceState::NotMounted(why) => {
-            format!("The file's folder has been ignored since {since}: the export folder {why}.")
-        }
-        SourceState::Taken => "Another station on this machine uses the file's folder.".to_owned(),
-        SourceState::Stalled => format!("The file's folder has not answered since {since}."),
-        SourceState::Watched => unseen(source, path, zone),
+        SourceState::NotLooked => asked.text("explain.folder.not_looked"),
+        SourceState::OutOfReach(error) => because("explain.folder.out_of_reach", error),
+        SourceState::NotMounted(why) => because("explain.folder.not_mounted", why),
+        SourceState::Taken => asked.text("explain.folder.taken"),
+        SourceState::Stalled => asked.at("explain.folder.stalled", "since", source.since),
+        SourceState::Watched => unseen(source, path, asked),
     }
 }
 
 /// A file that the last look did not find among the scans.
-fn unseen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
+fn unseen(source: &SourceFacts, path: &Path, asked: Asked<'_>) -> String {
     let name = path.file_name().unwrap_or_default();
     if let Some(why) = PassedOver::by_name(&name.to_string_lossy()) {
-        return format!("The file {}.", why.words());
+        let words = why.words(asked.language);
+        return asked.language.filled("explain.file", &[("state", &words)]);
     }
     if companions::is_companion(name) {
-        return "The file is not a scan; it belongs to the scan of the same name.".to_owned();
+        return asked.text("explain.companion");
     }
     match source.last_look {
-        Some(at) => {
-            format!("No scan of that name was there at the last look, {}.", local(at, zone))
-        }
-        None => "The file's folder has not been looked through yet.".to_owned(),
+        Some(at) => asked.at("explain.not_there", "at", at),
+        None => asked.text("explain.folder.not_looked_through"),
     }
 }
 
@@ -126,6 +161,13 @@ mod tests {
 
     use super::*;
     use crate::export::passed_over::Ignored;
+    use crate::settle::Wait;
+
+    static UTC: TimeZone = TimeZone::UTC;
+
+    fn in_english() -> Asked<'static> {
+        Asked { language: Language::En, zone: &UTC }
+    }
 
     fn at(second: i64) -> Timestamp {
         Timestamp::from_second(second).unwrap()
@@ -142,17 +184,17 @@ mod tests {
     }
 
     fn said(facts: &Facts, path: &str) -> String {
-        of_file(facts, Path::new(path), None, &TimeZone::UTC)
+        of_file(facts, Path::new(path), None, in_english())
     }
 
-    fn waiting(why: &str, overdue: bool) -> WaitingFile {
-        WaitingFile { why: why.into(), since: at(1), overdue }
+    fn waiting(overdue: bool) -> WaitingFile {
+        WaitingFile { wait: Wait::Changing, since: at(1), overdue }
     }
 
     #[test]
     fn a_waiting_file_says_for_what_and_what_else_is_in_the_way() {
         let mut facts = facts(|source| {
-            source.waiting.insert("/e/a.obj".into(), waiting("is still being written", true));
+            source.waiting.insert("/e/a.obj".into(), waiting(true));
         });
         assert_eq!(
             said(&facts, "/e/a.obj"),
@@ -163,31 +205,38 @@ mod tests {
         assert!(said(&facts, "/e/a.obj").ends_with("; the operator has paused the station."));
         facts.intake = IntakeState::DiskLow { free: 1, floor: 2 };
         assert!(said(&facts, "/e/a.obj").contains("1 bytes are free, 2 must stay free"));
+        let german = Asked { language: Language::De, ..in_english() };
+        let said = of_file(&facts, Path::new("/e/a.obj"), None, german);
+        assert!(said.starts_with("Die Datei wird noch geschrieben (gesehen seit 1970"), "{said}");
     }
 
     #[test]
     fn a_known_file_says_what_became_of_it_unless_it_has_changed() {
         let known = Known {
             state: "was delivered".into(),
+            why: None,
             at: Some(at(5)),
             scan: Some("0123abcd".into()),
             again_since: None,
         };
         let path = Path::new("/e/a.obj");
         assert_eq!(
-            of_file(&facts(|_| ()), path, Some(known.clone()), &TimeZone::UTC),
+            of_file(&facts(|_| ()), path, Some(known.clone()), in_english()),
             "The file's scan 0123abcd was delivered (1970-01-01 00:00:05)."
         );
+        let held = Known { why: Some("Nobody pressed the button for it."), ..known.clone() };
+        let said = of_file(&facts(|_| ()), path, Some(held), in_english());
+        assert!(said.ends_with("00:00:05). Nobody pressed the button for it."), "{said}");
         let again = Known { again_since: Some(at(3)), ..known.clone() };
         assert_eq!(
-            of_file(&facts(|_| ()), path, Some(again), &TimeZone::UTC),
+            of_file(&facts(|_| ()), path, Some(again), in_english()),
             "The file has the points and triangles of scan 0123abcd, taken 1970-01-01 00:00:03, \
              which was delivered (1970-01-01 00:00:05)."
         );
         let facts = facts(|source| {
-            source.waiting.insert(path.into(), waiting("is still being written", false));
+            source.waiting.insert(path.into(), waiting(false));
         });
-        let said = of_file(&facts, path, Some(known), &TimeZone::UTC);
+        let said = of_file(&facts, path, Some(known), in_english());
         assert!(said.starts_with("The file has changed since it was taken: it is still"), "{said}");
     }
 

@@ -5,12 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use gaiter_language::Language;
 use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
 use serde::Serialize;
 
 use super::confinement::Confinement;
 use super::export::passed_over::{Ignored, PassedOver};
+use super::settle::Wait;
 use super::trigger::PortState;
 
 /// Everything that is known about a running station apart from its journal.
@@ -94,10 +96,10 @@ pub enum SourceState {
 }
 
 /// A file that is not taken yet.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WaitingFile {
-    /// What it waits for, in words that follow "it".
-    pub why: String,
+    /// What it waits for.
+    pub wait: Wait,
     /// Since when, by the station's wall clock.
     pub since: Timestamp,
     /// It has waited longer than a file should.
@@ -117,20 +119,24 @@ pub struct StoreFacts {
 }
 
 /// Why a store takes no record now.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "is", content = "why")]
 pub enum StoreRefusal {
     /// It does not work: the fault, without its path.
-    #[error("{0}")]
     Fault(String),
     /// The last result is still in the place of the next: the practice software has not fetched it.
-    #[error(
-        "the practice software has not fetched the last result; the next one waits for its place"
-    )]
     NotFetched,
 }
 
 impl StoreRefusal {
+    /// Why it takes no record now. The words of a fault are the system's own.
+    pub fn in_words(&self, language: Language) -> String {
+        match self {
+            StoreRefusal::Fault(why) => why.clone(),
+            StoreRefusal::NotFetched => language.text("explain.not_fetched").to_owned(),
+        }
+    }
+
     /// The fault, if it is one.
     pub fn fault(&self) -> Option<&str> {
         match self {

@@ -6,6 +6,7 @@
 
 use std::time::Duration;
 
+use gaiter_language::Language;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::Facts;
 use super::facts::{IntakeState, SourceFacts, SourceState, StoreFacts, StoreRefusal, TriggerFacts};
 use super::trigger::PortState;
+use super::words::{age, ago, bytes, duration};
 
 /// How long a source or a store may be out of order before it is reported: longer than a look that hits
 /// a short network break, shorter than the operator's patience.
@@ -168,8 +170,8 @@ fn intake(facts: &Facts) -> Option<Complaint> {
             let message = format!(
                 "the disk of the state folder has {} free and must keep {}; exports stay where \
                  they are",
-                bytes(free),
-                bytes(floor)
+                bytes(free, Language::En),
+                bytes(floor, Language::En)
             );
             let remedy = "free some space; the station continues by itself";
             Some(Complaint::new("disk-low", message, remedy))
@@ -206,7 +208,7 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
         move |facts: &StoreFacts| facts.waits_for_fetch() && has_lasted(facts.since, now, BLIP);
     let stores = facts.stores.iter().filter(move |(_, facts)| waiting(facts));
     stores.map(move |(store, facts)| {
-        let since = ago(facts.since, now);
+        let since = ago(facts.since, now, Language::En);
         let message = format!(
             "the practice software has not fetched a result for {since}; the next one waits for its place"
         );
@@ -218,7 +220,7 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
 }
 
 fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complaint> {
-    let since = ago(source.since, now);
+    let since = ago(source.since, now, Language::En);
     let state = match &source.state {
         SourceState::NotLooked | SourceState::Watched => None,
         SourceState::OutOfReach(why) => Some((
@@ -255,7 +257,7 @@ fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complain
 
 fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Complaint> {
     let since = trigger.unsound_since.filter(|since| has_lasted(*since, now, REPLUG))?;
-    let since = ago(since, now);
+    let since = ago(since, now, Language::En);
     let (code, what, remedy) = match trigger.state {
         PortState::Absent => {
             ("trigger-absent", "is not there", "plug it in; see the page on the booth for its port")
@@ -288,15 +290,12 @@ fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complain
     let message = match age(backlog.oldest?, now) {
         None => "a scan has no record and came in before the clock was set back".to_owned(),
         Some(waiting) if waiting <= overdue => return None,
-        Some(waiting) => format!("a scan has waited {} for its record", words(waiting)),
+        Some(waiting) => {
+            format!("a scan has waited {} for its record", duration(waiting, Language::En))
+        }
     };
     let remedy = "gaiter scans --state spooled lists what waits, gaiter explain ID says for what";
     Some(Complaint::new("delivery-overdue", message, remedy))
-}
-
-/// How long ago a time was; `None` if it is in the future because the clock was set back.
-pub fn age(since: Timestamp, now: Timestamp) -> Option<Duration> {
-    Duration::try_from(now.duration_since(since)).ok()
 }
 
 /// Whether something has lasted for `least`; a start in the future counts as long ago.
@@ -304,39 +303,14 @@ pub(crate) fn has_lasted(since: Timestamp, now: Timestamp, least: Duration) -> b
     age(since, now).is_none_or(|age| age >= least)
 }
 
-/// How long ago a time was, in words.
-pub fn ago(since: Timestamp, now: Timestamp) -> String {
-    age(since, now).map_or_else(|| "an unknown time".to_owned(), words)
-}
-
 /// A time in readable form in a time zone, without a fraction.
 pub fn local(time: Timestamp, zone: &TimeZone) -> String {
     time.to_zoned(zone.clone()).strftime("%Y-%m-%d %H:%M:%S").to_string()
 }
 
-/// A duration in readable form, in the largest unit that fits and without a fraction.
-pub fn words(duration: Duration) -> String {
-    const UNITS: [(u64, &str); 4] =
-        [(86_400, "day"), (3600, "hour"), (60, "minute"), (1, "second")];
-    let seconds = duration.as_secs();
-    let unit = UNITS.into_iter().find(|(length, _)| seconds >= 2 * length);
-    let (length, unit) = unit.unwrap_or((1, "second"));
-    let count = seconds / length;
-    if count == 1 { format!("1 {unit}") } else { format!("{count} {unit}s") }
-}
-
 /// A number of things.
 pub fn counted(count: usize, of: &str) -> String {
     if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
-}
-
-/// A size in readable form, in decimal units as disks are sold.
-pub fn bytes(size: u64) -> String {
-    const UNITS: [(u64, &str); 3] = [(1_000_000_000, "GB"), (1_000_000, "MB"), (1000, "kB")];
-    match UNITS.into_iter().find(|(length, _)| size >= *length) {
-        Some((length, unit)) => format!("{:.1} {unit}", size as f64 / length as f64),
-        None => format!("{size} B"),
-    }
 }
 
 #[cfg(test)]

@@ -26,6 +26,7 @@ pub mod scan_id;
 pub mod settle;
 pub mod trigger;
 pub mod trusted_time;
+pub mod words;
 
 pub use disposition::{Disposition, Task};
 pub use export::companions::{Companion, DoneFile, Group};

@@ -5,7 +5,7 @@ use gaiter_record::phantom::CheckResult;
 use jiff::Timestamp;
 
 use super::facts::{Alarm, PhantomFacts};
-use super::health::age;
+use super::words::age;
 
 /// The code of the alarm about the last check.
 pub const PHANTOM_ALARM: &str = "phantom-check";

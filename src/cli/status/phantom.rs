@@ -1,6 +1,7 @@
 //! The checks with the known body: the last one in words, and the bias of the last month as a chart.
 
-use gaiter_flow::health::ago;
+use gaiter_flow::words::ago;
+use gaiter_language::Language;
 use gaiter_record::phantom::{CheckResult, LastCheck};
 use jiff::Timestamp;
 
@@ -32,7 +33,7 @@ fn last(phantom: &PhantomStatus, now: Timestamp) -> String {
     let Some(last) = phantom.checks.last() else {
         return format!("the known body was never scanned{due}");
     };
-    let time = ago(last.at, now);
+    let time = ago(last.at, now, Language::En);
     let figures = |(bias_mm, worst_mm): (f64, f64)| {
         format!(": bias {bias_mm:+.1} mm, worst {worst_mm:+.1} mm")
     };

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use gaiter_flow::health::words;
+use gaiter_flow::words::duration;
+use gaiter_language::Language;
 
 /// How often the remaining time is updated.
 const TICK: Duration = Duration::from_secs(1);
@@ -73,7 +74,7 @@ fn rate(per_second: f64) -> String {
 
 /// The remaining time, which is unknown before the first part is done.
 fn left(done: u64, eta: Duration) -> String {
-    if done == 0 { String::new() } else { format!("{} left", words(eta)) }
+    if done == 0 { String::new() } else { format!("{} left", duration(eta, Language::En)) }
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};
+use gaiter_language::Language;
 use gaiter_record::{Patient, SourceKind};
 use jiff::Timestamp;
 use serde_json::{Value, json};
@@ -402,7 +403,7 @@ impl Booth {
                 facts.alarms.remove(EXPORT_PASSED_OVER);
                 return;
             }
-            let list = passed_over::unread(&counts);
+            let list = passed_over::unread(&counts, Language::En);
             let message = format!("an export is awaited, and what came is not read: {list}");
             let known = facts.alarms.get(EXPORT_PASSED_OVER).map(|known| known.since);
             let since = known.unwrap_or_else(Timestamp::now);

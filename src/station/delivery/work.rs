@@ -7,6 +7,7 @@ use gaiter_flow::Facts;
 use gaiter_flow::facts::{Alarm, StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
+use gaiter_language::Language;
 use gaiter_record::{FIRST_REVISION, RecordFile};
 use jiff::Timestamp;
 use tracing::{info, warn};
@@ -208,7 +209,7 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
             (KEPT, misfit.to_string(), Ended::Kept)
         }
         Setback::StoreFailed { code, refusal } => {
-            let error = refusal.to_string();
+            let error = refusal.in_words(Language::En);
             store_reach::note(core, &due.store, StoreAttempt::Delivery(Some(refusal)));
             (code, error, Ended::StoreFailed)
         }

@@ -187,7 +187,7 @@ impl Notes {
             warn!(event = "file-overdue", export_dir = self.place, count = overdue);
         }
         let file = |waiting: Waiting| WaitingFile {
-            why: waiting.wait.to_string(),
+            wait: waiting.wait,
             since: self.wall(waiting.since),
             overdue: waiting.overdue,
         };

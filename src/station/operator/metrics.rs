@@ -5,8 +5,9 @@ use std::fmt;
 use std::sync::atomic::AtomicU64;
 
 use gaiter_flow::facts::{IntakeState, SourceState, TriggerFacts};
-use gaiter_flow::health::{Complaint, age};
+use gaiter_flow::health::Complaint;
 use gaiter_flow::trigger::PortState;
+use gaiter_flow::words::age;
 use gaiter_record::phantom::CheckResult;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
@@ -187,13 +188,14 @@ mod tests {
     use super::*;
     use gaiter_flow::Facts;
     use gaiter_flow::facts::WaitingFile;
+    use gaiter_flow::settle::Wait;
 
     #[test]
     fn metrics_say_how_the_station_is_and_name_no_file() {
         let now = Timestamp::from_second(1_800_000_000).unwrap();
         let mut facts = Facts::new(now, 1);
         facts.sources[0].state = SourceState::OutOfReach("Mustermann".into());
-        let file = WaitingFile { why: "Mustermann".into(), since: now, overdue: false };
+        let file = WaitingFile { wait: Wait::Turn, since: now, overdue: false };
         facts.sources[0].waiting.insert(PathBuf::from("/export/4711_Mustermann.obj"), file);
         facts.measured = 7;
         let port = TriggerFacts { presses: 3, garbage: 12, ..TriggerFacts::new(now) };

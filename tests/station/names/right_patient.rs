@@ -573,7 +573,7 @@ fn what_comes_and_is_not_read_while_an_export_is_awaited_raises_an_alarm() {
     room.write("scan.obj.gz", b"packed");
     let alarm = |room: &Room| room.status()["alarms"]["export-passed-over"]["message"].clone();
     room.booth.wait_for("the alarm", || {
-        alarm(&room).as_str().is_some_and(|said| said.ends_with(": 1 sub folder, 1 packed"))
+        alarm(&room).as_str().is_some_and(|said| said.ends_with(": sub-folders 1, packed files 1"))
     });
     assert_eq!(room.status()["sources"][0]["unread"]["sub_folder"], 2);
     room.wait_until_waiting("day/scan.obj", "is in a sub-folder, and scanner.subfolders is false");

@@ -47,11 +47,11 @@ fn each_state_is_said_in_a_sentence_of_its_own() {
         ),
         (whole(ScanState::Spooled, DeliveryState::Pending, 3), "3 attempts"),
         (whole(ScanState::Refused, DeliveryState::Refused, 0), "[scan-empty]: the file is empty."),
-        (whole(ScanState::Delivered, DeliveryState::Held, 0), "for a second patient"),
+        (whole(ScanState::Delivered, DeliveryState::Held, 0), "for another patient"),
         (whole(ScanState::Delivered, DeliveryState::Delivered, 0), "nothing is left to do."),
     ];
     for (whole, expected) in cases {
-        let said = explain(&whole, &BTreeMap::new(), at(600));
+        let said = explain(&whole, &BTreeMap::new(), at(600), Language::En);
         assert!(said.starts_with("Scan abcdabcd ") && said.ends_with('.'), "{said}");
         assert!(said.contains(expected), "{said}");
         assert!(!said.contains("4711"), "{said} names the patient");
@@ -60,9 +60,11 @@ fn each_state_is_said_in_a_sentence_of_its_own() {
 
 #[test]
 fn an_attempt_to_come_is_told_with_its_time() {
-    let said =
-        explain(&whole(ScanState::Spooled, DeliveryState::Pending, 3), &BTreeMap::new(), at(600));
+    let waits = whole(ScanState::Spooled, DeliveryState::Pending, 3);
+    let [said, german] =
+        Language::ALL.map(|language| explain(&waits, &BTreeMap::new(), at(600), language));
     assert!(said.contains("for 10 minutes") && said.contains("in 5 minutes"), "{said}");
+    assert!(german.contains("seit 10 Minuten") && german.contains("in 5 Minuten"), "{german}");
 }
 
 #[test]
@@ -70,14 +72,16 @@ fn what_is_held_goes_before_what_waits() {
     let mut both = whole(ScanState::Spooled, DeliveryState::Pending, 0);
     let held = Delivered { state: DeliveryState::Held, ..both.deliveries[0].clone() };
     both.deliveries.push(held);
-    assert!(explain(&both, &BTreeMap::new(), at(1)).contains("operator action needed"));
+    assert!(
+        explain(&both, &BTreeMap::new(), at(1), Language::En).contains("Operator action needed")
+    );
 }
 
 #[test]
 fn a_record_without_a_patient_says_so() {
     let mut nobody = whole(ScanState::Delivered, DeliveryState::Delivered, 0);
     nobody.deliveries[0].patient = None;
-    assert!(explain(&nobody, &BTreeMap::new(), at(1)).contains("_unassigned"));
+    assert!(explain(&nobody, &BTreeMap::new(), at(1), Language::En).contains("_unassigned"));
 }
 
 #[test]
@@ -88,7 +92,12 @@ fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
         is_of_delivery: false,
     };
     let stores = BTreeMap::from([("folder", fault)]);
-    let said = explain(&whole(ScanState::Spooled, DeliveryState::Pending, 0), &stores, at(1));
+    let said = explain(
+        &whole(ScanState::Spooled, DeliveryState::Pending, 0),
+        &stores,
+        at(1),
+        Language::En,
+    );
     assert!(said.contains("waits for the store") && said.contains("opening failed"), "{said}");
 }
 
@@ -96,8 +105,10 @@ fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
 fn a_reason_that_is_a_sentence_of_its_own_ends_once() {
     let mut refused = whole(ScanState::Refused, DeliveryState::Refused, 0);
     refused.summary.message = Some("are both legs in the scan?".to_owned());
-    let said = explain(&refused, &BTreeMap::new(), at(1));
+    let [said, german] =
+        Language::ALL.map(|language| explain(&refused, &BTreeMap::new(), at(1), language));
     assert!(said.ends_with("are both legs in the scan?"), "{said}");
+    assert!(german.ends_with("bricht mitten darin ab."), "{german}");
 }
 
 #[test]

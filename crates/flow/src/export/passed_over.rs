@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use gaiter_language::Language;
 use gaiter_scan::Format;
 use serde::{Deserialize, Serialize};
 
@@ -130,34 +131,21 @@ impl PassedOver {
         }
     }
 
-    /// Why, in words that follow "it".
-    pub const fn words(self) -> &'static str {
-        match self {
-            PassedOver::SubFolder => "is a folder, and scanner.subfolders is false",
-            PassedOver::TooDeep => "is a folder that is nested too deep",
-            PassedOver::NoAccess => "is a folder that the station may not read",
-            PassedOver::Link => "is a link, and links are not followed",
-            PassedOver::Packed => "is packed; unpacked it is read",
-            PassedOver::Hidden => "is hidden; hidden files are ignored",
-            PassedOver::Unfinished => {
-                "has the name of an unfinished file; it is taken in once it is renamed"
-            }
-            PassedOver::NoScan => "does not have the ending of a scan",
-            PassedOver::Pipe => "is a pipe, not a file",
-            PassedOver::Socket => "is a socket, not a file",
-            PassedOver::Device => "is a device, not a file",
-        }
+    /// Why, in words that follow the file.
+    pub fn words(self, language: Language) -> &'static str {
+        language.word("explain.passed_over", self.word())
     }
 
-    /// Why a file within it is not read, in words that follow "it".
-    pub const fn words_within(self) -> &'static str {
-        match self {
-            PassedOver::SubFolder => "is in a sub-folder, and scanner.subfolders is false",
-            PassedOver::TooDeep => "is in a folder that is nested too deep",
-            PassedOver::NoAccess => "is in a folder that the station may not read",
-            PassedOver::Link => "is in a folder that is a link, and links are not followed",
-            _ => "is in something that is no folder",
-        }
+    /// Why a file within it is not read, in words that follow that file.
+    pub fn words_within(self, language: Language) -> &'static str {
+        let key = match self {
+            PassedOver::SubFolder => "explain.within.sub_folder",
+            PassedOver::TooDeep => "explain.within.too_deep",
+            PassedOver::NoAccess => "explain.within.no_access",
+            PassedOver::Link => "explain.within.link",
+            _ => "explain.within.other",
+        };
+        language.text(key)
     }
 }
 
@@ -168,12 +156,16 @@ impl Ignored {
     }
 }
 
-/// The unread among these, counted in words: "1 sub folder, 2 packed"; empty if there is none.
-pub fn unread(counts: &BTreeMap<PassedOver, usize>) -> String {
+/// The unread among these, counted in words: "sub-folders 1, packed files 2"; empty if there is none.
+pub fn unread(counts: &BTreeMap<PassedOver, usize>, language: Language) -> String {
     let unread = counts.iter().filter(|(why, count)| why.is_unread() && **count > 0);
-    let all: Vec<String> =
-        unread.map(|(why, count)| format!("{count} {}", why.word().replace('_', " "))).collect();
-    all.join(", ")
+    let unread = unread.map(|(why, count)| counted(why.word(), *count, language));
+    unread.collect::<Vec<_>>().join(", ")
+}
+
+/// A number of what is passed over for the reason with this word.
+pub fn counted(word: &str, count: usize, language: Language) -> String {
+    format!("{} {count}", language.word("page.part.passed_over", word))
 }
 
 #[cfg(test)]
@@ -211,8 +203,9 @@ mod tests {
             (PassedOver::SubFolder, 1),
             (PassedOver::NoScan, 9),
         ]);
-        assert_eq!(unread(&counts), "1 sub folder, 2 packed");
-        assert_eq!(unread(&BTreeMap::new()), "");
+        assert_eq!(unread(&counts, Language::En), "sub-folders 1, packed files 2");
+        assert_eq!(unread(&counts, Language::De), "Unterordner 1, gepackte Dateien 2");
+        assert_eq!(unread(&BTreeMap::new(), Language::En), "");
     }
 
     #[test]

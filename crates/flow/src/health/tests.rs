@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile};
+use crate::settle::Wait;
 use crate::trigger::PortState;
 
 const OVERDUE: Duration = Duration::from_secs(600);
@@ -47,7 +48,7 @@ fn every_fault_has_its_code_and_something_to_do() {
     let stored =
         StoreFacts { refusal: fault("writing failed"), since: at(0), is_of_delivery: false };
     let alarm = Alarm { message: "the journal was rebuilt".into(), since: at(0) };
-    let waiting = WaitingFile { why: String::new(), since: at(0), overdue: true };
+    let waiting = WaitingFile { wait: Wait::Turn, since: at(0), overdue: true };
     let cases: Vec<(&str, Facts)> = vec![
         ("paused", Facts { intake: IntakeState::Paused, ..facts() }),
         ("disk-low", Facts { intake: IntakeState::DiskLow { free: 1, floor: 2 }, ..facts() }),
@@ -125,23 +126,6 @@ fn a_clock_that_was_set_back_hides_no_fault() {
     assert_eq!(codes(&stalled, &EMPTY, at(-7200)), ["source-stalled"]);
     let backlog = Backlog { pending: 1, oldest: Some(at(0)) };
     assert_eq!(codes(&facts(), &backlog, at(-1)), ["delivery-overdue"]);
-}
-
-#[test]
-fn durations_and_sizes_are_said_as_people_say_them() {
-    let said = [0, 1, 90, 119, 120, 7199, 7200, 200_000].map(|s| words(Duration::from_secs(s)));
-    let expected = [
-        "0 seconds",
-        "1 second",
-        "90 seconds",
-        "119 seconds",
-        "2 minutes",
-        "119 minutes",
-        "2 hours",
-        "2 days",
-    ];
-    assert_eq!(said, expected);
-    assert_eq!([bytes(999), bytes(1500), bytes(12_340_000_000)], ["999 B", "1.5 kB", "12.3 GB"]);
 }
 
 proptest! {

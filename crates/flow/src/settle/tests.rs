@@ -1,5 +1,6 @@
 //! Settling: single claims, then any interleaving of writes, looks and outages.
 
+use gaiter_language::Language;
 use proptest::prelude::*;
 
 use super::*;
@@ -196,7 +197,7 @@ fn a_scan_is_taken_only_while_its_done_file_is_there_and_quiet() {
 
 fn waits(settling: &Settling, seconds: u64) -> Vec<(String, bool)> {
     let waiting = settling.waiting(Duration::from_secs(seconds));
-    waiting.map(|(_, waiting)| (waiting.wait.to_string(), waiting.overdue)).collect()
+    waiting.map(|(_, waiting)| (waiting.wait.words(Language::En), waiting.overdue)).collect()
 }
 
 #[test]

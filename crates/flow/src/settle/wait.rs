@@ -1,10 +1,13 @@
 //! What a file waits for, in words for the person who asks where it is.
 
-use std::fmt;
+use std::fmt::Display;
 use std::time::Duration;
+
+use gaiter_language::Language;
 
 use super::{Next, Settling, Watched};
 use crate::export::companions::Done;
+use crate::words::decimals;
 
 /// A file that is not taken yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +20,7 @@ pub struct Waiting {
     pub overdue: bool,
 }
 
-/// What a file waits for. Displayed as what follows "it".
+/// What a file waits for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wait {
     /// It changed between the last two looks.
@@ -56,35 +59,30 @@ pub enum Wait {
     Folder,
 }
 
-impl fmt::Display for Wait {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let s = |time: &Duration| time.as_secs_f64();
+impl Wait {
+    /// What it waits for, in words that follow the file.
+    pub fn words(&self, language: Language) -> String {
+        let text = |key| language.text(key).to_owned();
+        let s = |time: &Duration, places| decimals(time.as_secs_f64(), places, language);
+        let left = |key, left| language.filled(key, &[("left", &s(left, 0))]);
         match self {
-            Wait::Changing => out.write_str("is still being written"),
-            Wait::CompanionChanging => {
-                out.write_str("waits for a file beside it that is still being written")
-            }
+            Wait::Changing => text("explain.wait.changing"),
+            Wait::CompanionChanging => text("explain.wait.companion_changing"),
             Wait::Quiet { unchanged, quiet } => {
-                write!(out, "has been unchanged for {:.1} s of {:.1} s", s(unchanged), s(quiet))
+                let words: [(&str, &dyn Display); 2] =
+                    [("unchanged", &s(unchanged, 1)), ("quiet", &s(quiet, 1))];
+                language.filled("explain.wait.quiet", &words)
             }
-            Wait::Rest { left } => {
-                write!(out, "is incomplete; waits {:.0} s more for the rest", s(left))
+            Wait::Rest { left: time } => left("explain.wait.rest", time),
+            Wait::DoneFile => text("explain.wait.done_file"),
+            Wait::Companion { left: time } => left("explain.wait.companion", time),
+            Wait::Attempt { failures: 1, left: time } => left("explain.wait.second_attempt", time),
+            Wait::Attempt { failures, left: time } => {
+                let words: [(&str, &dyn Display); 2] = [("count", failures), ("left", &s(time, 0))];
+                language.filled("explain.wait.attempt", &words)
             }
-            Wait::DoneFile => out.write_str("waits for its done file"),
-            Wait::Companion { left } => {
-                write!(out, "waits {:.0} s more for the file that names its patient", s(left))
-            }
-            Wait::Attempt { failures, left } => {
-                let times =
-                    if *failures == 1 { "once".into() } else { format!("{failures} times") };
-                write!(
-                    out,
-                    "could not be taken in (tried {times}); next attempt in {:.0} s",
-                    s(left)
-                )
-            }
-            Wait::Turn => out.write_str("has settled and waits for its turn"),
-            Wait::Folder => out.write_str("was seen before its folder became unreachable"),
+            Wait::Turn => text("explain.wait.turn"),
+            Wait::Folder => text("explain.wait.folder"),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::os::unix::net::UnixListener;
 use std::time::Duration;
 
 use gaiter_flow::export::mount::Expected;
+use gaiter_language::Language;
 use rustix::fs::{CWD, Mode, mkfifoat};
 
 use crate::station::intake::scan_dir::*;
@@ -45,7 +46,8 @@ fn only_regular_files_that_could_be_scans_are_found_and_the_others_say_why_not()
     assert_eq!(names(dir.path(), &found), ["B.OBJ", "a.obj", "hard.obj"]);
     assert_eq!(found.scans[&at("a.obj")].companions[0].path, at("a.ord"));
     assert_eq!(found.scans[&at("a.obj")].stamp, found.scans[&at("hard.obj")].stamp);
-    let ignored = |name: &str| found.ignored.get(&at(name)).map_or("", |of| of.why.words());
+    let ignored =
+        |name: &str| found.ignored.get(&at(name)).map_or("", |of| of.why.words(Language::En));
     for (name, why) in [
         ("folder.obj", "is a folder"),
         ("link.obj", "is a link"),

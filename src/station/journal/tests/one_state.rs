@@ -181,10 +181,10 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     let waits = is == Disposition::Spooled && !whole.is_in_work(&BTreeSet::from(["gdt"]));
     let is_done = Outcome::of(&whole, &[]).is_some();
     prop_assert_eq!(waits && is_done, waits && whole.has_record(), "{:?}", &whole);
-    let said = in_words(&whole);
-    prop_assert_eq!(said.starts_with("is held because"), is == Disposition::Held, "{}", said);
+    let said = in_words(&whole, Language::En);
+    prop_assert_eq!(said.starts_with("is held"), is == Disposition::Held, "{}", said);
     prop_assert_eq!(said.ends_with("in quarantine"), is == Disposition::Refused, "{}", said);
-    let explained = explain(&whole, &Default::default(), first_seen());
+    let explained = explain(&whole, &Default::default(), first_seen(), Language::En);
     prop_assert_eq!(explained.contains("action needed"), is == Disposition::Held, "{}", explained);
     prop_assert_eq!(
         explained.contains("in the spool"),

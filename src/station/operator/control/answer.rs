@@ -4,10 +4,10 @@ use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
-use gaiter_flow::explain::{Known, of_file};
+use gaiter_flow::explain::{Asked, Known, of_file};
 use gaiter_flow::facts::IntakeState;
-use gaiter_flow::health::age;
 use gaiter_flow::page::next_shown;
+use gaiter_flow::words::age;
 use gaiter_flow::{ScanId, account};
 use gaiter_language::Language;
 use gaiter_record::SourceKind;
@@ -38,11 +38,9 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         Request::ExplainScan { scan } => {
             let whole = whole(desk, scan);
             whole.map(|whole| {
-                Answer::Sentence(account::explain(
-                    &whole,
-                    &desk.core.board.facts().stores,
-                    Timestamp::now(),
-                ))
+                let (stores, language) =
+                    (desk.core.board.facts().stores, desk.core.config.language);
+                Answer::Sentence(account::explain(&whole, &stores, Timestamp::now(), language))
             })
         }
         Request::ExplainFile { path } => {
@@ -50,7 +48,9 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
             let known = known(desk, path);
             known.map(|known| {
                 let facts = desk.core.board.facts();
-                Answer::Sentence(of_file(&facts, path, known, &TimeZone::system()))
+                let (language, zone) = (desk.core.config.language, TimeZone::system());
+                let asked = Asked { language, zone: &zone };
+                Answer::Sentence(of_file(&facts, path, known, asked))
             })
         }
         Request::Retry { scan } => acted(desk, Some(scan), &Act::Retry),
@@ -120,16 +120,16 @@ fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, Fault> {
 
 /// What the journal knows about a file.
 fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
-    let journal = desk.core.custody.journal();
+    let (journal, language) = (desk.core.custody.journal(), desk.core.config.language);
     let Some(scan) = journal.sighting(path)? else { return Ok(None) };
     let Some(scan) = scan else {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let state = match desk.core.phantom_of(&name) {
-            Some(_) => "is a scan of the known body; its check is in gaiter status",
-            None => "was refused unread, for its size",
+        let key = match desk.core.phantom_of(&name) {
+            Some(_) => "explain.state.phantom",
+            None => "explain.state.too_large",
         };
-        let state = state.to_owned();
-        return Ok(Some(Known { state, at: None, scan: None, again_since: None }));
+        let state = language.text(key).to_owned();
+        return Ok(Some(Known { state, why: None, at: None, scan: None, again_since: None }));
     };
     let same_as = journal.same_as(path)?;
     let is_again = same_as.is_some();
@@ -137,9 +137,10 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
     let last = journal.history(&scan)?.pop();
     let at = last.and_then(|last| last.at.parse().ok());
-    let state = account::in_words(&whole);
+    let state = account::in_words(&whole, language);
+    let why = whole.held_for().map(|code| account::why_held(code, language));
     let again_since = is_again.then_some(whole.summary.first_seen);
-    Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()), again_since }))
+    Ok(Some(Known { state, why, at, scan: Some(scan.short().to_owned()), again_since }))
 }
 
 /// Who is next, in the page's words; the operator who asks may see the ids.

@@ -6,6 +6,7 @@ use gaiter_flow::account::Seen;
 use gaiter_flow::confinement::Confinement;
 use gaiter_flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use gaiter_flow::health::Complaint;
+use gaiter_language::Language;
 use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -215,7 +216,8 @@ pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
 
 impl From<&StoreFacts> for StoreStatus {
     fn from(facts: &StoreFacts) -> StoreStatus {
-        StoreStatus { fault: facts.refusal.as_ref().map(ToString::to_string), since: facts.since }
+        let fault = facts.refusal.as_ref().map(|refusal| refusal.in_words(Language::En));
+        StoreStatus { fault, since: facts.since }
     }
 }
 
