@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use gaiter_flow::account::{Filter, Listed};
-use gaiter_flow::health::Severity;
+use gaiter_flow::complaint::Severity;
 use gaiter_flow::words::{ago, bytes, duration};
 use gaiter_language::Language;
 use jiff::Timestamp;
@@ -19,7 +19,7 @@ use super::terminal::paint::{self, painted};
 use super::terminal::screen::{self, wrapped};
 use super::{Exit, complain, scans, shown};
 use crate::station::operator::control::protocol::{Answer, Request};
-use crate::station::operator::control::status::{SourceStatus, Status};
+use crate::station::operator::control::status::{ComplaintStatus, SourceStatus, Status};
 
 /// How many of the last scans are shown. A screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;
@@ -101,8 +101,8 @@ fn table(look: &Look, columns: Option<usize>) -> String {
     if status.ready {
         text += &(painted(paint::GOOD, "ready") + "\n");
     }
-    for complaint in &status.complaints {
-        let (message, remedy) = (shown(&complaint.message), shown(&complaint.remedy));
+    for ComplaintStatus { complaint, message, remedy } in &status.complaints {
+        let (message, remedy) = (shown(message), shown(remedy));
         let (begin, colour) = match complaint.severity {
             Severity::Fault => ("not ready", paint::BAD),
             Severity::Notice => ("note", paint::CARE),

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::{Alarm, IntakeState};
-use gaiter_flow::health::counted;
 use gaiter_flow::phantom::PHANTOM_ALARM;
 use gaiter_flow::{Facts, Identity};
 use jiff::Timestamp;
@@ -135,8 +135,8 @@ fn recover<'a>(
         }
         custody.journal().filled()?;
         error!(event = "journal-rebuilt", why, adopted, quarantined);
-        let message = format!("the journal was rebuilt: {why}");
-        facts.alarms.insert("journal-rebuilt", Alarm { message, since: Timestamp::now() });
+        let alarm = Alarm { figures: Figures::why(why), since: Timestamp::now() };
+        facts.alarms.insert("journal-rebuilt", alarm);
     }
     // After the scans, which a lost journal must learn of first.
     let unreadable = custody.carry_out()?;
@@ -159,10 +159,5 @@ fn failed(fault: CustodyFault, config: &Config, custody: &Custody) -> StationErr
 
 /// The alarm that operators' decisions about some scans can no longer be read.
 fn unreadable_decisions(count: usize) -> Alarm {
-    let message = format!(
-        "decisions about {} cannot be read: if the journal is also lost, a withdrawn record may \
-         reappear",
-        counted(count, "scan")
-    );
-    Alarm { message, since: Timestamp::now() }
+    Alarm { figures: Figures::counted(count), since: Timestamp::now() }
 }

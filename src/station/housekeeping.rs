@@ -5,6 +5,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::retention::before;
 use jiff::Timestamp;
@@ -117,8 +118,7 @@ fn check_journal(core: &Core) {
     match core.custody.journal().check() {
         Ok(()) => {
             error!(event = "journal-refuses", error = why);
-            let message = format!("the journal is intact but rejects a statement: {why}");
-            let alarm = Alarm { message, since: Timestamp::now() };
+            let alarm = Alarm { figures: Figures::why(why), since: Timestamp::now() };
             core.board.note(|facts| _ = facts.alarms.entry(REFUSES).or_insert(alarm));
         }
         Err(fault) => {

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use gaiter_flow::Facts;
 use gaiter_flow::account::Seen;
-use gaiter_flow::health::{Backlog, Complaint, complaints};
+use gaiter_flow::complaint::Complaint;
+use gaiter_flow::health::{Backlog, complaints};
 use jiff::Timestamp;
 
 use crate::station::core::Core;

@@ -21,10 +21,11 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 48] = [
+const BY_CODE: [(&str, &str); 49] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
+    ("complaint", "`Complaint::code`"),
     ("completeness.again", "`Again::key`"),
     ("completeness.check", "`Check::key`"),
     ("explain.closed", "`Closed::word`"),
@@ -312,6 +313,7 @@ fn every_code_of_the_documents_has_its_texts_in_every_language() {
         ("| held as |", "page.held", &["what", "next"], 9),
         ("Refusals, in `reason.json`", "page.refused", &["what", "next"], 35),
         ("## When it is not ready", "page.complaint", &["what", "next"], 20),
+        ("## When it is not ready", "complaint", &["message", "remedy"], 20),
     ] {
         let codes = of_table(before);
         assert!(codes.len() >= least, "only {codes:?}");

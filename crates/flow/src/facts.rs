@@ -10,6 +10,7 @@ use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
 use serde::Serialize;
 
+use super::complaint::Figures;
 use super::confinement::Confinement;
 use super::export::passed_over::{Ignored, PassedOver};
 use super::settle::Wait;
@@ -245,11 +246,11 @@ pub enum IntakeState {
     },
 }
 
-/// Something that the operator must know.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+/// Something that the operator must know. Its words stand under its code, as those of a complaint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alarm {
-    /// The message for the operator.
-    pub message: String,
+    /// The figures in its message.
+    pub figures: Figures,
     /// Since when.
     pub since: Timestamp,
 }

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use super::account::Whole;
 use super::booth::Signal;
+use super::complaint::Complaint;
 use super::disposition::Disposition;
-use super::health::Complaint;
 use super::scan_id::ScanId;
 
 /// The shortest time for which a signal is shown; a shorter one would not be seen.
@@ -197,7 +197,7 @@ fn wanted(scene: &Scene, now: Duration) -> Signal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::health::Severity;
+    use crate::complaint::Severity;
 
     const SECOND: Duration = Duration::from_secs(1);
 

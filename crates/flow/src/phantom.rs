@@ -4,6 +4,7 @@
 use gaiter_record::phantom::CheckResult;
 use jiff::Timestamp;
 
+use super::complaint::Figures;
 use super::facts::{Alarm, PhantomFacts};
 use super::words::age;
 
@@ -30,17 +31,17 @@ impl PhantomFacts {
     /// The alarm about the last check; `None` if it found nothing wrong.
     pub fn alarm(&self) -> Option<Alarm> {
         let last = self.checks.last()?;
-        let message = match (last.result, last.worst_mm) {
+        let figures = match (last.result, last.worst_mm) {
             (CheckResult::Within, _) => return None,
-            (CheckResult::Beyond, Some(worst_mm)) => format!(
-                "the known body was measured wrong by up to {worst_mm:+.1} mm; the tolerance is {} mm",
-                last.tolerance_mm
-            ),
+            (CheckResult::Beyond, Some(worst_mm)) => {
+                let figures = Figures::default().words("case", "beyond");
+                figures.number("worst_mm", worst_mm).number("tolerance_mm", last.tolerance_mm)
+            }
             (CheckResult::Beyond | CheckResult::NotMeasured, _) => {
-                "the known body could not be measured".to_owned()
+                Figures::default().words("case", "not_measured")
             }
         };
-        Some(Alarm { message, since: last.at })
+        Some(Alarm { figures, since: last.at })
     }
 }
 
@@ -49,6 +50,8 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
+    use crate::complaint::Complaint;
+    use gaiter_language::Language;
     use gaiter_record::phantom::LastCheck;
 
     fn facts(checks: &[(i64, CheckResult, Option<f64>)]) -> PhantomFacts {
@@ -88,8 +91,11 @@ mod tests {
         let bad = (1, CheckResult::Beyond, Some(-4.06));
         assert_eq!(facts(&[bad, good]).alarm(), None);
         let alarm = facts(&[good, bad]).alarm().unwrap();
-        assert!(alarm.message.contains("-4.1 mm") && alarm.message.contains("2 mm"), "{alarm:?}");
+        let said =
+            |alarm: Alarm| Complaint::new(PHANTOM_ALARM, alarm.figures).message(Language::En);
+        let alarm = said(alarm);
+        assert!(alarm.contains("-4.1 mm") && alarm.contains("2 mm"), "{alarm}");
         let lost = facts(&[(1, CheckResult::NotMeasured, None)]).alarm().unwrap();
-        assert!(lost.message.contains("could not be measured"));
+        assert!(said(lost).contains("could not be measured"));
     }
 }

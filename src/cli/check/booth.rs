@@ -29,7 +29,7 @@ fn of_station(status: &Status) -> Vec<Row> {
         let verdict = if is_sound { Verdict::Ok } else { Verdict::Warn };
         Row::at("port", port, verdict, format!("the station has it as {}{why}", of.state))
     });
-    let taken = status.complaints.iter().filter(|complaint| complaint.code == "page-unavailable");
+    let taken = status.complaints.iter().filter(|of| of.complaint.code == "page-unavailable");
     let taken = taken.map(|of| Row::at("address", "page", Verdict::Warn, of.message.clone()));
     ports.chain(taken).collect()
 }

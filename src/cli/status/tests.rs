@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use gaiter_flow::account::Seen;
+use gaiter_flow::complaint::{Complaint, Figures};
 use gaiter_flow::confinement::{Confinement, Enforced};
-use gaiter_flow::health::Complaint;
 use gaiter_flow::{Disposition, ScanState};
 
 use super::*;
@@ -161,13 +161,12 @@ fn what_may_be_an_export_and_is_not_read_is_counted_and_so_is_what_is_gone() {
 fn what_is_wrong_and_what_to_do_stands_first() {
     let mut status = status();
     status.ready = false;
-    for code in ["paused", "store-fault"] {
-        let (message, remedy) = (format!("it is {code}"), "gaiter resume".to_owned());
-        let code = code.into();
-        status.complaints.push(Complaint { code, message, remedy, ..Complaint::journal() });
+    for code in ["paused", "journal-failed"] {
+        status.complaints.push(Complaint::new(code, Figures::default()).into());
     }
     let said = screen(status, Vec::new(), None);
-    let first = "not ready: it is paused [paused]\n    do: gaiter resume\nnot ready: it is store";
+    let first = "not ready: the operator has paused the station; exports stay where they are [paused]\n    \
+                 do: gaiter resume\nnot ready: the station's journal cannot be read [journal-failed]\n";
     assert!(said.starts_with(first), "{said}");
     assert!(!said.contains("\nready"), "{said}");
 }

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use gaiter_flow::booth::{Heard, Press};
-use gaiter_flow::export::passed_over;
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::health::EXPORT_PASSED_OVER;
 use gaiter_flow::light::{Last, NO_EXPORT};
@@ -12,7 +12,6 @@ use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};
-use gaiter_language::Language;
 use gaiter_record::{Patient, SourceKind};
 use jiff::Timestamp;
 use serde_json::{Value, json};
@@ -383,9 +382,8 @@ impl Booth {
             warn!(event = "patient-name-expired");
         }
         if inner.missed {
-            let message = "no export came after the last press of the button".to_owned();
             self.core.board.note(|facts| {
-                let alarm = Alarm { message, since: Timestamp::now() };
+                let alarm = Alarm { figures: Figures::default(), since: Timestamp::now() };
                 facts.alarms.entry(NO_EXPORT).or_insert(alarm);
             });
         }
@@ -403,11 +401,10 @@ impl Booth {
                 facts.alarms.remove(EXPORT_PASSED_OVER);
                 return;
             }
-            let list = passed_over::unread(&counts, Language::En);
-            let message = format!("an export is awaited, and what came is not read: {list}");
+            let figures = Figures::default().unread(counts);
             let known = facts.alarms.get(EXPORT_PASSED_OVER).map(|known| known.since);
             let since = known.unwrap_or_else(Timestamp::now);
-            facts.alarms.insert(EXPORT_PASSED_OVER, Alarm { message, since });
+            facts.alarms.insert(EXPORT_PASSED_OVER, Alarm { figures, since });
         });
     }
 

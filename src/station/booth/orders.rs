@@ -20,6 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
 use gaiter_record::gdt::{Charset, Order, OrderFault, order};
@@ -309,8 +310,7 @@ impl Reach {
 
     /// The folder is out of reach. Logs it if it was in reach before; returns whether it was.
     fn lose(&self, why: &str) -> bool {
-        let message = format!("the folder of orders cannot be listed: {why}");
-        alarm(self.booth.core(), OUT_OF_REACH, message);
+        alarm(self.booth.core(), OUT_OF_REACH, Figures::why(why));
         let was_in = self.is_in.swap(false, Ordering::Relaxed);
         if was_in {
             warn!(event = "orders-out-of-reach", error = why);
@@ -319,11 +319,11 @@ impl Reach {
     }
 }
 
-fn alarm(core: &Core, code: &'static str, message: String) {
+fn alarm(core: &Core, code: &'static str, figures: Figures) {
     core.board.note(|facts| {
         let known = facts.alarms.get(code).map(|known| known.since);
         let since = known.unwrap_or_else(Timestamp::now);
-        facts.alarms.insert(code, Alarm { message, since });
+        facts.alarms.insert(code, Alarm { figures, since });
     });
 }
 

@@ -1,6 +1,7 @@
 //! Checks that the folders in which the station keeps its data still exist. Another process may have
 //! removed one while the station ran.
 
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use jiff::Timestamp;
 use tracing::{error, warn};
@@ -22,15 +23,15 @@ pub fn look_after(custody: &Custody, board: &Board) {
         return;
     }
     let names = missing.join(", ");
-    let raise = |code, message| {
-        let alarm = Alarm { message, since: Timestamp::now() };
+    let raise = |code, figures: Figures| {
+        let figures = figures.words("folders", &names);
+        let alarm = Alarm { figures, since: Timestamp::now() };
         board.note(|facts| {
             facts.alarms.entry(code).or_insert(alarm);
         });
     };
     // First, so that nobody finds the folders there and the alarm not yet.
-    let lost = "scans in them that were not delivered must be exported again";
-    raise(MADE_ANEW, format!("{names} removed from the state folder; {lost}"));
+    raise(MADE_ANEW, Figures::default());
     match custody.make_folders_anew() {
         Ok(()) => {
             error!(event = "custody-made-anew", folders = names);
@@ -40,7 +41,7 @@ pub fn look_after(custody: &Custody, board: &Board) {
         }
         Err(error) => {
             warn!(event = "custody-missing", folders = names, %error);
-            raise(MISSING, format!("{names} in the state folder cannot be created again: {error}"));
+            raise(MISSING, Figures::why(error));
         }
     }
 }

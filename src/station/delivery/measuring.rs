@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::acquired::acquired;
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::confinement::{Confine, Confinement};
 use gaiter_flow::facts::Alarm;
 use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
@@ -153,8 +154,7 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
 
 /// The alarm that scans cannot be measured on this machine, with the reason.
 fn impaired(error: impl Display) -> Alarm {
-    let message = format!("scans wait because they cannot be measured on this machine: {error}");
-    Alarm { message, since: Timestamp::now() }
+    Alarm { figures: Figures::why(error), since: Timestamp::now() }
 }
 
 /// The job for the measuring process, and the file of the scanner's own measures.

@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use gaiter_flow::Facts;
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::{Alarm, StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
@@ -223,9 +224,7 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
 
 /// Raises the alarm that a record still lies where it was to be taken back from.
 fn note_kept(facts: &mut Facts) {
-    let message = "a record that was to be taken back could not be removed and is still in the \
-                   folder of the wrong patient";
-    let alarm = Alarm { message: message.to_owned(), since: Timestamp::now() };
+    let alarm = Alarm { figures: Figures::default(), since: Timestamp::now() };
     facts.alarms.entry(KEPT).or_insert(alarm);
 }
 

@@ -4,8 +4,8 @@
 use std::fmt;
 use std::sync::atomic::AtomicU64;
 
+use gaiter_flow::complaint::Complaint;
 use gaiter_flow::facts::{IntakeState, SourceState, TriggerFacts};
-use gaiter_flow::health::Complaint;
 use gaiter_flow::trigger::PortState;
 use gaiter_flow::words::age;
 use gaiter_record::phantom::CheckResult;

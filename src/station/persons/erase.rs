@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use gaiter_flow::ScanId;
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::{Alarm, Facts};
 use gaiter_flow::patient::erasure::{ErasedScan, Erasure, Next};
 use jiff::Timestamp;
@@ -48,11 +49,11 @@ pub(in crate::station) fn note(custody: &Custody, facts: &mut Facts) {
         facts.alarms.remove(PENDING);
         return;
     };
-    let message = waits_for(pending.iter().map(|(_, erasure)| erasure));
-    facts.alarms.insert(PENDING, Alarm { message, since });
+    let figures = waits_for(pending.iter().map(|(_, erasure)| erasure));
+    facts.alarms.insert(PENDING, Alarm { figures, since });
 }
 
-fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> String {
+fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> Figures {
     let (mut own, mut stores) = (false, Vec::new());
     for erasure in pending {
         own |= erasure.cleared.is_none();
@@ -61,11 +62,8 @@ fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> String {
     stores.sort();
     stores.dedup();
     match own {
-        true => "an erasure is not done: the station's own folder could not be cleared".to_owned(),
-        false => format!(
-            "an erasure is not done: it waits for the record store {}",
-            stores.join(" and ")
-        ),
+        true => Figures::default().words("case", "own"),
+        false => Figures::default().words("case", "stores").words("stores", stores.join(", ")),
     }
 }
 

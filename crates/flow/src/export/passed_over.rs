@@ -1,6 +1,5 @@
 //! What an export folder holds besides scans: why it is passed over, and whether it may hold an export.
 
-use std::collections::BTreeMap;
 use std::time::Duration;
 
 use gaiter_language::Language;
@@ -156,16 +155,11 @@ impl Ignored {
     }
 }
 
-/// The unread among these, counted in words: "sub-folders 1, packed files 2"; empty if there is none.
-pub fn unread(counts: &BTreeMap<PassedOver, usize>, language: Language) -> String {
-    let unread = counts.iter().filter(|(why, count)| why.is_unread() && **count > 0);
-    let unread = unread.map(|(why, count)| counted(why.word(), *count, language));
-    unread.collect::<Vec<_>>().join(", ")
-}
-
-/// A number of what is passed over for the reason with this word.
-pub fn counted(word: &str, count: usize, language: Language) -> String {
-    format!("{} {count}", language.word("page.part.passed_over", word))
+/// How much is passed over, by the words of its reasons: "sub-folders 1, packed files 2".
+pub fn listed<'a>(counts: impl Iterator<Item = (&'a str, usize)>, language: Language) -> String {
+    let word = |why: &'a str| language.word("page.part.passed_over", why);
+    let counts = counts.map(|(why, count)| format!("{} {count}", word(why)));
+    counts.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -198,14 +192,9 @@ mod tests {
 
     #[test]
     fn what_may_be_an_export_is_counted_by_its_reason() {
-        let counts = BTreeMap::from([
-            (PassedOver::Packed, 2),
-            (PassedOver::SubFolder, 1),
-            (PassedOver::NoScan, 9),
-        ]);
-        assert_eq!(unread(&counts, Language::En), "sub-folders 1, packed files 2");
-        assert_eq!(unread(&counts, Language::De), "Unterordner 1, gepackte Dateien 2");
-        assert_eq!(unread(&BTreeMap::new(), Language::En), "");
+        let counts = || [(PassedOver::SubFolder.word(), 1), ("packed", 2)].into_iter();
+        assert_eq!(listed(counts(), Language::En), "sub-folders 1, packed files 2");
+        assert_eq!(listed(counts(), Language::De), "Unterordner 1, gepackte Dateien 2");
     }
 
     #[test]

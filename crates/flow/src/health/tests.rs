@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use gaiter_language::Language;
 use proptest::prelude::*;
 
 use super::*;
+use crate::export::passed_over::PassedOver;
 use crate::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile};
 use crate::settle::Wait;
 use crate::trigger::PortState;
@@ -47,7 +49,7 @@ fn a_station_in_order_is_ready_before_its_first_look_too() {
 fn every_fault_has_its_code_and_something_to_do() {
     let stored =
         StoreFacts { refusal: fault("writing failed"), since: at(0), is_of_delivery: false };
-    let alarm = Alarm { message: "the journal was rebuilt".into(), since: at(0) };
+    let alarm = Alarm { figures: Figures::why("it was damaged"), since: at(0) };
     let waiting = WaitingFile { wait: Wait::Turn, since: at(0), overdue: true };
     let cases: Vec<(&str, Facts)> = vec![
         ("paused", Facts { intake: IntakeState::Paused, ..facts() }),
@@ -75,9 +77,41 @@ fn every_fault_has_its_code_and_something_to_do() {
     for (code, facts) in cases {
         let found = complaints(&facts, &EMPTY, OVERDUE, at(60));
         assert_eq!(found.iter().map(|found| found.code.as_str()).collect::<Vec<_>>(), [code]);
-        assert!(!found[0].message.is_empty() && !found[0].remedy.is_empty(), "{code}");
-        assert!(!found[0].message.contains("4711"), "{code} names a file");
+        assert_said(&found[0]);
     }
+}
+
+/// It is said in every language with all its figures, and names no file.
+fn assert_said(found: &Complaint) {
+    for language in Language::ALL {
+        let (message, remedy) = (found.message(language), found.remedy(language));
+        assert!(message != found.code && !remedy.is_empty(), "{found:?}");
+        assert!(!message.contains(['?', '{']), "{message}");
+        assert!(!message.contains("4711"), "{message}");
+    }
+}
+
+#[test]
+fn a_complaint_is_said_with_its_figures_in_each_language() {
+    let both = |facts: &Facts| {
+        let found = complaints(facts, &EMPTY, OVERDUE, at(180));
+        Language::ALL.map(|language| found[0].message(language))
+    };
+    let low = Facts { intake: IntakeState::DiskLow { free: 1_500_000, floor: 2 }, ..facts() };
+    let [english, german] = both(&low);
+    assert!(english.contains(" 1.5 MB free ") && german.contains(" 1,5 MB frei"), "{german}");
+    let [english, german] = both(&source(SourceState::Stalled));
+    assert_eq!(english, "export folder 1 has not answered for 3 minutes");
+    assert!(german.ends_with(" seit 3 Minuten nicht"), "{german}");
+    let [english, german] = both(&source(SourceState::OutOfReach("no such file".into())));
+    assert_eq!(english, "export folder 1 cannot be listed: no such file");
+    assert!(german.ends_with(": no such file"), "{german}");
+    let counts = BTreeMap::from([(PassedOver::Packed, 2)]);
+    let alarm = Alarm { figures: Figures::default().unread(counts), since: at(0) };
+    let passed = Facts { alarms: BTreeMap::from([(EXPORT_PASSED_OVER, alarm)]), ..facts() };
+    let [english, german] = both(&passed);
+    assert!(english.ends_with(": packed files 2"), "{english}");
+    assert!(german.ends_with(": gepackte Dateien 2"), "{german}");
 }
 
 #[test]
@@ -126,6 +160,7 @@ fn a_clock_that_was_set_back_hides_no_fault() {
     assert_eq!(codes(&stalled, &EMPTY, at(-7200)), ["source-stalled"]);
     let backlog = Backlog { pending: 1, oldest: Some(at(0)) };
     assert_eq!(codes(&facts(), &backlog, at(-1)), ["delivery-overdue"]);
+    assert_said(&complaints(&facts(), &backlog, OVERDUE, at(-1))[0]);
 }
 
 proptest! {
@@ -157,6 +192,7 @@ fn a_port_that_is_not_sound_for_a_minute_has_the_code_of_its_state() {
         let facts = at_port(state, Some(at(0)));
         assert_eq!(codes(&facts, &EMPTY, at(59)), Vec::<String>::new());
         assert_eq!(codes(&facts, &EMPTY, at(60)), [code]);
+        assert_said(&complaints(&facts, &EMPTY, OVERDUE, at(60))[0]);
         assert_eq!(codes(&at_port(state, None), &EMPTY, at(600)), Vec::<String>::new());
     }
 }
@@ -171,4 +207,5 @@ fn a_result_that_nobody_fetched_is_a_notice_of_a_station_that_is_ready() {
     let [notice] = found.as_slice() else { panic!("{found:?}") };
     assert_eq!((notice.code.as_str(), notice.is_fault()), ("result-not-fetched", false));
     assert_eq!(notice.subject.as_deref(), Some("gdt"));
+    assert_said(notice);
 }

@@ -20,8 +20,8 @@ use gaiter_record::shown;
 use jiff::Timestamp;
 use serde::Serialize;
 
+use super::complaint::{Complaint, Severity};
 use super::facts::{Facts, IntakeState};
-use super::health::{Complaint, Severity};
 use super::light::first_fault;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};

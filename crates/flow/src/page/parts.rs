@@ -6,6 +6,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use crate::Facts;
+use crate::export::passed_over::listed;
 use crate::facts::{PhantomFacts, SourceFacts, SourceState, StoreRefusal, TriggerFacts};
 use crate::health::{BLIP, has_lasted};
 use crate::trigger::PortState;
@@ -56,14 +57,9 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
 /// What lies in a folder and is not read, and what was there and is gone.
 fn not_taken(source: &SourceFacts, language: Language) -> Option<String> {
     let unread = source.passed_over.iter().filter(|(why, _)| why.is_unread());
-    let unread: Vec<String> = unread
-        .map(|(why, count)| {
-            let what = language.word("page.part.passed_over", why.word());
-            format!("{what} {count}")
-        })
-        .collect();
-    let unread = (!unread.is_empty())
-        .then(|| language.filled("page.part.not_read", &[("list", &unread.join(", "))]));
+    let unread = listed(unread.map(|(why, count)| (why.word(), *count)), language);
+    let unread =
+        (!unread.is_empty()).then(|| language.filled("page.part.not_read", &[("list", &unread)]));
     let gone = (source.gone_count > 0)
         .then(|| language.filled("page.part.gone", &[("count", &source.gone_count)]));
     let all: Vec<String> = unread.into_iter().chain(gone).collect();

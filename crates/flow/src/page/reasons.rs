@@ -4,7 +4,7 @@
 use gaiter_language::Language;
 use serde::Serialize;
 
-use crate::health::Complaint;
+use crate::complaint::Complaint;
 
 /// The situation, and what the operator can do.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -57,10 +57,10 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let found = |of: &str| Advice::of("page.complaint", of, language);
     let about = complaint.subject.as_ref().and_then(|subject| found(&format!("{code}-{subject}")));
     let any = || code.starts_with("trigger-").then(|| found("trigger-any")).flatten();
-    about.or_else(|| found(code)).or_else(any).unwrap_or_else(|| match language {
-        Language::En => Advice::new(sentence(&complaint.message), sentence(&complaint.remedy)),
-        _ => said_as_it_is(code, "page.do.technician", language),
-    })
+    about
+        .or_else(|| found(code))
+        .or_else(any)
+        .unwrap_or_else(|| said_as_it_is(code, "page.do.technician", language))
 }
 
 /// Why a decision was not carried out; `None` for an unknown code.
@@ -70,11 +70,4 @@ pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
 
 fn said_as_it_is(code: &str, next: &'static str, language: Language) -> Advice {
     Advice::new(language.filled("page.says", &[("code", &code)]), language.text(next))
-}
-
-/// Turns words without a full stop into a sentence.
-fn sentence(words: &str) -> String {
-    let mut rest = words.chars();
-    let first = rest.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}.", rest.as_str())
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
+use gaiter_flow::complaint::Figures;
 use gaiter_flow::orders::news::{self, News};
 use gaiter_flow::round::Doubt;
 use gaiter_flow::{OrderState, Settled};
@@ -192,12 +193,9 @@ impl Taking<'_> {
 
     fn tell_refused(&self, code: &str, message: &str) {
         warn!(event = "order-refused", code);
-        let message = format!("an order of the practice software was refused ({code}): {message}");
-        let place = match self.read.is_too_large() {
-            true => "it was left in place",
-            false => "it is in orders-refused",
-        };
-        alarm(self.core, REFUSED, format!("{message}; {place}"));
+        let place = if self.read.is_too_large() { "left" } else { "aside" };
+        let figures = Figures::default().words("fault", code).words("said", message);
+        alarm(self.core, REFUSED, figures.words("place", place));
     }
 
     fn remove_if_asked(&self) -> Result<Taken, TakeFault> {
@@ -225,8 +223,7 @@ impl Taking<'_> {
             }
             Err(error) => {
                 warn!(event = "order-not-removed", error = %error);
-                let message = "an order was read and cannot be deleted from its folder";
-                alarm(self.core, NOT_REMOVED, format!("{message}: {error}"));
+                alarm(self.core, NOT_REMOVED, Figures::why(error));
                 Ok(Taken::Later)
             }
         }
@@ -244,7 +241,5 @@ pub(super) fn tell_taken(core: &Core) {
 
 fn tell_repeated(core: &Core) {
     warn!(event = "order-repeated");
-    let message = "an order came again with the same content: name the patient at the booth if \
-                   they are scanned again";
-    alarm(core, REPEATED, message.to_owned());
+    alarm(core, REPEATED, Figures::default());
 }

@@ -17,7 +17,7 @@ use jiff::tz::TimeZone;
 
 use super::persons;
 use super::protocol::{Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request};
-use super::status::{PhantomStatus, SourceStatus, Status};
+use super::status::{AlarmStatus, ComplaintStatus, PhantomStatus, SourceStatus, Status};
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::{HistoryRow, JournalError};
@@ -206,7 +206,7 @@ fn status(desk: &Desk) -> Status {
     Status {
         schema: "gaiter.status/1".to_owned(),
         ready: is_ready,
-        complaints,
+        complaints: complaints.into_iter().map(ComplaintStatus::from).collect(),
         station: desk.core.config.station.id.clone(),
         gaiter: env!("CARGO_PKG_VERSION").to_owned(),
         pid: std::process::id(),
@@ -228,7 +228,9 @@ fn status(desk: &Desk) -> Status {
         measured: facts.measured,
         last_measurement_s: facts.last_measurement_s,
         phantom: facts.phantom.as_ref().map(|phantom| PhantomStatus::of(phantom, now)),
-        alarms: alarms.map(|(code, alarm)| ((*code).to_owned(), alarm.into())).collect(),
+        alarms: alarms
+            .map(|(code, alarm)| ((*code).to_owned(), AlarmStatus::of(code, alarm)))
+            .collect(),
         refused_reload: facts.refused_reload,
     }
 }

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use gaiter_flow::account::Seen;
+use gaiter_flow::complaint::Complaint;
 use gaiter_flow::confinement::Confinement;
 use gaiter_flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
-use gaiter_flow::health::Complaint;
 use gaiter_language::Language;
 use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
@@ -21,7 +21,7 @@ pub struct Status {
     /// Whether scans become records.
     pub ready: bool,
     /// What prevents that, and what a person should know.
-    pub complaints: Vec<Complaint>,
+    pub complaints: Vec<ComplaintStatus>,
     /// The station's name.
     pub station: String,
     /// Gaiter's version.
@@ -70,6 +70,25 @@ pub struct Status {
     pub alarms: BTreeMap<String, AlarmStatus>,
     /// What was wrong with the configuration at the last reload.
     pub refused_reload: Option<String>,
+}
+
+/// What keeps the station from being ready, or what a person should know, for programs in English.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ComplaintStatus {
+    /// The complaint as data.
+    #[serde(flatten)]
+    pub complaint: Complaint,
+    /// What is wrong, a sentence without its full stop.
+    pub message: String,
+    /// What the technician can do, in the same form.
+    pub remedy: String,
+}
+
+impl From<Complaint> for ComplaintStatus {
+    fn from(complaint: Complaint) -> ComplaintStatus {
+        let (message, remedy) = (complaint.message(Language::En), complaint.remedy(Language::En));
+        ComplaintStatus { complaint, message, remedy }
+    }
 }
 
 /// The status of an export folder.
@@ -234,8 +253,10 @@ impl From<&TriggerFacts> for TriggerStatus {
     }
 }
 
-impl From<&Alarm> for AlarmStatus {
-    fn from(alarm: &Alarm) -> AlarmStatus {
-        AlarmStatus { message: alarm.message.clone(), since: alarm.since }
+impl AlarmStatus {
+    /// The status of an alarm with this code, in English.
+    pub fn of(code: &str, alarm: &Alarm) -> AlarmStatus {
+        let complaint = Complaint::new(code, alarm.figures.clone());
+        AlarmStatus { message: complaint.message(Language::En), since: alarm.since }
     }
 }

@@ -6,7 +6,7 @@ use gaiter_language::Language;
 
 use super::{BOTH, booth, page};
 use crate::booth::Signal;
-use crate::health::Complaint;
+use crate::complaint::Complaint;
 use crate::light::{Outcome, Progress};
 use crate::page::Situation;
 use crate::round::{HeldNext, HoldReason};

@@ -1,0 +1,195 @@
+//! What the station complains of, as data, and its words in a language.
+
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::time::Duration;
+
+use gaiter_language::{Language, fill};
+use serde::{Deserialize, Serialize};
+
+use super::export::passed_over::{self, PassedOver};
+use super::words::{bytes, decimals, duration};
+
+/// In the place of a figure that a complaint does not have.
+const NOT_KNOWN: &str = "?";
+
+/// The figure for what the system says of the cause, in its own words: it follows the message.
+const WHY: &str = "why";
+
+/// Whether a complaint keeps the station from being ready.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Scans do not become records.
+    #[default]
+    Fault,
+    /// They do, and a person should know something all the same.
+    Notice,
+}
+
+/// Something that keeps the station from being ready, or that a person should know. Its words stand under its
+/// code in the table `complaint` of each language.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Complaint {
+    /// Stable code.
+    pub code: String,
+    /// Whether it keeps the station from being ready.
+    #[serde(default)]
+    pub severity: Severity,
+    /// The store that it is about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subject: Option<String>,
+    /// The figures in its message.
+    #[serde(default, skip_serializing_if = "Figures::is_empty")]
+    pub figures: Figures,
+}
+
+/// The figures of a complaint, by name. Names end with the unit.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Figures(BTreeMap<String, Figure>);
+
+/// A figure of a complaint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Figure {
+    /// A number of things, seconds or bytes.
+    Count(u64),
+    /// A measure.
+    Number(f64),
+    /// How much is passed over in the export folders, by its reason.
+    Unread(BTreeMap<PassedOver, usize>),
+    /// A name, which of the complaint's texts it is, or the system's own words.
+    Words(String),
+}
+
+impl Figures {
+    /// The system's own words for the cause, and nothing else.
+    pub fn why(why: impl Display) -> Figures {
+        Figures::default().words(WHY, why)
+    }
+
+    /// A number of things, with which of the complaint's texts tells it: `one` or `more`.
+    pub fn counted(count: usize) -> Figures {
+        let case = if count == 1 { "one" } else { "more" };
+        Figures::default().count("count", count).words("case", case)
+    }
+
+    /// With a number of things.
+    pub fn count(self, name: &str, count: usize) -> Figures {
+        self.with(name, Figure::Count(count as u64))
+    }
+
+    /// With a size in bytes.
+    pub fn bytes(self, name: &str, bytes: u64) -> Figures {
+        self.with(name, Figure::Count(bytes))
+    }
+
+    /// With a duration in seconds. One that is not known is left out.
+    pub fn seconds(self, name: &str, duration: Option<Duration>) -> Figures {
+        match duration {
+            Some(duration) => self.with(name, Figure::Count(duration.as_secs())),
+            None => self,
+        }
+    }
+
+    /// With a measure.
+    pub fn number(self, name: &str, value: f64) -> Figures {
+        self.with(name, Figure::Number(value))
+    }
+
+    /// With how much is passed over, by its reason.
+    pub fn unread(self, counts: BTreeMap<PassedOver, usize>) -> Figures {
+        self.with("unread", Figure::Unread(counts))
+    }
+
+    /// With a name, the key of one of the complaint's texts, or the system's own words.
+    pub fn words(self, name: &str, words: impl Display) -> Figures {
+        self.with(name, Figure::Words(words.to_string()))
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn with(mut self, name: &str, figure: Figure) -> Figures {
+        self.0.insert(name.to_owned(), figure);
+        self
+    }
+}
+
+impl Complaint {
+    /// A fault with this code.
+    pub fn new(code: &str, figures: Figures) -> Complaint {
+        Complaint { code: code.to_owned(), severity: Severity::Fault, subject: None, figures }
+    }
+
+    /// The same about a store.
+    pub(crate) fn about(self, subject: &str) -> Complaint {
+        Complaint { subject: Some(subject.to_owned()), ..self }
+    }
+
+    /// The journal cannot be read.
+    pub fn journal() -> Complaint {
+        Complaint::new("journal-failed", Figures::default())
+    }
+
+    /// Whether it keeps the station from being ready.
+    pub fn is_fault(&self) -> bool {
+        self.severity == Severity::Fault
+    }
+
+    /// What is wrong, for the technician: a sentence without its full stop. An unknown code stands for itself.
+    pub fn message(&self, language: Language) -> String {
+        let Some(what) = self.text("message", language) else { return self.code.clone() };
+        match self.figures.0.get(WHY) {
+            Some(Figure::Words(why)) => {
+                language.filled("complaint.because", &[("what", &what), ("why", why)])
+            }
+            _ => what,
+        }
+    }
+
+    /// What the technician can do, in the same form.
+    pub fn remedy(&self, language: Language) -> String {
+        let own = self.text("remedy", language);
+        own.unwrap_or_else(|| language.text("complaint.other.remedy").to_owned())
+    }
+
+    /// One of its texts with its figures; `None` if there is none.
+    fn text(&self, which: &str, language: Language) -> Option<String> {
+        let template = language.find(&format!("complaint.{}.{which}", self.code))?;
+        fill(template, |name, form| Some(self.word(name, form, language)))
+    }
+
+    /// What stands in a place of a text. `time` is of a duration in seconds, `size` of bytes, `signed` of a
+    /// measure with its sign; in the place of a `word` stands the text of the complaint with that key.
+    fn word(&self, name: &str, form: &str, language: Language) -> String {
+        if let ("subject", Some(subject)) = (name, &self.subject) {
+            return subject.clone();
+        }
+        match (form, self.figures.0.get(name)) {
+            ("time", Some(Figure::Count(s))) => duration(Duration::from_secs(*s), language),
+            ("time", _) => language.text("duration.unknown").to_owned(),
+            ("size", Some(Figure::Count(size))) => bytes(*size, language),
+            ("signed", Some(Figure::Number(value))) => {
+                let sign = if *value < 0.0 { "-" } else { "+" };
+                format!("{sign}{}", decimals(value.abs(), 1, language))
+            }
+            ("word", Some(Figure::Words(which))) => {
+                self.text(which, language).unwrap_or_else(|| which.clone())
+            }
+            (_, Some(Figure::Count(count))) => count.to_string(),
+            (_, Some(Figure::Number(value))) => {
+                value.to_string().replace('.', language.decimal_sign())
+            }
+            (_, Some(Figure::Unread(counts))) => {
+                let counts = counts.iter().map(|(why, count)| (why.word(), *count));
+                passed_over::listed(counts, language)
+            }
+            (_, Some(Figure::Words(words))) => words.clone(),
+            (_, None) => NOT_KNOWN.to_owned(),
+        }
+    }
+}
