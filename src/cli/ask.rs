@@ -5,6 +5,7 @@ use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use gaiter_language::Language;
 use serde::Serialize;
 use serde_json::json;
 
@@ -176,13 +177,19 @@ fn state_dir(config: &Path) -> Result<PathBuf, ConfigError> {
     }
 }
 
+/// The language of the station of this configuration. English if the configuration has faults.
+pub fn language(config: &Path) -> Language {
+    config::read(config).map_or(Language::En, |config| config.language)
+}
+
 /// Sends a request, prints the answer, and returns the exit that `exit` derives from it. `taken`
-/// extracts the value from the answer, which `--json` prints, and `table` renders it for people.
+/// extracts the value from the answer, which `--json` prints, and `table` renders it for people in the
+/// station's language.
 pub fn told<T: Serialize>(
     args: &AskArgs,
     request: &Request,
     taken: impl FnOnce(Answer) -> Option<T>,
-    table: impl FnOnce(&T) -> String,
+    table: impl FnOnce(&T, Language) -> String,
     exit: impl FnOnce(&T) -> Exit,
 ) -> Exit {
     let answered = ask(&args.config, request);
@@ -197,7 +204,7 @@ pub fn told<T: Serialize>(
             Err(error) => return refused(args, &AskFault::Answer(error)),
         }
     } else {
-        table(&answer)
+        table(&answer, language(&args.config))
     };
     match print(text) {
         Ok(()) => exit(&answer),
@@ -214,7 +221,7 @@ pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
         Answer::Sentence(sentence) => Some(json!({ "sentence": sentence })),
         _ => None,
     };
-    let table = |answer: &serde_json::Value| {
+    let table = |answer: &serde_json::Value, _| {
         format!("{}\n", shown(answer["sentence"].as_str().unwrap_or_default()))
     };
     told(args, request, taken, table, |_| Exit::Done)

@@ -3,12 +3,13 @@
 mod phantom;
 mod watch;
 
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 use std::time::Duration;
 
 use gaiter_flow::account::{Filter, Listed};
-use gaiter_flow::complaint::Severity;
-use gaiter_flow::words::{ago, bytes, duration};
+use gaiter_flow::complaint::{Complaint, Severity};
+use gaiter_flow::export::passed_over::listed;
+use gaiter_flow::words::{ago, bytes, decimals, duration};
 use gaiter_language::Language;
 use jiff::Timestamp;
 
@@ -16,10 +17,12 @@ use super::args::{AskArgs, StatusArgs};
 use super::ask::{self, AskFault};
 use super::terminal::clock::local;
 use super::terminal::paint::{self, painted};
-use super::terminal::screen::{self, wrapped};
+use super::terminal::screen::{self, width, wrapped};
 use super::{Exit, complain, scans, shown};
 use crate::station::operator::control::protocol::{Answer, Request};
-use crate::station::operator::control::status::{ComplaintStatus, SourceStatus, Status};
+use crate::station::operator::control::status::{
+    ComplaintStatus, SourceStatus, Status, TriggerStatus,
+};
 
 /// How many of the last scans are shown. A screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;
@@ -27,8 +30,11 @@ const LAST_SCANS: u32 = 5;
 /// How many of these may be held scans, shown first because the operator must look at them.
 const HELD_SCANS: u32 = 3;
 
-/// Width of the labels before the figures, with the gap after them.
-const LABEL: usize = 11;
+/// The least width of the labels before the figures.
+const LABEL_LEAST: usize = 9;
+
+/// The gap behind the labels.
+const GAP: usize = 2;
 
 /// Queries and prints. Returns [`Exit::Io`] if the station is not ready, as `gaiter check` does.
 pub fn status(args: &StatusArgs) -> Exit {
@@ -36,13 +42,14 @@ pub fn status(args: &StatusArgs) -> Exit {
         return watch::watch(&args.ask);
     }
     if args.ask.json {
-        return ask::told(&args.ask, &Request::Status, taken, |_| String::new(), exit);
+        return ask::told(&args.ask, &Request::Status, taken, |_, _| String::new(), exit);
     }
     let look = match Look::take(&args.ask) {
         Ok(look) => look,
         Err(fault) => return ask::refused(&args.ask, &fault),
     };
-    match paint::print(table(&look, screen::size().map(|size| size.columns))) {
+    let columns = screen::size().map(|size| size.columns);
+    match paint::print(table(&look, ask::language(&args.ask.config), columns)) {
         Ok(()) => exit(&look.status),
         Err(error) => {
             complain(format_args!("gaiter: cannot print the answer: {error}"));
@@ -95,187 +102,245 @@ fn held_first(mut held: Vec<Listed>, mut newest: Vec<Listed>) -> Vec<Listed> {
 }
 
 /// One screen with colours. The first line shows whether all is well.
-fn table(look: &Look, columns: Option<usize>) -> String {
+fn table(look: &Look, language: Language, columns: Option<usize>) -> String {
     let status = &look.status;
     let mut text = String::new();
     if status.ready {
-        text += &(painted(paint::GOOD, "ready") + "\n");
+        text += &(painted(paint::GOOD, language.text("terminal.ready")) + "\n");
     }
-    for ComplaintStatus { complaint, message, remedy } in &status.complaints {
-        let (message, remedy) = (shown(message), shown(remedy));
-        let (begin, colour) = match complaint.severity {
-            Severity::Fault => ("not ready", paint::BAD),
-            Severity::Notice => ("note", paint::CARE),
-        };
-        let said = format!("{begin}: {message} [{}]", complaint.code);
-        wrapped(&said, columns).iter().for_each(|line| text += &(painted(colour, line) + "\n"));
-        let within = columns.map(|columns| columns.saturating_sub(8));
-        let lines = wrapped(&remedy, within);
-        let _ = writeln!(text, "    do: {}", lines.join("\n        "));
+    for ComplaintStatus { complaint, .. } in &status.complaints {
+        text += &complained(complaint, language, columns);
     }
-    let within = columns.map(|columns| columns.saturating_sub(LABEL));
-    for (label, value) in rows(look) {
-        let lines = wrapped(&shown(value), within).join(&format!("\n{:LABEL$}", ""));
-        let label = painted(paint::LABEL, format_args!("{label:<9}"));
-        let _ = writeln!(text, "{label}  {lines}");
+    let rows = rows(look, language);
+    let width = width(rows.iter().map(|(label, _)| label.as_str()), LABEL_LEAST);
+    let gap = width + GAP;
+    let within = columns.map(|columns| columns.saturating_sub(gap));
+    for (label, value) in rows {
+        let lines = wrapped(&shown(value), within).join(&format!("\n{:gap$}", ""));
+        let label = painted(paint::LABEL, format_args!("{label:<width$}"));
+        let _ = writeln!(text, "{label}{:GAP$}{lines}", "");
     }
     if !look.scans.is_empty() {
-        let _ = writeln!(text, "\n{}", scans::list(&look.scans).trim_end());
+        let _ = writeln!(text, "\n{}", scans::list(&look.scans, language).trim_end());
     }
     text
 }
 
-fn rows(look: &Look) -> Vec<(String, String)> {
-    let (status, now) = (&look.status, look.status.now);
-    let mut rows = vec![("light".to_owned(), at_booth(status))];
-    rows.extend(status.booth.advice.clone().map(|advice| ("orders".to_owned(), advice)));
-    rows.extend(around(status, now));
-    let oldest = match (&status.oldest, status.oldest_age_s) {
-        (Some(oldest), Some(age_s)) => format!(
-            "{} has waited {} for its record",
-            oldest.scan,
-            duration(Duration::from_secs(age_s), Language::En)
-        ),
-        _ => "no scan is waiting for its record".to_owned(),
+/// A complaint, and what to do about it.
+fn complained(complaint: &Complaint, language: Language, columns: Option<usize>) -> String {
+    let (message, remedy) = (complaint.message(language), complaint.remedy(language));
+    let (key, colour) = match complaint.severity {
+        Severity::Fault => ("terminal.not_ready", paint::BAD),
+        Severity::Notice => ("terminal.note", paint::CARE),
     };
-    let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
-    row("oldest", oldest);
-    let words_of = ["spooled", "delivered", "refused", "held"];
-    let mut counts: Vec<String> = words_of
-        .map(|word| format!("{} {word}", status.scans.get(word).unwrap_or(&0)))
-        .into_iter()
-        .collect();
-    let back = status.scans.get("withdrawing").filter(|count| **count > 0);
-    counts.extend(back.map(|count| format!("{count} to be withdrawn")));
-    let counts = if status.scans.is_empty() { "unknown".to_owned() } else { counts.join(", ") };
-    row("scans", counts);
-    let last = status.last.as_ref().map(|last| {
-        let (seen, ago) = (last.first_seen, ago(last.first_seen, now, Language::En));
-        let listed = look.scans.iter().find(|scan| scan.scan == last.scan);
-        let state = listed.map_or(last.state.word(), |scan| scan.disposition.word());
-        format!("{} seen {}, {ago} ago: {state}", last.scan, local(seen))
-    });
-    row("last scan", last.unwrap_or_else(|| "none yet".to_owned()));
-    let last =
-        status.last_measurement_s.map_or(String::new(), |s| format!(", the last in {s:.1} s"));
-    row("measured", format!("{} in this run{last}", status.measured));
-    rows.extend(status.phantom.iter().flat_map(|phantom| phantom::rows(phantom, now)));
-    let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
+    let said = format!("{}: {} [{}]", language.text(key), shown(message), complaint.code);
+    let lines = wrapped(&said, columns).into_iter();
+    let mut text: String = lines.map(|line| painted(colour, line) + "\n").collect();
+    let before = format!("    {}: ", language.text("terminal.do"));
+    let indent = before.chars().count();
+    let within = columns.map(|columns| columns.saturating_sub(indent));
+    let lines = wrapped(&shown(remedy), within).join(&format!("\n{:indent$}", ""));
+    let _ = writeln!(text, "{before}{lines}");
+    text
+}
+
+/// The rows below the complaints: labels and values.
+fn rows(look: &Look, language: Language) -> Vec<(String, String)> {
+    let (status, now) = (&look.status, look.status.now);
+    let label = |key| language.text(key).to_owned();
+    let mut rows = vec![(label("terminal.label.light"), at_booth(status, language))];
+    let late = status.booth.orders_come_late.map(|late| late.in_words(language));
+    rows.extend(late.map(|advice| (label("terminal.label.orders"), advice)));
+    rows.extend(around(status, now, language));
+    rows.extend(of_scans(look, language));
+    rows.extend(status.phantom.iter().flat_map(|of| phantom::rows(of, now, language)));
     if let Some(missing) = status.confinement.and_then(|found| found.missing()) {
-        row(
-            "guards",
-            format!("measuring processes run without {missing}, which this machine lacks"),
-        );
+        let guards = language.filled("terminal.guards", &[("missing", &missing)]);
+        rows.push((label("terminal.label.guards"), guards));
     }
     let disk = match (status.disk_free_bytes, status.disk_bytes) {
         (Some(free), Some(size)) => {
-            format!("{} free of {}", bytes(free, Language::En), bytes(size, Language::En))
+            let (free, size) = (bytes(free, language), bytes(size, language));
+            language.filled("terminal.disk", &[("free", &free), ("size", &size)])
         }
-        _ => "unknown".to_owned(),
+        _ => label("terminal.unknown"),
     };
-    row("disk", disk);
-    let ago = duration(Duration::from_secs(status.running_s), Language::En);
-    let process = format!("gaiter {}, process {}, running for {ago}", status.gaiter, status.pid);
-    row("station", format!("{}, {process}", status.station));
+    rows.push((label("terminal.label.disk"), disk));
+    let words: [(&str, &dyn Display); 4] = [
+        ("station", &status.station),
+        ("version", &status.gaiter),
+        ("pid", &status.pid),
+        ("time", &duration(Duration::from_secs(status.running_s), language)),
+    ];
+    rows.push((label("terminal.label.station"), language.filled("terminal.station", &words)));
     rows
+}
+
+/// The rows about scans.
+fn of_scans(look: &Look, language: Language) -> [(String, String); 4] {
+    let status = &look.status;
+    let text = |key| language.text(key).to_owned();
+    let oldest = match (&status.oldest, status.oldest_age_s) {
+        (Some(oldest), Some(age_s)) => {
+            let time = duration(Duration::from_secs(age_s), language);
+            language.filled("terminal.oldest", &[("scan", &oldest.scan), ("time", &time)])
+        }
+        _ => text("terminal.none_waits"),
+    };
+    let last = status.last.as_ref().map(|last| {
+        let listed = look.scans.iter().find(|scan| scan.scan == last.scan);
+        let state = listed.map_or(last.state.word(), |scan| scan.disposition.word());
+        let words: [(&str, &dyn Display); 4] = [
+            ("scan", &last.scan),
+            ("at", &local(last.first_seen)),
+            ("time", &ago(last.first_seen, status.now, language)),
+            ("state", &language.word("terminal.state", state)),
+        ];
+        language.filled("terminal.last", &words)
+    });
+    let count = &status.measured;
+    let measured = match status.last_measurement_s {
+        Some(s) => {
+            let s = decimals(s, 1, language);
+            language.filled("terminal.measured_last", &[("count", count), ("s", &s)])
+        }
+        None => language.filled("terminal.measured", &[("count", count)]),
+    };
+    [
+        (text("terminal.label.oldest"), oldest),
+        (text("terminal.label.scans"), counts(status, language)),
+        (text("terminal.label.last_scan"), last.unwrap_or_else(|| text("terminal.none_yet"))),
+        (text("terminal.label.measured"), measured),
+    ]
+}
+
+/// How many scans are in each state.
+fn counts(status: &Status, language: Language) -> String {
+    if status.scans.is_empty() {
+        return language.text("terminal.unknown").to_owned();
+    }
+    let counted = |state: &str| {
+        let count = status.scans.get(state).unwrap_or(&0);
+        format!("{count} {}", language.word("terminal.state", state))
+    };
+    let mut counts = ["spooled", "delivered", "refused", "held"].map(counted).to_vec();
+    let back = status.scans.get("withdrawing").filter(|count| **count > 0);
+    counts.extend(back.map(|count| language.filled("terminal.to_withdraw", &[("count", count)])));
+    counts.join(", ")
 }
 
 /// The surroundings of the station: export folders, ports, stores.
-fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
-    let intake = match status.intake.as_str() {
-        "open" => "scans are taken in".to_owned(),
-        "paused" => "paused: exports are not taken in".to_owned(),
-        other => format!("{}: exports are not taken in", other.replace('_', " ")),
-    };
-    let mut rows = vec![("intake".to_owned(), intake)];
-    rows.extend(
-        status
-            .sources
-            .iter()
-            .map(|source| (format!("export {}", source.export_dir), said_of(source, now))),
-    );
+fn around(status: &Status, now: Timestamp, language: Language) -> Vec<(String, String)> {
+    let text = |key| language.text(key).to_owned();
+    let intake = language.word("terminal.intake", &status.intake).to_owned();
+    let mut rows = vec![(text("terminal.label.intake"), intake)];
+    rows.extend(status.sources.iter().map(|source| {
+        let label = language.filled("terminal.label.export", &[("number", &source.export_dir)]);
+        (label, said_of(source, now, language))
+    }));
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
-        let time = ago(trigger.since, now, Language::En);
-        let state = trigger.state.replace('_', " ");
-        let why = trigger.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
-        let heard = match (trigger.presses, trigger.ids) {
-            (presses, 0) => format!("{presses} presses"),
-            (_, ids) => format!("{ids} ids"),
-        };
-        let garbage = trigger.garbage;
-        let text = format!("{port}: {state} for {time}{why}, {heard}, {garbage} bytes of garbage");
-        ("trigger".to_owned(), text)
+        (text("terminal.label.trigger"), of_port(port, trigger, now, language))
     }));
     if status.stores.is_empty() {
-        rows.push(("store".to_owned(), "nothing delivered yet in this run".to_owned()));
+        rows.push((text("terminal.label.store"), text("terminal.store.none")));
     }
     rows.extend(status.stores.iter().map(|(name, store)| {
-        let time = ago(store.since, now, Language::En);
-        let state = match &store.fault {
-            None => format!("has accepted records for {time}"),
-            Some(fault) => format!("has accepted no records for {time}: {fault}"),
+        let time = ago(store.since, now, language);
+        let why = match &store.fault {
+            Some(_) if store.waits_for_fetch => Some(language.text("explain.not_fetched")),
+            fault => fault.as_deref(),
         };
-        ("store".to_owned(), format!("{name}: {state}"))
+        let key = if why.is_some() { "terminal.store.bad" } else { "terminal.store.good" };
+        let words: [(&str, &dyn Display); 3] =
+            [("store", name), ("time", &time), ("why", &why.unwrap_or_default())];
+        (text("terminal.label.store"), language.filled(key, &words))
     }));
     rows
 }
 
-/// The state of the light and the awaited exports, in words.
-fn at_booth(status: &Status) -> String {
-    let booth = &status.booth;
-    let mut text = match booth.light.as_str() {
-        "ready" => "ready for the next scan",
-        "armed" => "waits for the export of a press",
-        "receiving" => "a scan is being processed",
-        "done" => "the last scan was delivered",
-        "no_export" => "no export came after the last press",
-        _ => "operator action needed",
-    }
-    .to_owned();
-    if booth.awaited > 1 {
-        let _ = write!(text, ", {} exports are awaited", booth.awaited);
-    }
-    if booth.named {
-        text.push_str(", a patient is named for the next press");
-    }
-    if booth.in_doubt {
-        text.push_str(", a press may have been missed: scans of named patients are held");
-    }
-    text
+/// The state of one port of the booth.
+fn of_port(port: &str, trigger: &TriggerStatus, now: Timestamp, language: Language) -> String {
+    let words: [(&str, &dyn Display); 3] = [
+        ("port", &port),
+        ("state", &language.word("terminal.port_state", &trigger.state)),
+        ("time", &ago(trigger.since, now, language)),
+    ];
+    let state = with_why(language.filled("terminal.port.state", &words), trigger.why.as_deref());
+    let heard = match (trigger.presses, trigger.ids) {
+        (presses, 0) => language.filled("terminal.port.presses", &[("count", &presses)]),
+        (_, ids) => language.filled("terminal.port.ids", &[("count", &ids)]),
+    };
+    let garbage = language.filled("terminal.port.garbage", &[("count", &trigger.garbage)]);
+    [state, heard, garbage].join(", ")
 }
 
-/// The state of one export folder in words.
-fn said_of(source: &SourceStatus, now: Timestamp) -> String {
-    let time = ago(source.since, now, Language::En);
-    let why = source.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
-    let mut text = match source.state.as_str() {
-        "watched" => "looked through".to_owned(),
-        "not_looked" => "not looked at yet".to_owned(),
-        state => format!("{} for {time}{why}", state.replace('_', " ")),
+/// A state with the reason for it.
+fn with_why(state: String, why: Option<&str>) -> String {
+    match why {
+        Some(why) => format!("{state}: {why}"),
+        None => state,
+    }
+}
+
+/// The state of the light and the awaited exports.
+fn at_booth(status: &Status, language: Language) -> String {
+    let booth = &status.booth;
+    let light = match booth.light.as_str() {
+        "ready" => "terminal.light.ready",
+        "armed" => "terminal.light.armed",
+        "receiving" => "terminal.light.receiving",
+        "done" => "terminal.light.done",
+        "no_export" => "terminal.light.no_export",
+        _ => "terminal.light.attention",
     };
-    if let Some(last) = source.last_look {
-        let _ = write!(text, ", last {} ago", ago(last, now, Language::En));
-    }
-    if let Some(kind) = &source.file_system {
-        let _ = write!(text, ", {kind}{}", if source.polled { " (polled)" } else { "" });
-    }
-    let _ = write!(text, ", {} waiting", source.waiting);
-    if source.overdue > 0 {
-        let _ = write!(text, " ({} for too long)", source.overdue);
-    }
-    if source.ignored > 0 {
-        let _ = write!(text, ", {} passed over", source.ignored);
-        let unread = source.unread.iter();
-        let unread: Vec<String> =
-            unread.map(|(why, count)| format!("{count} {}", why.replace('_', " "))).collect();
-        if !unread.is_empty() {
-            let _ = write!(text, " (may be exports: {})", unread.join(", "));
+    let awaited = (booth.awaited > 1)
+        .then(|| language.filled("terminal.light.awaited", &[("count", &booth.awaited)]));
+    let named = booth.named.then(|| language.text("terminal.light.named").to_owned());
+    let in_doubt = booth.in_doubt.then(|| language.text("terminal.light.in_doubt").to_owned());
+    let all = [Some(language.text(light).to_owned()), awaited, named, in_doubt];
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// The state of one export folder.
+fn said_of(source: &SourceStatus, now: Timestamp, language: Language) -> String {
+    let counted = |key, count: usize| language.filled(key, &[("count", &count)]);
+    let state = language.word("page.part.folder_state", &source.state);
+    let state = match source.state.as_str() {
+        "watched" => language.text("terminal.folder.watched").to_owned(),
+        "not_looked" => state.to_owned(),
+        _ => {
+            let time = ago(source.since, now, language);
+            let state =
+                language.filled("terminal.folder.since", &[("state", &state), ("time", &time)]);
+            with_why(state, source.why.as_deref())
         }
-    }
-    if source.gone > 0 {
-        let _ = write!(text, ", {} gone before they were taken in", source.gone);
-    }
-    text
+    };
+    let last = source.last_look.map(|last| {
+        language.filled("terminal.folder.last", &[("time", &ago(last, now, language))])
+    });
+    let kind = source.file_system.as_ref().map(|kind| match source.polled {
+        true => language.filled("terminal.folder.polled", &[("kind", kind)]),
+        false => kind.clone(),
+    });
+    let waiting = match source.overdue {
+        0 => counted("terminal.folder.waiting", source.waiting),
+        overdue => {
+            let words: [(&str, &dyn Display); 2] =
+                [("count", &source.waiting), ("overdue", &overdue)];
+            language.filled("terminal.folder.overdue", &words)
+        }
+    };
+    let unread = listed(source.unread.iter().map(|(why, count)| (why.as_str(), *count)), language);
+    let ignored = (source.ignored > 0).then(|| match unread.as_str() {
+        "" => counted("terminal.folder.ignored", source.ignored),
+        unread => {
+            let words: [(&str, &dyn Display); 2] = [("count", &source.ignored), ("list", &unread)];
+            language.filled("terminal.folder.unread", &words)
+        }
+    });
+    let gone = (source.gone > 0).then(|| counted("terminal.folder.gone", source.gone));
+    let all = [Some(state), last, kind, Some(waiting), ignored, gone];
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use gaiter::config::words::LANGUAGES;
 use gaiter_flow::booth::Signal;
 use gaiter_flow::export::passed_over::PassedOver;
 use gaiter_flow::trigger::PortState;
+use gaiter_flow::{DeliveryState, Disposition};
 use gaiter_language::Language;
 use gaiter_leg::sections::around::Around;
 use gaiter_leg::{Level, Side};
@@ -21,7 +22,7 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 49] = [
+const BY_CODE: [(&str, &str); 53] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
@@ -62,6 +63,10 @@ const BY_CODE: [(&str, &str); 49] = [
     ("sizes.not_given", "`NotGiven::word`"),
     ("sizes.status", "`Status::word`"),
     ("statement", "`Statement::of`"),
+    ("terminal.event", "`Event::word` of the journal"),
+    ("terminal.intake", "whether scans are taken in"),
+    ("terminal.port_state", "`PortState::word`"),
+    ("terminal.state", "`Disposition::word` and `DeliveryState::word`"),
     ("viewer", "the 3D view's own script"),
     ("visits.caption", "the pictures of a report of visits"),
     ("visits.caution", "`Caution::code`"),
@@ -249,6 +254,9 @@ fn every_word_that_the_program_hands_out_has_its_text() {
     let words = words.chain(Around::ALL.map(|of| ("around", of.word())));
     let words = words.chain(Signal::ALL.map(|of| ("page.light", of.word())));
     let words = words.chain(PortState::ALL.map(|of| ("page.part.port_state", of.word())));
+    let words = words.chain(PortState::ALL.map(|of| ("terminal.port_state", of.word())));
+    let words = words.chain(Disposition::ALL.map(|of| ("terminal.state", of.word())));
+    let words = words.chain(DeliveryState::ALL.map(|of| ("terminal.state", of.word())));
     let words = words.chain(PassedOver::UNREAD.map(|of| ("page.part.passed_over", of.word())));
     for (table, word) in words {
         for language in Language::ALL {

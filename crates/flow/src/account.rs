@@ -364,14 +364,19 @@ pub fn explain(
     }
 }
 
-/// That a scan was refused. The figures in the reason of its refusal are only told in English.
-fn refused(scan: &str, summary: &Summary, language: Language) -> String {
+/// Why a scan was refused, if that is known. The figures in it are only told in English.
+pub fn why_refused(summary: &Summary, language: Language) -> Option<&str> {
     let code = summary.code.as_deref().unwrap_or_default();
     let own = match language {
         Language::En => None,
         _ => language.find(&format!("page.refused.{code}.what")),
     };
-    let why = own.or(summary.message.as_deref());
+    own.or(summary.message.as_deref())
+}
+
+/// That a scan was refused.
+fn refused(scan: &str, summary: &Summary, language: Language) -> String {
+    let why = why_refused(summary, language);
     // Some reasons are sentences, or questions.
     let why = why.unwrap_or_else(|| language.text("explain.no_reason")).trim_end_matches('.');
     let closed = not_needed(summary, language);

@@ -8,7 +8,7 @@ use gaiter_language::{Language, fill};
 use serde::{Deserialize, Serialize};
 
 use super::export::passed_over::{self, PassedOver};
-use super::words::{bytes, decimals, duration};
+use super::words::{bytes, duration, signed};
 
 /// In the place of a figure that a complaint does not have.
 const NOT_KNOWN: &str = "?";
@@ -173,10 +173,7 @@ impl Complaint {
             ("time", Some(Figure::Count(s))) => duration(Duration::from_secs(*s), language),
             ("time", _) => language.text("duration.unknown").to_owned(),
             ("size", Some(Figure::Count(size))) => bytes(*size, language),
-            ("signed", Some(Figure::Number(value))) => {
-                let sign = if *value < 0.0 { "-" } else { "+" };
-                format!("{sign}{}", decimals(value.abs(), 1, language))
-            }
+            ("signed", Some(Figure::Number(value))) => signed(*value, 1, language),
             ("word", Some(Figure::Words(which))) => {
                 self.text(which, language).unwrap_or_else(|| which.clone())
             }

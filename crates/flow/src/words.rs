@@ -52,6 +52,11 @@ pub fn decimals(value: f64, places: usize, language: Language) -> String {
     format!("{value:.places$}").replace('.', language.decimal_sign())
 }
 
+/// The same with its sign.
+pub fn signed(value: f64, places: usize, language: Language) -> String {
+    format!("{value:+.places$}").replace('.', language.decimal_sign())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

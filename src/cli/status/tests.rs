@@ -8,7 +8,7 @@ use gaiter_flow::confinement::{Confinement, Enforced};
 use gaiter_flow::{Disposition, ScanState};
 
 use super::*;
-use crate::station::operator::control::status::{BoothStatus, StoreStatus, TriggerStatus};
+use crate::station::operator::control::status::{BoothStatus, StoreStatus};
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()
@@ -25,6 +25,7 @@ fn status() -> Status {
         ids: 0,
         garbage: 3,
     };
+    let store = StoreStatus { fault: None, waits_for_fetch: false, since: at(0) };
     Status {
         schema: "gaiter.status/1".into(),
         ready: true,
@@ -54,7 +55,7 @@ fn status() -> Status {
             unread: BTreeMap::new(),
             gone: 0,
         }],
-        stores: BTreeMap::from([("folder".into(), StoreStatus { fault: None, since: at(0) })]),
+        stores: BTreeMap::from([("folder".into(), store)]),
         triggers: BTreeMap::from([("serial".into(), port)]),
         booth: BoothStatus {
             light: "armed".into(),
@@ -62,6 +63,7 @@ fn status() -> Status {
             named: true,
             in_doubt: false,
             advice: None,
+            orders_come_late: None,
         },
         disk_free_bytes: Some(12_000_000_000),
         disk_bytes: Some(100_000_000_000),
@@ -106,7 +108,7 @@ fn held_scans_stand_first_and_nothing_is_listed_twice() {
 
 /// The screen without its colours.
 fn screen(status: Status, scans: Vec<Listed>, columns: Option<usize>) -> String {
-    anstream::adapter::strip_str(&table(&Look { status, scans }, columns)).to_string()
+    anstream::adapter::strip_str(&table(&Look { status, scans }, Language::En, columns)).to_string()
 }
 
 const READY: &str = "\
@@ -153,7 +155,8 @@ fn what_may_be_an_export_and_is_not_read_is_counted_and_so_is_what_is_gone() {
     let source = status.sources.remove(0);
     status.sources.push(SourceStatus { ignored: 4, unread, gone: 1, ..source });
     let said = screen(status, Vec::new(), None);
-    let expected = "4 passed over (may be exports: 1 link, 2 sub folder), 1 gone before they were";
+    let expected =
+        "4 passed over (may be exports: links 1, sub-folders 2), 1 gone before they were";
     assert!(said.contains(expected), "{said}");
 }
 
@@ -169,4 +172,23 @@ fn what_is_wrong_and_what_to_do_stands_first() {
                  do: gaiter resume\nnot ready: the station's journal cannot be read [journal-failed]\n";
     assert!(said.starts_with(first), "{said}");
     assert!(!said.contains("\nready"), "{said}");
+}
+
+#[test]
+fn in_german_every_row_is_german() {
+    let mut status = status();
+    status.complaints.push(Complaint::new("paused", Figures::default()).into());
+    let look = Look { status, scans: vec![scan(ScanState::Spooled)] };
+    let said = anstream::adapter::strip_str(&table(&look, Language::De, None)).to_string();
+    for part in [
+        "nicht bereit: Die Station macht Pause; Exporte bleiben, wo sie sind [paused]\n    Abhilfe: gaiter",
+        "\nLicht      wartet auf den Export zum Knopfdruck, 2 Exporte werden erwartet, ",
+        "\nExport 0   durchgesehen, zuletzt vor 5 Sekunden, SMB (abgefragt), 2 warten (1 zu lange)\n",
+        "\nAnschluss  serial: offen seit 3 Minuten, 21 Knopfdrücke, 3 Bytes ohne Bedeutung\n",
+        "\nScans      1 unterwegs, 20 gespeichert, 2 abgelehnt, 0 zurückgehalten\n",
+        "\ngemessen   22 in diesem Lauf, zuletzt in 2,1 s\n",
+        "  unterwegs ",
+    ] {
+        assert!(said.contains(part), "no {part:?} in\n{said}");
+    }
 }

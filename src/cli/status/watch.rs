@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::time::Duration;
 
+use gaiter_language::Language;
 use rustix::process;
 use tokio::runtime::{Builder, Runtime};
 use tokio::signal::unix::{Signal, SignalKind, signal};
@@ -31,9 +32,6 @@ const HOME: &str = "\x1b[H";
 const LINE_REST: &str = "\x1b[K\r\n";
 const SCREEN_REST: &str = "\x1b[J";
 
-/// The last line of the screen.
-const HINT: &str = "refreshed every second; Ctrl-C ends";
-
 /// Shows the status until a signal ends it or the reader has gone away.
 pub fn watch(args: &AskArgs) -> Exit {
     let runtime = match Builder::new_current_thread().enable_all().build() {
@@ -54,6 +52,7 @@ fn failed(error: &io::Error) -> Exit {
 async fn run(args: &AskArgs) -> io::Result<Exit> {
     let mut signals = Signals::new()?;
     let place = Place::of(args)?;
+    let language = ask::language(&args.config);
     loop {
         let asked = args.clone();
         let look = tokio::select! {
@@ -64,7 +63,7 @@ async fn run(args: &AskArgs) -> io::Result<Exit> {
             drop(place);
             return Ok(ask::refused(args, fault));
         }
-        match place.show(look.as_ref()) {
+        match place.show(look.as_ref(), language) {
             Ok(()) => {}
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(Exit::Done),
             Err(error) => return Err(error),
@@ -161,7 +160,7 @@ impl Place {
         }
     }
 
-    fn show(&self, look: Result<&Look, &AskFault>) -> io::Result<()> {
+    fn show(&self, look: Result<&Look, &AskFault>, language: Language) -> io::Result<()> {
         match self {
             Place::Program => {
                 let line = match look {
@@ -172,7 +171,7 @@ impl Place {
             }
             Place::Pipe => {
                 let columns = screen::size().map(|size| size.columns);
-                let text = format!("{}\n", text(look, columns));
+                let text = format!("{}\n", text(look, language, columns));
                 let mut out = anstream::stdout().lock();
                 out.write_all(text.as_bytes()).and_then(|()| out.flush())
             }
@@ -180,13 +179,15 @@ impl Place {
                 let Some(size) = screen::size() else {
                     return Err(io::ErrorKind::BrokenPipe.into());
                 };
-                let text = text(look, Some(size.columns));
+                let text = text(look, language, Some(size.columns));
                 let colours = anstream::AutoStream::choice(&io::stdout());
                 match colours {
-                    anstream::ColorChoice::Never => {
-                        write(&frame(&anstream::adapter::strip_str(&text).to_string(), size))
-                    }
-                    _ => write(&frame(&text, size)),
+                    anstream::ColorChoice::Never => write(&frame(
+                        &anstream::adapter::strip_str(&text).to_string(),
+                        language,
+                        size,
+                    )),
+                    _ => write(&frame(&text, language, size)),
                 }
             }
         }
@@ -199,19 +200,21 @@ fn stop() -> io::Result<()> {
 }
 
 /// The text of a look, or why there is none.
-fn text(look: Result<&Look, &AskFault>, columns: Option<usize>) -> String {
+fn text(look: Result<&Look, &AskFault>, language: Language, columns: Option<usize>) -> String {
     match look {
-        Ok(look) => table(look, columns),
+        Ok(look) => table(look, language, columns),
         Err(fault) => {
-            let hint = fault.hint().map_or(String::new(), |hint| format!("    do: {hint}\n"));
-            let fault = painted(paint::BAD, format_args!("not ready: {}", shown(fault)));
+            let [not_ready, to_do] =
+                ["terminal.not_ready", "terminal.do"].map(|key| language.text(key));
+            let hint = fault.hint().map_or(String::new(), |hint| format!("    {to_do}: {hint}\n"));
+            let fault = painted(paint::BAD, format_args!("{not_ready}: {}", shown(fault)));
             format!("{fault}\n{hint}")
         }
     }
 }
 
 /// Fits a text to one screen. Lines that do not fit are counted, not dropped silently.
-fn frame(text: &str, size: Size) -> String {
+fn frame(text: &str, language: Language, size: Size) -> String {
     let room = size.lines.saturating_sub(1);
     let lines: Vec<&str> = text.lines().collect();
     let fits = if lines.len() <= room { lines.len() } else { room.saturating_sub(1) };
@@ -221,9 +224,11 @@ fn frame(text: &str, size: Size) -> String {
         frame.push_str(LINE_REST);
     }
     if fits < lines.len() {
-        frame.push_str(&format!("… and {} lines more{LINE_REST}", lines.len() - fits));
+        let count = lines.len() - fits;
+        frame += &language.filled("terminal.watch.more", &[("count", &count)]);
+        frame += LINE_REST;
     }
-    frame + HINT + "\x1b[K" + SCREEN_REST
+    frame + language.text("terminal.watch.hint") + "\x1b[K" + SCREEN_REST
 }
 
 fn write(text: &str) -> io::Result<()> {
@@ -251,6 +256,8 @@ mod tests {
 
     #[test]
     fn a_text_that_fits_is_shown_whole_and_one_that_does_not_says_so() {
+        const HINT: &str = "refreshed every second; Ctrl-C ends";
+        let frame = |text, size| super::frame(text, Language::En, size);
         let size = Size { columns: 80, lines: 5 };
         assert_eq!(plain(&frame("a\nb\nc\nd\n", size)), format!("a\nb\nc\nd\n{HINT}"));
         let cut = format!("a\nb\nc\n… and 2 lines more\n{HINT}");

@@ -60,6 +60,11 @@ pub fn wrapped(text: &str, columns: Option<usize>) -> Vec<String> {
     lines
 }
 
+/// The width of a column with these texts, at least this many characters.
+pub fn width<'a>(texts: impl Iterator<Item = &'a str>, least: usize) -> usize {
+    texts.map(|text| text.chars().count()).fold(least, usize::max)
+}
+
 /// A text in lines of at most this many characters, each with this before it and a line end after it; see
 /// [`wrapped`].
 pub fn indented(text: &str, before: &str, columns: usize) -> String {

@@ -1,6 +1,9 @@
 //! Whether the orders of a practice arrive before the press of the button or after it.
 
-use std::fmt;
+use std::fmt::Display;
+
+use gaiter_language::Language;
+use serde::{Deserialize, Serialize};
 
 /// How many of the latest orders define the habit: a practice may change it.
 pub const ORDERS_MOST: usize = 50;
@@ -18,7 +21,7 @@ pub enum OrderCame {
 }
 
 /// Most orders arrive after the press: the practice should set this in its configuration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OrdersComeLate {
     /// How many arrived after it.
     pub after: usize,
@@ -26,11 +29,11 @@ pub struct OrdersComeLate {
     pub of: usize,
 }
 
-impl fmt::Display for OrdersComeLate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let OrdersComeLate { after, of } = self;
-        write!(f, "{after} of the last {of} orders came after the press of the button")?;
-        write!(f, "; set patient.orders.when = \"after-press\"")
+impl OrdersComeLate {
+    /// What was seen, and the key to set.
+    pub fn in_words(self, language: Language) -> String {
+        let words: [(&str, &dyn Display); 2] = [("after", &self.after), ("count", &self.of)];
+        language.filled("terminal.orders_late", &words)
     }
 }
 
@@ -77,7 +80,7 @@ mod tests {
     #[test]
     fn it_is_said_with_the_key_to_set() {
         assert_eq!(
-            late(2, 7).unwrap().to_string(),
+            late(2, 7).unwrap().in_words(Language::En),
             "7 of the last 9 orders came after the press of the button; \
              set patient.orders.when = \"after-press\""
         );

@@ -6,6 +6,7 @@ use gaiter_flow::account::Seen;
 use gaiter_flow::complaint::Complaint;
 use gaiter_flow::confinement::Confinement;
 use gaiter_flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
+use gaiter_flow::orders::habit::OrdersComeLate;
 use gaiter_language::Language;
 use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
@@ -137,14 +138,24 @@ pub struct BoothStatus {
     /// A suggested change of the configuration, from what has been seen; `None` if it is right.
     #[serde(default)]
     pub advice: Option<String>,
+    /// The same as figures.
+    #[serde(default)]
+    pub orders_come_late: Option<OrdersComeLate>,
 }
 
 impl From<BoothState> for BoothStatus {
     fn from(state: BoothState) -> BoothStatus {
         let BoothState { signal, awaited, is_named, is_in_doubt, orders_come_late, .. } = state;
         let light = signal.word().to_owned();
-        let advice = orders_come_late.map(|late| late.to_string());
-        BoothStatus { light, awaited, named: is_named, in_doubt: is_in_doubt, advice }
+        let advice = orders_come_late.map(|late| late.in_words(Language::En));
+        BoothStatus {
+            light,
+            awaited,
+            named: is_named,
+            in_doubt: is_in_doubt,
+            advice,
+            orders_come_late,
+        }
     }
 }
 
@@ -169,6 +180,9 @@ impl PhantomStatus {
 pub struct StoreStatus {
     /// The last attempt's fault; `None` if it succeeded.
     pub fault: Option<String>,
+    /// The fault is that the practice software has not fetched the last result.
+    #[serde(default)]
+    pub waits_for_fetch: bool,
     /// Since when.
     pub since: Timestamp,
 }
@@ -236,7 +250,7 @@ pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
 impl From<&StoreFacts> for StoreStatus {
     fn from(facts: &StoreFacts) -> StoreStatus {
         let fault = facts.refusal.as_ref().map(|refusal| refusal.in_words(Language::En));
-        StoreStatus { fault, since: facts.since }
+        StoreStatus { fault, waits_for_fetch: facts.waits_for_fetch(), since: facts.since }
     }
 }
 
