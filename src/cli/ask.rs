@@ -74,6 +74,14 @@ impl AskFault {
         }
     }
 
+    /// The fault for people: in the station's language if it is the station's.
+    pub fn said(&self) -> String {
+        match self {
+            AskFault::Refused(fault) => fault.local.as_ref().unwrap_or(&fault.message).clone(),
+            other => other.to_string(),
+        }
+    }
+
     /// The exit of the verb.
     pub fn exit(&self) -> Exit {
         match self {
@@ -238,7 +246,7 @@ pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
     if let AskFault::Config(error) = fault {
         return explain_config(error);
     }
-    complain(format_args!("gaiter: {}", shown(fault)));
+    complain(format_args!("gaiter: {}", shown(fault.said())));
     if let Some(hint) = fault.hint() {
         complain(format_args!("  hint: {hint}"));
     }

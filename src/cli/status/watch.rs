@@ -207,7 +207,7 @@ fn text(look: Result<&Look, &AskFault>, language: Language, columns: Option<usiz
             let [not_ready, to_do] =
                 ["terminal.not_ready", "terminal.do"].map(|key| language.text(key));
             let hint = fault.hint().map_or(String::new(), |hint| format!("    {to_do}: {hint}\n"));
-            let fault = painted(paint::BAD, format_args!("{not_ready}: {}", shown(fault)));
+            let fault = painted(paint::BAD, format_args!("{not_ready}: {}", shown(fault.said())));
             format!("{fault}\n{hint}")
         }
     }

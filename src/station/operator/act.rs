@@ -1,12 +1,13 @@
 //! What an operator decides at a running station.
 
 mod amend;
+mod fault;
+
+use std::fmt::Display;
 
 use gaiter_flow::round::NamedNext;
 use gaiter_flow::{DeliveryState, ScanId};
-use gaiter_language::Language;
 use gaiter_record::SourceKind;
-use gaiter_record::measure::amendment::AmendFault;
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -16,9 +17,9 @@ use crate::station::custody::{Acted, CustodyFault};
 use crate::station::event::short;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::runtime::causes::chain;
-use crate::store::revision::amend as amend_record;
 use crate::store::{StoreFault, StoredScan};
 pub use amend::{Measured, Setting};
+pub use fault::ActFault;
 
 /// A decision.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,94 +54,7 @@ pub enum Act {
     Resume,
 }
 
-/// Why a decision was not carried out; nothing was changed.
-#[derive(Debug, thiserror::Error)]
-pub enum ActFault {
-    /// The verb needs a scan.
-    #[error("this needs the id of a scan")]
-    NoScan,
-    /// No scan has this id.
-    #[error("no scan has this id")]
-    Unknown,
-    /// The scan's state does not allow the decision.
-    #[error("scan {} {why}", scan.short())]
-    NoOccasion {
-        /// The scan.
-        scan: ScanId,
-        /// Its state, and what there is not to be done.
-        why: &'static str,
-    },
-    /// It could belong to more than one patient, and the decision does not say to which.
-    #[error(
-        "scan {} could belong to more than one patient: name the patient with gaiter assign {}",
-        .0.short(), .0.short()
-    )]
-    Several(ScanId),
-    /// The bytes are gone.
-    #[error(
-        "the bytes of scan {} are no longer at the station: export it again from the scanner",
-        .0.short()
-    )]
-    NoBytes(ScanId),
-    /// The id does not match `patient.pattern`.
-    #[error("this is not a patient id that patient.pattern and patient.check_digit allow")]
-    NotAnId,
-    /// Another patient is named and must not be replaced.
-    #[error("another patient is named and not scanned yet; nothing was changed")]
-    AnotherNamed,
-    /// What is to be set is not possible.
-    #[error("nothing was set: {0}")]
-    NotSet(AmendFault),
-    /// The record cannot be amended now.
-    #[error("nothing was set: {}", chain(.0))]
-    NotAmended(amend_record::Fault),
-    /// The scan already belongs to a patient.
-    #[error("the scan already belongs to a patient; nothing was changed")]
-    Somebodys,
-    /// Custody failed.
-    #[error(transparent)]
-    Custody(#[from] CustodyFault),
-    /// The journal failed.
-    #[error("the journal could not be read or written")]
-    Journal(#[from] JournalError),
-    /// The store is out of reach, and only it has the bytes.
-    #[error("the store that has the scan's bytes is out of reach: {0}")]
-    Store(String),
-}
-
-impl ActFault {
-    /// The stable code.
-    pub fn code(&self) -> &'static str {
-        match self {
-            ActFault::NoScan => "no-scan-named",
-            ActFault::Unknown => "unknown-scan",
-            ActFault::NoOccasion { .. } => "no-occasion",
-            ActFault::Several(_) => "scan-of-several",
-            ActFault::NoBytes(_) => "bytes-gone",
-            ActFault::NotAnId => "patient-id-not-allowed",
-            ActFault::AnotherNamed => "another-is-named",
-            ActFault::NotSet(fault) if fault.is_far_off() => "measure-far-off",
-            ActFault::NotSet(_) => "measure-not-possible",
-            ActFault::NotAmended(_) => "record-not-amended",
-            ActFault::Somebodys => "scan-of-a-patient",
-            ActFault::Custody(_) => "custody-failed",
-            ActFault::Journal(_) => "journal-failed",
-            ActFault::Store(_) => "store-unavailable",
-        }
-    }
-}
-
-impl ActFault {
-    /// The fault in a language, if it names figures; others are told by their code.
-    pub fn in_words(&self, language: Language) -> Option<String> {
-        match self {
-            ActFault::NotSet(fault) => Some(fault.in_words(language)),
-            _ => None,
-        }
-    }
-}
-
-/// Carries out a decision. Returns a sentence that says what was done. Blocks.
+/// Carries out a decision. Returns a sentence in the station's language that says what was done. Blocks.
 ///
 /// # Errors
 /// See [`ActFault`].
@@ -167,8 +81,10 @@ pub fn act(
         Act::Amend(patient, setting) => {
             amend::set(core, booth, &known(core, scan)?, patient.as_deref(), setting)
         }
-        Act::NameNext { id, by, replaces } => return name_next(booth, id, *by, *replaces),
-        Act::CallOff => return call_off(booth),
+        Act::NameNext { id, by, replaces } => {
+            return name_next(core, booth, (id, *by, *replaces));
+        }
+        Act::CallOff => return call_off(core, booth),
     };
     if let Err(ActFault::Custody(fault)) = &said {
         core.check_corruption(fault);
@@ -201,19 +117,18 @@ fn retry(core: &Core, row: ScanRow) -> Result<String, ActFault> {
     match core.custody.retry(&row.scan)? {
         Acted::Done(count) => {
             info!(event = "scan-retried", scan);
-            Ok(format!("scan {scan} is measured again; {} to be made", deliveries(count)))
+            Ok(delivers(core, "act.retried", &scan, count))
         }
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
         Acted::Nothing | Acted::Several | Acted::Somebodys => {
             let journal = core.custody.journal();
             let is_any = |state| journal.deliveries_in(&row.scan, state).map(|due| !due.is_empty());
             if !is_any(DeliveryState::Pending)? && !is_any(DeliveryState::Withdrawing)? {
-                let why =
-                    "was not refused, and no delivery of it waits: there is nothing to try again";
+                let why = "act.why.nothing_to_retry";
                 return Err(ActFault::NoOccasion { scan: row.scan, why });
             }
             core.retry_now(&row.scan);
-            Ok(format!("scan {scan} is tried again now"))
+            Ok(of_scan(core, "act.tried_now", &scan))
         }
     }
 }
@@ -223,12 +138,12 @@ fn release(core: &Core, row: ScanRow) -> Result<String, ActFault> {
     match core.custody.release(&row.scan)? {
         Acted::Done(count) => {
             info!(event = "scan-released", scan);
-            Ok(format!("scan {scan} is released; {} to be made", deliveries(count)))
+            Ok(delivers(core, "act.released", &scan, count))
         }
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
         Acted::Several => Err(ActFault::Several(row.scan)),
         Acted::Nothing | Acted::Somebodys => {
-            let why = "is not held: there is nothing to release";
+            let why = "act.why.nothing_to_release";
             Err(ActFault::NoOccasion { scan: row.scan, why })
         }
     }
@@ -239,10 +154,10 @@ fn give_up(core: &Core, row: ScanRow) -> Result<String, ActFault> {
     match core.custody.give_up(&row.scan)? {
         Acted::Done(_) => {
             info!(event = "scan-given-up", scan);
-            Ok(format!("scan {scan} is given up: it needs no decision any more"))
+            Ok(of_scan(core, "act.given_up", &scan))
         }
         Acted::Nothing | Acted::NoBytes | Acted::Several | Acted::Somebodys => {
-            let why = "waits for no decision, or was given up before: there is nothing to give up";
+            let why = "act.why.nothing_to_give_up";
             Err(ActFault::NoOccasion { scan: row.scan, why })
         }
     }
@@ -259,7 +174,7 @@ fn assign(core: &Core, row: ScanRow, id: &str) -> Result<String, ActFault> {
     match with_bytes(core, &row.scan, None, assign)? {
         Acted::Done(count) => {
             info!(event = "scan-assigned", scan);
-            Ok(format!("scan {scan} is assigned; {} to be made", deliveries(count)))
+            Ok(delivers(core, "act.assigned", &scan, count))
         }
         Acted::Somebodys => Err(ActFault::Somebodys),
         Acted::NoBytes | Acted::Nothing | Acted::Several => Err(ActFault::NoBytes(row.scan)),
@@ -271,18 +186,14 @@ fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, Act
     let no_occasion = |why| ActFault::NoOccasion { scan: row.scan.clone(), why };
     let owner = match (owners.as_slice(), from) {
         ([], _) => {
-            return Err(no_occasion("is unassigned: there is nothing to take back"));
+            return Err(no_occasion("act.why.unassigned"));
         }
         ([owner], None) => owner,
         (owners, Some(from)) => owners
             .iter()
             .find(|owner| *owner == from)
-            .ok_or_else(|| no_occasion("does not belong to this patient; nothing was changed"))?,
-        (_, None) => {
-            let why = "belongs to more than one patient: say from whom it is taken back (gaiter \
-                       unassign --from)";
-            return Err(no_occasion(why));
-        }
+            .ok_or_else(|| no_occasion("act.why.not_this_patient"))?,
+        (_, None) => return Err(no_occasion("act.why.unassign_several")),
     };
     let stays = owners.len() > 1;
     let scan = short(&row.scan);
@@ -290,61 +201,47 @@ fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, Act
     match with_bytes(core, &row.scan, Some(owner), unassign)? {
         Acted::Done(_) => {
             info!(event = "scan-unassigned", scan);
-            let said = match stays {
-                true => {
-                    format!("scan {scan} is taken back from this patient and stays with the other")
-                }
-                false => format!("scan {scan} is unassigned again; its record goes to _unassigned"),
-            };
+            let key = if stays { "act.taken_back" } else { "act.unassigned" };
+            let said = of_scan(core, key, &scan);
             let of_practice = core.stores.iter().any(|store| !store.gives_back());
             Ok(match of_practice {
-                true => format!("{said}; delete what was given to the practice software there"),
+                true => core.config.language.filled("act.of_practice", &[("said", &said)]),
                 false => said,
             })
         }
         Acted::Nothing | Acted::Several | Acted::Somebodys => {
-            let why = "was just given to a patient, or taken back, by another operator";
+            let why = "act.why.just_changed";
             Err(ActFault::NoOccasion { scan: row.scan, why })
         }
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
     }
 }
 
-fn name_next(booth: &Booth, id: &str, by: SourceKind, replaces: bool) -> Result<String, ActFault> {
+fn name_next(
+    core: &Core,
+    booth: &Booth,
+    (id, by, replaces): (&str, SourceKind, bool),
+) -> Result<String, ActFault> {
     let next = booth.name_patient(id, by, replaces).map_err(|fault| match fault {
         NameFault::NotAnId => ActFault::NotAnId,
         NameFault::AnotherNamed => ActFault::AnotherNamed,
         NameFault::Journal(error) => ActFault::Journal(error),
     })?;
-    Ok(match next {
-        NamedNext::Waits { in_doubt: true, .. } => {
-            "it is not certain whose press is next, so the next scan will be held: read the card at the \
-             booth, or name the patient on the page or by gaiter patient set"
-        }
-        NamedNext::Waits { replaced: false, .. } => {
-            "the next press of the button belongs to this patient"
-        }
-        NamedNext::Paired(_) => "the press that is open belongs to this patient",
-        NamedNext::Waits { replaced: true, .. } => {
-            "the next press of the button belongs to this patient, not to the patient named before"
-        }
-        NamedNext::Opened(_, given_up) if given_up.is_empty() => {
-            "the next export belongs to this patient"
-        }
-        NamedNext::Opened(..) => {
-            "the next export belongs to this patient, not to the patient named before"
-        }
-        NamedNext::Prolonged(_) => {
-            "the next export already belongs to this patient; the wait was extended"
-        }
-    }
-    .to_owned())
+    let key = match next {
+        NamedNext::Waits { in_doubt: true, .. } => "act.next.in_doubt",
+        NamedNext::Waits { replaced: false, .. } => "act.next.press",
+        NamedNext::Paired(_) => "act.next.open_press",
+        NamedNext::Waits { replaced: true, .. } => "act.next.press_replaced",
+        NamedNext::Opened(_, given_up) if given_up.is_empty() => "act.next.export",
+        NamedNext::Opened(..) => "act.next.export_replaced",
+        NamedNext::Prolonged(_) => "act.next.prolonged",
+    };
+    Ok(core.config.language.text(key).to_owned())
 }
 
-fn call_off(booth: &Booth) -> Result<String, ActFault> {
-    let any = booth.call_off()?;
-    let said = if any { "called off: no export is expected" } else { "nothing was expected" };
-    Ok(said.to_owned())
+fn call_off(core: &Core, booth: &Booth) -> Result<String, ActFault> {
+    let key = if booth.call_off()? { "page.done.call_off" } else { "act.nothing_expected" };
+    Ok(core.config.language.text(key).to_owned())
 }
 
 /// Acts on a scan whose bytes the station has, or else its record for this patient or without one.
@@ -392,14 +289,27 @@ fn pause(core: &Core, paused: bool) -> Result<String, ActFault> {
         core.intake_gate(0);
     }
     core.work.notify_one();
-    Ok(match (paused, changed) {
-        (true, true) => "paused: scans stay at the scanner until you resume".to_owned(),
-        (true, false) => "the station is paused already".to_owned(),
-        (false, true) => "resumed: scans are taken in again".to_owned(),
-        (false, false) => "the station was not paused".to_owned(),
-    })
+    let key = match (paused, changed) {
+        (true, true) => "page.done.pause",
+        (true, false) => "act.paused_already",
+        (false, true) => "page.done.resume",
+        (false, false) => "act.not_paused",
+    };
+    Ok(core.config.language.text(key).to_owned())
 }
 
-fn deliveries(count: usize) -> String {
-    if count == 1 { "1 delivery is".to_owned() } else { format!("{count} deliveries are") }
+/// What was done with a scan.
+fn of_scan(core: &Core, key: &'static str, scan: &str) -> String {
+    core.config.language.filled(key, &[("scan", &scan)])
+}
+
+/// The same, with how many deliveries are to be made.
+fn delivers(core: &Core, key: &'static str, scan: &str, count: usize) -> String {
+    let language = core.config.language;
+    let deliveries = match count {
+        1 => language.text("act.delivery").to_owned(),
+        count => language.filled("act.deliveries", &[("count", &count)]),
+    };
+    let words: [(&str, &dyn Display); 2] = [("scan", &scan), ("deliveries", &deliveries)];
+    language.filled(key, &words)
 }

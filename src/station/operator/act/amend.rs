@@ -1,23 +1,23 @@
 //! A person sets measures of a stored record.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use gaiter_flow::ScanId;
-use gaiter_language::Language;
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::measure::amendment::{Amendment, Deed};
 use jiff::{Timestamp, Zoned};
 use serde::{Deserialize, Serialize};
 use tracing::info;
 
-use super::ActFault;
+use super::fault::ActFault;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::event::short;
 use crate::station::journal::ScanRow;
 use crate::store::FolderStore;
-use crate::store::revision::amend::{Fault, amend};
+use crate::store::revision::amend::amend;
 
 /// What a person sets, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -84,10 +84,7 @@ pub(super) fn set(
 ) -> Result<String, ActFault> {
     let journal = core.custody.journal();
     let patient = owner(core, &row.scan, patient)?;
-    let no_record = || ActFault::NoOccasion {
-        scan: row.scan.clone(),
-        why: "has no record in the store: there is nothing to amend",
-    };
+    let no_record = || ActFault::NoOccasion { scan: row.scan.clone(), why: "act.why.no_record" };
     let folder = journal.record_folder(&row.scan, &patient)?.ok_or_else(no_record)?;
     let config = &core.config;
     let choice = config.report_choice(Zoned::now().date());
@@ -105,11 +102,14 @@ pub(super) fn set(
     let completeness = Completeness::of(&amended.record, &config.garment);
     let lacks = matches!(completeness.kind(), Kind::ByHand | Kind::ScanAgain);
     journal.still_lacks_measures(&row.scan, lacks)?;
-    booth.amended(&row.scan, completeness.sentences(config.language));
+    let sentences = completeness.sentences(config.language);
+    let verdict = sentences.join(" ");
+    booth.amended(&row.scan, sentences);
     let (scan, revision) = (short(&row.scan), amended.record.revision);
     info!(event = "record-amended", scan, revision);
-    let verdict = completeness.sentences(Language::En).join(" ");
-    Ok(format!("scan {scan}: revision {revision} of its record is stored. {verdict}"))
+    let words: [(&str, &dyn Display); 3] =
+        [("scan", &scan), ("revision", &revision), ("verdict", &verdict)];
+    Ok(config.language.filled("act.amended", &words))
 }
 
 /// The patient whose record is amended, as the journal's column holds it.
@@ -121,22 +121,9 @@ fn owner(core: &Core, scan: &ScanId, patient: Option<&str>) -> Result<String, Ac
         (owners, Some(patient)) if owners.iter().any(|owner| owner == patient) => {
             Ok(patient.to_owned())
         }
-        (_, Some(_)) => Err(ActFault::NoOccasion {
-            scan: scan.clone(),
-            why: "does not belong to this patient; nothing was changed",
-        }),
-        (_, None) => Err(ActFault::NoOccasion {
-            scan: scan.clone(),
-            why: "belongs to more than one patient: say whose record is amended (gaiter amend --of)",
-        }),
-    }
-}
-
-impl From<Fault> for ActFault {
-    fn from(fault: Fault) -> ActFault {
-        match fault {
-            Fault::Amend(fault) => ActFault::NotSet(fault),
-            fault => ActFault::NotAmended(fault),
+        (_, Some(_)) => {
+            Err(ActFault::NoOccasion { scan: scan.clone(), why: "act.why.not_this_patient" })
         }
+        (_, None) => Err(ActFault::NoOccasion { scan: scan.clone(), why: "act.why.amend_several" }),
     }
 }

@@ -84,21 +84,25 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
 
 /// The one scan whose id begins with these digits.
 fn named(desk: &Desk, digits: &str) -> Result<ScanId, Fault> {
+    let language = desk.core.config.language;
+    let with_digits = |key| move |language: Language| language.filled(key, &[("digits", &digits)]);
     let hexadecimal = digits.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
     if !hexadecimal || digits.len() < DIGITS_LEAST {
-        let message = format!("give at least the first {DIGITS_LEAST} digits of the scan's id");
-        return Err(Fault::new(FaultKind::Request, "scan-id-malformed", message));
+        let message = |language: Language| {
+            language.filled("act.fault.few_digits", &[("count", &DIGITS_LEAST)])
+        };
+        return Err(Fault::said(FaultKind::Request, "scan-id-malformed", language, message));
     }
     let mut found = desk.core.custody.journal().beginning_with(digits, 2)?;
     match (found.pop(), found.pop()) {
         (Some(scan), None) => Ok(scan),
         (Some(_), Some(_)) => {
-            let message = format!("more than one scan's id begins with {digits}: give more digits");
-            Err(Fault::new(FaultKind::Request, "scan-id-ambiguous", message))
+            let message = with_digits("act.fault.ambiguous");
+            Err(Fault::said(FaultKind::Request, "scan-id-ambiguous", language, message))
         }
         (None, _) => {
-            let message = format!("the station knows no scan whose id begins with {digits}");
-            Err(Fault::new(FaultKind::Unknown, "scan-unknown", message))
+            let message = with_digits("act.fault.no_such");
+            Err(Fault::said(FaultKind::Unknown, "scan-unknown", language, message))
         }
     }
 }
@@ -107,7 +111,8 @@ fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, Fault> {
     let scan = named(desk, digits)?;
     let journal = desk.core.custody.journal();
     let mut whole = journal.whole(&scan)?.ok_or_else(|| {
-        Fault::new(FaultKind::Unknown, "scan-unknown", "the scan has just been forgotten")
+        let forgotten = |language: Language| language.text("act.fault.forgotten").to_owned();
+        Fault::said(FaultKind::Unknown, "scan-unknown", desk.core.config.language, forgotten)
     })?;
     let rows = journal.history(&scan)?.into_iter();
     let happened = |HistoryRow { at, event, detail }| account::Happened { at, event, detail };
@@ -145,18 +150,20 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
 
 /// Who is next, in the page's words; the operator who asks may see the ids.
 fn next(desk: &Desk) -> String {
-    next_shown(&desk.booth.who_is_next().situation(), Language::En).said.text
+    next_shown(&desk.booth.who_is_next().situation(), desk.core.config.language).said.text
 }
 
 /// The link to the operator's page, with the token needed to decide there.
 fn page(desk: &Desk) -> Result<Answer, Fault> {
     let link = desk.link().ok_or_else(|| {
         let facts = desk.core.board.facts();
-        let message = match facts.endpoints.values().next() {
-            Some(why) => format!("the page's address cannot be used: {why}"),
-            None => "no page is served: set status.listen, or enable gaiter.socket".to_owned(),
+        let why = facts.endpoints.values().next();
+        let message = |language: Language| match why {
+            Some(why) => language.filled("act.fault.page_address", &[("why", why)]),
+            None => language.text("act.fault.no_page").to_owned(),
         };
-        Fault::new(FaultKind::Failed, "page-not-served", message)
+        let language = desk.core.config.language;
+        Fault::said(FaultKind::Failed, "page-not-served", language, message)
     })?;
     Ok(Answer::Sentence(link))
 }
@@ -167,15 +174,19 @@ fn acted(desk: &Desk, digits: Option<&str>, decided: &Act) -> Result<Answer, Fau
     let acted = act(&desk.core, &desk.booth, scan.as_ref(), decided);
     let language = desk.core.config.language;
     acted.map(Answer::Sentence).map_err(|fault| {
-        let local = fault.in_words(language);
-        Fault { local, ..Fault::from(fault) }
+        let on_page = fault.on_page(language);
+        let has_own = !matches!(fault, ActFault::Custody(_) | ActFault::Journal(_));
+        let local = (language != Language::En && has_own).then(|| fault.in_words(language));
+        Fault { local, on_page, ..Fault::from(fault) }
     })
 }
 
 /// Hears an order that a client hands in.
 fn ordered(desk: &Desk, bytes: &[u8]) -> Result<Answer, Fault> {
     let refused = |fault: OrderFault| {
-        Fault::new(FaultKind::Request, fault.code(), format!("this is not an order: {fault}"))
+        let message =
+            |language: Language| language.filled("act.fault.no_order", &[("why", &fault)]);
+        Fault::said(FaultKind::Request, fault.code(), desk.core.config.language, message)
     };
     let order = orders::brought(&desk.booth, bytes).map_err(refused)?;
     let (id, by) = (order.patient, SourceKind::Order);

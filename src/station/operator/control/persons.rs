@@ -1,6 +1,7 @@
 //! What the station answers about one person, and how it takes the wish to erase them.
 
 use gaiter_flow::patient::person::Person;
+use gaiter_language::Language;
 use gaiter_record::SourceKind;
 
 use super::protocol::{Answer, Fault, FaultKind, Request};
@@ -17,7 +18,7 @@ pub(super) fn answer(desk: &Desk, request: &Request) -> Result<Answer, Fault> {
         }
         Request::Disclosed { patient, by } => {
             stopped::disclosed(&desk.core.custody, patient, by)?;
-            Ok(Answer::Sentence("the disclosure is in the station's history".to_owned()))
+            Ok(Answer::Sentence(desk.core.config.language.text("act.disclosed").to_owned()))
         }
         Request::Erase { patient, again, by } => erase(desk, patient, again, by),
         Request::Erasure { patient } => {
@@ -31,24 +32,26 @@ pub(super) fn answer(desk: &Desk, request: &Request) -> Result<Answer, Fault> {
 fn known(desk: &Desk, patient: &str) -> Result<Person, Fault> {
     let core = &desk.core;
     if core.identity.patient(patient, SourceKind::Operator).is_none() {
-        let message = "this is not a patient id that patient.pattern and patient.check_digit allow";
-        return Err(Fault::new(FaultKind::Request, "patient-id-not-allowed", message));
+        return Err(refused(desk, "patient-id-not-allowed", "act.fault.not_an_id"));
     }
     Ok(person(&core.config, &core.identity, (&core.custody, &core.stores), patient)?)
 }
 
 fn erase(desk: &Desk, patient: &str, again: &str, by: &str) -> Result<Answer, Fault> {
     if patient != again {
-        let message = "the two ids differ; nothing was erased";
-        return Err(Fault::new(FaultKind::Request, "ids-differ", message));
+        return Err(refused(desk, "ids-differ", "act.fault.ids_differ"));
     }
     if known(desk, patient)?.is_awaited() {
-        let message = "a scan of this patient is expected; nothing was erased: gaiter patient clear, \
-                       then erase";
-        return Err(Fault::new(FaultKind::Request, "patient-awaited", message));
+        return Err(refused(desk, "patient-awaited", "act.fault.awaited"));
     }
     erase::ask(&desk.core, patient, by)?;
-    Ok(Answer::Sentence("the erasure is noted, and begins".to_owned()))
+    Ok(Answer::Sentence(desk.core.config.language.text("act.erasing").to_owned()))
+}
+
+/// A request that is refused, with the text of a key.
+fn refused(desk: &Desk, code: &str, key: &'static str) -> Fault {
+    let message = |language: Language| language.text(key).to_owned();
+    Fault::said(FaultKind::Request, code, desk.core.config.language, message)
 }
 
 impl From<CustodyFault> for Fault {

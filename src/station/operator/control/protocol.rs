@@ -4,6 +4,7 @@
 use gaiter_flow::account::{Filter, Listed, Whole};
 use gaiter_flow::patient::erasure::Erasure;
 use gaiter_flow::patient::person::Person;
+use gaiter_language::Language;
 use serde::{Deserialize, Serialize};
 
 use super::status::Status;
@@ -168,11 +169,14 @@ pub enum Answer {
 pub struct Fault {
     /// Stable code.
     pub code: String,
-    /// Message for people.
+    /// Message in English.
     pub message: String,
-    /// The same in the station's language, if it names figures.
+    /// The same in the station's language, if that is another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub local: Option<String>,
+    /// What the page says instead of the text of the code: a sentence with figures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on_page: Option<String>,
     /// Whose fault it is.
     pub kind: FaultKind,
 }
@@ -192,6 +196,18 @@ pub enum FaultKind {
 impl Fault {
     /// Creates a fault with this code.
     pub fn new(kind: FaultKind, code: &str, message: impl Into<String>) -> Fault {
-        Fault { code: code.to_owned(), message: message.into(), local: None, kind }
+        let message = message.into();
+        Fault { code: code.to_owned(), message, local: None, on_page: None, kind }
+    }
+
+    /// The same with a message that is made for each language.
+    pub fn said(
+        kind: FaultKind,
+        code: &str,
+        language: Language,
+        message: impl Fn(Language) -> String,
+    ) -> Fault {
+        let local = (language != Language::En).then(|| message(language));
+        Fault { local, ..Fault::new(kind, code, message(Language::En)) }
     }
 }

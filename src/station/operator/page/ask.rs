@@ -122,7 +122,7 @@ fn said(answered: Answer, verb: &str, language: Language) -> Response {
                 FaultKind::Failed => StatusCode::SERVICE_UNAVAILABLE,
             };
             let of_code = || of_fault(&fault.code, language).unwrap_or(&fault.message);
-            let sentence = fault.local.as_deref().unwrap_or_else(of_code);
+            let sentence = fault.on_page.as_deref().unwrap_or_else(of_code);
             refused(status, &fault.code, sentence)
         }
         _ => {

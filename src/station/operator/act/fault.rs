@@ -1,0 +1,141 @@
+//! Why a decision was not carried out.
+
+use std::error::Error;
+use std::fmt::{self, Display};
+
+use gaiter_flow::ScanId;
+use gaiter_language::Language;
+use gaiter_record::measure::amendment::AmendFault;
+
+use crate::station::custody::CustodyFault;
+use crate::station::journal::JournalError;
+use crate::station::runtime::causes::chain;
+use crate::store::revision::amend as amend_record;
+
+/// Why a decision was not carried out; nothing was changed. Displayed in English.
+#[derive(Debug)]
+pub enum ActFault {
+    /// The verb needs a scan.
+    NoScan,
+    /// No scan has this id.
+    Unknown,
+    /// The scan's state does not allow the decision.
+    NoOccasion {
+        /// The scan.
+        scan: ScanId,
+        /// The key of its state, and of what there is not to be done.
+        why: &'static str,
+    },
+    /// It could belong to more than one patient, and the decision does not say to which.
+    Several(ScanId),
+    /// The bytes are gone.
+    NoBytes(ScanId),
+    /// The id does not match `patient.pattern`.
+    NotAnId,
+    /// Another patient is named and must not be replaced.
+    AnotherNamed,
+    /// What is to be set is not possible.
+    NotSet(AmendFault),
+    /// The record cannot be amended now.
+    NotAmended(amend_record::Fault),
+    /// The scan already belongs to a patient.
+    Somebodys,
+    /// Custody failed.
+    Custody(CustodyFault),
+    /// The journal failed.
+    Journal(JournalError),
+    /// The store is out of reach, and only it has the bytes.
+    Store(String),
+}
+
+impl ActFault {
+    /// The stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            ActFault::NoScan => "no-scan-named",
+            ActFault::Unknown => "unknown-scan",
+            ActFault::NoOccasion { .. } => "no-occasion",
+            ActFault::Several(_) => "scan-of-several",
+            ActFault::NoBytes(_) => "bytes-gone",
+            ActFault::NotAnId => "patient-id-not-allowed",
+            ActFault::AnotherNamed => "another-is-named",
+            ActFault::NotSet(fault) if fault.is_far_off() => "measure-far-off",
+            ActFault::NotSet(_) => "measure-not-possible",
+            ActFault::NotAmended(_) => "record-not-amended",
+            ActFault::Somebodys => "scan-of-a-patient",
+            ActFault::Custody(_) => "custody-failed",
+            ActFault::Journal(_) => "journal-failed",
+            ActFault::Store(_) => "store-unavailable",
+        }
+    }
+
+    /// The fault in a sentence for the terminal. What the system says of a cause is told in its own words.
+    pub fn in_words(&self, language: Language) -> String {
+        let text = |key| language.text(key).to_owned();
+        let of_scan = |key, scan: &ScanId| language.filled(key, &[("scan", &scan.short())]);
+        let because = |key, why: &dyn Display| language.filled(key, &[("why", why)]);
+        match self {
+            ActFault::NoScan => text("act.fault.no_scan"),
+            ActFault::Unknown => text("act.fault.unknown"),
+            ActFault::NoOccasion { scan, why } => {
+                let why = language.text(why);
+                language.filled("act.fault.no_occasion", &[("scan", &scan.short()), ("why", &why)])
+            }
+            ActFault::Several(scan) => of_scan("act.fault.several", scan),
+            ActFault::NoBytes(scan) => of_scan("act.fault.no_bytes", scan),
+            ActFault::NotAnId => text("act.fault.not_an_id"),
+            ActFault::AnotherNamed => text("act.fault.another_named"),
+            ActFault::NotSet(fault) => because("act.fault.not_set", &fault.in_words(language)),
+            ActFault::NotAmended(fault) => because("act.fault.not_set", &chain(fault)),
+            ActFault::Somebodys => text("act.fault.somebodys"),
+            ActFault::Custody(fault) => fault.to_string(),
+            ActFault::Journal(_) => text("act.fault.journal"),
+            ActFault::Store(why) => because("act.fault.store", why),
+        }
+    }
+
+    /// What the page says instead of the text of the code: a sentence with figures.
+    pub fn on_page(&self, language: Language) -> Option<String> {
+        match self {
+            ActFault::NotSet(fault) => Some(fault.in_words(language)),
+            _ => None,
+        }
+    }
+}
+
+impl Display for ActFault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.in_words(Language::En))
+    }
+}
+
+impl Error for ActFault {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            ActFault::Custody(fault) => fault.source(),
+            ActFault::Journal(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<CustodyFault> for ActFault {
+    fn from(fault: CustodyFault) -> ActFault {
+        ActFault::Custody(fault)
+    }
+}
+
+impl From<JournalError> for ActFault {
+    fn from(error: JournalError) -> ActFault {
+        ActFault::Journal(error)
+    }
+}
+
+impl From<amend_record::Fault> for ActFault {
+    fn from(fault: amend_record::Fault) -> ActFault {
+        match fault {
+            amend_record::Fault::Amend(fault) => ActFault::NotSet(fault),
+            fault => ActFault::NotAmended(fault),
+        }
+    }
+}
