@@ -15,7 +15,7 @@ pub use places::{Piece, fill, pieces};
 /// Texts by their keys, such as `page.done.retry`.
 type Texts = BTreeMap<String, String>;
 
-/// The language of a report and of the operator's page.
+/// The language of a report, of the operator's page and of the terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Language {
     /// English.
