@@ -1,5 +1,7 @@
 //! Queries a running station over its control socket and maps the answer to an exit code.
 
+use std::error::Error;
+use std::fmt::{self, Display};
 use std::io::{self, BufRead, BufReader, IsTerminal, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -28,14 +30,12 @@ const ANSWER_MOST: u64 = 16 * 1024 * 1024;
 /// The longest patient id that is read, bytes.
 const ID_MOST: u64 = 1024;
 
-/// Why there is no answer.
-#[derive(Debug, thiserror::Error)]
+/// Why there is no answer. Displayed in English.
+#[derive(Debug)]
 pub enum AskFault {
     /// No configuration names the state folder.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
+    Config(ConfigError),
     /// No station answers.
-    #[error("no station runs on {}", state_dir.display())]
     NoStation {
         /// Its state folder.
         state_dir: PathBuf,
@@ -43,16 +43,12 @@ pub enum AskFault {
         config: PathBuf,
     },
     /// The user has no permission to query the station.
-    #[error("only the station's own user and root may query it")]
     Denied,
     /// The connection failed.
-    #[error("asking the station failed: {0}")]
-    Io(#[from] io::Error),
+    Io(io::Error),
     /// The answer cannot be parsed.
-    #[error("the station's answer cannot be read: {0}")]
-    Answer(#[from] serde_json::Error),
+    Answer(serde_json::Error),
     /// The station refused the request.
-    #[error("{}", .0.message)]
     Refused(Fault),
 }
 
@@ -74,11 +70,22 @@ impl AskFault {
         }
     }
 
-    /// The fault for people: in the station's language if it is the station's.
-    pub fn said(&self) -> String {
+    /// The fault in a sentence.
+    pub fn said(&self, language: Language) -> String {
+        let because = |key, why: &dyn Display| language.filled(key, &[("why", why)]);
         match self {
-            AskFault::Refused(fault) => fault.local.as_ref().unwrap_or(&fault.message).clone(),
-            other => other.to_string(),
+            AskFault::Config(error) => error.to_string(),
+            AskFault::NoStation { state_dir, .. } => {
+                let place = state_dir.display();
+                language.filled("terminal.fault.no_station", &[("place", &place)])
+            }
+            AskFault::Denied => language.text("terminal.fault.denied").to_owned(),
+            AskFault::Io(error) => because("terminal.fault.io", error),
+            AskFault::Answer(error) => because("terminal.fault.answer", error),
+            AskFault::Refused(fault) => match (language, &fault.local) {
+                (Language::En, _) | (_, None) => fault.message.clone(),
+                (_, Some(local)) => local.clone(),
+            },
         }
     }
 
@@ -102,25 +109,58 @@ impl AskFault {
             "fault": {
                 "code": self.code(),
                 "message": self.to_string(),
-                "hint": self.hint(),
+                "hint": self.hint(Language::En),
                 "exit": self.exit().code(),
             }
         })
     }
 
     /// What the operator can do, if anything.
-    pub fn hint(&self) -> Option<String> {
+    pub fn hint(&self, language: Language) -> Option<String> {
         match self {
-            AskFault::NoStation { config, .. } => Some(format!(
-                "start it: systemctl start gaiter, or: gaiter run --config {}",
-                shown(config.display())
-            )),
-            AskFault::Denied => Some("try again with sudo".to_owned()),
-            AskFault::Answer(_) => {
-                Some("another version of gaiter runs: restart the station".to_owned())
+            AskFault::NoStation { config, .. } => {
+                let config = shown(config.display());
+                Some(language.filled("terminal.fault.start", &[("config", &config)]))
             }
+            AskFault::Denied => Some(language.text("terminal.fault.sudo").to_owned()),
+            AskFault::Answer(_) => Some(language.text("terminal.fault.restart").to_owned()),
             AskFault::Config(_) | AskFault::Io(_) | AskFault::Refused(_) => None,
         }
+    }
+}
+
+impl Display for AskFault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.said(Language::En))
+    }
+}
+
+impl Error for AskFault {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            AskFault::Config(error) => error.source(),
+            AskFault::Io(error) => Some(error),
+            AskFault::Answer(error) => Some(error),
+            AskFault::NoStation { .. } | AskFault::Denied | AskFault::Refused(_) => None,
+        }
+    }
+}
+
+impl From<ConfigError> for AskFault {
+    fn from(error: ConfigError) -> AskFault {
+        AskFault::Config(error)
+    }
+}
+
+impl From<io::Error> for AskFault {
+    fn from(error: io::Error) -> AskFault {
+        AskFault::Io(error)
+    }
+}
+
+impl From<serde_json::Error> for AskFault {
+    fn from(error: serde_json::Error) -> AskFault {
+        AskFault::Answer(error)
     }
 }
 
@@ -246,9 +286,10 @@ pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
     if let AskFault::Config(error) = fault {
         return explain_config(error);
     }
-    complain(format_args!("gaiter: {}", shown(fault.said())));
-    if let Some(hint) = fault.hint() {
-        complain(format_args!("  hint: {hint}"));
+    let language = language(&args.config);
+    complain(format_args!("gaiter: {}", shown(fault.said(language))));
+    if let Some(hint) = fault.hint(language) {
+        complain(format_args!("  {}: {hint}", language.text("terminal.hint")));
     }
     exit
 }

@@ -71,7 +71,7 @@ impl Fault {
     /// What the operator can do, if anything.
     pub(super) fn hint(&self) -> Option<String> {
         match self {
-            Fault::Ask(fault) => fault.hint(),
+            Fault::Ask(fault) => fault.hint(Language::En),
             Fault::Stopped(StoppedFault::OtherUser(_)) => {
                 Some("run it as the station's user, usually: sudo -u gaiter gaiter …".to_owned())
             }

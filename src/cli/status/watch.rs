@@ -206,8 +206,10 @@ fn text(look: Result<&Look, &AskFault>, language: Language, columns: Option<usiz
         Err(fault) => {
             let [not_ready, to_do] =
                 ["terminal.not_ready", "terminal.do"].map(|key| language.text(key));
-            let hint = fault.hint().map_or(String::new(), |hint| format!("    {to_do}: {hint}\n"));
-            let fault = painted(paint::BAD, format_args!("{not_ready}: {}", shown(fault.said())));
+            let hint =
+                fault.hint(language).map_or(String::new(), |hint| format!("    {to_do}: {hint}\n"));
+            let fault =
+                painted(paint::BAD, format_args!("{not_ready}: {}", shown(fault.said(language))));
             format!("{fault}\n{hint}")
         }
     }
