@@ -47,21 +47,6 @@ pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 /// Finding: the export could belong to captures of different patients.
 pub(crate) const AMBIGUOUS: &str = Why::Ambiguous.code();
 
-/// Finding: the export may have been written before the press.
-pub(crate) const UNCLEAR: &str = Why::Unclear.code();
-
-/// Finding: the export arrived after the window of the press it must belong to.
-pub(crate) const LATE: &str = Why::Late.code();
-
-/// Finding: the station could not hear for a while, and a missed press may have made this export.
-pub(crate) const UNHEARD: &str = Why::Unheard.code();
-
-/// Finding: an attempt to name a patient before the export could not be read.
-pub(crate) const UNREAD: &str = Why::Unread.code();
-
-/// Finding: the order that names the patient repeats an earlier one.
-pub(crate) const REPEATED: &str = Why::Repeated.code();
-
 /// The captures that have not ended, and who may be next.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rounds {

@@ -11,6 +11,7 @@ use super::*;
 use crate::account::{Delivered, Summary, Whole};
 use crate::booth::Signal;
 use crate::facts::{SourceState, StoreFacts, StoreRefusal};
+use crate::round::Why;
 use crate::{Closed, DeliveryState, ScanState};
 
 const BOTH: [Language; 2] = [Language::En, Language::De];
@@ -221,11 +222,11 @@ fn a_reason_is_of_its_own_code() {
     use crate::round;
     for (code, english, german) in [
         (round::AMBIGUOUS, "more than one", "mehr als einem"),
-        (round::UNCLEAR, "before the button", "bevor der Knopf"),
-        (round::LATE, "after the time", "nach der Zeit"),
-        (round::UNHEARD, "been missed", "nicht erkannt"),
-        (round::UNREAD, "could not be read", "nicht lesbar"),
-        (round::REPEATED, "second time", "zweites Mal"),
+        (Why::Unclear.code(), "before the button", "bevor der Knopf"),
+        (Why::Late.code(), "after the time", "nach der Zeit"),
+        (Why::Unheard.code(), "been missed", "nicht erkannt"),
+        (Why::Unread.code(), "could not be read", "nicht lesbar"),
+        (Why::Repeated.code(), "second time", "zweites Mal"),
         (identity::NO_PRESS, "Nobody pressed", "Niemand hat"),
         (identity::PATIENTS_DIFFER, "Two sources", "Zwei Quellen"),
         (identity::SAME_SCAN_OTHER_PATIENT, "another patient", "anderen Patienten"),
@@ -327,11 +328,11 @@ fn every_code_of_a_held_scan_has_a_reason_of_its_own() {
     use crate::round;
     let codes = [
         round::AMBIGUOUS,
-        round::UNCLEAR,
-        round::LATE,
-        round::UNHEARD,
-        round::UNREAD,
-        round::REPEATED,
+        Why::Unclear.code(),
+        Why::Late.code(),
+        Why::Unheard.code(),
+        Why::Unread.code(),
+        Why::Repeated.code(),
         identity::NO_PRESS,
         identity::PATIENTS_DIFFER,
         identity::SAME_SCAN_OTHER_PATIENT,

@@ -5,6 +5,12 @@ use gaiter_record::SourceKind;
 use super::*;
 use crate::settle::Sights;
 
+const UNCLEAR: &str = Why::Unclear.code();
+const LATE: &str = Why::Late.code();
+const UNHEARD: &str = Why::Unheard.code();
+const UNREAD: &str = Why::Unread.code();
+const REPEATED: &str = Why::Repeated.code();
+
 const SECOND: Duration = Duration::from_secs(1);
 
 fn at(seconds: u64) -> Duration {
