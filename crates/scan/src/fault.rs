@@ -121,10 +121,10 @@ pub enum CutSign {
         /// 1-based number of that line.
         line: usize,
     },
-    /// Patches of points that no face uses, so the face list was cut.
-    #[error("{unused} of {points} points lie together and belong to no face; export it again")]
+    /// Points of the skin that no face uses, so the face list was cut.
+    #[error("{unused} of {points} points belong to no face; export it again")]
     UnusedPoints {
-        /// Number of points in these patches.
+        /// Number of these points.
         unused: usize,
         /// Number of points.
         points: usize,

@@ -20,12 +20,12 @@ use super::text::{self, Decimals, numbered};
 use super::weld::welded;
 use lines::{each_geometry, is_face, keyword, refuse_others};
 use statements::{Statements, Use};
-use unmeshed::in_bare_patches;
+use unmeshed::unmeshed_skin;
 
-/// A larger share of points in patches without faces means that the face list was cut off. Some exporters leave
+/// A larger share of points of the skin without faces means that the face list was cut off. Some exporters leave
 /// points of a cleaned mesh in the file, which lie about. A test body cut at 90 % of its bytes leaves 1.6 % unused,
 /// all of them in the leg that it lacks.
-const BARE_POINTS_MAX_SHARE: f64 = 0.001;
+const UNMESHED_MAX_SHARE: f64 = 0.001;
 
 /// A larger share of unused points than this means the same wherever they lie.
 const UNUSED_POINTS_MAX_SHARE: f64 = 0.2;
@@ -50,12 +50,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let Use { order, unused } = statements.number_by_use();
     let of = statements.point_count;
     let is_more = |count: usize, share: f64| count as f64 > share * of as f64;
-    if is_more(unused, BARE_POINTS_MAX_SHARE) {
+    if is_more(unused, UNMESHED_MAX_SHARE) {
         let missing = match is_more(unused, UNUSED_POINTS_MAX_SHARE) {
             true => unused,
-            false => in_bare_patches(&points(bytes)?, &statements.triangles, &order),
+            false => unmeshed_skin(&points(bytes)?, &statements.triangles, &order),
         };
-        if is_more(missing, BARE_POINTS_MAX_SHARE) {
+        if is_more(missing, UNMESHED_MAX_SHARE) {
             return Err(cut_short(CutSign::UnusedPoints { unused: missing, points: of }));
         }
     }

@@ -102,10 +102,11 @@ fn a_face_list_cut_at_a_line_is_a_cut_file() {
         let faces = (1..=faces).map(|i| format!("f {} {} {}\n", i, i + 1, i + 2));
         points.chain(faces).collect::<String>()
     };
-    // All used, and up to a fifth unused that are no patch of a skin: whole.
+    // All used, and one in a thousand stray: whole.
     assert_eq!(read(strip(1998).as_bytes()).unwrap().points.len(), 2000);
     assert_eq!(read(strip(1996).as_bytes()).unwrap().points.len(), 1998);
-    assert_eq!(read(strip(1598).as_bytes()).unwrap().points.len(), 1600);
+    assert!(matches!(fault(&strip(1900)), ScanFault::CutShort { .. }));
+    // Of more than a fifth it does not matter where they lie.
     let what = CutSign::UnusedPoints { unused: 401, points: 2000 };
     assert_eq!(fault(&strip(1597)), ScanFault::CutShort { what });
 }

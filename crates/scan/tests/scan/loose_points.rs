@@ -63,6 +63,20 @@ proptest! {
     }
 
     #[test]
+    fn single_faces_that_are_missing_all_over_are_told(every in 2_usize..12) {
+        // The faces around every so many points.
+        let whole = sheet(SIDE, &[]);
+        let is_left_out = |point: usize| (point % SIDE).is_multiple_of(every) && (point / SIDE).is_multiple_of(every);
+        let lines = whole.lines().filter(|line| match line.strip_prefix("f ") {
+            None => true,
+            Some(face) => face.split(' ').all(|word| !is_left_out(word.parse::<usize>().unwrap() - 1)),
+        });
+        let text: String = lines.map(|line| format!("{line}\n")).collect();
+        let fault = read(text.as_bytes(), Format::Obj).unwrap_err();
+        prop_assert!(matches!(fault, ScanFault::CutShort { .. }), "{}", fault);
+    }
+
+    #[test]
     fn faces_that_are_cut_off_are_told_whatever_strays_there_are(
         strays in strays(),
         missing in 8_usize..SIDE / 2,
