@@ -291,6 +291,7 @@ fn at_booth(status: &Status, language: Language) -> String {
         "receiving" => "terminal.light.receiving",
         "done" => "terminal.light.done",
         "no_export" => "terminal.light.no_export",
+        "paused" => "terminal.light.paused",
         _ => "terminal.light.attention",
     };
     let awaited = (booth.awaited > 1)

@@ -25,10 +25,10 @@ impl Board {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).unfetched()
     }
 
-    /// Whether a port is not listened to, and will not be in a moment.
-    pub fn is_any_port_at_fault(&self) -> bool {
+    /// Whether one of these ports is not listened to, and will not be in a moment.
+    pub fn is_any_port_at_fault(&self, ports: &BTreeSet<&'static str>) -> bool {
         let facts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        facts.triggers.values().any(|port| port.state.is_fault())
+        ports.iter().filter_map(|port| facts.triggers.get(port)).any(|port| port.state.is_fault())
     }
 
     /// The current facts.

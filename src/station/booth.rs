@@ -115,12 +115,19 @@ impl Inner {
             captures.hears(Duration::ZERO);
         }
         let next_number = journal.next_capture()?;
-        let in_work = journal.spooled(IN_WORK_MOST)?.into_iter().map(|scan| (scan, Vec::new()));
+        let mut in_work = BTreeMap::new();
+        for scan in journal.spooled(IN_WORK_MOST)? {
+            // The light has told already how others ended.
+            if journal.whole(&scan)?.is_some_and(|whole| is_of_today(&whole) && !whole.has_record())
+            {
+                in_work.insert(scan, Vec::new());
+            }
+        }
         Ok(Inner {
             captures,
             next_number,
             away: buttons,
-            in_work: in_work.collect(),
+            in_work,
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: last_before(journal, next_number)?.map(|last| (last, now)),
@@ -144,10 +151,14 @@ fn last_before(journal: &Journal, next_capture: i64) -> Result<Option<Last>, Jou
     let Some(scan) = journal.newest(1)?.pop() else { return Ok(None) };
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
     let captured = journal.captured_at(next_capture - 1)?;
-    let is_of_today = Timestamp::now().duration_since(whole.summary.first_seen) < TODAY;
-    let is_last = captured.is_none_or(|at| at <= whole.summary.first_seen) && is_of_today;
+    let is_last = captured.is_none_or(|at| at <= whole.summary.first_seen) && is_of_today(&whole);
     let needs_person = Outcome::of(&whole, &[]).is_some_and(|outcome| outcome.needs_person());
     Ok((is_last && needs_person).then(|| Last::Scan { scan, to_do: Vec::new() }))
+}
+
+/// Whether a scan was seen so lately that the light tells of it after a start.
+fn is_of_today(whole: &Whole) -> bool {
+    Timestamp::now().duration_since(whole.summary.first_seen) < TODAY
 }
 
 /// What can be read and noted without waiting for the journal.
@@ -408,7 +419,7 @@ impl Booth {
 
     /// Whether a button is not there. At a start, and while a port settles, there is nothing to be done.
     fn is_button_away(&self, inner: &Inner) -> bool {
-        !inner.away.is_empty() && self.core.board.is_any_port_at_fault()
+        self.core.board.is_any_port_at_fault(&inner.away)
     }
 
     fn scene(&self, not_ready: bool) -> Scene {

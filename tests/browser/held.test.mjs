@@ -147,7 +147,7 @@ for (const [language, words] of Object.entries(WORDS)) {
       assert.deepEqual(await violations(page), []);
       await shoot(page, `replace-${language}`);
       await question.getByRole("button", exact(words.cancel)).click();
-      assert.match(station.verb("patient", "show"), /Next: 111\./);
+      assert.ok(station.verb("patient", "show").includes(words.next("111")));
 
       await page.getByRole("button", { name: words.name }).click();
       assert.match(await page.locator("#question_hint").textContent(), /111/, "the dialog names who is named now");
@@ -155,7 +155,7 @@ for (const [language, words] of Object.entries(WORDS)) {
       await page.getByLabel(words.id).press("Enter");
       await question.getByRole("button", exact(words.replace)).click();
       await next.getByText(words.next("222")).waitFor();
-      assert.match(station.verb("patient", "show"), /Next: 222\./);
+      assert.ok(station.verb("patient", "show").includes(words.next("222")));
 
       await page.goto(`${station.origin}/kiosk`);
       await next.getByText(words.hidden).waitFor();
@@ -175,7 +175,7 @@ for (const [language, words] of Object.entries(WORDS)) {
       await shoot(page, `again-${language}`);
       await page.locator("#question").getByRole("button", exact(words.yesAgain)).click();
       await page.locator("#next_body .who").getByText(words.next("4711")).waitFor();
-      assert.match(station.verb("patient", "show"), /Next: 4711\./);
+      assert.ok(station.verb("patient", "show").includes(words.next("4711")));
     });
   });
 
@@ -188,7 +188,7 @@ for (const [language, words] of Object.entries(WORDS)) {
       assert.deepEqual(await violations(page), []);
       await shoot(page, `who-${language}`);
       await page.getByRole("button", exact(words.inBooth("0815"))).click();
-      await until("the name", () => /Next: 0815\./.test(station.verb("patient", "show")));
+      await until("the name", () => station.verb("patient", "show").includes(words.next("0815")));
     });
   });
 }

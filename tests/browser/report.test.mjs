@@ -268,7 +268,7 @@ test("what a browser prints has the patient and the page's number on every page,
       await page.getByLabel("First page only").check();
       const first = await printed("first");
       assert.equal(first.length, 1);
-      for (const words of ["Measuring sheet", "To be filled in", "signature"]) assert.match(first[0], new RegExp(words));
+      for (const words of ["Measuring sheet", "To be filled in", "Signature"]) assert.match(first[0], new RegExp(words));
     });
   }
 });

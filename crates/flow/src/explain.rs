@@ -11,6 +11,7 @@ use super::export::companions;
 use super::export::passed_over::PassedOver;
 use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
 use super::health::local;
+use super::words::bytes;
 
 /// What the journal knows about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,6 +72,7 @@ fn waits(file: &WaitingFile, intake: IntakeState, asked: Asked<'_>) -> String {
         IntakeState::Open => String::new(),
         IntakeState::Paused => asked.text("explain.paused"),
         IntakeState::DiskLow { free, floor } => {
+            let [free, floor] = [free, floor].map(|size| bytes(size, language));
             language.filled("explain.disk_low", &[("free", &free), ("floor", &floor)])
         }
     };
@@ -204,7 +206,7 @@ mod tests {
         facts.intake = IntakeState::Paused;
         assert!(said(&facts, "/e/a.obj").ends_with("; the operator has paused the station."));
         facts.intake = IntakeState::DiskLow { free: 1, floor: 2 };
-        assert!(said(&facts, "/e/a.obj").contains("1 bytes are free, 2 must stay free"));
+        assert!(said(&facts, "/e/a.obj").contains("1 B are free, 2 B must stay free"));
         let german = Asked { language: Language::De, ..in_english() };
         let said = of_file(&facts, Path::new("/e/a.obj"), None, german);
         assert!(said.starts_with("Die Datei wird noch geschrieben (gesehen seit 1970"), "{said}");

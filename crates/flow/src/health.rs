@@ -135,7 +135,7 @@ fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Comp
     };
     let figures = trigger.why.as_ref().map_or_else(Figures::default, Figures::why);
     let figures = figures.words("port", port).seconds("since_s", age(since, now));
-    Some(Complaint::new(code, figures))
+    Some(Complaint::new(code, figures).about(port))
 }
 
 fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complaint> {

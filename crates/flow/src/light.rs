@@ -182,8 +182,8 @@ fn wanted(scene: &Scene, now: Duration) -> Signal {
         Scene { progress: Some(_), .. } => Signal::Receiving,
         // The export that is missing may be the one that was held.
         Scene { last: Some((outcome, _)), .. } if outcome.needs_person() => Signal::Attention,
-        Scene { is_button_away: true, .. } => Signal::Attention,
         Scene { armed: true, .. } => Signal::Armed,
+        Scene { is_button_away: true, .. } => Signal::Attention,
         Scene { missed: true, .. } => Signal::NoExport,
         Scene { last: Some((Outcome::Delivered, at)), .. }
             if now.saturating_sub(*at) < DONE_STANDS =>
@@ -310,7 +310,7 @@ mod tests {
         let away = Scene { is_button_away: true, ..Scene::default() };
         let scenes = [
             (Scene { last: Some((Outcome::Delivered, at(10))), ..away.clone() }, Signal::Attention),
-            (Scene { armed: true, ..away.clone() }, Signal::Attention),
+            (Scene { armed: true, ..away.clone() }, Signal::Armed),
             (Scene { missed: true, ..away.clone() }, Signal::Attention),
             (Scene { progress: Some(Progress::Measuring), ..away.clone() }, Signal::Receiving),
             (Scene { paused: true, ..away }, Signal::Paused),

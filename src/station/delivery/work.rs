@@ -69,7 +69,7 @@ fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Setback> 
             note_measured(core, began.elapsed());
             booth.scan_measured(&row.scan)?;
             if !to_do.is_empty() {
-                core.custody.journal().lacks_measures(&row.scan)?;
+                core.custody.journal().lacks_measures(due)?;
             }
             Ok(Ready { row, files, to_do })
         }

@@ -12,7 +12,6 @@ use serde_json::json;
 
 use super::delivery_row::{Due, Task, count, detail, set_code, step};
 use super::integrity::seal;
-use super::listing::has_record;
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, cell, history, json_cell};
@@ -90,14 +89,17 @@ impl Journal {
         })
     }
 
-    /// Notes that the record of a scan lacks measures: a person must take them by hand or scan again. Once a patient
-    /// has it, what a person has set since counts.
-    pub fn lacks_measures(&self, scan: &ScanId) -> Result<(), JournalError> {
-        let has_record = has_record();
+    /// Notes that the record of a delivery lacks measures: a person must take them by hand or scan again. Once its
+    /// patient has it, what a person has set since counts.
+    pub fn lacks_measures(&self, due: &Due) -> Result<(), JournalError> {
         let noted = format!(
-            "UPDATE scans SET incomplete = 1 WHERE sha256 = ?1 AND incomplete = 0 AND NOT {has_record}"
+            "UPDATE scans SET incomplete = 1 WHERE sha256 = ?1 AND incomplete = 0
+             AND NOT EXISTS (SELECT 1 FROM deliveries AS theirs
+                             WHERE theirs.sha256 = ?1 AND theirs.patient = ?2 AND theirs.state = ?3
+                                   AND coalesce(theirs.code, '') NOT IN {UNWANTED})"
         );
-        self.connection().prepare_cached(&noted)?.execute([scan.as_str()])?;
+        let cells = params![due.scan.as_str(), due.patient_cell(), DeliveryState::Delivered.word()];
+        self.connection().prepare_cached(&noted)?.execute(cells)?;
         Ok(())
     }
 

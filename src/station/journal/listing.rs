@@ -14,7 +14,6 @@ use rusqlite::{Connection, OptionalExtension, Row, params};
 use super::disposition::is_one_of;
 use super::withdrawal::UNWANTED;
 use super::{Journal, JournalError, cell};
-pub(super) use search::has_record;
 
 /// The numbers of scans and deliveries, and the two scans asked for most often.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -84,12 +84,12 @@ pub(super) fn shown(
         (Signal::Done, _) if booth.last == Some(&Outcome::Delivered) => {
             Words::of_last(booth, DONE, language).and(also_away).and(decide).and(complete)
         }
-        (Signal::Armed, _) if !booth.is_button_away => {
-            step().and(booth.held_next.map(|_| language.text("page.hold.armed")))
+        (Signal::Armed, _) => {
+            step().and(booth.held_next.map(|_| language.text("page.hold.armed"))).and(also_away)
         }
         // Another scan may have ended since the light was lit.
-        (Signal::Ready | Signal::Done | Signal::Armed | Signal::NoExport, _) => {
-            match (booth.is_button_away, first_to_do(booth, language)) {
+        (Signal::Ready | Signal::Done | Signal::NoExport, _) => {
+            match (booth.is_button_away, first_to_do(booth, is_any_undecided, language)) {
                 (true, _) => Words::new(away),
                 (false, Some(words)) if booth.signal == Signal::NoExport => step().then(words),
                 (false, Some(words)) => words.then(step()),
@@ -183,18 +183,22 @@ impl Words {
 }
 
 /// What must be done before the next scan, or it is held; `None` if it would not be, or the light asks already.
-fn first_to_do(booth: &Situation<'_>, language: Language) -> Option<Words> {
+fn first_to_do(booth: &Situation<'_>, is_any_undecided: bool, language: Language) -> Option<Words> {
     let held = booth.held_next?;
     let keys = match held.why {
-        // Whoever did not come is named and scanned again, and that is not held.
-        _ if booth.signal == Signal::NoExport => ["page.hold.others"; 2],
-        HoldReason::Uncertain if booth.is_asked => return None,
-        HoldReason::Uncertain => ["page.hold.uncertain"; 2],
-        HoldReason::MayComeAgain => ["page.hold.again", "page.hold.again_of"],
-        HoldReason::Undecided => ["page.hold.undecided"; 2],
-        HoldReason::NotCome => ["page.hold.not_come", "page.hold.not_come_of"],
         HoldReason::Unheard => {
             return Some(Words::new(&in_doubt(minutes(held.left), language)));
+        }
+        HoldReason::Uncertain if booth.is_asked => return None,
+        HoldReason::Uncertain if booth.signal == Signal::NoExport => return None,
+        // Whoever did not come is named and scanned again, and that is not held.
+        _ if booth.signal == Signal::NoExport => ["page.hold.others"; 2],
+        HoldReason::Uncertain => ["page.hold.uncertain"; 2],
+        HoldReason::MayComeAgain => ["page.hold.again", "page.hold.again_of"],
+        HoldReason::Undecided if is_any_undecided => ["page.hold.undecided"; 2],
+        // Of a held scan that was given up it is not known whether it was theirs.
+        HoldReason::Undecided | HoldReason::NotCome => {
+            ["page.hold.not_come", "page.hold.not_come_of"]
         }
     };
     let words = Words::naming(&held.of, keys, "page.next.and", language);
@@ -218,7 +222,10 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
     let of = |keys| Words::of_last(booth, keys, language);
     let also_held = |words: Words| match booth.held_next {
         Some(held) if held.why == HoldReason::MayComeAgain => {
-            words.and([text("page.hold.or_give_up")]).then_until(held, language)
+            let is_it = booth.last_of.iter().all(|id| held.of.contains(id));
+            let or =
+                if is_it { text("page.hold.or_give_up") } else { text("page.hold.first_other") };
+            words.and([or]).then_until(held, language)
         }
         Some(held) if held.why == HoldReason::Undecided => words.then_until(held, language),
         _ => words,

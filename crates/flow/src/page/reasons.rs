@@ -6,6 +6,9 @@ use serde::Serialize;
 
 use crate::complaint::Complaint;
 
+/// The port of a card reader; the others are buttons.
+const READER: &str = "reader";
+
 /// The situation, and what the operator can do.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Advice {
@@ -57,7 +60,10 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let found = |of: &str| Advice::of("page.complaint", of, language);
     let about = complaint.subject.as_ref().and_then(|subject| found(&format!("{code}-{subject}")));
     let any = || code.starts_with("trigger-").then(|| found("trigger-any")).flatten();
+    let is_reader = complaint.subject.as_deref() == Some(READER);
+    let of_reader = || is_reader.then(|| found("trigger-any-reader")).flatten();
     about
+        .or_else(of_reader)
         .or_else(|| found(code))
         .or_else(any)
         .unwrap_or_else(|| said_as_it_is(code, "page.do.technician", language))

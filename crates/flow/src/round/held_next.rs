@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Appeared, Capture, CaptureState, Judged, Rounds, Why};
+use super::{Appeared, Capture, CaptureState, Judged, Rounds};
 
 /// The trial press: no capture of the journal has its number.
 const TRIAL: i64 = i64::MAX;
@@ -48,7 +48,9 @@ impl Rounds {
             None => TRIAL,
         };
         let export = Appeared { absent: Some(now), seen: now + A_MOMENT };
-        let Judged::Held { why, .. } = trial.judge(export, now) else { return None };
+        if !matches!(trial.judge(export, now), Judged::Held { .. }) {
+            return None;
+        }
         let late = self.rules.late;
         let reason = |why: HoldReason, which: fn(&Capture) -> bool| {
             let of = self.open.iter().filter(|capture| capture.number != own && which(capture));
@@ -63,9 +65,8 @@ impl Rounds {
             Some(HeldNext { why, of: ids, left: Some(end.saturating_sub(now)) })
         };
         let unheard = || {
-            let is_unheard = why == Why::Unheard || self.is_in_doubt(now);
             let (why, of, left) = (HoldReason::Unheard, Vec::new(), self.doubt_left(now));
-            is_unheard.then_some(HeldNext { why, of, left })
+            self.is_in_doubt(now).then_some(HeldNext { why, of, left })
         };
         let uncertain = || HeldNext { why: HoldReason::Uncertain, of: Vec::new(), left: None };
         let held = reason(HoldReason::MayComeAgain, |of| of.is_refused && of.is_waiting())

@@ -239,7 +239,9 @@ fn facing(
     let toes = match stance.toes {
         Ok(toes) => toes,
         // The floor is not where it seems, so heights would be wrong too.
-        Err(unclear @ FeetUnclear::NoFoot { .. }) => return Err(BodyFault::FacingUnclear(unclear)),
+        Err(unclear) if unclear.is_larger_than_a_foot() => {
+            return Err(BodyFault::FacingUnclear(unclear));
+        }
         Err(unclear) => return Ok((declared, FacingFrom::Declared(unclear))),
     };
     let off_deg = declared.angle(&toes).to_degrees();

@@ -49,9 +49,11 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// A floor that was scanned at this height, mm.
-    pub(crate) fn seen(height_mm: f64) -> Floor {
-        Floor { height_mm, sd_mm: SD_MIN_MM, doubt: None }
+    /// A floor that was scanned at this height, mm, and the feet on it.
+    pub(crate) fn seen(height_mm: f64, feet: &[Vec<[f64; 3]>]) -> Floor {
+        let doubt = doubt(feet);
+        let sd_mm = SD_MIN_MM.hypot(doubt.map_or(0.0, FloorDoubt::sd_mm));
+        Floor { height_mm, sd_mm, doubt }
     }
 }
 

@@ -3,11 +3,12 @@
 //! The skin of a standing body faces upwards only on the backs of the feet, which are small and no plane. Soles that
 //! an exporter closed face downwards.
 
+use std::collections::BTreeMap;
+
 use gaiter_scan::Scan;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::components::renumbered;
-use super::unit_inference::extent;
 use super::winding::volume;
 
 /// Heights up to this share of the scan's may be a floor: what a patient is made to stand on is hardly higher than
@@ -34,6 +35,15 @@ const ABOVE_SDS: f64 = 3.0;
 /// … and at least this share of the scan's height: 2 mm of 1.6 m.
 const ABOVE_MIN_SHARE: f64 = 2.0 / 1600.0;
 
+/// The plane is looked at in squares of this width, in that distance: 16 mm, three edges …
+const CELL_BESIDES: f64 = 8.0;
+
+/// … which belong to it if facets of it fill this share; its rim lies in the squares beside.
+const CELL_MIN_SHARE: f64 = 0.25;
+
+/// Of the points below a floor at least this share lies under it.
+const UNDER_MIN_SHARE: f64 = 0.9;
+
 /// The triangles of a scan above its floor, and the floor's height along `upright` z, in the export's unit. `None` if
 /// no floor was scanned. A bare cloud shows none.
 pub(crate) fn above_floor(scan: &Scan, upright: &Rotation3<f64>) -> Option<(Scan, f64)> {
@@ -57,10 +67,11 @@ pub(crate) fn above_floor(scan: &Scan, upright: &Rotation3<f64>) -> Option<(Scan
     let is_outward = volume(&scan.points, body) > 0.0;
     let facing_up = level.into_iter().filter(|facet| facet.is_up == is_outward).collect();
     let plane = largest(facing_up, THICKNESS_SHARE * height)?;
-    if plane.area < area_min || !lies_under(&plane, scan, &heights, THICKNESS_SHARE * height) {
+    let beside = (ABOVE_SDS * plane.sd).max(ABOVE_MIN_SHARE * height);
+    if plane.area < area_min || !lies_under(&plane, scan, &heights, upright, beside) {
         return None;
     }
-    let top = plane.height + (ABOVE_SDS * plane.sd).max(ABOVE_MIN_SHARE * height);
+    let top = plane.height + beside;
     let middle =
         |corners: &[u32; 3]| corners.iter().map(|c| heights[*c as usize]).sum::<f64>() / 3.0;
     let above = scan.triangles.iter().filter(|corners| middle(corners) > top).copied();
@@ -103,22 +114,37 @@ struct Plane {
     /// Standard deviation of their heights.
     sd: f64,
     area: f64,
-    /// The corners of their extent.
-    reach: (Point3<f64>, Point3<f64>),
+    facets: Vec<Facet>,
 }
 
-/// Whether nothing is lower than the plane but what it covers, as the walls of a platform: a floor has no feet below.
-fn lies_under(plane: &Plane, scan: &Scan, heights: &[f64], thickness: f64) -> bool {
-    let (low, high) = plane.reach;
+/// Whether what is lower than the plane by more than `beside` lies under it, as the walls of a platform: a floor has no
+/// feet below.
+fn lies_under(
+    plane: &Plane,
+    scan: &Scan,
+    heights: &[f64],
+    upright: &Rotation3<f64>,
+    beside: f64,
+) -> bool {
+    let width = CELL_BESIDES * beside;
+    let cell = |point: &Point3<f64>| -> [i64; 2] {
+        let across = (upright * point).xy();
+        [0, 1].map(|axis| (across[axis] / width).floor() as i64)
+    };
+    let mut areas: BTreeMap<[i64; 2], f64> = BTreeMap::new();
+    for facet in &plane.facets {
+        *areas.entry(cell(&facet.middle)).or_default() += facet.area;
+    }
+    areas.retain(|_, area| *area > CELL_MIN_SHARE * width * width);
+    let is_covered = |[x, y]: [i64; 2]| {
+        (-1..=1).any(|dx| (-1..=1).any(|dy| areas.contains_key(&[x + dx, y + dy])))
+    };
     let low_points = scan.points.iter().zip(heights);
-    let mut below = low_points.filter(|(_, height)| **height < plane.height - thickness);
-    let margin = 2.0 * thickness;
-    below.all(|(point, _)| {
-        let is_beyond =
-            |axis: &usize| !(low[*axis] - margin..=high[*axis] + margin).contains(&point[*axis]);
-        // Along the upright axis it may be.
-        (0..3).filter(is_beyond).count() <= 1
-    })
+    let below: Vec<&Point3<f64>> = low_points
+        .filter_map(|(point, height)| (*height < plane.height - beside).then_some(point))
+        .collect();
+    let covered = below.iter().filter(|point| is_covered(cell(point))).count();
+    covered as f64 >= UNDER_MIN_SHARE * below.len() as f64
 }
 
 /// The largest area of facets within a height of `thickness`; `None` if there are none.
@@ -143,6 +169,5 @@ fn largest(mut facets: Vec<Facet>, thickness: f64) -> Option<Plane> {
     };
     let height = mean(&|height| height);
     let sd = mean(&|other| (other - height).powi(2)).sqrt();
-    let reach = extent(plane.iter().map(|facet| facet.middle));
-    (area > 0.0).then_some(Plane { height, sd, area, reach })
+    (area > 0.0).then(|| Plane { height, sd, area, facets: plane.to_vec() })
 }

@@ -106,6 +106,15 @@ pub enum FeetUnclear {
     },
 }
 
+impl FeetUnclear {
+    /// Whether what stands on the floor is more than a foot: a plate, or a platform.
+    pub(super) fn is_larger_than_a_foot(&self) -> bool {
+        matches!(self, FeetUnclear::NoFoot { length_percent, width_percent }
+            if *length_percent > 100.0 * FOOT_LENGTH_SHARE[1]
+                || *width_percent > 100.0 * FOOT_WIDTH_MAX_SHARE)
+    }
+}
+
 /// What was seen where two shanks, or a single one, were expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoLegs {
@@ -146,7 +155,7 @@ pub(crate) fn stance(
         feet: feet_points.iter().zip(&shanks).map(middle).collect(),
         toes: toes(&shanks, &feet_points, stature_mm),
         floor: floor_mm
-            .map(Floor::seen)
+            .map(|height_mm| Floor::seen(height_mm, &feet_points))
             .or_else(|| floor(&feet_points, stature_mm))
             .unwrap_or(Floor { height_mm: 0.0, sd_mm: f64::INFINITY, doubt: None }),
         shanks,

@@ -154,6 +154,24 @@ fn a_foot_that_says_nothing_leaves_the_facing_to_the_declaration_and_to_a_warnin
 }
 
 #[test]
+fn feet_without_toes_leave_the_facing_to_the_declaration_and_a_plate_under_them_does_not() {
+    let declared = FacingChoice::Declared(Axis::PlusZ);
+    let method = Method { facing: declared, ..Method::default() };
+    for behind_mm in [20.0, 60.0, 100.0] {
+        let short = Mesh::mannequin().kept(|[_, y, z]| y > 80.0 || z < behind_mm);
+        let found = measured(&short, &method);
+        assert!(findings(&found).contains(&(None, None, "facing-unchecked")), "{behind_mm}");
+        assert_eq!(found.legs.len(), 2, "{behind_mm}");
+    }
+    // What is larger than a foot hides where the floor is.
+    let wide =
+        Mesh::mannequin().moved(|[x, y, z]| if y < 25.0 { [x, y, 2.0 * z] } else { [x, y, z] });
+    let bytes = wide.obj();
+    let fault = extract(&bytes, Format::Obj, &method).unwrap_err();
+    assert!(fault.to_string().contains("which is not a foot"), "{fault}");
+}
+
+#[test]
 fn the_forefoot_s_tape_says_that_nobody_saw_the_sole() {
     let found = measured(&Mesh::body("f_average_clean"), &Method::default());
     for leg in &found.legs {

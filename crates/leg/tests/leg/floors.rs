@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 
 use gaiter_leg::{Extraction, Level, Method, extract};
 use gaiter_scan::Format;
+use nalgebra::Point3;
 use support::chance::Chance;
 use support::mesh::Mesh;
 
@@ -51,7 +52,8 @@ fn walls([x, z]: [f64; 2], depth_mm: f64) -> Mesh {
 /// stand, and whether it hangs on the feet.
 fn on_floor(seed: u64) -> (Mesh, String) {
     let mut chance = Chance(seed);
-    let half = [130.0 + 250.0 * chance.unit(), 130.0 + 250.0 * chance.unit()];
+    // Both feet stand on it.
+    let half = [270.0 + 130.0 * chance.unit(), 270.0 + 130.0 * chance.unit()];
     let noise_mm = 1.2 * chance.unit();
     let depth_mm = if chance.below(2) == 0 { 0.0 } else { 3.0 + 150.0 * chance.unit() };
     let (has_hole, hangs_on) = (chance.below(2) == 0, chance.below(2) == 0);
@@ -99,7 +101,9 @@ fn a_body_on_any_floor_is_measured_as_without_it() {
     for seed in 0..FLOORS {
         let (mesh, told) = on_floor(seed);
         let found = measured(&mesh).unwrap_or_else(|fault| panic!("{told}: {fault}"));
+        assert_eq!(found.legs.len(), WITHOUT.legs.len(), "{told}");
         for (own, without) in found.legs.iter().zip(&WITHOUT.legs) {
+            assert_eq!(own.side, without.side, "{told}");
             for level in [Level::B, Level::C, Level::D] {
                 let of = |leg: &gaiter_leg::LegReport| {
                     let landmark = leg.landmarks.iter().find(|landmark| landmark.level == level);
@@ -120,8 +124,43 @@ fn a_body_on_any_floor_is_measured_as_without_it() {
 }
 
 #[test]
-fn with_a_floor_its_own_height_is_the_floors() {
-    let (mesh, told) = on_floor(FLOORS);
-    let found = measured(&mesh).unwrap();
-    assert!(found.body.floor_doubt.is_none() && found.body.floor_sd_mm < 1.0, "{told}");
+fn a_floor_that_was_scanned_is_at_its_own_height_and_as_certain_as_the_feet_on_it() {
+    for seed in FLOORS..FLOORS + 5 {
+        let (mesh, told) = on_floor(seed);
+        let body = measured(&mesh).unwrap().body;
+        let at_zero = body.from_export.transform_point(&Point3::origin());
+        assert!(at_zero.z.abs() < 0.5, "{told}: {at_zero}");
+        assert!(body.floor_doubt.is_none() && body.floor_sd_mm < 1.0, "{told}");
+    }
+}
+
+/// A board beside the feet, its top `above_mm` over the soles.
+fn beside_board(seed: u64) -> (Mesh, String) {
+    let mut chance = Chance(seed);
+    let above_mm = 4.0 + 20.0 * chance.unit();
+    let half = [150.0 + 100.0 * chance.unit(), 100.0 + 100.0 * chance.unit()];
+    let board = sheet(&mut chance, half, 0.3).and(walls(half, above_mm));
+    // Before the toes, behind the heels, or at a side.
+    let [x, z] = match chance.below(3) {
+        0 => [0.0, 260.0 + half[1]],
+        1 => [0.0, -200.0 - half[1]],
+        _ => [320.0 + half[0], 0.0],
+    };
+    (
+        BODY.clone().and(board.moved(|p| [p[0] + x, p[1] + above_mm, p[2] + z])),
+        format!("{seed}: {above_mm}"),
+    )
+}
+
+#[test]
+fn a_board_that_nobody_stands_on_is_no_floor() {
+    let floor_mm = |body: &gaiter_leg::Body| body.from_export.transform_point(&Point3::origin()).z;
+    for seed in 0..10 {
+        let (mesh, told) = beside_board(seed);
+        // It may be refused, as what stands on the floor is no foot; it is never taken for the floor.
+        if let Ok(found) = measured(&mesh) {
+            let off_mm = floor_mm(&found.body) - floor_mm(&WITHOUT.body);
+            assert!(off_mm.abs() < 3.0, "{told}: {off_mm}");
+        }
+    }
 }

@@ -51,7 +51,7 @@ fn of_state(state: Option<SearchState>) -> String {
 }
 
 /// SQL: a patient to whom a scan belongs has its record.
-pub(in crate::station::journal) fn has_record() -> String {
+pub(super) fn has_record() -> String {
     format!(
         "EXISTS (SELECT 1 FROM deliveries AS theirs
                  WHERE theirs.sha256 = scans.sha256 AND theirs.patient <> ''

@@ -6,6 +6,7 @@ use gaiter_flow::round::Judged;
 use gaiter_record::{Patient, Source, SourceKind};
 
 use super::*;
+use crate::station::journal::{Due, Task};
 use crate::station::journal::{Entry, ScanRow};
 
 fn scan(digits: &str) -> ScanId {
@@ -137,13 +138,22 @@ fn a_scan_is_shown_whole_with_its_deliveries() {
 }
 
 #[test]
-fn a_scan_lacks_measures_from_its_first_record_on_and_a_later_one_undoes_nothing_that_a_person_has_set()
- {
+fn a_later_delivery_to_a_patient_undoes_nothing_that_a_person_has_set_and_one_to_another_does() {
     let (_dir, journal) = journal();
-    for (digits, lacks) in [("abcd", true), ("1111", false)] {
-        journal.lacks_measures(&scan(digits)).unwrap();
+    for (digits, id, lacks) in
+        [("abcd", "4711", true), ("1111", "4711", false), ("1111", "0815", true)]
+    {
+        let due = Due {
+            scan: scan(digits),
+            patient: Some(patient(id)),
+            store: "copy".to_owned(),
+            task: Task::Deliver,
+            first_seen: Timestamp::UNIX_EPOCH,
+            attempts: 0,
+        };
+        journal.lacks_measures(&due).unwrap();
         let whole = journal.whole(&scan(digits)).unwrap().unwrap();
-        assert_eq!(whole.summary.incomplete, lacks, "{digits}");
+        assert_eq!(whole.summary.incomplete, lacks, "{digits} {id}");
     }
 }
 

@@ -105,7 +105,9 @@ fn happens(journal: &Journal, n: usize, step: Step) {
         (Step::RefusedAtStore, Some(due)) if due.task == At::Deliver => {
             journal.refused_at_store(&due, "patient-folder-clash").map(drop).unwrap();
         }
-        (Step::Lacks, _) => journal.lacks_measures(&scan).unwrap(),
+        (Step::Lacks, Some(due)) if due.task == At::Deliver => {
+            journal.lacks_measures(&due).unwrap();
+        }
         (Step::Refused, _) if whole.summary.state == ScanState::Spooled => {
             journal.refused(&scan, "no-leg", "neither leg can be measured").unwrap();
         }

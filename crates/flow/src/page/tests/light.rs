@@ -4,11 +4,12 @@ use std::time::Duration;
 
 use gaiter_language::Language;
 
-use super::{BOTH, booth, page};
+use super::{BOTH, at, booth, delivery, page, whole};
 use crate::booth::Signal;
 use crate::complaint::Complaint;
+use crate::facts::Facts;
 use crate::light::{Outcome, Progress};
-use crate::page::Situation;
+use crate::page::{Known, Situation, Told, scan_shown, shown};
 use crate::round::{HeldNext, HoldReason};
 
 fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> String {
@@ -75,7 +76,7 @@ fn a_button_that_is_not_there_is_told_instead_of_to_be_pressed_and_after_what_el
     for (language, words) in BOTH.into_iter().zip(["is not there", "nicht angeschlossen"]) {
         for (signal, last, begins) in [
             (Signal::Ready, None, true),
-            (Signal::Armed, None, true),
+            (Signal::Armed, None, false),
             (Signal::NoExport, None, true),
             (Signal::Attention, None, true),
             (Signal::Attention, Some(&unread), false),
@@ -103,9 +104,10 @@ fn held_next(why: HoldReason) -> HeldNext {
 
 #[test]
 fn what_must_be_done_before_the_next_scan_stands_before_it_with_how_long() {
+    // Without a scan that waits for a decision, a held one was given up.
     for (why, begins, names) in [
         (HoldReason::MayComeAgain, "First scan 4711 again, or give that scan up. Until then", true),
-        (HoldReason::Undecided, "First decide about the scan that is held. Until then", false),
+        (HoldReason::Undecided, "The export of 4711 has not come: if it does not come any", true),
         (HoldReason::Unheard, "A press of the button may have been missed: scans of named", false),
         (HoldReason::NotCome, "The export of 4711 has not come: if it does not come any", true),
         (HoldReason::Uncertain, "It is not certain who is in the booth: the next scan is", false),
@@ -125,7 +127,30 @@ fn what_must_be_done_before_the_next_scan_stands_before_it_with_how_long() {
         let armed = Situation { held_next: Some(&held), ..booth(Signal::Armed) };
         let said = page(armed, &[], Language::En).light.said.text;
         assert_eq!(said, "Scan now, then export. You will be asked whose scan it is.");
+        // Whoever did not come is not held when scanned again, unless a press may have been missed.
+        let missed = Situation { held_next: Some(&held), ..booth(Signal::NoExport) };
+        let said = page(missed, &[], Language::En).light.said.text;
+        let others = "If another patient is next, call off first. Until then, or for up to 6 min,";
+        let is_told = match why {
+            HoldReason::Uncertain => !said.contains("held"),
+            HoldReason::Unheard => said.contains("A press of the button may have been missed"),
+            _ => said.contains(others),
+        };
+        assert!(is_told, "{why:?}: {said}");
     }
+}
+
+#[test]
+fn a_scan_that_waits_for_a_decision_is_decided_first() {
+    let held = held_next(HoldReason::Undecided);
+    let booth = Situation { held_next: Some(&held), ..booth(Signal::Ready) };
+    let waiting = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
+    let facts = Facts::new(at(0), 1);
+    let known =
+        Known { page: "1", station: "b", facts: &facts, complaints: &[], booth, now: at(1) };
+    let undecided = vec![scan_shown(&waiting, &Told::default(), Language::En)];
+    let said = shown(&known, undecided, 0, Vec::new(), Language::En).light.said.text;
+    assert!(said.starts_with("First decide about the scan that is held. Until then"), "{said}");
 }
 
 #[test]
