@@ -55,20 +55,23 @@ pub(crate) fn above_floor(scan: &Scan, upright: &Rotation3<f64>) -> Option<(Scan
     let height = high - low;
     let height_of = |corners: &[u32; 3]| heights[corners[0] as usize];
     let area_min = AREA_MIN_SHARE * height * height;
-    // Nearly no scan has so much level skin: only then is it worth asking which side is outside.
     let near =
         scan.triangles.iter().filter(|corners| height_of(corners) < low + FLOOR_SHARE * height);
     let level: Vec<Facet> = near.filter_map(|corners| Facet::of(scan, corners, &up)).collect();
-    if level.iter().map(|facet| facet.area).sum::<f64>() < area_min {
+    let turned = |is_up: bool| {
+        let facets = level.iter().filter(|facet| facet.is_up == is_up).copied().collect();
+        largest(facets, THICKNESS_SHARE * height).filter(|plane| plane.area >= area_min)
+    };
+    // Nearly no scan has so much level skin: only then is it worth asking which side is outside.
+    let (up_plane, down_plane) = (turned(true), turned(false));
+    if up_plane.is_none() && down_plane.is_none() {
         return None;
     }
     let body =
         scan.triangles.iter().filter(|corners| height_of(corners) > low + BODY_SHARE * height);
-    let is_outward = volume(&scan.points, body) > 0.0;
-    let facing_up = level.into_iter().filter(|facet| facet.is_up == is_outward).collect();
-    let plane = largest(facing_up, THICKNESS_SHARE * height)?;
+    let plane = if volume(&scan.points, body) > 0.0 { up_plane } else { down_plane }?;
     let beside = (ABOVE_SDS * plane.sd).max(ABOVE_MIN_SHARE * height);
-    if plane.area < area_min || !lies_under(&plane, scan, &heights, upright, beside) {
+    if !lies_under(&plane, scan, &heights, upright, beside) {
         return None;
     }
     let top = plane.height + beside;
@@ -96,13 +99,11 @@ impl Facet {
     fn of(scan: &Scan, corners: &[u32; 3], up: &Vector3<f64>) -> Option<Facet> {
         let [a, b, c] = corners.map(|corner| scan.points[corner as usize].coords);
         let normal = (b - a).cross(&(c - a));
-        let (rise, length) = (normal.dot(up), normal.norm());
-        let middle = (a + b + c) / 3.0;
-        (rise.abs() > UP_MIN_COSINE * length).then(|| Facet {
-            height: middle.dot(up),
-            middle: middle.into(),
-            area: length / 2.0,
-            is_up: rise > 0.0,
+        let rise = normal.dot(up);
+        (rise * rise > UP_MIN_COSINE * UP_MIN_COSINE * normal.norm_squared()).then(|| {
+            let middle = (a + b + c) / 3.0;
+            let (height, area) = (middle.dot(up), normal.norm() / 2.0);
+            Facet { height, middle: middle.into(), area, is_up: rise > 0.0 }
         })
     }
 }

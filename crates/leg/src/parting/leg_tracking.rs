@@ -17,6 +17,9 @@ pub const LINK_MIN_MM: f64 = 12.0;
 /// of a triangle is rarely longer.
 const LINK_EDGES: f64 = 1.6;
 
+/// A mesh is decimated if at least this share of its edges is longer than a link; single ones are no matter.
+const WIDE_MIN_SHARE: f64 = 0.01;
+
 /// A cluster belongs to both legs if each holds more than this share of its points.
 const SHARED_MIN_SHARE: f64 = 0.1;
 
@@ -138,11 +141,18 @@ pub fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
 /// Adds points to slices at ascending heights where one facet is wider than a link, as decimation leaves it on flat
 /// skin: the skin is one across it.
 fn add_across_facets(mesh: &Mesh, heights_mm: &[f64], slices: &mut [Vec<Point2<f64>>]) {
+    if mesh.share_longer(LINK_MIN_MM) < WIDE_MIN_SHARE {
+        return;
+    }
+    let points = mesh.points();
     for triangle in mesh.triangles() {
-        let corners = triangle.map(|corner| mesh.points()[corner as usize]);
+        let corners = triangle.map(|corner| points[corner as usize]);
         let [a, b, c] = corners;
-        let longest_mm = (a - b).norm().max((b - c).norm()).max((c - a).norm());
-        if !(LINK_MIN_MM..=EDGE_MAX_MM).contains(&longest_mm) {
+        // Squares: nearly all facets are narrower.
+        let [ab, bc, ca] = [a - b, b - c, c - a].map(|edge| edge.norm_squared());
+        let longest = if ab > bc { ab } else { bc };
+        let longest = if ca > longest { ca } else { longest };
+        if !(LINK_MIN_MM * LINK_MIN_MM..=EDGE_MAX_MM * EDGE_MAX_MM).contains(&longest) {
             continue;
         }
         let lowest_mm = a.z.min(b.z).min(c.z);

@@ -125,6 +125,16 @@ impl Mesh {
         (middle > 0).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
+    /// The share of edges that are longer than this, mm, by as many of them as for [`Mesh::edge_mm`].
+    pub(crate) fn share_longer(&self, than_mm: f64) -> f64 {
+        let at = |point: u32| self.points[point as usize];
+        let stride = self.triangles.len().div_ceil(EDGES_MAX).max(1);
+        let sample = self.triangles.iter().step_by(stride);
+        let count = sample.len().max(1);
+        let longer = sample.filter(|[a, b, _]| (at(*a) - at(*b)).norm() > than_mm).count();
+        longer as f64 / count as f64
+    }
+
     /// Triangles as indices into the points.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
