@@ -62,6 +62,15 @@ fn a_part_of_a_body_is_refused() {
         case("up to the chest", part(&|p| p[1] < 1100.0), "body-facing-unclear", &["not a foot"]),
         case("upper half", part(&|p| p[1] > 800.0), "body-no-plausible-unit", &["808"]),
         case("from the knee up", part(&|p| p[1] > 450.0), "body-facing-unclear", &["not a foot"]),
+        declared(
+            case(
+                "from the shin up, declared",
+                part(&|p| p[1] > 120.0),
+                "body-facing-unclear",
+                &["not a foot"],
+            ),
+            &["--facing=+z"],
+        ),
         case("left half", part(&|p| p[0] > 0.0), "body-side-unclear", &["only one leg"]),
         case("right half", part(&|p| p[0] < 0.0), "body-side-unclear", &["only one leg"]),
         case("back half", part(&|p| p[2] < 0.0), "body-facing-unclear", &["not a foot"]),
@@ -69,8 +78,8 @@ fn a_part_of_a_body_is_refused() {
             case(
                 "back half, declared",
                 part(&|p| p[2] < 0.0),
-                "body-facing-unclear",
-                &["not a foot"],
+                "no-leg",
+                &["0 of 134 sections close"],
             ),
             &["--facing=+z"],
         ),

@@ -238,8 +238,11 @@ fn facing(
     }
     let toes = match stance.toes {
         Ok(toes) => toes,
-        // The floor is not where it seems, so heights would be wrong too.
-        Err(unclear) if unclear.is_larger_than_a_foot() => {
+        // The floor is not where it seems, so heights would be wrong too: a plate, or legs that are cut above the foot.
+        Err(unclear @ FeetUnclear::NoFoot { .. })
+            if unclear.is_larger_than_a_foot()
+                || stance.floor.doubt == Some(FloorDoubt::NotTurning) =>
+        {
             return Err(BodyFault::FacingUnclear(unclear));
         }
         Err(unclear) => return Ok((declared, FacingFrom::Declared(unclear))),
