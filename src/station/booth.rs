@@ -18,6 +18,7 @@ use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
 use gaiter_flow::round::{Capture, Content, HeldNext, Judged, Rounds, Rules};
 use gaiter_flow::settle::Sights;
+use gaiter_flow::words::minutes_left;
 use gaiter_flow::{Appeared, OrdersWhen, ScanId};
 use jiff::{SignedDuration, Timestamp};
 use tokio::sync::{Notify, watch};
@@ -233,7 +234,7 @@ pub struct WhoIsNext {
     held_next: Option<HeldNext>,
     progress: Option<Progress>,
     last: Option<Outcome>,
-    last_scan: String,
+    last_scan: Option<ScanId>,
     last_of: Vec<String>,
 }
 
@@ -253,7 +254,7 @@ impl WhoIsNext {
             held_next: self.held_next.as_ref(),
             progress: self.progress,
             last: self.last.as_ref(),
-            last_scan: &self.last_scan,
+            last_scan: self.last_scan.as_ref().map(ScanId::as_str),
             last_of: &self.last_of,
         }
     }
@@ -302,8 +303,8 @@ impl Booth {
             progress,
             last,
             last_scan: match &inner.last {
-                Some((Last::Scan { scan, .. }, _)) => scan.to_string(),
-                _ => String::new(),
+                Some((Last::Scan { scan, .. }, _)) => Some(scan.clone()),
+                _ => None,
             },
             last_of: last_of.unwrap_or_default(),
         }
@@ -404,7 +405,7 @@ impl Booth {
             awaited: inner.captures.open().iter().filter(|capture| capture.is_open()).count(),
             is_named: inner.captures.next().is_some(),
             is_in_doubt: inner.captures.is_in_doubt(now),
-            doubt_left_min: light::minutes(inner.captures.doubt_left(now)),
+            doubt_left_min: minutes_left(inner.captures.doubt_left(now)),
             orders_come_late: match inner.captures.orders_when() {
                 OrdersWhen::BeforePress => orders_come_late(&inner.orders),
                 OrdersWhen::AfterPress => None,

@@ -36,7 +36,7 @@ pub struct Complaint {
     /// Whether it keeps the station from being ready.
     #[serde(default)]
     pub severity: Severity,
-    /// The store that it is about.
+    /// The store or port that it is about.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subject: Option<String>,
     /// The figures in its message.
@@ -72,17 +72,12 @@ impl Figures {
     /// A number of things, with which of the complaint's texts tells it: `one` or `more`.
     pub fn counted(count: usize) -> Figures {
         let case = if count == 1 { "one" } else { "more" };
-        Figures::default().count("count", count).words("case", case)
+        Figures::default().count("count", count as u64).words("case", case)
     }
 
-    /// With a number of things.
-    pub fn count(self, name: &str, count: usize) -> Figures {
-        self.with(name, Figure::Count(count as u64))
-    }
-
-    /// With a size in bytes.
-    pub fn bytes(self, name: &str, bytes: u64) -> Figures {
-        self.with(name, Figure::Count(bytes))
+    /// With a number of things, or of bytes.
+    pub fn count(self, name: &str, count: u64) -> Figures {
+        self.with(name, Figure::Count(count))
     }
 
     /// With a duration in seconds. One that is not known is left out.
@@ -125,7 +120,7 @@ impl Complaint {
         Complaint { code: code.to_owned(), severity: Severity::Fault, subject: None, figures }
     }
 
-    /// The same about a store.
+    /// The same about a store or port.
     pub(crate) fn about(self, subject: &str) -> Complaint {
         Complaint { subject: Some(subject.to_owned()), ..self }
     }

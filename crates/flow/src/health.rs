@@ -71,8 +71,8 @@ fn intake(facts: &Facts) -> Option<Complaint> {
         IntakeState::Open => None,
         IntakeState::Paused => Some(Complaint::new("paused", Figures::default())),
         IntakeState::DiskLow { free, floor } => {
-            let figures = Figures::default().bytes("free_bytes", free);
-            Some(Complaint::new("disk-low", figures.bytes("floor_bytes", floor)))
+            let figures = Figures::default().count("free_bytes", free);
+            Some(Complaint::new("disk-low", figures.count("floor_bytes", floor)))
         }
     }
 }
@@ -103,7 +103,7 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
 }
 
 fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complaint> {
-    let folder = |figures: Figures| figures.count("export_dir", place);
+    let folder = |figures: Figures| figures.count("export_dir", place as u64);
     let state = match &source.state {
         SourceState::NotLooked | SourceState::Watched => None,
         SourceState::OutOfReach(why) => Some(("source-out-of-reach", Figures::why(why))),
@@ -134,7 +134,7 @@ fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Comp
         PortState::NotLooked | PortState::Settling | PortState::Open => "trigger-unsteady",
     };
     let figures = trigger.why.as_ref().map_or_else(Figures::default, Figures::why);
-    let figures = figures.words("port", port).seconds("since_s", age(since, now));
+    let figures = figures.seconds("since_s", age(since, now));
     Some(Complaint::new(code, figures).about(port))
 }
 

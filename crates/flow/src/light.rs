@@ -138,11 +138,6 @@ pub fn is_not_ready(complaints: &[Complaint]) -> bool {
     first_fault(complaints).is_some()
 }
 
-/// Whole minutes that are left, the one that has begun included.
-pub fn minutes(left: Option<Duration>) -> Option<u64> {
-    left.map(|left| left.saturating_sub(Duration::from_nanos(1)).as_secs() / 60 + 1)
-}
-
 /// The light, and since when it shows its signal.
 #[derive(Debug, Clone, Copy)]
 pub struct Light {

@@ -36,6 +36,11 @@ pub fn duration(duration: Duration, language: Language) -> String {
     }
 }
 
+/// Whole minutes that are left, the one that has begun included.
+pub fn minutes_left(left: Option<Duration>) -> Option<u64> {
+    left.map(|left| left.saturating_sub(Duration::from_nanos(1)).as_secs() / 60 + 1)
+}
+
 /// A size in bytes in readable form, in decimal units as disks are sold.
 pub fn bytes(size: u64, language: Language) -> String {
     const UNITS: [(u64, &str); 3] = [(1_000_000_000, "GB"), (1_000_000, "MB"), (1000, "kB")];

@@ -24,7 +24,7 @@ pub enum Acted {
     /// The scan may belong to more than one patient, and the decision does not say which.
     Several,
     /// The scan already belongs to a patient.
-    Somebodys,
+    HasPatient,
     /// The scan's bytes are needed but are not in the state folder.
     NoBytes,
 }
@@ -138,7 +138,7 @@ impl Custody {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         // Two concurrent assignments must not both succeed.
         if !self.journal.owners(&row.scan)?.is_empty() {
-            return Ok(Acted::Somebodys);
+            return Ok(Acted::HasPatient);
         }
         if !self.bring_back(row, Some(patient), stored)? {
             return Ok(Acted::NoBytes);

@@ -120,7 +120,7 @@ fn retry(core: &Core, row: ScanRow) -> Result<String, ActFault> {
             Ok(delivers(core, "act.retried", &scan, count))
         }
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
-        Acted::Nothing | Acted::Several | Acted::Somebodys => {
+        Acted::Nothing | Acted::Several | Acted::HasPatient => {
             let journal = core.custody.journal();
             let is_any = |state| journal.deliveries_in(&row.scan, state).map(|due| !due.is_empty());
             if !is_any(DeliveryState::Pending)? && !is_any(DeliveryState::Withdrawing)? {
@@ -142,7 +142,7 @@ fn release(core: &Core, row: ScanRow) -> Result<String, ActFault> {
         }
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
         Acted::Several => Err(ActFault::Several(row.scan)),
-        Acted::Nothing | Acted::Somebodys => {
+        Acted::Nothing | Acted::HasPatient => {
             let why = "act.why.nothing_to_release";
             Err(ActFault::NoOccasion { scan: row.scan, why })
         }
@@ -156,7 +156,7 @@ fn give_up(core: &Core, row: ScanRow) -> Result<String, ActFault> {
             info!(event = "scan-given-up", scan);
             Ok(of_scan(core, "act.given_up", &scan))
         }
-        Acted::Nothing | Acted::NoBytes | Acted::Several | Acted::Somebodys => {
+        Acted::Nothing | Acted::NoBytes | Acted::Several | Acted::HasPatient => {
             let why = "act.why.nothing_to_give_up";
             Err(ActFault::NoOccasion { scan: row.scan, why })
         }
@@ -167,7 +167,7 @@ fn assign(core: &Core, row: ScanRow, id: &str) -> Result<String, ActFault> {
     let patient = core.identity.patient(id, SourceKind::Operator).ok_or(ActFault::NotAnId)?;
     if !core.custody.journal().owners(&row.scan)?.is_empty() {
         // Reported before its bytes are searched for.
-        return Err(ActFault::Somebodys);
+        return Err(ActFault::HasPatient);
     }
     let scan = short(&row.scan);
     let assign = |stored| core.custody.assign(&row, &patient, stored);
@@ -176,7 +176,7 @@ fn assign(core: &Core, row: ScanRow, id: &str) -> Result<String, ActFault> {
             info!(event = "scan-assigned", scan);
             Ok(delivers(core, "act.assigned", &scan, count))
         }
-        Acted::Somebodys => Err(ActFault::Somebodys),
+        Acted::HasPatient => Err(ActFault::HasPatient),
         Acted::NoBytes | Acted::Nothing | Acted::Several => Err(ActFault::NoBytes(row.scan)),
     }
 }
@@ -209,7 +209,7 @@ fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, Act
                 false => said,
             })
         }
-        Acted::Nothing | Acted::Several | Acted::Somebodys => {
+        Acted::Nothing | Acted::Several | Acted::HasPatient => {
             let why = "act.why.just_changed";
             Err(ActFault::NoOccasion { scan: row.scan, why })
         }

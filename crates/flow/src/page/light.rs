@@ -4,13 +4,15 @@ use gaiter_language::Language;
 use serde::Serialize;
 
 use super::distinct;
-use super::reasons::{Advice, of_held, of_refused};
+use super::reasons::{OF_PORT, of_button_away, of_complaint, of_held, of_refused};
 use super::scans::ScanShown;
 use super::sentence::{Sentence, Text};
 use crate::Task;
 use crate::booth::Signal;
-use crate::light::{Outcome, Progress, minutes};
+use crate::complaint::Complaint;
+use crate::light::{Outcome, Progress};
 use crate::round::{HeldNext, HoldReason};
+use crate::words::minutes_left;
 
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -51,16 +53,16 @@ pub struct Situation<'a> {
     pub progress: Option<Progress>,
     /// How the last scan since the last press ended; `None` if none has ended since.
     pub last: Option<&'a Outcome>,
-    /// The id of that scan; empty if it is of none.
-    pub last_scan: &'a str,
+    /// The id of that scan; `None` if what happened last is of none.
+    pub last_scan: Option<&'a str>,
     /// The ids of the patients to whom that scan belongs, or may belong if it is held.
     pub last_of: &'a [String],
 }
 
-/// The light; `first` is the most serious fault, if there is one, `undecided` what a person must do something about.
+/// The light; `fault` is the most serious one, if there is one, `undecided` what a person must do something about.
 pub(super) fn shown(
     booth: &Situation<'_>,
-    first: Option<&Advice>,
+    fault: Option<&Complaint>,
     undecided: &[ScanShown],
     language: Language,
 ) -> LightShown {
@@ -69,28 +71,29 @@ pub(super) fn shown(
     let is_incomplete = |scan: &ScanShown| scan.task == Task::Complete;
     let is_any_incomplete = decide.is_none() && undecided.iter().any(is_incomplete);
     let complete = is_any_incomplete.then(|| language.text("page.complete"));
-    let away = language.text(BUTTON_AWAY);
-    let also_away = booth.is_button_away.then_some(away);
+    let away = of_button_away(language);
+    let also_away = booth.is_button_away.then_some(away.as_str());
     let step = || Words::new(language.text(next_step(booth)));
-    let said = match (booth.signal, first) {
-        (Signal::Attention, first) => {
-            let fault = first.map(|advice| Words::new(&advice.in_a_row()));
+    let said = match booth.signal {
+        Signal::Attention => {
+            let is_of_port = fault.is_some_and(|fault| fault.code.starts_with(OF_PORT));
+            let fault = fault.map(|fault| Words::new(&of_complaint(fault, language).in_a_row()));
             // The patient waits, a decision can wait.
             let last = of_last(booth, undecided, language);
-            let away = also_away.filter(|_| first.is_none()).map(Words::new);
+            let away = also_away.filter(|_| !is_of_port).map(Words::new);
             let said = [fault, last, away].into_iter().flatten().reduce(Words::then);
             said.unwrap_or_else(|| decide.map_or_else(step, Words::new))
         }
-        (Signal::Done, _) if booth.last == Some(&Outcome::Delivered) => {
+        Signal::Done if booth.last == Some(&Outcome::Delivered) => {
             Words::of_last(booth, DONE, language).and(also_away).and(decide).and(complete)
         }
-        (Signal::Armed, _) => {
+        Signal::Armed => {
             step().and(booth.held_next.map(|_| language.text("page.hold.armed"))).and(also_away)
         }
         // Another scan may have ended since the light was lit.
-        (Signal::Ready | Signal::Done | Signal::NoExport, _) => {
+        Signal::Ready | Signal::Done | Signal::NoExport => {
             match (booth.is_button_away, first_to_do(booth, is_any_undecided, language)) {
-                (true, _) => Words::new(away),
+                (true, _) => Words::new(&away),
                 (false, Some(words)) if booth.signal == Signal::NoExport => step().then(words),
                 (false, Some(words)) => words.then(step()),
                 (false, None) => step(),
@@ -98,7 +101,7 @@ pub(super) fn shown(
             .and(decide)
             .and(complete)
         }
-        (Signal::Receiving | Signal::Paused, _) => step().and(also_away),
+        Signal::Receiving | Signal::Paused => step().and(also_away),
     };
     let signal = booth.signal.word();
     let word = match (booth.signal, booth.progress) {
@@ -109,9 +112,6 @@ pub(super) fn shown(
     let said = Sentence::new(said.text, said.anonymous);
     LightShown { signal, word: language.word("page.light", word), said }
 }
-
-/// The button is not there.
-const BUTTON_AWAY: &str = "page.step.button_away";
 
 /// Keys of a sentence that may name patients: without ids, and with them.
 type Keys = [&'static str; 2];
@@ -168,7 +168,7 @@ impl Words {
 
     /// Followed by what happens until then, and how long at the most.
     fn then_until(self, held: &HeldNext, language: Language) -> Words {
-        let until = minutes(held.left)
+        let until = minutes_left(held.left)
             .map(|minutes| language.filled("page.hold.until", &[("minutes", &minutes)]));
         self.and(until.as_deref())
     }
@@ -187,11 +187,11 @@ fn first_to_do(booth: &Situation<'_>, is_any_undecided: bool, language: Language
     let held = booth.held_next?;
     let keys = match held.why {
         HoldReason::Unheard => {
-            return Some(Words::new(&in_doubt(minutes(held.left), language)));
+            return Some(Words::new(&in_doubt(minutes_left(held.left), language)));
         }
         HoldReason::Uncertain if booth.is_asked => return None,
         HoldReason::Uncertain if booth.signal == Signal::NoExport => return None,
-        // Whoever did not come is named and scanned again, and that is not held.
+        // The patient whose export is missing can be scanned again without being held; only others are.
         _ if booth.signal == Signal::NoExport => ["page.hold.others"; 2],
         HoldReason::Uncertain => ["page.hold.uncertain"; 2],
         HoldReason::MayComeAgain => ["page.hold.again", "page.hold.again_of"],
@@ -215,9 +215,10 @@ pub(super) fn in_doubt(left_min: Option<u64>, language: Language) -> String {
 
 /// What the last scan needs from a person at the booth; `None` if nothing.
 fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -> Option<Words> {
-    let useless =
-        undecided.iter().find(|scan| scan.scan == booth.last_scan && scan.unmeasured.is_some());
-    let useless = useless.and_then(|scan| scan.advice.as_ref());
+    let unusable = undecided
+        .iter()
+        .find(|scan| Some(scan.scan.as_str()) == booth.last_scan && scan.unmeasured.is_some());
+    let unusable = unusable.and_then(|scan| scan.advice.as_ref());
     let text = |key| language.text(key);
     let of = |keys| Words::of_last(booth, keys, language);
     let also_held = |words: Words| match booth.held_next {
@@ -242,7 +243,7 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
         }
         Outcome::Held { code } => {
             let why = of_held(code, language).what;
-            let [why, next] = match useless {
+            let [why, next] = match unusable {
                 Some(advice) => [advice.what.as_str(), &advice.next],
                 None => [why.as_str(), text("page.step.decide_held")],
             };

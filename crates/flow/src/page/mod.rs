@@ -158,12 +158,11 @@ pub fn shown(
     let mut next = next::shown(&known.booth, language);
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
-    let first = first_fault(known.complaints).map(|first| of_complaint(first, language));
     Shown {
         schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
-        light: light::shown(&known.booth, first.as_ref(), &undecided, language),
+        light: light::shown(&known.booth, first_fault(known.complaints), &undecided, language),
         next,
         paused: known.facts.intake == IntakeState::Paused,
         complaints: complaints.collect(),

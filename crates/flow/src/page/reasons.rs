@@ -6,6 +6,9 @@ use serde::Serialize;
 
 use crate::complaint::Complaint;
 
+/// The codes of a port begin so.
+pub(super) const OF_PORT: &str = "trigger-";
+
 /// The port of a card reader; the others are buttons.
 const READER: &str = "reader";
 
@@ -54,12 +57,18 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
         .unwrap_or_else(|| said_as_it_is(code, "page.do.retry", language))
 }
 
+/// That the button is not there, as its complaint says a minute later.
+pub(super) fn of_button_away(language: Language) -> String {
+    let advice = Advice::of("page.complaint", "trigger-absent", language);
+    advice.map(|advice| advice.in_a_row()).unwrap_or_default()
+}
+
 /// What keeps the station from being ready.
 pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let code = complaint.code.as_str();
     let found = |of: &str| Advice::of("page.complaint", of, language);
     let about = complaint.subject.as_ref().and_then(|subject| found(&format!("{code}-{subject}")));
-    let any = || code.starts_with("trigger-").then(|| found("trigger-any")).flatten();
+    let any = || code.starts_with(OF_PORT).then(|| found("trigger-any")).flatten();
     let is_reader = complaint.subject.as_deref() == Some(READER);
     let of_reader = || is_reader.then(|| found("trigger-any-reader")).flatten();
     about

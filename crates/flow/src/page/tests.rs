@@ -34,15 +34,25 @@ fn booth(signal: Signal) -> Situation<'static> {
         held_next: None,
         progress: None,
         last: None,
-        last_scan: "",
+        last_scan: None,
         last_of: &[],
     }
 }
 
 fn page(booth: Situation<'_>, complaints: &[Complaint], language: Language) -> Shown {
+    page_with(booth, complaints, Vec::new(), language)
+}
+
+/// The page with these scans about which a person must do something.
+fn page_with(
+    booth: Situation<'_>,
+    complaints: &[Complaint],
+    undecided: Vec<ScanShown>,
+    language: Language,
+) -> Shown {
     let facts = Facts::new(at(0), 1);
     let known = Known { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
-    shown(&known, Vec::new(), 0, Vec::new(), language)
+    shown(&known, undecided, 0, Vec::new(), language)
 }
 
 fn delivery(patient: Option<&str>, state: &str, code: Option<&str>) -> Delivered {

@@ -77,15 +77,15 @@ impl Rounds {
     /// each capture that may have it, and what comes for that now another's (R4).
     pub fn gone(&mut self, content: Appeared) {
         let late = self.rules.late;
-        let mut is_somebodys = false;
+        let mut may_be_awaited = false;
         for capture in self.open.iter_mut().filter(|capture| capture.may_have(content, late)) {
             capture.doubt.get_or_insert(Doubt::Shared);
-            is_somebodys = true;
+            may_be_awaited = true;
         }
         // As with an export without a press: that may have been forgotten, and the name used.
         let mut names = self.names.next.iter().flat_map(|next| &next.names);
         let is_after_a_name = names.any(|said| said.at < content.seen);
-        if !is_somebodys && is_after_a_name {
+        if !may_be_awaited && is_after_a_name {
             self.doubt_names(Doubt::Shared);
         }
     }

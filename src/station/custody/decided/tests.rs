@@ -215,14 +215,14 @@ fn a_release_or_an_assignment_is_for_exactly_one_person() {
     admit(&custody, says("0815"));
     admit(&custody, says("1003"));
     assert_eq!(custody.release(&row.scan).unwrap(), Acted::Several);
-    assert_eq!(custody.assign(&row, &patient("0815"), None).unwrap(), Acted::Somebodys);
+    assert_eq!(custody.assign(&row, &patient("0815"), None).unwrap(), Acted::HasPatient);
     assert!(to_do(&custody).is_empty());
     let held = custody.journal.deliveries_in(&row.scan, DeliveryState::Held).unwrap();
     assert_eq!(held.len(), 2, "both still wait");
     assert_eq!(custody.unassign(&row, "0815", None).unwrap(), Acted::Nothing, "it is not theirs");
     custody.unassign(&row, "4711", None).unwrap();
     assert_eq!(custody.assign(&row, &patient("0815"), None).unwrap(), Acted::Done(1));
-    assert_eq!(custody.assign(&row, &patient("1003"), None).unwrap(), Acted::Somebodys);
+    assert_eq!(custody.assign(&row, &patient("1003"), None).unwrap(), Acted::HasPatient);
     assert_eq!(custody.journal.owners(&row.scan).unwrap(), ["0815"]);
 }
 

@@ -39,7 +39,7 @@ pub enum ActFault {
     /// The record cannot be amended now.
     NotAmended(amend_record::Fault),
     /// The scan already belongs to a patient.
-    Somebodys,
+    HasPatient,
     /// Custody failed.
     Custody(CustodyFault),
     /// The journal failed.
@@ -62,7 +62,7 @@ impl ActFault {
             ActFault::NotSet(fault) if fault.is_far_off() => "measure-far-off",
             ActFault::NotSet(_) => "measure-not-possible",
             ActFault::NotAmended(_) => "record-not-amended",
-            ActFault::Somebodys => "scan-of-a-patient",
+            ActFault::HasPatient => "scan-of-a-patient",
             ActFault::Custody(_) => "custody-failed",
             ActFault::Journal(_) => "journal-failed",
             ActFault::Store(_) => "store-unavailable",
@@ -87,7 +87,7 @@ impl ActFault {
             ActFault::AnotherNamed => text("act.fault.another_named"),
             ActFault::NotSet(fault) => because("act.fault.not_set", &fault.in_words(language)),
             ActFault::NotAmended(fault) => because("act.fault.not_set", &chain(fault)),
-            ActFault::Somebodys => text("act.fault.somebodys"),
+            ActFault::HasPatient => text("act.fault.has_patient"),
             ActFault::Custody(fault) => fault.to_string(),
             ActFault::Journal(_) => text("act.fault.journal"),
             ActFault::Store(why) => because("act.fault.store", why),

@@ -262,7 +262,7 @@ impl From<ActFault> for Fault {
             | ActFault::NotAnId
             | ActFault::AnotherNamed
             | ActFault::NotSet(_)
-            | ActFault::Somebodys => FaultKind::Request,
+            | ActFault::HasPatient => FaultKind::Request,
             ActFault::NoBytes(_)
             | ActFault::NotAmended(_)
             | ActFault::Custody(_)

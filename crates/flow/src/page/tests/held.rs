@@ -53,18 +53,11 @@ fn a_held_scan_that_cannot_be_measured_says_that_first_and_offers_first_to_give_
         assert!(shown.unmeasured.as_deref().unwrap().ends_with("[no-leg]"));
         // The light says the same of the scan that ended last, and of no other.
         let last = Outcome::Held { code: "export-late".to_owned() };
-        for (last_scan, is_told) in [(shown.scan.as_str(), true), ("0", false)] {
+        for (last_scan, is_told) in
+            [(Some(shown.scan.as_str()), true), (Some("0"), false), (None, false)]
+        {
             let booth = Situation { last: Some(&last), last_scan, ..booth(Signal::Attention) };
-            let facts = Facts::new(at(0), 1);
-            let known = Known {
-                page: "1",
-                station: "b",
-                facts: &facts,
-                complaints: &[],
-                booth,
-                now: at(1),
-            };
-            let page = crate::page::shown(&known, vec![shown.clone()], 0, Vec::new(), language);
+            let page = page_with(booth, &[], vec![shown.clone()], language);
             assert_eq!(page.light.said.text.contains(&what), is_told, "{}", page.light.said.text);
         }
     }

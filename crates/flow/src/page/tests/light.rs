@@ -4,12 +4,11 @@ use std::time::Duration;
 
 use gaiter_language::Language;
 
-use super::{BOTH, at, booth, delivery, page, whole};
+use super::{BOTH, booth, delivery, page, page_with, whole};
 use crate::booth::Signal;
 use crate::complaint::Complaint;
-use crate::facts::Facts;
 use crate::light::{Outcome, Progress};
-use crate::page::{Known, Situation, Told, scan_shown, shown};
+use crate::page::{Situation, Told, scan_shown};
 use crate::round::{HeldNext, HoldReason};
 
 fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> String {
@@ -127,7 +126,7 @@ fn what_must_be_done_before_the_next_scan_stands_before_it_with_how_long() {
         let armed = Situation { held_next: Some(&held), ..booth(Signal::Armed) };
         let said = page(armed, &[], Language::En).light.said.text;
         assert_eq!(said, "Scan now, then export. You will be asked whose scan it is.");
-        // Whoever did not come is not held when scanned again, unless a press may have been missed.
+        // A missing patient can be scanned again without being held, unless a press may have been missed.
         let missed = Situation { held_next: Some(&held), ..booth(Signal::NoExport) };
         let said = page(missed, &[], Language::En).light.said.text;
         let others = "If another patient is next, call off first. Until then, or for up to 6 min,";
@@ -141,15 +140,25 @@ fn what_must_be_done_before_the_next_scan_stands_before_it_with_how_long() {
 }
 
 #[test]
+fn a_button_that_is_not_there_is_told_after_another_fault_and_once_with_its_own() {
+    let away = Situation { is_button_away: true, ..booth(Signal::Attention) };
+    let own = Complaint { code: "trigger-absent".to_owned(), ..Complaint::journal() };
+    for (complaint, begins) in
+        [(Complaint::journal(), "The journal cannot be read."), (own, "The button is not there.")]
+    {
+        let said = page(away, &[complaint], Language::En).light.said.text;
+        assert!(said.starts_with(begins), "{said}");
+        assert_eq!(said.matches("The button is not there.").count(), 1, "{said}");
+    }
+}
+
+#[test]
 fn a_scan_that_waits_for_a_decision_is_decided_first() {
     let held = held_next(HoldReason::Undecided);
     let booth = Situation { held_next: Some(&held), ..booth(Signal::Ready) };
     let waiting = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
-    let facts = Facts::new(at(0), 1);
-    let known =
-        Known { page: "1", station: "b", facts: &facts, complaints: &[], booth, now: at(1) };
     let undecided = vec![scan_shown(&waiting, &Told::default(), Language::En)];
-    let said = shown(&known, undecided, 0, Vec::new(), Language::En).light.said.text;
+    let said = page_with(booth, &[], undecided, Language::En).light.said.text;
     assert!(said.starts_with("First decide about the scan that is held. Until then"), "{said}");
 }
 

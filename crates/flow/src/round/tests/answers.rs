@@ -187,8 +187,6 @@ fn a_scan_that_would_be_held_is_foreseen_with_the_reason_that_a_person_can_end()
 fn a_held_scan_a_missing_export_and_a_missed_press_are_foreseen_to_hold_the_next() {
     let of = |id: &str| vec![id.to_owned()];
     let mut held = captures();
-    held.named(named("1"), 1, at(0), &[]);
-    held.missed_name();
     pressed_for(&mut held, "1", 1, 0);
     held.open[0].doubt = Some(Doubt::Unread);
     assert_eq!(code(&taken(&mut held, seen(10))), UNREAD);
