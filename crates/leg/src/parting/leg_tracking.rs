@@ -148,20 +148,14 @@ fn add_across_facets(mesh: &Mesh, heights_mm: &[f64], slices: &mut [Vec<Point2<f
     for triangle in mesh.triangles() {
         let corners = triangle.map(|corner| points[corner as usize]);
         let [a, b, c] = corners;
-        // Squares: nearly all facets are narrower.
-        let [ab, bc, ca] = [a - b, b - c, c - a].map(|edge| edge.norm_squared());
-        let longest = if ab > bc { ab } else { bc };
-        let longest = if ca > longest { ca } else { longest };
-        if !(LINK_MIN_MM * LINK_MIN_MM..=EDGE_MAX_MM * EDGE_MAX_MM).contains(&longest) {
+        let longest_mm = (a - b).norm().max((b - c).norm()).max((c - a).norm());
+        if !(LINK_MIN_MM..=EDGE_MAX_MM).contains(&longest_mm) {
             continue;
         }
         let lowest_mm = a.z.min(b.z).min(c.z);
         let first = heights_mm.partition_point(|height_mm| *height_mm <= lowest_mm);
         for (height_mm, slice) in heights_mm[first..].iter().zip(&mut slices[first..]) {
-            let [from, to] = match cut_of(&corners, *height_mm) {
-                Some(cut) => cut,
-                None => break,
-            };
+            let Some([from, to]) = cut_of(&corners, *height_mm) else { break };
             let parts = ((to - from).norm() / LINK_MIN_MM).ceil();
             slice
                 .extend((1..parts as usize).map(|part| from + (to - from) * (part as f64 / parts)));
