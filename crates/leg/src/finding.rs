@@ -57,6 +57,8 @@ pub enum What {
     },
     /// The feet were not seen, so the declared facing is unchecked.
     FacingUnchecked(FeetUnclear),
+    /// The feet do not show the facing, but the calves do.
+    FacingByCalves(FeetUnclear),
     /// The soles do not show the floor, from which heights are measured.
     FloorUnclear(FloorDoubt),
     /// The triangles do not show whether the scan is mirrored.
@@ -74,6 +76,11 @@ pub enum What {
     Proportions {
         /// Height of the crotch, percent of the stature.
         percent: f64,
+    },
+    /// The head is not in the scan.
+    CrownNotSeen {
+        /// The stature that heights are relative to, inferred from the feet, mm.
+        stature_mm: f64,
     },
     /// The skin at the crotch was not seen.
     CrotchUncertain {
@@ -167,12 +174,14 @@ impl Finding {
             What::LevelAbsent(_) => "level-absent",
             What::LevelImplausible { .. } => "level-implausible",
             What::FacingUnchecked(_) => "facing-unchecked",
+            What::FacingByCalves(_) => "facing-by-calves",
             What::FloorUnclear(doubt) => doubt.code(),
             What::MirrorUnchecked => "mirror-unchecked",
             What::NoFaces => "no-faces",
             What::NoLineEnd => "no-line-end",
             What::ThighsTouch { .. } => "thighs-touch",
             What::Proportions { .. } => "proportions",
+            What::CrownNotSeen { .. } => "crown-not-seen",
             What::CrotchUncertain { .. } => "crotch-uncertain",
             What::CrotchNotSeen => "crotch-not-seen",
             What::LegCut { .. } => "leg-cut",
@@ -201,10 +210,12 @@ impl Finding {
             | What::Doubtful(_)
             | What::HeightNotMeasured { .. }
             | What::FacingUnchecked(_)
+            | What::FacingByCalves(_)
             | What::FloorUnclear(_)
             | What::NoFaces
             | What::ThighsTouch { .. }
             | What::Proportions { .. }
+            | What::CrownNotSeen { .. }
             | What::CrotchUncertain { .. }
             | What::CrotchNotSeen
             | What::LegCut { .. }

@@ -112,8 +112,12 @@ impl Refusal {
 /// finding in the extraction, not an error.
 pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extraction, Refusal> {
     let scan = scan::read(bytes, format)?;
-    let body = frame::body::body(&scan, method)?;
+    let mut body = frame::body::body(&scan, method)?;
     let cut = parting::segment::segment(&body)?;
+    if body.stature_mm.is_none() && cut.crotch.is_seen() {
+        let (stature_mm, sd_mm) = cut.crotch.stature_mm();
+        body.scale_also_by(stature_mm, sd_mm);
+    }
     let reports = Side::BOTH.into_par_iter().map(|side| {
         let leg = cut.legs.get(side).as_ref().ok_or(LegFault::NotThere)?;
         report::leg_report(leg, &body, &cut.crotch, method)
@@ -138,7 +142,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
                 findings.extend(found);
             }
             // A scan of a lone leg is not missing the other one.
-            Err(LegFault::NotThere) if body.stature_mm.is_none() => {}
+            Err(LegFault::NotThere) if !body.is_whole => {}
             Err(fault) => {
                 let what = What::LegNotMeasured(fault);
                 findings.push(Finding { side: Some(side), level: None, what });
@@ -171,8 +175,10 @@ const CROTCH_SURE_SD_MM: f64 = 6.0;
 /// The findings about the body as a whole.
 fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
     let mut found = Vec::new();
-    if let FacingFrom::Declared(unclear) = body.facing_from {
-        found.push(What::FacingUnchecked(unclear));
+    match body.facing_from {
+        FacingFrom::Feet => {}
+        FacingFrom::Calves(unclear) => found.push(What::FacingByCalves(unclear)),
+        FacingFrom::Declared(unclear) => found.push(What::FacingUnchecked(unclear)),
     }
     if !body.is_mirror_checked {
         found.push(What::MirrorUnchecked);
@@ -181,9 +187,12 @@ fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
     if let Some(from_mm) = crotch.touching_from_mm {
         found.push(What::ThighsTouch { from_mm });
     }
-    if body.stature_mm.is_some() && !crotch.is_seen() {
+    if body.is_whole && body.stature_mm.is_none() {
+        found.push(What::CrownNotSeen { stature_mm: body.scale_mm });
+    }
+    if body.is_whole && !crotch.is_seen() {
         found.push(What::CrotchNotSeen);
-    } else if body.stature_mm.is_some() && crotch.sd_mm > CROTCH_SURE_SD_MM {
+    } else if body.is_whole && crotch.sd_mm > CROTCH_SURE_SD_MM {
         found.push(What::CrotchUncertain { sd_mm: crotch.sd_mm });
     }
     if let Some(stature_mm) = body.stature_mm.filter(|_| crotch.is_seen()) {

@@ -81,7 +81,7 @@ pub fn leg_report(
         findings.add(None, What::Doubtful(doubt));
         measures.doubt_above(hem_mm - CLOTH_REACH_MM, doubt);
     }
-    if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
+    if let (Some(end_mm), true) = (leg.cut_mm, body.is_whole) {
         findings.add(None, What::LegCut { end_mm });
     }
     if let Some(why) = no_thigh {

@@ -51,6 +51,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             facing_deg: degrees(body.facing_deg),
             facing_from: match body.facing_from {
                 FacingFrom::Feet => "feet".to_owned(),
+                FacingFrom::Calves(_) => "calves".to_owned(),
                 FacingFrom::Declared(_) => "declared".to_owned(),
             },
             from_export: std::array::from_fn(|i| body.from_export[(i / 4, i % 4)]),

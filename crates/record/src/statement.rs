@@ -146,6 +146,7 @@ impl Statement {
                 Statement::of("level-implausible").number("girth_mm", *girth_mm)
             }
             What::FacingUnchecked(why) => Statement::of("facing-unchecked").because(why.into()),
+            What::FacingByCalves(why) => Statement::of("facing-by-calves").because(why.into()),
             What::FloorUnclear(FloorDoubt::Uneven { spread_mm }) => {
                 Statement::of("floor-uneven").number("spread_mm", *spread_mm)
             }
@@ -158,6 +159,9 @@ impl Statement {
             }
             What::Proportions { percent } => {
                 Statement::of("proportions").number("percent", *percent)
+            }
+            What::CrownNotSeen { stature_mm } => {
+                Statement::of("crown-not-seen").number("stature_mm", *stature_mm)
             }
             What::ThighAxisMissing(why) => Statement::of("thigh-axis-missing").because(why.into()),
             What::CrotchUncertain { sd_mm } => {

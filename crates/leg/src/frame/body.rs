@@ -7,13 +7,15 @@ use nalgebra::{
 };
 
 use super::body_fault::BodyFault;
+use super::calves;
 use super::components::without_fragments;
+use super::crown;
 use super::floor_plane::above_floor;
 use super::layers::unlinked_share;
 use super::point_cloud;
 use super::soles::FloorDoubt;
-use super::stance::{FeetUnclear, Stance, stance};
-use super::unit_inference::{Size, extent, lone_leg, whole_body};
+use super::stance::{FeetUnclear, Stance, longest_foot_mm, stance};
+use super::unit_inference::{FOOT_LENGTH_MEAN_SHARE, Size, extent, lone_leg, whole_body};
 use super::winding;
 use crate::method::{Axis, FacingChoice, Method, Scope, Unit, UnitChoice, Up};
 use crate::parting::cluster::clusters;
@@ -39,6 +41,10 @@ const CROWN_SD_SHARE: f64 = 0.01;
 /// … and by the length of a foot, of which people's differ (ANSUR II: 0.152 ± 0.006).
 const FOOT_SD_SHARE: f64 = 0.04;
 
+/// Height of a body that ends at its neck, where heads are cut off, as a share of the stature: the feet are looked
+/// for by it.
+const CUT_HEIGHT_SHARE: f64 = 0.85;
+
 /// Legs of which a larger share of points lies beside another skin are two skins, see [`unlinked_share`].
 const UNLINKED_MAX_SHARE: f64 = 0.4;
 
@@ -47,10 +53,11 @@ const UNLINKED_MAX_SHARE: f64 = 0.4;
 pub struct Body {
     /// The skin in the body frame, fragments left out.
     pub mesh: Mesh,
-    /// Height of the highest point above the floor, mm; `None` if only a leg was scanned.
+    /// Whether a whole body was scanned, and not a lone leg.
+    pub is_whole: bool,
+    /// Height of the crown above the floor, mm; `None` if it is not in the scan.
     pub stature_mm: Option<f64>,
-    /// The stature that search heights are relative to: the body's own, or one inferred from a lone
-    /// leg's foot, mm.
+    /// The stature that search heights are relative to: the body's own, or one inferred from the feet, mm.
     pub scale_mm: f64,
     /// Standard error of `scale_mm`, as a share of it.
     pub scale_sd_share: f64,
@@ -79,8 +86,23 @@ pub struct Body {
 pub enum FacingFrom {
     /// The toes.
     Feet,
+    /// The calves, because the feet do not show the facing, for this reason.
+    Calves(FeetUnclear),
     /// The declaration, because the feet do not show the facing, for this reason.
     Declared(FeetUnclear),
+}
+
+impl Body {
+    /// Improves the scale by another estimate of the stature with its standard error, mm: the mean of both, by their
+    /// weights.
+    pub fn scale_also_by(&mut self, stature_mm: f64, sd_mm: f64) {
+        let own_sd_mm = self.scale_sd_share * self.scale_mm;
+        let [own, other] = [own_sd_mm, sd_mm].map(|sd_mm| sd_mm.powi(-2));
+        self.scale_mm = (own * self.scale_mm + other * stature_mm) / (own + other);
+        // Where both disagree by more than they should, neither is as certain as it says.
+        let apart_mm = (self.scale_mm - stature_mm).abs();
+        self.scale_sd_share = (1.0 / (own + other)).sqrt().max(apart_mm) / self.scale_mm;
+    }
 }
 
 /// Transforms a scan into the body frame.
@@ -102,8 +124,11 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     let above = above.map(|above| without_fragments(&above));
     let scan = above.as_ref().unwrap_or(scan);
     let (low, high) = extent(scan.points.iter().map(|point| upright * point));
-    let size = match method.scope {
-        Scope::Body => whole_body(method, &upright, high - low)?,
+    let mut size = match method.scope {
+        Scope::Body => whole_body(method, &upright, high - low, || {
+            let raised = Translation3::new(0.0, 0.0, -low.z).to_homogeneous();
+            crown::is_child(&moved(scan, &(raised * upright.to_homogeneous()), Unit::Mm))
+        })?,
         Scope::Leg(_) => lone_leg(scan, method, &upright, [low.z, high.z])?,
     };
     let unit = size.unit;
@@ -111,6 +136,10 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
     let standing = moved(scan, &to_mm, unit);
+    let is_crown_seen = size.is_whole && crown::is_seen(&standing);
+    if size.is_whole && !is_crown_seen {
+        size.scale_mm = by_feet(&standing, size.scale_mm);
+    }
     let (stance, (wound, unlinked_share)) = rayon::join(
         || stance(&standing, size.scale_mm, floor.map(|floor| (floor - low.z) * unit.in_mm())),
         || (winding::check(&standing, method.winding), unlinked_share(&standing, size.scale_mm)),
@@ -120,15 +149,17 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     if unlinked_share > UNLINKED_MAX_SHARE {
         return Err(BodyFault::Layers { percent: 100.0 * unlinked_share });
     }
-    let (toes, facing_from) = facing(&stance, method.facing, &upright)?;
+    let by_calves = || calves::front(&standing, &stance.shanks, size.scale_mm);
+    let (toes, facing_from) = facing(&stance, by_calves, method.facing, &upright)?;
     let facing = toes.x.atan2(-toes.y);
     let (sides, origin) = sides(&standing, &stance, toes, &size, method.scope)?;
     let to_body = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -facing)
         * Translation3::new(-origin.x, -origin.y, -stance.floor.height_mm);
     let in_body = |p: Point2<f64>| (to_body * Point3::new(p.x, p.y, 0.0)).xy();
-    let stature_mm = size.is_whole.then(|| standing.highest_mm() - stance.floor.height_mm);
+    let stature_mm = is_crown_seen.then(|| standing.highest_mm() - stance.floor.height_mm);
     Ok(Body {
         mesh: standing.moved(&to_body),
+        is_whole: size.is_whole,
         stature_mm,
         scale_mm: stature_mm.unwrap_or(size.scale_mm),
         scale_sd_share: if stature_mm.is_some() { CROWN_SD_SHARE } else { FOOT_SD_SHARE },
@@ -142,6 +173,14 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         unit_inferred: method.unit == UnitChoice::Auto,
         from_export: to_body.to_homogeneous() * to_mm,
     })
+}
+
+/// The stature of a body without its crown, of which so much stands, mm: inferred from its longer foot, because
+/// toes may be missing; at least what stands.
+fn by_feet(standing: &Mesh, height_mm: f64) -> f64 {
+    let about_mm = height_mm / CUT_HEIGHT_SHARE;
+    let by_foot = longest_foot_mm(standing, about_mm);
+    by_foot.map_or(about_mm, |foot_mm| (foot_mm / FOOT_LENGTH_MEAN_SHARE).max(height_mm))
 }
 
 /// Middle of each shank that is present.
@@ -223,21 +262,22 @@ pub(crate) fn moved(scan: &Scan, map: &Matrix4<f64>, unit: Unit) -> Mesh {
     Mesh::new(points, scan.triangles.clone())
 }
 
-/// The direction of the toes in the upright frame, from the feet, checked against the declaration.
+/// The direction of the toes in the upright frame, as it is seen, checked against the declaration.
 fn facing(
     stance: &Stance,
+    by_calves: impl Fn() -> Option<Vector2<f64>>,
     choice: FacingChoice,
     upright: &Rotation3<f64>,
 ) -> Result<(Vector2<f64>, FacingFrom), BodyFault> {
-    let FacingChoice::Declared(axis) = choice else {
-        return stance.toes.map(|t| (t, FacingFrom::Feet)).map_err(BodyFault::FacingUnclear);
+    let declared = match choice {
+        FacingChoice::Declared(axis) => Some((upright * direction(axis)).xy()),
+        FacingChoice::Auto => None,
     };
-    let declared = (upright * direction(axis)).xy();
-    if declared.norm() < 0.5 {
+    if declared.is_some_and(|declared| declared.norm() < 0.5) {
         return Err(BodyFault::FacingVertical);
     }
-    let toes = match stance.toes {
-        Ok(toes) => toes,
+    let seen = match stance.toes {
+        Ok(toes) => Ok((toes, FacingFrom::Feet)),
         // The floor is not where it seems, so heights would be wrong too: a plate, or legs that are cut above the foot.
         Err(unclear @ FeetUnclear::NoFoot { .. })
             if unclear.is_larger_than_a_foot()
@@ -245,13 +285,22 @@ fn facing(
         {
             return Err(BodyFault::FacingUnclear(unclear));
         }
-        Err(unclear) => return Ok((declared, FacingFrom::Declared(unclear))),
+        // A foot in the air, or one that is not there, has no height to measure from.
+        Err(unclear @ FeetUnclear::NotSeen { .. }) => Err(unclear),
+        Err(unclear) => {
+            by_calves().map(|front| (front, FacingFrom::Calves(unclear))).ok_or(unclear)
+        }
     };
-    let off_deg = declared.angle(&toes).to_degrees();
-    if off_deg > DECLARED_FACING_MAX_DEG {
-        return Err(BodyFault::FacingContradicted { off_deg });
+    match (seen, declared) {
+        (Ok(seen), None) => Ok(seen),
+        (Ok(seen), Some(declared)) => {
+            let off_deg = declared.angle(&seen.0).to_degrees();
+            let agrees = off_deg <= DECLARED_FACING_MAX_DEG;
+            agrees.then_some(seen).ok_or(BodyFault::FacingContradicted { off_deg })
+        }
+        (Err(unclear), Some(declared)) => Ok((declared, FacingFrom::Declared(unclear))),
+        (Err(unclear), None) => Err(BodyFault::FacingUnclear(unclear)),
     }
-    Ok((toes, FacingFrom::Feet))
 }
 
 fn direction(axis: Axis) -> Vector3<f64> {

@@ -3,9 +3,9 @@
 use super::stance::{FeetUnclear, NoLegs};
 use crate::method::{Unit, Up};
 
-/// Plausible statures, mm. The ratio of the limits is below that of inch to centimetre, so at most
-/// one unit can be plausible.
-pub const STATURE_MM: [f64; 2] = [1000.0, 2300.0];
+/// Plausible statures, mm: from a child of two years on. Figures of 80 to 90.5 are a child's in cm and a tall man's in
+/// inches; all others are plausible in one unit at most.
+pub const STATURE_MM: [f64; 2] = [800.0, 2300.0];
 
 /// Why a scan is not a measurable standing body.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

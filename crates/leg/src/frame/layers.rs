@@ -16,8 +16,8 @@ const SAMPLES: usize = 2000;
 /// Neighbours in one skin are linked by at most this many edges.
 const LINKS_MAX: usize = 3;
 
-/// The share of the legs' points that have an unlinked neighbour within the length of an edge; 0 for a
-/// point cloud. One skin has up to 0.1, where shells overlap and thighs touch; two have 0.7 or more.
+/// The share of the legs' points that have an unlinked neighbour within the length of an edge, of its own where those
+/// are shorter; 0 for a point cloud. One skin has up to 0.1, where shells overlap and thighs touch; two have 0.7 or more.
 pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let [low, high] = LEGS_SHARE.map(|share| share * stature_mm);
     let legs = mesh.part(|facet| (low..high).contains(&facet.middle().z));
@@ -32,7 +32,11 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let mut linked_to = vec![u32::MAX; legs.points().len()];
     let is_beside = |&sample: &u32| {
         links.mark(sample, LINKS_MAX, &mut linked_to);
-        let mut near = slabs.near(&legs.points()[sample as usize]);
+        let place = &legs.points()[sample as usize];
+        let far = |point: u32| (legs.points()[point as usize] - place).norm();
+        // Where a mesh is denser than elsewhere, points that lie within its usual edge are many edges apart.
+        let reach_mm = links.of_point(sample).iter().map(|next| far(*next)).fold(0.0, f64::max);
+        let mut near = slabs.near(place).filter(|point| far(*point) < reach_mm.min(edge_mm));
         near.any(|point| linked_to[point as usize] != sample)
     };
     samples.filter(is_beside).count() as f64 / count.max(1) as f64
@@ -103,6 +107,13 @@ impl Links {
         Links { starts, ends }
     }
 
+    /// The points that share an edge with a point.
+    fn of_point(&self, point: u32) -> &[u32] {
+        let at = point as usize;
+        let [start, end] = [self.starts[at], self.starts[at + 1]].map(|i| i as usize);
+        &self.ends[start..end]
+    }
+
     /// Marks a point, and those that up to `links_max` edges lead to, with its index.
     fn mark(&self, point: u32, links_max: usize, marks: &mut [u32]) {
         marks[point as usize] = point;
@@ -111,9 +122,7 @@ impl Links {
         for _ in 0..links_max {
             let to = reached.len();
             for index in from..to {
-                let at = reached[index] as usize;
-                let [start, end] = [self.starts[at], self.starts[at + 1]].map(|i| i as usize);
-                for &next in &self.ends[start..end] {
+                for &next in self.of_point(reached[index]) {
                     if marks[next as usize] != point {
                         marks[next as usize] = point;
                         reached.push(next);

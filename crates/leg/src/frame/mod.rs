@@ -3,7 +3,9 @@
 
 pub mod body;
 pub(super) mod body_fault;
+mod calves;
 pub(super) mod components;
+mod crown;
 pub mod floor;
 mod floor_plane;
 pub(super) mod layers;

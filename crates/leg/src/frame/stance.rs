@@ -1,6 +1,6 @@
 //! The stance of a body: its shanks, its feet, the direction of the toes, and the floor.
 
-use nalgebra::{Point2, Vector2, Vector3};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use super::floor::{Floor, floor};
 use super::long_axis::{LongAxis, long_axis};
@@ -15,8 +15,12 @@ const SHANK_SHARES: [f64; 8] = [0.08, 0.09, 0.10, 0.11, 0.12, 0.13, 0.14, 0.15];
 /// At least this many of these heights must show exactly two shanks …
 const SHANK_SLICES_MIN: usize = 3;
 
-/// … or this many exactly one and none more: a hole that hides a shank is shorter than that.
+/// … or this many exactly one, of one leg: a hole that hides a shank is shorter than that.
 const LONE_SLICES_MIN: usize = 6;
+
+/// The middle of a leg moves by at most this between two of these heights, mm: on a tall person who leans by 35°, with
+/// three heights in between.
+const LONE_STEP_MAX_MM: f64 = 60.0;
 
 /// Points of one shank closer than this are connected, mm: three times the spacing of a coarse
 /// export, less than the gap between two shanks.
@@ -25,12 +29,22 @@ const SHANK_LINK_MM: f64 = 20.0;
 /// Minimum and maximum diameter of a shank, mm, including lymphoedema.
 const SHANK_DIAMETER_MM: [f64; 2] = [35.0, 300.0];
 
+/// Minimum diameter of the pylon of a prosthesis, mm: usual tubes have 22 to 34.
+const PYLON_DIAMETER_MM: f64 = 15.0;
+
+/// A prosthesis shows its pylon beside a single shank at so many of these heights; its socket and its shoe may be as
+/// thick as a shank.
+const PYLON_SLICES_MIN: usize = 2;
+
 /// A ring surrounds its middle if its points fall into this many of eight equal sectors; a sheet,
 /// an arm seen from one side or a speck does not.
 const SHANK_SECTORS_MIN: usize = 5;
 
 /// Points below this share of stature belong to the feet: under the malleoli.
 const FOOT_SHARE: f64 = 0.035;
+
+/// A foot has at least this many points.
+const FOOT_POINTS_MIN: usize = 50;
 
 /// Minimum and maximum length of a foot as a share of stature. ANSUR II: 0.139 to 0.169 from first to
 /// last percentile; a foot whose skin ends above the sole is a little shorter, a swollen foot longer.
@@ -137,13 +151,7 @@ pub(crate) fn stance(
     stature_mm: f64,
     floor_mm: Option<f64>,
 ) -> Result<Stance, NoLegs> {
-    let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
-    // Only a tenth of the body is sliced.
-    let [low, high] = [heights[0], heights[heights.len() - 1]];
-    let part = mesh.part(|facet| facet.reaches([low, high]));
-    let slices = part.slices(&Vector3::z_axis(), &heights);
-    let rings: Vec<Vec<Point2<f64>>> = slices.iter().map(|slice| shank_middles(slice)).collect();
-    let shanks = shanks(rings)?;
+    let shanks = found_shanks(mesh, stature_mm)?;
     let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
     let middle = |(points, shank): (&Vec<[f64; 3]>, &Point2<f64>)| match points.len() {
         0 => *shank,
@@ -162,14 +170,36 @@ pub(crate) fn stance(
     })
 }
 
+/// Length of the longer foot of a body of about this stature, mm; `None` if there is no foot.
+pub(crate) fn longest_foot_mm(mesh: &Mesh, stature_mm: f64) -> Option<f64> {
+    let shanks = found_shanks(mesh, stature_mm).ok()?;
+    let feet = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
+    let lengths = feet.iter().filter(|foot| foot.len() >= FOOT_POINTS_MIN);
+    lengths.map(|foot| long_axis(foot).length).reduce(f64::max)
+}
+
+/// The shanks of a body of about this stature.
+fn found_shanks(mesh: &Mesh, stature_mm: f64) -> Result<Vec<Point2<f64>>, NoLegs> {
+    let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
+    // Only a tenth of the body is sliced.
+    let [low, high] = [heights[0], heights[heights.len() - 1]];
+    let part = mesh.part(|facet| facet.reaches([low, high]));
+    let slices = part.slices(&Vector3::z_axis(), &heights);
+    shanks(slices.iter().map(|slice| rings(slice)).collect())
+}
+
 /// The shanks at the lowest height that shows the full number.
-fn shanks(rings: Vec<Vec<Point2<f64>>>) -> Result<Vec<Point2<f64>>, NoLegs> {
+fn shanks(rings: Vec<Vec<Ring>>) -> Result<Vec<Point2<f64>>, NoLegs> {
+    let pylons: Vec<bool> = rings.iter().map(|rings| rings.iter().any(Ring::is_pylon)).collect();
+    let rings: Vec<Vec<Point2<f64>>> = rings.into_iter().map(only_shanks).collect();
     let of_count = |count: usize| rings.iter().filter(|found| found.len() == count).count();
     let (pairs, singles) = (of_count(2), of_count(1));
     let most = rings.iter().map(Vec::len).max().unwrap_or(0);
-    let legs = if pairs >= SHANK_SLICES_MIN {
+    let on_pylon = rings.iter().zip(pylons).filter(|(found, pylon)| found.len() == 1 && *pylon);
+    let has_prosthesis = on_pylon.count() >= PYLON_SLICES_MIN && is_one_leg(&rings);
+    let legs = if pairs >= SHANK_SLICES_MIN && !has_prosthesis {
         2
-    } else if singles >= LONE_SLICES_MIN && most == 1 {
+    } else if has_prosthesis || singles >= LONE_SLICES_MIN && is_one_leg(&rings) {
         1
     } else {
         return Err(NoLegs { pairs, singles, heights: rings.len(), most });
@@ -177,17 +207,52 @@ fn shanks(rings: Vec<Vec<Point2<f64>>>) -> Result<Vec<Point2<f64>>, NoLegs> {
     Ok(rings.into_iter().find(|found| found.len() == legs).unwrap_or_default())
 }
 
-/// Middles of the rings in a slice that may be shanks.
-fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
-    let points: Vec<Point2<f64>> = slice.iter().map(|crossing| crossing.position.xy()).collect();
-    let rings = clusters(&points, SHANK_LINK_MM);
-    rings.iter().filter_map(|ring| shank_middle(ring)).collect()
+/// Whether the single rings are those of one leg. Some heights may show two: the other leg is a prosthesis, thin but
+/// for its shoe and its socket.
+fn is_one_leg(rings: &[Vec<Point2<f64>>]) -> bool {
+    let singles: Vec<Point2<f64>> =
+        rings.iter().filter(|found| found.len() == 1).flatten().copied().collect();
+    let is_near = |pair: &[Point2<f64>]| (pair[1] - pair[0]).norm() <= LONE_STEP_MAX_MM;
+    singles.windows(2).all(is_near) && rings.iter().all(|found| found.len() <= 2)
 }
 
-fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
+/// Middles of the rings in a slice that may be shanks.
+pub(super) fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
+    only_shanks(rings(slice))
+}
+
+/// Points in a slice that surround their middle.
+struct Ring {
+    middle: Point2<f64>,
+    /// Its larger extent, mm.
+    size_mm: f64,
+}
+
+impl Ring {
+    fn is_shank(&self) -> bool {
+        (SHANK_DIAMETER_MM[0]..=SHANK_DIAMETER_MM[1]).contains(&self.size_mm)
+    }
+
+    fn is_pylon(&self) -> bool {
+        (PYLON_DIAMETER_MM..SHANK_DIAMETER_MM[0]).contains(&self.size_mm)
+    }
+}
+
+/// The middles of those that may be shanks.
+fn only_shanks(rings: Vec<Ring>) -> Vec<Point2<f64>> {
+    rings.into_iter().filter(Ring::is_shank).map(|ring| ring.middle).collect()
+}
+
+/// The rings in a slice.
+fn rings(slice: &[Crossing]) -> Vec<Ring> {
+    let points: Vec<Point2<f64>> = slice.iter().map(|crossing| crossing.position.xy()).collect();
+    clusters(&points, SHANK_LINK_MM).iter().filter_map(|points| ring(points)).collect()
+}
+
+fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
     let first = *ring.first()?;
     let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
-    let size = (high - low).max();
+    let size_mm = (high - low).max();
     let middle = Hull::of(ring)?.centroid();
     let mut sectors = [false; 8];
     for point in ring {
@@ -195,12 +260,15 @@ fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
         sectors[((turn * 8.0) as usize).min(7)] = true;
     }
     let surrounded = sectors.iter().filter(|seen| **seen).count() >= SHANK_SECTORS_MIN;
-    let [least, most] = SHANK_DIAMETER_MM;
-    (surrounded && (least..=most).contains(&size)).then_some(middle)
+    surrounded.then_some(Ring { middle, size_mm })
 }
 
-/// Points of each foot: those below `top_mm`, each assigned to the nearer shank.
+/// Points of each foot: those below `top_mm`, each assigned to the nearer shank; beside a single shank only those that
+/// are linked to it.
 fn feet(mesh: &Mesh, shanks: &[Point2<f64>], top_mm: f64) -> Vec<Vec<[f64; 3]>> {
+    if let &[shank] = shanks {
+        return vec![foot_under(mesh, shank, top_mm)];
+    }
     let mut feet = vec![Vec::new(); shanks.len()];
     for point in mesh.points().iter().filter(|point| point.z < top_mm) {
         let far = |shank: &Point2<f64>| (point.xy() - shank).norm_squared();
@@ -211,6 +279,22 @@ fn feet(mesh: &Mesh, shanks: &[Point2<f64>], top_mm: f64) -> Vec<Vec<[f64; 3]>> 
         }
     }
     feet
+}
+
+/// Points of the foot under a single shank: there may be another foot, of a prosthesis.
+fn foot_under(mesh: &Mesh, shank: Point2<f64>, top_mm: f64) -> Vec<[f64; 3]> {
+    let low: Vec<&Point3<f64>> = mesh.points().iter().filter(|point| point.z < top_mm).collect();
+    let places: Vec<Point2<f64>> = low.iter().map(|point| point.xy()).collect();
+    let far = |place: &Point2<f64>| (place - shank).norm_squared();
+    let nearest = |foot: &[Point2<f64>]| foot.iter().map(far).fold(f64::INFINITY, f64::min);
+    let feet = clusters(&places, SHANK_LINK_MM);
+    let Some(own) = feet.into_iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else {
+        return Vec::new();
+    };
+    // Clusters keep their members in the given order.
+    let mut own = own.into_iter().peekable();
+    let is_own = |point: &&&Point3<f64>| own.next_if(|place| *place == point.xy()).is_some();
+    low.iter().filter(is_own).map(|point| [point.x, point.y, point.z]).collect()
 }
 
 /// The direction of the toes. For one foot, its own direction. For two, halfway between the feet's
@@ -248,7 +332,6 @@ fn toe_direction(
     foot: &[[f64; 3]],
     stature_mm: f64,
 ) -> Result<Vector2<f64>, FeetUnclear> {
-    const FOOT_POINTS_MIN: usize = 50;
     if foot.len() < FOOT_POINTS_MIN {
         return Err(FeetUnclear::NotSeen { points: foot.len() });
     }

@@ -19,7 +19,7 @@ const LONE_FOOT_LENGTH_MM: [f64; 2] = [150.0, 340.0];
 const LONE_LEG_MM: [f64; 2] = [200.0, 1150.0];
 
 /// Length of the foot as a share of stature (ANSUR II, mean of men and women).
-const FOOT_LENGTH_MEAN_SHARE: f64 = 0.152;
+pub(super) const FOOT_LENGTH_MEAN_SHARE: f64 = 0.152;
 
 /// The size of what was scanned.
 pub(crate) struct Size {
@@ -37,11 +37,13 @@ pub(crate) fn extent(points: impl Iterator<Item = Point3<f64>>) -> (Point3<f64>,
     points.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
-/// The size of a standing body with this extent, upright, in export units.
+/// The size of a standing body with this extent, upright, in export units. `is_child` says whether it has the head of
+/// a child.
 pub(crate) fn whole_body(
     method: &Method,
     upright: &Rotation3<f64>,
     extent: Vector3<f64>,
+    is_child: impl Fn() -> bool,
 ) -> Result<Size, BodyFault> {
     let [least, most] = STATURE_MM;
     let plausible = |unit: &Unit| (least..=most).contains(&(extent.z * unit.in_mm()));
@@ -51,11 +53,31 @@ pub(crate) fn whole_body(
             let stature_mm = extent.z * unit.in_mm();
             return Err(BodyFault::UnitImplausible { unit, stature_mm });
         }
-        UnitChoice::Auto => Unit::ALL.into_iter().find(plausible).ok_or_else(|| {
-            let own = (upright.inverse() * extent).abs();
-            let (up, height) = (method.up, extent.z);
-            BodyFault::NoPlausibleUnit { up, height, x: own.x, y: own.y, z: own.z }
-        })?,
+        UnitChoice::Auto => {
+            let mut found: Vec<Unit> = Unit::ALL.into_iter().filter(plausible).collect();
+            found.sort_by(|a, b| a.in_mm().total_cmp(&b.in_mm()));
+            match found.as_slice() {
+                &[unit] => unit,
+                &[child, .., adult] => {
+                    if is_child() {
+                        child
+                    } else {
+                        adult
+                    }
+                }
+                [] => {
+                    let own = (upright.inverse() * extent).abs();
+                    let (up, height) = (method.up, extent.z);
+                    return Err(BodyFault::NoPlausibleUnit {
+                        up,
+                        height,
+                        x: own.x,
+                        y: own.y,
+                        z: own.z,
+                    });
+                }
+            }
+        }
     };
     Ok(Size { unit, scale_mm: extent.z * unit.in_mm(), is_whole: true })
 }

@@ -95,6 +95,12 @@ impl Crotch {
         if self.is_seen() { None } else { self.touching_from_mm }
     }
 
+    /// The stature of people with this crotch and its standard error, mm.
+    pub fn stature_mm(&self) -> (f64, f64) {
+        let stature_mm = self.height_mm / MEAN_SHARE;
+        (stature_mm, (self.sd_mm / MEAN_SHARE).hypot(SD_SHARE / MEAN_SHARE * stature_mm))
+    }
+
     /// Whether the scan shows anything of the crotch.
     pub fn is_seen(&self) -> bool {
         self.from != CrotchFrom::Proportion

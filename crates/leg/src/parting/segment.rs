@@ -172,7 +172,7 @@ fn seeds(
 /// The crotch, checked against the usual range.
 fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentFault> {
     let stature_mm = body.scale_mm;
-    if body.stature_mm.is_none() {
+    if !body.is_whole {
         return Ok(Crotch::unseen(stature_mm));
     }
     let [lowest_mm, highest_mm] = CROTCH_SHARE.map(|share| share * stature_mm);

@@ -143,14 +143,34 @@ fn a_leg_whose_sections_make_no_surface_is_measured_and_says_so_as_an_error() {
     }
 }
 
+/// A body whose calves stand above its ankles, and not behind them.
+fn without_calves() -> Mesh {
+    let behind_mm = |y: f64| ((y - 130.0) / 17.5).min((450.0 - y) / 12.5).clamp(0.0, 8.0);
+    Mesh::mannequin().moved(|[x, y, z]| [x, y, z + behind_mm(y)])
+}
+
+/// The right foot turned backwards about its ankle.
+fn with_foot_turned(mesh: Mesh) -> Mesh {
+    mesh.moved(|[x, y, z]| if x < 0.0 && y < 90.0 { [-200.0 - x, y, -z] } else { [x, y, z] })
+}
+
 #[test]
-fn a_foot_that_says_nothing_leaves_the_facing_to_the_declaration_and_to_a_warning() {
-    // The right foot turned backwards about its ankle.
-    let turned = Mesh::mannequin()
-        .moved(|[x, y, z]| if x < 0.0 && y < 90.0 { [-200.0 - x, y, -z] } else { [x, y, z] });
+fn feet_that_say_nothing_leave_the_facing_to_the_calves_and_then_to_the_declaration() {
     let facing = FacingChoice::Declared(Axis::PlusZ);
-    let found = measured(&turned, &Method { facing, ..Method::default() });
-    assert!(findings(&found).contains(&(None, None, "facing-unchecked")), "{:?}", findings(&found));
+    let declared = Method { facing, ..Method::default() };
+    let says = |mesh: Mesh, method: &Method| findings(&measured(&mesh, method))[0].2;
+    assert_eq!(says(with_foot_turned(Mesh::mannequin()), &declared), "facing-by-calves");
+    assert_eq!(says(with_foot_turned(Mesh::mannequin()), &Method::default()), "facing-by-calves");
+    assert_eq!(says(with_foot_turned(without_calves()), &declared), "facing-unchecked");
+    let unknown = with_foot_turned(without_calves()).obj();
+    let fault = extract(&unknown, Format::Obj, &Method::default()).unwrap_err();
+    assert_eq!(fault.code(), "body-facing-unclear", "{fault}");
+}
+
+#[test]
+fn a_crotch_at_two_fifths_of_the_stature_is_told() {
+    let tall = Mesh::mannequin().moved(|[x, y, z]| [x, y + 0.3 * (y - 900.0).max(0.0), z]);
+    assert!(findings(&measured(&tall, &Method::default())).contains(&(None, None, "proportions")));
 }
 
 #[test]
@@ -158,7 +178,7 @@ fn feet_without_toes_leave_the_facing_to_the_declaration_and_a_plate_under_them_
     let declared = FacingChoice::Declared(Axis::PlusZ);
     let method = Method { facing: declared, ..Method::default() };
     for behind_mm in [20.0, 60.0, 100.0] {
-        let short = Mesh::mannequin().kept(|[_, y, z]| y > 80.0 || z < behind_mm);
+        let short = without_calves().kept(|[_, y, z]| y > 80.0 || z < behind_mm);
         let found = measured(&short, &method);
         assert!(findings(&found).contains(&(None, None, "facing-unchecked")), "{behind_mm}");
         assert_eq!(found.legs.len(), 2, "{behind_mm}");

@@ -2,7 +2,9 @@
 
 #![allow(clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod amputations;
 mod at_heights;
+mod children;
 mod closed_forms;
 mod cloud;
 mod curvature;
@@ -10,6 +12,7 @@ mod features;
 mod findings;
 mod floors;
 mod found;
+mod heads;
 mod held_back;
 mod laws;
 mod levels;

@@ -19,6 +19,7 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
     let leg = tube.leg();
     let body = Body {
         mesh: leg.mesh.clone(),
+        is_whole: true,
         stature_mm: Some(STATURE_MM),
         scale_mm: STATURE_MM,
         scale_sd_share: 0.01,

@@ -247,13 +247,6 @@ fn half_a_body_does_not_say_which_leg_it_has() {
 }
 
 #[test]
-fn a_body_without_its_head_is_measured_with_a_warning() {
-    let headless = BODY.clone().kept(|[_, y, _]| y < 1380.0);
-    let found = measured(&headless);
-    assert_eq!(codes(&found, None), ["proportions"]);
-}
-
-#[test]
 fn a_fold_that_hangs_out_at_the_knee_does_not_end_a_leg() {
     // 28 mm all around, from 480 to 500 mm.
     let band = |y: f64| ((y - 472.0).min(508.0 - y) / 8.0).clamp(0.0, 1.0);

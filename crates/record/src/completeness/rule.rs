@@ -238,7 +238,7 @@ fn again_for_doubt(code: &str) -> Option<Again> {
 /// What a person must make sure of because of a finding.
 fn check(finding: &FindingNote) -> Option<Check> {
     match finding.code.as_str() {
-        "facing-unchecked" | "ord-sides" => Some(Check::Sides),
+        "facing-unchecked" | "facing-by-calves" | "ord-sides" => Some(Check::Sides),
         "ord-unit" => Some(Check::Unit),
         "proportions" => Some(Check::WholeBody),
         "ord-disagrees" => Some(Check::ScannerMeasures),

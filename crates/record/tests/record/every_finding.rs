@@ -91,6 +91,7 @@ pub fn all() -> Vec<What> {
         What::FloorUnclear(FloorDoubt::NotTurning),
         What::ThighsTouch { from_mm: 702.0 },
         What::Proportions { percent: 41.0 },
+        What::CrownNotSeen { stature_mm: 1650.0 },
         What::ThighAxisMissing(NoThigh::NotSeen),
         What::ThighAxisMissing(NoThigh::TooBent { bend_deg: 61.0 }),
         What::CrotchUncertain { sd_mm: 15.3 },
@@ -106,6 +107,7 @@ pub fn all() -> Vec<What> {
         hole(3),
     ];
     all.extend(feet.map(What::FacingUnchecked));
+    all.extend(feet.map(What::FacingByCalves));
     all.extend(absences.map(What::LevelAbsent));
     all.extend(doubts.map(What::Doubtful));
     all.extend(faults.map(What::LegNotMeasured));

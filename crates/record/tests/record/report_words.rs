@@ -77,7 +77,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 43] = [
+const KEYWORDS: [[&str; 4]; 45] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -97,6 +97,7 @@ const KEYWORDS: [[&str; 4]; 43] = [
     ["height-not-measured", "Height", "Höhe", "gewünschte Höhe"],
     ["girth-uncertain", "Girth uncertain", "Umfang unsicher", "größer als 5 mm"],
     ["facing-unchecked", "not checked", "nicht geprüft", "Füße zeigen nicht"],
+    ["facing-by-calves", "by the calves", "nach den Waden", "Füße zeigen nicht"],
     ["floor-uneven", "level", "eben", "waagerechten Ebene"],
     ["feet-cut", "Sole not", "Fußrand", "Schuhe"],
     ["mirror-unchecked", "Mirror", "Spiegelung", "spiegelverkehrt"],
@@ -104,6 +105,7 @@ const KEYWORDS: [[&str; 4]; 43] = [
     ["no-line-end", "line end", "Zeilenende", "ohne Zeilenende"],
     ["thighs-touch", "Thighs", "Oberschenkel", "berühren sich"],
     ["proportions", "proportions", "Proportionen", "Der Schritt liegt"],
+    ["crown-not-seen", "Head not in", "Kopf nicht", "Füßen und Schritt geschätzt"],
     ["thigh-axis-missing", "without an axis", "ohne Achse", "quer zum Unterschenkel"],
     ["crotch-uncertain", "Crotch uncertain", "Schritt unsicher", "gute Schätzung"],
     ["crotch-not-seen", "Crotch not seen", "Schritt nicht", "Körpergröße geschätzt"],
