@@ -48,12 +48,19 @@ pub enum Doubt {
         /// Root mean square distance of the points from the section, mm.
         rms_mm: f64,
     },
-    /// The level lies above a hem.
+    /// Cloth covers the level, or ends beside it.
     Cloth {
-        /// How far, mm.
+        /// How thick it is, mm.
         step_mm: f64,
-        /// Height above the floor, mm.
+        /// Height of its lower edge above the floor, or of its upper one if that alone was seen, mm.
         height_mm: f64,
+    },
+    /// The views of the scanner's cameras do not meet, so that all girths are off alike.
+    ViewsApart {
+        /// How far they are apart, mm.
+        step_mm: f64,
+        /// Standard error that a girth has by it, mm.
+        girth_sd_mm: f64,
     },
     /// The skin at the level is longer than a tape around it.
     Folds {
@@ -90,6 +97,7 @@ impl Doubt {
             Doubt::Gap { .. } => "gap",
             Doubt::Scatter { .. } => "scatter",
             Doubt::Cloth { .. } => "cloth",
+            Doubt::ViewsApart { .. } => "views-apart",
             Doubt::Folds { .. } => "folds",
             Doubt::NotSeen => "not-seen",
             Doubt::KneeBent { .. } => "knee-bent",

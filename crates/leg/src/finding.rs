@@ -113,6 +113,17 @@ pub enum What {
         /// Wanted upper end, height in mm.
         wanted_to_mm: f64,
     },
+    /// The scanner's software closed holes in the skin. They are open again, and bridged.
+    HolesFilled {
+        /// How many.
+        count: usize,
+        /// Extent of the largest along the leg, mm.
+        length_mm: f64,
+        /// Its extent around, mm.
+        width_mm: f64,
+        /// Height of its middle above the floor, mm.
+        height_mm: f64,
+    },
     /// The surface bridges areas that the scanner did not see.
     SurfaceHoles {
         /// How many.
@@ -190,6 +201,7 @@ impl Finding {
             What::LegNotMeasured(_) => "leg-not-measured",
             What::NoSurface(_) => "no-surface",
             What::SurfaceShort { .. } => "surface-short",
+            What::HolesFilled { .. } => "holes-filled",
             What::SurfaceHoles { .. } => "surface-holes",
             What::HeightNotMeasured { .. } => "height-not-measured",
             What::LegsDiffer(_) => "legs-differ",
@@ -220,6 +232,7 @@ impl Finding {
             | What::CrotchNotSeen
             | What::LegCut { .. }
             | What::ThighAxisMissing(_)
+            | What::HolesFilled { .. }
             | What::SurfaceShort { .. } => Severity::Warning,
             What::LevelImplausible { .. } | What::LegNotMeasured(_) | What::NoSurface(_) => {
                 Severity::Error

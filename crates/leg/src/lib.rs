@@ -14,10 +14,11 @@
 //! | quasi-grid, NURBS surface, its error and holes | 2 | [`surface`] |
 //! | volumes, the legs' differences, the scanner's own measures | – | [`comparison`] |
 //!
-//! [`report`] calls them in this order for one leg; its results are in [`measured`], [`finding`]
-//! and [`doubt`].
+//! [`sectioned_leg`] calls them up to the girth curve, [`report`] all after it; between them both legs are compared for
+//! what a [`disturbance`] is. The results are in [`measured`], [`finding`] and [`doubt`].
 
 pub mod comparison;
+pub mod disturbance;
 pub mod doubt;
 pub mod features;
 pub mod finding;
@@ -29,6 +30,7 @@ pub mod method;
 pub mod parting;
 pub mod phantom;
 pub mod report;
+pub mod sectioned_leg;
 pub mod sections;
 pub mod side;
 pub mod surface;
@@ -36,6 +38,8 @@ pub mod surface;
 use rayon::prelude::*;
 
 pub use comparison::difference::Differences;
+use comparison::seams::{Seams, Traces, seams};
+use doubt::Doubt;
 pub use finding::{Finding, LegFault, What};
 pub use frame::body::{Body, FacingFrom};
 pub use frame::body_fault::BodyFault;
@@ -47,7 +51,9 @@ pub use levels::landmark::{Estimate, Landmark};
 pub use measured::{LegReport, LevelSection};
 pub use method::Method;
 pub use parting::crotch::{Crotch, CrotchFrom};
+use parting::segment::Legs;
 pub use parting::segment::SegmentFault;
+use sectioned_leg::{compare_cloth, sectioned_leg};
 pub use side::Side;
 
 /// The result for one scan: the legs that could be measured, and the findings.
@@ -118,15 +124,15 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         let (stature_mm, sd_mm) = cut.crotch.stature_mm();
         body.scale_also_by(stature_mm, sd_mm);
     }
-    let reports = Side::BOTH.into_par_iter().map(|side| {
-        let leg = cut.legs.get(side).as_ref().ok_or(LegFault::NotThere)?;
-        report::leg_report(leg, &body, &cut.crotch, method)
-    });
-    let reports: Vec<_> = reports.collect();
+    let (reports, seams) = reports(&cut, &body, method);
     if let [Err(left), Err(right)] = reports.as_slice() {
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
     let mut findings = about_body(&body, &cut.crotch);
+    if let Some(Seams { step_mm, girth_sd_mm }) = seams {
+        let what = What::Doubtful(Doubt::ViewsApart { step_mm, girth_sd_mm });
+        findings.push(Finding { side: None, level: None, what });
+    }
     // A list of points has no faces by design.
     if scan.triangles.is_empty() && format != Format::Xyz {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
@@ -162,6 +168,27 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         differences,
         findings,
     })
+}
+
+/// What one leg is, or why it is not measured.
+type Report = Result<(LegReport, Vec<Finding>), LegFault>;
+
+/// Both legs, left before right, and the seams of the scanner's views.
+fn reports(cut: &Legs, body: &Body, method: &Method) -> (Vec<Report>, Option<Seams>) {
+    let sectioned = Side::BOTH.into_par_iter().map(|side| {
+        let leg = cut.legs.get(side).as_ref().ok_or(LegFault::NotThere)?;
+        sectioned_leg(leg, body, &cut.crotch, method)
+    });
+    let mut sectioned: Vec<_> = sectioned.collect();
+    compare_cloth(&mut sectioned);
+    let traces: Vec<&Traces> =
+        sectioned.iter().flatten().filter_map(|leg| leg.traces.as_ref()).collect();
+    let seams = seams(&traces);
+    let reports = sectioned.into_par_iter().map(|leg| {
+        let leg = leg?;
+        Ok(report::leg_report(leg, body, &cut.crotch, seams, method))
+    });
+    (reports.collect(), seams)
 }
 
 /// Usual crotch heights of standing people as shares of stature: ANSUR II, mean 0.48, first to last

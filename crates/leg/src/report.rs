@@ -1,17 +1,19 @@
-//! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
+//! The report of one leg: every stage of the paper after its sections, from the girth curve to the surface.
 
 use super::doubt::Doubt;
-use super::finding::{Finding, LegFault, What};
+use super::finding::{Finding, What};
 use super::level::{By, Level};
 use super::measured::{LegReport, LevelSection};
 use super::method::Tape;
 use super::side::Side;
 use super::{Body, Method};
+use crate::comparison::seams::Seams;
 use crate::comparison::volume::leg_volume;
+use crate::disturbance::Disturbance;
 use crate::features::feature::features;
 use crate::levels::at_height::{AtHeight, at_heights, at_lengths, profile_heights_mm};
 use crate::levels::foot::{Foot, foot};
-use crate::levels::girth::{GirthCurve, girth_curve};
+use crate::levels::girth::GirthCurve;
 use crate::levels::landmark::{Estimate, Landmark};
 use crate::levels::level_reading::Ruler;
 use crate::levels::medial_length::surface_length_mm;
@@ -19,12 +21,14 @@ use crate::levels::search::{Levels, levels};
 use crate::levels::thigh::{KNEE_STATURE_SHARE, g, knee_and_thigh};
 use crate::levels::tilt;
 use crate::parting::crotch::Crotch;
+use crate::parting::filled::Patch;
 use crate::parting::segment::Leg;
+use crate::sectioned_leg::SectionedLeg;
 use crate::sections::axis::LegAxis;
-use crate::sections::axis_fit::{self, FoundAxis};
+use crate::sections::axis_fit;
 use crate::sections::axis_length::AxisLength;
-use crate::sections::equidistant::{Sections, sections};
-use crate::sections::hem::Hem;
+use crate::sections::cloth::{Cloth, Cover};
+use crate::sections::equidistant::Sections;
 use crate::sections::section::Section;
 use crate::surface::nurbs::{LegSurface, Wanted, surface};
 use crate::surface::shape::{Shape, on_planes};
@@ -38,53 +42,39 @@ const ANKLE_STATURE_SHARE: f64 = 0.06;
 /// Above this bend of the knee, degrees, levels above C are in doubt.
 const BEND_DOUBT_DEG: f64 = 45.0;
 
-/// A hem changes sections up to this far below it, mm: two of the curve's pieces.
-const CLOTH_REACH_MM: f64 = 25.0;
-
-/// Below the crotch the thigh widens into the buttock within this length, mm.
-const GROIN_MM: f64 = 50.0;
-
-/// The lowest section, as a share of stature: above the instep, below every malleolus.
-const LOWEST_STATURE_SHARE: f64 = 0.035;
-
-/// Measures one leg.
-///
-/// # Errors
-/// A [`LegFault`] if the leg has no axis or hardly any closed section.
+/// Measures a leg whose sections are known; `seams` are those of the scanner's views.
 pub fn leg_report(
-    leg: &Leg,
+    of: SectionedLeg,
     body: &Body,
     crotch: &Crotch,
+    seams: Option<Seams>,
     method: &Method,
-) -> Result<(LegReport, Vec<Finding>), LegFault> {
+) -> (LegReport, Vec<Finding>) {
+    let SectionedLeg { ref leg, ref filled, ref sections, ref curve, ref cloth, .. } = of;
     let scale_mm = body.scale_mm;
     let end_mm = leg.cut_mm.unwrap_or(crotch.height_mm);
-    let FoundAxis { axis, no_thigh } = axis_fit::find(leg, scale_mm, end_mm, method.tape)?;
-    let span_mm = [LOWEST_STATURE_SHARE * scale_mm, end_mm];
-    let span_mm = span_mm.map(|height_mm| axis.along_at_height(height_mm));
-    let sections = sections(leg, axis, span_mm, method.fit).ok_or(LegFault::TooFewPoints)?;
-    let curve = girth_curve(&sections, scale_mm).ok_or_else(|| {
-        let measured = sections.rows.iter().filter(|row| row.section.is_some()).count();
-        LegFault::TooFewSections { measured, planes: sections.rows.len() }
-    })?;
     let near = |along_mm: f64| sections.nearest(along_mm);
-    let mut measures = measures(leg, &sections, &curve, crotch, body, method);
+    let mut measures = measures(leg, sections, curve, crotch, body, method);
     let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
     let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
-    tilt::complete(across, &sections, &curve, &others);
+    tilt::complete(across, sections, curve, &others);
+    let covers = covers(cloth, curve);
+    covers.iter().for_each(|cover| measures.disturb(cover));
     measures.doubt_uncertain_girths();
+    let seams: Vec<Disturbance> = seams.map(Disturbance::of_seams).into_iter().collect();
+    seams.iter().for_each(|seams| measures.disturb(seams));
     for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
     let mut findings = Findings { side: leg.side, found: Vec::new() };
-    if let Some((hem_mm, doubt)) = cloth(&sections, &curve, span_mm) {
+    for doubt in covers.iter().filter_map(|cover| cover.doubt) {
         findings.add(None, What::Doubtful(doubt));
-        measures.doubt_above(hem_mm - CLOTH_REACH_MM, doubt);
     }
+    findings.about_filled(filled);
     if let (Some(end_mm), true) = (leg.cut_mm, body.is_whole) {
         findings.add(None, What::LegCut { end_mm });
     }
-    if let Some(why) = no_thigh {
+    if let Some(why) = of.no_thigh {
         findings.add(None, What::ThighAxisMissing(why));
     }
     findings.about_levels(&measures.levels);
@@ -97,7 +87,7 @@ pub fn leg_report(
     let mut levels_mm: Vec<f64> = levels.map(|(_, along_mm)| along_mm).collect();
     levels_mm.sort_by(f64::total_cmp);
     let wanted = Wanted { height_mm: wanted_mm, levels_mm: &levels_mm };
-    let surface = match surface(leg, &sections, &wanted, &method.surface) {
+    let surface = match surface(leg, sections, &wanted, &method.surface) {
         Ok(surface) => Some(surface),
         Err(none) => {
             findings.add(None, What::NoSurface(none));
@@ -108,11 +98,15 @@ pub fn leg_report(
         findings.about_extent(surface, wanted_mm);
         findings.about_holes(surface);
     }
-    let volume = leg_volume(&sections, &curve, &landmarks);
-    let at = at_heights(&curve, &method.at_heights_mm, near);
-    let profile = at_heights(&curve, &profile_heights_mm(&curve), near);
-    let lengths = AxisLength::of(&sections, scale_mm, method.tape);
-    let along = at_lengths(&curve, &lengths, near);
+    let volume = leg_volume(sections, curve, &landmarks);
+    let mut at = at_heights(curve, &method.at_heights_mm, near);
+    let mut profile = at_heights(curve, &profile_heights_mm(curve), near);
+    let lengths = AxisLength::of(sections, scale_mm, method.tape);
+    let mut along = at_lengths(curve, &lengths, near);
+    let at_heights = at.iter_mut().chain(&mut profile).map(|at| &mut at.found);
+    for girth in at_heights.chain(along.iter_mut().map(|at| &mut at.found)).flatten() {
+        covers.iter().chain(&seams).for_each(|disturbance| disturbance.on(girth));
+    }
     findings.about_heights(&at);
     let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);
     let along_mm: Vec<f64> = across.clone().map(|landmark| landmark.along_mm).collect();
@@ -128,31 +122,29 @@ pub fn leg_report(
     let report = LegReport {
         side: leg.side,
         level_sections: level_sections.collect(),
-        shape: Shape::of(leg, &sections, surface.as_ref()),
+        shape: Shape::of(leg, sections, surface.as_ref()),
         lengths,
-        axis: sections.axis,
+        axis: of.sections.axis,
         landmarks,
         estimates: measures.estimates,
         foot: measures.foot,
-        girth_curve: curve,
+        girth_curve: of.curve,
         surface,
         volume,
         at,
         profile,
         along,
     };
-    Ok((report, findings.found))
+    (report, findings.found)
 }
 
-/// Where cloth begins, along the axis in mm, and the doubt about all above it.
-fn cloth(
-    sections: &Sections,
-    curve: &GirthCurve,
-    [from_mm, to_mm]: [f64; 2],
-) -> Option<(f64, Doubt)> {
-    let Hem { along_mm, step_mm } = sections.hem([from_mm, to_mm - GROIN_MM])?;
-    let height_mm = curve.height_mm(along_mm)?;
-    Some((along_mm, Doubt::Cloth { step_mm, height_mm }))
+/// What covers a leg, as disturbances of its girths.
+fn covers(cloth: &Cloth, curve: &GirthCurve) -> Vec<Disturbance> {
+    let disturbance = |cover: &Cover| {
+        let height_mm = curve.height_mm(cover.edge()?.along_mm)?;
+        Some(Disturbance::of_cloth(cover, height_mm))
+    };
+    cloth.covers.iter().filter_map(disturbance).collect()
 }
 
 /// The axes that a leg would have if the stature were smaller or larger by its standard error; none where
@@ -193,12 +185,10 @@ impl Measures {
         }
     }
 
-    /// Adds a doubt to all levels above a distance along the axis.
-    fn doubt_above(&mut self, along_mm: f64, doubt: Doubt) {
-        let found = self.levels.found.iter_mut().filter(|landmark| landmark.along_mm > along_mm);
-        found.for_each(|landmark| landmark.doubts.push(doubt));
-        let estimates = self.estimates.iter_mut().filter(|place| place.along_mm > along_mm);
-        estimates.for_each(|estimate| estimate.doubts.push(doubt));
+    /// Disturbs what lies within reach.
+    fn disturb(&mut self, disturbance: &Disturbance) {
+        self.levels.found.iter_mut().for_each(|landmark| disturbance.on(landmark));
+        self.estimates.iter_mut().for_each(|estimate| disturbance.on(estimate));
     }
 }
 
@@ -296,6 +286,23 @@ impl Findings {
         if from_mm > wanted_from_mm || to_mm < wanted_to_mm {
             self.add(None, What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm });
         }
+    }
+
+    /// A finding if the scanner's software closed holes.
+    fn about_filled(&mut self, filled: &[Patch]) {
+        let area = |patch: &&Patch| patch.area_mm2;
+        let Some(largest) = filled.iter().max_by(|a, b| area(a).total_cmp(&area(b))) else {
+            return;
+        };
+        self.add(
+            None,
+            What::HolesFilled {
+                count: filled.len(),
+                length_mm: largest.height_mm[1] - largest.height_mm[0],
+                width_mm: largest.width_mm,
+                height_mm: largest.middle.z,
+            },
+        );
     }
 
     /// A finding if the surface bridges holes.

@@ -179,6 +179,13 @@ impl Statement {
                     .number("wanted_from_mm", *wanted_from_mm)
                     .number("wanted_to_mm", *wanted_to_mm)
             }
+            What::HolesFilled { count, length_mm, width_mm, height_mm } => {
+                Statement::of(if *count == 1 { "hole-filled" } else { "holes-filled" })
+                    .count("count", *count)
+                    .number("length_mm", *length_mm)
+                    .number("width_mm", *width_mm)
+                    .number("height_mm", *height_mm)
+            }
             What::SurfaceHoles { count, length_mm, width_mm, height_mm, angle_deg } => {
                 Statement::of(if *count == 1 { "surface-hole" } else { "surface-holes" })
                     .count("count", *count)
@@ -256,6 +263,10 @@ impl From<&Doubt> for Statement {
             Doubt::Scatter { rms_mm } => said.number("rms_mm", rms_mm),
             Doubt::Cloth { step_mm, height_mm } => {
                 said.number("step_mm", step_mm).number("height_mm", height_mm)
+            }
+            // Two standard errors, as everywhere where a person reads how far off something may be.
+            Doubt::ViewsApart { step_mm, girth_sd_mm } => {
+                said.number("step_mm", step_mm).number("girth_off_mm", 2.0 * girth_sd_mm)
             }
             Doubt::GirthUncertain { girth_sd_mm } => said.number("girth_sd_mm", girth_sd_mm),
             Doubt::Folds { percent } => said.number("percent", percent),

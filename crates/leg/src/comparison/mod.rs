@@ -2,6 +2,8 @@
 
 pub mod difference;
 pub mod opinion;
+pub mod seams;
 pub mod second_opinion;
+mod shells;
 pub mod tape_volume;
 pub mod volume;

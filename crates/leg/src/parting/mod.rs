@@ -6,6 +6,7 @@ pub(super) mod cluster;
 pub mod crotch;
 mod crotch_by_slices;
 mod crotch_search;
+pub mod filled;
 mod footprint;
 pub(super) mod leg_tracking;
 mod saddle;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::axis::LegAxis;
-use super::hem::Hem;
+use super::cloth::Cloth;
 use super::plane::{self, PlaneFit};
 use super::point_pairs::Pairs;
 use super::section::{Outline, SPACING_MM, Section};
@@ -78,12 +78,11 @@ impl Sections {
         row.and_then(|row| row.section.as_ref())
     }
 
-    /// Where the skin steps out all around between two distances along the axis; only the fit of all of the
-    /// skin knows.
-    pub fn hem(&self, span_mm: [f64; 2]) -> Option<Hem> {
+    /// What covers the leg between two distances along the axis; only the fit of all of the skin knows.
+    pub fn cloth(&self, span_mm: [f64; 2]) -> Cloth {
         match &self.source {
-            Source::Skin(skin) => skin.hem(span_mm),
-            Source::Crossings { .. } | Source::Pairs(_) => None,
+            Source::Skin(skin) => skin.cloth(span_mm),
+            Source::Crossings { .. } | Source::Pairs(_) => Cloth::default(),
         }
     }
 

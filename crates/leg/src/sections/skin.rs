@@ -14,8 +14,8 @@ use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
 use super::centroid::outline_centroid;
+use super::cloth::{Cloth, DIRECTIONS, cloth};
 use super::gap::largest_gap_deg;
-use super::hem::{Hem, hem};
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::section::{Curve, Outline, Section, Spokes, r2};
@@ -231,10 +231,16 @@ impl Skin {
         Some([front?, lateral?])
     }
 
-    /// Where it steps out all around between two distances along the axis.
-    pub fn hem(&self, span_mm: [f64; 2]) -> Option<Hem> {
+    /// What covers it between two distances along the axis.
+    pub fn cloth(&self, span_mm: [f64; 2]) -> Cloth {
+        let around = self.fit.function.around();
+        let fitted = |along_mm: f64, angles: &[f64; DIRECTIONS]| {
+            let coefficients = self.coefficients(along_mm)?;
+            Some(angles.map(|angle| around.row(angle).dot(&coefficients)))
+        };
         let points = self.points.iter().chain(&self.outliers);
-        hem(points.map(|point| [point.along_mm, point.angle, point.radius_mm]), span_mm)
+        let points = points.map(|point| [point.along_mm, point.angle, point.residual_mm]);
+        cloth(points, fitted, self.fit.sigma, span_mm)
     }
 
     fn curve(&self, coefficients: Vec<f64>) -> Curve {

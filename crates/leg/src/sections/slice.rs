@@ -184,6 +184,15 @@ impl Mesh {
         parts.map(|triangles| self.of_triangles(triangles))
     }
 
+    /// The mesh without some of its triangles, with the normals of what remains.
+    pub fn without(&self, is_left_out: &[bool]) -> Mesh {
+        let kept = self.triangles.iter().zip(is_left_out).filter(|(_, left_out)| !**left_out);
+        let kept: Vec<[u32; 3]> = kept.map(|(triangle, _)| *triangle).collect();
+        let (triangles, used) = components::renumbered(self.points.len(), kept);
+        let points = used.iter().map(|&point| self.points[point as usize]).collect();
+        Mesh::new(points, triangles)
+    }
+
     /// The mesh of some of the triangles.
     fn of_triangles(&self, triangles: Vec<[u32; 3]>) -> Mesh {
         let (triangles, used) = components::renumbered(self.points.len(), triangles);

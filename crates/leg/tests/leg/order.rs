@@ -10,6 +10,7 @@ use gaiter_leg::level::By;
 use gaiter_leg::levels::landmark::{Estimate, Landmark};
 use gaiter_leg::method::{LevelChoices, Unit};
 use gaiter_leg::report::leg_report;
+use gaiter_leg::sectioned_leg::sectioned_leg;
 use gaiter_leg::side::Sides;
 use gaiter_leg::{Crotch, CrotchFrom, Finding, LegReport, Level, Method, What};
 use nalgebra::{Matrix4, Point2, Vector3};
@@ -39,7 +40,8 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         from: CrotchFrom::Saddle,
         touching_from_mm: None,
     };
-    leg_report(&leg, &body, &crotch, method).unwrap()
+    let sectioned = sectioned_leg(&leg, &body, &crotch, method).unwrap();
+    leg_report(sectioned, &body, &crotch, None, method)
 }
 
 fn found(report: &LegReport, level: Level) -> &Landmark {

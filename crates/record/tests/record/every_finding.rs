@@ -38,6 +38,7 @@ pub fn all() -> Vec<What> {
         Doubt::Gap { gap_deg: 39.0 },
         Doubt::Scatter { rms_mm: 2.4 },
         Doubt::Cloth { step_mm: 11.0, height_mm: 92.0 },
+        Doubt::ViewsApart { step_mm: 3.2, girth_sd_mm: 4.1 },
         Doubt::Folds { percent: 3.1 },
         Doubt::NotSeen,
         Doubt::KneeBent { bend_deg: 52.0 },
@@ -103,6 +104,8 @@ pub fn all() -> Vec<What> {
             wanted_from_mm: 98.0,
             wanted_to_mm: 436.0,
         },
+        What::HolesFilled { count: 1, length_mm: 80.0, width_mm: 40.0, height_mm: 120.0 },
+        What::HolesFilled { count: 2, length_mm: 80.0, width_mm: 40.0, height_mm: 120.0 },
         hole(1),
         hole(3),
     ];

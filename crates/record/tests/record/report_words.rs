@@ -77,7 +77,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 45] = [
+const KEYWORDS: [[&str; 4]; 47] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -88,7 +88,8 @@ const KEYWORDS: [[&str; 4]; 45] = [
     ["edge", "edge of the visible", "Rand", "vom Ende"],
     ["gap", "partly", "teilweise", "30°"],
     ["scatter", "scatter", "streuen", "nicht eine Haut"],
-    ["cloth", "Cloth", "Kleidung", "Saum"],
+    ["cloth", "Cloth", "Kleidung", "Rand einer Binde"],
+    ["views-apart", "views do not meet", "Kamerabilder", "Kamera wurde bewegt"],
     ["folds", "folded", "Falten", "Hautfalten"],
     ["not-seen", "Skin not", "Haut nicht", "nicht zu messen"],
     ["knee-bent", "Knee bent", "Knie gebeugt", "so großem Winkel"],
@@ -113,6 +114,7 @@ const KEYWORDS: [[&str; 4]; 45] = [
     ["leg-not-measured", "Leg not measured", "nicht vermessen", "nicht zu vermessen"],
     ["no-surface", "No surface", "Keine Oberfläche", "zu wenig vom Bein"],
     ["surface-short", "too short", "zu kurz", "20 mm unter B"],
+    ["holes-filled", "filled by", "gefüllt", "keine Kamera"],
     ["surface-holes", "holes", "Lücken", "Lücken glatt"],
     ["ends-not-plane", "Solid", "Körper", "nicht eben"],
     ["mesh-not-made", "Mesh", "Netz", "keine Dreiecke"],
