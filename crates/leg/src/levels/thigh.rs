@@ -24,12 +24,16 @@ const KNEE_SD_MM: f64 = 18.0;
 /// … and of the share alone, on a leg without D, mm.
 const KNEE_BY_STATURE_SD_MM: f64 = 25.0;
 
-/// G, a vertical distance below the crotch; `None` if the leg was not measured that high.
+/// G, a vertical distance below the crotch; `None` if the leg was not measured that high, or if the crotch is too
+/// uncertain: then it is measured by hand.
 pub(crate) fn g<'a>(
     ruler: &Ruler<impl Fn(f64) -> Option<&'a Section>>,
     crotch: &Crotch,
     distance_mm: f64,
 ) -> Option<Landmark> {
+    if !crotch.carries_levels() {
+        return None;
+    }
     let by = By::BelowCrotch { distance_mm };
     ruler.at_height(Level::G, by, crotch.height_mm - distance_mm, crotch.sd_mm)
 }
@@ -47,7 +51,8 @@ fn knee(d: Option<&Landmark>, stature_mm: f64, stature_sd_mm: f64) -> (f64, f64,
     (mean_mm.max(d.height_mm), sd_mm, by(Some(KNEE_ABOVE_D_MM)))
 }
 
-/// E, and F halfway from there to G, if the leg was measured that high; lowest first.
+/// E, and F halfway from there to G, if the leg was measured that high and the crotch is certain enough; lowest
+/// first.
 pub(crate) fn knee_and_thigh<'a>(
     ruler: &Ruler<impl Fn(f64) -> Option<&'a Section>>,
     crotch: &Crotch,
@@ -61,6 +66,7 @@ pub(crate) fn knee_and_thigh<'a>(
     let e = ruler.at_height(Level::E, by, knee_mm, knee_sd_mm);
     let between = By::Between(Level::E, Level::G);
     let f = ruler.at_height(Level::F, between, middle_mm, middle_sd_mm);
+    let f = f.filter(|_| crotch.carries_levels());
     let mut estimates: Vec<Estimate> = [e, f].into_iter().flatten().map(Estimate::from).collect();
     if let Some(d) = d.filter(|d| d.height_mm > KNEE_STATURE_SHARE * stature_mm) {
         let doubt = Doubt::BelowD { d_height_mm: d.height_mm };

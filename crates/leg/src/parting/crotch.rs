@@ -7,7 +7,8 @@ pub(super) const APART_SD_MM: f64 = 3.0;
 /// stature above the crotch: 12 to 35 mm in bodies with a known crotch.
 pub(super) const NOTCH_ABOVE_CROTCH_SHARE: f64 = 0.0145;
 
-/// Standard error of a crotch found from such a notch, mm, or from thighs that run along each other.
+/// Standard error of a crotch found from such a notch, mm, or from thighs that run along each other for a
+/// short way.
 pub(super) const HIDDEN_SD_MM: f64 = 15.0;
 
 /// Standard error of the crotch if only one leg is followed up to the trunk, mm: from the distance
@@ -19,6 +20,10 @@ const MEAN_SHARE: f64 = 0.48;
 
 /// Standard deviation of that share among people (ANSUR II), rounded up.
 const SD_SHARE: f64 = 0.015;
+
+/// Levels that hang on the crotch are measured if its standard error is at most this, mm. The girth there changes
+/// by 0.5 to 0.8 mm a mm, so that two of them are 3 to 4 cm of girth: no figure to order by.
+const LEVELS_MAX_SD_MM: f64 = 25.0;
 
 /// The height of the crotch and its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +46,7 @@ pub enum CrotchFrom {
     Saddle,
     /// The border of what was seen there.
     Border,
-    /// The body above thighs whose skins are one in the scan.
+    /// The end of the fold between thighs whose skins are one in the scan.
     GrownTogether,
     /// The thighs, seen separate up to it; of a cloud or a torn skin.
     Thighs,
@@ -101,8 +106,30 @@ impl Crotch {
         (stature_mm, (self.sd_mm / MEAN_SHARE).hypot(SD_SHARE / MEAN_SHARE * stature_mm))
     }
 
+    /// Whether levels may be measured from it. One by proportion gives estimates, which say so.
+    pub fn carries_levels(&self) -> bool {
+        !self.is_seen() || self.sd_mm <= LEVELS_MAX_SD_MM
+    }
+
     /// Whether the scan shows anything of the crotch.
     pub fn is_seen(&self) -> bool {
         self.from != CrotchFrom::Proportion
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crotch_that_may_be_five_centimetres_off_carries_no_levels() {
+        let crotch = |sd_mm: f64| Crotch {
+            height_mm: 800.0,
+            sd_mm,
+            from: CrotchFrom::GrownTogether,
+            touching_from_mm: Some(600.0),
+        };
+        assert!(crotch(24.0).carries_levels() && !crotch(26.0).carries_levels());
+        assert!(Crotch::unseen(1900.0).carries_levels());
     }
 }

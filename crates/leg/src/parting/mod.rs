@@ -7,6 +7,7 @@ pub mod crotch;
 mod crotch_by_slices;
 mod crotch_search;
 pub mod filled;
+mod fold_end;
 mod footprint;
 pub(super) mod leg_tracking;
 mod saddle;

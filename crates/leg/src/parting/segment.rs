@@ -16,7 +16,7 @@ use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::side::{Side, Sides};
 
 /// Distance between the slices in which a leg is followed, mm.
-const STEP_MM: f64 = 10.0;
+pub(super) const STEP_MM: f64 = 10.0;
 
 /// A leg may widen by this from one slice to the next, mm: a slope of 45° and some noise.
 const GROWTH_UP_MM: f64 = 12.0;
@@ -33,7 +33,7 @@ const SHANK_REACH_MM: f64 = 160.0;
 
 /// Range of crotch heights, as shares of stature. ANSUR II: mean 0.48, first to last percentile
 /// 0.45 to 0.52; children and patients need some room.
-const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
+pub(super) const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
 
 /// A leg that ends below this share of stature has no calf and is not measured.
 const LEG_MIN_SHARE: f64 = 0.20;
@@ -183,8 +183,9 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
             let owner = |point: &Point3<f64>| zone.owner(&point.xy(), point.z);
             let saddle = saddle(mesh, stature_mm, highest_mm, EDGE_MAX_MM, owner);
             let found = crotch(mesh, steps, join, saddle, GROWTH_UP_MM, stature_mm);
-            if found.height_mm < LEG_MIN_SHARE * stature_mm {
-                return Err(SegmentFault::JoinTooLow { height_mm: found.height_mm });
+            let joined_mm = found.touching_from_mm.unwrap_or(found.height_mm).min(found.height_mm);
+            if joined_mm < LEG_MIN_SHARE * stature_mm {
+                return Err(SegmentFault::JoinTooLow { height_mm: joined_mm });
             }
             // No fold shows the crotch: cloth, or thighs pressed together.
             let touching_from_mm = found.height_mm;

@@ -13,6 +13,14 @@ const WINDOW_MM: f64 = 6.0;
 /// A notch shallower than this share of the outline's depth is ignored; the line then stays halfway.
 const NOTCH_MIN_SHARE: f64 = 0.03;
 
+/// The steepness of a groove is taken between its bottom and the skin this far to both sides, mm: further than
+/// exporters round the bottom of a groove (5 to 25 mm across), nearer than the folds of the groin.
+const ASIDE_MM: f64 = 20.0;
+
+/// The bottom of the groove in front is up to this far from halfway between the legs, mm; further aside the
+/// folds of the groin look like one.
+const BOTTOM_OFF_MM: f64 = 4.0;
+
 /// The line that splits the outline of both thighs, as points (x, y) in the body frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neck {
@@ -22,6 +30,9 @@ pub struct Neck {
     pub notch_share: f64,
     /// Distance from notch to notch, front to back, as a share of the outline's depth.
     pub thickness_share: f64,
+    /// How steeply the skin in front runs inwards to the middle between the legs, mm per mm; negative where the
+    /// middle bulges, infinite where no skin was seen there, `None` if there is too little skin to tell.
+    pub front_steepness: Option<f64>,
 }
 
 /// The reach of an outline to the front and to the back at one position across the body.
@@ -56,7 +67,8 @@ impl Neck {
         let notch_share = front.map_or(0.0, |notch| (notch.depth_mm / depth_mm).clamp(0.0, 1.0));
         let (front, back) = (at(&front, 1.0, front_mm), at(&back, -1.0, back_mm));
         let thickness_share = ((back.y - front.y) / depth_mm).clamp(0.0, 1.0);
-        Neck { front, back, notch_share, thickness_share }
+        let front_steepness = front_steepness(&reaches);
+        Neck { front, back, notch_share, thickness_share, front_steepness }
     }
 
     /// Whether a point lies to the left of the line, where the left leg is.
@@ -89,6 +101,24 @@ fn reaches(outline: &[Point2<f64>], from_mm: f64, to_mm: f64) -> Vec<Reach> {
     (0..=2 * beside).map(reach).collect()
 }
 
+/// How steeply the outline in front runs inwards to its middle, from the bottom that makes it steepest.
+fn front_steepness(reaches: &[Reach]) -> Option<f64> {
+    let [aside, off] = [ASIDE_MM, BOTTOM_OFF_MM].map(|mm| (mm / STEP_MM) as usize);
+    let middle = reaches.len() / 2;
+    let first = middle.checked_sub(off + aside)?;
+    let front_mm: Vec<f64> = reaches[first..].iter().map(|reach| reach.front_mm).collect();
+    // Counted from `first`, so that the skin aside of each bottom is one of them.
+    let bottoms = [aside, aside + off, aside + 2 * off];
+    if bottoms.iter().all(|bottom| front_mm[*bottom] == f64::INFINITY) {
+        return Some(f64::INFINITY);
+    }
+    let steepness = |bottom: usize| {
+        let aside_mm = (front_mm[bottom - aside] + front_mm[bottom + aside]) / 2.0;
+        (front_mm[bottom] - aside_mm) / ASIDE_MM
+    };
+    bottoms.into_iter().map(steepness).filter(|value| value.is_finite()).reduce(f64::max)
+}
+
 /// The deepest point of a fold.
 #[derive(Debug, Clone, Copy)]
 struct Notch {
@@ -116,6 +146,8 @@ fn deepest(reaches: &[Reach], inward_mm: impl Fn(&Reach) -> f64) -> Option<Notch
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
 
     /// Two circles as the outline of thighs; each only as far as it is outside the other.
@@ -142,6 +174,38 @@ mod tests {
         let depth = (90.0 - (90.0_f64.powi(2) - 80.0_f64.powi(2)).sqrt()) / 180.0;
         // A window of 6 mm to each side fills the sharp bottom of the notch.
         assert!((neck.notch_share - depth).abs() < 0.06, "{} for {depth}", neck.notch_share);
+    }
+
+    #[test]
+    fn the_groove_in_front_is_steep_between_thighs_even_if_its_bottom_is_round() {
+        // The further thighs are pressed together, the shallower the groove.
+        for apart_mm in [90.0, 85.0, 80.0, 70.0] {
+            let sharp = thighs([[-apart_mm, 0.0], [apart_mm, 0.0]], 90.0);
+            // The exporter closed the groove with a bridge of 10 mm.
+            let edge_mm = sharp.iter().filter(|p| p.x.abs() < 6.0 && p.y < 0.0).map(|p| p.y);
+            let edge_mm = edge_mm.fold(0.0, f64::min);
+            let bridged = sharp.iter().filter(|p| p.x.abs() > 5.0).copied();
+            let bridge = (-2..=2).map(|i| Point2::new(2.5 * f64::from(i), edge_mm));
+            let bridged: Vec<_> = bridged.chain(bridge).collect();
+            let middles = [-apart_mm, apart_mm];
+            let [sharp, bridged] =
+                [sharp, bridged].map(|o| Neck::of(&o, middles).front_steepness.unwrap());
+            assert!(sharp > 0.45, "{apart_mm}: {sharp}");
+            assert!(bridged > 0.3, "{apart_mm}: {bridged}");
+        }
+    }
+
+    #[test]
+    fn a_trunk_whose_middle_bulges_has_no_groove_between_the_folds_of_the_groin() {
+        let front = |x: f64| -110.0 + 12.0 * (-(x.abs() - 35.0).powi(2) / 100.0).exp();
+        let trunk: Vec<_> = (-150..=150)
+            .map(f64::from)
+            .flat_map(|x| [Point2::new(x, front(x)), Point2::new(x, 110.0)])
+            .collect();
+        for off_mm in [-8.0, 0.0, 8.0] {
+            let steepness = Neck::of(&trunk, [off_mm - 80.0, off_mm + 80.0]).front_steepness;
+            assert!(steepness.unwrap() < 0.1, "{off_mm}: {steepness:?}");
+        }
     }
 
     #[test]
@@ -176,6 +240,7 @@ mod tests {
             .collect();
         let neck = Neck::of(&outline, [-80.0, 80.0]);
         assert_eq!(neck.notch_share, 1.0);
+        assert_eq!(neck.front_steepness, Some(f64::INFINITY));
         assert!(neck.is_left(&Point2::new(2.0, 0.0)) && !neck.is_left(&Point2::new(-2.0, 0.0)));
     }
 }

@@ -23,6 +23,7 @@ mod second_opinion;
 mod strips;
 mod surface;
 mod test_leg_itself;
+mod thighs;
 mod true_skin;
 mod truth;
 mod volume;
