@@ -135,7 +135,7 @@ fn a_real_export_cut_at_a_line_end_among_its_faces_is_cut_short() {
     // The points end at 39 % of the file.
     let among_faces = [0.45, 0.6, 0.8, 0.9].map(|share| {
         let [_, whole_lines] = cut(&bytes, share);
-        let says = ["of 55957 points belong to no face"];
+        let says = ["of 56234 points belong to no face"];
         case(&format!("faces {share}"), whole_lines, "scan-cut-short", &says)
     });
     check(&among_faces);

@@ -25,6 +25,10 @@ const SD_SHARE: f64 = 0.015;
 /// by 0.5 to 0.8 mm a mm, so that two of them are 3 to 4 cm of girth: no figure to order by.
 const LEVELS_MAX_SD_MM: f64 = 25.0;
 
+/// Range of crotch heights, as shares of stature. ANSUR II: mean 0.48, first to last percentile
+/// 0.45 to 0.52; children and patients need some room.
+pub(super) const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
+
 /// The height of the crotch and its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crotch {

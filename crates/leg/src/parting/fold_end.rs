@@ -6,8 +6,8 @@
 //! proportions speak for some heights more than for others. The crotch is the mean of all heights that could
 //! part the slices, weighted by what speaks for each; so its standard error tells how clear the end is.
 
-use super::leg_tracking::Step;
-use super::segment::{CROTCH_SHARE, STEP_MM};
+use super::crotch::CROTCH_SHARE;
+use super::leg_tracking::{STEP_MM, Step};
 
 /// A groove this steep is as likely as not a fold between thighs. Thighs that touch have 0.4 to 2, the body
 /// from 10 mm above a known crotch −0.5 to 0.2; noise of 1.5 mm changes it by 0.05.

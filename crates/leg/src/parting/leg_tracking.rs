@@ -13,6 +13,9 @@ use crate::side::{Side, Sides};
 /// Points of a slice closer than this are connected, mm: twice the spacing of a usual export (6 mm) …
 pub const LINK_MIN_MM: f64 = 12.0;
 
+/// Distance between the slices in which a leg is followed, mm.
+pub(super) const STEP_MM: f64 = 10.0;
+
 /// … or so many edges of the mesh: a slice has a point on each edge that it crosses, and the longest edge
 /// of a triangle is rarely longer.
 const LINK_EDGES: f64 = 1.6;

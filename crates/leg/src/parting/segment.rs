@@ -6,17 +6,14 @@
 
 use nalgebra::{Point2, Point3};
 
-use super::crotch::Crotch;
+use super::crotch::{CROTCH_SHARE, Crotch};
 use super::crotch_search::{crotch, join};
 use super::footprint::Footprint;
-use super::leg_tracking::{Parting, Step, Track, follow, slices};
+use super::leg_tracking::{Parting, STEP_MM, Step, Track, follow, slices};
 use super::saddle::saddle;
 use crate::frame::body::Body;
 use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::side::{Side, Sides};
-
-/// Distance between the slices in which a leg is followed, mm.
-pub(super) const STEP_MM: f64 = 10.0;
 
 /// A leg may widen by this from one slice to the next, mm: a slope of 45° and some noise.
 const GROWTH_UP_MM: f64 = 12.0;
@@ -30,10 +27,6 @@ const START_SHARE: f64 = 0.11;
 
 /// Points of a shank are within this distance of its middle, mm, including lymphoedema.
 const SHANK_REACH_MM: f64 = 160.0;
-
-/// Range of crotch heights, as shares of stature. ANSUR II: mean 0.48, first to last percentile
-/// 0.45 to 0.52; children and patients need some room.
-pub(super) const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
 
 /// A leg that ends below this share of stature has no calf and is not measured.
 const LEG_MIN_SHARE: f64 = 0.20;

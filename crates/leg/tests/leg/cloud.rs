@@ -26,7 +26,7 @@ const GIRTH_MM: f64 = 0.3;
 const WORST: f64 = 2.5;
 
 /// Girths of a cloud and of its mesh, mm.
-const CLOUD_TO_MESH_MM: f64 = 0.3;
+const CLOUD_TO_MESH_MM: f64 = 0.35;
 
 /// Heights, mm, or the truth's `flat_mm` where that is more.
 const HEIGHT_MM: f64 = 6.0;

@@ -2,17 +2,13 @@
 
 #![allow(clippy::disallowed_methods, clippy::disallowed_types)]
 
-mod amputations;
 mod at_heights;
-mod children;
 mod closed_forms;
 mod cloud;
 mod curvature;
 mod features;
 mod findings;
-mod floors;
 mod found;
-mod heads;
 mod held_back;
 mod laws;
 mod levels;
@@ -23,7 +19,7 @@ mod second_opinion;
 mod strips;
 mod surface;
 mod test_leg_itself;
-mod thighs;
 mod true_skin;
 mod truth;
 mod volume;
+mod wild;

