@@ -14,7 +14,7 @@
 //! | quasi-grid, NURBS surface, its error and holes | 2 | [`surface`] |
 //! | volumes, the legs' differences, the scanner's own measures | – | [`comparison`] |
 //!
-//! [`sectioned_leg`] calls them up to the girth curve, [`report`] all after it; between them both legs are compared for
+//! [`mod@sectioned_leg`] calls them up to the girth curve, [`report`] all after it; between them both legs are compared for
 //! what a [`disturbance`] is. The results are in [`measured`], [`finding`] and [`doubt`].
 
 pub mod comparison;

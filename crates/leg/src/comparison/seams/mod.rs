@@ -8,7 +8,7 @@
 //! as on the leg that says less.
 //!
 //! A girth is off by the sum of what edges are too long at all seams (Cauchy: a part that is moved by d adds to the
-//! girth what d and the vector between its ends make). Shells that overlap are compared by [`super::shells`].
+//! girth what d and the vector between its ends make). Shells that overlap are compared by themselves.
 
 use std::f64::consts::{PI, TAU};
 
