@@ -7,6 +7,7 @@ use nalgebra::{
 };
 
 use super::body_fault::BodyFault;
+use super::bystanders::without_bystanders;
 use super::calves;
 use super::components::without_fragments;
 use super::crown;
@@ -135,7 +136,10 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     let to_mm = Translation3::new(0.0, 0.0, -low.z * unit.in_mm()).to_homogeneous()
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
-    let standing = moved(scan, &to_mm, unit);
+    let mut standing = moved(scan, &to_mm, unit);
+    if size.is_whole {
+        standing = without_bystanders(standing, size.scale_mm);
+    }
     let is_crown_seen = size.is_whole && crown::is_seen(&standing);
     if size.is_whole && !is_crown_seen {
         size.scale_mm = by_feet(&standing, size.scale_mm);

@@ -3,6 +3,7 @@
 
 pub mod body;
 pub(super) mod body_fault;
+mod bystanders;
 mod calves;
 pub(super) mod components;
 mod crown;

@@ -222,10 +222,10 @@ pub(super) fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
 }
 
 /// Points in a slice that surround their middle.
-struct Ring {
-    middle: Point2<f64>,
+pub(super) struct Ring {
+    pub(super) middle: Point2<f64>,
     /// Its larger extent, mm.
-    size_mm: f64,
+    pub(super) size_mm: f64,
 }
 
 impl Ring {
@@ -249,7 +249,8 @@ fn rings(slice: &[Crossing]) -> Vec<Ring> {
     clusters(&points, SHANK_LINK_MM).iter().filter_map(|points| ring(points)).collect()
 }
 
-fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
+/// Points as a ring; `None` if they do not surround their middle.
+pub(super) fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
     let first = *ring.first()?;
     let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
     let size_mm = (high - low).max();

@@ -45,6 +45,11 @@ impl Hull {
         self.edges().map(|(from, to)| (to - from).norm()).sum()
     }
 
+    /// Whether a point lies within.
+    pub fn contains(&self, point: &Point2<f64>) -> bool {
+        self.edges().all(|(from, to)| (to - from).perp(&(point - from)) >= 0.0)
+    }
+
     /// Centroid of the enclosed area.
     pub fn centroid(&self) -> Point2<f64> {
         let first = self.corners[0];

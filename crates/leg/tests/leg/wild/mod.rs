@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod amputations;
+mod bystanders;
 mod cameras;
 mod children;
 mod cloth;
