@@ -222,10 +222,12 @@ pub(super) fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
 }
 
 /// Points in a slice that surround their middle.
-pub(super) struct Ring {
-    pub(super) middle: Point2<f64>,
+pub(crate) struct Ring {
+    pub(crate) middle: Point2<f64>,
     /// Its larger extent, mm.
-    pub(super) size_mm: f64,
+    pub(crate) size_mm: f64,
+    /// In how many of eight equal sectors around the middle there are points.
+    pub(crate) sectors: usize,
 }
 
 impl Ring {
@@ -250,7 +252,7 @@ fn rings(slice: &[Crossing]) -> Vec<Ring> {
 }
 
 /// Points as a ring; `None` if they do not surround their middle.
-pub(super) fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
+pub(crate) fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
     let first = *ring.first()?;
     let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
     let size_mm = (high - low).max();
@@ -260,8 +262,8 @@ pub(super) fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
         let turn = (point.y - middle.y).atan2(point.x - middle.x) / std::f64::consts::TAU + 0.5;
         sectors[((turn * 8.0) as usize).min(7)] = true;
     }
-    let surrounded = sectors.iter().filter(|seen| **seen).count() >= SHANK_SECTORS_MIN;
-    surrounded.then_some(Ring { middle, size_mm })
+    let sectors = sectors.iter().filter(|seen| **seen).count();
+    (sectors >= SHANK_SECTORS_MIN).then_some(Ring { middle, size_mm, sectors })
 }
 
 /// Points of each foot: those below `top_mm`, each assigned to the nearer shank; beside a single shank only those that

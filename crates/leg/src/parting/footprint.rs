@@ -65,6 +65,11 @@ impl Footprint {
         Footprint { middle: self.middle, ahead, back }
     }
 
+    /// Its largest extent, mm.
+    pub fn size_mm(&self) -> f64 {
+        self.ahead.iter().zip(&self.back).map(|(ahead, back)| ahead + back).fold(0.0, larger)
+    }
+
     /// Distance of a point beyond the polygon, mm; negative inside.
     pub fn beyond_mm(&self, point: &Point2<f64>) -> f64 {
         let mut beyond = [f64::NEG_INFINITY; DIRECTIONS.len()];

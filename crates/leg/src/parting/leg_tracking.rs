@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::cluster::clusters;
 use super::footprint::Footprint;
 use super::thigh_divider::Neck;
+use crate::frame::stance::ring;
 use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::side::{Side, Sides};
 
@@ -42,6 +43,20 @@ const FOLD_SHIFT_MM: f64 = 20.0;
 
 /// … and nearly all of it lies within that reach.
 const FOLD_MIN_SHARE: f64 = 0.95;
+
+/// After a hole that hid one side of a leg for long, a closed outline is that leg again if it is no larger than the
+/// leg was within so many slices, 200 mm, by more than this factor: a calf grows by 1.3 over 120 mm …
+const AGAIN_STEPS: usize = 20;
+const AGAIN_GROWTH: f64 = 1.5;
+
+/// … its middle lies within this distance of what is held to be the leg, mm …
+const AGAIN_SHIFT_MM: f64 = 50.0;
+
+/// … and so much of it is where the leg was: what could be seen all along.
+const AGAIN_MIN_SHARE: f64 = 0.35;
+
+/// Sectors of a closed outline.
+const ALL_SECTORS: usize = 8;
 
 /// A leg may be unseen in this many consecutive slices (a bandage, a strap, a row of holes) before
 /// it counts as ended.
@@ -105,7 +120,7 @@ pub fn follow(
     let clustered: Vec<Vec<Vec<Point2<f64>>>> =
         slices(mesh, heights_mm).par_iter().map(|slice| clusters(slice, link_mm)).collect();
     for (&height_mm, slice) in heights_mm.iter().zip(clustered) {
-        let (own, neck) = share_out(slice, &last, growth_mm, parting);
+        let (own, neck) = share_out(slice, &last, &track.steps, growth_mm, parting);
         let prints = Sides::of_each(|side| Footprint::of(own.get(side)));
         for side in Side::BOTH {
             if let Some(print) = prints.get(side) {
@@ -182,6 +197,7 @@ fn cut_of(corners: &[Point3<f64>; 3], height_mm: f64) -> Option<[Point2<f64>; 2]
 fn share_out(
     slice: Vec<Vec<Point2<f64>>>,
     last: &Sides<Option<Footprint>>,
+    before: &[Step],
     growth_mm: f64,
     parting: Parting,
 ) -> (Sides<Vec<Point2<f64>>>, Option<Neck>) {
@@ -208,7 +224,11 @@ fn share_out(
         }
         let side = if shares.left >= shares.right { Side::Left } else { Side::Right };
         let is_fold = || last.get(side).as_ref().is_some_and(|print| is_fold(print, &cluster));
-        if *shares.get(side) > OWN_MIN_SHARE || is_fold() {
+        let is_again = || {
+            let share = *shares.get(side);
+            share > AGAIN_MIN_SHARE && is_seen_again(before, side, &cluster)
+        };
+        if *shares.get(side) > OWN_MIN_SHARE || is_fold() || is_again() {
             own.get_mut(side).extend(cluster);
         }
     }
@@ -220,6 +240,17 @@ fn is_fold(last: &Footprint, cluster: &[Point2<f64>]) -> bool {
     let middle = Footprint::of(cluster).map(|print| print.middle);
     middle.is_some_and(|middle| (middle - last.middle).norm() <= FOLD_SHIFT_MM)
         && last.share_of(cluster, FOLD_GROWTH_MM) >= FOLD_MIN_SHARE
+}
+
+/// Whether a cluster is a leg that is seen all around again after a hole.
+fn is_seen_again(before: &[Step], side: Side, cluster: &[Point2<f64>]) -> bool {
+    let recent = &before[before.len().saturating_sub(AGAIN_STEPS)..];
+    let prints = recent.iter().filter_map(|step| step.prints.get(side).as_ref());
+    let largest_mm = prints.clone().map(Footprint::size_mm).fold(0.0, f64::max);
+    let (Some(last), Some(ring)) = (prints.last(), ring(cluster)) else { return false };
+    ring.sectors == ALL_SECTORS
+        && ring.size_mm <= AGAIN_GROWTH * largest_mm
+        && (ring.middle - last.middle).norm() <= AGAIN_SHIFT_MM
 }
 
 /// Smallest distance between the points of the two legs, mm; if the legs are too far apart to be

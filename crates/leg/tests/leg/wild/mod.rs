@@ -11,6 +11,7 @@ mod filled;
 mod floors;
 mod heads;
 mod thighs;
+mod unseen;
 mod untouched;
 
 use std::sync::LazyLock;
