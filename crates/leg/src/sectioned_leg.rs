@@ -1,7 +1,7 @@
 //! A leg cut into sections: what is known before its levels are looked for. Both legs come this far first, because what
 //! covers one, and what the scanner's cameras did to both, is told by comparing them.
 
-use crate::comparison::seams::Traces;
+use crate::comparison::seams::{SPAN_SHARE, Traces};
 use crate::finding::LegFault;
 use crate::levels::girth::{GirthCurve, girth_curve};
 use crate::parting::crotch::Crotch;
@@ -82,7 +82,8 @@ fn traces(leg: &Leg, sections: &Sections, scale_mm: f64) -> Traces {
     let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
     let girths: Vec<[f64; 2]> =
         measured.map(|section| [section.height_mm, section.girth.contour_mm]).collect();
-    Traces::of(&placed(leg, sections), leg.mesh.edges(), &girths, scale_mm)
+    let span_mm = SPAN_SHARE.map(|share| share * scale_mm);
+    Traces::of(&placed(leg, sections, span_mm), leg.mesh.edges(), &girths, scale_mm)
 }
 
 /// Makes sure of what is only suspected to cover one leg, if the other has nothing like it.

@@ -13,7 +13,7 @@ use crate::frame::union_find::DisjointSets;
 use crate::sections::placed::Placed;
 
 /// The part of the legs that is looked at, as shares of the stature: above the ankle bones, below the groin.
-pub(super) const SPAN_SHARE: [f64; 2] = [0.06, 0.44];
+pub const SPAN_SHARE: [f64; 2] = [0.06, 0.44];
 
 /// A shell has at least this share of the leg's points; less is a fragment.
 const SHELL_MIN_SHARE: f64 = 0.04;

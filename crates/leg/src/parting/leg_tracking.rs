@@ -245,9 +245,9 @@ fn is_fold(last: &Footprint, cluster: &[Point2<f64>]) -> bool {
 /// Whether a cluster is a leg that is seen all around again after a hole.
 fn is_seen_again(before: &[Step], side: Side, cluster: &[Point2<f64>]) -> bool {
     let recent = &before[before.len().saturating_sub(AGAIN_STEPS)..];
-    let prints = recent.iter().filter_map(|step| step.prints.get(side).as_ref());
+    let mut prints = recent.iter().filter_map(|step| step.prints.get(side).as_ref());
     let largest_mm = prints.clone().map(Footprint::size_mm).fold(0.0, f64::max);
-    let (Some(last), Some(ring)) = (prints.last(), ring(cluster)) else { return false };
+    let (Some(last), Some(ring)) = (prints.next_back(), ring(cluster)) else { return false };
     ring.sectors == ALL_SECTORS
         && ring.size_mm <= AGAIN_GROWTH * largest_mm
         && (ring.middle - last.middle).norm() <= AGAIN_SHIFT_MM

@@ -28,13 +28,16 @@ pub struct Placed {
     pub outside_mm: f64,
 }
 
-/// Each point of a leg's mesh on its skin; `None` where the skin has no sections.
-pub fn placed(leg: &Leg, sections: &Sections) -> Vec<Option<Placed>> {
+/// Each point of a leg's mesh between two heights on its skin; `None` elsewhere, and where the skin has no sections.
+pub fn placed(leg: &Leg, sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> Vec<Option<Placed>> {
     let rows: Vec<Option<Ring>> =
         sections.rows.iter().map(|row| row.section.as_ref().map(Ring::of)).collect();
     let from_mm = sections.rows.first().map_or(0.0, |row| row.along_mm);
     let left = leg.side.lateral_sign();
     let one = |point: &nalgebra::Point3<f64>| {
+        if !(low_mm..high_mm).contains(&point.z) {
+            return None;
+        }
         let (along_mm, in_plane) = sections.axis.place(point);
         let at = (along_mm - from_mm) / SPACING_MM;
         if at < 0.0 {

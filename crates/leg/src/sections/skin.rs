@@ -9,12 +9,12 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use gaiter_spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
+use gaiter_spline::{Basis, Row, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
 use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
 use super::centroid::outline_centroid;
-use super::cloth::{Cloth, DIRECTIONS, cloth};
+use super::cloth::{Cloth, DIRECTIONS, cloth, direction};
 use super::gap::largest_gap_deg;
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
@@ -234,9 +234,10 @@ impl Skin {
     /// What covers it between two distances along the axis.
     pub fn cloth(&self, span_mm: [f64; 2]) -> Cloth {
         let around = self.fit.function.around();
-        let fitted = |along_mm: f64, angles: &[f64; DIRECTIONS]| {
+        let rows: [Row; DIRECTIONS] = std::array::from_fn(|at| around.row(direction(at)));
+        let fitted = |along_mm: f64| {
             let coefficients = self.coefficients(along_mm)?;
-            Some(angles.map(|angle| around.row(angle).dot(&coefficients)))
+            Some(rows.each_ref().map(|row| row.dot(&coefficients)))
         };
         let points = self.points.iter().chain(&self.outliers);
         let points = points.map(|point| [point.along_mm, point.angle, point.residual_mm]);

@@ -12,7 +12,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::shells::{self, SPAN_SHARE};
+use super::shells;
+pub use super::shells::SPAN_SHARE;
 use crate::sections::placed::Placed;
 
 /// Directions of the skin: 5° each, 4 mm of a calf, about an edge.

@@ -82,6 +82,9 @@ const LOOSE_QUIET_SHARE: f64 = 0.35;
 const LOOSE_FLAT_SHARE: f64 = 0.6;
 const LOOSE_ROUNDS: usize = 3;
 
+/// Patches whose middle is looked for reach so far beyond, with the skin around them, mm.
+const AROUND_MM: f64 = 130.0;
+
 /// From the median of absolute values to a standard deviation.
 const MEDIAN_TO_SD: f64 = 1.0 / 0.6745;
 
@@ -111,7 +114,9 @@ pub struct Filled {
 /// thigh, where skin is round. Triangles must be wound alike. A bare cloud has none.
 pub fn filled(mesh: &Mesh, span_mm: [f64; 2]) -> Filled {
     let mut is_filled = vec![false; mesh.triangles().len()];
-    let Some(skin) = Skin::of(mesh) else { return Filled { is_filled, patches: Vec::new() } };
+    let Some(skin) = Skin::of(mesh, span_mm) else {
+        return Filled { is_filled, patches: Vec::new() };
+    };
     let mut found = Vec::new();
     for part in skin.parts(|triangle| skin.is_long[triangle], span_mm, 1) {
         found.extend(skin.bridged(&part));
@@ -158,8 +163,8 @@ struct Skin<'a> {
 }
 
 impl Skin<'_> {
-    /// `None` for a cloud.
-    fn of(mesh: &Mesh) -> Option<Skin<'_>> {
+    /// Of what reaches between two heights, with some skin around, mm; `None` for a cloud.
+    fn of(mesh: &Mesh, [low_mm, high_mm]: [f64; 2]) -> Option<Skin<'_>> {
         let points = mesh.points();
         let edges = mesh.edges();
         let along =
@@ -195,8 +200,10 @@ impl Skin<'_> {
         let area_mm2 = median(areas_mm2.clone())?;
         let known = uneven_mm.iter().copied().filter(|uneven_mm| uneven_mm.is_finite());
         let noise_mm = MEDIAN_TO_SD * median(known.collect())?;
+        let looked_at = low_mm - AROUND_MM..high_mm + AROUND_MM;
         let curvature = mesh.triangles().iter().zip(&across).zip(&is_long).map(|((t, n), long)| {
-            if *long { f64::INFINITY } else { mean_curvature(points, &normals, t, n) }
+            let is_out = *long || !looked_at.contains(&points[t[0] as usize].z);
+            if is_out { f64::INFINITY } else { mean_curvature(points, &normals, t, n) }
         });
         let bend = by_usual(mesh, curvature.collect())?;
         let skin = Skin {
@@ -296,9 +303,13 @@ impl Skin<'_> {
 
     /// A hole with a stretched membrane, if these flat triangles are such.
     fn stretched(&self, part: &[usize]) -> Option<Vec<bool>> {
+        // The crease first, because few flat parts have one.
+        if self.crease(part)? <= CREASE {
+            return None;
+        }
         let around_mm = self.noise_around_mm(part)?;
         let is_smooth = self.rms_mm(part) < SMOOTH_MM.max(2.0 * CONTRAST * around_mm);
-        (is_smooth && self.crease(part)? > CREASE).then(|| {
+        is_smooth.then(|| {
             let is_flat = |triangle: usize| self.bend[triangle].abs() < LOOSE_FLAT_SHARE;
             self.grown(&self.flooded(part, is_flat, |_| true))
         })

@@ -15,8 +15,8 @@ mod step;
 
 use covers::covers;
 use reading::Reading;
-pub(super) use rows::DIRECTIONS;
 use rows::Rows;
+pub(super) use rows::{DIRECTIONS, direction};
 use search::{SHARP, SOFT};
 
 /// The least scatter of points, mm: what a fit leaves of bodies without noise.
@@ -92,12 +92,12 @@ pub struct Cloth {
 }
 
 /// What covers a leg between two distances along the axis. `points` are given by their distance along, their angle and
-/// their distance outside a fitted skin; `fitted` is that skin's radius at a distance and angles. Any smooth skin will
+/// their distance outside a fitted skin; `fitted` is that skin's radius at a distance, in each [`direction`]. Any smooth skin will
 /// do that follows the leg around: what it cuts off along the leg is in the distances. `noise_mm` is the scatter of the
 /// points.
 pub fn cloth(
     points: impl Iterator<Item = [f64; 3]>,
-    fitted: impl Fn(f64, &[f64; DIRECTIONS]) -> Option<[f64; DIRECTIONS]>,
+    fitted: impl Fn(f64) -> Option<[f64; DIRECTIONS]>,
     noise_mm: f64,
     span_mm: [f64; 2],
 ) -> Cloth {

@@ -38,8 +38,8 @@ pub(super) struct Rows {
 }
 
 /// The middle of a direction, radians.
-fn angle(direction: usize) -> f64 {
-    -PI + TAU * (direction as f64 + 0.5) / DIRECTIONS as f64
+pub fn direction(index: usize) -> f64 {
+    -PI + TAU * (index as f64 + 0.5) / DIRECTIONS as f64
 }
 
 /// A mean radius at a height.
@@ -68,15 +68,13 @@ fn leans() -> impl Iterator<Item = Lean> {
 impl Rows {
     pub(super) fn of(
         points: impl Iterator<Item = [f64; 3]>,
-        fitted: impl Fn(f64, &[f64; DIRECTIONS]) -> Option<[f64; DIRECTIONS]>,
+        fitted: impl Fn(f64) -> Option<[f64; DIRECTIONS]>,
         noise_mm: f64,
         [from_mm, to_mm]: [f64; 2],
     ) -> Option<Rows> {
         let count = ((to_mm - from_mm) / ROW_MM).max(0.0) as usize;
-        let angles: [f64; DIRECTIONS] = std::array::from_fn(angle);
         let middle_mm = |row: usize| from_mm + ROW_MM * (row as f64 + 0.5);
-        let fitted: Option<Vec<_>> =
-            (0..count).map(|row| fitted(middle_mm(row), &angles)).collect();
+        let fitted: Option<Vec<_>> = (0..count).map(|row| fitted(middle_mm(row))).collect();
         let fitted = fitted?;
         let mut cells = vec![[(0.0, 0.0); DIRECTIONS]; count];
         for [along_mm, angle, residual_mm] in points {
@@ -98,7 +96,7 @@ impl Rows {
     /// How many rows each direction is shifted by a leaning plane.
     pub(super) fn shifts(&self, [front, side]: Lean) -> [isize; DIRECTIONS] {
         std::array::from_fn(|direction| {
-            let (sin, cos) = angle(direction).sin_cos();
+            let (sin, cos) = self::direction(direction).sin_cos();
             ((front * cos + side * sin) * self.radii_mm[direction] / ROW_MM).round() as isize
         })
     }

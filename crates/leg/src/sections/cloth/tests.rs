@@ -26,7 +26,7 @@ fn noisy(noise_mm: f64, radius: impl Fn(f64, f64) -> f64) -> Cloth {
             [along, angle, radius(along, angle) - 30.0 + noise()]
         })
         .collect();
-    let fitted = |_, _: &[f64; DIRECTIONS]| Some([30.0; DIRECTIONS]);
+    let fitted = |_| Some([30.0; DIRECTIONS]);
     cloth(points.into_iter(), fitted, noise_mm, SPAN_MM)
 }
 
