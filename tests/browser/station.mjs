@@ -31,6 +31,19 @@ export function body(n, name = "f_average_clean") {
   return Buffer.from(text.replace(/\nv (\S+)/, (_, x) => `\nv ${x}${String(n).padStart(9, "0")}`), "latin1");
 }
 
+/** An export without the faces that have a chosen corner, and without their points: a side that no camera saw. */
+export function unseen(bytes, isUnseen) {
+  const lines = bytes.toString("latin1").split("\n");
+  const points = lines.filter((line) => line.startsWith("v "));
+  const is = points.map((line) => isUnseen(line.split(" ").slice(1).map(Number)));
+  const corners = (line) => line.trim().split(" ").slice(1).map((corner) => parseInt(corner, 10) - 1);
+  const faces = lines.filter((line) => line.startsWith("f ")).map(corners).filter((face) => !face.some((at) => is[at]));
+  const used = [...new Set(faces.flat())];
+  const numbers = new Map(used.map((at, index) => [at, index + 1]));
+  const kept = [...used.map((at) => points[at]), ...faces.map((face) => `f ${face.map((at) => numbers.get(at)).join(" ")}`)];
+  return Buffer.from(kept.join("\n") + "\n", "latin1");
+}
+
 /** Awaits a condition. */
 export async function until(what, holds) {
   const end = Date.now() + PATIENCE_MS;

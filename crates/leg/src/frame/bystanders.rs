@@ -47,12 +47,6 @@ pub(crate) fn without_bystanders(mesh: Mesh, stature_mm: f64) -> Mesh {
         shells.join(b, c);
     }
     let roots: Vec<u32> = (0..).zip(mesh.points()).map(|(point, _)| shells.root(point)).collect();
-    let Some(first) = mesh.triangles().first().map(|triangle| roots[triangle[0] as usize]) else {
-        return mesh;
-    };
-    if mesh.triangles().iter().all(|triangle| roots[triangle[0] as usize] == first) {
-        return mesh;
-    }
     let count = (TOP_SHARE * stature_mm / STEP_MM) as usize;
     let heights: Vec<f64> = (1..=count).map(|step| STEP_MM * step as f64).collect();
     let mut seen = vec![Seen::default(); roots.len()];

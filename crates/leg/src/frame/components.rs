@@ -10,30 +10,33 @@ use super::union_find::DisjointSets;
 /// as separate shells have 4 % or more; floor pieces and specks 0.3 % or less.
 const FRAGMENT_MAX_SHARE: f64 = 0.005;
 
-/// All shells that are not fragments: their triangles in the given order, and the points that these
-/// use. For a bare cloud, the points in large connected groups, ordered by their coordinates.
-pub fn without_fragments(scan: &Scan) -> Scan {
+/// All shells that are not fragments: their triangles in the given order, the points that these use, and how many shells
+/// there are. For a bare cloud, the points in large connected groups, ordered by their coordinates.
+pub fn without_fragments(scan: &Scan) -> (Scan, usize) {
     let count = scan.points.len();
     if scan.triangles.is_empty() {
         let places = point_cloud::places(&scan.points);
         let roots = point_cloud::roots(&places, point_cloud::spacing(&places));
-        let large = large(&roots);
+        let (large, shells) = large(&roots);
         let points = places.iter().zip(0..).filter(|(_, index)| large(*index));
-        return Scan { points: points.map(|(place, _)| *place).collect(), triangles: Vec::new() };
+        let points = points.map(|(place, _)| *place).collect();
+        return (Scan { points, triangles: Vec::new() }, shells);
     }
     let roots = connected(count, &scan.triangles);
-    let large = large(&roots);
+    let (large, shells) = large(&roots);
     let kept = scan.triangles.iter().filter(|corners| large(corners[0]));
     let (triangles, used) = renumbered(count, kept.copied().collect());
-    Scan { points: used.into_iter().map(|point| scan.points[point as usize]).collect(), triangles }
+    let points = used.into_iter().map(|point| scan.points[point as usize]).collect();
+    (Scan { points, triangles }, shells)
 }
 
-/// Whether a point belongs to a shell that is not a fragment; `roots` gives each point's shell.
-fn large(roots: &[u32]) -> impl Fn(u32) -> bool {
+/// Whether a point belongs to a shell that is not a fragment, and the number of these; `roots` gives each point's shell.
+fn large(roots: &[u32]) -> (impl Fn(u32) -> bool, usize) {
     let mut sizes = vec![0usize; roots.len()];
     roots.iter().for_each(|&root| sizes[root as usize] += 1);
     let least = FRAGMENT_MAX_SHARE * roots.len() as f64;
-    move |point| sizes[roots[point as usize] as usize] as f64 > least
+    let shells = sizes.iter().filter(|size| **size as f64 > least).count();
+    (move |point| sizes[roots[point as usize] as usize] as f64 > least, shells)
 }
 
 /// For each point the index of the point that represents its shell.
@@ -79,6 +82,6 @@ mod tests {
             triangles: strip(0, 500).chain(strip(502, 500)).collect(),
         };
         triangles.insert(0, [502, 503, 504]);
-        assert_eq!(without_fragments(&Scan { points, triangles }), both);
+        assert_eq!(without_fragments(&Scan { points, triangles }), (both, 2));
     }
 }

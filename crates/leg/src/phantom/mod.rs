@@ -115,7 +115,7 @@ pub fn check(
     phantom: &Phantom,
     method: &Method,
 ) -> Result<PhantomCheck, PhantomFault> {
-    let scan = without_fragments(&scan::read(bytes, format)?);
+    let (scan, _) = without_fragments(&scan::read(bytes, format)?);
     let mesh = standing(&scan, phantom, method)?;
     let top_mm = mesh.highest_mm();
     let known = phantom.girths(top_mm);
