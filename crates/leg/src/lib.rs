@@ -156,7 +156,11 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         }
     }
     let differences = comparison::difference::differences(&legs);
-    findings.extend(differences.iter().flat_map(swellings));
+    // Cloth on one leg is no swelling.
+    let is_cloth = |finding: &Finding| matches!(finding.what, What::Doubtful(Doubt::Cloth { .. }));
+    if !findings.iter().any(is_cloth) {
+        findings.extend(differences.iter().flat_map(swellings));
+    }
     let (points, triangles) = (scan.points.len(), scan.triangles.len());
     Ok(Extraction {
         body,
