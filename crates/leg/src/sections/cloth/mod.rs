@@ -92,7 +92,7 @@ pub struct Cloth {
 }
 
 /// What covers a leg between two distances along the axis. `points` are given by their distance along, their angle and
-/// their distance outside a fitted skin; `fitted` is that skin's radius at a distance, in each [`direction`]. Any smooth skin will
+/// their distance outside a fitted skin; `fitted` is that skin's radius at a distance, in each direction. Any smooth skin will
 /// do that follows the leg around: what it cuts off along the leg is in the distances. `noise_mm` is the scatter of the
 /// points.
 pub fn cloth(
