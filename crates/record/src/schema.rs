@@ -127,8 +127,8 @@ pub struct BodyFigures {
     pub floor_sd_mm: Option<f64>,
     /// Direction of the toes in the export.
     pub facing_deg: f64,
-    /// Source of the facing: `feet` or `declared`.
-    #[cfg_attr(test, schemars(extend("enum" = ["feet", "declared"])))]
+    /// Source of the facing: `feet`, `calves` or `declared`.
+    #[cfg_attr(test, schemars(extend("enum" = ["feet", "calves", "declared"])))]
     pub facing_from: String,
     /// 4 × 4, row by row: from the export's coordinates to the body frame. Not rounded.
     pub from_export: [f64; 16],
