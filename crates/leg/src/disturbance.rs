@@ -54,70 +54,35 @@ impl Disturbance {
         }
     }
 
-    /// Disturbs a girth, if it lies there.
-    pub fn on(&self, girth: &mut impl Disturbed) {
-        if !self.along_mm.contains(&girth.along_mm()) {
+    /// Disturbs a girth at a distance along the axis, mm, if it reaches so far: its standard errors, mm, and its doubts.
+    fn disturb<const N: usize>(
+        &self,
+        along_mm: f64,
+        sds_mm: [&mut f64; N],
+        doubts: &mut Vec<Doubt>,
+    ) {
+        if !self.along_mm.contains(&along_mm) {
             return;
         }
-        girth.widen(self.sd_mm);
-        let doubts = girth.doubts();
+        sds_mm.into_iter().for_each(|sd_mm| *sd_mm = sd_mm.hypot(self.sd_mm));
         let is_new = |doubt: &Doubt| doubts.iter().all(|other| other.code() != doubt.code());
-        if let Some(doubt) = self.doubt.filter(is_new) {
-            girth.doubts().push(doubt);
-        }
-    }
-}
-
-/// A girth that something may disturb.
-pub trait Disturbed {
-    /// Where it lies along the axis, mm.
-    fn along_mm(&self) -> f64;
-    /// Adds to its standard error, mm.
-    fn widen(&mut self, sd_mm: f64);
-    /// Its doubts.
-    fn doubts(&mut self) -> &mut Vec<Doubt>;
-}
-
-impl Disturbed for Landmark {
-    fn along_mm(&self) -> f64 {
-        self.along_mm
+        doubts.extend(self.doubt.filter(is_new));
     }
 
-    fn widen(&mut self, sd_mm: f64) {
-        self.girth_sd_mm = self.girth_sd_mm.hypot(sd_mm);
-        self.girth_of_level_sd_mm = self.girth_of_level_sd_mm.hypot(sd_mm);
+    /// Disturbs a level.
+    pub fn on_landmark(&self, of: &mut Landmark) {
+        let sds_mm = [&mut of.girth_sd_mm, &mut of.girth_of_level_sd_mm];
+        self.disturb(of.along_mm, sds_mm, &mut of.doubts);
     }
 
-    fn doubts(&mut self) -> &mut Vec<Doubt> {
-        &mut self.doubts
-    }
-}
-
-impl Disturbed for Estimate {
-    fn along_mm(&self) -> f64 {
-        self.along_mm
+    /// Disturbs an estimate.
+    pub fn on_estimate(&self, of: &mut Estimate) {
+        let sds_mm = [&mut of.girth_sd_mm, &mut of.girth_of_level_sd_mm];
+        self.disturb(of.along_mm, sds_mm, &mut of.doubts);
     }
 
-    fn widen(&mut self, sd_mm: f64) {
-        self.girth_sd_mm = self.girth_sd_mm.hypot(sd_mm);
-        self.girth_of_level_sd_mm = self.girth_of_level_sd_mm.hypot(sd_mm);
-    }
-
-    fn doubts(&mut self) -> &mut Vec<Doubt> {
-        &mut self.doubts
-    }
-}
-
-impl Disturbed for HeightGirth {
-    fn along_mm(&self) -> f64 {
-        self.along_mm
-    }
-
-    fn widen(&mut self, sd_mm: f64) {
-        self.girth_sd_mm = self.girth_sd_mm.hypot(sd_mm);
-    }
-
-    fn doubts(&mut self) -> &mut Vec<Doubt> {
-        &mut self.doubts
+    /// Disturbs the girth at a height.
+    pub fn on_height(&self, of: &mut HeightGirth) {
+        self.disturb(of.along_mm, [&mut of.girth_sd_mm], &mut of.doubts);
     }
 }

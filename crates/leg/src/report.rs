@@ -1,5 +1,7 @@
 //! The report of one leg: every stage of the paper after its sections, from the girth curve to the surface.
 
+use nalgebra::Point2;
+
 use super::doubt::Doubt;
 use super::finding::{Finding, What};
 use super::level::{By, Level};
@@ -58,7 +60,7 @@ pub fn leg_report(
     let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
     let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
     tilt::complete(across, sections, curve, &others);
-    let covers = covers(cloth, curve);
+    let covers = covers(cloth, &sections.axis);
     covers.iter().for_each(|cover| measures.disturb(cover));
     measures.doubt_uncertain_girths();
     let seams: Vec<Disturbance> = seams.map(Disturbance::of_seams).into_iter().collect();
@@ -105,7 +107,7 @@ pub fn leg_report(
     let mut along = at_lengths(curve, &lengths, near);
     let at_heights = at.iter_mut().chain(&mut profile).map(|at| &mut at.found);
     for girth in at_heights.chain(along.iter_mut().map(|at| &mut at.found)).flatten() {
-        covers.iter().chain(&seams).for_each(|disturbance| disturbance.on(girth));
+        covers.iter().chain(&seams).for_each(|disturbance| disturbance.on_height(girth));
     }
     findings.about_heights(&at);
     let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);
@@ -139,9 +141,9 @@ pub fn leg_report(
 }
 
 /// What covers a leg, as disturbances of its girths.
-fn covers(cloth: &Cloth, curve: &GirthCurve) -> Vec<Disturbance> {
+fn covers(cloth: &Cloth, axis: &LegAxis) -> Vec<Disturbance> {
     let disturbance = |cover: &Cover| {
-        let height_mm = curve.height_mm(cover.edge()?.along_mm)?;
+        let height_mm = axis.at(cover.edge()?.along_mm, &Point2::origin()).z;
         Some(Disturbance::of_cloth(cover, height_mm))
     };
     cloth.covers.iter().filter_map(disturbance).collect()
@@ -187,8 +189,8 @@ impl Measures {
 
     /// Disturbs what lies within reach.
     fn disturb(&mut self, disturbance: &Disturbance) {
-        self.levels.found.iter_mut().for_each(|landmark| disturbance.on(landmark));
-        self.estimates.iter_mut().for_each(|estimate| disturbance.on(estimate));
+        self.levels.found.iter_mut().for_each(|landmark| disturbance.on_landmark(landmark));
+        self.estimates.iter_mut().for_each(|estimate| disturbance.on_estimate(estimate));
     }
 }
 
