@@ -40,7 +40,7 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         from: CrotchFrom::Saddle,
         touching_from_mm: None,
     };
-    let sectioned = sectioned_leg(&leg, &body, &crotch, method).unwrap();
+    let sectioned = sectioned_leg(leg, &body, &crotch, method).unwrap();
     leg_report(sectioned, &body, &crotch, None, method)
 }
 

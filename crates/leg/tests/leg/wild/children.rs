@@ -1,15 +1,8 @@
 //! Small children are measured, whatever the unit, and tall adults are not taken for them.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use gaiter_leg::method::Unit;
-use gaiter_leg::{Extraction, Level, Method, extract};
-use gaiter_scan::Format;
-use support::mesh::Mesh;
 
-fn measured(mesh: &Mesh) -> Extraction {
-    extract(&mesh.obj(), Format::Obj, &Method::default()).unwrap()
-}
+use super::*;
 
 /// The girth at C of both legs, mm.
 fn calves_mm(found: &Extraction) -> [f64; 2] {

@@ -1,22 +1,9 @@
 //! A body whose head was cut off is measured by its feet and its crotch.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
-use gaiter_leg::{Extraction, Level, Method, extract};
-use gaiter_scan::Format;
-use support::chance::Chance;
-use support::mesh::Mesh;
+use super::*;
 
 /// How many cuts are drawn for each body.
 const CUTS: u64 = 12;
-
-fn measured(mesh: &Mesh) -> Extraction {
-    extract(&mesh.obj(), Format::Obj, &Method::default()).unwrap()
-}
-
-fn is_told(found: &Extraction) -> bool {
-    found.findings.iter().any(|finding| finding.code() == "crown-not-seen")
-}
 
 /// A lid over the cut at a height: a fan about the middle of the highest points.
 fn with_lid(mesh: Mesh, cut_mm: f64) -> Mesh {
@@ -41,7 +28,10 @@ fn girths_without_a_head_are_those_of_the_whole_body_within_what_is_stated() {
         let whole = Mesh::body(body);
         let top_mm = whole.points.iter().map(|point| point[1]).fold(0.0, f64::max);
         let expected = measured(&whole);
-        assert!(!is_told(&expected) && expected.body.stature_mm.is_some(), "{body}");
+        assert!(
+            !is_told(&expected, "crown-not-seen") && expected.body.stature_mm.is_some(),
+            "{body}"
+        );
         for seed in 0..CUTS {
             let mut chance = Chance(seed);
             // From the chest to the mouth.
@@ -50,7 +40,7 @@ fn girths_without_a_head_are_those_of_the_whole_body_within_what_is_stated() {
             let cut = if chance.below(2) == 0 { with_lid(cut, cut_mm) } else { cut };
             let found = measured(&cut);
             let told = format!("{body}, cut at {cut_mm}");
-            assert!(is_told(&found) && found.body.stature_mm.is_none(), "{told}");
+            assert!(is_told(&found, "crown-not-seen") && found.body.stature_mm.is_none(), "{told}");
             for (own, whole) in found.legs.iter().zip(&expected.legs) {
                 for level in [Level::B, Level::C, Level::D] {
                     let [own, whole] = [own, whole].map(|leg| {
@@ -74,6 +64,6 @@ fn a_head_with_a_hole_in_its_crown_is_a_head() {
     let top_mm = whole.points.iter().map(|point| point[1]).fold(0.0, f64::max);
     for hole_mm in [4.0, 10.0, 14.0] {
         let found = measured(&whole.clone().kept(|[_, y, _]| y < top_mm - hole_mm));
-        assert!(!is_told(&found), "{hole_mm}");
+        assert!(!is_told(&found, "crown-not-seen"), "{hole_mm}");
     }
 }

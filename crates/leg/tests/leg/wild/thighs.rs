@@ -1,21 +1,14 @@
 //! Thighs that touch and are one skin in the export: where the crotch is, and how sure that is.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+use gaiter_leg::CrotchFrom;
 
-use gaiter_leg::{CrotchFrom, Extraction, Level, Method, extract};
-use gaiter_scan::Format;
-use support::chance::Chance;
-use support::mesh::Mesh;
+use super::*;
 
 /// How many are drawn for each body.
 const DRAWS: u64 = 16;
 
 /// Above this standard error of the crotch there is no G and no F, mm.
 const LEVELS_MAX_SD_MM: f64 = 25.0;
-
-fn measured(mesh: &Mesh) -> Extraction {
-    extract(&mesh.obj(), Format::Obj, &Method::default()).unwrap()
-}
 
 /// How far legs are moved inwards at each mm of height, so that they touch over `length_mm` below the crotch, pressed
 /// by `press_mm`.
