@@ -51,10 +51,11 @@ pub use levels::landmark::{Estimate, Landmark};
 pub use measured::{LegReport, LevelSection};
 pub use method::Method;
 pub use parting::crotch::{Crotch, CrotchFrom};
-use parting::segment::Legs;
+use parting::segment::Leg;
 pub use parting::segment::SegmentFault;
 use sectioned_leg::{compare_cloth, sectioned_leg};
 pub use side::Side;
+use side::Sides;
 
 /// The result for one scan: the legs that could be measured, and the findings.
 #[derive(Debug, Clone)]
@@ -124,7 +125,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         let (stature_mm, sd_mm) = cut.crotch.stature_mm();
         body.scale_also_by(stature_mm, sd_mm);
     }
-    let (reports, seams) = reports(&cut, &body, method);
+    let (reports, seams) = reports(cut.legs, &cut.crotch, &body, method);
     if let [Err(left), Err(right)] = reports.as_slice() {
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
@@ -178,11 +179,15 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
 type Report = Result<(LegReport, Vec<Finding>), LegFault>;
 
 /// Both legs, left before right, and the seams of the scanner's views.
-fn reports(cut: &Legs, body: &Body, method: &Method) -> (Vec<Report>, Option<Seams>) {
-    let sectioned = Side::BOTH.into_par_iter().map(|side| {
-        let leg = cut.legs.get(side).as_ref().ok_or(LegFault::NotThere)?;
-        sectioned_leg(leg, body, &cut.crotch, method)
-    });
+fn reports(
+    legs: Sides<Option<Leg>>,
+    crotch: &Crotch,
+    body: &Body,
+    method: &Method,
+) -> (Vec<Report>, Option<Seams>) {
+    let sectioned = [legs.left, legs.right]
+        .into_par_iter()
+        .map(|leg| sectioned_leg(leg.ok_or(LegFault::NotThere)?, body, crotch, method));
     let mut sectioned: Vec<_> = sectioned.collect();
     compare_cloth(&mut sectioned);
     let traces: Vec<&Traces> =
@@ -190,7 +195,7 @@ fn reports(cut: &Legs, body: &Body, method: &Method) -> (Vec<Report>, Option<Sea
     let seams = seams(&traces);
     let reports = sectioned.into_par_iter().map(|leg| {
         let leg = leg?;
-        Ok(report::leg_report(leg, body, &cut.crotch, seams, method))
+        Ok(report::leg_report(leg, body, crotch, seams, method))
     });
     (reports.collect(), seams)
 }

@@ -47,7 +47,7 @@ pub struct SectionedLeg {
 /// # Errors
 /// A [`LegFault`] if the leg has no axis or hardly any closed section.
 pub fn sectioned_leg(
-    leg: &Leg,
+    leg: Leg,
     body: &Body,
     crotch: &Crotch,
     method: &Method,
@@ -70,12 +70,12 @@ pub fn sectioned_leg(
 }
 
 /// A leg with its closed holes open again, and the holes.
-fn without_filled(leg: &Leg, scale_mm: f64) -> (Leg, Vec<Patch>) {
+fn without_filled(leg: Leg, scale_mm: f64) -> (Leg, Vec<Patch>) {
     let found = filled(&leg.mesh, FILLED_STATURE_SHARE.map(|share| share * scale_mm));
     if found.patches.is_empty() {
-        return (leg.clone(), Vec::new());
+        return (leg, Vec::new());
     }
-    (Leg { mesh: leg.mesh.without(&found.is_filled), ..leg.clone() }, found.patches)
+    (Leg { mesh: leg.mesh.without(&found.is_filled), ..leg }, found.patches)
 }
 
 fn traces(leg: &Leg, sections: &Sections, scale_mm: f64) -> Traces {

@@ -112,21 +112,12 @@ pub struct Angles {
 impl Angles {
     /// The angles, quickest for sections in the basis of this one.
     pub fn of(section: &Section) -> Angles {
-        let spokes = match &section.curve {
-            Curve::Periodic { basis, .. } => Some(Spokes::at(ANGLES, basis)),
-            Curve::Polynomial(_) => None,
-        };
-        Angles { harmonics: Harmonics::at(ANGLES), spokes }
+        Angles { harmonics: Harmonics::at(ANGLES), spokes: section.curve.spokes(ANGLES) }
     }
 
     /// The radii of a curve at them, mm.
     fn radii(&self, curve: &Curve) -> Vec<f64> {
-        match (curve, &self.spokes) {
-            (Curve::Periodic { basis, coefficients }, Some(spokes)) if spokes.fit(basis) => {
-                spokes.radii(coefficients)
-            }
-            _ => (0..ANGLES).map(|index| curve.radius(angle(index as f64))).collect(),
-        }
+        curve.radii(ANGLES, self.spokes.as_ref())
     }
 }
 

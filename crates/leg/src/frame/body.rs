@@ -112,22 +112,18 @@ impl Body {
 /// A [`BodyFault`] if the scan is not a whole standing body, or not a lone leg where one was
 /// declared, or if its sides cannot be determined.
 pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
-    let (scan, mut shells) = without_fragments(scan);
-    let scan = &scan;
-    if scan.points.is_empty() {
+    let all = without_fragments(scan);
+    if all.0.points.is_empty() {
         return Err(BodyFault::OnlyFragments);
     }
     let upright = upright(method.up);
     let above = match method.scope {
-        Scope::Body => above_floor(scan, &upright),
+        Scope::Body => above_floor(&all.0, &upright),
         Scope::Leg(_) => None,
     };
     let (above, floor) = above.unzip();
     let above = above.map(|above| without_fragments(&above));
-    if let Some((_, above)) = above {
-        shells = above;
-    }
-    let scan = above.as_ref().map_or(scan, |(above, _)| above);
+    let (scan, shells) = above.as_ref().unwrap_or(&all);
     let (low, high) = extent(scan.points.iter().map(|point| upright * point));
     let mut size = match method.scope {
         Scope::Body => whole_body(method, &upright, high - low, || {
@@ -141,7 +137,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
     let mut standing = moved(scan, &to_mm, unit);
-    if size.is_whole && shells > 1 {
+    if size.is_whole && *shells > 1 {
         standing = without_bystanders(standing, size.scale_mm);
     }
     let is_crown_seen = size.is_whole && crown::is_seen(&standing);

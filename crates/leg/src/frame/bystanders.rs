@@ -3,8 +3,8 @@
 
 use nalgebra::{Point2, Vector3};
 
-use super::stance::{Ring, ring};
-use super::union_find::DisjointSets;
+use super::components::connected;
+use super::stance::{Ring, SHANK_LINK_MM, ring};
 use crate::parting::cluster::clusters;
 use crate::sections::hull::Hull;
 use crate::sections::slice::Mesh;
@@ -14,9 +14,6 @@ const TOP_SHARE: f64 = 0.38;
 
 /// … every so many mm.
 const STEP_MM: f64 = 20.0;
-
-/// Points of one ring are closer to each other than this, mm: three times the spacing of a coarse export.
-const LINK_MM: f64 = 20.0;
 
 /// Both legs are thicker than what stands beside them by this factor.
 const THICKER: f64 = 1.25;
@@ -41,12 +38,7 @@ struct Seen {
 
 /// A standing body, z up in mm, without what stands beside its legs.
 pub(crate) fn without_bystanders(mesh: Mesh, stature_mm: f64) -> Mesh {
-    let mut shells = DisjointSets::new(mesh.points().len());
-    for &[a, b, c] in mesh.triangles() {
-        shells.join(a, b);
-        shells.join(b, c);
-    }
-    let roots: Vec<u32> = (0..).zip(mesh.points()).map(|(point, _)| shells.root(point)).collect();
+    let roots = connected(mesh.points().len(), mesh.triangles());
     let count = (TOP_SHARE * stature_mm / STEP_MM) as usize;
     let heights: Vec<f64> = (1..=count).map(|step| STEP_MM * step as f64).collect();
     let mut seen = vec![Seen::default(); roots.len()];
@@ -74,7 +66,7 @@ fn look(points: &[(u32, Point2<f64>)], seen: &mut [Seen]) {
         let shell = shell_points[0].0;
         seen[shell as usize].slices += 1;
         let places: Vec<Point2<f64>> = shell_points.iter().map(|(_, place)| *place).collect();
-        let outlines = clusters(&places, LINK_MM);
+        let outlines = clusters(&places, SHANK_LINK_MM);
         rings.extend(outlines.iter().filter_map(|outline| {
             Some(ShellRing { shell, ring: ring(outline)?, hull: Hull::of(outline)? })
         }));

@@ -42,7 +42,7 @@ const CHILD_RADIUS_SHARE: f64 = 0.068;
 /// Whether a standing body, z up from its floor at about 0 in any unit, has the head of a small child, or none.
 pub(crate) fn is_child(mesh: &Mesh) -> bool {
     let top = mesh.highest_mm();
-    let [.., wide] = reaches(mesh, top, [HIGH_SHARE.map(|share| share * top); 1]);
+    let [wide] = reaches(mesh, top, [HIGH_SHARE.map(|share| share * top)]);
     at_share(wide.into_iter(), 0.5).is_some_and(|radius| radius > CHILD_RADIUS_SHARE * top)
 }
 

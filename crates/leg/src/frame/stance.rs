@@ -24,7 +24,7 @@ const LONE_STEP_MAX_MM: f64 = 60.0;
 
 /// Points of one shank closer than this are connected, mm: three times the spacing of a coarse
 /// export, less than the gap between two shanks.
-const SHANK_LINK_MM: f64 = 20.0;
+pub(super) const SHANK_LINK_MM: f64 = 20.0;
 
 /// Minimum and maximum diameter of a shank, mm, including lymphoedema.
 const SHANK_DIAMETER_MM: [f64; 2] = [35.0, 300.0];

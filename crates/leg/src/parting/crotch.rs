@@ -16,7 +16,7 @@ pub(super) const HIDDEN_SD_MM: f64 = 15.0;
 const ONE_LEG_SD_MM: f64 = 20.0;
 
 /// The assumed crotch height if it is not visible, as a share of stature (ANSUR II).
-const MEAN_SHARE: f64 = 0.48;
+pub(super) const MEAN_SHARE: f64 = 0.48;
 
 /// Standard deviation of that share among people (ANSUR II), rounded up.
 const SD_SHARE: f64 = 0.015;

@@ -6,7 +6,7 @@
 //! proportions speak for some heights more than for others. The crotch is the mean of all heights that could
 //! part the slices, weighted by what speaks for each; so its standard error tells how clear the end is.
 
-use super::crotch::CROTCH_SHARE;
+use super::crotch::{CROTCH_SHARE, MEAN_SHARE};
 use super::leg_tracking::{STEP_MM, Step};
 
 /// A groove this steep is as likely as not a fold between thighs. Thighs that touch have 0.4 to 2, the body
@@ -17,10 +17,7 @@ const STEEP: f64 = 0.3;
 /// skin, so that none of them says more.
 const SLICE_MAX: f64 = 1.0;
 
-/// The crotch's usual height as a share of stature (ANSUR II) …
-const USUAL_SHARE: f64 = 0.48;
-
-/// … and its standard deviation: 0.015 among soldiers; children, heavy people, and skin that no rod is
+/// Standard deviation of the crotch's usual height as a share of stature: 0.015 among soldiers; children, heavy people, and skin that no rod is
 /// pressed to differ by more.
 const USUAL_SD_SHARE: f64 = 0.02;
 
@@ -66,7 +63,7 @@ pub fn fold_end(joined: &[Step], stature_mm: f64) -> Option<FoldEnd> {
     let above_mm = ABOVE_CROTCH_SHARE * stature_mm;
     let place = |end_mm: f64, below: f64| {
         let crotch_mm = end_mm - above_mm;
-        let off = (crotch_mm / stature_mm - USUAL_SHARE) / USUAL_SD_SHARE;
+        let off = (crotch_mm / stature_mm - MEAN_SHARE) / USUAL_SD_SHARE;
         Place { crotch_mm, below, log_weight: below - off * off / 2.0 }
     };
     let steps: Vec<&Step> =
@@ -174,7 +171,7 @@ mod tests {
     #[test]
     fn slices_that_show_no_groove_leave_it_to_the_proportions() {
         let found = end([600.0, 824.0], [STEEP, STEEP]);
-        assert!((found.crotch_mm - USUAL_SHARE * STATURE_MM).abs() < 5.0, "{found:?}");
+        assert!((found.crotch_mm - MEAN_SHARE * STATURE_MM).abs() < 5.0, "{found:?}");
         assert!(found.sd_mm > 30.0 && found.by_slices_mm.is_none(), "{found:?}");
     }
 

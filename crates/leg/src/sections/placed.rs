@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Vector2;
 
 use super::equidistant::Sections;
-use super::section::{Curve, SPACING_MM, Section, Spokes};
+use super::section::{SPACING_MM, Section, Spokes};
 use crate::parting::segment::Leg;
 
 /// Angles at which each section's radius is read; in between it is interpolated. 2.5° are 2 mm on a calf, where a
@@ -31,10 +31,7 @@ pub struct Placed {
 /// Each point of a leg's mesh between two heights on its skin; `None` elsewhere, and where the skin has no sections.
 pub fn placed(leg: &Leg, sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> Vec<Option<Placed>> {
     let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
-    let spokes = measured.map(|section| &section.curve).find_map(|curve| match curve {
-        Curve::Periodic { basis, .. } => Some(Spokes::at(ANGLES, basis)),
-        Curve::Polynomial(_) => None,
-    });
+    let spokes = measured.map(|section| &section.curve).find_map(|curve| curve.spokes(ANGLES));
     let ring = |section: &Section| Ring::of(section, spokes.as_ref());
     let rows: Vec<Option<Ring>> =
         sections.rows.iter().map(|row| row.section.as_ref().map(ring)).collect();
@@ -76,13 +73,7 @@ struct Ring {
 
 impl Ring {
     fn of(section: &Section, spokes: Option<&Spokes>) -> Ring {
-        let radius = |index: usize| section.curve.radius(-PI + TAU * index as f64 / ANGLES as f64);
-        let radii: Vec<f64> = match (&section.curve, spokes) {
-            (Curve::Periodic { basis, coefficients }, Some(spokes)) if spokes.fit(basis) => {
-                spokes.radii(coefficients)
-            }
-            _ => (0..ANGLES).map(radius).collect(),
-        };
+        let radii = section.curve.radii(ANGLES, spokes);
         let value = |index: usize| {
             let [before, after] = [index + ANGLES - 1, index + 1].map(|i| radii[i % ANGLES]);
             let slope = (after - before) * ANGLES as f64 / (2.0 * TAU);

@@ -103,6 +103,26 @@ impl Curve {
         }
     }
 
+    /// Radii at equal angles from −180° on; quickest with spokes for so many angles in this curve's basis.
+    pub fn radii(&self, count: usize, spokes: Option<&Spokes>) -> Vec<f64> {
+        match (self, spokes) {
+            (Curve::Periodic { basis, coefficients }, Some(spokes)) if spokes.fit(basis) => {
+                spokes.radii(coefficients)
+            }
+            _ => (0..count)
+                .map(|index| self.radius(-PI + TAU * index as f64 / count as f64))
+                .collect(),
+        }
+    }
+
+    /// Spokes for curves in this one's basis; `None` for the paper's polynomial.
+    pub fn spokes(&self, count: usize) -> Option<Spokes> {
+        match self {
+            Curve::Periodic { basis, .. } => Some(Spokes::at(count, basis)),
+            Curve::Polynomial(_) => None,
+        }
+    }
+
     /// Radius and its first two derivatives with respect to the angle.
     pub fn derivatives(&self, angle: f64) -> [f64; 3] {
         match self {
