@@ -1,6 +1,7 @@
 //! `gaiter status`: the state of the running station on one screen, the most important first.
 
 mod phantom;
+mod views;
 mod watch;
 
 use std::fmt::{Display, Write};
@@ -23,6 +24,9 @@ use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::operator::control::status::{
     ComplaintStatus, SourceStatus, Status, TriggerStatus,
 };
+
+/// Heights of a chart's bars.
+const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 
 /// How many of the last scans are shown. A screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;
@@ -154,6 +158,7 @@ fn rows(look: &Look, language: Language) -> Vec<(String, String)> {
     rows.extend(around(status, now, language));
     rows.extend(of_scans(look, language));
     rows.extend(status.phantom.iter().flat_map(|of| phantom::rows(of, now, language)));
+    rows.extend(views::rows(&status.views, language));
     if let Some(missing) = status.confinement.and_then(|found| found.missing()) {
         let guards = language.filled("terminal.guards", &[("missing", &missing)]);
         rows.push((label("terminal.label.guards"), guards));

@@ -127,6 +127,7 @@ fn recover<'a>(
     if custody.journal().is_paused()? {
         facts.intake = IntakeState::Paused;
     }
+    facts.views = custody.journal().views()?;
     let adopted = custody.recover()?;
     if let Some(why) = rebuilt {
         let quarantined = custody.adopt_quarantined()?;

@@ -95,3 +95,33 @@ fn what_is_not_the_phantom_is_no_check_and_says_so() {
     assert_eq!(daemon.stop().code(), Some(0));
     assert!(booth.records().is_empty());
 }
+
+#[test]
+fn cameras_that_do_not_meet_on_most_scans_are_told_and_a_check_is_asked_for_also_after_a_start() {
+    let booth = booth();
+    let daemon = booth.start_ready();
+    fs::write(booth.path("export/PHANTOM_1.obj"), phantom(1.0)).unwrap();
+    booth.wait_for("the check", || checks(&booth).len() == 1);
+    let notice = || {
+        let status = booth.status();
+        let complaints = status["complaints"].as_array().cloned().unwrap_or_default();
+        complaints.into_iter().find(|complaint| complaint["code"] == "scanner-views-apart")
+    };
+    let off = |by_mm: f64| Mesh::of_obj(&body(1)).with_camera_off(0.4, 1.0, by_mm).obj();
+    for (number, by_mm) in [(1, 4.0), (2, 4.2), (3, 4.4)] {
+        assert!(notice().is_none(), "{number}");
+        booth.export(&format!("471{number}_a.obj"), &off(by_mm));
+        booth.wait_for_records(number);
+    }
+    booth.wait_for("the notice", || notice().is_some());
+    let status = booth.status();
+    assert!(status["ready"] == true && status["phantom"]["due"] == true, "{status}");
+    assert_eq!(daemon.stop().code(), Some(0));
+    let daemon = booth.start_ready();
+    assert_eq!(notice().unwrap()["figures"]["count"], 3);
+    assert_eq!(booth.status()["views"].as_array().unwrap().len(), 3);
+    fs::write(booth.path("export/PHANTOM_2.obj"), phantom(1.0001)).unwrap();
+    booth.wait_for("its end", || notice().is_none());
+    assert_eq!(booth.status()["phantom"]["due"], false);
+    assert_eq!(daemon.stop().code(), Some(0));
+}

@@ -8,7 +8,7 @@ use gaiter_language::{Language, fill};
 use serde::{Deserialize, Serialize};
 
 use super::export::passed_over::{self, PassedOver};
-use super::words::{bytes, duration, signed};
+use super::words::{bytes, decimals, duration, signed};
 
 /// In the place of a figure that a complaint does not have.
 const NOT_KNOWN: &str = "?";
@@ -159,7 +159,7 @@ impl Complaint {
     }
 
     /// What stands in a place of a text. `time` is of a duration in seconds, `size` of bytes, `signed` of a
-    /// measure with its sign; in the place of a `word` stands the text of the complaint with that key.
+    /// measure with its sign, `tenths` of one without; in the place of a `word` stands the text of the complaint with that key.
     fn word(&self, name: &str, form: &str, language: Language) -> String {
         if let ("subject", Some(subject)) = (name, &self.subject) {
             return subject.clone();
@@ -169,6 +169,7 @@ impl Complaint {
             ("time", _) => language.text("duration.unknown").to_owned(),
             ("size", Some(Figure::Count(size))) => bytes(*size, language),
             ("signed", Some(Figure::Number(value))) => signed(*value, 1, language),
+            ("tenths", Some(Figure::Number(value))) => decimals(*value, 1, language),
             ("word", Some(Figure::Words(which))) => {
                 self.text(which, language).unwrap_or_else(|| which.clone())
             }

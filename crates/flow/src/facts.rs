@@ -15,6 +15,7 @@ use super::confinement::Confinement;
 use super::export::passed_over::{Ignored, PassedOver};
 use super::settle::Wait;
 use super::trigger::PortState;
+use super::views::ViewsSeries;
 
 /// Everything that is known about a running station apart from its journal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,6 +36,8 @@ pub struct Facts {
     pub alarms: BTreeMap<&'static str, Alarm>,
     /// The checks with the phantom; `None` if none is configured.
     pub phantom: Option<PhantomFacts>,
+    /// What the last scans say of the scanner's cameras.
+    pub views: ViewsSeries,
     /// What was wrong with the configuration at the last reload; `None` if it was accepted.
     pub refused_reload: Option<String>,
     /// The guards around measuring processes; `None` if they could not be tested.
@@ -280,6 +283,7 @@ impl Facts {
             intake: IntakeState::Open,
             alarms: BTreeMap::new(),
             phantom: None,
+            views: ViewsSeries::default(),
             refused_reload: None,
             confinement: None,
             measured: 0,

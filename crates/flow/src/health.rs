@@ -63,6 +63,7 @@ pub fn complaints(
     let refused = facts.refused_reload.iter();
     complaints.extend(refused.map(|fault| Complaint::new("reload-refused", Figures::why(fault))));
     complaints.extend(unfetched(facts, now));
+    complaints.extend(facts.views_apart());
     complaints
 }
 

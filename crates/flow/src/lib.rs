@@ -27,6 +27,7 @@ pub mod scan_id;
 pub mod settle;
 pub mod trigger;
 pub mod trusted_time;
+pub mod views;
 pub mod words;
 
 pub use disposition::{Disposition, Task};

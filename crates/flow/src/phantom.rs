@@ -4,8 +4,8 @@
 use gaiter_record::phantom::CheckResult;
 use jiff::Timestamp;
 
-use super::complaint::Figures;
-use super::facts::{Alarm, PhantomFacts};
+use super::complaint::{Complaint, Figures};
+use super::facts::{Alarm, Facts, PhantomFacts};
 use super::words::age;
 
 /// The code of the alarm about the last check.
@@ -23,7 +23,7 @@ pub fn is_phantom(file_name: &str, phantom: &str) -> bool {
 
 impl PhantomFacts {
     /// Whether the phantom has not been scanned for too long. A check of the future is none.
-    pub fn is_due(&self, now: Timestamp) -> bool {
+    fn is_due(&self, now: Timestamp) -> bool {
         let last = self.checks.iter().rev().find_map(|check| age(check.at, now));
         last.is_none_or(|age| age > self.every)
     }
@@ -45,12 +45,27 @@ impl PhantomFacts {
     }
 }
 
+impl Facts {
+    /// That the cameras' views do not meet, if most of the last scans say so.
+    pub fn views_apart(&self) -> Option<Complaint> {
+        let checks = self.phantom.as_ref().map(|phantom| &phantom.checks[..]);
+        self.views.complaint(checks.unwrap_or_default())
+    }
+
+    /// Whether the phantom should be scanned: its last check is too old, or the cameras' views do not meet.
+    /// `false` without a phantom.
+    pub fn is_phantom_due(&self, now: Timestamp) -> bool {
+        let phantom = self.phantom.as_ref();
+        phantom.is_some_and(|phantom| phantom.is_due(now) || self.views_apart().is_some())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::complaint::Complaint;
+    use crate::views::ViewsSeen;
     use gaiter_language::Language;
     use gaiter_record::phantom::LastCheck;
 
@@ -83,6 +98,20 @@ mod tests {
         assert!(!one.is_due(at(1100)) && one.is_due(at(1101)));
         assert!(facts(&[]).is_due(at(0)));
         assert!(one.is_due(at(900)), "the clock was set back");
+    }
+
+    #[test]
+    fn a_check_is_due_while_the_cameras_views_do_not_meet() {
+        let at = |second| Timestamp::from_second(second).unwrap();
+        let mut station = Facts::new(at(0), 1);
+        for second in 1..4 {
+            station.views.add(ViewsSeen { at: at(second), step_mm: Some(3.0) });
+        }
+        assert!(!station.is_phantom_due(at(5)), "there is no phantom");
+        for (second, is_due) in [(0, true), (4, false)] {
+            station.phantom = Some(facts(&[(second, CheckResult::Within, Some(0.1))]));
+            assert_eq!(station.is_phantom_due(at(5)), is_due);
+        }
     }
 
     #[test]

@@ -78,6 +78,16 @@ pub struct Extraction {
     pub findings: Vec<Finding>,
 }
 
+impl Extraction {
+    /// How far apart the views of the scanner's cameras are, mm; `None` if they meet.
+    pub fn views_apart_mm(&self) -> Option<f64> {
+        self.findings.iter().find_map(|finding| match finding.what {
+            What::Doubtful(Doubt::ViewsApart { step_mm, .. }) => Some(step_mm),
+            _ => None,
+        })
+    }
+}
+
 /// Why a whole scan cannot be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {

@@ -8,12 +8,10 @@ use gaiter_record::phantom::{CheckResult, LastCheck};
 use gaiter_record::rounding::shortest;
 use jiff::Timestamp;
 
+use super::BARS;
 use crate::station::operator::control::status::PhantomStatus;
 
-/// Heights of the chart's bars, from −2 tolerances to +2.
-const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-
-/// The chart's end in tolerances.
+/// The chart's ends, −2 and +2 tolerances.
 const REACH: f64 = 2.0;
 
 /// A check in which the body could not be measured.

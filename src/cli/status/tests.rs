@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use gaiter_flow::account::Seen;
 use gaiter_flow::complaint::{Complaint, Figures};
 use gaiter_flow::confinement::{Confinement, Enforced};
+use gaiter_flow::views::ViewsSeries;
 use gaiter_flow::{Disposition, ScanState};
 
 use super::*;
@@ -71,6 +72,7 @@ fn status() -> Status {
         measured: 22,
         last_measurement_s: Some(2.13),
         phantom: None,
+        views: ViewsSeries::default(),
         alarms: BTreeMap::new(),
         refused_reload: None,
     }

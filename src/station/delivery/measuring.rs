@@ -9,6 +9,7 @@ use gaiter_flow::acquired::acquired;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::confinement::{Confine, Confinement};
 use gaiter_flow::facts::Alarm;
+use gaiter_flow::views::{ViewsSeen, ViewsSeries};
 use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
 use jiff::Timestamp;
 use tracing::{info, warn};
@@ -80,13 +81,28 @@ pub fn measured(
         Ok(Measured::Answered(answer)) => {
             core.board.note(|facts| drop(facts.alarms.remove(IMPAIRED)));
             Ok(match answer {
-                Answer::Files { files, to_do } => Outcome::Files { files, to_do },
+                Answer::Files { files, to_do, views_apart_mm } => {
+                    note_views(core, ViewsSeen { at: row.first_seen, step_mm: views_apart_mm });
+                    Outcome::Files { files, to_do }
+                }
                 Answer::Refused { code, message } => Outcome::Refused { code, message },
             })
         }
         Ok(Measured::Trouble(trouble)) => blamed(core, &job, &trouble, count_try),
         Err(MeasureFault::Spool(error)) => Ok(unread(core, &error)),
         Err(fault) => Ok(waits(core, NOT_STARTED, chain(&fault))),
+    }
+}
+
+/// Adds what a scan says of the cameras to what the last ones said.
+fn note_views(core: &Core, seen: ViewsSeen) {
+    let mut series = ViewsSeries::default();
+    core.board.note(|facts| {
+        facts.views.add(seen);
+        series.clone_from(&facts.views);
+    });
+    if let Err(error) = core.custody.journal().keep_views(&series) {
+        warn!(event = "views-not-kept", error = chain(&error));
     }
 }
 

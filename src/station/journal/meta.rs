@@ -1,6 +1,7 @@
 //! What the station must remember about itself.
 
 use gaiter_flow::trusted_time::TrustedTime;
+use gaiter_flow::views::ViewsSeries;
 use rusqlite::{OptionalExtension, Transaction};
 use serde_json::json;
 
@@ -22,6 +23,9 @@ const BEGUN: &str = "begun:";
 
 /// The last readings of the clocks, and how far the wall clock is trusted.
 const TIME: &str = "time";
+
+/// What the last scans said of the scanner's cameras.
+const VIEWS: &str = "views";
 
 /// Records that a journal was just created.
 pub(super) fn is_new(transaction: &Transaction<'_>) -> Result<(), JournalError> {
@@ -52,6 +56,19 @@ impl Journal {
     /// Saves how far the wall clock is trusted.
     pub fn keep_time(&self, time: &TrustedTime) -> Result<(), JournalError> {
         self.set_fact(TIME, &json!(time).to_string())
+    }
+
+    /// What the last scans said of the scanner's cameras.
+    pub fn views(&self) -> Result<ViewsSeries, JournalError> {
+        match self.fact(VIEWS)? {
+            Some(text) => json_cell("value", text),
+            None => Ok(ViewsSeries::default()),
+        }
+    }
+
+    /// Saves what the last scans said of the cameras.
+    pub fn keep_views(&self, series: &ViewsSeries) -> Result<(), JournalError> {
+        self.set_fact(VIEWS, &json!(series).to_string())
     }
 
     /// Reports whether an operator has paused the station.

@@ -84,7 +84,7 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
                 Kind::Complete | Kind::NotMeasurable => Vec::new(),
                 Kind::ByHand | Kind::ScanAgain => completeness.sentences(config.language),
             };
-            Answer::Files { files, to_do }
+            Answer::Files { files, to_do, views_apart_mm: extraction.views_apart_mm() }
         }
         Err(error) => refused("record-not-written", error.to_string()),
     }
@@ -101,7 +101,7 @@ fn check(job: &Job, scan: &[u8], format: Format, config: &Config) -> Answer {
     match serde_json::to_vec(&check) {
         Ok(bytes) => {
             let files = vec![RecordFile { name: "check.json".to_owned(), bytes }];
-            Answer::Files { files, to_do: Vec::new() }
+            Answer::Files { files, to_do: Vec::new(), views_apart_mm: None }
         }
         Err(error) => refused("record-not-written", error.to_string()),
     }

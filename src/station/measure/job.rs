@@ -71,7 +71,7 @@ pub enum Subject {
 }
 
 /// The answer of a measuring process that finished.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
     /// It was measured.
     Files {
@@ -79,6 +79,8 @@ pub enum Answer {
         files: Vec<RecordFile>,
         /// What is to be done before the patient dresses, in sentences; empty if nothing is.
         to_do: Vec<String>,
+        /// How far apart the cameras' views are, mm; `None` if they meet.
+        views_apart_mm: Option<f64>,
     },
     /// The scan cannot be measured.
     Refused {
@@ -93,7 +95,7 @@ pub enum Answer {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Header {
-    Files { files: Vec<(String, u64)>, to_do: Vec<String> },
+    Files { files: Vec<(String, u64)>, to_do: Vec<String>, views_apart_mm: Option<f64> },
     Refused { code: String, message: String },
 }
 
@@ -135,9 +137,11 @@ impl Answer {
     /// Writes the whole answer.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         match self {
-            Answer::Files { files, to_do } => {
+            Answer::Files { files, to_do, views_apart_mm } => {
                 let names = files.iter().map(|file| (file.name.clone(), len(&file.bytes)));
-                let header = Header::Files { files: names.collect(), to_do: to_do.clone() };
+                let (files_sent, to_do) = (names.collect(), to_do.clone());
+                let header =
+                    Header::Files { files: files_sent, to_do, views_apart_mm: *views_apart_mm };
                 write_line(to, &header)?;
                 files.iter().try_for_each(|file| to.write_all(&file.bytes))?;
             }
@@ -155,9 +159,9 @@ impl Answer {
     /// Any I/O error; `UnexpectedEof` if the process ended in the middle; `InvalidData` if it is not an
     /// answer.
     pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<Answer> {
-        let (names, to_do) = match read_line(from, LINE_MAX)? {
+        let (names, to_do, views_apart_mm) = match read_line(from, LINE_MAX)? {
             Header::Refused { code, message } => return Ok(Answer::Refused { code, message }),
-            Header::Files { files, to_do } => (files, to_do),
+            Header::Files { files, to_do, views_apart_mm } => (files, to_do, views_apart_mm),
         };
         let mut left = most;
         let mut files = Vec::with_capacity(names.len().min(64));
@@ -170,7 +174,7 @@ impl Answer {
             }
             files.push(RecordFile { name, bytes });
         }
-        Ok(Answer::Files { files, to_do })
+        Ok(Answer::Files { files, to_do, views_apart_mm })
     }
 }
 
@@ -206,7 +210,7 @@ mod tests {
     }
 
     fn complete(files: Vec<RecordFile>) -> Answer {
-        Answer::Files { files, to_do: Vec::new() }
+        Answer::Files { files, to_do: Vec::new(), views_apart_mm: None }
     }
 
     fn written(answer: &Answer) -> Vec<u8> {
@@ -220,7 +224,8 @@ mod tests {
         let files = vec![file("record.json", b"{\n}\n"), file("empty", b""), file("S", b"\0\xff")];
         let refused = Answer::Refused { code: "no-leg".into(), message: "line\nbreak".into() };
         let to_do = vec!["Measure by hand: right leg: C.".to_owned()];
-        for answer in [Answer::Files { files, to_do }, refused] {
+        let measured = Answer::Files { files, to_do, views_apart_mm: Some(3.25) };
+        for answer in [measured, refused] {
             assert_eq!(Answer::read(&mut &written(&answer)[..], 100).unwrap(), answer);
         }
     }

@@ -34,6 +34,9 @@ pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
     of_sources(&mut registry, overview);
     of_triggers(&mut registry, overview);
     of_phantom(&mut registry, overview);
+    let apart = overview.facts.views.apart().map_or(0, |(count, _)| count);
+    let help = "Scans of the last 30 on which the cameras' views do not meet";
+    gauge(&mut registry, "views_apart_scans", help, apart as f64);
     let mut text = String::new();
     encode(&mut text, &registry)?;
     Ok(text)
@@ -146,7 +149,7 @@ fn of_triggers(registry: &mut Registry, overview: &Overview) {
 
 fn of_phantom(registry: &mut Registry, overview: &Overview) {
     let Some(phantom) = &overview.facts.phantom else { return };
-    let due = f64::from(u8::from(phantom.is_due(overview.now)));
+    let due = f64::from(u8::from(overview.facts.is_phantom_due(overview.now)));
     gauge(registry, "phantom_due", "1 while the known body should be scanned", due);
     let Some(last) = phantom.checks.last() else { return };
     let within = f64::from(u8::from(last.result == CheckResult::Within));

@@ -8,6 +8,8 @@ use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
 
+use nalgebra::Vector3;
+
 /// The text of a scan in `fixtures/scans`.
 pub fn fixture(name: &str) -> Vec<u8> {
     let file = crate::root().join(format!("fixtures/scans/{name}.obj.gz"));
@@ -88,6 +90,32 @@ impl Mesh {
     pub fn turned(self, degrees: f64) -> Mesh {
         let (sin, cos) = degrees.to_radians().sin_cos();
         self.moved(|[x, y, z]| [x * cos + z * sin, y, z * cos - x * sin])
+    }
+
+    /// The unit normals of the points, outwards.
+    pub fn normals(&self) -> Vec<Vector3<f64>> {
+        let at = |point: usize| Vector3::from(self.points[point]);
+        let mut normals = vec![Vector3::zeros(); self.points.len()];
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(at);
+            let normal = (b - a).cross(&(c - a));
+            triangle.iter().for_each(|corner| normals[*corner] += normal);
+        }
+        normals.into_iter().map(|normal| normal.try_normalize(1e-12).unwrap_or_default()).collect()
+    }
+
+    /// With what faces a camera moved towards it. The camera stands at an angle from the toes' direction, to the
+    /// patient's left, and sees what faces it within an angle to each side, radians.
+    pub fn with_camera_off(mut self, at: f64, within: f64, by_mm: f64) -> Mesh {
+        let to = [at.sin(), 0.0, at.cos()];
+        let normals = self.normals();
+        for (point, normal) in self.points.iter_mut().zip(&normals) {
+            let off = (normal.x.atan2(normal.z) - at + 3.0 * PI).rem_euclid(TAU) - PI;
+            if off.abs() < within {
+                (0..3).for_each(|axis| point[axis] += by_mm * to[axis]);
+            }
+        }
+        self
     }
 
     /// The triangles whose middle is chosen, and the points they use.

@@ -50,7 +50,10 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
         PartShown { name, word, health, why }
     });
     let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
-    let phantom = facts.phantom.iter().map(|phantom| phantom_shown(phantom, now, language));
+    let phantom = facts
+        .phantom
+        .iter()
+        .map(|phantom| phantom_shown(phantom, facts.is_phantom_due(now), language));
     sources.chain(ports).chain(stores).chain(phantom).collect()
 }
 
@@ -66,12 +69,12 @@ fn not_taken(source: &SourceFacts, language: Language) -> Option<String> {
     (!all.is_empty()).then(|| all.join(" "))
 }
 
-fn phantom_shown(phantom: &PhantomFacts, now: Timestamp, language: Language) -> PartShown {
+fn phantom_shown(phantom: &PhantomFacts, is_due: bool, language: Language) -> PartShown {
     let result = phantom.checks.last().map(|check| check.result);
     let (key, health) = match result {
         Some(CheckResult::Beyond) => ("page.part.phantom.beyond", "bad"),
         Some(CheckResult::NotMeasured) => ("page.part.phantom.not_measured", "bad"),
-        Some(CheckResult::Within) if !phantom.is_due(now) => ("page.part.phantom.within", "good"),
+        Some(CheckResult::Within) if !is_due => ("page.part.phantom.within", "good"),
         Some(CheckResult::Within) | None => ("page.part.phantom.due", "wait"),
     };
     let name = language.text("page.part.phantom.name").to_owned();

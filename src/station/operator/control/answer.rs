@@ -214,6 +214,7 @@ fn status(desk: &Desk) -> Status {
     let stores = facts.stores.iter();
     let triggers = facts.triggers.iter();
     let alarms = facts.alarms.iter();
+    let due = facts.is_phantom_due(now);
     Status {
         schema: "gaiter.status/1".to_owned(),
         ready: is_ready,
@@ -238,7 +239,8 @@ fn status(desk: &Desk) -> Status {
         confinement: facts.confinement,
         measured: facts.measured,
         last_measurement_s: facts.last_measurement_s,
-        phantom: facts.phantom.as_ref().map(|phantom| PhantomStatus::of(phantom, now)),
+        phantom: facts.phantom.as_ref().map(|phantom| PhantomStatus::of(phantom, due)),
+        views: facts.views,
         alarms: alarms
             .map(|(code, alarm)| ((*code).to_owned(), AlarmStatus::of(code, alarm)))
             .collect(),

@@ -7,6 +7,7 @@ use gaiter_flow::complaint::Complaint;
 use gaiter_flow::confinement::Confinement;
 use gaiter_flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use gaiter_flow::orders::habit::OrdersComeLate;
+use gaiter_flow::views::ViewsSeries;
 use gaiter_language::Language;
 use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
@@ -67,6 +68,9 @@ pub struct Status {
     /// The checks with the phantom; `None` if none is configured.
     #[serde(default)]
     pub phantom: Option<PhantomStatus>,
+    /// What the last scans say of the scanner's cameras, oldest first.
+    #[serde(default)]
+    pub views: ViewsSeries,
     /// What an operator must know, by code.
     pub alarms: BTreeMap<String, AlarmStatus>,
     /// What was wrong with the configuration at the last reload.
@@ -170,8 +174,8 @@ pub struct PhantomStatus {
 
 impl PhantomStatus {
     /// The status now.
-    pub fn of(facts: &PhantomFacts, now: Timestamp) -> PhantomStatus {
-        PhantomStatus { due: facts.is_due(now), checks: facts.checks.clone() }
+    pub fn of(phantom: &PhantomFacts, due: bool) -> PhantomStatus {
+        PhantomStatus { due, checks: phantom.checks.clone() }
     }
 }
 

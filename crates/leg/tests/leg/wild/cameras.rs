@@ -10,18 +10,7 @@ fn with_camera_off(mesh: &Mesh, chance: &mut Chance) -> Mesh {
     let cameras = 3 + chance.below(3);
     let (turn, half) = (chance.even(180.0_f64.to_radians()), std::f64::consts::PI / cameras as f64);
     let by_mm = (3.0 + chance.unit()) * if chance.below(2) == 0 { 1.0 } else { -1.0 };
-    let to = [turn.sin(), 0.0, turn.cos()];
-    let normals = normals(mesh);
-    let mut mesh = mesh.clone();
-    for (point, normal) in mesh.points.iter_mut().zip(&normals) {
-        let off = (normal.x.atan2(normal.z) - turn + 3.0 * std::f64::consts::PI)
-            .rem_euclid(std::f64::consts::TAU)
-            - std::f64::consts::PI;
-        if off.abs() < half {
-            (0..3).for_each(|axis| point[axis] += by_mm * to[axis]);
-        }
-    }
-    mesh
+    mesh.clone().with_camera_off(turn, half, by_mm)
 }
 
 #[test]

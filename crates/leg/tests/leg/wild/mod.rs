@@ -18,7 +18,6 @@ use std::sync::LazyLock;
 
 use gaiter_leg::{Extraction, Level, Method, Side, extract};
 use gaiter_scan::Format;
-use nalgebra::Vector3;
 use support::chance::Chance;
 use support::mesh::Mesh;
 
@@ -68,21 +67,9 @@ fn quietly_wrong(found: &Extraction, truth: &Extraction) -> Vec<(Side, Level, f6
     wrong
 }
 
-/// The unit normals of a mesh's points, outwards.
-fn normals(mesh: &Mesh) -> Vec<Vector3<f64>> {
-    let at = |point: usize| Vector3::from(mesh.points[point]);
-    let mut normals = vec![Vector3::zeros(); mesh.points.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(at);
-        let normal = (b - a).cross(&(c - a));
-        triangle.iter().for_each(|corner| normals[*corner] += normal);
-    }
-    normals.into_iter().map(|normal| normal.try_normalize(1e-12).unwrap_or_default()).collect()
-}
-
 /// A mesh whose points are moved along their normals by so much.
 fn grown(mesh: &Mesh, mut by_mm: impl FnMut(usize, [f64; 3]) -> f64) -> Mesh {
-    let normals = normals(mesh);
+    let normals = mesh.normals();
     let mut mesh = mesh.clone();
     for (index, (point, normal)) in mesh.points.iter_mut().zip(&normals).enumerate() {
         let by_mm = by_mm(index, *point);
