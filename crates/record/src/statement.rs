@@ -151,6 +151,9 @@ impl Statement {
                 Statement::of("floor-uneven").number("spread_mm", *spread_mm)
             }
             What::FloorUnclear(FloorDoubt::NotTurning) => Statement::of("feet-cut"),
+            What::FloorUnclear(FloorDoubt::Raised { toes_mm }) => {
+                Statement::of("toes-high").number("toes_mm", *toes_mm)
+            }
             What::MirrorUnchecked => Statement::of("mirror-unchecked"),
             What::NoFaces => Statement::of("no-faces"),
             What::NoLineEnd => Statement::of("no-line-end"),

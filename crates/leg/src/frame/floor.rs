@@ -3,11 +3,11 @@
 //! A scanner sees the skin of a foot until it curves under, and the lowest visible skin is still
 //! above the floor: by millimetres if the skin is seen almost down to it, by the radius of the
 //! foot's edge if it is seen only from above. The direction of the skin where it ends shows how far
-//! below the floor is, because the edge of a foot is round.
+//! below the floor is, because the edge of a foot is round. A sole that is in the scan is its own floor.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::soles::{FloorDoubt, doubt, lowest_mm};
+use super::soles::{FloorDoubt, Soles, is_sole_seen, lowest_mm, soles};
 
 /// Radius of the edge of a standing foot's sole, as a share of the stature. Judgement; on generated
 /// bodies of 1 650 mm the direction of the skin changes with height as on an edge of about 13 mm.
@@ -37,6 +37,10 @@ const SD_MIN_MM: f64 = 0.9;
 /// The unseen height is uncertain by this share of itself.
 const UNSEEN_SD_SHARE: f64 = 0.2;
 
+/// What the edge of a foot shows below a sole that is in the scan is uncertain by this share of itself: an exporter may
+/// have closed the skin where it ended.
+const CLOSED_SD_SHARE: f64 = 0.5;
+
 /// The floor's height and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Floor {
@@ -49,11 +53,10 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// A floor that was scanned at this height, mm, and the feet on it.
-    pub(crate) fn seen(height_mm: f64, feet: &[Vec<[f64; 3]>]) -> Floor {
-        let doubt = doubt(feet);
-        let sd_mm = SD_MIN_MM.hypot(doubt.map_or(0.0, FloorDoubt::sd_mm));
-        Floor { height_mm, sd_mm, doubt }
+    /// A floor that was scanned at this height, mm, and the feet on it, of a body with this stature.
+    pub(crate) fn seen(height_mm: f64, feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Floor {
+        let Soles { doubt, sd_mm } = soles(feet, stature_mm);
+        Floor { height_mm, sd_mm: SD_MIN_MM.hypot(sd_mm), doubt }
     }
 }
 
@@ -74,11 +77,15 @@ pub(crate) fn floor(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Option<Floor> {
         patches.filter_map(|middle| floor_below(middle, &rims, edge_mm)).collect();
     floors.sort_by(f64::total_cmp);
     let contact = floors.get((CONTACT_SHARE * floors.len() as f64) as usize);
-    let height_mm = contact.map_or(lowest_mm, |floor| floor.min(lowest_mm));
-    let doubt = doubt(feet);
-    let doubt_sd_mm = doubt.map_or(0.0, FloorDoubt::sd_mm);
-    let sd_mm = SD_MIN_MM.hypot(UNSEEN_SD_SHARE * (lowest_mm - height_mm)).hypot(doubt_sd_mm);
-    Some(Floor { height_mm, sd_mm, doubt })
+    let below_mm = contact.map_or(0.0, |floor| (lowest_mm - floor).max(0.0));
+    let mut standing = feet.iter().filter(|foot| !foot.is_empty());
+    let (height_mm, share) = if standing.all(|foot| is_sole_seen(foot, stature_mm)) {
+        (lowest_mm, CLOSED_SD_SHARE)
+    } else {
+        (lowest_mm - below_mm, UNSEEN_SD_SHARE)
+    };
+    let Soles { doubt, sd_mm } = soles(feet, stature_mm);
+    Some(Floor { height_mm, sd_mm: SD_MIN_MM.hypot(share * below_mm).hypot(sd_mm), doubt })
 }
 
 /// The floor below a point of the skin, from the smallest patch that has enough points.
@@ -159,6 +166,33 @@ mod tests {
             grid.map(|(i, j)| [2.0 * f64::from(i), 2.0 * f64::from(j), 0.0]).collect();
         let found = floor(&[sole], STATURE_MM).unwrap();
         assert!(found.height_mm.abs() < 1.0, "{found:?}");
+    }
+
+    #[test]
+    fn a_foot_that_was_closed_flat_stands_on_that() {
+        let grid = (-6..=6).flat_map(|i| (-18..=18).map(move |j| (i, j)));
+        let cap: Vec<[f64; 3]> =
+            grid.map(|(i, j)| [6.0 * f64::from(i), 6.0 * f64::from(j), 13.0]).collect();
+        // The skin ends 6 mm above the floor, and is closed there.
+        let closed = || [foot(7.0, 30), cap.clone()].concat();
+        let found = floor(&[closed(), closed()], STATURE_MM).unwrap();
+        assert!((found.height_mm - 13.0).abs() < 1.0, "{found:?}");
+        assert!((found.height_mm - 7.0).abs() < 4.0 * found.sd_mm, "{found:?}");
+    }
+
+    #[test]
+    fn toes_that_lie_high_are_a_doubt_and_the_standard_error_holds_the_sole() {
+        for sole_mm in [0.0, 10.0, 20.0, 30.0, 40.0] {
+            // The edge is that of the sole, the skin above it that of the foot.
+            let on_sole = || -> Vec<[f64; 3]> {
+                let raised = |[x, y, z]: [f64; 3]| [x, y, if z > 9.0 { z + sole_mm } else { z }];
+                foot(0.0, 60).into_iter().map(raised).collect()
+            };
+            let found = floor(&[on_sole(), on_sole()], STATURE_MM).unwrap();
+            let is_said = matches!(found.doubt, Some(FloorDoubt::Raised { .. }));
+            assert_eq!(is_said, sole_mm >= 20.0, "{sole_mm}: {found:?}");
+            assert!(sole_mm < 5.0 + 3.0 * found.sd_mm, "{sole_mm}: {found:?}");
+        }
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! Whether the soles of the feet show the floor: they lie in one level plane, and their skin turns under
-//! where it ends.
+//! Whether the soles of the feet show the floor: they lie in one level plane, their skin turns under where it
+//! ends, and the toes lie no higher than a bare foot's.
 
 use nalgebra::Vector2;
 
-use super::long_axis::long_axis;
+use super::long_axis::{LongAxis, long_axis};
 
 /// Share of a foot's points that may lie below its lowest skin: noise and stray points.
 const STRAY_SHARE: f64 = 0.002;
@@ -14,6 +14,10 @@ const END_SHARE: f64 = 0.45;
 /// Heels and balls of standing feet end this far from one plane at most, mm, by how far down their skin
 /// was seen; a body that leans by 3° in the export exceeds it.
 const EVEN_MAX_MM: f64 = 8.0;
+
+/// … and by this much whatever the export, mm: of generated bodies that stand upright, half differ by less than 1 mm,
+/// most by less than 3 mm. What is more may be a lean, which shifts the heights of a leg by up to as much.
+const EVEN_USUAL_MM: f64 = 3.0;
 
 /// Directions around a foot in which its skin is looked at.
 const DIRECTIONS: usize = 32;
@@ -30,6 +34,50 @@ const UNDERCUT_MIN: f64 = 0.4;
 /// 20 mm, and soles of shoes are 20 to 30 mm thick.
 const CUT_SD_MM: f64 = 12.0;
 
+/// Length of a foot whose toes are there and seen, as a share of the stature: of generated bodies, whose soles are not
+/// seen, 0.129 to 0.150; with a shoe more.
+const WHOLE_FOOT_SHARE: [f64; 2] = [0.125, 0.19];
+
+/// Where the toes are looked at, from the tip of the foot, as shares of its length: 5 to 20 mm, on the nail.
+const TOES_SHARE: [f64; 2] = [0.02, 0.08];
+
+/// With fewer points the toes were not seen.
+const TOES_POINTS_MIN: usize = 6;
+
+/// This share of the points on them lies below their top: noise and stray points.
+const TOES_TOP_SHARE: f64 = 0.95;
+
+/// Usual height of the toes above the lowest skin, at most, as a share of the stature: of generated bodies 15 to 21 mm
+/// at 1 650 mm. Judgement for people: great toes are 20 to 25 mm high, of which the lowest 3 mm are not seen.
+const TOES_HIGH_SHARE: f64 = 22.0 / 1650.0;
+
+/// What toes are higher than that makes the floor uncertain by this share: it is the sole of a shoe, or swollen.
+const TOES_SD_SHARE: f64 = 0.6;
+
+/// Toes that are higher than usual by more than this, mm, are in shoes; swollen ones hardly are.
+const SHOE_MIN_MM: f64 = 12.0;
+
+/// A sole is looked at in this many strips across the foot, of which the first and the last are its tips.
+const STRIPS: usize = 12;
+
+/// Skin of the sole lies up to this far above the lowest skin, as a share of the stature: 10 mm of 1 650 mm, less than
+/// the radius of a foot's edge.
+const SOLE_SHARE: f64 = 10.0 / 1650.0;
+
+/// A strip of it that is narrower, as a share of the stature, is the outer edge of the foot beside the arch: 33 mm.
+const STRIP_MIN_SHARE: f64 = 0.02;
+
+/// In a strip that shows the sole no gap is wider than this share of it; between two edges without a sole it is 0.7.
+const STRIP_GAP_MAX_SHARE: f64 = 0.5;
+
+/// What the soles of the feet say about the floor.
+pub(crate) struct Soles {
+    /// What speaks against it.
+    pub doubt: Option<FloorDoubt>,
+    /// What they add to its standard error, mm.
+    pub sd_mm: f64,
+}
+
 /// Why the soles do not show the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FloorDoubt {
@@ -40,58 +88,138 @@ pub enum FloorDoubt {
     },
     /// The skin of the feet ends before it turns under.
     NotTurning,
+    /// The toes lie higher than a bare foot's.
+    Raised {
+        /// Their height above the lowest skin of the foot, mm.
+        toes_mm: f64,
+    },
 }
 
 impl FloorDoubt {
-    /// What it adds to the standard error of the floor, mm.
-    pub fn sd_mm(self) -> f64 {
-        match self {
-            FloorDoubt::Uneven { spread_mm } => spread_mm / 2.0,
-            FloorDoubt::NotTurning => CUT_SD_MM,
-        }
-    }
-
     /// The stable code used in records and docs/codes.md.
     pub fn code(&self) -> &'static str {
         match self {
             FloorDoubt::Uneven { .. } => "floor-uneven",
-            FloorDoubt::NotTurning => "feet-cut",
+            FloorDoubt::NotTurning | FloorDoubt::Raised { .. } => "feet-cut",
         }
     }
 }
 
-/// What speaks against a floor that these feet show.
-pub(crate) fn doubt(feet: &[Vec<[f64; 3]>]) -> Option<FloorDoubt> {
-    let spread_mm = spread_mm(feet);
-    if spread_mm > EVEN_MAX_MM {
-        return Some(FloorDoubt::Uneven { spread_mm });
+/// What these feet of a body with this stature say about the floor.
+pub(crate) fn soles(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Soles {
+    let parts: Vec<Foot> = feet.iter().map(|foot| Foot::of(foot)).collect();
+    let spread_mm = spread_mm(&parts);
+    // Of both feet: toes of one may be missing or swollen, shoes come in pairs.
+    let toes_mm = parts.iter().filter_map(|foot| foot.toes_mm(stature_mm)).reduce(f64::min);
+    let high_mm = toes_mm.map_or(0.0, |mm| (mm - TOES_HIGH_SHARE * stature_mm).max(0.0));
+    let doubt = if spread_mm > EVEN_MAX_MM {
+        Some(FloorDoubt::Uneven { spread_mm })
+    } else if undercut(feet).is_some_and(|share| share < UNDERCUT_MIN) {
+        Some(FloorDoubt::NotTurning)
+    } else {
+        let toes_mm = toes_mm.filter(|_| high_mm > SHOE_MIN_MM);
+        toes_mm.map(|toes_mm| FloorDoubt::Raised { toes_mm })
+    };
+    let uneven_mm = (spread_mm.powi(2) - EVEN_USUAL_MM.powi(2)).max(0.0).sqrt();
+    let cut_sd_mm = if doubt == Some(FloorDoubt::NotTurning) { CUT_SD_MM } else { 0.0 };
+    let sd_mm = (uneven_mm / 2.0).hypot(TOES_SD_SHARE * high_mm).hypot(cut_sd_mm);
+    Soles { doubt, sd_mm }
+}
+
+/// One end of a foot: of each point the distance from the tip, as a share of the foot's length, and the height, mm.
+type End = Vec<[f64; 2]>;
+
+/// A foot as its heel and its ball see it.
+struct Foot {
+    length_mm: f64,
+    ends: [End; 2],
+}
+
+impl Foot {
+    fn of(points: &[[f64; 3]]) -> Foot {
+        let LongAxis { direction, length: length_mm, .. } = long_axis(points);
+        let along = |point: &[f64; 3]| Vector2::new(point[0], point[1]).dot(&direction);
+        let from = points.iter().map(along).fold(f64::INFINITY, f64::min);
+        let mut ends = [Vec::new(), Vec::new()];
+        for point in points {
+            let share = (along(point) - from) / length_mm;
+            for (end, share) in ends.iter_mut().zip([share, 1.0 - share]) {
+                if share < END_SHARE {
+                    end.push([share, point[2]]);
+                }
+            }
+        }
+        Foot { length_mm, ends }
     }
-    undercut(feet).filter(|share| *share < UNDERCUT_MIN).map(|_| FloorDoubt::NotTurning)
+
+    /// How high the toes reach above the lowest skin at their end, mm. `None` if they may be missing, or were not
+    /// seen. The heel's end is higher.
+    fn toes_mm(&self, stature_mm: f64) -> Option<f64> {
+        let share = self.length_mm / stature_mm;
+        if !(WHOLE_FOOT_SHARE[0]..=WHOLE_FOOT_SHARE[1]).contains(&share) {
+            return None;
+        }
+        let [one, other] = self.ends.each_ref().map(|end| reach_mm(end));
+        Some(one?.min(other?))
+    }
+}
+
+/// How high the skin near the tip reaches above the lowest of an end, mm.
+fn reach_mm(end: &[[f64; 2]]) -> Option<f64> {
+    let near = end.iter().filter(|[share, _]| (TOES_SHARE[0]..TOES_SHARE[1]).contains(share));
+    let mut heights: Vec<f64> = near.map(|[_, z]| *z).collect();
+    if heights.len() < TOES_POINTS_MIN {
+        return None;
+    }
+    heights.sort_by(f64::total_cmp);
+    let top = heights.get((TOES_TOP_SHARE * heights.len() as f64) as usize)?;
+    Some(top - lowest(end.iter().map(|[_, z]| *z))?)
 }
 
 /// How far apart the lowest skin of heels and balls is, mm; 0 if there is one at most.
-fn spread_mm(feet: &[Vec<[f64; 3]>]) -> f64 {
-    let ends = feet.iter().flat_map(|foot| {
-        let direction = long_axis(foot).direction;
-        let along = |point: &[f64; 3]| Vector2::new(point[0], point[1]).dot(&direction);
-        let reach = foot.iter().map(along);
-        let (from, to) = reach
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
-        let end_mm = END_SHARE * (to - from);
-        let part = |keeps: &dyn Fn(f64) -> bool| -> Vec<[f64; 3]> {
-            foot.iter().filter(|point| keeps(along(point))).copied().collect()
-        };
-        [part(&|r| r < from + end_mm), part(&|r| r > to - end_mm)]
-    });
-    let lowest: Vec<f64> = ends.filter_map(|end| lowest_mm(&end)).collect();
-    let highest = lowest.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let least = lowest.iter().copied().fold(f64::INFINITY, f64::min);
+fn spread_mm(feet: &[Foot]) -> f64 {
+    let ends = feet.iter().flat_map(|foot| &foot.ends);
+    let heights: Vec<f64> = ends.filter_map(|end| lowest(end.iter().map(|[_, z]| *z))).collect();
+    let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
     (highest - least).max(0.0)
+}
+
+/// Whether the sole of a foot is in the scan, and not its edge alone: an exporter closed it, or it is a model's.
+pub(crate) fn is_sole_seen(foot: &[[f64; 3]], stature_mm: f64) -> bool {
+    let LongAxis { direction, length, .. } = long_axis(foot);
+    let across = Vector2::new(-direction.y, direction.x);
+    let place = |point: &[f64; 3]| Vector2::new(point[0], point[1]);
+    let from = foot.iter().map(|p| place(p).dot(&direction)).fold(f64::INFINITY, f64::min);
+    let Some(lowest_mm) = lowest_mm(foot) else { return false };
+    let mut strips = vec![Vec::new(); STRIPS];
+    for point in foot.iter().filter(|p| p[2] < lowest_mm + SOLE_SHARE * stature_mm) {
+        let share = (place(point).dot(&direction) - from) / length;
+        let strip = ((share * STRIPS as f64) as usize).min(STRIPS - 1);
+        strips[strip].push(place(point).dot(&across));
+    }
+    let inner = strips[1..STRIPS - 1].iter_mut();
+    let bridged: Vec<bool> =
+        inner.filter_map(|strip| is_bridged(strip, STRIP_MIN_SHARE * stature_mm)).collect();
+    2 * bridged.iter().filter(|is_bridged| **is_bridged).count() > bridged.len()
+}
+
+/// Whether there is skin all across a strip of a sole, given where its points are; `None` if it is too narrow to tell.
+fn is_bridged(strip: &mut [f64], width_min_mm: f64) -> Option<bool> {
+    strip.sort_by(f64::total_cmp);
+    let width_mm = strip.last()? - strip.first()?;
+    let gap_mm = strip.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    (width_mm >= width_min_mm).then_some(gap_mm < STRIP_GAP_MAX_SHARE * width_mm)
 }
 
 /// Height of a foot's lowest skin, mm.
 pub(crate) fn lowest_mm(foot: &[[f64; 3]]) -> Option<f64> {
-    let mut heights: Vec<f64> = foot.iter().map(|point| point[2]).collect();
+    lowest(foot.iter().map(|point| point[2]))
+}
+
+/// The lowest of heights, stray ones left out.
+fn lowest(heights: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut heights: Vec<f64> = heights.collect();
     let stray = (STRAY_SHARE * heights.len() as f64) as usize;
     (stray < heights.len()).then(|| *heights.select_nth_unstable_by(stray, f64::total_cmp).1)
 }

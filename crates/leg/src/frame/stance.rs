@@ -163,7 +163,7 @@ pub(crate) fn stance(
         feet: feet_points.iter().zip(&shanks).map(middle).collect(),
         toes: toes(&shanks, &feet_points, stature_mm),
         floor: floor_mm
-            .map(|height_mm| Floor::seen(height_mm, &feet_points))
+            .map(|height_mm| Floor::seen(height_mm, &feet_points, stature_mm))
             .or_else(|| floor(&feet_points, stature_mm))
             .unwrap_or(Floor { height_mm: 0.0, sd_mm: f64::INFINITY, doubt: None }),
         shanks,

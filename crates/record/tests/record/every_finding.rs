@@ -90,6 +90,7 @@ pub fn all() -> Vec<What> {
         What::NoLineEnd,
         What::FloorUnclear(FloorDoubt::Uneven { spread_mm: 14.0 }),
         What::FloorUnclear(FloorDoubt::NotTurning),
+        What::FloorUnclear(FloorDoubt::Raised { toes_mm: 44.0 }),
         What::ThighsTouch { from_mm: 702.0 },
         What::Proportions { percent: 41.0 },
         What::CrownNotSeen { stature_mm: 1650.0 },

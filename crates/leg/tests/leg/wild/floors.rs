@@ -25,7 +25,7 @@ fn measured(mesh: &Mesh) -> Result<Extraction, gaiter_leg::Refusal> {
 }
 
 /// A level sheet at y = 0, with noise, turned upwards.
-fn sheet(chance: &mut Chance, half: [f64; 2], noise_mm: f64) -> Mesh {
+pub(super) fn sheet(chance: &mut Chance, half: [f64; 2], noise_mm: f64) -> Mesh {
     let [columns, rows] = half.map(|half| (2.0 * half / EDGE_MM).ceil() as usize + 1);
     let mut mesh = Mesh::default();
     for row in 0..rows {
@@ -130,7 +130,8 @@ fn a_floor_that_was_scanned_is_at_its_own_height_and_as_certain_as_the_feet_on_i
         let body = measured(&mesh).unwrap().body;
         let at_zero = body.from_export.transform_point(&Point3::origin());
         assert!(at_zero.z.abs() < 0.5, "{told}: {at_zero}");
-        assert!(body.floor_doubt.is_none() && body.floor_sd_mm < 1.0, "{told}");
+        // Heels and balls that noise sets apart may be a lean.
+        assert!(body.floor_doubt.is_none() && body.floor_sd_mm < 1.5, "{told}: {body:?}");
     }
 }
 

@@ -10,6 +10,7 @@ mod cloth;
 mod filled;
 mod floors;
 mod heads;
+mod soles;
 mod thighs;
 mod unseen;
 mod untouched;
