@@ -9,7 +9,7 @@ pub const GAP_MAX_DEG: f64 = 60.0;
 /// Widest difference between neighbouring angles, given in radians, in degrees; 360 if there are none.
 pub fn largest_gap_deg(angles: &[f64]) -> f64 {
     let mut seen = angles.to_vec();
-    seen.sort_by(f64::total_cmp);
+    seen.sort_unstable_by(f64::total_cmp);
     let (Some(first), Some(last)) = (seen.first(), seen.last()) else {
         return 360.0;
     };

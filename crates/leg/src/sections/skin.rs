@@ -126,7 +126,7 @@ impl Skin {
                 points.push(SkinPoint { along_mm, angle, radius_mm, residual_mm: 0.0 });
             }
         }
-        points.sort_by(|p, q| p.along_mm.total_cmp(&q.along_mm));
+        points.sort_unstable_by(|p, q| p.along_mm.total_cmp(&q.along_mm));
         let intervals = ((to_mm - from_mm) / INTERVAL_ALONG_MM).ceil() as usize;
         let along = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
         let column = |value: fn(&SkinPoint) -> f64| points.iter().map(value).collect::<Vec<_>>();
