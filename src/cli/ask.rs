@@ -7,6 +7,7 @@ use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
 use gaiter_language::Language;
 use serde::Serialize;
 use serde_json::json;
@@ -80,7 +81,9 @@ impl AskFault {
                 language.filled("terminal.fault.no_station", &[("place", &place)])
             }
             AskFault::Denied => language.text("terminal.fault.denied").to_owned(),
-            AskFault::Io(error) => because("terminal.fault.io", error),
+            AskFault::Io(error) => {
+                because("terminal.fault.io", &Cause::of_system(error).in_words(language))
+            }
             AskFault::Answer(error) => because("terminal.fault.answer", error),
             AskFault::Refused(fault) => match (language, &fault.local) {
                 (Language::En, _) | (_, None) => fault.message.clone(),

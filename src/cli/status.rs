@@ -8,6 +8,7 @@ use std::fmt::{Display, Write};
 use std::time::Duration;
 
 use gaiter_flow::account::{Filter, Listed};
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::{Complaint, Severity};
 use gaiter_flow::export::passed_over::listed;
 use gaiter_flow::words::{ago, bytes, decimals, duration};
@@ -251,9 +252,9 @@ fn around(status: &Status, now: Timestamp, language: Language) -> Vec<(String, S
     }
     rows.extend(status.stores.iter().map(|(name, store)| {
         let time = ago(store.since, now, language);
-        let why = match &store.fault {
-            Some(_) if store.waits_for_fetch => Some(language.text("explain.not_fetched")),
-            fault => fault.as_deref(),
+        let why = match store.waits_for_fetch {
+            true => Some(language.text("explain.not_fetched").to_owned()),
+            false => told(store.cause.as_ref(), store.fault.as_deref(), language),
         };
         let key = if why.is_some() { "terminal.store.bad" } else { "terminal.store.good" };
         let words: [(&str, &dyn Display); 3] =
@@ -270,7 +271,8 @@ fn of_port(port: &str, trigger: &TriggerStatus, now: Timestamp, language: Langua
         ("state", &language.word("terminal.port_state", &trigger.state)),
         ("time", &ago(trigger.since, now, language)),
     ];
-    let state = with_why(language.filled("terminal.port.state", &words), trigger.why.as_deref());
+    let why = told(trigger.cause.as_ref(), trigger.why.as_deref(), language);
+    let state = with_why(language.filled("terminal.port.state", &words), why);
     let heard = match (trigger.presses, trigger.ids) {
         (presses, 0) => language.filled("terminal.port.presses", &[("count", &presses)]),
         (_, ids) => language.filled("terminal.port.ids", &[("count", &ids)]),
@@ -279,8 +281,14 @@ fn of_port(port: &str, trigger: &TriggerStatus, now: Timestamp, language: Langua
     [state, heard, garbage].join(", ")
 }
 
+/// Why something does not work, in the language. A station of an earlier version says it in English alone.
+fn told(cause: Option<&Cause>, english: Option<&str>, language: Language) -> Option<String> {
+    let own = cause.map(|cause| cause.in_words(language));
+    own.or_else(|| english.map(str::to_owned))
+}
+
 /// A state with the reason for it.
-fn with_why(state: String, why: Option<&str>) -> String {
+fn with_why(state: String, why: Option<String>) -> String {
     match why {
         Some(why) => format!("{state}: {why}"),
         None => state,
@@ -318,7 +326,7 @@ fn said_of(source: &SourceStatus, now: Timestamp, language: Language) -> String 
             let time = ago(source.since, now, language);
             let state =
                 language.filled("terminal.folder.since", &[("state", &state), ("time", &time)]);
-            with_why(state, source.why.as_deref())
+            with_why(state, told(source.cause.as_ref(), source.why.as_deref(), language))
         }
     };
     let last = source.last_look.map(|last| {

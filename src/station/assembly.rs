@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::{Alarm, IntakeState};
 use gaiter_flow::phantom::PHANTOM_ALARM;
@@ -136,7 +137,7 @@ fn recover<'a>(
         }
         custody.journal().filled()?;
         error!(event = "journal-rebuilt", why, adopted, quarantined);
-        let alarm = Alarm { figures: Figures::why(why), since: Timestamp::now() };
+        let alarm = Alarm { figures: Figures::why(&Cause::said(why)), since: Timestamp::now() };
         facts.alarms.insert("journal-rebuilt", alarm);
     }
     // After the scans, which a lost journal must learn of first.

@@ -18,7 +18,7 @@ use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
 use gaiter_flow::round::{Capture, Content, HeldNext, Judged, Rounds, Rules};
 use gaiter_flow::settle::Sights;
-use gaiter_flow::words::minutes_left;
+use gaiter_flow::words::stepped;
 use gaiter_flow::{Appeared, OrdersWhen, ScanId};
 use jiff::{SignedDuration, Timestamp};
 use tokio::sync::{Notify, watch};
@@ -216,8 +216,8 @@ pub struct BoothState {
     pub is_named: bool,
     /// A press may have been missed a short while ago.
     pub is_in_doubt: bool,
-    /// How many minutes longer presses are in doubt for that, as far as it is known.
-    pub doubt_left_min: Option<u64>,
+    /// How much longer presses are in doubt for that, as far as it is known, in steps.
+    pub doubt_left: Option<Duration>,
     /// Most orders come after the press, and the configuration expects them before it.
     pub orders_come_late: Option<OrdersComeLate>,
 }
@@ -250,7 +250,7 @@ impl WhoIsNext {
             awaited_for: &self.awaited_for,
             is_asked: self.is_asked,
             is_in_doubt: self.state.is_in_doubt,
-            doubt_left_min: self.state.doubt_left_min,
+            doubt_left: self.state.doubt_left,
             held_next: self.held_next.as_ref(),
             progress: self.progress,
             last: self.last.as_ref(),
@@ -405,7 +405,7 @@ impl Booth {
             awaited: inner.captures.open().iter().filter(|capture| capture.is_open()).count(),
             is_named: inner.captures.next().is_some(),
             is_in_doubt: inner.captures.is_in_doubt(now),
-            doubt_left_min: minutes_left(inner.captures.doubt_left(now)),
+            doubt_left: inner.captures.doubt_left(now).map(stepped),
             orders_come_late: match inner.captures.orders_when() {
                 OrdersWhen::BeforePress => orders_come_late(&inner.orders),
                 OrdersWhen::AfterPress => None,

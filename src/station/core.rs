@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::facts::IntakeState;
 use gaiter_flow::phantom::is_phantom;
 use gaiter_flow::{Facts, Identity, ScanId};
@@ -140,10 +141,10 @@ impl Core {
         }
     }
 
-    /// The same, but also returns the text of the error.
-    pub fn checked_text(&self, error: &(dyn std::error::Error + 'static)) -> String {
+    /// The same, but also returns the error with its causes, in English.
+    pub fn checked(&self, error: &(dyn std::error::Error + 'static)) -> Cause {
         self.check_corruption(error);
-        chain(error)
+        chain(error).into()
     }
 
     /// Sets a journal aside that proved corrupt in use: opened again it may look intact.

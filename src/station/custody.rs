@@ -24,9 +24,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::account::Whole;
 use gaiter_flow::patient::identity;
 use gaiter_flow::round::Judged;
-use gaiter_flow::{ScanId, ScanState, Verdict, Whose};
+use gaiter_flow::{DeliveryState, ScanId, ScanState, Verdict, Whose};
 use gaiter_record::Patient;
 use gaiter_scan::Format;
 use jiff::Timestamp;
@@ -256,7 +257,27 @@ impl Custody {
             let gone = self.spool.remove(&due.scan);
             self.untidy.fetch_or(gone.is_err(), Ordering::Relaxed);
         }
-        Ok(())
+        self.quarantine_refused(&due.scan)
+    }
+
+    /// Moves the bytes of a scan to quarantine if it is refused: a store refused it for good, and the others have it
+    /// now. After a crash the next start does it.
+    fn quarantine_refused(&self, scan: &ScanId) -> Result<(), CustodyFault> {
+        // If no store has it, it is about to be taken in again.
+        if self.journal.scan(scan)?.is_none_or(|row| row.state != ScanState::Refused)
+            || self.journal.deliveries_in(scan, DeliveryState::Delivered)?.is_empty()
+            || self.quarantine.holds(scan)
+            || !self.spool.holds(scan)
+        {
+            return Ok(());
+        }
+        let Some(Whole { summary, .. }) = self.journal.whole(scan)? else { return Ok(()) };
+        let (code, message) =
+            (summary.code.unwrap_or_default(), summary.message.unwrap_or_default());
+        let reason = Reason::new(&code, message, Stage::Store, summary.first_seen);
+        let quarantined = self.quarantined(scan, &reason);
+        self.untidy.fetch_or(quarantined.is_err(), Ordering::Relaxed);
+        io("quarantining a scan", quarantined)
     }
 
     /// Removes what could not be removed when it was due, if there is anything.
@@ -331,7 +352,7 @@ impl Custody {
             return Ok(None);
         }
         let of_store = reason.stage == Stage::Store;
-        if of_store && self.journal.refused_at_store(due, &reason.code)? {
+        if of_store && self.journal.refused_at_store(due, &reason.code, &reason.message)? {
             return Ok(Some(reason));
         }
         self.refused(&due.scan, reason).map(Some)

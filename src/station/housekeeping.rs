@@ -5,6 +5,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::retention::before;
@@ -118,7 +119,7 @@ fn check_journal(core: &Core) {
     match core.custody.journal().check() {
         Ok(()) => {
             error!(event = "journal-refuses", error = why);
-            let alarm = Alarm { figures: Figures::why(why), since: Timestamp::now() };
+            let alarm = Alarm { figures: Figures::why(&Cause::said(why)), since: Timestamp::now() };
             core.board.note(|facts| _ = facts.alarms.entry(REFUSES).or_insert(alarm));
         }
         Err(fault) => {

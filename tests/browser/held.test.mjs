@@ -179,6 +179,27 @@ for (const [language, words] of Object.entries(WORDS)) {
     });
   });
 
+  // Red while it offered nobody: the id had to be typed.
+  test(`${language}: a scan that came while the button was away is given to who is named by one click and one yes`, async () => {
+    await at(await make(language, BUTTON), async (station) => {
+      const { page } = await tab(browser, station);
+      await page.goto(station.link());
+      await page.getByRole("button", { name: words.name }).click();
+      await page.getByLabel(words.id).fill("4711");
+      await page.getByLabel(words.id).press("Enter");
+      await page.locator("#next_body .who").getByText(words.next("4711")).waitFor();
+      await station.looked();
+      station.export("a.obj", body(50));
+      const card = page.locator("#undecided_body article");
+      await card.getByRole("button", exact(words.give("4711"))).click();
+      assert.equal(await page.locator("#question_title").textContent(), words.give("4711"));
+      assert.deepEqual(await violations(page), []);
+      await shoot(page, `give-unpressed-${language}`);
+      await page.locator("#question").getByRole("button", exact(words.yes)).click();
+      await until("the record", () => record(station, "4711"));
+    });
+  });
+
   test(`${language}: of several who may be next one is named by one click`, async () => {
     await at(await make(language, BUTTON), async (station) => {
       const { page, context } = await tab(browser, station);

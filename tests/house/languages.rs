@@ -22,10 +22,11 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 53] = [
+const BY_CODE: [(&str, &str); 54] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
+    ("cause", "`Cause::known`, and the errors of the system by their numbers"),
     ("complaint", "`Complaint::code`"),
     ("completeness.again", "`Again::key`"),
     ("completeness.check", "`Check::key`"),

@@ -75,6 +75,8 @@ fn metrics_and_health_follow_the_station_and_name_nobody() {
         "gaiter_ready 1.0",
         "gaiter_scans{state=\"delivered\"} 1.0",
         "gaiter_scans{state=\"refused\"} 1.0",
+        "gaiter_dispositions{disposition=\"refused\"} 1.0",
+        "gaiter_dispositions{disposition=\"held\"} 0.0",
         "gaiter_deliveries{store=\"folder\",state=\"delivered\"} 1.0",
         "gaiter_oldest_undelivered_seconds 0.0",
     ] {

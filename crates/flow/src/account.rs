@@ -11,9 +11,13 @@ use super::disposition::{Disposition, Task};
 use super::facts::StoreFacts;
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use super::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use super::round::AMBIGUOUS;
 use super::scan_id::SHORT;
 use super::words::{ago, duration};
 use super::{Closed, DeliveryState, ScanState};
+
+/// The text for a scan that may be of several patients, of whom one is known at the most.
+const ONE_NAMED: &str = "capture-ambiguous-one";
 
 /// A scan, when it was first seen, and where it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -227,6 +231,14 @@ impl Whole {
         let held = held.next().filter(|_| is_held)?;
         Some(held.code.as_deref().unwrap_or(SAME_SCAN_OTHER_PATIENT))
     }
+
+    /// Why it is held, as the key of its text: that of its code, or a closer one.
+    pub fn held_as(&self) -> Option<&str> {
+        Some(match self.held_for()? {
+            AMBIGUOUS if self.candidates.len() < 2 => ONE_NAMED,
+            code => code,
+        })
+    }
 }
 
 /// One row of a scan's history.
@@ -345,7 +357,7 @@ pub fn explain(
         _ if summary.state == ScanState::Refused => refused(scan, summary, language),
         Disposition::Held | Disposition::Refused => {
             let code = whole.held_for().unwrap_or(SAME_SCAN_OTHER_PATIENT);
-            let why = why_held(code, language);
+            let why = why_held(whole.held_as().unwrap_or(code), language);
             let words: [(&str, &dyn Display); 3] =
                 [("scan", &scan), ("code", &code), ("why", &why)];
             language.filled("explain.scan.held", &words)

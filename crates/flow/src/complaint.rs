@@ -7,14 +7,18 @@ use std::time::Duration;
 use gaiter_language::{Language, fill};
 use serde::{Deserialize, Serialize};
 
+use super::cause::Cause;
 use super::export::passed_over::{self, PassedOver};
 use super::words::{bytes, decimals, duration, signed};
 
 /// In the place of a figure that a complaint does not have.
 const NOT_KNOWN: &str = "?";
 
-/// The figure for what the system says of the cause, in its own words: it follows the message.
+/// The figure for the cause: it follows the message.
 const WHY: &str = "why";
+
+/// The end of the name under which a cause stands as data beside its English words.
+const AS_DATA: &str = "_is";
 
 /// Whether a complaint keeps the station from being ready.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -59,14 +63,16 @@ pub enum Figure {
     Number(f64),
     /// How much is passed over in the export folders, by its reason.
     Unread(BTreeMap<PassedOver, usize>),
-    /// A name, which of the complaint's texts it is, or the system's own words.
+    /// A name, which of the complaint's texts it is, or a cause in English.
     Words(String),
+    /// A cause as data, so that every language has its words.
+    Cause(Cause),
 }
 
 impl Figures {
-    /// The system's own words for the cause, and nothing else.
-    pub fn why(why: impl Display) -> Figures {
-        Figures::default().words(WHY, why)
+    /// The cause, and nothing else.
+    pub fn why(why: &Cause) -> Figures {
+        Figures::default().cause(WHY, why)
     }
 
     /// A number of things, with which of the complaint's texts tells it: `one` or `more`.
@@ -101,6 +107,16 @@ impl Figures {
     /// With a name, the key of one of the complaint's texts, or the system's own words.
     pub fn words(self, name: &str, words: impl Display) -> Figures {
         self.with(name, Figure::Words(words.to_string()))
+    }
+
+    /// With a cause: its English words, and itself beside them if other languages have words for it.
+    pub fn cause(self, name: &str, cause: &Cause) -> Figures {
+        let beside = format!("{name}{AS_DATA}");
+        let figures = self.words(name, cause);
+        match cause.is_known() {
+            true => figures.with(&beside, Figure::Cause(cause.clone())),
+            false => figures,
+        }
     }
 
     /// Whether there is none.
@@ -140,7 +156,8 @@ impl Complaint {
         let Some(what) = self.text("message", language) else { return self.code.clone() };
         match self.figures.0.get(WHY) {
             Some(Figure::Words(why)) => {
-                language.filled("complaint.because", &[("what", &what), ("why", why)])
+                let why = self.told(WHY, why, language);
+                language.filled("complaint.because", &[("what", &what), ("why", &why)])
             }
             _ => what,
         }
@@ -181,8 +198,17 @@ impl Complaint {
                 let counts = counts.iter().map(|(why, count)| (why.word(), *count));
                 passed_over::listed(counts, language)
             }
-            (_, Some(Figure::Words(words))) => words.clone(),
+            (_, Some(Figure::Words(words))) => self.told(name, words, language),
+            (_, Some(Figure::Cause(cause))) => cause.in_words(language),
             (_, None) => NOT_KNOWN.to_owned(),
+        }
+    }
+
+    /// The words of a figure, in the language if they are those of a cause.
+    fn told(&self, name: &str, words: &str, language: Language) -> String {
+        match self.figures.0.get(&format!("{name}{AS_DATA}")) {
+            Some(Figure::Cause(cause)) => cause.in_words(language),
+            _ => words.to_owned(),
         }
     }
 }

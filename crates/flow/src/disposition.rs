@@ -77,6 +77,11 @@ impl Disposition {
         }
     }
 
+    /// That of a word in the journal.
+    pub fn of_word(word: &str) -> Option<Disposition> {
+        Disposition::ALL.into_iter().find(|found| found.word() == word)
+    }
+
     /// Whether measures that its record lacks are asked for, if a patient has it: also while another store, or the
     /// result for the practice software, still waits for it.
     pub fn may_lack_measures(self) -> bool {

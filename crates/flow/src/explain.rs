@@ -7,6 +7,7 @@ use gaiter_language::Language;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
+use super::cause::Cause;
 use super::export::companions;
 use super::export::passed_over::PassedOver;
 use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
@@ -126,9 +127,9 @@ fn not_seen(source: &SourceFacts, path: &Path, asked: Asked<'_>) -> String {
     if let Some(at) = source.gone.get(path) {
         return asked.at("explain.gone", "at", *at);
     }
-    let because = |key, why: &String| {
+    let because = |key, why: &Cause| {
         let words: [(&str, &dyn Display); 2] =
-            [("since", &local(source.since, asked.zone)), ("why", why)];
+            [("since", &local(source.since, asked.zone)), ("why", &why.in_words(language))];
         language.filled(key, &words)
     };
     match &source.state {

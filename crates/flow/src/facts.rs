@@ -8,8 +8,8 @@ use std::time::Duration;
 use gaiter_language::Language;
 use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
-use serde::Serialize;
 
+use super::cause::Cause;
 use super::complaint::Figures;
 use super::confinement::Confinement;
 use super::export::passed_over::{Ignored, PassedOver};
@@ -17,8 +17,9 @@ use super::settle::Wait;
 use super::trigger::PortState;
 use super::views::ViewsSeries;
 
-/// Everything that is known about a running station apart from its journal.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Everything that is known about a running station apart from its journal. It is never serialised: it holds paths, and
+/// paths may name patients.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// When this run began.
     pub started: Timestamp,
@@ -29,7 +30,7 @@ pub struct Facts {
     /// The ports of the booth by their names: serial, usb, keys, reader.
     pub triggers: BTreeMap<&'static str, TriggerFacts>,
     /// The endpoints of the page whose address is unavailable, and why: local, network.
-    pub endpoints: BTreeMap<&'static str, String>,
+    pub endpoints: BTreeMap<&'static str, Cause>,
     /// Whether scans are taken in.
     pub intake: IntakeState,
     /// What the operator must know and nothing else shows, by code; kept until the station restarts.
@@ -49,10 +50,9 @@ pub struct Facts {
 }
 
 /// One export folder.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SourceFacts {
     /// The folder; `None` before its worker starts. Paths are never shown in a status.
-    #[serde(skip)]
     pub folder: Option<PathBuf>,
     /// Its state.
     pub state: SourceState,
@@ -65,16 +65,13 @@ pub struct SourceFacts {
     /// When it was last looked through to the end.
     pub last_look: Option<Timestamp>,
     /// Files that are not taken yet, and why. Names may name patients: never shown in a status.
-    #[serde(skip)]
     pub waiting: BTreeMap<PathBuf, WaitingFile>,
     /// Files that are ignored, and why. Never shown in a status either.
-    #[serde(skip)]
     pub ignored: BTreeMap<PathBuf, Ignored>,
     /// How much is ignored, by its reason.
     pub passed_over: BTreeMap<PassedOver, usize>,
     /// Files that were overwritten or deleted before they were taken, and when that was noticed. Never
     /// shown in a status either.
-    #[serde(skip)]
     pub gone: BTreeMap<PathBuf, Timestamp>,
     /// How many exports were overwritten or deleted before they were taken, since somebody called off
     /// what was expected.
@@ -82,21 +79,45 @@ pub struct SourceFacts {
 }
 
 /// The state of an export folder.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "is", content = "why")]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SourceState {
     /// It has not been looked at yet.
     NotLooked,
     /// It is looked through regularly.
     Watched,
     /// It cannot be listed; the error without the path.
-    OutOfReach(String),
+    OutOfReach(Cause),
     /// It is there, but what should be mounted is not.
-    NotMounted(String),
+    NotMounted(Cause),
     /// Another station on this machine uses it.
     Taken,
     /// A look has not returned within its deadline.
     Stalled,
+}
+
+impl SourceState {
+    /// The word for it, in a status and in metrics.
+    pub fn word(&self) -> &'static str {
+        match self {
+            SourceState::NotLooked => "not_looked",
+            SourceState::Watched => "watched",
+            SourceState::OutOfReach(_) => "out_of_reach",
+            SourceState::NotMounted(_) => "not_mounted",
+            SourceState::Taken => "taken",
+            SourceState::Stalled => "stalled",
+        }
+    }
+
+    /// Why it is not watched, as far as there is more to say than the word.
+    pub fn why(&self) -> Option<&Cause> {
+        match self {
+            SourceState::OutOfReach(why) | SourceState::NotMounted(why) => Some(why),
+            SourceState::NotLooked
+            | SourceState::Watched
+            | SourceState::Taken
+            | SourceState::Stalled => None,
+        }
+    }
 }
 
 /// A file that is not taken yet.
@@ -111,38 +132,36 @@ pub struct WaitingFile {
 }
 
 /// One record store.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoreFacts {
     /// Why it took nothing at the last attempt; `None` if it did.
     pub refusal: Option<StoreRefusal>,
     /// Since when it is in this state.
     pub since: Timestamp,
     /// A delivery met the fault. That the store can be reached does not disprove it.
-    #[serde(skip)]
     pub is_of_delivery: bool,
 }
 
 /// Why a store takes no record now.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "is", content = "why")]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StoreRefusal {
     /// It does not work: the fault, without its path.
-    Fault(String),
+    Fault(Cause),
     /// The last result is still in the place of the next: the practice software has not fetched it.
     NotFetched,
 }
 
 impl StoreRefusal {
-    /// Why it takes no record now. The words of a fault are the system's own.
+    /// Why it takes no record now.
     pub fn in_words(&self, language: Language) -> String {
         match self {
-            StoreRefusal::Fault(why) => why.clone(),
+            StoreRefusal::Fault(why) => why.in_words(language),
             StoreRefusal::NotFetched => language.text("explain.not_fetched").to_owned(),
         }
     }
 
     /// The fault, if it is one.
-    pub fn fault(&self) -> Option<&str> {
+    pub fn fault(&self) -> Option<&Cause> {
         match self {
             StoreRefusal::Fault(why) => Some(why),
             StoreRefusal::NotFetched => None,
@@ -190,12 +209,12 @@ impl StoreFacts {
 }
 
 /// One port of the booth.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TriggerFacts {
     /// Its state.
     pub state: PortState,
     /// Why it is not open, without its path.
-    pub why: Option<String>,
+    pub why: Option<Cause>,
     /// Since when it is in this state.
     pub since: Timestamp,
     /// Since when it has not worked steadily; `None` if it works steadily.
@@ -224,7 +243,7 @@ impl TriggerFacts {
 }
 
 /// What is known of the checks with the phantom.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PhantomFacts {
     /// How often the phantom should be scanned.
     pub every: Duration,
@@ -233,8 +252,7 @@ pub struct PhantomFacts {
 }
 
 /// Whether scans are taken in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "is")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IntakeState {
     /// Scans are taken in.
     Open,
@@ -249,8 +267,22 @@ pub enum IntakeState {
     },
 }
 
+impl IntakeState {
+    /// All words of [`IntakeState::word`].
+    pub const WORDS: [&'static str; 3] = ["open", "paused", "disk_low"];
+
+    /// The word for it, in a status and in metrics.
+    pub fn word(self) -> &'static str {
+        match self {
+            IntakeState::Open => "open",
+            IntakeState::Paused => "paused",
+            IntakeState::DiskLow { .. } => "disk_low",
+        }
+    }
+}
+
 /// Something that the operator must know. Its words stand under its code, as those of a complaint.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Alarm {
     /// The figures in its message.
     pub figures: Figures,

@@ -10,6 +10,7 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use super::Facts;
+use super::cause::Cause;
 use super::complaint::{Complaint, Figures, Severity};
 use super::facts::{IntakeState, SourceFacts, SourceState, StoreFacts, StoreRefusal, TriggerFacts};
 use super::trigger::PortState;
@@ -61,7 +62,9 @@ pub fn complaints(
     let alarms = facts.alarms.iter();
     complaints.extend(alarms.map(|(code, alarm)| Complaint::new(code, alarm.figures.clone())));
     let refused = facts.refused_reload.iter();
-    complaints.extend(refused.map(|fault| Complaint::new("reload-refused", Figures::why(fault))));
+    complaints.extend(
+        refused.map(|fault| Complaint::new("reload-refused", Figures::why(&Cause::said(fault)))),
+    );
     complaints.extend(unfetched(facts, now));
     complaints.extend(facts.views_apart());
     complaints

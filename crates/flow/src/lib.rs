@@ -6,6 +6,7 @@ pub mod account;
 pub mod acquired;
 pub mod backoff;
 pub mod booth;
+pub mod cause;
 pub mod complaint;
 pub mod confinement;
 pub mod decision;

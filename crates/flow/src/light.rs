@@ -84,7 +84,7 @@ impl Outcome {
                 Some(Outcome::Refused { code })
             }
             Disposition::Held => {
-                Some(Outcome::Held { code: whole.held_for().unwrap_or_default().to_owned() })
+                Some(Outcome::Held { code: whole.held_as().unwrap_or_default().to_owned() })
             }
             Disposition::Spooled if !whole.has_record() => None,
             Disposition::Unassigned => Some(Outcome::Unassigned { to_do: to_do.to_owned() }),

@@ -47,6 +47,9 @@ pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 /// Finding: the export could belong to captures of different patients.
 pub(crate) const AMBIGUOUS: &str = Why::Ambiguous.code();
 
+/// Finding: another export lay beside it.
+pub(crate) const BESIDE: &str = Why::Beside.code();
+
 /// The captures that have not ended, and who may be next.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rounds {
@@ -306,7 +309,7 @@ impl Rounds {
         {
             let may_have = |capture: &&Capture| capture.may_have(content.began, late);
             let all: Vec<&Capture> = self.open.iter().filter(may_have).collect();
-            judged = held(Why::Ambiguous, &all, content.began);
+            judged = held(Why::Beside, &all, content.began);
         }
         if let Judged::Held { answered, doubtful, .. } = &mut judged
             && content.is_cut_short

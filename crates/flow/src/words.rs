@@ -36,9 +36,25 @@ pub fn duration(duration: Duration, language: Language) -> String {
     }
 }
 
-/// Whole minutes that are left, the one that has begun included.
-pub fn minutes_left(left: Option<Duration>) -> Option<u64> {
-    left.map(|left| left.saturating_sub(Duration::from_nanos(1)).as_secs() / 60 + 1)
+/// In which steps time that is left is told, seconds: a step that has begun counts. A screen reader reads out each.
+const LEFT_STEP_S: u64 = 60;
+
+/// In which steps the last minute is told, seconds.
+const LAST_STEP_S: u64 = 20;
+
+/// Time that is left, up to the end of the step that has begun.
+pub fn stepped(left: Duration) -> Duration {
+    let seconds = left.saturating_sub(Duration::from_nanos(1)).as_secs() + 1;
+    let step = if seconds > LEFT_STEP_S { LEFT_STEP_S } else { LAST_STEP_S };
+    Duration::from_secs(seconds.div_ceil(step) * step)
+}
+
+/// Time that is left at the most, in words that follow "for up to".
+pub fn at_most(left: Duration, language: Language) -> String {
+    match stepped(left).as_secs() {
+        seconds if seconds < 60 => language.filled("duration.s", &[("count", &seconds)]),
+        seconds => language.filled("duration.min", &[("count", &(seconds / 60))]),
+    }
 }
 
 /// A size in bytes in readable form, in decimal units as disks are sold.
@@ -85,6 +101,25 @@ mod tests {
         let said = |language| [999, 1500, 12_340_000_000].map(|size| bytes(size, language));
         assert_eq!(said(Language::En), ["999 B", "1.5 kB", "12.3 GB"]);
         assert_eq!(said(Language::De), ["999 B", "1,5 kB", "12,3 GB"]);
+    }
+
+    /// Red while the last minute was told as one.
+    #[test]
+    fn time_that_is_left_counts_down_to_its_end() {
+        for (seconds, english) in [
+            (301, "6 min"),
+            (61, "2 min"),
+            (60, "1 min"),
+            (41, "1 min"),
+            (40, "40 s"),
+            (21, "40 s"),
+            (20, "20 s"),
+            (0, "20 s"),
+        ] {
+            let left = Duration::from_secs(seconds);
+            assert_eq!(at_most(left, Language::En), english, "{seconds} s");
+            assert_eq!(stepped(stepped(left)), stepped(left), "a step stays itself");
+        }
     }
 
     #[test]

@@ -44,9 +44,10 @@ fn removed(person: &Person, language: Language) -> Vec<String> {
 fn of_store(of: &PersonStore, language: Language) -> String {
     let place = shown(of.place.display()).to_string();
     let name: &dyn Display = &language.word("page.part.store", &of.store);
-    match &of.fault {
+    let own = of.cause.as_ref().map(|cause| cause.in_words(language));
+    match own.or_else(|| of.fault.clone()) {
         Some(fault) => language
-            .filled("erase.store_away", &[("store", name), ("place", &place), ("fault", fault)]),
+            .filled("erase.store_away", &[("store", name), ("place", &place), ("fault", &fault)]),
         None => language.filled(
             "erase.store",
             &[

@@ -7,6 +7,7 @@ use gaiter_flow::complaint::{Complaint, Figures};
 use gaiter_flow::confinement::{Confinement, Enforced};
 use gaiter_flow::views::ViewsSeries;
 use gaiter_flow::{Disposition, ScanState};
+use gaiter_record::gdt::OrderFault;
 
 use super::*;
 use crate::station::operator::control::status::{BoothStatus, StoreStatus};
@@ -21,12 +22,13 @@ fn status() -> Status {
     let port = TriggerStatus {
         state: "open".into(),
         why: None,
+        cause: None,
         since: at(0),
         presses: 21,
         ids: 0,
         garbage: 3,
     };
-    let store = StoreStatus { fault: None, waits_for_fetch: false, since: at(0) };
+    let store = StoreStatus { fault: None, cause: None, waits_for_fetch: false, since: at(0) };
     Status {
         schema: "gaiter.status/1".into(),
         ready: true,
@@ -46,6 +48,7 @@ fn status() -> Status {
             export_dir: 0,
             state: "watched".into(),
             why: None,
+            cause: None,
             since: at(0),
             file_system: Some("SMB".into()),
             polled: true,
@@ -193,4 +196,35 @@ fn in_german_every_row_is_german() {
     ] {
         assert!(said.contains(part), "no {part:?} in\n{said}");
     }
+}
+
+/// Red while reasons were English words: a German sentence ended in English.
+#[test]
+fn why_a_part_does_not_work_is_german_in_a_german_sentence() {
+    let mut status = status();
+    let lacks = Cause::known("no-marker", []);
+    let source = status.sources.remove(0);
+    let (state, why) = ("not_mounted".to_owned(), Some(lacks.to_string()));
+    status.sources.push(SourceStatus { state, why, cause: Some(lacks), ..source });
+    let full = Cause::of_system(&std::io::Error::from_raw_os_error(28)).after("writing failed");
+    let (fault, cause) = (Some(full.to_string()), Some(full));
+    let store = StoreStatus { fault, cause, waits_for_fetch: false, since: at(0) };
+    status.stores.insert("folder".to_owned(), store);
+    let order = Cause::from(&OrderFault::NoPatient);
+    let figures =
+        Figures::default().words("fault", "order-without-patient").words("place", "aside");
+    status.complaints.push(Complaint::new("order-refused", figures.cause("said", &order)).into());
+    // As another process reads it.
+    let status = serde_json::from_str(&serde_json::to_string(&status).unwrap()).unwrap();
+    let look = Look { status, scans: Vec::new() };
+    let said = anstream::adapter::strip_str(&table(&look, Language::De, None)).to_string();
+    for part in [
+        "Export 0   Freigabe nicht eingehängt seit 3 Minuten: ihm fehlt die Datei, die scanner.marker nennt",
+        "folder: nimmt seit 3 Minuten keine Messakten an: der Datenträger ist voll (Systemfehler 28)",
+        "(order-without-patient): er nennt keinen Patienten: Feld 3000 fehlt oder ist leer; er liegt",
+    ] {
+        assert!(said.contains(part), "no {part:?} in\n{said}");
+    }
+    let said = anstream::adapter::strip_str(&table(&look, Language::En, None)).to_string();
+    assert!(said.contains("writing failed: No space left on device (os error 28)"), "{said}");
 }

@@ -20,6 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
@@ -292,7 +293,7 @@ impl Reach {
                 Look::Seen(found.orders)
             }
             Err(error) => {
-                if self.lose(&error.to_string()) {
+                if self.lose(&Cause::of_system(&error)) {
                     self.booth.missed_name(SOURCE);
                 }
                 Look::OutOfReach
@@ -302,18 +303,18 @@ impl Reach {
 
     /// The folder does not answer. Does not block.
     fn stalled(reach: &Arc<Reach>) {
-        if reach.lose("it does not answer") {
+        if reach.lose(&Cause::known("no-answer", [])) {
             let theirs = Arc::clone(reach);
             drop(spawn_blocking(move || theirs.booth.missed_name(SOURCE)));
         }
     }
 
     /// The folder is out of reach. Logs it if it was in reach before; returns whether it was.
-    fn lose(&self, why: &str) -> bool {
+    fn lose(&self, why: &Cause) -> bool {
         alarm(self.booth.core(), OUT_OF_REACH, Figures::why(why));
         let was_in = self.is_in.swap(false, Ordering::Relaxed);
         if was_in {
-            warn!(event = "orders-out-of-reach", error = why);
+            warn!(event = "orders-out-of-reach", error = why.to_string());
         }
         was_in
     }

@@ -25,7 +25,10 @@ impl Custody {
                     self.adopt_or_refuse(&scan)?;
                     adopted += 1;
                 }
-                Some(_) => self.give_up_served(&scan)?,
+                Some(_) => {
+                    self.quarantine_refused(&scan)?;
+                    self.give_up_served(&scan)?;
+                }
             }
         }
         for scan in self.journal.scans_in(ScanState::Spooled)? {

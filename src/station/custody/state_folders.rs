@@ -1,6 +1,7 @@
 //! Checks that the folders in which the station keeps its data still exist. Another process may have
 //! removed one while the station ran.
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use jiff::Timestamp;
@@ -41,7 +42,7 @@ pub fn look_after(custody: &Custody, board: &Board) {
         }
         Err(error) => {
             warn!(event = "custody-missing", folders = names, %error);
-            raise(MISSING, Figures::why(error));
+            raise(MISSING, Figures::why(&Cause::of_system(&error)));
         }
     }
 }

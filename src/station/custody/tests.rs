@@ -3,8 +3,8 @@
 use std::fs;
 use std::sync::atomic::Ordering;
 
-use gaiter_flow::Stamp;
 use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_flow::{Disposition, Stamp};
 use gaiter_record::{Source, SourceKind};
 
 use super::*;
@@ -390,7 +390,12 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
     assert_eq!(custody.refuse_delivery(copy, occupied.clone()).unwrap(), Some(occupied.clone()));
     assert!(custody.spool.holds(&scan));
     custody.delivered(folder, Path::new("/r/x")).unwrap();
-    assert!(custody.spool.holds(&scan), "the refused delivery may be retried");
+    // Red while the scan counted as delivered: nobody was asked about the record that the other store lacks.
+    let whole = custody.journal.whole(&scan).unwrap().unwrap();
+    assert_eq!(whole.disposition(), Disposition::Refused);
+    assert_eq!(whole.summary.code.as_deref(), Some(occupied.code.as_str()));
+    assert!(custody.quarantine.holds_bytes(&scan), "the refused delivery may be retried");
+    assert!(!custody.spool.holds(&scan));
     assert_eq!(custody.retry(&scan).unwrap(), Acted::Done(1));
     let due = custody.journal.pending().unwrap();
     custody.refuse_delivery(&due[0], occupied.clone()).unwrap();

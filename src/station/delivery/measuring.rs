@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::acquired::acquired;
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::confinement::{Confine, Confinement};
 use gaiter_flow::facts::Alarm;
@@ -170,7 +171,7 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
 
 /// The alarm that scans cannot be measured on this machine, with the reason.
 fn impaired(error: impl Display) -> Alarm {
-    Alarm { figures: Figures::why(error), since: Timestamp::now() }
+    Alarm { figures: Figures::why(&Cause::said(error)), since: Timestamp::now() }
 }
 
 /// The job for the measuring process, and the file of the scanner's own measures.

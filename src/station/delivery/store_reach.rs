@@ -1,5 +1,6 @@
 //! Whether a store can be reached, and what is reported about it.
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::facts::{StoreAttempt, StoreFacts, StoreRefusal};
 use jiff::Timestamp;
 use tracing::{info, warn};
@@ -16,7 +17,7 @@ use crate::store::{RecordStore, StoreFault};
 /// of a run finds a journal that is older than the store's records. Blocks.
 pub fn ask(core: &Core, name: &str) -> bool {
     let Some(store) = core.stores.named(name) else {
-        let fault = StoreRefusal::Fault("it is no longer in the configuration".to_owned());
+        let fault = StoreRefusal::Fault(Cause::known("not-configured", []));
         note(core, name, StoreAttempt::Look(Some(fault)));
         return false;
     };
@@ -33,25 +34,25 @@ pub fn ask(core: &Core, name: &str) -> bool {
 
 /// Removes from the store what an erasure wants removed, before a search could find it; and gives it the head
 /// of the history as it is since.
-fn clear(core: &Core, store: &RecordStore) -> Result<(), String> {
+fn clear(core: &Core, store: &RecordStore) -> Result<(), Cause> {
     erase::clear_store_of(core, store).map_err(|fault| match fault {
         ClearFault::Store(fault) => without_path(&fault),
-        ClearFault::Custody(fault) => core.checked_text(&fault),
+        ClearFault::Custody(fault) => core.checked(&fault),
     })?;
     let RecordStore::Folder(folder) = store else { return Ok(()) };
-    let renewed = renew_head(&core.custody, folder).map_err(|fault| core.checked_text(&fault))?;
+    let renewed = renew_head(&core.custody, folder).map_err(|fault| core.checked(&fault))?;
     renewed.map_err(|fault| without_path(&fault))
 }
 
 /// Makes sure that the journal knows the store's records. One that is older than they are is set aside and
 /// rebuilt, which searches the store. Only the first look of a run checks that: two stations that were
 /// given the same id by mistake would otherwise rebuild their journals in turns.
-fn know(core: &Core, store: &RecordStore) -> Result<(), String> {
+fn know(core: &Core, store: &RecordStore) -> Result<(), Cause> {
     let journal = core.custody.journal();
-    let of_journal = |error: JournalError| core.checked_text(&error);
+    let of_journal = |error: JournalError| core.checked(&error);
     if journal.is_to_be_searched(store.name()).map_err(of_journal)? {
         let searched = store_search::search(&core.custody, store);
-        return searched.map_err(|fault| core.checked_text(&fault));
+        return searched.map_err(|fault| core.checked(&fault));
     }
     if core.stores.is_open(store) {
         return Ok(());
@@ -64,9 +65,9 @@ fn know(core: &Core, store: &RecordStore) -> Result<(), String> {
 
 /// Begins a store that the journal does not know at its place. A store that it knows must be found
 /// marked, so that the empty mount point of a share is not mistaken for it.
-fn begin(core: &Core, store: &RecordStore) -> Result<(), String> {
+fn begin(core: &Core, store: &RecordStore) -> Result<(), Cause> {
     let (journal, place) = (core.custody.journal(), store.place());
-    let of_journal = |error: JournalError| core.checked_text(&error);
+    let of_journal = |error: JournalError| core.checked(&error);
     let begun = journal.begun_at(store.name()).map_err(of_journal)?;
     if begun.as_ref() == Some(&place) {
         return Ok(());
@@ -93,7 +94,7 @@ pub fn note(core: &Core, name: &str, attempt: StoreAttempt) {
         | (Some(StoreRefusal::NotFetched), Some(StoreRefusal::NotFetched))
         | (None, None) => {}
         (_, Some(StoreRefusal::Fault(fault))) => {
-            warn!(event = "store-unavailable", store, fault);
+            warn!(event = "store-unavailable", store, fault = fault.to_string());
         }
         (_, Some(StoreRefusal::NotFetched)) => info!(event = "result-not-fetched", store),
         (Some(_), None) => info!(event = "store-in-reach", store),
@@ -108,16 +109,16 @@ fn awaits(core: &Core, store: &str) -> bool {
 
 /// Notes that a step at a store does not return. Returns whether that is new.
 pub fn note_stalled(core: &Core, name: &str) -> bool {
-    const STALLED: &str = "it does not answer";
+    let stalled = Cause::known("no-answer", []);
     let mut known = false;
     core.board.note(|facts| {
         let refusal = facts.stores.get(name).and_then(|facts| facts.refusal.as_ref());
-        known = refusal.and_then(StoreRefusal::fault) == Some(STALLED);
+        known = refusal.and_then(StoreRefusal::fault) == Some(&stalled);
     });
     if known {
         return false;
     }
-    note(core, name, StoreAttempt::Look(Some(StoreRefusal::Fault(STALLED.to_owned()))));
+    note(core, name, StoreAttempt::Look(Some(StoreRefusal::Fault(stalled))));
     true
 }
 
@@ -130,10 +131,12 @@ fn refusal(fault: &StoreFault) -> StoreRefusal {
 }
 
 /// A store's fault without its path.
-fn without_path(fault: &StoreFault) -> String {
+fn without_path(fault: &StoreFault) -> Cause {
     match fault {
-        StoreFault::Transient { what, source, .. } => format!("{what} failed: {source}"),
-        StoreFault::NotFetched => fault.to_string(),
-        StoreFault::Permanent(misfit) => misfit.to_string(),
+        StoreFault::Transient { what, source, .. } => {
+            Cause::of_system(source).after(format_args!("{what} failed"))
+        }
+        StoreFault::NotFetched => Cause::said(fault),
+        StoreFault::Permanent(misfit) => Cause::said(misfit),
     }
 }

@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use gaiter_flow::Facts;
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::{Alarm, StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
@@ -233,7 +234,8 @@ pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
     let code = fault.code();
     match fault {
         StoreFault::Transient { what, source, .. } => {
-            let refusal = StoreRefusal::Fault(format!("{code}: {what} failed: {source}"));
+            let why = Cause::of_system(&source).after(format_args!("{code}: {what} failed"));
+            let refusal = StoreRefusal::Fault(why);
             Setback::StoreFailed { code, refusal }
         }
         StoreFault::NotFetched => Setback::StoreFailed { code, refusal: StoreRefusal::NotFetched },

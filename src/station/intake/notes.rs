@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::export::mount::MountGuard;
 use gaiter_flow::export::passed_over::{Ignored, PassedOver};
 use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
@@ -76,13 +77,13 @@ impl Notes {
                 return out_of_reach;
             }
             Err(error) => {
-                self.state(SourceState::OutOfReach(error.to_string()));
+                self.state(SourceState::OutOfReach(Cause::of_system(&error)));
                 return out_of_reach;
             }
         };
         self.note(|source| source.file_system = Some(found.mount.file_system.to_string()));
         if let Err(why) = guard.judge(found.mount) {
-            self.state(SourceState::NotMounted(why.to_string()));
+            self.state(SourceState::NotMounted((&why).into()));
             return out_of_reach;
         }
         self.state(SourceState::Watched);
@@ -150,10 +151,10 @@ impl Notes {
         }
         match &state {
             SourceState::OutOfReach(error) => {
-                warn!(event = "export-dir-out-of-reach", export_dir, error);
+                warn!(event = "export-dir-out-of-reach", export_dir, error = error.to_string());
             }
             SourceState::NotMounted(why) => {
-                warn!(event = "export-dir-not-mounted", export_dir, why);
+                warn!(event = "export-dir-not-mounted", export_dir, why = why.to_string());
             }
             SourceState::Stalled => warn!(event = "export-dir-stalled", export_dir),
             SourceState::Taken => warn!(event = "export-dir-taken", export_dir),

@@ -103,15 +103,25 @@ impl Journal {
         Ok(())
     }
 
-    /// Records that a store will never take a record, if other deliveries of the scan are pending.
-    /// Returns whether that is so. If not, nothing is changed: the scan is to be refused.
-    pub fn refused_at_store(&self, due: &Due, code: &str) -> Result<bool, JournalError> {
+    /// Records that a store will never take a record, if other deliveries of the scan are pending: the scan is
+    /// refused for that once they are made. Returns whether that is so. If not, nothing is changed: the scan is
+    /// to be refused.
+    pub fn refused_at_store(
+        &self,
+        due: &Due,
+        code: &str,
+        message: &str,
+    ) -> Result<bool, JournalError> {
         self.change(|transaction| {
             if count(transaction, &due.scan, DeliveryState::Pending)? < 2 {
                 return Ok(false);
             }
             step(transaction, due, DeliveryStep::Refuse, None)?;
             set_code(transaction, due, code)?;
+            transaction.execute(
+                "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1",
+                [due.scan.as_str(), code, message],
+            )?;
             let detail = json!({ "code": code, "store": due.store });
             history::append(transaction, Some(&due.scan), Event::Refused, &detail)?;
             Ok(true)
@@ -153,14 +163,28 @@ pub(super) fn owners(connection: &Connection, scan: &ScanId) -> Result<Vec<Strin
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
-/// Marks a scan as delivered if none of its deliveries is pending.
+/// Marks a scan as delivered if none of its deliveries is pending; as refused if a store will never take its record:
+/// a person decides about it.
 pub(super) fn finish_if_done(
     transaction: &Transaction<'_>,
     scan: &ScanId,
 ) -> Result<(), JournalError> {
     let state = state_of(transaction, scan)?;
     if state == ScanState::Spooled && count(transaction, scan, DeliveryState::Pending)? == 0 {
-        set_state(transaction, scan, state.after(ScanStep::Finish)?)?;
+        if count(transaction, scan, DeliveryState::Refused)? == 0 {
+            return set_state(transaction, scan, state.after(ScanStep::Finish)?);
+        }
+        let why: [Option<String>; 2] = transaction.query_row(
+            "SELECT code, message FROM scans WHERE sha256 = ?1",
+            [scan.as_str()],
+            |row| Ok([row.get(0)?, row.get(1)?]),
+        )?;
+        set_state(transaction, scan, state.after(ScanStep::Refuse)?)?;
+        let [code, message] = why;
+        transaction.execute(
+            "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1",
+            params![scan.as_str(), code, message],
+        )?;
     }
     Ok(())
 }

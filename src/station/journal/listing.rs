@@ -21,6 +21,8 @@ pub struct Tally {
     /// Scans by the word of their state; every state is present. Refused scans that need no further
     /// decision are not counted.
     pub scans: BTreeMap<&'static str, u64>,
+    /// Scans by the word of what became of them; every one is present.
+    pub dispositions: BTreeMap<&'static str, u64>,
     /// Scans of which a person must say whose they are, whatever their own state.
     pub held: u64,
     /// Refused or held scans that need no further decision.
@@ -56,9 +58,8 @@ impl Journal {
         )?;
         let rows = query.query_map([], |row| Ok(((row.get(0)?, row.get(1)?), count(row, 2)?)))?;
         let deliveries = rows.collect::<Result<_, _>>()?;
-        let is_held = is_one_of(|found| found == Disposition::Held);
-        let held = format!("SELECT count(*) FROM scans WHERE {is_held}");
-        let held = connection.query_row(&held, [], |row| count(row, 0))?;
+        let dispositions = dispositions(&connection)?;
+        let held = dispositions.get(Disposition::Held.word()).copied().unwrap_or_default();
         let closed = connection.query_row(
             "SELECT count(*) FROM scans WHERE closed IS NOT NULL",
             [],
@@ -79,6 +80,7 @@ impl Journal {
         let last = connection.prepare_cached(last)?.query_row([], seen).optional()?;
         Ok(Tally {
             scans,
+            dispositions,
             held,
             closed,
             withdrawing,
@@ -168,6 +170,19 @@ fn whole(connection: &Connection, scan: &ScanId) -> Result<Option<Whole>, Journa
         preview: None,
         history: Vec::new(),
     }))
+}
+
+/// How many scans became what, each of all dispositions.
+fn dispositions(connection: &Connection) -> Result<BTreeMap<&'static str, u64>, JournalError> {
+    let mut found: BTreeMap<&'static str, u64> =
+        Disposition::ALL.into_iter().map(|is| (is.word(), 0)).collect();
+    let mut query = connection
+        .prepare_cached("SELECT disposition, count(*) FROM scans GROUP BY disposition")?;
+    for row in query.query_map([], |row| Ok((row.get(0)?, count(row, 1)?)))? {
+        let (word, count): (String, u64) = row?;
+        found.insert(cell("disposition", word, Disposition::of_word)?.word(), count);
+    }
+    Ok(found)
 }
 
 /// SQL: a scan passes this filter.

@@ -5,6 +5,7 @@ mod fault;
 
 use std::fmt::Display;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::round::NamedNext;
 use gaiter_flow::{DeliveryState, ScanId};
 use gaiter_record::SourceKind;
@@ -273,8 +274,8 @@ fn from_a_store(
             Ok(Some(stored)) => return Ok(Some(stored)),
             Ok(None) => {}
             // The path only holds the folder of unassigned scans here; the cause is enough.
-            Err(StoreFault::Transient { source, .. }) => away = Some(source.to_string()),
-            Err(fault) => away = Some(chain(&fault)),
+            Err(StoreFault::Transient { source, .. }) => away = Some(Cause::of_system(&source)),
+            Err(fault) => away = Some(Cause::said(chain(&fault))),
         }
     }
     away.map_or(Ok(None), |why| Err(ActFault::Store(why)))

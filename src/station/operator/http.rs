@@ -17,6 +17,7 @@ use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Extension, Router};
+use gaiter_flow::cause::Cause;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -108,8 +109,8 @@ async fn keep(desk: &Arc<Desk>, listeners: &Listeners, way: Way, mut stop: Stop)
                 if !std::mem::replace(&mut was_unavailable, true) {
                     warn!(event = "http-unavailable", way = way.word(), %error);
                 }
-                core.board
-                    .note(|facts| drop(facts.endpoints.insert(way.word(), error.to_string())));
+                let why = Cause::of_system(&error);
+                core.board.note(|facts| drop(facts.endpoints.insert(way.word(), why)));
                 tokio::select! {
                     () = stop.requested() => {}
                     () = sleep(RETRY) => {}

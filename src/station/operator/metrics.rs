@@ -4,6 +4,7 @@
 use std::fmt;
 use std::sync::atomic::AtomicU64;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Complaint;
 use gaiter_flow::facts::{IntakeState, SourceState, TriggerFacts};
 use gaiter_flow::trigger::PortState;
@@ -15,7 +16,6 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::Registry;
 
-use super::control::status::state_words;
 use crate::station::overview::Overview;
 
 /// The content type of the text, for HTTP.
@@ -56,12 +56,9 @@ fn of_station(registry: &mut Registry, overview: &Overview) {
     family(registry, "notice", "What a person should know", notices);
     let alarms = facts.alarms.keys().map(|code| ([("code", (*code).to_owned())], 1.0));
     family(registry, "alarm", "What an operator must know", alarms);
-    let intake = [
-        ("open", facts.intake == IntakeState::Open),
-        ("paused", facts.intake == IntakeState::Paused),
-        ("disk_low", matches!(facts.intake, IntakeState::DiskLow { .. })),
-    ];
-    let intake = intake.map(|(state, is)| ([("state", state.to_owned())], f64::from(u8::from(is))));
+    let intake = IntakeState::WORDS.map(|word| {
+        ([("state", word.to_owned())], f64::from(u8::from(word == facts.intake.word())))
+    });
     family(registry, "intake", "1 for the state of the intake", intake);
     if let Some(disk) = disk {
         let help = "Free on the disk of the state folder";
@@ -82,7 +79,10 @@ fn of_scans(registry: &mut Registry, overview: &Overview) {
     let states = tally.scans.iter();
     let states = states.map(|(state, count)| ([("state", (*state).to_owned())], *count as f64));
     family(registry, "scans", "Scans in the journal by state", states);
-    let help = "Scans that wait for an operator's decision";
+    let became = tally.dispositions.iter();
+    let became = became.map(|(is, count)| ([("disposition", (*is).to_owned())], *count as f64));
+    family(registry, "dispositions", "Scans in the journal by what became of them", became);
+    let help = "Scans of which an operator must say whose they are";
     gauge(registry, "scans_held", help, tally.held as f64);
     let help = "Scans whose record is to be taken back";
     gauge(registry, "scans_withdrawing", help, tally.withdrawing as f64);
@@ -98,7 +98,7 @@ fn of_scans(registry: &mut Registry, overview: &Overview) {
 }
 
 fn of_sources(registry: &mut Registry, overview: &Overview) {
-    let none = String::new;
+    let none = || Cause::said("");
     let states = [
         SourceState::NotLooked,
         SourceState::Watched,
@@ -109,11 +109,10 @@ fn of_sources(registry: &mut Registry, overview: &Overview) {
     ];
     let sources = || overview.facts.sources.iter().enumerate();
     let of_all = sources().flat_map(|(place, source)| {
-        let is = state_words(&source.state).0;
         states.iter().map(move |state| {
-            let word = state_words(state).0;
+            let word = state.word();
             let labels = [("export_dir", place.to_string()), ("state", word.to_owned())];
-            (labels, f64::from(u8::from(word == is)))
+            (labels, f64::from(u8::from(word == source.state.word())))
         })
     });
     family(registry, "source", "1 for the state of each export folder", of_all);

@@ -5,6 +5,7 @@ use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::patient::naming::RecordName;
 use gaiter_flow::patient::person::{
     HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
@@ -116,12 +117,14 @@ fn in_folders(store: &RecordStore, patient: &str) -> Option<PersonStore> {
         store: store.name().to_owned(),
         place: PathBuf::from(store.place()),
         fault: None,
+        cause: None,
         records: Vec::new(),
         others: Vec::new(),
         of_another: 0,
     };
     if let Err(fault) = fill(&mut of, folder, patient) {
-        of.fault = Some(in_words(&fault));
+        let cause = without_path(&fault);
+        (of.fault, of.cause) = (Some(cause.to_string()), Some(cause));
     }
     Some(of)
 }
@@ -173,9 +176,11 @@ fn given(store: &RecordStore, patient: &str) -> Option<Vec<HandedOver>> {
 }
 
 /// A store's fault without its path.
-fn in_words(fault: &StoreFault) -> String {
+fn without_path(fault: &StoreFault) -> Cause {
     match fault {
-        StoreFault::Transient { what, source, .. } => format!("{what} failed: {source}"),
-        fault => fault.to_string(),
+        StoreFault::Transient { what, source, .. } => {
+            Cause::of_system(source).after(format_args!("{what} failed"))
+        }
+        fault => Cause::said(fault),
     }
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_flow::cause::Cause;
 use gaiter_record::measure::amendment::{AmendFault, Amendment};
 use gaiter_record::schema::SCHEMA;
 use gaiter_record::{
@@ -32,7 +33,7 @@ pub struct Amended {
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
     /// There is no record.
-    #[error("there is no record there; name a record's folder or its record.json")]
+    #[error("{}", Cause::known("no-record", []))]
     NoRecord,
     /// It cannot be read.
     #[error(transparent)]
@@ -41,16 +42,16 @@ pub enum Fault {
     #[error(transparent)]
     Amend(#[from] AmendFault),
     /// It was made by another version, and would lose figures if this one wrote it.
-    #[error("its record.json was made by gaiter {0}; measure it again with gaiter reextract first")]
+    #[error("{}", other_version(.0))]
     OtherVersion(String),
     /// Files of the revision cannot be made.
     #[error("the new revision cannot be made")]
     Files(#[from] FilesFault),
     /// The record was taken back from its patient meanwhile.
-    #[error("the record was taken back from its patient meanwhile")]
+    #[error("{}", Cause::known("record-withdrawn", []))]
     Withdrawn,
     /// Another revision was added meanwhile.
-    #[error("another revision was added meanwhile: look at it, then try again")]
+    #[error("{}", Cause::known("revised-meanwhile", []))]
     Meanwhile,
     /// The store cannot be listed.
     #[error(transparent)]
@@ -58,6 +59,31 @@ pub enum Fault {
     /// The revision cannot be written.
     #[error("the new revision cannot be written")]
     Io(#[from] io::Error),
+}
+
+impl Fault {
+    /// Why, as data.
+    pub fn cause(&self) -> Cause {
+        match self {
+            Fault::NoRecord => Cause::known("no-record", []),
+            Fault::OtherVersion(version) => other_version(version),
+            Fault::Withdrawn => Cause::known("record-withdrawn", []),
+            Fault::Meanwhile => Cause::known("revised-meanwhile", []),
+            Fault::Io(error) => Cause::of_system(error).after(self),
+            Fault::Stored(StoredFault::Io(error)) => {
+                Cause::of_system(error).after("reading failed")
+            }
+            Fault::Unlisted(StoreFault::Transient { source, .. }) => {
+                Cause::of_system(source).after(self)
+            }
+            Fault::Files(fault) => Cause::said(format_args!("{self}: {fault}")),
+            Fault::Stored(_) | Fault::Amend(_) | Fault::Unlisted(_) => Cause::said(self),
+        }
+    }
+}
+
+fn other_version(version: &str) -> Cause {
+    Cause::known("other-version", [("version", version.to_owned())])
 }
 
 /// The revisions of a record.

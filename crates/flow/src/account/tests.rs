@@ -87,7 +87,7 @@ fn a_record_without_a_patient_says_so() {
 #[test]
 fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
     let fault = StoreFacts {
-        refusal: Some(StoreRefusal::Fault("opening failed".to_owned())),
+        refusal: Some(StoreRefusal::Fault("opening failed".into())),
         since: at(0),
         is_of_delivery: false,
     };
@@ -125,4 +125,18 @@ fn a_scan_whose_last_result_waits_to_be_fetched_is_not_in_work() {
     assert!(whole.is_in_work(&BTreeSet::from(["gdt"])), "its own store waits for nobody");
     whole.deliveries[0].store = "gdt".to_owned();
     assert!(whole.is_in_work(&BTreeSet::new()) && !whole.is_in_work(&BTreeSet::from(["gdt"])));
+}
+
+/// Red while one sentence stood for all causes.
+#[test]
+fn a_scan_that_may_be_of_several_says_whether_more_than_one_of_them_is_known() {
+    let mut held = whole(ScanState::Delivered, DeliveryState::Held, 0);
+    held.deliveries[0].code = Some(AMBIGUOUS.to_owned());
+    let said = |held: &Whole| explain(held, &BTreeMap::new(), at(1), Language::En);
+    held.candidates = vec!["4711".to_owned()];
+    let one = said(&held);
+    assert!(one.contains("[capture-ambiguous]: It could be somebody else's"), "{one}");
+    held.candidates.push("0815".to_owned());
+    let two = said(&held);
+    assert!(two.contains("[capture-ambiguous]: It could belong to more than one"), "{two}");
 }

@@ -1,6 +1,7 @@
 //! Whether the expected share is mounted at an export folder. A share that is gone looks like an empty
 //! folder, or like a healthy local one; no conclusion may be drawn from either.
 
+use crate::cause::Cause;
 use crate::export::file_system::FileSystem;
 
 /// What must be true of an export folder, according to the configuration.
@@ -23,29 +24,42 @@ pub struct Mount {
     pub is_mounted: bool,
 }
 
-/// Why a folder counts as not mounted, in words that follow "the export folder".
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+/// Why a folder counts as not mounted.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NotMounted {
     /// Nothing is mounted at `scanner.mount_point`.
-    #[error("is not there: nothing is mounted at scanner.mount_point")]
     NoMount,
     /// It is on another file system than `scanner.file_system` allows.
-    #[error("is on {found}, and scanner.file_system does not name it")]
     FileSystem {
         /// The file system it is on.
         found: FileSystem,
     },
     /// The marker file is missing.
-    #[error("lacks the file that scanner.marker names")]
     NoMarker,
     /// It was on a share and is now on a local file system.
-    #[error("was on {was} before and is on {found} now, so the share is gone")]
     ShareGone {
         /// The share's kind.
         was: FileSystem,
         /// The file system it is on now.
         found: FileSystem,
     },
+}
+
+impl From<&NotMounted> for Cause {
+    /// In words that follow "the export folder".
+    fn from(why: &NotMounted) -> Cause {
+        match *why {
+            NotMounted::NoMount => Cause::known("no-mount", []),
+            NotMounted::FileSystem { found } => {
+                Cause::known("other-file-system", [("found", found.to_string())])
+            }
+            NotMounted::NoMarker => Cause::known("no-marker", []),
+            NotMounted::ShareGone { was, found } => {
+                let names = [("was", was.to_string()), ("found", found.to_string())];
+                Cause::known("share-gone", names)
+            }
+        }
+    }
 }
 
 /// Judges each look at one folder, and remembers whether it was ever on a share.

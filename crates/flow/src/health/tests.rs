@@ -7,6 +7,7 @@ use gaiter_language::Language;
 use proptest::prelude::*;
 
 use super::*;
+use crate::export::mount::NotMounted;
 use crate::export::passed_over::PassedOver;
 use crate::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile};
 use crate::settle::Wait;
@@ -30,7 +31,7 @@ fn codes(facts: &Facts, backlog: &Backlog, now: Timestamp) -> Vec<String> {
 }
 
 fn fault(why: &str) -> Option<StoreRefusal> {
-    Some(StoreRefusal::Fault(why.to_owned()))
+    Some(StoreRefusal::Fault(why.into()))
 }
 
 fn source(state: SourceState) -> Facts {
@@ -49,7 +50,7 @@ fn a_station_in_order_is_ready_before_its_first_look_too() {
 fn every_fault_has_its_code_and_something_to_do() {
     let stored =
         StoreFacts { refusal: fault("writing failed"), since: at(0), is_of_delivery: false };
-    let alarm = Alarm { figures: Figures::why("it was damaged"), since: at(0) };
+    let alarm = Alarm { figures: Figures::why(&"it was damaged".into()), since: at(0) };
     let waiting = WaitingFile { wait: Wait::Turn, since: at(0), overdue: true };
     let cases: Vec<(&str, Facts)> = vec![
         ("paused", Facts { intake: IntakeState::Paused, ..facts() }),
@@ -106,6 +107,10 @@ fn a_complaint_is_said_with_its_figures_in_each_language() {
     let [english, german] = both(&source(SourceState::OutOfReach("no such file".into())));
     assert_eq!(english, "export folder 1 cannot be listed: no such file");
     assert!(german.ends_with(": no such file"), "{german}");
+    let lacks = Cause::from(&NotMounted::NoMarker);
+    let [english, german] = both(&source(SourceState::NotMounted(lacks)));
+    assert!(english.ends_with(": lacks the file that scanner.marker names"), "{english}");
+    assert!(german.ends_with(": ihm fehlt die Datei, die scanner.marker nennt"), "{german}");
     let counts = BTreeMap::from([(PassedOver::Packed, 2)]);
     let alarm = Alarm { figures: Figures::default().unread(counts), since: at(0) };
     let passed = Facts { alarms: BTreeMap::from([(EXPORT_PASSED_OVER, alarm)]), ..facts() };

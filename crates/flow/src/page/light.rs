@@ -1,5 +1,7 @@
 //! The one light: its word, and one sentence on what to do next.
 
+use std::time::Duration;
+
 use gaiter_language::Language;
 use serde::Serialize;
 
@@ -12,7 +14,7 @@ use crate::booth::Signal;
 use crate::complaint::Complaint;
 use crate::light::{Outcome, Progress};
 use crate::round::{HeldNext, HoldReason};
-use crate::words::minutes_left;
+use crate::words::at_most;
 
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -45,8 +47,8 @@ pub struct Situation<'a> {
     pub is_asked: bool,
     /// A press may have been missed.
     pub is_in_doubt: bool,
-    /// How many minutes longer presses are in doubt for that; `None` while the button is not heard.
-    pub doubt_left_min: Option<u64>,
+    /// How much longer presses are in doubt for that; `None` while the button is not heard.
+    pub doubt_left: Option<Duration>,
     /// Why the scan that is made next would be held.
     pub held_next: Option<&'a HeldNext>,
     /// How far the export or scan is for which the light says "measuring".
@@ -168,8 +170,9 @@ impl Words {
 
     /// Followed by what happens until then, and how long at the most.
     fn then_until(self, held: &HeldNext, language: Language) -> Words {
-        let until = minutes_left(held.left)
-            .map(|minutes| language.filled("page.hold.until", &[("minutes", &minutes)]));
+        let until = held
+            .left
+            .map(|left| language.filled("page.hold.until", &[("time", &at_most(left, language))]));
         self.and(until.as_deref())
     }
 
@@ -187,7 +190,7 @@ fn first_to_do(booth: &Situation<'_>, is_any_undecided: bool, language: Language
     let held = booth.held_next?;
     let keys = match held.why {
         HoldReason::Unheard => {
-            return Some(Words::new(&in_doubt(minutes_left(held.left), language)));
+            return Some(Words::new(&in_doubt(held.left, language)));
         }
         HoldReason::Uncertain if booth.is_asked => return None,
         HoldReason::Uncertain if booth.signal == Signal::NoExport => return None,
@@ -205,10 +208,12 @@ fn first_to_do(booth: &Situation<'_>, is_any_undecided: bool, language: Language
     Some(words.then_until(held, language))
 }
 
-/// A press may have been missed, and how many minutes longer that matters.
-pub(super) fn in_doubt(left_min: Option<u64>, language: Language) -> String {
-    match left_min {
-        Some(minutes) => language.filled("page.next.in_doubt_for", &[("minutes", &minutes)]),
+/// A press may have been missed, and how much longer that matters.
+pub(super) fn in_doubt(left: Option<Duration>, language: Language) -> String {
+    match left {
+        Some(left) => {
+            language.filled("page.next.in_doubt_for", &[("time", &at_most(left, language))])
+        }
         None => language.text("page.next.in_doubt").to_owned(),
     }
 }

@@ -23,6 +23,7 @@ use serde::Serialize;
 use super::complaint::{Complaint, Severity};
 use super::facts::{Facts, IntakeState};
 use super::light::first_fault;
+use super::patient::identity::NO_PRESS;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;
@@ -155,6 +156,8 @@ pub fn shown(
         severity: complaint.severity,
         advice: of_complaint(complaint, language),
     });
+    let mut undecided = undecided;
+    offer_named(&known.booth, &mut undecided);
     let mut next = next::shown(&known.booth, language);
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
@@ -171,6 +174,21 @@ pub fn shown(
         scans,
         parts: parts::shown(known.facts, known.now, language),
         ids: true,
+    }
+}
+
+/// The last scan may be that of somebody who is named, if its press may have been missed: it can be given to each of
+/// them with one click.
+fn offer_named(booth: &Situation<'_>, undecided: &mut [ScanShown]) {
+    let is_to_assign = |scan: &ScanShown| {
+        Some(scan.scan.as_str()) == booth.last_scan
+            && (booth.is_in_doubt || scan.code.as_deref() == Some(NO_PRESS))
+            && scan.candidates.is_empty()
+            && scan.acts.contains(&"assign")
+            && !scan.acts.contains(&"release")
+    };
+    for scan in undecided.iter_mut().filter(|scan| is_to_assign(scan)) {
+        scan.candidates = distinct(booth.next);
     }
 }
 

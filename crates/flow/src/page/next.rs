@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::light::{Situation, in_doubt};
 use super::sentence::{Sentence, Text};
 use super::{PatientShown, distinct};
+use crate::booth::Signal;
 
 /// The next patient on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -17,6 +18,8 @@ pub struct NextShown {
     pub who: Vec<PatientShown>,
     /// It is asked who is in the booth.
     pub is_asked: bool,
+    /// It will be asked who is in the booth: an export is expected first, and an answer would be of the next press.
+    pub is_asked_later: bool,
     /// There is something to call off.
     pub can_be_called_off: bool,
     /// The warning that a press may have been missed.
@@ -38,9 +41,16 @@ pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
         said: Sentence::new(told(booth, &who, language), anonymous(booth, &who, language)),
         can_be_called_off: !who.is_empty() || booth.awaited > 0,
         who,
-        is_asked: booth.is_asked,
-        doubt: booth.is_in_doubt.then(|| in_doubt(booth.doubt_left_min, language)),
+        is_asked: booth.is_asked && !is_asked_later(booth),
+        is_asked_later: is_asked_later(booth),
+        doubt: booth.is_in_doubt.then(|| in_doubt(booth.doubt_left, language)),
     }
+}
+
+/// Whether the light waits for the export of a press that is made already: two questions at once would be for two
+/// patients.
+fn is_asked_later(booth: &Situation<'_>) -> bool {
+    booth.has_button && booth.is_asked && booth.signal == Signal::Armed
 }
 
 /// The patients who may be next. Without a button there is no press to come, so they are those whose
@@ -54,6 +64,9 @@ fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
 fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text {
     let [or, and] = ["page.next.or", "page.next.and"].map(|key| language.text(key));
     let text = match who {
+        [_, ..] if is_asked_later(booth) => {
+            Text::new().sentence(language.text("page.next.next"), who, or)
+        }
         [_, _, ..] => Text::new().sentence(language.text("page.next.who"), who, or),
         [_] if booth.is_asked => Text::new().sentence(language.text("page.next.is_it"), who, or),
         [_] if booth.has_button => Text::new().sentence(language.text("page.next.next"), who, or),
@@ -85,7 +98,10 @@ fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text
 fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> String {
     let named = match who.len() {
         0 => None,
-        1 if booth.is_asked => Some(language.text("page.next.asked").to_owned()),
+        2.. if is_asked_later(booth) => Some(language.text("page.next.some").to_owned()),
+        1 if booth.is_asked && !is_asked_later(booth) => {
+            Some(language.text("page.next.asked").to_owned())
+        }
         1 => Some(language.text("page.next.one").to_owned()),
         _ => Some(language.text("page.next.several").to_owned()),
     };

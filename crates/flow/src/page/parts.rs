@@ -20,7 +20,7 @@ pub struct PartShown {
     pub word: &'static str,
     /// `good`, `wait` or `bad`; it decides colour and sign.
     pub health: &'static str,
-    /// Why, in the system's own words.
+    /// Why.
     pub why: Option<String>,
 }
 
@@ -32,9 +32,10 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
             true => language.text("page.part.folder").to_owned(),
             false => language.filled("page.part.folder_numbered", &[("number", &place)]),
         };
-        let (state, health, why) = source_state(&source.state);
-        let word = language.word("page.part.folder_state", state);
-        let why = why.cloned().or_else(|| not_taken(source, language));
+        let health = health_of(&source.state);
+        let word = language.word("page.part.folder_state", source.state.word());
+        let why = source.state.why().map(|why| why.in_words(language));
+        let why = why.or_else(|| not_taken(source, language));
         PartShown { name, word, health, why }
     });
     let stores = facts.stores.iter().map(|(store, facts)| {
@@ -46,7 +47,8 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
         };
         let name = language.word("page.part.store", store).to_owned();
         let word = language.word("page.part.store_state", state);
-        let why = facts.refusal.as_ref().and_then(StoreRefusal::fault).map(str::to_owned);
+        let why = facts.refusal.as_ref().and_then(StoreRefusal::fault);
+        let why = why.map(|why| why.in_words(language));
         PartShown { name, word, health, why }
     });
     let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
@@ -81,14 +83,14 @@ fn phantom_shown(phantom: &PhantomFacts, is_due: bool, language: Language) -> Pa
     PartShown { name, word: language.text(key), health, why: None }
 }
 
-fn source_state(state: &SourceState) -> (&'static str, &'static str, Option<&String>) {
+fn health_of(state: &SourceState) -> &'static str {
     match state {
-        SourceState::NotLooked => ("not_looked", "wait", None),
-        SourceState::Watched => ("watched", "good", None),
-        SourceState::OutOfReach(why) => ("out_of_reach", "bad", Some(why)),
-        SourceState::NotMounted(why) => ("not_mounted", "bad", Some(why)),
-        SourceState::Taken => ("taken", "bad", None),
-        SourceState::Stalled => ("stalled", "bad", None),
+        SourceState::NotLooked => "wait",
+        SourceState::Watched => "good",
+        SourceState::OutOfReach(_)
+        | SourceState::NotMounted(_)
+        | SourceState::Taken
+        | SourceState::Stalled => "bad",
     }
 }
 
@@ -103,6 +105,6 @@ fn port_shown(port: &str, facts: &TriggerFacts, language: Language) -> PartShown
         name: name.unwrap_or_else(|| language.text("page.part.port.reader")).to_owned(),
         word: language.word("page.part.port_state", facts.state.word()),
         health,
-        why: facts.why.clone(),
+        why: facts.why.as_ref().map(|why| why.in_words(language)),
     }
 }

@@ -77,14 +77,15 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         Disposition::Held => whole.held_for().map(str::to_owned),
         _ => None,
     };
+    let held_as = |code| whole.held_as().unwrap_or(code);
     let unmeasured = told.unmeasured.as_deref().filter(|_| is == Disposition::Held);
     let advice = code.as_deref().and_then(|code| match (is, unmeasured) {
         (Disposition::Refused, _) => Some(of_refused(code, language)),
         // Whose it is does not matter where it cannot be used.
         (Disposition::Held, Some(why)) => {
-            Some(of_refused(why, language).before(&of_held(code, language)))
+            Some(of_refused(why, language).before(&of_held(held_as(code), language)))
         }
-        (Disposition::Held, None) => Some(of_held(code, language)),
+        (Disposition::Held, None) => Some(of_held(held_as(code), language)),
         _ => None,
     });
     let state = if told.is_to_be_fetched { Disposition::Delivered } else { is }.word();
@@ -130,8 +131,8 @@ pub fn of(whole: &Whole) -> Option<String> {
 /// The verbs that help, the likeliest first. If the scan could belong to either of two patients, a
 /// release would be a guess, so it is not offered.
 fn acts(is: Disposition, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
-    let is_guess =
-        matches!(code, Some(PATIENTS_DIFFER | round::AMBIGUOUS)) || whole.candidates.len() > 1;
+    let is_guess = matches!(code, Some(PATIENTS_DIFFER | round::AMBIGUOUS | round::BESIDE))
+        || whole.candidates.len() > 1;
     let is_for_one = whole.owners().len() == 1;
     let was_tried = whole.deliveries.iter().any(|delivery| delivery.attempts > 0);
     match is {

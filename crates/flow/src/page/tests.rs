@@ -6,6 +6,7 @@ mod next;
 mod rows;
 
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 use super::*;
 use crate::account::{Delivered, Summary, Whole};
@@ -30,7 +31,7 @@ fn booth(signal: Signal) -> Situation<'static> {
         awaited_for: &[],
         is_asked: false,
         is_in_doubt: false,
-        doubt_left_min: None,
+        doubt_left: None,
         held_next: None,
         progress: None,
         last: None,
@@ -203,19 +204,23 @@ fn a_decision_that_is_missing_goes_before_what_is_under_way() {
 #[test]
 fn a_press_that_may_have_gone_unheard_is_told() {
     for language in BOTH {
-        let doubt = |is_in_doubt, doubt_left_min| {
-            let booth = Situation { is_in_doubt, doubt_left_min, ..booth(Signal::Ready) };
+        let doubt = |is_in_doubt, left_s: Option<u64>| {
+            let doubt_left = left_s.map(Duration::from_secs);
+            let booth = Situation { is_in_doubt, doubt_left, ..booth(Signal::Ready) };
             page(booth, &[], language).next.doubt
         };
         assert!(doubt(true, None).is_some() && doubt(false, Some(0)).is_none());
-        assert!(doubt(true, Some(7)).unwrap().contains(" 7 "), "and how long it is in doubt");
+        assert!(
+            doubt(true, Some(7 * 60)).unwrap().contains(" 7 min"),
+            "and how long it is in doubt"
+        );
     }
 }
 
 #[test]
 fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
     let mut facts = Facts::new(at(0), 1);
-    let refusal = Some(StoreRefusal::Fault("No space left".to_owned()));
+    let refusal = Some(StoreRefusal::Fault("No space left".into()));
     facts.stores.insert("folder", StoreFacts { refusal, since: at(0), is_of_delivery: false });
     let health = |second: i64| {
         let parts = parts::shown(&facts, at(second), Language::En);
@@ -232,6 +237,7 @@ fn a_reason_is_of_its_own_code() {
     use crate::round;
     for (code, english, german) in [
         (round::AMBIGUOUS, "more than one", "mehr als einem"),
+        (Why::Beside.code(), "beside it", "Neben ihm"),
         (Why::Unclear.code(), "before the button", "bevor der Knopf"),
         (Why::Late.code(), "after the time", "nach der Zeit"),
         (Why::Unheard.code(), "been missed", "nicht erkannt"),
@@ -338,6 +344,7 @@ fn every_code_of_a_held_scan_has_a_reason_of_its_own() {
     use crate::round;
     let codes = [
         round::AMBIGUOUS,
+        Why::Beside.code(),
         Why::Unclear.code(),
         Why::Late.code(),
         Why::Unheard.code(),
@@ -366,7 +373,7 @@ fn ids_are_shown_to_whom_the_configuration_says() {
 #[test]
 fn a_part_that_fails_says_so_with_its_reason() {
     let mut facts = Facts::new(at(0), 2);
-    facts.sources[1].state = SourceState::OutOfReach("No such device".to_owned());
+    facts.sources[1].state = SourceState::OutOfReach("No such device".into());
     let known = Known {
         page: "1",
         station: "b",

@@ -8,6 +8,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::account::{Happened, Summary};
+use crate::cause::Cause;
 
 /// What a station knows of a person.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -90,8 +91,11 @@ pub struct PersonStore {
     pub store: String,
     /// Its folder.
     pub place: PathBuf,
-    /// Why it cannot be read now.
+    /// Why it cannot be read now, in English.
     pub fault: Option<String>,
+    /// The same as data, for people of another language.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<Cause>,
     /// The records, every revision, oldest first.
     pub records: Vec<PersonRecord>,
     /// Other files and folders that lie in the person's folder.

@@ -151,6 +151,8 @@ pub struct Content {
 pub enum Why {
     /// It could belong to captures of different patients.
     Ambiguous,
+    /// Another content lay beside it since the press.
+    Beside,
     /// It may have been written before the press.
     Unclear,
     /// It arrived after the window of the press it must belong to.
@@ -165,13 +167,21 @@ pub enum Why {
 
 impl Why {
     /// All of them.
-    pub const ALL: [Why; 6] =
-        [Why::Ambiguous, Why::Unclear, Why::Late, Why::Unheard, Why::Unread, Why::Repeated];
+    pub const ALL: [Why; 7] = [
+        Why::Ambiguous,
+        Why::Beside,
+        Why::Unclear,
+        Why::Late,
+        Why::Unheard,
+        Why::Unread,
+        Why::Repeated,
+    ];
 
     /// The finding's code.
     pub const fn code(self) -> &'static str {
         match self {
             Why::Ambiguous => "capture-ambiguous",
+            Why::Beside => "capture-beside",
             Why::Unclear => "capture-unclear",
             Why::Late => "export-late",
             Why::Unheard => "press-unheard",

@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use serde::Serialize;
 
+use crate::cause::Cause;
+
 /// The state of a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -71,7 +73,7 @@ pub struct PortFault {
     /// The kind of fault.
     pub kind: FaultKind,
     /// In words, without the port's path.
-    pub why: String,
+    pub why: Cause,
 }
 
 /// The kinds of faults, each with a state of its own.
@@ -129,7 +131,7 @@ pub enum Want {
 pub struct PortLifecycle {
     settle: Duration,
     state: PortState,
-    why: Option<String>,
+    why: Option<Cause>,
     /// Failed attempts to open it, in a row.
     failures: u32,
     next_try: Duration,
@@ -160,8 +162,8 @@ impl PortLifecycle {
     }
 
     /// Why it is not listened to.
-    pub fn why(&self) -> Option<&str> {
-        self.why.as_deref()
+    pub fn why(&self) -> Option<&Cause> {
+        self.why.as_ref()
     }
 
     /// Since when it has not worked steadily.

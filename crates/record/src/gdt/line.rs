@@ -101,22 +101,16 @@ pub struct Line<'a> {
 }
 
 /// A mistake in the lines of a message. No text quotes their content, because it may be a name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineFault {
     /// There is no line.
-    #[error("it is empty")]
     Empty,
     /// A line does not begin with a length and a field.
-    #[error("line {line} does not begin with a length of three digits and a field of four")]
     Frame {
         /// Number of the line.
         line: usize,
     },
     /// The length of a line differs from its length field.
-    #[error(
-        "line {line} says it has {said} bytes and has {found}: written in another character set \
-         than counted, or lines not ended by CR LF"
-    )]
     Length {
         /// Number of the line.
         line: usize,
@@ -125,6 +119,21 @@ pub enum LineFault {
         /// Actual length with the line end, bytes.
         found: usize,
     },
+}
+
+impl LineFault {
+    /// As [`OrderFault::says`](super::OrderFault::says).
+    pub(super) fn says(self) -> (&'static str, Vec<(&'static str, String)>) {
+        match self {
+            LineFault::Empty => ("order-empty", Vec::new()),
+            LineFault::Frame { line } => ("order-frame", vec![("line", line.to_string())]),
+            LineFault::Length { line, said, found } => {
+                let names = [("line", line), ("said", said), ("found", found)];
+                let names = names.map(|(name, count)| (name, count.to_string()));
+                ("order-line-length", names.to_vec())
+            }
+        }
+    }
 }
 
 /// The length of the byte order mark of a message, and what follows it.

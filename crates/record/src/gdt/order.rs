@@ -1,6 +1,11 @@
 //! An order for an examination (6302), which names the patient of the next scan. Names and birth dates
 //! are skipped and not kept.
 
+use std::error::Error;
+use std::fmt;
+
+use gaiter_language::{Language, fill};
+
 use super::charset::{Charset, Unreadable};
 use super::line::{self, KIND, Line, LineFault, TOTAL};
 
@@ -32,36 +37,27 @@ pub struct Order {
 }
 
 /// Why bytes are not an order. No text quotes their content except digits of GDT itself.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum OrderFault {
     /// It is too large for an order.
-    #[error("it has {bytes} bytes; an order has at most {ORDER_MOST}")]
     TooLarge {
         /// Its size, bytes.
         bytes: u64,
     },
     /// It is written in UTF-16.
-    #[error(
-        "UTF-16 is not read: the program that writes it must use a character set of GDT, or UTF-8"
-    )]
     Utf16,
     /// Its lines are wrong.
-    #[error(transparent)]
-    Lines(#[from] LineFault),
+    Lines(LineFault),
     /// It does not begin like a GDT message.
-    #[error("its first line is not 8000, the kind of message")]
     NotGdt,
     /// It is another kind of message.
-    #[error("it is a message {found}, not an order (6302)")]
     OtherKind {
         /// The kind, four digits.
         found: String,
     },
     /// The length of the whole message is missing.
-    #[error("its second line is not 8100, the length of the whole")]
     NoTotal,
     /// The length of the whole message is wrong.
-    #[error("it should have {said} bytes and has {found}: it is truncated or malformed")]
     Total {
         /// Length according to the message, bytes.
         said: u64,
@@ -69,10 +65,8 @@ pub enum OrderFault {
         found: u64,
     },
     /// The character set is unknown to gaiter.
-    #[error("its field 9206 is not a character set of GDT 2.1 (1, 2 or 3)")]
     Charset,
     /// A required field cannot be decoded.
-    #[error("line {line}: {why}")]
     Text {
         /// Number of the line.
         line: usize,
@@ -80,13 +74,10 @@ pub enum OrderFault {
         why: Unreadable,
     },
     /// The patient's line is the last one and has no line end.
-    #[error("its last line, the patient's, has no end: the id may be cut short")]
     PatientCut,
     /// No patient is named.
-    #[error("it names no patient: field 3000 is missing or empty")]
     NoPatient,
     /// Two patients are named.
-    #[error("its lines {first} and {second} name different patients")]
     TwoPatients {
         /// Line that names one of them.
         first: usize,
@@ -110,6 +101,62 @@ impl OrderFault {
             OrderFault::NoPatient => "order-without-patient",
             OrderFault::TwoPatients { .. } => "order-two-patients",
         }
+    }
+
+    /// The key of its text in the table `cause` of each language, and what stands in the places of the text.
+    pub fn says(&self) -> (&'static str, Vec<(&'static str, String)>) {
+        match self {
+            OrderFault::TooLarge { bytes } => {
+                let most = ("most", ORDER_MOST.to_string());
+                ("order-too-large", vec![("bytes", bytes.to_string()), most])
+            }
+            OrderFault::Utf16 => ("order-utf-16", Vec::new()),
+            OrderFault::Lines(fault) => fault.says(),
+            OrderFault::NotGdt => ("order-not-gdt", Vec::new()),
+            OrderFault::OtherKind { found } => ("order-other-kind", vec![("found", found.clone())]),
+            OrderFault::NoTotal => ("order-no-total", Vec::new()),
+            OrderFault::Total { said, found } => {
+                let names = vec![("said", said.to_string()), ("found", found.to_string())];
+                ("order-length-wrong", names)
+            }
+            OrderFault::Charset => ("order-charset", Vec::new()),
+            OrderFault::Text { line, why } => {
+                let at = ("at", why.at.to_string());
+                let charset = ("charset", why.charset.name().to_owned());
+                ("order-text", vec![("line", line.to_string()), at, charset])
+            }
+            OrderFault::PatientCut => ("order-cut-short", Vec::new()),
+            OrderFault::NoPatient => ("order-without-patient", Vec::new()),
+            OrderFault::TwoPatients { first, second } => {
+                let names = vec![("first", first.to_string()), ("second", second.to_string())];
+                ("order-two-patients", names)
+            }
+        }
+    }
+
+    /// The fault in words that follow a colon.
+    pub fn in_words(&self, language: Language) -> String {
+        let (is, names) = self.says();
+        let word = |name: &str, _: &str| {
+            let word = names.iter().find(|(known, _)| *known == name);
+            word.map(|(_, word)| word.clone())
+        };
+        let text = language.find(&format!("cause.{is}"));
+        text.and_then(|text| fill(text, word)).unwrap_or_else(|| is.to_owned())
+    }
+}
+
+impl fmt::Display for OrderFault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.in_words(Language::En))
+    }
+}
+
+impl Error for OrderFault {}
+
+impl From<LineFault> for OrderFault {
+    fn from(fault: LineFault) -> OrderFault {
+        OrderFault::Lines(fault)
     }
 }
 

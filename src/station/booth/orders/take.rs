@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::orders::news::{self, News};
 use gaiter_flow::round::Doubt;
@@ -145,12 +146,9 @@ impl Taking<'_> {
             }
             Err(fault) => {
                 let unread = Heard::UnreadOrder { absent: self.absent };
-                (Some(unread), Some((fault.code(), fault.to_string())))
+                (Some(unread), Some((fault.code(), Cause::from(&fault))))
             }
-            Ok(_) if self.is_old() => {
-                let message = "it is older than patient.orders.max_age and is ignored";
-                (None, Some((TOO_OLD, message.to_owned())))
-            }
+            Ok(_) if self.is_old() => (None, Some((TOO_OLD, Cause::known(TOO_OLD, [])))),
             Ok(order) => {
                 let (id, absent) = (order.patient, self.absent);
                 let late = self.is_late.then_some(Doubt::Unread);
@@ -158,9 +156,9 @@ impl Taking<'_> {
                 (Some(Heard::Ordered { id, doubt, absent }), None)
             }
         };
-        if let Some((code, message)) = refused.as_ref().filter(|_| !self.read.is_too_large()) {
+        if let Some((code, why)) = refused.as_ref().filter(|_| !self.read.is_too_large()) {
             let state_dir = &self.core.config.station.state_dir;
-            let kept = aside::keep(state_dir, &self.read.bytes, code, message);
+            let kept = aside::keep(state_dir, &self.read.bytes, code, &why.to_string());
             kept.map_err(|source| TakeFault::Io { what: "setting an order aside", source })?;
         }
         if let Err(fault) = self.note() {
@@ -174,7 +172,7 @@ impl Taking<'_> {
             return Ok(Taken::Unheard(known));
         }
         match refused {
-            Some((code, message)) => self.tell_refused(code, &message),
+            Some((code, why)) => self.tell_refused(code, &why),
             None if repeated => tell_repeated(self.core),
             None => tell_taken(self.core),
         }
@@ -191,10 +189,10 @@ impl Taking<'_> {
         news::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
     }
 
-    fn tell_refused(&self, code: &str, message: &str) {
+    fn tell_refused(&self, code: &str, why: &Cause) {
         warn!(event = "order-refused", code);
         let place = if self.read.is_too_large() { "left" } else { "aside" };
-        let figures = Figures::default().words("fault", code).words("said", message);
+        let figures = Figures::default().words("fault", code).cause("said", why);
         alarm(self.core, REFUSED, figures.words("place", place));
     }
 
@@ -223,7 +221,7 @@ impl Taking<'_> {
             }
             Err(error) => {
                 warn!(event = "order-not-removed", error = %error);
-                alarm(self.core, NOT_REMOVED, Figures::why(error));
+                alarm(self.core, NOT_REMOVED, Figures::why(&Cause::of_system(&error)));
                 Ok(Taken::Later)
             }
         }

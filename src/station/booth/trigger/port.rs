@@ -3,6 +3,7 @@
 use std::io;
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 
 /// An open port; dropping it closes it.
@@ -37,7 +38,7 @@ pub trait PortOpener: Send {
 }
 
 /// A fault of this kind.
-pub fn fault(kind: FaultKind, why: impl Into<String>) -> PortFault {
+pub fn fault(kind: FaultKind, why: impl Into<Cause>) -> PortFault {
     PortFault { kind, why: why.into() }
 }
 
@@ -53,5 +54,5 @@ pub fn of_io(error: &io::Error) -> PortFault {
         (ErrorKind::ResourceBusy | ErrorKind::WouldBlock, _) => FaultKind::Busy,
         _ => FaultKind::Failed,
     };
-    fault(kind, error.to_string())
+    fault(kind, Cause::of_system(error))
 }

@@ -6,6 +6,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 use rustix::fs::OFlags;
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
@@ -51,7 +52,7 @@ fn of_adapter(usb: &UsbName) -> Result<PathBuf, PortFault> {
         }
         _ => false,
     });
-    let absent = || fault(FaultKind::Absent, "no such USB adapter is plugged in");
+    let absent = || fault(FaultKind::Absent, Cause::known("no-adapter", []));
     found.map(|port| PathBuf::from(port.port_name)).ok_or_else(absent)
 }
 
@@ -119,12 +120,12 @@ impl Port for OpenSerial {
         let mut piece = [0; PIECE];
         match self.port.read(&mut piece) {
             // An unplugged port reports the end of the file.
-            Ok(0) => Err(fault(FaultKind::Absent, "the line was hung up")),
+            Ok(0) => Err(fault(FaultKind::Absent, Cause::known("hung-up", []))),
             Ok(count) => Ok(Input::Bytes(piece[..count].to_vec())),
             Err(error) => match error.kind() {
                 io::ErrorKind::TimedOut | io::ErrorKind::Interrupted => Ok(Input::Nothing),
                 // A device that is gone gives EIO, which has no `ErrorKind` of its own.
-                _ => Err(fault(FaultKind::Absent, error.to_string())),
+                _ => Err(fault(FaultKind::Absent, Cause::of_system(&error))),
             },
         }
     }
@@ -139,7 +140,7 @@ impl Port for OpenSerial {
         if leads_to == self.device {
             Ok(())
         } else {
-            Err(fault(FaultKind::Absent, "its name now refers to another port"))
+            Err(fault(FaultKind::Absent, Cause::known("other-port", [])))
         }
     }
 }
@@ -161,9 +162,9 @@ impl OpenSerial {
 /// Converts a fault of the crate. Its `NoDevice` means that another program has the port.
 fn of_serial(error: &serialport::Error) -> PortFault {
     match error.kind() {
-        ErrorKind::NoDevice => fault(FaultKind::Busy, "another program has it"),
+        ErrorKind::NoDevice => fault(FaultKind::Busy, Cause::known("other-program", [])),
         ErrorKind::Io(kind) => {
-            PortFault { why: error.to_string(), ..of_io(&io::Error::from(kind)) }
+            PortFault { why: Cause::said(error), ..of_io(&io::Error::from(kind)) }
         }
         ErrorKind::InvalidInput | ErrorKind::Unknown => fault(FaultKind::Failed, error.to_string()),
     }

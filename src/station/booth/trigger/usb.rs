@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
 use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 use rusb::{Context, DeviceHandle, Direction, Error, Recipient, RequestType, UsbContext};
 
@@ -64,7 +65,7 @@ fn find(context: &Context, name: &UsbName) -> Result<DeviceHandle<Context>, Port
             Err(error) => refused = Some(of_usb(error)),
         }
     }
-    let absent = || fault(FaultKind::Absent, "no such USB device is plugged in");
+    let absent = || fault(FaultKind::Absent, Cause::known("no-usb-device", []));
     Err(refused.unwrap_or_else(absent))
 }
 

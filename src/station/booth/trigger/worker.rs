@@ -116,7 +116,7 @@ fn tell(port: &'static str, attendant: &mut Attendant, now: Duration) {
     };
     match (state, attendant.lifecycle().why()) {
         (PortState::Open, _) => info!(event, port),
-        (_, why) => warn!(event, port, why),
+        (_, why) => warn!(event, port, why = why.map(ToString::to_string)),
     }
 }
 
@@ -150,8 +150,8 @@ impl Noted {
             (known.state, known.since) = (lifecycle.state(), Timestamp::now());
         }
         known.garbage = garbage;
-        if known.why.as_deref() != lifecycle.why() {
-            known.why = lifecycle.why().map(str::to_owned);
+        if known.why.as_ref() != lifecycle.why() {
+            known.why = lifecycle.why().cloned();
         }
         if self.unsound_since != lifecycle.unsound_since() {
             self.unsound_since = lifecycle.unsound_since();

@@ -103,7 +103,8 @@ fn happens(journal: &Journal, n: usize, step: Step) {
         },
         (Step::PutOff, Some(due)) => journal.put_off(&due, "put-off", first_seen()).unwrap(),
         (Step::RefusedAtStore, Some(due)) if due.task == At::Deliver => {
-            journal.refused_at_store(&due, "patient-folder-clash").map(drop).unwrap();
+            let (code, message) = ("patient-folder-clash", "it may be another patient's");
+            journal.refused_at_store(&due, code, message).map(drop).unwrap();
         }
         (Step::Lacks, Some(due)) if due.task == At::Deliver => {
             journal.lacks_measures(&due).unwrap();
@@ -166,6 +167,12 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     prop_assert_eq!(shown.state, is.word(), "{:?}", &whole);
     prop_assert_eq!(shown.task == Task::Decide, is.needs_decision(), "{:?}", &whole);
     prop_assert_eq!(journal.is_undecided(&scan).unwrap(), is.needs_decision());
+    // What a store refused for good needs a decision once the others have it.
+    let is_any = |wanted| whole.deliveries.iter().any(|of| of.state == wanted);
+    let is_open = whole.summary.closed.is_none() && !is_any(DeliveryState::Pending);
+    if is_open && is_any(DeliveryState::Refused) {
+        prop_assert!(is.needs_decision(), "{:?}", &whole);
+    }
     // A scan that needs a decision offers one.
     prop_assert!(!(is.needs_decision() && shown.acts.is_empty()), "{:?}", &whole);
     let is_told = matches!(is, Disposition::Held | Disposition::Refused);
@@ -220,6 +227,9 @@ fn lists_agree(journal: &Journal) -> Result<(), TestCaseError> {
     prop_assert_eq!(found(SearchState::Undecided), undecided.clone());
     prop_assert_eq!(found(SearchState::Unassigned), unassigned);
     let tally = journal.tally().unwrap();
+    for found in Disposition::ALL {
+        prop_assert_eq!(tally.dispositions[found.word()] as usize, is(found).len());
+    }
     prop_assert_eq!(tally.held as usize, is(Disposition::Held).len());
     prop_assert_eq!(tally.scans["refused"] as usize, is(Disposition::Refused).len());
     // What a person must do stands on the page, as long as the patient may be there.

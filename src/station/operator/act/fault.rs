@@ -4,12 +4,13 @@ use std::error::Error;
 use std::fmt::{self, Display};
 
 use gaiter_flow::ScanId;
+use gaiter_flow::cause::Cause;
+use gaiter_flow::page::of_fault;
 use gaiter_language::Language;
 use gaiter_record::measure::amendment::AmendFault;
 
 use crate::station::custody::CustodyFault;
 use crate::station::journal::JournalError;
-use crate::station::runtime::causes::chain;
 use crate::store::revision::amend as amend_record;
 
 /// Why a decision was not carried out; nothing was changed. Displayed in English.
@@ -45,7 +46,7 @@ pub enum ActFault {
     /// The journal failed.
     Journal(JournalError),
     /// The store is out of reach, and only it has the bytes.
-    Store(String),
+    Store(Cause),
 }
 
 impl ActFault {
@@ -69,7 +70,7 @@ impl ActFault {
         }
     }
 
-    /// The fault in a sentence for the terminal. What the system says of a cause is told in its own words.
+    /// The fault in a sentence for the terminal.
     pub fn in_words(&self, language: Language) -> String {
         let text = |key| language.text(key).to_owned();
         let of_scan = |key, scan: &ScanId| language.filled(key, &[("scan", &scan.short())]);
@@ -84,13 +85,17 @@ impl ActFault {
             ActFault::Several(scan) => of_scan("act.fault.several", scan),
             ActFault::NoBytes(scan) => of_scan("act.fault.no_bytes", scan),
             ActFault::NotAnId => text("act.fault.not_an_id"),
-            ActFault::AnotherNamed => text("act.fault.another_named"),
             ActFault::NotSet(fault) => because("act.fault.not_set", &fault.in_words(language)),
-            ActFault::NotAmended(fault) => because("act.fault.not_set", &chain(fault)),
-            ActFault::HasPatient => text("act.fault.has_patient"),
+            ActFault::NotAmended(fault) => {
+                because("act.fault.not_set", &fault.cause().in_words(language))
+            }
+            // They have no figures: page and terminal say the same.
+            ActFault::AnotherNamed | ActFault::HasPatient => {
+                of_fault(self.code(), language).unwrap_or_else(|| self.code()).to_owned()
+            }
             ActFault::Custody(fault) => fault.to_string(),
             ActFault::Journal(_) => text("act.fault.journal"),
-            ActFault::Store(why) => because("act.fault.store", why),
+            ActFault::Store(why) => because("act.fault.store", &why.in_words(language)),
         }
     }
 
@@ -136,6 +141,22 @@ impl From<amend_record::Fault> for ActFault {
         match fault {
             amend_record::Fault::Amend(fault) => ActFault::NotSet(fault),
             fault => ActFault::NotAmended(fault),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Red while the terminal had words of its own for them.
+    #[test]
+    fn what_needs_no_figures_is_said_at_the_terminal_as_on_the_page() {
+        for fault in [ActFault::AnotherNamed, ActFault::HasPatient] {
+            for language in Language::ALL {
+                let on_page = of_fault(fault.code(), language);
+                assert_eq!(Some(fault.in_words(language).as_str()), on_page, "{language:?}");
+            }
         }
     }
 }

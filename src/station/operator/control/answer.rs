@@ -5,7 +5,6 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
 use gaiter_flow::explain::{Asked, Known, of_file};
-use gaiter_flow::facts::IntakeState;
 use gaiter_flow::page::next_shown;
 use gaiter_flow::words::age;
 use gaiter_flow::{ScanId, account};
@@ -143,7 +142,7 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
     let last = journal.history(&scan)?.pop();
     let at = last.and_then(|last| last.at.parse().ok());
     let state = account::in_words(&whole, language);
-    let why = whole.held_for().map(|code| account::why_held(code, language));
+    let why = whole.held_as().map(|code| account::why_held(code, language));
     let again_since = is_again.then_some(whole.summary.first_seen);
     Ok(Some(Known { state, why, at, scan: Some(scan.short().to_owned()), again_since }))
 }
@@ -159,7 +158,10 @@ fn page(desk: &Desk) -> Result<Answer, Fault> {
         let facts = desk.core.board.facts();
         let why = facts.endpoints.values().next();
         let message = |language: Language| match why {
-            Some(why) => language.filled("act.fault.page_address", &[("why", why)]),
+            Some(why) => {
+                let why = why.in_words(language);
+                language.filled("act.fault.page_address", &[("why", &why)])
+            }
             None => language.text("act.fault.no_page").to_owned(),
         };
         let language = desk.core.config.language;
@@ -184,8 +186,9 @@ fn acted(desk: &Desk, digits: Option<&str>, decided: &Act) -> Result<Answer, Fau
 /// Hears an order that a client hands in.
 fn ordered(desk: &Desk, bytes: &[u8]) -> Result<Answer, Fault> {
     let refused = |fault: OrderFault| {
-        let message =
-            |language: Language| language.filled("act.fault.no_order", &[("why", &fault)]);
+        let message = |language: Language| {
+            language.filled("act.fault.no_order", &[("why", &fault.in_words(language))])
+        };
         Fault::said(FaultKind::Request, fault.code(), desk.core.config.language, message)
     };
     let order = orders::brought(&desk.booth, bytes).map_err(refused)?;
@@ -197,11 +200,6 @@ fn status(desk: &Desk) -> Status {
     let overview = Overview::take(&desk.core);
     let (is_ready, oldest) = (overview.is_ready(), overview.oldest().cloned());
     let Overview { facts, tally, disk, complaints, running, now } = overview;
-    let intake = match facts.intake {
-        IntakeState::Open => "open",
-        IntakeState::Paused => "paused",
-        IntakeState::DiskLow { .. } => "disk_low",
-    };
     let mut scans = std::collections::BTreeMap::new();
     if let Some(tally) = &tally {
         scans.extend(tally.scans.iter().map(|(word, count)| ((*word).to_owned(), *count)));
@@ -225,7 +223,7 @@ fn status(desk: &Desk) -> Status {
         started: facts.started,
         running_s: running.as_secs(),
         now,
-        intake: intake.to_owned(),
+        intake: facts.intake.word().to_owned(),
         oldest_age_s: oldest.as_ref().and_then(|seen| Some(age(seen.first_seen, now)?.as_secs())),
         oldest,
         last,

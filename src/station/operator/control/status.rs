@@ -3,9 +3,12 @@
 use std::collections::BTreeMap;
 
 use gaiter_flow::account::Seen;
+use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Complaint;
 use gaiter_flow::confinement::Confinement;
-use gaiter_flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
+use gaiter_flow::facts::{
+    Alarm, PhantomFacts, SourceFacts, StoreFacts, StoreRefusal, TriggerFacts,
+};
 use gaiter_flow::orders::habit::OrdersComeLate;
 use gaiter_flow::views::ViewsSeries;
 use gaiter_language::Language;
@@ -103,8 +106,11 @@ pub struct SourceStatus {
     pub export_dir: usize,
     /// `not_looked`, `watched`, `out_of_reach`, `not_mounted`, `taken` or `stalled`.
     pub state: String,
-    /// Why.
+    /// Why, in English.
     pub why: Option<String>,
+    /// The same as data, for people of another language.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<Cause>,
     /// Since when.
     pub since: Timestamp,
     /// The kind of file system.
@@ -182,8 +188,11 @@ impl PhantomStatus {
 /// The status of a record store.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreStatus {
-    /// The last attempt's fault; `None` if it succeeded.
+    /// The last attempt's fault in English; `None` if it succeeded.
     pub fault: Option<String>,
+    /// The same as data, for people of another language.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<Cause>,
     /// The fault is that the practice software has not fetched the last result.
     #[serde(default)]
     pub waits_for_fetch: bool,
@@ -196,8 +205,11 @@ pub struct StoreStatus {
 pub struct TriggerStatus {
     /// `not_looked`, `absent`, `busy`, `denied`, `failed`, `settling`, `open`, `stuck` or `hung`.
     pub state: String,
-    /// Why it is not listened to.
+    /// Why it is not listened to, in English.
     pub why: Option<String>,
+    /// The same as data, for people of another language.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<Cause>,
     /// Since when.
     pub since: Timestamp,
     /// Presses in this run.
@@ -220,12 +232,12 @@ pub struct AlarmStatus {
 impl SourceStatus {
     /// The status of the export folder at this place.
     pub fn of(export_dir: usize, facts: &SourceFacts) -> SourceStatus {
-        let (state, why) = state_words(&facts.state);
         let unread = facts.passed_over.iter().filter(|(why, _)| why.is_unread());
         SourceStatus {
             export_dir,
-            state: state.to_owned(),
-            why: why.cloned(),
+            state: facts.state.word().to_owned(),
+            why: facts.state.why().map(Cause::to_string),
+            cause: facts.state.why().cloned(),
             since: facts.since,
             file_system: facts.file_system.clone(),
             polled: facts.polled,
@@ -239,22 +251,15 @@ impl SourceStatus {
     }
 }
 
-/// The word for an export folder's state, and the reason for it.
-pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
-    match state {
-        SourceState::NotLooked => ("not_looked", None),
-        SourceState::Watched => ("watched", None),
-        SourceState::OutOfReach(why) => ("out_of_reach", Some(why)),
-        SourceState::NotMounted(why) => ("not_mounted", Some(why)),
-        SourceState::Taken => ("taken", None),
-        SourceState::Stalled => ("stalled", None),
-    }
-}
-
 impl From<&StoreFacts> for StoreStatus {
     fn from(facts: &StoreFacts) -> StoreStatus {
-        let fault = facts.refusal.as_ref().map(|refusal| refusal.in_words(Language::En));
-        StoreStatus { fault, waits_for_fetch: facts.waits_for_fetch(), since: facts.since }
+        let refusal = facts.refusal.as_ref();
+        StoreStatus {
+            fault: refusal.map(|refusal| refusal.in_words(Language::En)),
+            cause: refusal.and_then(StoreRefusal::fault).cloned(),
+            waits_for_fetch: facts.waits_for_fetch(),
+            since: facts.since,
+        }
     }
 }
 
@@ -262,7 +267,8 @@ impl From<&TriggerFacts> for TriggerStatus {
     fn from(facts: &TriggerFacts) -> TriggerStatus {
         TriggerStatus {
             state: facts.state.word().to_owned(),
-            why: facts.why.clone(),
+            why: facts.why.as_ref().map(Cause::to_string),
+            cause: facts.why.clone(),
             since: facts.since,
             presses: facts.presses,
             ids: facts.ids,

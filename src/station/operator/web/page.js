@@ -222,7 +222,8 @@ function nextPatient(next, isPaused, canAct) {
   const parts = [make("p", { class: "who" }, sentence(next)), next.doubt ? make("p", { class: "bad" }, next.doubt) : null];
   if (!canAct) return parts;
   // An answer to the question who is in the booth needs no second question.
-  const answers = next.who.length < 2 && !next.is_asked ? [] : next.who.map(({ id, shown }) =>
+  const isAnswered = next.is_asked_later || (next.who.length < 2 && !next.is_asked);
+  const answers = isAnswered ? [] : next.who.map(({ id, shown }) =>
     button(phrase(label("in_booth"), { patient: shown }), `in_booth ${id}`, () => decide({ ask: "name_next", patient: id, replace: true }), !isPaused));
   const off = () => question({
     title: label("call_off"), hint: label("call_off_hint"), yes: label("call_off"), send: () => ask({ ask: "call_off" }),

@@ -77,3 +77,27 @@ fn who_is_to_be_scanned_again_is_offered_by_name_where_a_refused_scan_is_one_pat
     assert_eq!(again("refused", &[None]), None);
     assert_eq!(again("delivered", &[Some("1")]), None);
 }
+
+/// Red while a scan that came without a press offered nobody, although one patient was named.
+#[test]
+fn the_last_scan_that_came_without_a_press_can_be_given_to_who_is_named() {
+    let id = ["4711".to_owned()];
+    let offered = |last_scan: Option<&str>, is_in_doubt, deliveries| {
+        let scan = scan("delivered", None, deliveries);
+        let booth = Situation { next: &id, last_scan, is_in_doubt, ..booth(Signal::Attention) };
+        let mut page = page_with(booth, &[], vec![scan], Language::En);
+        let offered = page.undecided.remove(0).candidates.into_iter();
+        offered.map(|of| of.id).collect::<Vec<_>>()
+    };
+    let this = "ab".repeat(32);
+    let nobodys = || vec![delivery(None, "delivered", None)];
+    let unpressed = || vec![delivery(None, "held", Some("no-press"))];
+    for deliveries in [nobodys(), unpressed()] {
+        assert_eq!(offered(Some(this.as_str()), true, deliveries.clone()), ["4711"]);
+        assert!(offered(Some("another"), true, deliveries).is_empty(), "of an earlier patient");
+    }
+    assert_eq!(offered(Some(this.as_str()), false, unpressed()), ["4711"]);
+    assert!(offered(Some(this.as_str()), false, nobodys()).is_empty(), "every press was heard");
+    let of_0815 = vec![delivery(Some("0815"), "held", Some("export-late"))];
+    assert!(offered(Some(this.as_str()), true, of_0815).is_empty(), "it can be released");
+}

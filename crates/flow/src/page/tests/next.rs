@@ -112,3 +112,22 @@ fn while_it_is_in_doubt_who_is_next_the_light_asks_for_it_before_the_press() {
     assert_eq!(shown(&ids[..1], true).next.said.text, "Is it 1 who is in the booth?");
     assert!(shown(&ids[..1], false).light.said.text.starts_with("Press the button"));
 }
+
+/// Red while the page asked who is in the booth as soon as a card was read during a scan.
+#[test]
+fn while_the_export_of_a_press_is_expected_nobody_is_asked_for_the_next() {
+    let ids = ["1", "2"].map(str::to_owned);
+    for (next, said, hidden) in [
+        (&ids[..], "Next: 1 or 2.", "More than one patient is named."),
+        (&ids[..1], "Next: 1.", "The next patient is named."),
+    ] {
+        let armed = Situation { next, is_asked: true, ..booth(Signal::Armed) };
+        let shown = page(armed, &[], Language::En);
+        assert!(!shown.next.is_asked && shown.next.is_asked_later);
+        assert_eq!(shown.next.said.text, said);
+        assert_eq!(shown.without_ids().next.said.text, hidden);
+        // Without a button the answer is of that export.
+        let armed = Situation { has_button: false, ..armed };
+        assert!(page(armed, &[], Language::En).next.is_asked);
+    }
+}

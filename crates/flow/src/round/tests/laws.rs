@@ -352,7 +352,7 @@ fn two_contents_at_once_and_one_of_before_the_press_are_no_clean_round() {
     let mut captures = captures();
     pressed_for(&mut captures, "1", 1, 100);
     let first = captures.judge_content(&content(seen(110), vec![seen(90), seen(112)]), at(115));
-    assert_eq!((code(&first), candidates(&first)), (AMBIGUOUS, vec!["1"]));
+    assert_eq!((code(&first), candidates(&first)), (BESIDE, vec!["1"]));
     captures.answer(&first, at(115));
     let second = captures.judge_content(&content(seen(112), Vec::new()), at(116));
     assert_eq!((code(&second), candidates(&second)), (AMBIGUOUS, vec!["1"]));
