@@ -57,7 +57,7 @@ impl ViewsSeries {
     pub fn complaint(&self, checks: &[LastCheck]) -> Option<Complaint> {
         let right = checks.iter().rev().find(|check| check.result == CheckResult::Within);
         let since = right.map_or(Timestamp::MIN, |check| check.at);
-        let after = &self.0[self.0.partition_point(|seen| seen.at <= since)..];
+        let after = &self.0[self.0.partition_point(|seen| seen.at < since)..];
         let judged = &after[after.len().saturating_sub(JUDGED)..];
         let (count, largest_mm) = apart(judged).filter(|(count, _)| *count >= APART_LEAST)?;
         let figures = Figures::default().count("count", count as u64);

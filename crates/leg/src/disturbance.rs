@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use crate::comparison::seams::Seams;
+use crate::comparison::smoothed::Smoothed;
 use crate::doubt::Doubt;
 use crate::levels::at_height::HeightGirth;
 use crate::levels::landmark::{Estimate, Landmark};
@@ -27,6 +28,36 @@ pub struct Disturbance {
     pub doubt: Option<Doubt>,
 }
 
+/// What disturbs both legs alike.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Common {
+    /// Cameras whose views do not meet.
+    pub seams: Option<Seams>,
+    /// Smoothing by the scanner's software.
+    pub smoothed: Option<Smoothed>,
+}
+
+impl Common {
+    /// What has a cause that can be told, each as a disturbance of all girths.
+    pub fn told(&self) -> Vec<Disturbance> {
+        let seams = self.seams.map(Disturbance::of_seams);
+        seams.into_iter().chain(self.smoothed.map(Disturbance::of_smoothing)).collect()
+    }
+
+    /// The doubts that concern the whole scan.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let seams = self
+            .seams
+            .map(|Seams { step_mm, girth_sd_mm }| Doubt::ViewsApart { step_mm, girth_sd_mm });
+        seams.into_iter().chain(self.smoothed.and_then(doubt_of_smoothing)).collect()
+    }
+}
+
+/// Smoothing that costs girths more than what they usually are off by.
+fn doubt_of_smoothing(Smoothed { girth_sd_mm }: Smoothed) -> Option<Doubt> {
+    (girth_sd_mm > DOUBT_SD_MM).then_some(Doubt::Smoothed { girth_sd_mm })
+}
+
 impl Disturbance {
     /// Of cloth whose edge lies at a height: a doubt if it is that for sure. Otherwise a girth with it or without it is
     /// as likely, which is π times its thickness to each side.
@@ -45,13 +76,19 @@ impl Disturbance {
     }
 
     /// Of cameras whose views do not meet.
-    pub fn of_seams(Seams { step_mm, girth_sd_mm }: Seams) -> Disturbance {
+    fn of_seams(Seams { step_mm, girth_sd_mm }: Seams) -> Disturbance {
         let doubt = Doubt::ViewsApart { step_mm, girth_sd_mm };
-        Disturbance {
-            along_mm: f64::NEG_INFINITY..=f64::INFINITY,
-            sd_mm: girth_sd_mm,
-            doubt: Some(doubt).filter(|_| girth_sd_mm > DOUBT_SD_MM),
-        }
+        Disturbance::everywhere(girth_sd_mm, Some(doubt).filter(|_| girth_sd_mm > DOUBT_SD_MM))
+    }
+
+    /// Of a mesh that was smoothed.
+    fn of_smoothing(smoothed: Smoothed) -> Disturbance {
+        Disturbance::everywhere(smoothed.girth_sd_mm, doubt_of_smoothing(smoothed))
+    }
+
+    /// All along a leg.
+    fn everywhere(sd_mm: f64, doubt: Option<Doubt>) -> Disturbance {
+        Disturbance { along_mm: f64::NEG_INFINITY..=f64::INFINITY, sd_mm, doubt }
     }
 
     /// Disturbs a girth at a distance along the axis, mm, if it reaches so far: its standard errors, mm, and its doubts.

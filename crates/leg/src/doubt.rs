@@ -62,6 +62,11 @@ pub enum Doubt {
         /// Standard error that a girth has by it, mm.
         girth_sd_mm: f64,
     },
+    /// The scanner's software smoothed the mesh, which makes all girths too small.
+    Smoothed {
+        /// Standard error that a girth has by it, mm.
+        girth_sd_mm: f64,
+    },
     /// The skin at the level is longer than a tape around it.
     Folds {
         /// Excess of the contour over the tape girth, percent.
@@ -98,6 +103,7 @@ impl Doubt {
             Doubt::Scatter { .. } => "scatter",
             Doubt::Cloth { .. } => "cloth",
             Doubt::ViewsApart { .. } => "views-apart",
+            Doubt::Smoothed { .. } => "smoothed",
             Doubt::Folds { .. } => "folds",
             Doubt::NotSeen => "not-seen",
             Doubt::KneeBent { .. } => "knee-bent",

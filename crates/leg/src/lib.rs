@@ -38,7 +38,9 @@ pub mod surface;
 use rayon::prelude::*;
 
 pub use comparison::difference::Differences;
-use comparison::seams::{Seams, Traces, seams};
+use comparison::seams::{Traces, seams};
+use comparison::smoothed::smoothed;
+use disturbance::Common;
 use doubt::Doubt;
 pub use finding::{Finding, LegFault, What};
 pub use frame::body::{Body, FacingFrom};
@@ -53,7 +55,7 @@ pub use method::Method;
 pub use parting::crotch::{Crotch, CrotchFrom};
 use parting::segment::Leg;
 pub use parting::segment::SegmentFault;
-use sectioned_leg::{compare_cloth, sectioned_leg};
+use sectioned_leg::{SectionedLeg, compare_cloth, sectioned_leg};
 pub use side::Side;
 use side::Sides;
 
@@ -135,15 +137,13 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         let (stature_mm, sd_mm) = cut.crotch.stature_mm();
         body.scale_also_by(stature_mm, sd_mm);
     }
-    let (reports, seams) = reports(cut.legs, &cut.crotch, &body, method);
+    let (reports, common) = reports(cut.legs, &cut.crotch, &body, method);
     if let [Err(left), Err(right)] = reports.as_slice() {
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
     let mut findings = about_body(&body, &cut.crotch);
-    if let Some(Seams { step_mm, girth_sd_mm }) = seams {
-        let what = What::Doubtful(Doubt::ViewsApart { step_mm, girth_sd_mm });
-        findings.push(Finding { side: None, level: None, what });
-    }
+    let doubts = common.doubts().into_iter().map(What::Doubtful);
+    findings.extend(doubts.map(|what| Finding { side: None, level: None, what }));
     // A list of points has no faces by design.
     if scan.triangles.is_empty() && format != Format::Xyz {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
@@ -188,26 +188,32 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
 /// What one leg is, or why it is not measured.
 type Report = Result<(LegReport, Vec<Finding>), LegFault>;
 
-/// Both legs, left before right, and the seams of the scanner's views.
+/// Both legs, left before right, and what disturbs both alike.
 fn reports(
     legs: Sides<Option<Leg>>,
     crotch: &Crotch,
     body: &Body,
     method: &Method,
-) -> (Vec<Report>, Option<Seams>) {
+) -> (Vec<Report>, Common) {
     let sectioned = [legs.left, legs.right]
         .into_par_iter()
         .map(|leg| sectioned_leg(leg.ok_or(LegFault::NotThere)?, body, crotch, method));
     let mut sectioned: Vec<_> = sectioned.collect();
     compare_cloth(&mut sectioned);
-    let traces: Vec<&Traces> =
-        sectioned.iter().flatten().filter_map(|leg| leg.traces.as_ref()).collect();
-    let seams = seams(&traces);
+    let legs: Vec<&SectionedLeg> = sectioned.iter().flatten().collect();
+    let common = common(&legs, body);
     let reports = sectioned.into_par_iter().map(|leg| {
         let leg = leg?;
-        Ok(report::leg_report(leg, body, crotch, seams, method))
+        Ok(report::leg_report(leg, body, crotch, &common, method))
     });
-    (reports.collect(), seams)
+    (reports.collect(), common)
+}
+
+/// What disturbs both legs alike.
+fn common(legs: &[&SectionedLeg], body: &Body) -> Common {
+    let traces: Vec<&Traces> = legs.iter().filter_map(|leg| leg.traces.as_ref()).collect();
+    let meshes: Vec<_> = legs.iter().map(|leg| &leg.leg.mesh).collect();
+    Common { seams: seams(&traces), smoothed: smoothed(&meshes, body.scale_mm) }
 }
 
 /// Usual crotch heights of standing people as shares of stature: ANSUR II, mean 0.48, first to last

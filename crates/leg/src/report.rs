@@ -9,9 +9,8 @@ use super::measured::{LegReport, LevelSection};
 use super::method::Tape;
 use super::side::Side;
 use super::{Body, Method};
-use crate::comparison::seams::Seams;
 use crate::comparison::volume::leg_volume;
-use crate::disturbance::Disturbance;
+use crate::disturbance::{Common, Disturbance};
 use crate::features::feature::features;
 use crate::levels::at_height::{AtHeight, at_heights, at_lengths, profile_heights_mm};
 use crate::levels::foot::{Foot, foot};
@@ -44,12 +43,12 @@ const ANKLE_STATURE_SHARE: f64 = 0.06;
 /// Above this bend of the knee, degrees, levels above C are in doubt.
 const BEND_DOUBT_DEG: f64 = 45.0;
 
-/// Measures a leg whose sections are known; `seams` are those of the scanner's views.
+/// Measures a leg whose sections are known; `common` is what disturbs both legs alike.
 pub fn leg_report(
     of: SectionedLeg,
     body: &Body,
     crotch: &Crotch,
-    seams: Option<Seams>,
+    common: &Common,
     method: &Method,
 ) -> (LegReport, Vec<Finding>) {
     let SectionedLeg { ref leg, ref filled, ref sections, ref curve, ref cloth, .. } = of;
@@ -62,9 +61,9 @@ pub fn leg_report(
     tilt::complete(across, sections, curve, &others);
     let covers = covers(cloth, &sections.axis);
     covers.iter().for_each(|cover| measures.disturb(cover));
+    let told = common.told();
     measures.doubt_uncertain_girths();
-    let seams: Vec<Disturbance> = seams.map(Disturbance::of_seams).into_iter().collect();
-    seams.iter().for_each(|seams| measures.disturb(seams));
+    told.iter().for_each(|told| measures.disturb(told));
     for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
@@ -107,7 +106,8 @@ pub fn leg_report(
     let mut along = at_lengths(curve, &lengths, near);
     let at_heights = at.iter_mut().chain(&mut profile).map(|at| &mut at.found);
     for girth in at_heights.chain(along.iter_mut().map(|at| &mut at.found)).flatten() {
-        covers.iter().chain(&seams).for_each(|disturbance| disturbance.on_height(girth));
+        let all = covers.iter().chain(&told);
+        all.for_each(|disturbance| disturbance.on_height(girth));
     }
     findings.about_heights(&at);
     let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);

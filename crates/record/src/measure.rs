@@ -22,8 +22,17 @@ const BELOW_D: &str = "below-d";
 const HARMLESS: &str = "folds";
 
 /// The doubts that concern the girth alone. All others concern the height at which it was taken.
-const OF_GIRTH: [&str; 8] =
-    ["gap", "scatter", "cloth", "views-apart", "folds", "not-seen", "knee-bent", "sole-not-seen"];
+const OF_GIRTH: [&str; 9] = [
+    "gap",
+    "scatter",
+    "cloth",
+    "views-apart",
+    "smoothed",
+    "folds",
+    "not-seen",
+    "knee-bent",
+    "sole-not-seen",
+];
 
 /// The doubt about a girth that is uncertain at its height, or because that is: only both by hand settle it.
 const OF_BOTH: &str = "girth-uncertain";

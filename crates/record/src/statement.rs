@@ -271,6 +271,7 @@ impl From<&Doubt> for Statement {
             Doubt::ViewsApart { step_mm, girth_sd_mm } => {
                 said.number("step_mm", step_mm).number("girth_off_mm", 2.0 * girth_sd_mm)
             }
+            Doubt::Smoothed { girth_sd_mm } => said.number("girth_off_mm", 2.0 * girth_sd_mm),
             Doubt::GirthUncertain { girth_sd_mm } => said.number("girth_sd_mm", girth_sd_mm),
             Doubt::Folds { percent } => said.number("percent", percent),
             Doubt::KneeBent { bend_deg } => said.number("bend_deg", bend_deg),

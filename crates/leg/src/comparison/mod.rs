@@ -5,5 +5,6 @@ pub mod opinion;
 pub mod seams;
 pub mod second_opinion;
 mod shells;
+pub mod smoothed;
 pub mod tape_volume;
 pub mod volume;

@@ -18,6 +18,7 @@ pub mod plane;
 pub mod plane_frame;
 pub mod point_pairs;
 pub mod polynomial;
+mod sag;
 pub mod section;
 pub mod skin;
 pub mod slice;

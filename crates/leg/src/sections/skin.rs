@@ -5,7 +5,8 @@
 //! millimetres, and none of the flat facets between them. Holes are bridged from all sides.
 //! Cross-validation chooses the amount of smoothing along and around.
 //!
-//! What the smoothing removes from the slow waves around is restored by `waves`.
+//! What the smoothing removes from the slow waves around is restored by `waves`; what the points of a decimated mesh lie
+//! outside the skin is taken off by `sag`.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -18,6 +19,7 @@ use super::cloth::{Cloth, DIRECTIONS, cloth, direction};
 use super::gap::largest_gap_deg;
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
+use super::sag::Sag;
 use super::section::{Curve, Outline, Section, Spokes, r2};
 use crate::parting::segment::Leg;
 
@@ -85,6 +87,8 @@ pub struct Skin {
     fit: TensorFit,
     /// The correction to the fitted radius.
     waves: Waves,
+    /// How far the skin lies inside the points of a decimated mesh.
+    sag: Sag,
     /// The angles at which the girths of its sections are measured.
     spokes: Spokes,
     /// Points of the scan that the fit uses, ordered by their distance along the axis.
@@ -100,6 +104,8 @@ pub struct Skin {
 /// A point of the scan in the skin's coordinates.
 #[derive(Debug, Clone, Copy)]
 struct SkinPoint {
+    /// Which point of the mesh it is.
+    index: usize,
     along_mm: f64,
     angle: f64,
     radius_mm: f64,
@@ -118,12 +124,12 @@ impl Skin {
             Point2::new(front, lateral)
         };
         let mut points: Vec<SkinPoint> = Vec::new();
-        for point in leg.mesh.points() {
+        for (index, point) in leg.mesh.points().iter().enumerate() {
             let (along_mm, in_plane) = axis.place(point);
             if (from_mm..=to_mm).contains(&along_mm) {
                 let arm = in_plane - place(along_mm);
                 let (angle, radius_mm) = (arm.y.atan2(arm.x), arm.norm());
-                points.push(SkinPoint { along_mm, angle, radius_mm, residual_mm: 0.0 });
+                points.push(SkinPoint { index, along_mm, angle, radius_mm, residual_mm: 0.0 });
             }
         }
         points.sort_unstable_by(|p, q| p.along_mm.total_cmp(&q.along_mm));
@@ -145,12 +151,15 @@ impl Skin {
         let (believed, others): (Vec<_>, Vec<_>) = all.partition(|(_, weight)| **weight > 0.0);
         let [points, outliers] = [believed, others]
             .map(|part| part.into_iter().map(|(point, _)| point).collect::<Vec<SkinPoint>>());
+        let mut places = vec![None; leg.mesh.points().len()];
+        points.iter().for_each(|p| places[p.index] = Some([p.along_mm, p.angle]));
+        let sag = Sag::of(&leg.mesh, &places, &fit.function);
         let count = points.len() as f64;
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
         let spokes = Spokes::of_girths(&around);
-        Some(Skin { middle, fit, waves, spokes, points, outliers, spacing_mm, points_per_mm })
+        Some(Skin { middle, fit, waves, sag, spokes, points, outliers, spacing_mm, points_per_mm })
     }
 
     /// The section at a distance along the axis; `None` outside the skin or if too much of it was
@@ -166,15 +175,16 @@ impl Skin {
         let (r2, rms_mm) = Skin::goodness(near, self.near(&self.outliers, along_mm));
         let girth = self.spokes.girth(&coefficients)?;
         let gap_sd_mm = GAP_SD_SHARE * largest_gap_deg.to_radians().powi(3) * girth.tape_mm;
-        let [girth_sd_mm, slope_sd, bend_sd] = self.girth_sd(along_mm, near.len(), gap_sd_mm);
+        let [noise_sd_mm, slope_sd, bend_sd] = self.girth_sd(along_mm, near.len(), gap_sd_mm);
         let missed_mm = TAU * self.missed_mm(along_mm);
+        let girth_sd_mm = noise_sd_mm.hypot(missed_mm).hypot(self.sag.girth_sd_mm(along_mm));
         Some(Section {
             along_mm,
             height_mm: axis.at(along_mm, &centre).z,
             centre,
             girth,
-            girth_sd: Some([girth_sd_mm.hypot(missed_mm), slope_sd, bend_sd]),
-            wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * girth_sd_mm / TAU)),
+            girth_sd: Some([girth_sd_mm, slope_sd, bend_sd]),
+            wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * noise_sd_mm / TAU)),
             points: near.len(),
             r2,
             rms_mm,
@@ -198,7 +208,8 @@ impl Skin {
         }
         let fitted = self.fit.function.around_at(along_mm).into_iter();
         let slow = self.waves.coefficients(along_mm);
-        Some(fitted.zip(slow).map(|(fitted, slow)| fitted + slow).collect())
+        let inside_mm = self.sag.inside_mm(along_mm);
+        Some(fitted.zip(slow).map(|(fitted, slow)| fitted + slow - inside_mm).collect())
     }
 
     /// How the tape girth changes where the plane is tilted so that its normal leans to the front, and to

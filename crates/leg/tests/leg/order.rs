@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 
+use gaiter_leg::disturbance::Common;
 use gaiter_leg::frame::body::{Body, FacingFrom};
 use gaiter_leg::level::By;
 use gaiter_leg::levels::landmark::{Estimate, Landmark};
@@ -41,7 +42,7 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         touching_from_mm: None,
     };
     let sectioned = sectioned_leg(leg, &body, &crotch, method).unwrap();
-    leg_report(sectioned, &body, &crotch, None, method)
+    leg_report(sectioned, &body, &crotch, &Common::default(), method)
 }
 
 fn found(report: &LegReport, level: Level) -> &Landmark {

@@ -39,6 +39,7 @@ pub fn all() -> Vec<What> {
         Doubt::Scatter { rms_mm: 2.4 },
         Doubt::Cloth { step_mm: 11.0, height_mm: 92.0 },
         Doubt::ViewsApart { step_mm: 3.2, girth_sd_mm: 4.1 },
+        Doubt::Smoothed { girth_sd_mm: 5.2 },
         Doubt::Folds { percent: 3.1 },
         Doubt::NotSeen,
         Doubt::KneeBent { bend_deg: 52.0 },

@@ -77,7 +77,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 47] = [
+const KEYWORDS: [[&str; 4]; 48] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -90,6 +90,7 @@ const KEYWORDS: [[&str; 4]; 47] = [
     ["scatter", "scatter", "streuen", "nicht eine Haut"],
     ["cloth", "Cloth", "Kleidung", "Rand einer Binde"],
     ["views-apart", "views do not meet", "Kamerabilder", "Kamera wurde bewegt"],
+    ["smoothed", "smoothed", "geglättet", "zu seinen Nachbarn"],
     ["folds", "folded", "Falten", "Hautfalten"],
     ["not-seen", "Skin not", "Haut nicht", "nicht zu messen"],
     ["knee-bent", "Knee bent", "Knie gebeugt", "so großem Winkel"],

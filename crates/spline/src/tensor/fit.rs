@@ -83,10 +83,10 @@ const FIRST_SMOOTHING: f64 = 1.0;
 
 /// Equations are solved until the function is off by no more than this, root mean square, in the unit of
 /// the values (mm on a leg): in the rounds before the last one, of which only weights and smoothing remain …
-const ROUGHLY: f64 = 1e-6;
+const ROUGHLY: f64 = 1e-4;
 
 /// … and in the last one.
-const FINALLY: f64 = 1e-7;
+const FINALLY: f64 = 1e-6;
 
 /// Fits the function, with its angles around in so many equal pieces. Residuals of `least_scale` are never
 /// outliers.

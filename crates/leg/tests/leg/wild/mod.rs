@@ -7,9 +7,11 @@ mod bystanders;
 mod cameras;
 mod children;
 mod cloth;
+mod decimated;
 mod filled;
 mod floors;
 mod heads;
+mod smoothed;
 mod soles;
 mod thighs;
 mod unseen;
@@ -17,7 +19,7 @@ mod untouched;
 
 use std::sync::LazyLock;
 
-use gaiter_leg::{Extraction, Level, Method, Side, extract};
+use gaiter_leg::{Extraction, Landmark, Level, Method, Side, extract};
 use gaiter_scan::Format;
 use support::chance::Chance;
 use support::mesh::Mesh;
@@ -47,6 +49,18 @@ fn measured(mesh: &Mesh) -> Extraction {
 /// Whether a scan has a finding about itself or a whole leg.
 fn is_told(found: &Extraction, code: &str) -> bool {
     found.findings.iter().any(|finding| finding.level.is_none() && finding.code() == code)
+}
+
+/// Levels that both have, as found and as they truly are.
+fn pairs(found: &Extraction, truth: &Extraction, levels: &[Level]) -> Vec<[Landmark; 2]> {
+    let of = |extraction: &Extraction, side: Side, level: Level| {
+        let leg = extraction.legs.iter().find(|leg| leg.side == side)?;
+        leg.landmarks.iter().find(|landmark| landmark.level == level).cloned()
+    };
+    let legs = found.legs.iter();
+    let all = legs.flat_map(|leg| levels.iter().map(move |level| (leg.side, *level)));
+    all.filter_map(|(side, level)| Some([of(found, side, level)?, of(truth, side, level)?]))
+        .collect()
 }
 
 /// The levels B, C and D that are off by more than 2 mm and three stated standard errors without a doubt.
