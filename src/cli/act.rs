@@ -44,7 +44,7 @@ pub fn give_up(args: &OneArgs) -> Exit {
     ask::sentence(&args.ask, &Request::GiveUp { scan: args.scan.clone() })
 }
 
-/// Sets, clears or shows the patient of the next scan.
+/// Sets, clears or shows the patient of the next scan; compares visits, names the affected leg, discloses and erases.
 pub fn patient(verb: &PatientVerb) -> Exit {
     match verb {
         PatientVerb::Set(args) if args.stray.is_some() => not_an_argument("gaiter patient set"),
@@ -57,6 +57,13 @@ pub fn patient(verb: &PatientVerb) -> Exit {
             not_an_argument("gaiter patient visits")
         }
         PatientVerb::Visits(args) => compare::visits(&args.how),
+        PatientVerb::Affected(args) if args.stray.is_some() => {
+            not_an_argument(&format!("gaiter patient affected {}", args.leg))
+        }
+        PatientVerb::Affected(args) => with_patient(&args.ask, |patient| Request::NameAffected {
+            patient,
+            affected: args.leg.clone(),
+        }),
         PatientVerb::Disclose(args) if args.stray.is_some() => {
             not_an_argument("gaiter patient disclose")
         }

@@ -33,7 +33,7 @@ pub use compare::{CompareArgs, CompareChoice, VisitsArgs};
 pub use extract::ExtractArgs;
 pub use garment::GarmentArgs;
 pub use order::{OrderArgs, OrderCheckArgs, OrderOf, OrderVerb, Repeat};
-pub use person::{DiscloseArgs, EraseArgs};
+pub use person::{AffectedArgs, DiscloseArgs, EraseArgs};
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
 pub use sizes::{SizesArgs, SizesCheckArgs, SizesOf, SizesVerb};
@@ -243,6 +243,13 @@ pub enum PatientVerb {
     /// the first store; of each day, the last scan counts. Needs no running station. Where figures mean
     /// something else than before, the curve breaks. Otherwise as `gaiter compare`.
     Visits(VisitsArgs),
+    /// Name the affected leg of a patient
+    ///
+    /// Asks for the patient's id, or reads it from standard input. The comparison of the patient's visits, at the
+    /// terminal and on the page, then tells the excess volume of this leg over the other one. No leg is guessed:
+    /// without a name, with both or with none, it tells the difference left minus right. Kept with the patient
+    /// until it is named anew or the person is erased.
+    Affected(AffectedArgs),
     /// Write all that the station holds of a person into a folder
     ///
     /// For the right of access (GDPR, Article 15). Asks for the patient's id, or reads it from standard input.

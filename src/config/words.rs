@@ -132,11 +132,7 @@ pub const POSTURES: Words<Posture> = &[
 ];
 
 /// `--affected`
-pub const AFFECTED: Words<Affected> = &[
-    ("left", Affected::One(Side::Left)),
-    ("right", Affected::One(Side::Right)),
-    ("both", Affected::Both),
-];
+pub const AFFECTED: Words<Affected> = &Affected::WORDS;
 
 /// `visits.thresholds.limb`: thresholds for arms are none for legs.
 pub const LIMBS: Words<()> = &[("leg", ())];

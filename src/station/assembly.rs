@@ -12,6 +12,7 @@ use tracing::{error, info};
 
 use super::booth::Booth;
 use super::core::{Core, Found, journal_file};
+use super::custody::affected::AffectedLegs;
 use super::custody::decisions::Decisions;
 use super::custody::erasures::Erasures;
 use super::custody::phantom_series::PhantomSeries;
@@ -111,7 +112,8 @@ pub(in crate::station) fn open_custody(
     let phantom = config.phantom.as_ref().map(|_| PhantomSeries::open(state_dir));
     let phantom = phantom.transpose().map_err(state)?;
     let kept = (spool, quarantine);
-    let decided = (decisions, erasures);
+    let affected = AffectedLegs::open(state_dir).map_err(state)?;
+    let decided = (decisions, erasures, affected);
     let custody = Custody::new(opened.journal, kept, decided, names, config.retention.spool);
     let custody = custody.with_named_only(stores.named_only()).with_phantom(phantom);
     Ok((custody, opened.rebuilt))

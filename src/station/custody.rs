@@ -4,6 +4,7 @@
 //! the folders or the journal failed.
 
 mod acts;
+pub mod affected;
 mod decided;
 pub mod decisions;
 mod erase;
@@ -32,6 +33,7 @@ use gaiter_record::Patient;
 use gaiter_scan::Format;
 use jiff::Timestamp;
 
+use self::affected::AffectedLegs;
 use self::decisions::Decisions;
 use self::erasures::Erasures;
 use self::phantom_series::PhantomSeries;
@@ -48,6 +50,7 @@ pub struct Custody {
     quarantine: Quarantine,
     decisions: Decisions,
     erasures: Erasures,
+    affected: AffectedLegs,
     /// The checks with the phantom, if one is configured.
     phantom: Option<PhantomSeries>,
     /// The stores' names in the journal.
@@ -107,12 +110,12 @@ pub enum CustodyFault {
 }
 
 impl Custody {
-    /// Custody over an open journal, spool and quarantine, decisions and erasures, for the stores with these
-    /// names. `kept` is how long spooled bytes are kept after they are no longer needed.
+    /// Custody over an open journal, spool and quarantine, decisions, erasures and affected legs, for the stores with
+    /// these names. `kept` is how long spooled bytes are kept after they are no longer needed.
     pub fn new(
         journal: Journal,
         (spool, quarantine): (Spool, Quarantine),
-        (decisions, erasures): (Decisions, Erasures),
+        (decisions, erasures, affected): (Decisions, Erasures, AffectedLegs),
         stores: Vec<&'static str>,
         kept: Duration,
     ) -> Custody {
@@ -122,6 +125,7 @@ impl Custody {
             quarantine,
             decisions,
             erasures,
+            affected,
             phantom: None,
             stores,
             named_only: Vec::new(),
@@ -166,12 +170,13 @@ impl Custody {
         })
     }
 
-    fn folders(&self) -> [(&'static str, &Path); 4] {
+    fn folders(&self) -> [(&'static str, &Path); 5] {
         [
             ("spool", self.spool.folder()),
             ("quarantine", self.quarantine.folder()),
             ("decisions", self.decisions.folder()),
             ("erasures", self.erasures.folder()),
+            ("affected", self.affected.folder()),
         ]
     }
 

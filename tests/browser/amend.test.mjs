@@ -164,3 +164,24 @@ test("on a phone the form shows both legs, what is wrong and its buttons, and no
     });
   }
 });
+
+test("the affected leg of a patient is named, and nothing is sent before one is chosen", async () => {
+  await at(await Station.make(), async (station) => {
+    const { page } = await tab(browser, station);
+    await page.goto(station.link());
+    await station.looked();
+    station.export("4711_x.obj", body(0));
+    await page.waitForSelector("td.girth");
+    await page.getByRole("button", { name: "Affected leg" }).first().click();
+    const dialog = page.getByRole("dialog", { name: "Affected leg of 4711" });
+    await dialog.waitFor();
+    assert.deepEqual(await violations(page), []);
+    const save = dialog.getByRole("button", { name: "Save" });
+    await save.click();
+    assert.ok(await dialog.isVisible(), "nothing is chosen yet");
+    await dialog.getByRole("combobox", { name: "Affected leg" }).selectOption({ label: "left leg" });
+    await save.click();
+    await dialog.waitFor({ state: "hidden" });
+    await page.getByText("The affected leg is noted.").waitFor();
+  });
+});

@@ -23,12 +23,13 @@ const shots = process.env.GAITER_SHOTS;
 const FLAGS = ["--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
   "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 
-// Four visits of one patient: the last later in the day and sitting, so that there is something to warn of.
+// Four visits of one patient: the last later in the day, and the one before it sitting, so that there is something
+// to warn of.
 const VISITS = [
   { at: "2026-01-12T08:10:00Z", posture: "both-legs" },
   { at: "2026-03-09T08:40:00Z", posture: "both-legs" },
-  { at: "2026-06-08T07:55:00Z", posture: "both-legs" },
-  { at: "2026-11-16T15:20:00Z", posture: "sitting" },
+  { at: "2026-06-08T07:55:00Z", posture: "sitting" },
+  { at: "2026-11-16T15:20:00Z", posture: "both-legs" },
 ];
 
 let browser, folder;

@@ -149,6 +149,37 @@ fn the_text_says_larger_or_smaller_fits_80_columns_and_judges_nothing() {
 }
 
 #[test]
+fn no_leg_is_affected_until_a_person_names_it() {
+    let store = Store::new();
+    let told = |more: &[&str]| {
+        let json = stdout(&compared(&[&store.patient()], &[&["--json"], more].concat()));
+        let json: Value = serde_json::from_str(&json).unwrap();
+        let text = stdout(&compared(&[&store.patient()], more));
+        // The terminal breaks lines between words.
+        (json, text.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+    let (json, text) = told(&[]);
+    assert_eq!(
+        (&json["affected"], &json["comparisons"][0]["excess"]),
+        (&Value::Null, &Value::Null)
+    );
+    assert!(text.contains("No affected leg is named"), "{text}");
+    assert!(text.contains("left minus right leg") && !text.contains("Excess volume,"), "{text}");
+    let (json, text) = told(&["--affected", "left"]);
+    assert_eq!(
+        (&json["affected"], &json["comparisons"][0]["excess"]["affected"]),
+        (&"left".into(), &"left".into())
+    );
+    assert!(text.contains("Excess volume, left over right leg"), "{text}");
+    let (json, text) = told(&["--affected", "none"]);
+    assert_eq!(
+        (&json["affected"], &json["comparisons"][0]["excess"]),
+        (&"none".into(), &Value::Null)
+    );
+    assert!(text.contains("Neither leg is affected"), "{text}");
+}
+
+#[test]
 fn a_page_a_pdf_and_json_are_written_and_never_replaced_unasked() {
     let store = Store::new();
     let out = store.folder.path().join("out");
@@ -205,6 +236,40 @@ fn a_record_in_the_folder_of_another_patient_is_told_and_left_out() {
     assert!(stderr(&said).contains("names another patient than its folder"), "{}", stderr(&said));
     let json: Value = serde_json::from_str(&stdout(&said)).unwrap();
     assert_eq!(json["visits"].as_array().unwrap().len(), 3);
+    assert_eq!(json["left_out"][0]["code"], "record-of-another");
+    assert_eq!(
+        json["comparisons"][0]["is_later_stand_in"], false,
+        "it is no visit of this patient"
+    );
+}
+
+#[test]
+fn a_damaged_first_record_is_told_in_every_form_and_the_visit_in_its_place_is_marked() {
+    let store = Store::new();
+    let first = fs::read_dir(store.patient()).unwrap().map(|entry| entry.unwrap().path()).min();
+    fs::write(first.unwrap().join("record.json"), "{}").unwrap();
+    let out = store.folder.path().join("out");
+    let place = out.to_str().unwrap();
+    let told = |more: &[&str]| {
+        let said = gaiter_told(&store.config(), &[&["patient", "visits"], more].concat(), "4711\n");
+        assert_eq!(code(&said), Some(0), "{}", stderr(&said));
+        stdout(&said)
+    };
+    told(&["--out", place]);
+    let page = fs::read_to_string(out.join("visits.html")).unwrap();
+    for text in [told(&[]), page] {
+        assert!(
+            text.contains("Records that are left out") && text.contains("7 Feb 2026 #"),
+            "{text}"
+        );
+    }
+    let written = fs::read_to_string(out.join("visits.json")).unwrap();
+    for json in [told(&["--json"]), written] {
+        let json: Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["left_out"][0]["code"], "record-damaged");
+        assert_eq!(json["left_out"][0]["scan"], &scan(0)[..8]);
+        assert_eq!(json["comparisons"][0]["is_earlier_stand_in"], true);
+    }
 }
 
 #[test]
@@ -226,6 +291,9 @@ fn the_id_is_never_an_argument_and_an_unknown_one_has_no_records() {
     let store = Store::new();
     let config = store.config();
     let said = gaiter_told(&config, &["patient", "visits", "4711"], "");
+    assert_eq!(code(&said), Some(64));
+    assert!(stderr(&said).contains("never an argument"), "{}", stderr(&said));
+    let said = gaiter_told(&config, &["patient", "affected", "left", "4711"], "");
     assert_eq!(code(&said), Some(64));
     assert!(stderr(&said).contains("never an argument"), "{}", stderr(&said));
     let said = gaiter_told(&config, &["patient", "visits"], "9999\n");

@@ -22,7 +22,8 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 54] = [
+const BY_CODE: [(&str, &str); 58] = [
+    ("act.affected", "`Affected::word`, and that none is named"),
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
@@ -69,11 +70,14 @@ const BY_CODE: [(&str, &str); 54] = [
     ("terminal.port_state", "`PortState::word`"),
     ("terminal.state", "`Disposition::word` and `DeliveryState::word`"),
     ("viewer", "the 3D view's own script"),
+    ("visits.affected", "`Affected::word`, and that none is named"),
     ("visits.caption", "the pictures of a report of visits"),
     ("visits.caution", "`Caution::code`"),
     ("visits.column", "the columns of a table of volumes"),
     ("visits.excess", "`Shown::word`"),
+    ("visits.left_out", "`StoredFault::code`, and `record-removed`"),
     ("visits.limited", "`Limited::word`"),
+    ("visits.no_reduction", "`NoReduction::word`"),
     ("visits.shown", "`Shown::word`"),
     ("visits.volume", "`Shown::word`"),
     ("visits.volume_by", "`VolumeBy::word`"),

@@ -11,7 +11,7 @@ use support::coarse_body;
 
 #[test]
 fn a_folder_that_somebody_removed_is_a_fault_at_once_and_made_anew() {
-    for folder in ["spool", "quarantine", "decisions"] {
+    for folder in ["spool", "quarantine", "decisions", "affected"] {
         let booth = Booth::new();
         let daemon = booth.start_ready();
         fs::remove_dir_all(booth.path("state").join(folder)).unwrap();

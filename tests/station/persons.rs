@@ -75,6 +75,8 @@ fn booth() -> (Booth, Daemon) {
     let (released, _, said) = told(&booth, &["release", &shared], "");
     assert_eq!(released, Some(0), "{said}");
     booth.wait_for_journal(delivered, 8);
+    let (named, said, faults) = told(&booth, &["patient", "affected", "left"], ID);
+    assert_eq!(named, Some(0), "{said}{faults}");
     (booth, daemon)
 }
 
@@ -96,7 +98,11 @@ fn assert_disclosed(booth: &Booth) {
     }
     let quarantined = folder.join("scans/quarantine").join(sha256(REFUSED));
     assert_eq!(fs::read(quarantined.join("scan.obj")).unwrap(), REFUSED);
+    assert_eq!(person["affected"]["affected"], "left");
+    let mut events = person["history"].as_array().unwrap().iter();
+    assert!(events.any(|of| of["event"] == "affected-named"), "{person}");
     let page = fs::read_to_string(folder.join("index.html")).unwrap();
+    assert!(page.contains("Affected leg, as named: left"), "{page}");
     assert!(page.contains(ID) && page.contains("delivered"), "{page}");
     // Nothing of another, and every file has its sum.
     assert!(naming(booth, &["access"], OTHER).is_empty());
@@ -137,6 +143,7 @@ fn a_person_is_disclosed_whole_and_nothing_of_another_with_it() {
 fn assert_erased(booth: &Booth) {
     let naming = naming(booth, &["state", "records", "copy"], ID);
     assert!(naming.is_empty(), "{naming:?}");
+    assert!(names(&booth.path("state/affected")).is_empty(), "the affected leg is erased, too");
     for store in ["records", "copy"] {
         assert_eq!(names(&booth.path(store).join(OTHER)).len(), 2, "{store}");
         assert!(!booth.path(store).join(ID).exists());

@@ -23,7 +23,7 @@ pub enum Caution {
     },
     /// A time of day is not known.
     TimeUnknown,
-    /// The posture that was declared is another.
+    /// The posture that was declared is another: neither girths nor volumes are compared.
     Posture,
     /// The leg was held differently, as the scans show.
     Stance {
@@ -76,11 +76,7 @@ pub(super) fn cautions([earlier, later]: [&Visit; 2]) -> Vec<Caution> {
         }
         _ => found.push(Caution::TimeUnknown),
     }
-    if let (Some(one), Some(other)) = (&earlier.posture, &later.posture)
-        && one != other
-    {
-        found.push(Caution::Posture);
-    }
+    found.extend(earlier.is_of_other_posture(later).then_some(Caution::Posture));
     found.extend(Side::FROM_FRONT.into_iter().filter_map(|side| stance([earlier, later], side)));
     if earlier.station != later.station {
         found.push(Caution::Station);

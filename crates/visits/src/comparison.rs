@@ -7,7 +7,8 @@ use gaiter_leg::side::Sides;
 
 use super::caution::{Caution, cautions, stance_change};
 use super::course::{Course, Group};
-use super::excess::{ExcessChange, excess_change};
+use super::excess::{Excess, ExcessChange, difference_change, excess_change};
+use super::left_out::StandIns;
 use super::leg::LegAtVisit;
 use super::place::Step;
 use super::quantity::Change;
@@ -23,19 +24,27 @@ pub struct Comparison {
     pub later: usize,
     /// The change of each leg; `None` if one of the visits lacks it.
     pub legs: Sides<Option<LegChange>>,
-    /// The excess volume of the affected leg; `None` if no leg is, or one of the legs is missing.
+    /// Of the volume of the left leg minus that of the right one, mL; `None` if a leg is missing or the posture is
+    /// another.
+    pub left_minus_right: Option<Change>,
+    /// The excess volume of the affected leg; `None` unless one leg is named, and where `left_minus_right` is.
     pub excess: Option<ExcessChange>,
+    /// The excess volume at the later visit, also in another posture: it is of one scan.
+    pub later_excess: Option<Excess>,
     /// What speaks against comparing them.
     pub cautions: Vec<Caution>,
+    /// Which of the two stand in the place of a record that is left out.
+    pub stand_ins: StandIns,
 }
 
 /// The change of one leg.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegChange {
-    /// Of the volume over the pieces that all visits have, mL; `None` if there are none.
+    /// Of the volume over the pieces that all visits have, mL; `None` if there are none, and in another posture: it
+    /// is made of the girths.
     pub volume: Option<Change>,
     /// Of the girths at fixed places, mm, lowest first. Places at which the skin has moved too far because the
-    /// leg was held differently are missing.
+    /// leg was held differently are missing, all of them in another posture.
     pub girths: Vec<PlaceChange>,
     /// Of the volume of each piece, mL, lowest first. Pieces are missing like `girths`.
     pub pieces: Vec<PlaceChange>,
@@ -57,9 +66,13 @@ impl Course {
     pub fn compared(&self, group: &Group, earlier: usize, later: usize) -> Comparison {
         let visits = [&self.visits[earlier], &self.visits[later]];
         let cautions = cautions(visits);
+        let is_other_posture = cautions.contains(&Caution::Posture);
         let leg = |side: Side| {
             let legs = visits.map(|visit| visit.legs.get(side).as_ref());
             let [Some(before), Some(after)] = legs else { return None };
+            if is_other_posture {
+                return Some(LegChange { volume: None, girths: Vec::new(), pieces: Vec::new() });
+            }
             let stance = stance_change(visits, side).unwrap_or_default();
             let volumes = [earlier, later].map(|visit| self.volume(group, visit, side));
             let volume = match volumes {
@@ -69,9 +82,6 @@ impl Course {
                 }
                 _ => None,
             };
-            if cautions.contains(&Caution::Posture) {
-                return Some(LegChange { volume, girths: Vec::new(), pieces: Vec::new() });
-            }
             let legs = [before, after];
             let girths = girths(visits, legs, &stance);
             Some(LegChange { volume, girths, pieces: pieces(visits, legs, &stance, group) })
@@ -80,9 +90,21 @@ impl Course {
             earlier,
             later,
             legs: Sides::of_each(leg),
-            excess: excess_change(self, group, earlier, later),
+            left_minus_right: difference_change(self, group, [earlier, later])
+                .filter(|_| !is_other_posture),
+            excess: excess_change(self, group, [earlier, later]).filter(|_| !is_other_posture),
+            later_excess: self.excess(group, later),
             cautions,
+            stand_ins: self.stand_ins(group, [earlier, later]),
         }
+    }
+
+    /// Which of two visits of a group stand in the place of a record that is left out.
+    fn stand_ins(&self, group: &Group, visits: [usize; 2]) -> StandIns {
+        let times = visits.map(|visit| self.visits[visit].acquired.as_ref());
+        let is_first = group.visits.first() == visits.first();
+        let is_next = group.visits.windows(2).any(|pair| *pair == visits);
+        StandIns::of(&self.left_out, times, [is_first, is_next])
     }
 
     /// The comparisons that clinics read: the last visit of a group with its first one, and with the one
@@ -93,6 +115,13 @@ impl Course {
             before.first().into_iter().chain(before.last()).copied().collect();
         earlier.dedup();
         earlier.into_iter().map(|earlier| self.compared(group, earlier, *last)).collect()
+    }
+}
+
+impl Comparison {
+    /// Whether the posture that was declared is another, so that nothing of the legs is compared.
+    pub fn is_of_other_posture(&self) -> bool {
+        self.cautions.contains(&Caution::Posture)
     }
 }
 

@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use gaiter_leg::Side;
 use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_leg::side::Sides;
-use gaiter_record::Record;
+use gaiter_record::{Acquired, AcquiredFrom, Record};
 
+use super::left_out::LeftOut;
 use super::place::Step;
 use super::quantity::Quantity;
 use super::visit::{Definition, Visit};
@@ -20,19 +21,49 @@ const FIRST_STEP: Step = 3;
 pub struct Choice {
     /// How all volumes are made of girths; `None` takes what the records say.
     pub volume: Option<VolumeBy>,
-    /// The affected leg; `None` takes the leg that was larger at the first visit.
+    /// The affected leg; `None` if nobody named it. It is never guessed.
     pub affected: Option<Affected>,
     /// Standard error that all girths of a scan have in common, mm.
     pub girth_common_mm: f64,
 }
 
-/// Which leg is swollen.
+/// Which leg is affected, as a person named it. The girths cannot tell: a leg that treatment made smaller would
+/// make the healthy one the larger one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Affected {
     /// One; the other is what it is compared with.
     One(Side),
     /// Both: there is no excess of one over the other.
     Both,
+    /// Neither: there is no excess.
+    Neither,
+}
+
+impl Affected {
+    /// All that can be named, with the words of the command line and of the JSON form.
+    pub const WORDS: [(&str, Affected); 4] = [
+        ("left", Affected::One(Side::Left)),
+        ("right", Affected::One(Side::Right)),
+        ("both", Affected::Both),
+        ("none", Affected::Neither),
+    ];
+
+    /// The word where nobody named any.
+    pub const NOT_NAMED: &str = "not-named";
+
+    /// What a word names; `None` for another word.
+    pub fn of_word(word: &str) -> Option<Affected> {
+        Affected::WORDS.into_iter().find(|(own, _)| *own == word).map(|(_, affected)| affected)
+    }
+
+    /// The word of the command line and of the JSON form.
+    pub fn word(self) -> &'static str {
+        match self {
+            Affected::One(side) => side.word(),
+            Affected::Both => "both",
+            Affected::Neither => "none",
+        }
+    }
 }
 
 /// The visits of one patient.
@@ -44,6 +75,8 @@ pub struct Course {
     pub groups: Vec<Group>,
     /// What was chosen.
     pub choice: Choice,
+    /// Records of the patient that are no visits because they cannot be used or are gone, oldest first.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Visits of one definition.
@@ -150,7 +183,7 @@ impl Course {
             visits.sort_by_key(|visit| visit.acquired.as_ref().map(|acquired| acquired.at));
         }
         let groups = groups(&visits, choice.volume);
-        Ok(Course { visits, groups, choice })
+        Ok(Course { visits, groups, choice, left_out: Vec::new() })
     }
 
     /// The course of records that must all be comparable.
@@ -166,6 +199,18 @@ impl Course {
             [_] => Ok(course),
             groups => Err(course.fault_between(&groups[0], &groups[1])),
         }
+    }
+
+    /// The course with the records that are left out of it.
+    pub fn with_left_out(self, mut left_out: Vec<LeftOut>) -> Course {
+        left_out.sort_by_key(|of| of.seen);
+        Course { left_out, ..self }
+    }
+
+    /// When a record that is left out was first seen, on the clock of the last visit's scanner.
+    pub fn seen(&self, of: &LeftOut) -> Acquired {
+        let last = self.visits.iter().rev().find_map(|visit| visit.acquired.as_ref());
+        last.map_or_else(|| Acquired::new(of.seen, AcquiredFrom::Unknown), |last| of.at(last))
     }
 
     /// The group of the last visit.

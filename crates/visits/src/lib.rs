@@ -7,6 +7,7 @@
 //! | a record as a visit: places, stance, scanner, definition | [`visit`], [`leg`], [`stance`] |
 //! | which scans are visits | [`days`] |
 //! | the visits in order, and which can be compared | [`course`] |
+//! | what is no visit though it was delivered | [`left_out`] |
 //! | what changed between two of them | [`comparison`], [`excess`] |
 //! | what speaks against comparing them | [`caution`] |
 //!
@@ -17,6 +18,7 @@ pub mod comparison;
 pub mod course;
 pub mod days;
 pub mod excess;
+pub mod left_out;
 pub mod leg;
 pub mod overlay;
 pub mod place;
@@ -32,5 +34,6 @@ pub use caution::Caution;
 pub use comparison::{Comparison, LegChange, PlaceChange};
 pub use course::{Affected, Choice, Course, CourseFault, Group};
 pub use days::last_of_days;
+pub use left_out::LeftOut;
 pub use quantity::{Change, Quantity, Shown};
 pub use visit::{GIRTH_COMMON_MM, Visit};

@@ -5,12 +5,14 @@ use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::Acquired;
 use gaiter_record::rounding::{ml, mm, percent};
+use jiff::Timestamp;
 use serde::Serialize;
 
 use super::caution::Caution;
 use super::comparison::{Comparison, LegChange, PlaceChange};
-use super::course::{Course, Group};
-use super::excess::{Excess, ExcessChange};
+use super::course::{Affected, Course, Group};
+use super::excess::{Excess, ExcessChange, NoReduction};
+use super::left_out::LeftOut;
 use super::place::along_mm;
 use super::quantity::{Change, Quantity};
 use super::threshold::{Threshold, verdicts};
@@ -26,6 +28,8 @@ pub struct CourseFigures {
     pub schema: &'static str,
     /// The patient's id; null if the records name none.
     pub patient: Option<String>,
+    /// The affected leg as a person named it: `left`, `right`, `both` or `none`; null if nobody did.
+    pub affected: Option<&'static str>,
     /// Standard error that all girths of a scan have in common.
     pub girth_common_sd_mm: f64,
     /// Length along the leg between two girths.
@@ -34,6 +38,8 @@ pub struct CourseFigures {
     pub visits: Vec<VisitFigures>,
     /// Visits of one definition; only they are compared with each other.
     pub groups: Vec<GroupFigures>,
+    /// Records of the patient that are no visits because they cannot be used or are gone, oldest first.
+    pub left_out: Vec<LeftOutFigures>,
     /// The last visit compared with the first of its group and with the one before it.
     pub comparisons: Vec<ComparisonFigures>,
 }
@@ -57,7 +63,9 @@ pub struct VisitFigures {
     pub definition: String,
     /// The legs that were measured.
     pub legs: Vec<LegAtVisitFigures>,
-    /// The excess of the affected leg; null if no leg is affected.
+    /// Volume of the left leg minus that of the right one, over the lengths that both have; null if a leg is missing.
+    pub left_minus_right_ml: Option<QuantityFigures>,
+    /// The excess of the affected leg; null unless `affected` is one leg.
     pub excess: Option<ExcessFigures>,
 }
 
@@ -124,6 +132,17 @@ pub struct GroupFigures {
     pub right_mm: Option<[f64; 2]>,
 }
 
+/// A record that is left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOutFigures {
+    /// When its scan was first seen.
+    pub seen: Timestamp,
+    /// The beginning of its scan's id.
+    pub scan: String,
+    /// Why, by code; see docs/visits.md.
+    pub code: &'static str,
+}
+
 /// A comparison of two visits.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparisonFigures {
@@ -131,9 +150,16 @@ pub struct ComparisonFigures {
     pub earlier: usize,
     /// The place of the later one.
     pub later: usize,
+    /// Whether the earlier visit stands in the place of a record that is left out.
+    pub is_earlier_stand_in: bool,
+    /// Whether a record that is left out is newer than the later visit.
+    pub is_later_stand_in: bool,
     /// The legs that both visits have.
     pub legs: Vec<LegChangeFigures>,
-    /// The excess of the affected leg; null if no leg is affected.
+    /// Of the volume of the left leg minus that of the right one; null if a leg is missing or the posture is
+    /// another.
+    pub left_minus_right_ml: Option<ChangeFigures>,
+    /// The excess of the affected leg; null unless `affected` is one leg, and with `left_minus_right_ml`.
     pub excess: Option<ExcessChangeFigures>,
     /// What speaks against the comparison, by code; see docs/codes.md.
     pub cautions: Vec<&'static str>,
@@ -146,7 +172,7 @@ pub struct ComparisonFigures {
 pub struct LegChangeFigures {
     /// `left` or `right`.
     pub side: &'static str,
-    /// Of the volume, mL.
+    /// Of the volume, mL; null without common lengths, and if the posture is another.
     pub volume_ml: Option<ChangeFigures>,
     /// Of girths at fixed lengths, mm.
     pub girths_mm: Vec<PlaceChangeFigures>,
@@ -171,12 +197,12 @@ pub struct PlaceChangeFigures {
 pub struct ChangeFigures {
     /// In the unit of its list.
     pub change: f64,
-    /// % of the earlier figure.
-    pub percent_change: f64,
+    /// % of the earlier figure; null for the difference of two legs, which may be nothing.
+    pub percent_change: Option<f64>,
     /// The smallest change that is shown.
     pub detectable: f64,
-    /// The same, % of the earlier figure.
-    pub detectable_percent: f64,
+    /// The same, % of the earlier figure; null with it.
+    pub detectable_percent: Option<f64>,
     /// `larger`, `smaller` or `no-change-shown`.
     pub shown: &'static str,
     /// The independent part of its standard uncertainty.
@@ -205,10 +231,13 @@ pub struct ExcessChangeFigures {
     pub affected: &'static str,
     /// In mL.
     pub volume_ml: ChangeFigures,
-    /// 100 (earlier − later) / earlier; null if the earlier excess is within its uncertainty.
+    /// 100 (earlier − later) / earlier; null if it is not told.
     pub percent_reduction: Option<f64>,
     /// Its expanded uncertainty, percentage points; null with it.
     pub percent_reduction_u95: Option<f64>,
+    /// Why it is not told: `no-change-shown`, `within-uncertainty` (the earlier excess is) or `smaller-leg` (the
+    /// affected leg was the smaller one); null if it is.
+    pub no_percent_reduction: Option<&'static str>,
 }
 
 /// What a threshold says.
@@ -237,10 +266,12 @@ pub fn figures(course: &Course, thresholds: &[Threshold]) -> CourseFigures {
     CourseFigures {
         schema: VISITS,
         patient: course.visits.first().and_then(|visit| visit.patient.clone()),
+        affected: course.choice.affected.map(Affected::word),
         girth_common_sd_mm: course.choice.girth_common_mm,
         step_mm: PROFILE_STEP_MM,
         visits: (0..course.visits.len()).map(|at| visit(course, at)).collect(),
         groups: course.groups.iter().map(group_figures).collect(),
+        left_out: course.left_out.iter().map(left_out).collect(),
         comparisons: compared.iter().map(|of| comparison(of, thresholds)).collect(),
     }
 }
@@ -279,8 +310,15 @@ fn visit(course: &Course, at: usize) -> VisitFigures {
         phantom_bias_mm: of.phantom_mm,
         definition: of.definition.girths.clone(),
         legs: Side::BOTH.into_iter().filter_map(leg).collect(),
+        left_minus_right_ml: group
+            .and_then(|group| course.left_minus_right(group, at))
+            .map(|of| quantity(&of)),
         excess: group.and_then(|group| course.excess(group, at)).map(|of| excess(&of)),
     }
+}
+
+fn left_out(of: &LeftOut) -> LeftOutFigures {
+    LeftOutFigures { seen: of.seen, scan: of.scan.clone(), code: of.code }
 }
 
 fn group_figures(of: &Group) -> GroupFigures {
@@ -318,7 +356,10 @@ fn comparison(of: &Comparison, thresholds: &[Threshold]) -> ComparisonFigures {
     ComparisonFigures {
         earlier: of.earlier,
         later: of.later,
+        is_earlier_stand_in: of.stand_ins.earlier,
+        is_later_stand_in: of.stand_ins.later,
         legs: Side::BOTH.into_iter().filter_map(leg).collect(),
+        left_minus_right_ml: of.left_minus_right.as_ref().map(difference_change),
         excess: of.excess.as_ref().map(excess_change),
         cautions: of.cautions.iter().map(Caution::code).collect(),
         thresholds: of_threshold.collect(),
@@ -336,14 +377,19 @@ fn place_change(of: &PlaceChange) -> PlaceChangeFigures {
 fn change(of: &Change) -> ChangeFigures {
     ChangeFigures {
         change: mm(of.by),
-        percent_change: percent(of.percent),
+        percent_change: Some(percent(of.percent)),
         detectable: mm(of.detectable()),
-        detectable_percent: percent(of.detectable_percent()),
+        detectable_percent: Some(percent(of.detectable_percent())),
         shown: of.shown().word(),
         random_sd: mm(of.random),
         common_sd: mm(of.common),
         stance_sd: mm(of.stance),
     }
+}
+
+/// A change of the difference of two legs: a percentage of what may be nothing says nothing.
+fn difference_change(of: &Change) -> ChangeFigures {
+    ChangeFigures { percent_change: None, detectable_percent: None, ..change(of) }
 }
 
 fn quantity(of: &Quantity) -> QuantityFigures {
@@ -366,7 +412,8 @@ fn excess_change(of: &ExcessChange) -> ExcessChangeFigures {
     ExcessChangeFigures {
         affected: of.later.affected.word(),
         volume_ml: change(&of.change),
-        percent_reduction: of.reduction.map(|of| percent(of.percent)),
-        percent_reduction_u95: of.reduction.map(|of| percent(of.expanded)),
+        percent_reduction: of.reduction.ok().map(|of| percent(of.percent)),
+        percent_reduction_u95: of.reduction.ok().map(|of| percent(of.expanded)),
+        no_percent_reduction: of.reduction.err().map(NoReduction::word),
     }
 }

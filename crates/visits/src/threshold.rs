@@ -23,7 +23,8 @@ pub struct Threshold {
 pub enum Limited {
     /// The percent change of a leg's volume, %.
     LegChange,
-    /// The excess volume of the affected leg at the later visit, % of the other leg.
+    /// The excess volume of the affected leg at the later visit, % of the other leg. A leg that is smaller than the
+    /// other one has none.
     Excess,
     /// The largest change of a girth at a fixed place, mm.
     GirthChange,
@@ -93,7 +94,11 @@ impl Reached {
 impl ThresholdVerdict<'_> {
     /// Whether the threshold is reached.
     pub fn reached(&self) -> Reached {
-        let value = self.value.abs();
+        // A change may reach its limit in both directions, an excess in one only.
+        let value = match self.threshold.of {
+            Limited::LegChange | Limited::GirthChange => self.value.abs(),
+            Limited::Excess => self.value,
+        };
         if value - self.expanded >= self.threshold.limit {
             Reached::Yes
         } else if value + self.expanded < self.threshold.limit {
@@ -129,7 +134,7 @@ fn figure(limited: Limited, of: &Comparison, side: Side) -> Option<[f64; 2]> {
             Some([largest.by, largest.detectable()])
         }
         Limited::Excess => {
-            let excess = of.excess.filter(|excess| excess.later.affected == side)?.later;
+            let excess = of.later_excess.filter(|excess| excess.affected == side)?;
             Some([excess.percent, 100.0 * excess.ml.expanded() / excess.other_ml])
         }
     }
@@ -144,22 +149,28 @@ fn largest_girth(leg: &LegChange) -> Option<super::quantity::Change> {
 mod tests {
     use super::*;
 
+    /// What a figure says about a limit of 3.
+    fn reached(of: Limited, value: f64, expanded: f64) -> Reached {
+        let (name, source) = ("mild".to_owned(), "a paper".to_owned());
+        let threshold = &Threshold { name, source, of, limit: 3.0 };
+        ThresholdVerdict { threshold, side: Side::Left, value, expanded }.reached()
+    }
+
     #[test]
     fn a_threshold_is_told_as_reached_or_not_only_beyond_the_uncertainty() {
-        let threshold = Threshold {
-            name: "mild".to_owned(),
-            source: "a paper".to_owned(),
-            of: Limited::LegChange,
-            limit: 3.0,
-        };
-        let reached = |value: f64, expanded: f64| {
-            let threshold = &threshold;
-            ThresholdVerdict { threshold, side: Side::Left, value, expanded }.reached()
-        };
+        let reached = |value: f64, expanded: f64| reached(Limited::LegChange, value, expanded);
         assert_eq!(reached(4.5, 1.5), Reached::Yes);
         assert_eq!(reached(-4.5, 1.5), Reached::Yes);
         assert_eq!(reached(4.4, 1.5), Reached::Open);
         assert_eq!(reached(1.6, 1.5), Reached::Open);
         assert_eq!(reached(1.4, 1.5), Reached::No);
+    }
+
+    #[test]
+    fn a_leg_that_is_smaller_than_the_other_reaches_no_threshold_of_an_excess() {
+        assert_eq!(reached(Limited::Excess, -4.5, 1.5), Reached::No);
+        assert_eq!(reached(Limited::Excess, 4.5, 1.5), Reached::Yes);
+        assert_eq!(reached(Limited::Excess, -1.0, 4.5), Reached::Open);
+        assert_eq!(reached(Limited::GirthChange, -4.5, 1.5), Reached::Yes);
     }
 }

@@ -99,6 +99,11 @@ impl Visit {
         }
     }
 
+    /// Whether another posture was declared than at another visit; not if one of the records does not say.
+    pub(crate) fn is_of_other_posture(&self, other: &Visit) -> bool {
+        self.posture.as_ref().zip(other.posture.as_ref()).is_some_and(|(one, other)| one != other)
+    }
+
     /// Whether a person set a measure of a leg.
     pub fn has_by_hand(&self, side: Side) -> bool {
         self.levels.get(side).iter().any(|level| level.mark == Mark::ByHand)

@@ -40,7 +40,8 @@ pub struct CompareChoice {
     /// How all volumes are made of girths [default: as the records say]
     #[arg(long, value_parser = of_words(VOLUMES))]
     pub volume: Option<VolumeBy>,
-    /// The swollen leg [default: the one that was larger at the first visit]
+    /// The affected leg, of which the excess volume is told [default: as `gaiter patient affected` named it; none is
+    /// guessed]
     #[arg(long, value_name = "LEG", value_parser = of_words(AFFECTED))]
     pub affected: Option<Affected>,
     /// Write visits.html, visits.pdf and visits.json into this folder

@@ -149,6 +149,13 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     of(
+        "patient affected",
+        &[
+            ["gaiter patient affected left", "asks for the id and names the left leg as affected"],
+            ["gaiter patient affected not-named", "asks for the id and takes it back"],
+        ],
+    ),
+    of(
         "patient disclose",
         &[
             ["gaiter patient disclose", "asks for the id and writes the folder disclosure"],

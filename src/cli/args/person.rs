@@ -5,6 +5,20 @@ use std::path::PathBuf;
 
 use super::AskArgs;
 
+/// `gaiter patient affected`
+#[derive(Debug, clap::Args)]
+pub struct AffectedArgs {
+    /// The affected leg, both or none of them; not-named takes it back
+    #[arg(value_name = "LEG", value_parser = ["left", "right", "both", "none", "not-named"])]
+    pub leg: String,
+    /// A patient's id that does not belong here: it is only taken to say so.
+    #[arg(hide = true)]
+    pub stray: Option<OsString>,
+    /// The station to query, and the output format.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
 /// `gaiter patient disclose`
 #[derive(Debug, clap::Args)]
 pub struct DiscloseArgs {

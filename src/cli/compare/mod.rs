@@ -1,5 +1,6 @@
 //! `gaiter compare`: what changed from visit to visit of a patient.
 
+mod known;
 mod records;
 mod text;
 
@@ -12,9 +13,10 @@ use gaiter_record::report::{AgeMax, Paper, PdfFault, document_page, document_pap
 use gaiter_record::{Record, RecordFile, SUMS};
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::schema::figures;
-use gaiter_visits::{Choice, Course, CourseFault, GIRTH_COMMON_MM};
+use gaiter_visits::{Affected, Choice, Course, CourseFault, GIRTH_COMMON_MM, LeftOut};
 use jiff::Zoned;
 
+use self::known::known;
 use self::records::{Found, Unusable};
 use super::args::{CompareArgs, CompareChoice, usual_config};
 use super::ask::read_patient;
@@ -60,6 +62,9 @@ enum Fault {
     /// There is one visit only.
     #[error("this patient has records of one day only: there is nothing to compare")]
     OneVisit,
+    /// Only one visit can be used.
+    #[error("fewer than two visits of this patient can be used, because records are left out")]
+    OneUsable,
     /// The comparison cannot be written as JSON.
     #[error("the comparison cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -90,7 +95,7 @@ impl Fault {
     fn exit(&self) -> Exit {
         match self {
             Fault::Unusable(unusable) => unusable.exit(),
-            Fault::Course { .. } | Fault::OneVisit => Exit::Unmeasurable,
+            Fault::Course { .. } | Fault::OneVisit | Fault::OneUsable => Exit::Unmeasurable,
             Fault::NoStore | Fault::EmptyId => Exit::Usage,
             Fault::NoRecords => Exit::NoFile,
             Fault::NoId(_) | Fault::Unreached(_) => Exit::Io,
@@ -113,8 +118,11 @@ struct Configured {
 
 /// Compares records and prints or writes what changed.
 pub fn compare(args: &CompareArgs) -> Exit {
-    let of_paths = |_: &Configured| Ok((records::at(&args.records)?, Course::comparable as Make));
-    ended(&args.how, of_paths)
+    ended(&args.how, |_| {
+        let found = records::at(&args.records)?;
+        let make = Course::comparable;
+        Ok(Chosen { found, left_out: Vec::new(), affected: None, make })
+    })
 }
 
 /// Compares the visits of a patient in the station's store. The id comes from the operator.
@@ -126,29 +134,37 @@ pub fn visits(how: &CompareChoice) -> Exit {
         if patient.is_empty() {
             return Err(Fault::EmptyId);
         }
-        let found = records::of_patient(root, &patient)?;
-        match found.len() {
-            0 => Err(Fault::NoRecords),
-            1 => Err(Fault::OneVisit),
-            _ => Ok((found, Course::of as Make)),
+        // First what was delivered, then what is there: a delivery in between is not told as removed.
+        let known = known(&how.config, &patient);
+        let (found, left_out) = records::of_patient(root, &patient, &known.delivered)?;
+        match (found.len(), left_out.is_empty()) {
+            (0, true) => Err(Fault::NoRecords),
+            (0 | 1, false) => Err(Fault::OneUsable),
+            (1, true) => Err(Fault::OneVisit),
+            _ => {
+                let affected = known.affected.as_deref().and_then(Affected::of_word);
+                Ok(Chosen { found, left_out, affected, make: Course::of })
+            }
         }
     })
 }
 
-/// Makes a course of records.
-type Make = fn(&[Record], Choice) -> Result<Course, CourseFault>;
+/// What is compared.
+struct Chosen {
+    found: Vec<Found>,
+    left_out: Vec<LeftOut>,
+    /// The affected leg, as it is kept with the patient.
+    affected: Option<Affected>,
+    /// Makes a course of records.
+    make: fn(&[Record], Choice) -> Result<Course, CourseFault>,
+}
 
-fn ended(
-    how: &CompareChoice,
-    found: impl FnOnce(&Configured) -> Result<(Vec<Found>, Make), Fault>,
-) -> Exit {
+fn ended(how: &CompareChoice, chosen: impl FnOnce(&Configured) -> Result<Chosen, Fault>) -> Exit {
     let configured = match configured(&how.config) {
         Ok(configured) => configured,
         Err(exit) => return exit,
     };
-    let done =
-        found(&configured).and_then(|(found, make)| compared(how, &configured, &found, make));
-    match done {
+    match chosen(&configured).and_then(|chosen| compared(how, &configured, chosen)) {
         Ok(()) => Exit::Done,
         Err(fault) => {
             complain(format_args!("gaiter: {fault}"));
@@ -160,13 +176,12 @@ fn ended(
 fn compared(
     how: &CompareChoice,
     configured: &Configured,
-    found: &[Found],
-    make: Make,
+    Chosen { found, left_out, affected, make }: Chosen,
 ) -> Result<(), Fault> {
     let records: Vec<Record> = found.iter().map(|of| of.record.clone()).collect();
     let choice = Choice {
         volume: how.volume,
-        affected: how.affected,
+        affected: how.affected.or(affected),
         girth_common_mm: configured.girth_common_mm,
     };
     let course = make(&records, choice).map_err(|fault| {
@@ -174,6 +189,7 @@ fn compared(
         let named = named.map(|(at, of)| format!("{} {}", at + 1, shown(of.path.display())));
         Fault::Course { fault, names: named.collect::<Vec<_>>().join(", ") }
     })?;
+    let course = course.with_left_out(left_out);
     let report = ReportOf {
         course: &course,
         records: &records,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gaiter_record::schema::NOT_VOUCHED;
 use gaiter_record::{Record, SUMS};
-use gaiter_visits::last_of_days;
+use gaiter_visits::{LeftOut, last_of_days};
 
 use crate::cli::report::{Fault, record_at};
 use crate::cli::{Exit, complain, shown};
@@ -63,21 +63,30 @@ pub(super) fn at(paths: &[PathBuf]) -> Result<Vec<Found>, Unusable> {
     Ok(found)
 }
 
-/// The records of a patient in a store, of each day the last scan. A record that cannot be used is told and
-/// left out.
-pub(super) fn of_patient(store: &Path, patient: &str) -> Result<Vec<Found>, Unusable> {
+/// The records of a patient in a store, of each day the last scan, and what is left out: records that cannot be
+/// used, and of the `delivered` ones those that are gone. Both are told.
+pub(super) fn of_patient(
+    store: &Path,
+    patient: &str,
+    delivered: &[String],
+) -> Result<(Vec<Found>, Vec<LeftOut>), Unusable> {
     let unlisted = |source| Unusable::Unlisted { path: store.to_owned(), source };
     let found = visits::of_patient(store, patient).map_err(unlisted)?;
-    for (folder, fault) in &found.left_out {
+    for of in &found.unusable {
+        let (folder, fault) = (shown(of.folder.display()), shown(chain(&of.fault)));
+        complain(format_args!("gaiter: {folder}: is left out: {fault}"));
+    }
+    let left_out = found.left_out(delivered);
+    for of in left_out.iter().filter(|of| of.code == visits::REMOVED) {
+        let (seen, scan) = (of.seen, &of.scan);
         complain(format_args!(
-            "gaiter: {}: is left out: {}",
-            shown(folder.display()),
-            shown(chain(fault))
+            "gaiter: the record of scan {scan}, seen {seen}, is left out: it was delivered and is no longer \
+             in the store"
         ));
     }
     let records = found.records.into_iter();
     let records = records.map(|of| Found { path: of.folder, record: of.record }).collect();
-    Ok(last_of_days(records, |of: &Found| &of.record))
+    Ok((last_of_days(records, |of: &Found| &of.record), left_out))
 }
 
 fn one(path: &Path) -> Result<Found, Unusable> {

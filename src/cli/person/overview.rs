@@ -59,6 +59,7 @@ fn sections(person: &Person, language: Language) -> Vec<Section> {
         ("person.handed_over", &["person.at", "person.file", "person.scan"], handed_over(person)),
         ("person.elsewhere", &["person.file"], elsewhere(person)),
         ("person.captures", &["person.at", "person.state"], captures(person)),
+        ("person.affected", &["person.at", "person.leg"], affected(person, language)),
         (
             "person.history",
             &["person.at", "person.scan", "person.event", "person.detail"],
@@ -169,6 +170,12 @@ fn elsewhere(person: &Person) -> Vec<Vec<String>> {
 fn captures(person: &Person) -> Vec<Vec<String>> {
     let captures = person.captures.iter();
     captures.map(|of| vec![escaped(&time(of.at)), escaped(&of.state)]).collect()
+}
+
+fn affected(person: &Person, language: Language) -> Vec<Vec<String>> {
+    let named = person.affected.iter();
+    let leg = |word: &str| escaped(language.word("visits.affected", word));
+    named.map(|of| vec![escaped(&time(of.at)), leg(&of.affected)]).collect()
 }
 
 fn history(person: &Person) -> Vec<Vec<String>> {

@@ -33,6 +33,7 @@ fn removed(person: &Person, language: Language) -> Vec<String> {
             lines.push(filled(key, &[("count", &count(whose))]));
         }
     }
+    lines.extend(person.affected.as_ref().map(|_| language.text("erase.affected").to_owned()));
     lines.push(filled("erase.history", &[("count", &person.history.len())]));
     let further = person.orders.len() + person.journals.len();
     if further > 0 {

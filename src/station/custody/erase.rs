@@ -64,6 +64,7 @@ impl Custody {
             io("erasing quarantined bytes", self.quarantine.remove(scan))?;
             io("erasing decisions", self.decisions.remove(scan))?;
         }
+        io("erasing the affected leg", self.affected.remove(whose))?;
         self.leave_shared(patient)?;
         let previews = state_dir.join(PREVIEWS);
         // The next generation makes those anew that it needs.

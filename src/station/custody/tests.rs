@@ -19,8 +19,13 @@ pub(super) fn open(dir: &Path) -> Custody {
     let journal = Journal::open(&dir.join("journal.db")).unwrap();
     let spool = Spool::open(dir).unwrap();
     let bytes = (spool, Quarantine::open(dir).unwrap());
-    let decisions = (Decisions::open(dir).unwrap(), Erasures::open(dir).unwrap());
-    Custody::new(journal, bytes, decisions, vec!["folder"], Duration::ZERO)
+    let decided = decided(dir);
+    Custody::new(journal, bytes, decided, vec!["folder"], Duration::ZERO)
+}
+
+fn decided(dir: &Path) -> (Decisions, Erasures, AffectedLegs) {
+    let (decisions, erasures) = (Decisions::open(dir).unwrap(), Erasures::open(dir).unwrap());
+    (decisions, erasures, AffectedLegs::open(dir).unwrap())
 }
 
 pub(super) fn patient(id: &str) -> Patient {
@@ -376,7 +381,7 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
     let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
     let spool = Spool::open(dir.path()).unwrap();
     let quarantine = Quarantine::open(dir.path()).unwrap();
-    let decided = (Decisions::open(dir.path()).unwrap(), Erasures::open(dir.path()).unwrap());
+    let decided = decided(dir.path());
     let bytes = (spool, quarantine);
     let custody = Custody::new(journal, bytes, decided, vec!["folder", "copy"], Duration::ZERO);
     let scan = sums::scan_id(BYTES);

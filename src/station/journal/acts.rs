@@ -73,6 +73,16 @@ impl Journal {
         })
     }
 
+    /// Notes which leg of a patient a person named as affected; `None` if that was taken back.
+    pub fn affected_named(
+        &self,
+        patient: &str,
+        affected: Option<&str>,
+    ) -> Result<(), JournalError> {
+        let detail = json!({ "patient": patient, "affected": affected });
+        self.change(|transaction| history::append(transaction, None, Event::AffectedNamed, &detail))
+    }
+
     /// Applies an operator's decision to take a scan back from a patient: it stays with the others it
     /// belongs to, or is unassigned again. A delivered record is withdrawn when one that stays is in the
     /// same store.

@@ -64,6 +64,8 @@ pub enum Event {
     Pruned,
     /// A person set measures of its record.
     Amended,
+    /// A person named the affected leg of a patient, or took that back.
+    AffectedNamed,
     /// An operator gave it up: it needs no further decision.
     GivenUp,
     /// The same patient's next scan was delivered: it needs no further decision.
@@ -109,6 +111,7 @@ impl Event {
             Event::Rebuilt => "rebuilt",
             Event::Pruned => "pruned",
             Event::Amended => "amended",
+            Event::AffectedNamed => "affected-named",
             Event::GivenUp => "given-up",
             Event::Superseded => "superseded",
             Event::LetGo => "let-go",

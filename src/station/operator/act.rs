@@ -9,6 +9,7 @@ use gaiter_flow::cause::Cause;
 use gaiter_flow::round::NamedNext;
 use gaiter_flow::{DeliveryState, ScanId};
 use gaiter_record::SourceKind;
+use gaiter_visits::Affected;
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -38,6 +39,8 @@ pub enum Act {
     GiveUp,
     /// A person sets measures of the record of the patient with this id, or of the only one.
     Amend(Option<String>, Setting),
+    /// A person names the affected leg of the patient with this id; `None` takes it back.
+    NameAffected(String, Option<Affected>),
     /// The next scan belongs to this patient.
     NameNext {
         /// The id.
@@ -82,6 +85,7 @@ pub fn act(
         Act::Amend(patient, setting) => {
             amend::set(core, booth, &known(core, scan)?, patient.as_deref(), setting)
         }
+        Act::NameAffected(id, affected) => name_affected(core, id, *affected),
         Act::NameNext { id, by, replaces } => {
             return name_next(core, booth, (id, *by, *replaces));
         }
@@ -216,6 +220,14 @@ fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, Act
         }
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
     }
+}
+
+fn name_affected(core: &Core, id: &str, affected: Option<Affected>) -> Result<String, ActFault> {
+    let patient = core.identity.patient(id, SourceKind::Operator).ok_or(ActFault::NotAnId)?;
+    core.custody.name_affected(&patient, affected.map(Affected::word))?;
+    info!(event = "affected-leg-named", at = %Timestamp::now());
+    let word = affected.map_or(Affected::NOT_NAMED, Affected::word);
+    Ok(core.config.language.word("act.affected", word).to_owned())
 }
 
 fn name_next(

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::cause::Cause;
 use gaiter_flow::patient::naming::RecordName;
 use gaiter_flow::patient::person::{
-    HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
+    HandedOver, KnownVisits, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore,
+    WhoseScan,
 };
 use gaiter_flow::{Identity, NameSays, ScanId};
 use gaiter_record::RECORD;
@@ -70,11 +71,25 @@ pub(in crate::station) fn person(
         stores: stores.iter().filter_map(|store| in_folders(store, patient)).collect(),
         handed_over: stores.iter().filter_map(|store| given(store, patient)).flatten().collect(),
         captures: journal.captures_of_person(patient)?,
+        affected: custody.affected_of(patient)?,
         orders: orders_naming(state_dir, patient).map_err(state("reading refused orders"))?,
         exports,
         journals: journals_naming(state_dir, patient).map_err(state("reading old journals"))?,
         history: journal.history_of_person(patient, &alone)?,
     })
+}
+
+/// What a station knows of a patient whose visits are compared.
+///
+/// # Errors
+/// If the journal or the state folder cannot be read.
+pub(in crate::station) fn visits(
+    custody: &Custody,
+    patient: &str,
+) -> Result<KnownVisits, CustodyFault> {
+    let delivered = custody.journal().delivered_for_person(patient, FolderStore::FIRST)?;
+    let affected = custody.affected_of(patient)?.map(|named| named.affected);
+    Ok(KnownVisits { delivered, affected })
 }
 
 fn now() -> Timestamp {

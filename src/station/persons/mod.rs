@@ -4,4 +4,4 @@ pub(in crate::station) mod erase;
 mod found;
 pub mod stopped;
 
-pub(in crate::station) use found::person;
+pub(in crate::station) use found::{person, visits};

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use gaiter_flow::Identity;
 use gaiter_flow::patient::erasure::Erasure;
-use gaiter_flow::patient::person::Person;
+use gaiter_flow::patient::person::{KnownVisits, Person};
 
 use super::erase::{self, ClearFault};
-use super::found::person;
+use super::found::{person, visits};
 use crate::config::Config;
 use crate::station::assembly::open_custody;
 use crate::station::custody::{Custody, CustodyFault};
@@ -82,6 +82,14 @@ impl Stopped {
     pub fn person(&self, patient: &str) -> Result<Person, StoppedFault> {
         let kept = (&self.custody, &self.stores);
         Ok(person(&self.config, &self.identity, kept, patient)?)
+    }
+
+    /// What it knows of a patient whose visits are compared.
+    ///
+    /// # Errors
+    /// If the journal or the state folder cannot be read.
+    pub fn visits(&self, patient: &str) -> Result<KnownVisits, StoppedFault> {
+        Ok(visits(&self.custody, patient)?)
     }
 
     /// Notes that a person's data was disclosed.

@@ -1,13 +1,15 @@
 //! The records of one patient in a store: the latest revision of each scan.
 //!
 //! The store has a folder for each patient, so nothing else has to be listed, and nothing that is remembered
-//! can be out of date: what a person removes or moves is not there when it is asked for.
+//! can be out of date: what a person removes or moves is not there when it is asked for. A station that delivered
+//! it still knows of it, and says so.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gaiter_flow::patient::naming::patient_folder;
+use gaiter_flow::patient::naming::{RecordName, patient_folder};
 use gaiter_record::{RECORD, Record};
+use gaiter_visits::LeftOut;
 
 use super::stored::StoredFault;
 use super::{Family, families};
@@ -19,7 +21,7 @@ pub struct PatientRecords {
     /// Those that can be used, by the times of their folders' names.
     pub records: Vec<PlacedRecord>,
     /// Those that cannot, and why.
-    pub left_out: Vec<(PathBuf, StoredFault)>,
+    pub unusable: Vec<UnusableRecord>,
 }
 
 /// A record and its folder.
@@ -30,6 +32,47 @@ pub struct PlacedRecord {
     /// The record.
     pub record: Record,
 }
+
+/// A record that cannot be used.
+#[derive(Debug)]
+pub struct UnusableRecord {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// What the folder's name says.
+    name: RecordName,
+    /// Why.
+    pub fault: StoredFault,
+}
+
+impl PatientRecords {
+    /// What is left out of a comparison: the records that cannot be used, and those of these folders' names, which
+    /// a station delivered, that are gone.
+    pub fn left_out(&self, delivered: &[String]) -> Vec<LeftOut> {
+        let unusable = self.unusable.iter().map(|of| LeftOut {
+            seen: of.name.first_seen,
+            scan: of.name.scan.clone(),
+            code: of.fault.code(),
+            is_of_another: matches!(of.fault, StoredFault::Other("patient")),
+        });
+        let delivered = delivered.iter().filter_map(|name| RecordName::read(name));
+        let removed = delivered.filter(|name| !self.has(&name.scan)).map(|name| LeftOut {
+            seen: name.first_seen,
+            scan: name.scan,
+            code: REMOVED,
+            is_of_another: false,
+        });
+        unusable.chain(removed).collect()
+    }
+
+    /// Whether there is a record of the scan whose id begins like this.
+    fn has(&self, scan: &str) -> bool {
+        self.records.iter().any(|of| of.record.scan.sha256.starts_with(scan))
+            || self.unusable.iter().any(|of| of.name.scan == scan)
+    }
+}
+
+/// Why a record is left out: a station delivered it, and it is not in the store any more.
+pub const REMOVED: &str = "record-removed";
 
 /// The records of a patient in the store at `root`. Each `record.json` is checked against its `SHA256SUMS`;
 /// the other files are not read.
@@ -45,10 +88,13 @@ pub fn of_patient(root: &Path, patient: &str) -> Result<PatientRecords, StoreFau
     let mut families = families(&folder)?;
     families.retain(|family| family.patient_folder == folder);
     for family in families {
-        let place = &family.latest().1;
+        let (name, place) = family.latest();
+        let folder = place.clone();
         match read(&family, place, patient) {
-            Ok(record) => found.records.push(PlacedRecord { folder: place.clone(), record }),
-            Err(fault) => found.left_out.push((place.clone(), fault)),
+            Ok(record) => found.records.push(PlacedRecord { folder, record }),
+            Err(fault) => {
+                found.unusable.push(UnusableRecord { folder, name: name.clone(), fault });
+            }
         }
     }
     Ok(found)

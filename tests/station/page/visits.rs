@@ -5,18 +5,70 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rig::verb::{code, gaiter_told, stderr, stdout};
 use rig::web::Site;
 use rig::{Booth, sha256};
-use serde_json::Value;
+use serde_json::{Value, json};
 use support::coarse_body;
 
+fn name_affected(site: &Site, patient: &str, affected: &str) -> u16 {
+    let body = json!({"ask": "name_affected", "patient": patient, "affected": affected});
+    site.post("/ask", &body.to_string(), &site.operator()).status
+}
+
+#[test]
+fn the_affected_leg_is_named_once_and_holds_for_page_and_terminal() {
+    let booth = Booth::new();
+    booth.reconfigure(|config| format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n"));
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    let bytes = coarse_body(0);
+    booth.export("4711_a.obj", &bytes);
+    booth.wait_for_records(1);
+    let path = format!("/scan/{}/visits.html", sha256(&bytes));
+    booth.wait_for("the record", || site.get(&path, &site.operator()).status != 404);
+    let mut folders = fs::read_dir(booth.path("records/4711")).unwrap();
+    let folder = folders.find_map(|entry| {
+        let path = entry.unwrap().path();
+        path.join("record.json").exists().then_some(path)
+    });
+    earlier_visit(&folder.unwrap(), "2026-01-08", "0");
+    // What names no leg, and nobody, changes nothing.
+    assert_eq!(name_affected(&site, "4711", "head"), 409);
+    assert_eq!(name_affected(&site, "not one", "left"), 409);
+    assert_eq!(name_affected(&site, "4711", "left"), 200);
+    let page = site.get(&path, &site.operator()).body;
+    assert!(page.contains("Affected leg, as named: left."), "{page}");
+    let config = booth.path("station.toml");
+    let affected = |more: &[&str]| {
+        let args = [&["patient", "visits", "--json"], more].concat();
+        let said = gaiter_told(&config, &args, "4711\n");
+        assert_eq!(code(&said), Some(0), "{}", stderr(&said));
+        serde_json::from_str::<Value>(&stdout(&said)).unwrap()["affected"].clone()
+    };
+    assert_eq!(affected(&[]), "left");
+    assert_eq!(affected(&["--affected", "right"]), "right", "for once");
+    let named = gaiter_told(&config, &["patient", "affected", "both"], "4711\n");
+    assert_eq!(code(&named), Some(0), "{}", stderr(&named));
+    assert_eq!(affected(&[]), "both");
+    // A stopped station is read, and a start knows it still.
+    assert_eq!(daemon.stop().code(), Some(0));
+    assert_eq!(affected(&[]), "both");
+    let daemon = booth.start_ready();
+    let named = gaiter_told(&config, &["patient", "affected", "not-named"], "4711\n");
+    assert_eq!(code(&named), Some(0), "{}", stderr(&named));
+    assert_eq!(affected(&[]), Value::Null);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
 /// Puts a record of another day and scan beside one, as another visit of the patient has it.
-fn earlier_visit(folder: &Path) -> PathBuf {
+fn earlier_visit(folder: &Path, day: &str, digit: &str) -> PathBuf {
     let mut record: Value =
         serde_json::from_slice(&fs::read(folder.join("record.json")).unwrap()).unwrap();
-    record["acquired"]["at"] = "2026-01-08T08:00:00Z".into();
-    record["scan"]["sha256"] = "0".repeat(64).into();
-    let place = folder.with_file_name("20260108T080000Z_00000000");
+    record["acquired"]["at"] = format!("{day}T08:00:00Z").into();
+    record["scan"]["sha256"] = digit.repeat(64).into();
+    let (day, scan) = (day.replace('-', ""), digit.repeat(8));
+    let place = folder.with_file_name(format!("{day}T080000Z_{scan}"));
     fs::create_dir(&place).unwrap();
     let json = serde_json::to_vec(&record).unwrap();
     fs::write(place.join("SHA256SUMS"), format!("{}  record.json\n", sha256(&json))).unwrap();
@@ -47,12 +99,14 @@ fn the_visits_of_a_patient_are_compared_for_those_who_may_see_whose_scan_it_is()
         let path = entry.unwrap().path();
         path.join("record.json").exists().then_some(path)
     });
-    let earlier = earlier_visit(&folder.unwrap());
+    let folder = folder.unwrap();
+    let earlier = earlier_visit(&folder, "2026-01-08", "0");
     let page = site.get(&path("visits.html"), &operator);
     assert_eq!(page.status, 200, "{}", page.body);
     assert!(page.body.contains("Course of the legs") && page.body.contains("4711"));
     let policy = page.header("content-security-policy").unwrap();
     assert!(policy.starts_with("sandbox allow-scripts"), "{policy}");
+    assert!(page.body.contains("No affected leg is named"), "{}", page.body);
     let paper = site.get(&path("visits.pdf"), &operator);
     assert_eq!(paper.status, 200);
     assert!(paper.bytes.starts_with(b"%PDF"));
@@ -66,6 +120,17 @@ fn the_visits_of_a_patient_are_compared_for_those_who_may_see_whose_scan_it_is()
     let changed = fs::read_to_string(earlier.join("record.json")).unwrap();
     fs::write(earlier.join("record.json"), changed.replacen("2026-01-08", "2026-02-08", 1))
         .unwrap();
-    assert_eq!(site.get(&path("visits.html"), &operator).status, 409);
+    let alone = site.get(&path("visits.html"), &operator);
+    assert_eq!(alone.status, 409);
+    assert!(alone.body.contains("Only one visit"), "{}", alone.body);
+    // Where two others are left, it is told, and the first of them is marked.
+    earlier_visit(&folder, "2026-03-08", "1");
+    let page = site.get(&path("visits.html"), &operator).body;
+    assert!(page.contains("Records that are left out") && page.contains("8 Mar 2026 #"), "{page}");
+    // So is a record that the station delivered and that somebody removed.
+    earlier_visit(&folder, "2026-04-08", "2");
+    fs::remove_dir_all(&folder).unwrap();
+    let page = site.get(&path("visits.html"), &operator).body;
+    assert!(page.contains("no longer in the store") && page.contains("8 Apr 2026 #"), "{page}");
     assert_eq!(daemon.stop().code(), Some(0));
 }

@@ -29,6 +29,8 @@ pub struct Person {
     pub handed_over: Vec<HandedOver>,
     /// The waits for a scan of theirs.
     pub captures: Vec<PersonCapture>,
+    /// Their affected leg, as a person named it; `None` if nobody did.
+    pub affected: Option<NamedLeg>,
     /// Refused orders that name them: folders in the state folder.
     pub orders: Vec<PathBuf>,
     /// Files that still lie in an export folder: gaiter only reads there.
@@ -37,6 +39,24 @@ pub struct Person {
     pub journals: Vec<PathBuf>,
     /// What the journal says of them and of scans that are theirs alone, oldest first.
     pub history: Vec<PersonEvent>,
+}
+
+/// What a station knows of a patient whose visits are compared, besides the records.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct KnownVisits {
+    /// The names of the folders of the records that it delivered into the first store, oldest first.
+    pub delivered: Vec<String>,
+    /// The affected leg as a person named it: `left`, `right`, `both` or `none`; `None` if nobody did.
+    pub affected: Option<String>,
+}
+
+/// Which leg of a patient a person named as affected.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedLeg {
+    /// `left`, `right`, `both` or `none`.
+    pub affected: String,
+    /// When.
+    pub at: Timestamp,
 }
 
 /// A scan of a person.
@@ -174,6 +194,7 @@ impl Person {
             && self.history.is_empty()
             && self.handed_over.is_empty()
             && self.captures.is_empty()
+            && self.affected.is_none()
             && self.orders.is_empty()
             && stores.fold(0, |count, store| count + store.records.len() + store.others.len()) == 0
     }

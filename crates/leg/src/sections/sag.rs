@@ -1,11 +1,12 @@
-//! How far the facets of a mesh lie inside the skin through its points, and where between both the skin is.
+//! How far the facets of a mesh lie inside the skin through its points, and so how uncertain the skin is.
 //!
 //! A scanner's points lie on the skin, and the facets between them inside it. Software that decimates a mesh by its
 //! quadrics (Garland and Heckbert, Surface simplification using quadric error metrics, 1997) keeps the mean of the
 //! facets instead, so that the points lie outside the skin: with 20 000 facets a body, calves become 2 mm larger.
+//! Software that puts the points of a cell together in their mean leaves them inside it by as much.
 //!
-//! The facets' shape does not tell one from the other, but which points are neighbours does: collapsed edges leave
-//! points with four neighbours beside such with nine.
+//! Which points are neighbours tells that a mesh was decimated: collapsed edges and merged cells leave points with four
+//! neighbours beside such with nine. It does not tell how, and the facets' shape does not either.
 
 use std::f64::consts::TAU;
 
@@ -16,23 +17,18 @@ use super::slice::Mesh;
 
 /// Standard deviation of the number of facets around a point. Up to the first, a mesh is no decimated one: exports of
 /// scanners, also thinned ones, have 0.25 to 0.79. From the second on it surely is: quadrics leave 1.1 to 1.35 of a scan
-/// with noise, and 0.9 to 1.05 of a body without, where points are further inside, too.
+/// with noise, and 0.9 to 1.05 of a body without; means of cells 1.36.
 const DECIMATED_FROM: [f64; 2] = [0.8, 1.1];
 
 /// A mesh none of whose points has more facets than this is a grid of squares, halved one way or the other.
 const GRID_MAX: f64 = 8.0;
 
-/// Points of a decimated mesh lie outside the skin by this share of what its facets lie inside them: 0.5 to 0.85 on two
-/// bodies with noise of 0.4 and 0.8 mm, 6 000 to 40 000 facets; 0.1 to 0.5 without noise, of which the lower number of
-/// facets around points tells.
-const SHARE: f64 = 0.6;
-
-/// Standard error of that share, of any mesh …
+/// Standard error of where points lie, as a share of what the facets lie inside them: of any mesh …
 const SHARE_SD: f64 = 0.2;
 
-/// … and of a decimated one, more: software that puts points together in their middle leaves them inside the skin, by
-/// 0.3 to 0.5 of it, which looks alike.
-const SHARE_SD_DECIMATED: f64 = 0.1;
+/// … and of a decimated one. Quadrics leave points outside the skin by 0.5 to 0.85 of it on two bodies with noise of 0.4
+/// and 0.8 mm and 6 000 to 40 000 facets, by 0.1 to 0.5 without noise; means of points leave them inside by 0.3 to 0.5.
+const SHARE_SD_DECIMATED: f64 = 0.6;
 
 /// Facets are averaged over bands of this length along the leg, mm: within one the leg is about equally round, and it
 /// holds 20 facets of the coarsest mesh that is measured.
@@ -52,8 +48,8 @@ pub struct Sag {
     from_mm: f64,
     /// The mean in each band, mm.
     bands: Vec<f64>,
-    /// The share of it by which points lie outside the skin, and its standard error.
-    share: [f64; 2],
+    /// The share of it that is the standard error of where points lie.
+    share_sd: f64,
 }
 
 impl Sag {
@@ -78,18 +74,13 @@ impl Sag {
         let mean = |[sum, area]: [f64; 2]| if area > 0.0 { sum / area } else { usual };
         let [none, sure] = DECIMATED_FROM;
         let decimated = ((irregularity(mesh, places) - none) / (sure - none)).clamp(0.0, 1.0);
-        let share = [SHARE * decimated, SHARE_SD + SHARE_SD_DECIMATED * decimated];
-        Sag { from_mm, bands: sums.into_iter().map(mean).collect(), share }
-    }
-
-    /// How far the skin lies inside the points at a distance along the axis, mm.
-    pub fn inside_mm(&self, along_mm: f64) -> f64 {
-        self.share[0] * self.at(along_mm)
+        let share_sd = SHARE_SD + (SHARE_SD_DECIMATED - SHARE_SD) * decimated;
+        Sag { from_mm, bands: sums.into_iter().map(mean).collect(), share_sd }
     }
 
     /// Standard error of a girth by it, mm.
     pub fn girth_sd_mm(&self, along_mm: f64) -> f64 {
-        TAU * self.share[1] * self.at(along_mm).abs()
+        TAU * self.share_sd * self.at(along_mm).abs()
     }
 
     /// How far the facets lie inside the points, mm; between the middles of bands it is interpolated.

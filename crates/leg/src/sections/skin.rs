@@ -5,8 +5,8 @@
 //! millimetres, and none of the flat facets between them. Holes are bridged from all sides.
 //! Cross-validation chooses the amount of smoothing along and around.
 //!
-//! What the smoothing removes from the slow waves around is restored by `waves`; what the points of a decimated mesh lie
-//! outside the skin is taken off by `sag`.
+//! What the smoothing removes from the slow waves around is restored by `waves`; how far the points of a decimated mesh
+//! may lie off the skin is told by `sag`.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -87,7 +87,7 @@ pub struct Skin {
     fit: TensorFit,
     /// The correction to the fitted radius.
     waves: Waves,
-    /// How far the skin lies inside the points of a decimated mesh.
+    /// How far points may lie off the skin.
     sag: Sag,
     /// The angles at which the girths of its sections are measured.
     spokes: Spokes,
@@ -208,8 +208,7 @@ impl Skin {
         }
         let fitted = self.fit.function.around_at(along_mm).into_iter();
         let slow = self.waves.coefficients(along_mm);
-        let inside_mm = self.sag.inside_mm(along_mm);
-        Some(fitted.zip(slow).map(|(fitted, slow)| fitted + slow - inside_mm).collect())
+        Some(fitted.zip(slow).map(|(fitted, slow)| fitted + slow).collect())
     }
 
     /// How the tape girth changes where the plane is tilted so that its normal leans to the front, and to

@@ -44,6 +44,11 @@ impl ReportOf<'_> {
     pub fn document(&self) -> Document {
         let words = Words { course: self.course, language: self.language };
         let mut blocks = vec![Block::Verdict(self.summary(&words))];
+        let left_out = self.left_out(&words);
+        if !left_out.is_empty() {
+            let title = words.text("visits.missing_records");
+            blocks.push(Block::Section(Section { title, entries: left_out }));
+        }
         let cautions = self.cautions(&words);
         if !cautions.is_empty() {
             let title = words.text("visits.cautions");
@@ -62,10 +67,11 @@ impl ReportOf<'_> {
     fn of_group(&self, words: &Words, group: &Group) -> Vec<Block> {
         let mut blocks: Vec<Block> = Vec::new();
         let compared = self.course.last_compared(group);
-        blocks.extend(compared.iter().map(|of| Block::Table(tables::volumes(words, group, of))));
+        let compared_volumes = compared.iter().filter(|of| !of.is_of_other_posture());
+        blocks.extend(compared_volumes.map(|of| Block::Table(tables::volumes(words, group, of))));
         let shown = shown(group);
         blocks.extend(pictures::all(words, group, &shown, &compared));
-        let overlaid = compared.first();
+        let overlaid = compared.first().filter(|of| !of.is_of_other_posture());
         blocks.extend(overlaid.map(|of| self.overlaid(words, of)).into_iter().flatten());
         let legs = || Side::FROM_FRONT.into_iter();
         let girths = legs().filter_map(|side| tables::girths(words, side, &shown, &compared));

@@ -1,5 +1,6 @@
 //! What a comparison of visits shows, in sentences.
 
+use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use gaiter_leg::Side;
@@ -8,10 +9,13 @@ use gaiter_record::rounding::{number, shortest, tenths_words};
 
 use super::ReportOf;
 use super::words::Words;
+use crate::caution::Caution;
 use crate::comparison::Comparison;
-use crate::course::Group;
-use crate::excess::ExcessChange;
+use crate::course::{Affected, Group};
+use crate::excess::{ExcessChange, NoReduction};
+use crate::left_out::LeftOut;
 use crate::place::along_mm;
+use crate::quantity::{Change, Shown};
 use crate::threshold::{Reached, verdicts};
 
 impl ReportOf<'_> {
@@ -20,20 +24,33 @@ impl ReportOf<'_> {
         let Some(group) = self.course.last_group() else { return Vec::new() };
         let compared = self.course.last_compared(group);
         let mut said: Vec<String> =
-            compared.iter().flat_map(|of| self.of_comparison(words, of)).collect();
+            compared.iter().flat_map(|of| self.of_comparison(words, group, of)).collect();
+        for of in &compared {
+            said.extend(stand_ins(words, of));
+        }
+        // What holds for both comparisons is told once.
+        let mut known = BTreeSet::new();
+        said.retain(|sentence| known.insert(sentence.clone()));
         if compared.is_empty() {
             said.push(words.text("visits.alone"));
         }
+        let affected = self.course.choice.affected.map_or(Affected::NOT_NAMED, Affected::word);
+        said.push(words.language.word("visits.affected", affected).to_owned());
         said.extend(self.age(words));
         said
     }
 
-    fn of_comparison(&self, words: &Words, of: &Comparison) -> Vec<String> {
+    fn of_comparison(&self, words: &Words, group: &Group, of: &Comparison) -> Vec<String> {
         let mut said: Vec<String> =
             Side::FROM_FRONT.into_iter().filter_map(|side| volume(words, of, side)).collect();
-        if let Some(change) = &of.excess {
-            said.push(excess(words, of, change));
+        if of.is_of_other_posture() {
+            let posture = words.caution(of, &Caution::Posture);
+            said.push(format!("{}: {posture}", between(words, of)));
         }
+        said.extend(match &of.excess {
+            Some(change) => Some(excess(words, of, change)),
+            None => difference(words, group, of),
+        });
         let verdicts = verdicts(self.thresholds, of);
         said.extend(verdicts.iter().map(|verdict| {
             let key = match verdict.reached() {
@@ -53,6 +70,19 @@ impl ReportOf<'_> {
             words.filled(key, &values)
         }));
         said
+    }
+
+    /// The records that are left out, with the reason.
+    pub(super) fn left_out(&self, words: &Words) -> Vec<String> {
+        let said = |of: &LeftOut| {
+            let day = self.course.seen(of).local();
+            let day = day.strftime(words.language.text("visits.day")).to_string();
+            let why = words.language.word("visits.left_out", of.code);
+            let values: [(&str, &dyn Display); 3] =
+                [("date", &day), ("scan", &of.scan), ("why", &why)];
+            words.filled("visits.left_out_of", &values)
+        };
+        self.course.left_out.iter().map(said).collect()
     }
 
     /// How old the last scan is.
@@ -130,9 +160,21 @@ impl ReportOf<'_> {
 
 /// The days of a comparison.
 pub(super) fn between(words: &Words, of: &Comparison) -> String {
-    let days: [(&str, &dyn Display); 2] =
-        [("earlier", &words.day(of.earlier)), ("later", &words.day(of.later))];
-    words.filled("visits.between", &days)
+    let [earlier, later] = words.days(of);
+    words.filled("visits.between", &[("earlier", &earlier), ("later", &later)])
+}
+
+/// What hangs on a visit that stands in the place of a record that is left out.
+fn stand_ins(words: &Words, of: &Comparison) -> Vec<String> {
+    let [earlier, later] = words.days(of);
+    let said = |is_stand_in: bool, key: &'static str, date: &String| {
+        is_stand_in.then(|| words.filled(key, &[("date", date)]))
+    };
+    let ends = [
+        said(of.stand_ins.earlier, "visits.stand_in_earlier", &earlier),
+        said(of.stand_ins.later, "visits.stand_in_later", &later),
+    ];
+    ends.into_iter().flatten().collect()
 }
 
 fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
@@ -148,25 +190,44 @@ fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
 }
 
 fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
-    let whole = |ml: f64| number(ml, 0, words.language);
     let only = |side: Side| words.language.word("leg.only", side.word());
     let values: [(&str, &dyn Display); 7] = [
         ("side", &only(change.later.affected)),
         ("between", &between(words, of)),
         ("ml", &words.ml_change(change.change.by)),
-        ("before", &whole(change.earlier.ml.value)),
-        ("after", &whole(change.later.ml.value)),
+        ("before", &words.ml_change(change.earlier.ml.value)),
+        ("after", &words.ml_change(change.later.ml.value)),
         ("other_side", &only(change.later.affected.other())),
-        ("detectable", &whole((change.change.detectable() - 1e-9).ceil())),
+        ("detectable", &words.detectable_ml(&change.change)),
     ];
     let shown = words.of_code("visits.excess", change.change.shown().word(), &values);
     let reduction = match &change.reduction {
-        Some(reduction) => {
+        Ok(reduction) => {
             let percent = tenths_words(reduction.percent, words.language).replace('-', "−");
             let margin = tenths_words((10.0 * reduction.expanded).ceil() / 10.0, words.language);
             words.filled("visits.reduction", &[("percent", &percent), ("margin", &margin)])
         }
-        None => words.text("visits.no_reduction"),
+        // The sentence before it says so already.
+        Err(NoReduction::NoChange) => return shown,
+        Err(why) => words.of_code("visits.no_reduction", why.word(), &[]),
     };
     format!("{shown} {reduction}")
+}
+
+/// The difference of the legs where no excess of one is told.
+fn difference(words: &Words, group: &Group, of: &Comparison) -> Option<String> {
+    let change: Change = of.left_minus_right?;
+    let at = |visit: usize| words.course.left_minus_right(group, visit);
+    let values: [(&str, &dyn Display); 5] = [
+        ("between", &between(words, of)),
+        ("ml", &words.ml_change(change.by)),
+        ("before", &words.ml_change(at(of.earlier)?.value)),
+        ("after", &words.ml_change(at(of.later)?.value)),
+        ("detectable", &words.detectable_ml(&change)),
+    ];
+    let key = match change.shown() {
+        Shown::Larger | Shown::Smaller => "visits.difference",
+        Shown::NoChange => "visits.difference_unchanged",
+    };
+    Some(words.filled(key, &values))
 }

@@ -11,11 +11,11 @@ use gaiter_record::rounding::{cm_words, ml_margin, number, signed, tenths_words}
 use super::summary::between;
 use super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
-use crate::course::Group;
+use crate::course::{Affected, Group};
 use crate::place::{Step, along_mm};
 use crate::quantity::{Change, Quantity, Shown};
 
-/// All visits, newest first: conditions, volumes, excess.
+/// All visits, newest first: conditions, volumes, excess or difference.
 pub(super) fn visits(words: &Words) -> Table {
     let legs = Side::FROM_FRONT
         .map(|side| words.filled("visits.column.volume", &[("leg", &words.leg_in_sentence(side))]));
@@ -34,26 +34,37 @@ pub(super) fn visits(words: &Words) -> Table {
             Some(volume) => ml(words, &volume),
             None => missing(words),
         };
-        let excess = group.and_then(|group| course.excess(group, visit));
-        let excess = excess.map_or_else(
-            || missing(words),
-            |excess| {
-                let shown = ml(words, &excess.ml);
-                let percent = words.percent_change(excess.percent);
-                let value = format!("{} ({percent} %)", signed(excess.ml.value, &shown.value));
-                Figure { value, margin: None, mark: Mark::Sure }
-            },
-        );
         let [right, left] = Side::FROM_FRONT.map(volume);
-        let figures = vec![plain(words.posture(of)), phantom, right, left, excess];
+        let apart = group.and_then(|group| apart(words, group, visit));
+        let apart = apart.unwrap_or_else(|| missing(words));
+        let figures = vec![plain(words.posture(of)), phantom, right, left, apart];
         TableRow { head: words.time(of), figures }
     };
     Table {
         title: words.text("visits.all"),
         explanation: Some(words.text("visits.all_explained")),
-        columns: columns.chain([right, left, words.text("visits.column.excess")]).collect(),
+        columns: columns.chain([right, left, words.text(apart_column(words))]).collect(),
         rows: (0..course.visits.len()).rev().map(row).collect(),
     }
+}
+
+/// The heading of what the legs differ by.
+fn apart_column(words: &Words) -> &'static str {
+    match words.course.choice.affected {
+        Some(Affected::One(_)) => "visits.column.excess",
+        Some(Affected::Both | Affected::Neither) | None => "visits.column.difference",
+    }
+}
+
+/// The excess of the affected leg at a visit; without one, the difference of the legs.
+fn apart(words: &Words, group: &Group, visit: usize) -> Option<Figure> {
+    let course = words.course;
+    let Some(Affected::One(_)) = course.choice.affected else {
+        return Some(ml_apart(words, &course.left_minus_right(group, visit)?));
+    };
+    let excess = course.excess(group, visit)?;
+    let percent = words.percent_change(excess.percent);
+    Some(plain(format!("{} ({percent} %)", words.ml_change(excess.ml.value))))
 }
 
 /// Volumes and excess at the two visits of a comparison.
@@ -61,38 +72,39 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
     let columns = ["subject", "earlier", "later", "change", "percent", "detectable", "shown"];
     let mut columns: Vec<String> =
         columns.iter().map(|key| words.of_code("visits.column", key, &[])).collect();
-    (columns[1], columns[2]) = (words.day(of.earlier), words.day(of.later));
+    [columns[1], columns[2]] = words.days(of);
     let leg = |side: Side| {
         let change = of.legs.get(side).as_ref()?.volume?;
         let at = |visit: usize| words.course.volume(group, visit, side);
         let figures = changed(words, [at(of.earlier)?, at(of.later)?], &change);
         Some(TableRow { head: words.leg(side).to_owned(), figures })
     };
-    let excess = of.excess.as_ref().map(|excess| {
-        let side = words.language.word("leg.only", excess.later.affected.word());
-        TableRow {
-            head: words.filled("visits.excess_of", &[("side", &side)]),
-            figures: {
-                let volumes = [excess.earlier.ml, excess.later.ml];
-                let mut figures = changed(words, volumes, &excess.change);
-                // A percent change of an excess is not told: its percent reduction is, by its own name.
-                figures[3] = missing(words);
-                figures[4] = plain(detectable_ml(words, &excess.change));
-                figures
-            },
+    let apart = || match &of.excess {
+        Some(excess) => {
+            let side = words.language.word("leg.only", excess.later.affected.word());
+            let head = words.filled("visits.excess_of", &[("side", &side)]);
+            let volumes = [excess.earlier.ml, excess.later.ml];
+            Some(TableRow { head, figures: changed_apart(words, volumes, &excess.change) })
         }
-    });
+        None => {
+            let at = |visit: usize| words.course.left_minus_right(group, visit);
+            let volumes = [at(of.earlier)?, at(of.later)?];
+            let head = words.text("visits.difference_of");
+            let figures = changed_apart(words, volumes, of.left_minus_right.as_ref()?);
+            Some(TableRow { head, figures })
+        }
+    };
     Table {
         title: words.filled("visits.volumes", &[("between", &between(words, of))]),
         explanation: None,
         columns,
-        rows: Side::FROM_FRONT.into_iter().filter_map(leg).chain(excess).collect(),
+        rows: Side::FROM_FRONT.into_iter().filter_map(leg).chain(apart()).collect(),
     }
 }
 
 fn changed(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Vec<Figure> {
     let mark = mark(change.shown());
-    let detectable = detectable_ml(words, change);
+    let detectable = words.detectable_ml(change);
     let percent = words.detectable(change.detectable_percent());
     vec![
         ml(words, &before),
@@ -104,9 +116,18 @@ fn changed(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Ve
     ]
 }
 
-/// The smallest change of a volume that is shown, mL, rounded up.
-fn detectable_ml(words: &Words, change: &Change) -> String {
-    number((change.detectable() - 1e-9).ceil(), 0, words.language)
+/// The change of what the legs differ by. Its percent change is not told: that of an excess has a name of its own,
+/// and a difference may be nothing.
+fn changed_apart(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Vec<Figure> {
+    let mark = mark(change.shown());
+    vec![
+        ml_apart(words, &before),
+        ml_apart(words, &after),
+        Figure { value: words.ml_change(change.by), margin: None, mark },
+        missing(words),
+        plain(words.detectable_ml(change)),
+        plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
+    ]
 }
 
 /// Girths of a leg at fixed places, highest first, at the visits beside each other; and their changes.
@@ -182,11 +203,10 @@ fn places(
     let steps: std::collections::BTreeSet<Step> = all.collect();
     let mut columns = vec![words.text("visits.column.place")];
     columns.extend(shown.iter().map(|visit| words.day(*visit)));
-    columns.extend(
-        compared
-            .iter()
-            .map(|of| words.filled("visits.column.since", &[("date", &words.day(of.earlier))])),
-    );
+    columns.extend(compared.iter().map(|of| {
+        let [earlier, _] = words.days(of);
+        words.filled("visits.column.since", &[("date", &earlier)])
+    }));
     let row = |step: Step| {
         let figures =
             shown.iter().map(|visit| cell(*visit, step).unwrap_or_else(|| missing(words)));
@@ -247,6 +267,11 @@ fn ml(words: &Words, of: &Quantity) -> Figure {
         margin: Some(number(ml_margin(of.parts.total()), 0, words.language)),
         mark: Mark::Sure,
     }
+}
+
+/// A volume by which the legs differ, with its sign.
+fn ml_apart(words: &Words, of: &Quantity) -> Figure {
+    Figure { value: words.ml_change(of.value), ..ml(words, of) }
 }
 
 fn mark(shown: Shown) -> Mark {

@@ -10,7 +10,12 @@ use gaiter_record::shown;
 use crate::caution::Caution;
 use crate::comparison::Comparison;
 use crate::course::Course;
+use crate::left_out::StandIns;
+use crate::quantity::Change;
 use crate::visit::Visit;
+
+/// Behind the day of a visit that stands in the place of a record that is left out.
+const STAND_IN: &str = " #";
 
 /// Writes the words of one course in one language.
 #[derive(Debug, Clone, Copy)]
@@ -61,6 +66,16 @@ impl Words<'_> {
         }
     }
 
+    /// The days of a comparison: of the earlier visit, of the later one. One that stands in the place of a record
+    /// that is left out has a sign.
+    pub(super) fn days(&self, of: &Comparison) -> [String; 2] {
+        let StandIns { earlier, later } = of.stand_ins;
+        [(of.earlier, earlier), (of.later, later)].map(|(visit, is_stand_in)| {
+            let sign = if is_stand_in { STAND_IN } else { "" };
+            self.day(visit) + sign
+        })
+    }
+
     /// Day and time of a visit; UTC, and marked so, if the zone is not known.
     pub(super) fn time(&self, visit: &Visit) -> String {
         let Some(acquired) = &visit.acquired else { return self.text("report.fact.time_unknown") };
@@ -93,6 +108,11 @@ impl Words<'_> {
     /// The smallest percentage that is shown, rounded up, so that it is never told as smaller than it is.
     pub(super) fn detectable(&self, percent: f64) -> String {
         tenths_words((10.0 * percent - 1e-9).ceil() / 10.0, self.language)
+    }
+
+    /// The smallest change of a volume that is shown, mL, rounded up.
+    pub(super) fn detectable_ml(&self, change: &Change) -> String {
+        number((change.detectable() - 1e-9).ceil(), 0, self.language)
     }
 
     /// What speaks against a comparison.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod left_out;
 mod refusals;
 mod stance;
 mod swelling;

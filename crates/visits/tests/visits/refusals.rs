@@ -2,12 +2,19 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-use gaiter_leg::Method;
+use gaiter_language::Language;
 use gaiter_leg::comparison::tape_volume::VolumeBy;
+use gaiter_leg::{Method, Side};
+use gaiter_record::report::AgeMax;
+use gaiter_record::report::document::Block;
 use gaiter_record::{Acquired, AcquiredFrom, Patient, Record};
-use gaiter_visits::{Choice, Course, CourseFault};
+use gaiter_visits::report::ReportOf;
+use gaiter_visits::schema::figures;
+use gaiter_visits::threshold::{Limited, Threshold};
+use gaiter_visits::{Affected, Caution, Choice, Comparison, Course, CourseFault};
 use jiff::ToSpan;
 use support::recorded::export;
 use support::records::record_of;
@@ -80,6 +87,59 @@ fn girths_of_another_meaning_and_volumes_of_another_method_are_refused_and_never
     let groups: Vec<Vec<usize>> = course.groups.iter().map(|of| of.visits.clone()).collect();
     assert_eq!(groups, [vec![0, 2], vec![1]]);
     assert_eq!(course.last_group().unwrap().visits, [0, 2]);
+}
+
+#[test]
+fn in_another_posture_neither_girths_nor_the_volumes_made_of_them_are_compared() {
+    let posture = |day: i64, word: &str| with_method(day, "posture", word);
+    let records = [posture(0, "both-legs"), posture(30, "sitting"), posture(60, "both-legs")];
+    let choice = Choice { affected: Some(Affected::One(Side::Left)), ..CHOICE };
+    let course = Course::comparable(&records, choice).unwrap();
+    let group = &course.groups[0];
+    let [with_first, with_last]: [Comparison; 2] = course.last_compared(group).try_into().unwrap();
+    let is_compared = |of: &Comparison| {
+        let legs = Side::BOTH.map(|side| of.legs.get(side).clone().unwrap());
+        let apart = [of.excess.is_some(), of.left_minus_right.is_some()];
+        let of_legs = legs
+            .iter()
+            .flat_map(|leg| [leg.volume.is_some(), !leg.girths.is_empty(), !leg.pieces.is_empty()]);
+        of_legs.chain(apart).collect::<BTreeSet<bool>>()
+    };
+    assert_eq!(is_compared(&with_first), [true].into(), "the posture is the same");
+    assert_eq!(is_compared(&with_last), [false].into(), "nothing of another posture is compared");
+    assert!(with_last.cautions.contains(&Caution::Posture));
+    // A visit's own figures stay, and so does what a threshold says of them.
+    assert!(course.volume(group, 1, Side::Left).is_some() && course.excess(group, 1).is_some());
+    let (name, source) = ("mild".to_owned(), "a paper".to_owned());
+    let mild = Threshold { name, source, of: Limited::Excess, limit: 3.0 };
+    let json = serde_json::to_value(figures(&course, &[mild])).unwrap();
+    for compared in json["comparisons"].as_array().unwrap() {
+        assert_eq!(compared["thresholds"][0]["of"], "excess", "{compared}");
+    }
+}
+
+#[test]
+fn a_comparison_of_another_posture_says_so_first_and_shows_no_volumes() {
+    let records =
+        [("both-legs", 0), ("sitting", 30)].map(|(word, day)| with_method(day, "posture", word));
+    let course = Course::comparable(&records, CHOICE).unwrap();
+    let report = ReportOf {
+        course: &course,
+        records: &records,
+        thresholds: &[],
+        today: jiff::civil::date(2026, 2, 10),
+        age_max: AgeMax::default(),
+        language: Language::En,
+    };
+    let blocks = report.document().blocks;
+    let Block::Verdict(said) = &blocks[0] else { panic!("{:?}", blocks[0]) };
+    assert!(said[0].contains("neither girths nor volumes are compared"), "{said:?}");
+    assert!(!said.iter().any(|said| said.contains("Percent change")), "{said:?}");
+    let mut tables = blocks.iter().filter_map(|block| match block {
+        Block::Table(table) => Some(table.title.as_str()),
+        _ => None,
+    });
+    assert!(!tables.any(|title| title.starts_with("Volumes in mL")));
 }
 
 #[test]

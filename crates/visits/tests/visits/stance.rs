@@ -48,12 +48,11 @@ fn assert_unchanged(what: &str, compared: &Comparison) {
             assert_eq!(of.change.shown(), Shown::NoChange, "{what} {side:?}: {of:?}");
         }
     }
-    if let Some(excess) = &compared.excess {
-        // One figure a comparison, so two standard errors would be passed by chance: three are not.
-        let of = excess.change;
-        let sd = of.random.hypot(of.common).hypot(of.stance);
-        assert!(of.by.abs() < 3.0 * sd, "{what}: {of:?}");
-    }
+    assert_eq!(compared.excess, None, "{what}: nobody named an affected leg");
+    // One figure a comparison, so two standard errors would be passed by chance: three are not.
+    let of = compared.left_minus_right.unwrap();
+    let sd = of.random.hypot(of.common).hypot(of.stance);
+    assert!(of.by.abs() < 3.0 * sd, "{what}: {of:?}");
 }
 
 #[test]

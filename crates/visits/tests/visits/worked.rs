@@ -2,10 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::f64::consts::PI;
+
 use gaiter_leg::Side;
 use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_record::{Acquired, AcquiredFrom, Record};
-use gaiter_visits::{Affected, Choice, Course};
+use gaiter_visits::excess::NoReduction;
+use gaiter_visits::schema::figures;
+use gaiter_visits::threshold::{Limited, Threshold};
+use gaiter_visits::{Affected, Choice, Course, Shown};
+use serde_json::Value;
 
 use crate::refusals::{PLAIN, at_day};
 use crate::stance::CHOICE;
@@ -37,12 +43,12 @@ fn percent_change_of_the_leg_and_percent_reduction_of_the_excess_are_different_f
     let excess = 0.08 * 5000.0 / (0.35 - 0.08);
     let first = cylinders([5000.0, 5000.0 + excess].map(girth_mm), 0);
     let last = cylinders([5000.0, 5000.0 + 0.65 * excess].map(girth_mm), 30);
-    let course = Course::comparable(&[first, last], CHOICE).unwrap();
+    let course = Course::comparable(&[first, last], named(Affected::One(Side::Left))).unwrap();
     let of = course.last_compared(&course.groups[0]).remove(0);
     let left = of.legs.left.as_ref().unwrap().volume.unwrap();
     assert!((left.percent + 8.0).abs() < 1e-3, "{left:?}");
     let change = of.excess.unwrap();
-    assert_eq!(change.later.affected, Side::Left, "the larger leg of the first visit");
+    assert_eq!(change.later.affected, Side::Left);
     assert!((change.earlier.ml.value - excess).abs() < 1e-3);
     assert!((change.reduction.unwrap().percent - 35.0).abs() < 1e-3, "{change:?}");
     assert!((change.earlier.percent - 100.0 * excess / 5000.0).abs() < 1e-3);
@@ -50,17 +56,79 @@ fn percent_change_of_the_leg_and_percent_reduction_of_the_excess_are_different_f
     assert!(right.by.abs() < 1e-6);
 }
 
+fn named(affected: Affected) -> Choice {
+    Choice { affected: Some(affected), ..CHOICE }
+}
+
 #[test]
-fn the_affected_leg_can_be_chosen_and_both_have_no_excess() {
+fn the_affected_leg_can_be_chosen_and_both_or_neither_have_no_excess() {
     let records = [cylinders([400.0, 420.0], 0), cylinders([400.0, 410.0], 30)];
     let excess = |affected: Affected| {
-        let choice = Choice { affected: Some(affected), ..CHOICE };
-        let course = Course::comparable(&records, choice).unwrap();
+        let course = Course::comparable(&records, named(affected)).unwrap();
         course.last_compared(&course.groups[0]).remove(0).excess
     };
     let right = excess(Affected::One(Side::Right)).unwrap();
-    assert!(right.earlier.ml.value < 0.0 && right.reduction.is_none());
-    assert!(excess(Affected::Both).is_none());
+    assert!(right.earlier.ml.value < 0.0);
+    assert_eq!(right.reduction, Err(NoReduction::SmallerLeg));
+    assert!(excess(Affected::Both).is_none() && excess(Affected::Neither).is_none());
+}
+
+/// The left leg was the swollen one; treatment made it the smaller one before the first visit, and smaller still
+/// after it. A guess would call the healthy right leg affected, with an excess that has grown.
+#[test]
+fn no_leg_is_guessed_to_be_affected_and_the_difference_is_told_with_its_sign() {
+    let records = [cylinders([400.0, 395.0], 0), cylinders([400.0, 380.0], 30)];
+    let course = Course::comparable(&records, CHOICE).unwrap();
+    let group = &course.groups[0];
+    let of = course.last_compared(group).remove(0);
+    assert_eq!(of.excess, None);
+    let difference = of.left_minus_right.unwrap();
+    assert_eq!(difference.shown(), Shown::Smaller);
+    let ml = |left_mm: f64| (left_mm.powi(2) - 400.0_f64.powi(2)) * 480.0 / (4e3 * PI);
+    let found = [0, 1].map(|visit| course.left_minus_right(group, visit).unwrap().value);
+    for (found, expected) in found.into_iter().zip([395.0, 380.0].map(ml)) {
+        assert!((found - expected).abs() < 1e-6, "{found}, {expected} are true");
+    }
+    let json = serde_json::to_value(figures(&course, &[])).unwrap();
+    assert_eq!(json["affected"], Value::Null);
+    let compared = &json["comparisons"][0];
+    assert_eq!((&compared["excess"], &json["visits"][0]["excess"]), (&Value::Null, &Value::Null));
+    assert_eq!(compared["left_minus_right_ml"]["shown"], "smaller");
+    assert_eq!(compared["left_minus_right_ml"]["percent_change"], Value::Null);
+}
+
+/// A healthy person, whose legs differ by little: no percent reduction of nothing.
+#[test]
+fn a_reduction_is_told_only_of_a_change_that_is_shown_and_the_json_says_why_not() {
+    let records = [cylinders([400.0, 401.0], 0), cylinders([400.0, 400.98], 30)];
+    let course = Course::comparable(&records, named(Affected::One(Side::Left))).unwrap();
+    let excess = course.last_compared(&course.groups[0]).remove(0).excess.unwrap();
+    assert!(excess.earlier.ml.value > excess.earlier.ml.expanded(), "{excess:?}");
+    assert_eq!(excess.change.shown(), Shown::NoChange);
+    assert_eq!(excess.reduction, Err(NoReduction::NoChange));
+    let json = serde_json::to_value(figures(&course, &[])).unwrap();
+    let told = &json["comparisons"][0]["excess"];
+    assert_eq!(told["percent_reduction"], Value::Null);
+    assert_eq!(told["no_percent_reduction"], "no-change-shown");
+}
+
+#[test]
+fn an_affected_leg_that_is_the_smaller_one_reaches_no_threshold() {
+    let records = [cylinders([400.0, 380.0], 0), cylinders([400.0, 380.0], 30)];
+    let mild = Threshold {
+        name: "mild".to_owned(),
+        source: "a paper".to_owned(),
+        of: Limited::Excess,
+        limit: 3.0,
+    };
+    let reached = |affected: Affected| {
+        let course = Course::comparable(&records, named(affected)).unwrap();
+        let json = serde_json::to_value(figures(&course, std::slice::from_ref(&mild))).unwrap();
+        json["comparisons"][0]["thresholds"][0]["reached"].clone()
+    };
+    assert_eq!(reached(Affected::One(Side::Left)), "not-reached");
+    assert_eq!(reached(Affected::One(Side::Right)), "reached");
+    assert_eq!(reached(Affected::Neither), Value::Null);
 }
 
 /// Discs take 13 of the girths, cones the 12 pieces between them; a cylinder has the same volume a piece.

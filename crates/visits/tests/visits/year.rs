@@ -1,13 +1,14 @@
-//! Simulated years of visits: known swelling, the noise of girths, a scanner that drifts and a floor that is
-//! found a little higher or lower.
+//! Simulated years of visits: known swelling, the noise of girths, a scanner that drifts, a floor that is
+//! found a little higher or lower, and knees that are bent more at one visit than at the other.
 
 #![allow(clippy::unwrap_used)]
 
 use std::sync::LazyLock;
 
 use gaiter_leg::{Method, Side};
+use gaiter_record::schema::LegFigures;
 use gaiter_record::{Acquired, AcquiredFrom, Record};
-use gaiter_visits::{Comparison, Course, Shown};
+use gaiter_visits::{Affected, Change, Comparison, Course, Shown};
 use jiff::ToSpan;
 use support::chance::Chance;
 use support::noise::roughened;
@@ -38,8 +39,48 @@ const KEPT: f64 = 0.5;
 /// By how much the floor is found higher or lower from scan to scan, mm; see docs/visits.md.
 const FLOOR_MM: f64 = 0.3;
 
+/// The share that is asked for, 0.95, less what a share of so many years scatters by.
+const SHARE_LEAST: f64 = 0.945;
+
+/// How far knees are bent more or less than at the first visit, degrees, where the stance is varied.
+const BEND_DEG: f64 = 4.0;
+
+/// What a degree of bend does to the volume of a leg at most, share of it; see docs/visits.md.
+const VOLUME_PER_DEG: f64 = 0.0013;
+
+/// What happens in a year.
+#[derive(Clone, Copy, Default)]
+struct Plan {
+    /// By how much all girths of the left leg are larger at the first visit than those of the right one, mm.
+    from_mm: f64,
+    /// By how much more at the last visit, mm; in between by a part of it.
+    growth_mm: f64,
+    /// How far the knees are bent more or less than at the first visit, degrees.
+    bend_deg: f64,
+    /// Girths are measured without any error.
+    is_exact: bool,
+}
+
+/// Bends the knee of a leg. Returns by what its girths change.
+fn bend(leg: &mut LegFigures, most_deg: f64, chance: &mut Chance) -> f64 {
+    let bend_deg = chance.even(most_deg);
+    let front = leg.axis.as_ref().unwrap().front;
+    let thigh = &mut leg.axes.as_mut().unwrap().thigh.as_mut().unwrap().direction;
+    let (sin, cos) = bend_deg.to_radians().sin_cos();
+    for (along, front) in thigh.iter_mut().zip(front) {
+        *along = cos * *along + sin * front;
+    }
+    (1.0 + chance.even(VOLUME_PER_DEG) * bend_deg.abs()).sqrt()
+}
+
 /// The visits of a year. At each, all girths of the left leg are larger by a part of the final `growth_mm`.
 fn year(seed: u64, growth_mm: f64) -> Vec<Record> {
+    planned(seed, Plan { growth_mm, ..Plan::default() })
+}
+
+/// The visits of a year with this plan.
+fn planned(seed: u64, plan: Plan) -> Vec<Record> {
+    let error = if plan.is_exact { 0.0 } else { 1.0 };
     let mut chance = Chance(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     let mut drift_mm = DRIFT_MM * chance.normal();
     let visit = |number: usize| {
@@ -48,13 +89,17 @@ fn year(seed: u64, growth_mm: f64) -> Vec<Record> {
         let floor_mm = FLOOR_MM * chance.normal();
         for leg in &mut record.legs {
             let own: Vec<Option<f64>> = leg.along.iter().map(|at| at.girth_tape_mm).collect();
-            let more_mm = if leg.side == "left" { share * growth_mm } else { 0.0 };
+            let swollen_mm = plan.from_mm + share * plan.growth_mm;
+            let more_mm = if leg.side == "left" { swollen_mm } else { 0.0 };
+            let is_bent = plan.bend_deg > 0.0 && number > 0;
+            let bent = if is_bent { bend(leg, plan.bend_deg, &mut chance) } else { 1.0 };
             for (index, at) in leg.along.iter_mut().enumerate() {
                 let (Some(girth_mm), Some(sd_mm)) = (own[index], at.girth_sd_mm) else { continue };
                 let next = own.get(index + 1).copied().flatten().unwrap_or(girth_mm);
                 let raised_mm = (next - girth_mm) * floor_mm / 40.0;
                 let random_mm = sd_mm * chance.normal();
-                at.girth_tape_mm = Some(girth_mm + more_mm + raised_mm + random_mm + drift_mm);
+                let error_mm = error * (raised_mm + random_mm + drift_mm);
+                at.girth_tape_mm = Some(bent * (girth_mm + more_mm) + error_mm);
             }
         }
         drift_mm = KEPT * drift_mm + DRIFT_MM * (1.0 - KEPT * KEPT).sqrt() * chance.normal();
@@ -131,17 +176,82 @@ fn no_change_is_invented_in_95_of_100_years() {
 
 #[test]
 fn a_swelling_of_one_leg_is_found_sooner_in_the_excess_which_no_drift_changes() {
-    let of = whole_year(3, 2.0);
-    let excess = of.excess.unwrap_or_else(|| {
-        let records = year(3, 2.0);
-        let choice = gaiter_visits::Choice {
-            affected: Some(gaiter_visits::Affected::One(Side::Left)),
-            ..CHOICE
-        };
-        let course = Course::comparable(&records, choice).unwrap();
-        course.last_compared(&course.groups[0]).remove(0).excess.unwrap()
-    });
+    let records = year(3, 2.0);
+    let of = last_with_first(&records, Some(Affected::One(Side::Left)));
+    let excess = of.excess.unwrap();
     let volume = of.legs.left.unwrap().volume.unwrap();
     assert!(excess.change.detectable() < 0.2 * volume.detectable(), "{excess:?} {volume:?}");
     assert_eq!(excess.change.shown(), Shown::Larger);
+}
+
+/// The last visit compared with the first.
+fn last_with_first(records: &[Record], affected: Option<Affected>) -> Comparison {
+    let course = Course::comparable(records, gaiter_visits::Choice { affected, ..CHOICE }).unwrap();
+    course.last_compared(&course.groups[0]).remove(0)
+}
+
+/// What the legs differ by, as it is told.
+fn apart(of: &Comparison) -> Change {
+    of.excess.map_or_else(|| of.left_minus_right.unwrap(), |excess| excess.change)
+}
+
+/// What can be named, and that nothing is.
+const NAMED: [Option<Affected>; 4] =
+    [Some(Affected::One(Side::Left)), Some(Affected::One(Side::Right)), Some(Affected::Both), None];
+
+#[test]
+fn no_change_of_an_excess_or_a_difference_is_invented_in_95_of_100_years() {
+    for bend_deg in [0.0, BEND_DEG] {
+        let years = (0..YEARS).map(|seed| {
+            let records = planned(seed, Plan { bend_deg, ..Plan::default() });
+            NAMED.map(|affected| last_with_first(&records, affected))
+        });
+        let years: Vec<[Comparison; 4]> = years.collect();
+        for (at, affected) in NAMED.into_iter().enumerate() {
+            let none = share(years.iter().map(|of| apart(&of[at]).shown() == Shown::NoChange));
+            assert!(none >= SHARE_LEAST, "{affected:?}, knees bent by {bend_deg}°: {none}");
+            let is_one = matches!(affected, Some(Affected::One(_)));
+            assert!(years.iter().all(|of| of[at].excess.is_some() == is_one), "{affected:?}");
+        }
+        // Nothing is shown to have changed, so no share of it is told.
+        let silent = share(years.iter().map(|of| of[0].excess.unwrap().reduction.is_err()));
+        assert!(silent >= SHARE_LEAST, "knees bent by {bend_deg}°: {silent}");
+    }
+}
+
+#[test]
+fn twice_the_detectable_change_of_an_excess_or_a_difference_is_found_in_95_of_100_years() {
+    let seeds = || 0..YEARS / 4;
+    for bend_deg in [0.0, BEND_DEG] {
+        for affected in [Some(Affected::One(Side::Left)), None] {
+            let of = |seed: u64, growth_mm: f64| {
+                let records = planned(seed, Plan { growth_mm, bend_deg, ..Plan::default() });
+                apart(&last_with_first(&records, affected))
+            };
+            let found = share(seeds().map(|seed| {
+                let none = of(seed, 0.0);
+                let one_mm = of(seed, 1.0).by - none.by;
+                of(seed, 2.0 * none.detectable() / one_mm).shown() == Shown::Larger
+            }));
+            assert!(found >= 0.95, "{affected:?}, knees bent by {bend_deg}°: {found}");
+        }
+    }
+}
+
+#[test]
+fn the_percent_reduction_is_true_within_its_uncertainty_in_95_of_100_years() {
+    let of = |seed: u64, plan: Plan| {
+        let of = last_with_first(&planned(seed, plan), Some(Affected::One(Side::Left)));
+        of.excess.unwrap().reduction.unwrap()
+    };
+    for bend_deg in [0.0, BEND_DEG] {
+        let plan = Plan { from_mm: 25.0, growth_mm: -15.0, bend_deg, is_exact: false };
+        let exact = of(0, Plan { bend_deg: 0.0, is_exact: true, ..plan });
+        assert!((50.0..70.0).contains(&exact.percent), "{exact:?}");
+        let within = share((0..YEARS).map(|seed| {
+            let found = of(seed, plan);
+            (found.percent - exact.percent).abs() <= found.expanded
+        }));
+        assert!(within >= SHARE_LEAST, "knees bent by {bend_deg}°: {within}");
+    }
 }

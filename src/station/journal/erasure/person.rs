@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use gaiter_flow::account::Happened;
+use gaiter_flow::patient::naming::record_folder;
 use gaiter_flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
 use gaiter_flow::{DeliveryState, ScanId};
 use gaiter_record::Source;
@@ -69,6 +70,29 @@ impl Journal {
                 folder: row.get(3)?,
                 sources: sources.iter().map(|source| source.kind).collect(),
             });
+        }
+        Ok(found)
+    }
+
+    /// The names of the folders of the records that a store was given for a person and must still hold, oldest first.
+    pub fn delivered_for_person(
+        &self,
+        patient: &str,
+        store: &str,
+    ) -> Result<Vec<String>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(&format!(
+            "SELECT sha256, first_seen FROM deliveries JOIN scans USING (sha256)
+             WHERE patient = ?1 AND store = ?2 AND deliveries.state = ?3
+                   AND coalesce(deliveries.code, '') NOT IN {UNWANTED}
+             ORDER BY first_seen, sha256"
+        ))?;
+        let mut rows = query.query([patient, store, DeliveryState::Delivered.word()])?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next()? {
+            let scan = cell("sha256", row.get(0)?, |text| ScanId::parse(text).ok())?;
+            let first_seen = cell("first_seen", row.get(1)?, |text| text.parse().ok())?;
+            found.push(record_folder(first_seen, &scan));
         }
         Ok(found)
     }

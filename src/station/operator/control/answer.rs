@@ -11,6 +11,7 @@ use gaiter_flow::{ScanId, account};
 use gaiter_language::Language;
 use gaiter_record::SourceKind;
 use gaiter_record::gdt::OrderFault;
+use gaiter_visits::Affected;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
@@ -63,6 +64,8 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
             acted(desk, Some(scan), &Act::Amend(patient.clone(), setting.clone()))
                 .inspect(|_| desk.summaries.read_again())
         }
+        Request::NameAffected { patient, affected } => affected_leg(affected)
+            .and_then(|affected| acted(desk, None, &Act::NameAffected(patient.clone(), affected))),
         Request::NameNext { patient, replace } => {
             let (id, by) = (patient.clone(), SourceKind::Operator);
             acted(desk, None, &Act::NameNext { id, by, replaces: *replace })
@@ -71,6 +74,7 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         Request::Next => Ok(Answer::Sentence(next(desk))),
         Request::Order { bytes } => ordered(desk, bytes),
         Request::Person { .. }
+        | Request::Visits { .. }
         | Request::Disclosed { .. }
         | Request::Erase { .. }
         | Request::Erasure { .. } => persons::answer(desk, request),
@@ -145,6 +149,15 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
     let why = whole.held_as().map(|code| account::why_held(code, language));
     let again_since = is_again.then_some(whole.summary.first_seen);
     Ok(Some(Known { state, why, at, scan: Some(scan.short().to_owned()), again_since }))
+}
+
+/// The affected leg of a word; `None` for one that takes it back.
+fn affected_leg(word: &str) -> Result<Option<Affected>, Fault> {
+    if word == Affected::NOT_NAMED {
+        return Ok(None);
+    }
+    let affected = Affected::of_word(word).map(Some);
+    affected.ok_or_else(|| Fault::new(FaultKind::Request, "request-malformed", "this names no leg"))
 }
 
 /// Who is next, in the page's words; the operator who asks may see the ids.

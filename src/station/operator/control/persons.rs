@@ -7,7 +7,7 @@ use gaiter_record::SourceKind;
 use super::protocol::{Answer, Fault, FaultKind, Request};
 use crate::station::custody::CustodyFault;
 use crate::station::operator::page::desk::Desk;
-use crate::station::persons::{erase, person, stopped};
+use crate::station::persons::{erase, person, stopped, visits};
 use crate::station::runtime::causes::chain;
 
 /// Answers a request about a person.
@@ -16,6 +16,7 @@ pub(super) fn answer(desk: &Desk, request: &Request) -> Result<Answer, Fault> {
         Request::Person { patient } => {
             known(desk, patient).map(|person| Answer::Person(Box::new(person)))
         }
+        Request::Visits { patient } => Ok(Answer::Visits(visits(&desk.core.custody, patient)?)),
         Request::Disclosed { patient, by } => {
             stopped::disclosed(&desk.core.custody, patient, by)?;
             Ok(Answer::Sentence(desk.core.config.language.text("act.disclosed").to_owned()))

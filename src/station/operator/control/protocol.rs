@@ -3,7 +3,7 @@
 
 use gaiter_flow::account::{Filter, Listed, Whole};
 use gaiter_flow::patient::erasure::Erasure;
-use gaiter_flow::patient::person::Person;
+use gaiter_flow::patient::person::{KnownVisits, Person};
 use gaiter_language::Language;
 use serde::{Deserialize, Serialize};
 
@@ -88,6 +88,13 @@ pub enum Request {
         #[serde(flatten)]
         setting: Setting,
     },
+    /// A person names the affected leg of a patient.
+    NameAffected {
+        /// The patient's id.
+        patient: String,
+        /// `left`, `right`, `both` or `none`; `not-named` takes it back.
+        affected: String,
+    },
     /// The next scan belongs to this patient.
     NameNext {
         /// The patient's id.
@@ -107,6 +114,11 @@ pub enum Request {
     },
     /// All that the station holds of a person.
     Person {
+        /// The patient's id.
+        patient: String,
+    },
+    /// What the station knows of a patient whose visits are compared.
+    Visits {
         /// The patient's id.
         patient: String,
     },
@@ -156,6 +168,8 @@ pub enum Answer {
     Scan(Box<Whole>),
     /// All that the station holds of a person.
     Person(Box<Person>),
+    /// What the station knows of a patient whose visits are compared.
+    Visits(KnownVisits),
     /// What has become of the erasure of a person; `None` if none was asked for.
     Erasure(Option<Erasure>),
     /// A sentence for people.

@@ -93,6 +93,7 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
         Request::Unassign { .. } => Some("unassign"),
         Request::GiveUp { .. } => Some("give_up"),
         Request::Amend { .. } => Some("amend"),
+        Request::NameAffected { .. } => Some("name_affected"),
         Request::NameNext { .. } => Some("name_next"),
         Request::CallOff => Some("call_off"),
         Request::Pause => Some("pause"),
@@ -106,6 +107,7 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
         | Request::Order { .. }
         // What concerns all of a person needs the machine's user, not only the page's link.
         | Request::Person { .. }
+        | Request::Visits { .. }
         | Request::Disclosed { .. }
         | Request::Erase { .. }
         | Request::Erasure { .. }

@@ -12,16 +12,17 @@ use gaiter_flow::page::files::served;
 use gaiter_record::Record;
 use gaiter_record::report::{document_page, document_paper};
 use gaiter_visits::report::ReportOf;
-use gaiter_visits::{Choice, Course, last_of_days};
+use gaiter_visits::{Affected, Choice, Course, last_of_days};
 use jiff::Zoned;
 use tokio::task::spawn_blocking;
 use tracing::warn;
 
+use super::desk::Desk;
 use super::endpoint::HttpEndpoint;
 use super::files::Row;
 use super::plain_page::plain_page;
 use super::snapshot;
-use crate::config::Config;
+use crate::station::persons;
 use crate::station::runtime::causes::chain;
 use crate::store::FolderStore;
 use crate::store::revision::visits::of_patient;
@@ -34,6 +35,8 @@ enum NoVisits {
     Unreachable,
     /// There is one visit only.
     One,
+    /// Only one can be used, because records are left out.
+    OneUsable,
     /// It cannot be made.
     Failed,
 }
@@ -87,7 +90,7 @@ async fn answer(
         let _reader = reader;
         let row = snapshot::row(&endpoint.desk, &scan, row.key()).ok_or(NoVisits::Unknown)?;
         let patient = page::record_patient(&row, FolderStore::FIRST).ok_or(NoVisits::Unknown)?;
-        made(&endpoint.desk.core.config, patient, form)
+        made(&endpoint.desk, patient, form)
     });
     match made.await {
         Ok(Ok(bytes)) => {
@@ -100,6 +103,7 @@ async fn answer(
             ([kind, policy], bytes).into_response()
         }
         Ok(Err(NoVisits::One)) => told(StatusCode::CONFLICT, "page.plain.one_visit"),
+        Ok(Err(NoVisits::OneUsable)) => told(StatusCode::CONFLICT, "page.plain.one_visit_usable"),
         Ok(Err(NoVisits::Unreachable)) => {
             told(StatusCode::SERVICE_UNAVAILABLE, "page.plain.store_away")
         }
@@ -109,21 +113,30 @@ async fn answer(
 }
 
 /// The comparison of a patient's visits. Blocks as long as the store does.
-fn made(config: &Config, patient: &str, form: Form) -> Result<Vec<u8>, NoVisits> {
-    let root: &Path = &config.store.folder.path;
-    let found = of_patient(root, patient).map_err(|_| NoVisits::Unreachable)?;
-    let records: Vec<Record> = found.records.into_iter().map(|of| of.record).collect();
-    let records = last_of_days(records, |record| record);
-    if records.len() < 2 {
-        return Err(NoVisits::One);
-    }
-    let girth_common_mm = config.scanner.girth_error_mm;
-    let choice = Choice { volume: None, affected: None, girth_common_mm };
+fn made(desk: &Desk, patient: &str, form: Form) -> Result<Vec<u8>, NoVisits> {
+    let config = &desk.core.config;
     let failed = |error: &dyn std::error::Error| {
         warn!(event = "visits-failed", error = chain(error));
         NoVisits::Failed
     };
+    // First what was delivered, then what is there: a delivery in between is not told as removed.
+    let known = persons::visits(&desk.core.custody, patient).map_err(|error| {
+        desk.core.check_corruption(&error);
+        failed(&error)
+    })?;
+    let root: &Path = &config.store.folder.path;
+    let found = of_patient(root, patient).map_err(|_| NoVisits::Unreachable)?;
+    let left_out = found.left_out(&known.delivered);
+    let records: Vec<Record> = found.records.into_iter().map(|of| of.record).collect();
+    let records = last_of_days(records, |record| record);
+    if records.len() < 2 {
+        return Err(if left_out.is_empty() { NoVisits::One } else { NoVisits::OneUsable });
+    }
+    let girth_common_mm = config.scanner.girth_error_mm;
+    let affected = known.affected.as_deref().and_then(Affected::of_word);
+    let choice = Choice { volume: None, affected, girth_common_mm };
     let course = Course::of(&records, choice).map_err(|error| failed(&error))?;
+    let course = course.with_left_out(left_out);
     let report = ReportOf {
         course: &course,
         records: &records,

@@ -179,6 +179,26 @@ function candidate(scan, { id, shown }) {
   return button(phrase(label("give"), { patient: shown }), `give ${id} ${scan.scan}`, on, true);
 }
 
+// The legs of a patient that can be named as affected, with their labels.
+const AFFECTED = [
+  ["left", "affected_left"], ["right", "affected_right"], ["both", "affected_both"], ["none", "affected_none"],
+  ["not-named", "affected_not_named"],
+];
+
+// Names the affected leg of a scan's patient: the comparison of visits follows it.
+function affectedButton(scan) {
+  const on = () => {
+    const select = make("select", { "aria-label": verb("affected"), required: true },
+      make("option", { value: "" }, "–"), AFFECTED.map(([value, key]) => make("option", { value }, label(key))));
+    const send = () => ask({ ask: "name_affected", patient: scan.owner.id, affected: select.value });
+    question({
+      title: phrase(label("affected_of"), { patient: scan.owner.shown }), hint: [label("affected_hint"), " ", select],
+      yes: label("amend_yes"), send,
+    });
+  };
+  return button(label("affected"), `affected ${rowKey(scan)}`, on);
+}
+
 // Names the next patient; one who is named and was not scanned is replaced after a question.
 async function nameAs(patient) {
   const said = await ask({ ask: "name_next", patient, replace: false });

@@ -136,7 +136,7 @@ function about(scan, canAct, ...more) {
 const opened = new Set();
 const address = (scan, file) => `/scan/${scan.scan}/${file}${scan.of ? `?of=${scan.of}` : ""}`;
 const rowKey = (scan) => `${scan.scan}${scan.of}`;
-function links(scan, showsIds) {
+function links(scan, showsIds, canAct) {
   if (!showsIds || !scan.files.length) return null;
   const anchor = (file) =>
     make("a", { href: address(scan, file), target: "_blank", rel: "noopener", "data-key": `${file} ${rowKey(scan)}` }, label(file));
@@ -145,7 +145,7 @@ function links(scan, showsIds) {
     anchors.unshift(button(label("view"), `view ${rowKey(scan)}`, () => view(scan)));
   }
   // The visits of a patient are compared when they are asked for; a preview is no visit.
-  if (scan.owner) anchors.push(anchor("visits.html"));
+  if (scan.owner) anchors.push(anchor("visits.html"), ...(canAct ? [affectedButton(scan)] : []));
   const others = scan.files.filter((file) => !(file in labels)).map(anchor);
   return make("div", { "aria-label": label("files"), role: "group" },
     make("p", { class: "links" }, anchors), others.length ? otherFiles(scan, others) : null);
@@ -184,7 +184,7 @@ function scanCard(scan, canAct, showsIds) {
   ];
   return make("article", { class: drawing ? "card scan" : "card scan without" },
     drawing ? make("div", {}, drawing) : null,
-    make("div", { class: "about" }, about(scan, canAct, ...findings, links(scan, showsIds))),
+    make("div", { class: "about" }, about(scan, canAct, ...findings, links(scan, showsIds, canAct))),
     make("div", { class: "measures" }, measures(scan.measures)));
 }
 

@@ -30,9 +30,15 @@ pub(super) fn all(
     shown: &[usize],
     compared: &[Comparison],
 ) -> Vec<Block> {
+    // Curves in another posture are not laid over each other.
+    let visits = &words.course.visits;
+    let last = shown.last().map(|last| &visits[*last]);
+    let is_of_posture =
+        |visit: &usize| last.is_none_or(|last| !visits[*visit].is_of_other_posture(last));
+    let profiled: Vec<usize> = shown.iter().copied().filter(is_of_posture).collect();
     let pictures = [
         ("volumes", "visits.picture.volumes", volumes::picture(words)),
-        ("profiles", "visits.picture.profiles", profiles::picture(words, shown)),
+        ("profiles", "visits.picture.profiles", profiles::picture(words, &profiled)),
         ("slices", "visits.picture.slices", slices::picture(words, group, compared)),
     ];
     let block = |(name, key, picture): (&'static str, &'static str, Option<Picture>)| {

@@ -1,7 +1,5 @@
 //! How much the volume of each slice of 4 cm has changed: bars that stay grey inside their uncertainty.
 
-use std::fmt::Display;
-
 use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::picture::figures::plot::{
@@ -15,6 +13,7 @@ use crate::comparison::{Comparison, PlaceChange};
 use crate::course::Group;
 use crate::place::{Step, along_mm};
 use crate::quantity::Shown;
+use crate::report::summary::between;
 
 /// Width, px.
 const WIDTH: f64 = 720.0;
@@ -51,7 +50,8 @@ pub(super) fn picture(words: &Words, group: &Group, compared: &[Comparison]) -> 
     let slices = |of: &Comparison| {
         Side::FROM_FRONT.map(|side| of.legs.get(side).as_ref().map(|leg| leg.pieces.clone()))
     };
-    let all: Vec<_> = compared.iter().map(|of| (of, slices(of))).collect();
+    let compared = compared.iter().filter(|of| !of.is_of_other_posture());
+    let all: Vec<_> = compared.map(|of| (of, slices(of))).collect();
     let reach = all.iter().flat_map(|(_, legs)| legs.iter().flatten().flatten());
     let reach = reach.map(|of| of.change.by.abs() + of.change.detectable());
     let reach = reach.filter(|ml| ml.is_finite()).fold(SCALE_MIN_ML, f64::max);
@@ -59,10 +59,7 @@ pub(super) fn picture(words: &Words, group: &Group, compared: &[Comparison]) -> 
     let end = (reach / step).ceil() * step;
     let (mut marks, mut top) = (Vec::new(), 0.0);
     for (of, legs) in &all {
-        let days: [(&str, &dyn Display); 2] =
-            [("earlier", &words.day(of.earlier)), ("later", &words.day(of.later))];
-        let title = words.filled("visits.between", &days);
-        marks.push(heading([4.0, top + 16.0], Anchor::Start, Ink::Text, title));
+        marks.push(heading([4.0, top + 16.0], Anchor::Start, Ink::Text, between(words, of)));
         let rows = Scale {
             range: [along_mm(low), along_mm(high) + PROFILE_STEP_MM],
             px: [top + HEAD + ROW * f64::from(high - low + 1), top + HEAD],

@@ -105,16 +105,19 @@ fn places(words: &Words) -> Vec<f64> {
     }
 }
 
-/// The volumes of a leg in runs of visits that can be compared.
+/// The volumes of a leg in runs of visits that can be compared: of one meaning, in one posture.
 fn points(words: &Words, side: Side, places: &[f64]) -> Vec<Vec<Point>> {
     let course = words.course;
-    let run = |group: &crate::course::Group| {
+    let is_of_one_posture =
+        |one: &usize, next: &usize| !course.visits[*one].is_of_other_posture(&course.visits[*next]);
+    let runs = |group: &crate::course::Group| -> Vec<Vec<Point>> {
         let point = |visit: &usize| {
             Some(Point { x: places[*visit], volume: course.volume(group, *visit, side)? })
         };
-        group.visits.iter().filter_map(point).collect()
+        let runs = group.visits.chunk_by(is_of_one_posture);
+        runs.map(|run| run.iter().filter_map(point).collect()).collect()
     };
-    course.groups.iter().map(run).collect()
+    course.groups.iter().flat_map(runs).collect()
 }
 
 /// The next step of 1, 2 or 5 times a power of ten.
