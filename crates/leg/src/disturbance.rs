@@ -8,7 +8,9 @@ use crate::comparison::smoothed::Smoothed;
 use crate::doubt::Doubt;
 use crate::levels::at_height::HeightGirth;
 use crate::levels::landmark::{Estimate, Landmark};
+use crate::parting::segment::Leg;
 use crate::sections::cloth::Cover;
+use crate::side::Sides;
 
 /// Cloth changes sections up to this far beyond its edge, mm: two of the curve's pieces.
 const CLOTH_REACH_MM: f64 = 25.0;
@@ -17,6 +19,15 @@ const CLOTH_REACH_MM: f64 = 25.0;
 /// centimetre.
 const DOUBT_SD_MM: f64 = 2.0;
 
+/// Points that are further apart are coarse, mm: those of usual exports of 56 000 points are 6 mm apart, of 15 000
+/// points 10 mm, of 8 000 points 13.5 mm.
+const COARSE_SPACING_MM: f64 = 9.5;
+
+/// What coarse points add to the standard error of a girth, as a share of their squared distance over the girth. A
+/// chord of that length would take off four times as much, of which most is given back. On 36 bodies of 8 000 to
+/// 17 000 points, thinned or averaged by cells, this share makes 96 % right within two standard errors.
+const COARSE_SD_SHARE: f64 = 1.3;
+
 /// What disturbs girths.
 #[derive(Debug, Clone)]
 pub struct Disturbance {
@@ -24,6 +35,8 @@ pub struct Disturbance {
     pub along_mm: RangeInclusive<f64>,
     /// What it adds to the standard error of a girth, mm.
     pub sd_mm: f64,
+    /// What it adds besides, more to slim legs: this over the girth, mm².
+    pub sd_times_girth_mm2: f64,
     /// The doubt that all girths there have.
     pub doubt: Option<Doubt>,
 }
@@ -35,13 +48,17 @@ pub struct Common {
     pub seams: Option<Seams>,
     /// Smoothing by the scanner's software.
     pub smoothed: Option<Smoothed>,
+    /// How far apart the points are, mm, if they are coarse.
+    pub coarse_mm: Option<f64>,
 }
 
 impl Common {
     /// What has a cause that can be told, each as a disturbance of all girths.
     pub fn told(&self) -> Vec<Disturbance> {
         let seams = self.seams.map(Disturbance::of_seams);
-        seams.into_iter().chain(self.smoothed.map(Disturbance::of_smoothing)).collect()
+        let smoothed = self.smoothed.map(Disturbance::of_smoothing);
+        let coarse = self.coarse_mm.map(Disturbance::of_coarse);
+        seams.into_iter().chain(smoothed).chain(coarse).collect()
     }
 
     /// The doubts that concern the whole scan.
@@ -71,6 +88,7 @@ impl Disturbance {
         Disturbance {
             along_mm: lower..=upper,
             sd_mm: if cover.is_sure { 0.0 } else { PI * step_mm },
+            sd_times_girth_mm2: 0.0,
             doubt: cover.is_sure.then_some(doubt),
         }
     }
@@ -88,20 +106,34 @@ impl Disturbance {
 
     /// All along a leg.
     fn everywhere(sd_mm: f64, doubt: Option<Doubt>) -> Disturbance {
-        Disturbance { along_mm: f64::NEG_INFINITY..=f64::INFINITY, sd_mm, doubt }
+        let along_mm = f64::NEG_INFINITY..=f64::INFINITY;
+        Disturbance { along_mm, sd_mm, sd_times_girth_mm2: 0.0, doubt }
+    }
+
+    /// Of points that are so far apart, mm.
+    pub fn of_coarse(spacing_mm: f64) -> Disturbance {
+        let sd_times_girth_mm2 = COARSE_SD_SHARE * spacing_mm.powi(2);
+        Disturbance { sd_times_girth_mm2, ..Disturbance::everywhere(0.0, None) }
+    }
+
+    /// What it adds to the standard error of a girth, mm.
+    pub fn sd_of_mm(&self, girth_mm: f64) -> f64 {
+        self.sd_mm.hypot(self.sd_times_girth_mm2 / girth_mm)
     }
 
     /// Disturbs a girth at a distance along the axis, mm, if it reaches so far: its standard errors, mm, and its doubts.
     fn disturb<const N: usize>(
         &self,
         along_mm: f64,
+        girth_mm: f64,
         sds_mm: [&mut f64; N],
         doubts: &mut Vec<Doubt>,
     ) {
         if !self.along_mm.contains(&along_mm) {
             return;
         }
-        sds_mm.into_iter().for_each(|sd_mm| *sd_mm = sd_mm.hypot(self.sd_mm));
+        let own_mm = self.sd_of_mm(girth_mm);
+        sds_mm.into_iter().for_each(|sd_mm| *sd_mm = sd_mm.hypot(own_mm));
         let is_new = |doubt: &Doubt| doubts.iter().all(|other| other.code() != doubt.code());
         doubts.extend(self.doubt.filter(is_new));
     }
@@ -109,17 +141,24 @@ impl Disturbance {
     /// Disturbs a level.
     pub fn on_landmark(&self, of: &mut Landmark) {
         let sds_mm = [&mut of.girth_sd_mm, &mut of.girth_of_level_sd_mm];
-        self.disturb(of.along_mm, sds_mm, &mut of.doubts);
+        self.disturb(of.along_mm, of.girth_tape_mm, sds_mm, &mut of.doubts);
     }
 
     /// Disturbs an estimate.
     pub fn on_estimate(&self, of: &mut Estimate) {
         let sds_mm = [&mut of.girth_sd_mm, &mut of.girth_of_level_sd_mm];
-        self.disturb(of.along_mm, sds_mm, &mut of.doubts);
+        self.disturb(of.along_mm, of.girth_tape_mm, sds_mm, &mut of.doubts);
     }
 
     /// Disturbs the girth at a height.
     pub fn on_height(&self, of: &mut HeightGirth) {
-        self.disturb(of.along_mm, [&mut of.girth_sd_mm], &mut of.doubts);
+        self.disturb(of.along_mm, of.girth_tape_mm, [&mut of.girth_sd_mm], &mut of.doubts);
     }
+}
+
+/// How far apart the points of coarse legs are, mm: those of the coarser one. `None` if neither is.
+pub fn coarse_spacing_mm(legs: &Sides<Option<Leg>>) -> Option<f64> {
+    let legs = [&legs.left, &legs.right].into_iter().flatten();
+    let coarser = legs.map(|leg| leg.mesh.spacing_mm()).reduce(f64::max);
+    coarser.filter(|spacing_mm| *spacing_mm > COARSE_SPACING_MM)
 }

@@ -74,7 +74,7 @@ pub enum Doubt {
     },
     /// The sections at the level could not be measured; the curve bridges them.
     NotSeen,
-    /// The planes above the calf turn by more than a standing leg's.
+    /// The planes above the calf turn by more than a straight leg's.
     KneeBent {
         /// Angle between the axes of shank and thigh, degrees.
         bend_deg: f64,

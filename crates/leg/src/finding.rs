@@ -67,6 +67,18 @@ pub enum What {
     NoFaces,
     /// An OBJ mesh without its last line end.
     NoLineEnd,
+    /// The points of the legs are far apart.
+    Coarse {
+        /// How far, mm.
+        spacing_mm: f64,
+        /// Standard error that the girth of an ankle has by it, mm.
+        ankle_sd_mm: f64,
+    },
+    /// One foot stands ahead of the other.
+    FootForward {
+        /// By how much, mm.
+        by_mm: f64,
+    },
     /// The thighs touch below the crotch.
     ThighsTouch {
         /// Height above which they touch, mm.
@@ -190,6 +202,8 @@ impl Finding {
             What::MirrorUnchecked => "mirror-unchecked",
             What::NoFaces => "no-faces",
             What::NoLineEnd => "no-line-end",
+            What::Coarse { .. } => "coarse",
+            What::FootForward { .. } => "foot-forward",
             What::ThighsTouch { .. } => "thighs-touch",
             What::Proportions { .. } => "proportions",
             What::CrownNotSeen { .. } => "crown-not-seen",
@@ -214,6 +228,8 @@ impl Finding {
         match &self.what {
             What::LegsDiffer(_)
             | What::SurfaceHoles { .. }
+            | What::Coarse { .. }
+            | What::FootForward { .. }
             | What::NoLineEnd
             | What::MirrorUnchecked => Severity::Info,
             What::SecondOpinion(SecondOpinion::Sides { .. }) => Severity::Error,

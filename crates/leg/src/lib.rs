@@ -40,7 +40,7 @@ use rayon::prelude::*;
 pub use comparison::difference::Differences;
 use comparison::seams::{Traces, seams};
 use comparison::smoothed::smoothed;
-use disturbance::Common;
+use disturbance::{Common, Disturbance, coarse_spacing_mm};
 use doubt::Doubt;
 pub use finding::{Finding, LegFault, What};
 pub use frame::body::{Body, FacingFrom};
@@ -137,11 +137,12 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         let (stature_mm, sd_mm) = cut.crotch.stature_mm();
         body.scale_also_by(stature_mm, sd_mm);
     }
-    let (reports, common) = reports(cut.legs, &cut.crotch, &body, method);
+    let coarse_mm = coarse_spacing_mm(&cut.legs);
+    let (reports, common) = reports(cut.legs, &cut.crotch, &body, coarse_mm, method);
     if let [Err(left), Err(right)] = reports.as_slice() {
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
-    let mut findings = about_body(&body, &cut.crotch);
+    let mut findings = about_body(&body, &cut.crotch, coarse_mm);
     let doubts = common.doubts().into_iter().map(What::Doubtful);
     findings.extend(doubts.map(|what| Finding { side: None, level: None, what }));
     // A list of points has no faces by design.
@@ -188,11 +189,13 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
 /// What one leg is, or why it is not measured.
 type Report = Result<(LegReport, Vec<Finding>), LegFault>;
 
-/// Both legs, left before right, and what disturbs both alike.
+/// Both legs, left before right, and what disturbs both alike; `coarse_mm` is how far apart the points of coarse legs
+/// are.
 fn reports(
     legs: Sides<Option<Leg>>,
     crotch: &Crotch,
     body: &Body,
+    coarse_mm: Option<f64>,
     method: &Method,
 ) -> (Vec<Report>, Common) {
     let sectioned = [legs.left, legs.right]
@@ -201,7 +204,7 @@ fn reports(
     let mut sectioned: Vec<_> = sectioned.collect();
     compare_cloth(&mut sectioned);
     let legs: Vec<&SectionedLeg> = sectioned.iter().flatten().collect();
-    let common = common(&legs, body);
+    let common = Common { coarse_mm, ..common(&legs, body) };
     let reports = sectioned.into_par_iter().map(|leg| {
         let leg = leg?;
         Ok(report::leg_report(leg, body, crotch, &common, method))
@@ -213,7 +216,7 @@ fn reports(
 fn common(legs: &[&SectionedLeg], body: &Body) -> Common {
     let traces: Vec<&Traces> = legs.iter().filter_map(|leg| leg.traces.as_ref()).collect();
     let meshes: Vec<_> = legs.iter().map(|leg| &leg.leg.mesh).collect();
-    Common { seams: seams(&traces), smoothed: smoothed(&meshes, body.scale_mm) }
+    Common { seams: seams(&traces), smoothed: smoothed(&meshes, body.scale_mm), coarse_mm: None }
 }
 
 /// Usual crotch heights of standing people as shares of stature: ANSUR II, mean 0.48, first to last
@@ -224,9 +227,20 @@ const CROTCH_USUAL_SHARE: [f64; 2] = [0.435, 0.535];
 /// A crotch with a larger standard error is a finding, mm: G, 50 mm below it, moves by as much.
 const CROTCH_SURE_SD_MM: f64 = 6.0;
 
-/// The findings about the body as a whole.
-fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
+/// The girth for which it is told how far coarse points let it be off, mm: an ankle's, where it is most.
+const ANKLE_GIRTH_MM: f64 = 200.0;
+
+/// One foot stands ahead of the other if its shank does by more than this, mm: of bodies that stand straight by up to
+/// 10 mm, by 90 mm where one foot alone is turned out by 30°.
+const FORWARD_MIN_MM: f64 = 100.0;
+
+/// The findings about the body as a whole; `coarse_mm` is how far apart the points of coarse legs are.
+fn about_body(body: &Body, crotch: &Crotch, coarse_mm: Option<f64>) -> Vec<Finding> {
     let mut found = Vec::new();
+    found.extend(coarse_mm.map(|spacing_mm| {
+        let ankle_sd_mm = Disturbance::of_coarse(spacing_mm).sd_of_mm(ANKLE_GIRTH_MM);
+        What::Coarse { spacing_mm, ankle_sd_mm }
+    }));
     match body.facing_from {
         FacingFrom::Feet => {}
         FacingFrom::Calves(unclear) => found.push(What::FacingByCalves(unclear)),
@@ -236,6 +250,8 @@ fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
         found.push(What::MirrorUnchecked);
     }
     found.extend(body.floor_doubt.map(What::FloorUnclear));
+    let forward_mm = body.forward_mm.filter(|by_mm| *by_mm > FORWARD_MIN_MM);
+    found.extend(forward_mm.map(|by_mm| What::FootForward { by_mm }));
     if let Some(from_mm) = crotch.touching_from_mm {
         found.push(What::ThighsTouch { from_mm });
     }

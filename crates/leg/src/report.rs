@@ -40,8 +40,9 @@ const SURFACE_MARGIN_MM: f64 = 20.0;
 /// The surface begins here if B is absent, as a share of stature: above the malleoli.
 const ANKLE_STATURE_SHARE: f64 = 0.06;
 
-/// Above this bend of the knee, degrees, levels above C are in doubt.
-const BEND_DOUBT_DEG: f64 = 45.0;
+/// Above this bend of the knee, degrees, levels above C are in doubt: shank and thigh of straight legs stand at 2 to
+/// 9°. Where knees were bent by 20 to 50°, D was 6 to 16 mm smaller than on the straight leg, B and C within 3 mm.
+const BEND_DOUBT_DEG: f64 = 15.0;
 
 /// Measures a leg whose sections are known; `common` is what disturbs both legs alike.
 pub fn leg_report(
@@ -56,6 +57,9 @@ pub fn leg_report(
     let end_mm = leg.cut_mm.unwrap_or(crotch.height_mm);
     let near = |along_mm: f64| sections.nearest(along_mm);
     let mut measures = measures(leg, sections, curve, crotch, body, method);
+    let bent = Some(Doubt::KneeBent { bend_deg: of.bend_deg() });
+    let bent = bent.filter(|_| of.bend_deg() > BEND_DOUBT_DEG);
+    measures.doubt_above_calf(bent);
     let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
     let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
     tilt::complete(across, sections, curve, &others);
@@ -68,7 +72,7 @@ pub fn leg_report(
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
     let mut findings = Findings { side: leg.side, found: Vec::new() };
-    for doubt in covers.iter().filter_map(|cover| cover.doubt) {
+    for doubt in covers.iter().filter_map(|cover| cover.doubt).chain(bent) {
         findings.add(None, What::Doubtful(doubt));
     }
     findings.about_filled(filled);
@@ -187,6 +191,12 @@ impl Measures {
         }
     }
 
+    /// Adds a doubt, if there is one, to all levels above the calf.
+    fn doubt_above_calf(&mut self, doubt: Option<Doubt>) {
+        let above = self.levels.found.iter_mut().filter(|landmark| landmark.level > Level::C);
+        above.for_each(|landmark| landmark.doubts.extend(doubt));
+    }
+
     /// Disturbs what lies within reach.
     fn disturb(&mut self, disturbance: &Disturbance) {
         self.levels.found.iter_mut().for_each(|landmark| disturbance.on_landmark(landmark));
@@ -210,12 +220,8 @@ fn measures(
     let ruler = Ruler { curve, near };
     let g = g(&ruler, crotch, choices.g_below_crotch_mm);
     levels.found.extend(g.clone().filter(|_| crotch.is_seen()));
-    let bend_deg = sections.axis.bend_deg();
     for landmark in &mut levels.found {
         landmark.surface_length_mm = surface_length_mm(sections, landmark.along_mm);
-        if landmark.level > Level::C && bend_deg > BEND_DOUBT_DEG {
-            landmark.doubts.push(Doubt::KneeBent { bend_deg });
-        }
     }
     let d = levels.found.iter().find(|landmark| landmark.level == Level::D);
     let stature_mm = [scale_mm, body.scale_sd_share * scale_mm];

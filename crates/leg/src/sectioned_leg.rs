@@ -42,6 +42,17 @@ pub struct SectionedLeg {
     pub traces: Option<Traces>,
 }
 
+impl SectionedLeg {
+    /// Angle between the axes of shank and thigh, degrees, also where it is too wide for planes to turn by it; 0 if it
+    /// was not seen.
+    pub fn bend_deg(&self) -> f64 {
+        match self.no_thigh {
+            Some(NoThigh::TooBent { bend_deg }) => bend_deg,
+            _ => self.sections.axis.bend_deg(),
+        }
+    }
+}
+
 /// Cuts a leg into sections.
 ///
 /// # Errors

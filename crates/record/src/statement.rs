@@ -157,6 +157,10 @@ impl Statement {
             What::MirrorUnchecked => Statement::of("mirror-unchecked"),
             What::NoFaces => Statement::of("no-faces"),
             What::NoLineEnd => Statement::of("no-line-end"),
+            What::Coarse { spacing_mm, ankle_sd_mm } => Statement::of("coarse")
+                .number("spacing_mm", *spacing_mm)
+                .number("girth_off_mm", 2.0 * ankle_sd_mm),
+            What::FootForward { by_mm } => Statement::of("foot-forward").number("by_mm", *by_mm),
             What::ThighsTouch { from_mm } => {
                 Statement::of("thighs-touch").number("from_mm", *from_mm)
             }

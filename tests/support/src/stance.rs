@@ -1,4 +1,4 @@
-//! A standing body that stands otherwise: the legs apart, the knees bent a little.
+//! A standing body that stands otherwise: the legs apart, the knees bent, a foot ahead, the heels up.
 
 use super::mesh::Mesh;
 
@@ -9,6 +9,25 @@ pub struct Stance {
     pub apart_deg: f64,
     /// By how much each knee is bent, degrees; the ankle stays below the hip.
     pub bent_deg: f64,
+}
+
+/// How the joints of one leg are turned, compared with how it was made, degrees.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LegPose {
+    /// The thigh forwards.
+    pub hip_deg: f64,
+    /// The shank backwards from the thigh.
+    pub knee_deg: f64,
+    /// The heel up, the toes down, from a foot that is flat on the floor.
+    pub heel_deg: f64,
+}
+
+impl LegPose {
+    /// A knee that is bent; the ankle stays below the hip.
+    pub fn bent(knee_deg: f64) -> LegPose {
+        let hip_deg = knee_deg * (KNEE_SHARE - ANKLE_SHARE) / (HIP_SHARE - ANKLE_SHARE);
+        LegPose { hip_deg, knee_deg, heel_deg: 0.0 }
+    }
 }
 
 /// Heights of the joints of a leg, of a body with y up and the toes along z, as shares of the crotch's height.
@@ -47,6 +66,21 @@ impl Stance {
             moved
         })
     }
+}
+
+/// The body with the joints of its right and of its left leg turned.
+pub fn posed(body: Mesh, crotch_mm: f64, poses: [LegPose; 2]) -> Mesh {
+    let legs = [-1.0, 1.0].map(|side| Joints::of(&body, crotch_mm, side));
+    body.moved(|at| {
+        let own = usize::from(at[0] >= 0.0);
+        let (leg, by) = (&legs[own], poses[own]);
+        let ankle_deg = by.knee_deg - by.hip_deg - by.heel_deg;
+        let turns = [(leg.ankle, ankle_deg), (leg.knee, -by.knee_deg), (leg.hip, by.hip_deg)];
+        // From the foot up, so that each joint carries what is below it.
+        turns.into_iter().fold(at, |moved, (joint, degrees)| {
+            turned(moved, joint, 2, degrees.to_radians() * leg.below(joint[1], at[1]))
+        })
+    })
 }
 
 /// The middles of the joints of a leg.

@@ -64,6 +64,8 @@ pub struct Body {
     pub scale_sd_share: f64,
     /// Middle of each shank that is present, looking along −Z, mm.
     pub shanks: Sides<Option<Point2<f64>>>,
+    /// How far one shank stands ahead of the other, mm, if there are two and the feet show it.
+    pub forward_mm: Option<f64>,
     /// Standard error of the floor's height, mm.
     pub floor_sd_mm: f64,
     /// What speaks against the floor.
@@ -168,6 +170,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         scale_mm: stature_mm.unwrap_or(size.scale_mm),
         scale_sd_share: if stature_mm.is_some() { CROWN_SD_SHARE } else { FOOT_SD_SHARE },
         shanks: Sides { left: sides.left.map(in_body), right: sides.right.map(in_body) },
+        forward_mm: stance.forward_mm,
         floor_sd_mm: stance.floor.sd_mm,
         floor_doubt: stance.floor.doubt,
         facing_deg: facing.to_degrees(),

@@ -21,8 +21,8 @@ const REACH_SHARE: f64 = 0.08;
 const APART_MAX_DEG: f64 = 75.0;
 
 /// Their mean differs by at most this from the perpendicular to the line through the ankles, degrees: one foot may
-/// stand before the other.
-const SQUARE_MAX_DEG: f64 = 40.0;
+/// stand before the other, by 350 mm where the ankles are 350 mm apart.
+const SQUARE_MAX_DEG: f64 = 50.0;
 
 /// The direction to the front of a body on these two shanks: the perpendicular to the line through the ankles, as a
 /// unit vector. `None` if the calves do not agree on it.

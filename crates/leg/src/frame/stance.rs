@@ -74,6 +74,8 @@ pub struct Stance {
     pub feet: Vec<Point2<f64>>,
     /// Direction of the toes, if the feet show it.
     pub toes: Result<Vector2<f64>, FeetUnclear>,
+    /// How far one shank stands ahead of the other where the toes point, mm, if there are two and their feet show it.
+    pub forward_mm: Option<f64>,
     /// The floor under the soles.
     pub floor: Floor,
 }
@@ -153,6 +155,7 @@ pub(crate) fn stance(
 ) -> Result<Stance, NoLegs> {
     let shanks = found_shanks(mesh, stature_mm)?;
     let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
+    let directions = toe_directions(&shanks, &feet_points, stature_mm);
     let middle = |(points, shank): (&Vec<[f64; 3]>, &Point2<f64>)| match points.len() {
         0 => *shank,
         n => {
@@ -161,7 +164,8 @@ pub(crate) fn stance(
     };
     Ok(Stance {
         feet: feet_points.iter().zip(&shanks).map(middle).collect(),
-        toes: toes(&shanks, &feet_points, stature_mm),
+        forward_mm: directions.as_ref().ok().and_then(|toes| forward_mm(&shanks, toes)),
+        toes: directions.and_then(|directions| toes(&shanks, &directions)),
         floor: floor_mm
             .map(|height_mm| Floor::seen(height_mm, &feet_points, stature_mm))
             .or_else(|| floor(&feet_points, stature_mm))
@@ -300,18 +304,28 @@ fn foot_under(mesh: &Mesh, shank: Point2<f64>, top_mm: f64) -> Vec<[f64; 3]> {
     low.iter().filter(is_own).map(|point| [point.x, point.y, point.z]).collect()
 }
 
-/// The direction of the toes. For one foot, its own direction. For two, halfway between the feet's
-/// mean direction and the perpendicular to the line through the ankles, because a foot turned out
-/// distorts the former and a foot set forward the latter.
-fn toes(
+/// Where the toes of each foot point.
+fn toe_directions(
     shanks: &[Point2<f64>],
     feet: &[Vec<[f64; 3]>],
     stature_mm: f64,
-) -> Result<Vector2<f64>, FeetUnclear> {
+) -> Result<Vec<Vector2<f64>>, FeetUnclear> {
     let one =
         |(shank, foot): (&Point2<f64>, &Vec<[f64; 3]>)| toe_direction(*shank, foot, stature_mm);
-    let directions = shanks.iter().zip(feet).map(one).collect::<Result<Vec<_>, _>>()?;
-    let &[first, second] = directions.as_slice() else {
+    shanks.iter().zip(feet).map(one).collect()
+}
+
+/// How far one shank stands ahead of the other where the toes of both feet point, mm.
+fn forward_mm(shanks: &[Point2<f64>], directions: &[Vector2<f64>]) -> Option<f64> {
+    let (&[one, other], &[first, second]) = (shanks, directions) else { return None };
+    Some((other - one).dot(&(first + second).normalize()).abs())
+}
+
+/// The direction of the toes. For one foot, its own direction. For two, halfway between the feet's
+/// mean direction and the perpendicular to the line through the ankles, because a foot turned out
+/// distorts the former and a foot set forward the latter.
+fn toes(shanks: &[Point2<f64>], directions: &[Vector2<f64>]) -> Result<Vector2<f64>, FeetUnclear> {
+    let &[first, second] = directions else {
         return directions.first().copied().ok_or(FeetUnclear::NotSeen { points: 0 });
     };
     let spread_deg = first.angle(&second).to_degrees();

@@ -125,6 +125,20 @@ impl Mesh {
         (middle > 0).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
+    /// Mean distance of neighbouring points, mm: of as many on the same area in a square grid, of which each has two
+    /// triangles. Of a point cloud its spacing, if that is more than half of its slices' least thickness.
+    pub(crate) fn spacing_mm(&self) -> f64 {
+        if self.triangles.is_empty() {
+            return self.slab_half_mm;
+        }
+        let doubled = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|corner| self.points[corner as usize]);
+            (b - a).cross(&(c - a)).norm()
+        };
+        let sum: f64 = self.triangles.iter().map(doubled).sum();
+        (sum / self.triangles.len() as f64).sqrt()
+    }
+
     /// The share of edges that are longer than this, mm, by as many of them as for [`Mesh::edge_mm`].
     pub(crate) fn share_longer(&self, than_mm: f64) -> f64 {
         let at = |point: u32| self.points[point as usize];

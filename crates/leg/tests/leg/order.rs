@@ -28,6 +28,7 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         floor_doubt: None,
         floor_sd_mm: 0.0,
         shanks: Sides { left: Some(Point2::origin()), right: None },
+        forward_mm: None,
         facing_deg: 0.0,
         facing_from: FacingFrom::Feet,
         is_mirror_checked: true,

@@ -92,6 +92,8 @@ pub fn all() -> Vec<What> {
         What::FloorUnclear(FloorDoubt::Uneven { spread_mm: 14.0 }),
         What::FloorUnclear(FloorDoubt::NotTurning),
         What::FloorUnclear(FloorDoubt::Raised { toes_mm: 44.0 }),
+        What::Coarse { spacing_mm: 13.6, ankle_sd_mm: 1.1 },
+        What::FootForward { by_mm: 210.0 },
         What::ThighsTouch { from_mm: 702.0 },
         What::Proportions { percent: 41.0 },
         What::CrownNotSeen { stature_mm: 1650.0 },

@@ -77,7 +77,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 48] = [
+const KEYWORDS: [[&str; 4]; 50] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -105,6 +105,8 @@ const KEYWORDS: [[&str; 4]; 48] = [
     ["mirror-unchecked", "Mirror", "Spiegelung", "spiegelverkehrt"],
     ["no-faces", "without a mesh", "ohne Netz", "nur Punkte"],
     ["no-line-end", "line end", "Zeilenende", "ohne Zeilenende"],
+    ["coarse", "far apart", "weit auseinander", "liegen 10 mm und mehr"],
+    ["foot-forward", "One foot", "Ein Fuß", "weit vor dem anderen"],
     ["thighs-touch", "Thighs", "Oberschenkel", "berühren sich"],
     ["proportions", "proportions", "Proportionen", "Der Schritt liegt"],
     ["crown-not-seen", "Head not in", "Kopf nicht", "Füßen und Schritt geschätzt"],

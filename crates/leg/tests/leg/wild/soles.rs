@@ -10,7 +10,7 @@ use super::*;
 const DRAWS: u64 = 6;
 
 /// A body with noise of up to 0.8 mm, and what is true of it.
-fn drawn(chance: &mut Chance) -> (Mesh, &'static Extraction) {
+pub(super) fn drawn(chance: &mut Chance) -> (Mesh, &'static Extraction) {
     let Sample { mesh, truth } = &SAMPLES[chance.below(SAMPLES.len())];
     let noise_mm = 0.8 * chance.unit();
     (noisy(mesh, noise_mm, chance), truth)
@@ -18,7 +18,7 @@ fn drawn(chance: &mut Chance) -> (Mesh, &'static Extraction) {
 
 /// The levels B, C and D whose height is off by more than `beside_mm` and three stated standard errors without a
 /// doubt.
-fn off_in_height(
+pub(super) fn off_in_height(
     found: &Extraction,
     truth: &Extraction,
     beside_mm: f64,
@@ -40,7 +40,7 @@ fn off_in_height(
 }
 
 /// Whether a finding says that the floor is uncertain.
-fn is_floor_doubted(found: &Extraction) -> bool {
+pub(super) fn is_floor_doubted(found: &Extraction) -> bool {
     is_told(found, "floor-uneven") || is_told(found, "feet-cut")
 }
 

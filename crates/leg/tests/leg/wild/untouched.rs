@@ -7,8 +7,17 @@ const DRAWS: u64 = 24;
 
 #[test]
 fn nothing_is_told_of_untouched_bodies_whatever_their_noise_and_density() {
-    let codes =
-        ["cloth", "views-apart", "smoothed", "holes-filled", "crown-not-seen", "facing-by-calves"];
+    let codes = [
+        "cloth",
+        "views-apart",
+        "smoothed",
+        "holes-filled",
+        "crown-not-seen",
+        "facing-by-calves",
+        "coarse",
+        "foot-forward",
+        "knee-bent",
+    ];
     for seed in 0..DRAWS {
         let mut chance = Chance(seed);
         let sample = &SAMPLES[chance.below(2)];
