@@ -3,6 +3,7 @@
 use std::os::unix::ffi::OsStringExt;
 
 use gaiter_flow::account::{Delivered, Happened, Listed, Whole, why_refused};
+use gaiter_flow::patient::erasure::ERASED;
 use gaiter_flow::words::bytes;
 use gaiter_flow::{Closed, ScanState};
 use gaiter_language::Language;
@@ -102,7 +103,8 @@ fn detail(whole: &Whole, language: Language) -> String {
     }
     let closed = |why: Closed| language.word("page.scan.closed", why.word()).to_owned();
     rows.extend(summary.closed.map(|why| ("terminal.label.closed", closed(why))));
-    rows.extend(whole.candidates.iter().map(|id| ("terminal.label.candidate", id.clone())));
+    let candidate = |id: &String| if id == ERASED { text("terminal.erased") } else { id.clone() };
+    rows.extend(whole.candidates.iter().map(|id| ("terminal.label.candidate", candidate(id))));
     rows.extend(whole.preview.clone().map(|folder| ("terminal.label.preview", folder)));
     rows.extend(whole.deliveries.iter().flat_map(|of| of_delivery(of, language)));
     rows.push(NO_ROW);

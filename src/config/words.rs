@@ -200,7 +200,8 @@ pub const FILES: Words<FileKind> = &[
 ];
 
 /// `orders.files`
-pub const ORDER_FILES: Words<OrderFile> = &[("csv", OrderFile::Csv), ("json", OrderFile::Json)];
+pub const ORDER_FILES: Words<OrderFile> =
+    &[("csv", OrderFile::Csv), ("spreadsheet", OrderFile::Spreadsheet), ("json", OrderFile::Json)];
 
 /// What a word means; `None` for an unknown word.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {

@@ -132,3 +132,36 @@ test("on paper every page has the patient, and dark colours are not printed", as
     sheets.forEach((sheet, at) => assert.ok(sheet.includes("4711"), `page ${at + 1} does not say whose it is`));
   });
 });
+
+test("the summary is the first page of the PDF, and no page but the last is less than half full", () => {
+  for (const [language, changes, all] of [
+    ["en", "Change of the girths along the legs", "All visits"],
+    ["de", "Änderung der Umfänge entlang der Beine", "Alle Termine"],
+  ]) {
+    const path = join(folder, language, "visits.pdf");
+    const read = (...how) => execFileSync("pdftotext", [...how, path, "-"], { encoding: "utf8" });
+    const sheets = read("-layout").split("\f").filter((sheet) => sheet.trim() !== "");
+    assert.ok(sheets[0].includes(changes) && !sheets[0].includes(all), sheets[0]);
+    assert.ok(sheets[1].includes(all), sheets[1]);
+    const pages = read("-bbox").split("<page ").slice(1);
+    pages.slice(0, -1).forEach((page, at) => {
+      const height = Number(/height="([\d.]+)"/.exec(page)[1]);
+      // Without the foot.
+      const ends = [...page.matchAll(/yMax="([\d.]+)"/g)].map(([, end]) => Number(end)).filter((end) => end < height - 50);
+      assert.ok(Math.max(...ends) > height / 2, `page ${at + 1} of ${language} ends at ${Math.max(...ends)} pt`);
+    });
+  }
+});
+
+test("the page links to its PDF, and its summary is one printed page", async () => {
+  for (const [language, all] of [["en", "All visits"], ["de", "Alle Termine"]]) {
+    await onPage(language, {}, async (page) => {
+      assert.equal(await page.locator('header a[href="visits.pdf"]').count(), 1);
+      const path = join(folder, "summary.pdf");
+      await page.pdf({ path, preferCSSPageSize: true });
+      const text = execFileSync("pdftotext", ["-layout", path, "-"], { encoding: "utf8" });
+      const sheets = text.split("\f");
+      assert.ok(!sheets[0].includes(all) && sheets[1].includes(all), `${sheets[0]}\n---\n${sheets[1]}`);
+    });
+  }
+});

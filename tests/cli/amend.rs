@@ -61,10 +61,12 @@ fn a_measure_that_a_person_sets_is_a_revision_in_which_all_of_the_scan_stays() {
     let made_again = [
         "record.json",
         "measurements.csv",
+        "measurements-spreadsheet.csv",
         "legs.svg",
         "report.html",
         "report.pdf",
         "order.csv",
+        "order-spreadsheet.csv",
         "order.json",
         "SHA256SUMS",
     ];

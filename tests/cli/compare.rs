@@ -195,6 +195,7 @@ fn a_page_a_pdf_and_json_are_written_and_never_replaced_unasked() {
     let page = String::from_utf8(page).unwrap();
     assert!(page.contains("4711") && page.contains("id=\"view-place\"") && page.contains("<svg"));
     assert!(paper.starts_with(b"%PDF"));
+    assert!(page.contains("href=\"visits.pdf\""), "the page links to the PDF beside it");
     let again = written(&[]);
     assert_eq!(code(&again), Some(64));
     assert!(stderr(&again).contains("nothing was replaced"), "{}", stderr(&again));

@@ -1,4 +1,5 @@
-//! `gaiter sizes` as the real program: what it says of tables and of records, and where it stops.
+//! `gaiter sizes` as the real program: what it says of tables and of records, and where it stops. `gaiter order` of an
+//! old scan.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -298,4 +299,24 @@ fn check_names_each_fault_of_a_table_with_its_place_and_warns_of_what_is_old_or_
     let output = checked(&station(dir.path(), &none));
     assert_eq!(code(&output), Some(78));
     assert!((stderr(&output) + &stdout(&output)).contains("none.toml: No such file"));
+}
+
+/// `gaiter order` of a record whose scan was taken on a day.
+fn order_of(day: &str) -> Output {
+    let dir = TempDir::new().unwrap();
+    let text = fs::read_to_string(record(&dir).join("record.json")).unwrap();
+    let of_day = write(dir.path(), "record.json", text.replace("2026-11-21T09:14:59Z", day));
+    gaiter(&["order", &of_day])
+}
+
+#[test]
+fn the_order_of_a_scan_that_is_too_old_says_so_on_the_terminal_and_in_the_table() {
+    let old = order_of("2016-11-21T09:14:59Z");
+    assert_eq!(code(&old), Some(0), "{}", stderr(&old));
+    let said = stderr(&old);
+    assert!(said.contains("too old for an order: its measures held until 2017-05-20"), "{said}");
+    assert!(stdout(&old).contains(";scan-age;"), "{}", stdout(&old));
+    let now = jiff::Timestamp::now().to_string();
+    let fresh = order_of(&now);
+    assert!(!stderr(&fresh).contains("too old") && !stdout(&fresh).contains("scan-age"));
 }

@@ -5,6 +5,7 @@
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use rig::verb::{code, gaiter_told, stderr, stdout};
 use rig::{Booth, Daemon, names, sha256};
@@ -196,6 +197,27 @@ fn a_person_is_erased_while_no_station_runs() {
     assert!(!since.contains("journal-set-aside") && !since.contains("journal-ruined"), "{since}");
     assert_eq!(daemon.stop().code(), Some(0));
     assert_erased(&booth);
+}
+
+/// The station is killed once its own folder is cleared, while the verb waits, and started again or not.
+#[test]
+fn a_station_that_is_killed_in_the_middle_leaves_the_verb_asking_until_it_knows() {
+    for starts_again in [true, false] {
+        let (booth, daemon) = booth();
+        let ((exit, said, shown), daemon) = thread::scope(|scope| {
+            let verb = scope.spawn(|| erase(&booth));
+            booth.wait_for("its own folder", || booth.log().contains("person-erased-here"));
+            daemon.kill();
+            let daemon = starts_again.then(|| booth.start_ready());
+            (verb.join().unwrap(), daemon)
+        });
+        assert_eq!(exit, Some(0), "{said}{shown}\n{}", booth.log());
+        assert!(said.contains("Erased.") && !said.contains("at the station"), "{said}");
+        assert_erased(&booth);
+        if let Some(daemon) = daemon {
+            assert_eq!(daemon.stop().code(), Some(0));
+        }
+    }
 }
 
 #[test]

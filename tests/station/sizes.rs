@@ -88,7 +88,8 @@ fn practice_with_orders() -> Booth {
 
 #[test]
 fn the_files_of_an_order_go_to_every_store_and_a_correction_makes_them_anew() {
-    const FILES: [&str; 3] = ["order.csv", "order.json", "order-example-points.csv"];
+    const FILES: [&str; 4] =
+        ["order.csv", "order.json", "order-example-points.csv", "order-spreadsheet.csv"];
     let booth = practice_with_orders();
     let daemon = booth.start();
     let bytes = coarse_body(1);

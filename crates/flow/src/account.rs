@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::disposition::{Disposition, Task};
 use super::facts::StoreFacts;
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
+use super::patient::erasure::ERASED;
 use super::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use super::round::AMBIGUOUS;
 use super::scan_id::SHORT;
@@ -151,7 +152,7 @@ pub struct Whole {
     pub summary: Summary,
     /// Its deliveries, in the order of patients and stores.
     pub deliveries: Vec<Delivered>,
-    /// The ids of the patients to whom it may belong, if it is held.
+    /// The ids of the patients to whom it may belong, if it is held; `(erased)` for one who was erased.
     pub candidates: Vec<String>,
     /// The folder in which its legs can be seen while it is held.
     pub preview: Option<String>,
@@ -219,7 +220,8 @@ impl Whole {
     /// The patients to whom it belongs, or may belong if it is held, each once.
     pub fn possible_owners(&self) -> Vec<String> {
         let is_held = self.disposition() == Disposition::Held;
-        let candidates = self.candidates.iter().filter(|_| is_held).map(String::as_str);
+        let candidates = self.candidates.iter().filter(|id| is_held && *id != ERASED);
+        let candidates = candidates.map(String::as_str);
         let all: BTreeSet<&str> = self.owners().into_iter().chain(candidates).collect();
         all.into_iter().map(str::to_owned).collect()
     }

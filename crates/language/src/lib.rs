@@ -29,6 +29,7 @@ pub enum Language {
 struct Row {
     tag: &'static str,
     decimal_sign: &'static str,
+    list_separator: char,
     file: &'static str,
 }
 
@@ -47,11 +48,27 @@ impl Language {
         self.row().decimal_sign
     }
 
+    /// The sign between the cells of a table, as spreadsheets set to the language expect it. Never the decimal
+    /// sign.
+    pub const fn list_separator(self) -> char {
+        self.row().list_separator
+    }
+
     /// All that is not in its file: a new language is a file and a row here.
     const fn row(self) -> Row {
         match self {
-            Language::En => Row { tag: "en", decimal_sign: ".", file: include_str!("en.toml") },
-            Language::De => Row { tag: "de", decimal_sign: ",", file: include_str!("de.toml") },
+            Language::En => Row {
+                tag: "en",
+                decimal_sign: ".",
+                list_separator: ',',
+                file: include_str!("en.toml"),
+            },
+            Language::De => Row {
+                tag: "de",
+                decimal_sign: ",",
+                list_separator: ';',
+                file: include_str!("de.toml"),
+            },
         }
     }
 

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::file::{RecordFile, file};
 use super::measure::csv;
-use super::order::{is_order_file, order_files};
+use super::order::{Order, is_order_file, order_files};
 use super::picture::figures;
 use super::report::PdfFault;
 use super::report_files::{self, FilesFault, ReportChoice};
@@ -22,8 +22,11 @@ pub const SUMS: &str = "SHA256SUMS";
 /// The record itself.
 pub const RECORD: &str = "record.json";
 
-/// The measures for spreadsheets.
+/// The measures as the exact table for programs.
 const MEASUREMENTS: &str = "measurements.csv";
+
+/// The same table for a spreadsheet that is set to the language of the report.
+const SPREADSHEET: &str = "measurements-spreadsheet.csv";
 
 /// The file of a record that holds the scanner's own measures of the scan.
 pub const ORD: &str = "scanner.ord";
@@ -80,8 +83,8 @@ pub fn files_beside_scan(
     let figures = figures::all(&record, choice.language);
     let paper = report_files::paper(&record, choice, &figures);
     record.findings.extend(paper.as_ref().err().map(no_paper));
-    let mut files = vec![file(RECORD, json(&record)?), file(MEASUREMENTS, csv(&record, choice))];
-    files.extend(orders(&record, choice)?);
+    let mut files = vec![file(RECORD, json(&record)?)];
+    files.extend(tables(&record, choice)?);
     files.push(report_files::drawing(&figures, choice.language));
     files.push(report_files::page(&record, choice, &figures)?);
     files.extend(paper);
@@ -95,8 +98,8 @@ pub fn files_beside_scan(
 }
 
 /// The files of a revision that differs from the one before in what people set: what shows a measure is
-/// made again from the record, everything else, such as scan and surfaces, stays as it is. The files of the
-/// order are those that are chosen now: an earlier one would tell measures that no longer count. `before` are
+/// made again from the record, everything else, such as scan and surfaces, stays as it is. The tables and the
+/// files of the order are those of now: an earlier one would tell measures that no longer count. `before` are
 /// all files of the revision before except `SHA256SUMS`, in their order.
 ///
 /// # Errors
@@ -106,17 +109,16 @@ pub fn amended_files(
     choice: &ReportChoice,
     before: Vec<RecordFile>,
 ) -> Result<Vec<RecordFile>, FilesFault> {
-    let mut made = vec![file(RECORD, json(record)?), file(MEASUREMENTS, csv(record, choice))];
+    let mut made = vec![file(RECORD, json(record)?)];
     made.extend(report_files::all(record, choice)?);
     let keep = |old: RecordFile| match made.iter().find(|new| new.name == old.name) {
         Some(new) => new.clone(),
         None => old,
     };
-    let before = before.into_iter().filter(|old| !is_order_file(&old.name));
+    let before = before.into_iter().filter(|old| !is_table(&old.name));
     let mut files: Vec<RecordFile> = before.map(keep).collect();
-    let place =
-        files.iter().position(|of| of.name == MEASUREMENTS).map_or(files.len(), |at| at + 1);
-    files.splice(place..place, orders(record, choice)?);
+    let place = files.iter().position(|of| of.name == RECORD).map_or(files.len(), |at| at + 1);
+    files.splice(place..place, tables(record, choice)?);
     files.push(file(SUMS, sums_of(&files).into_bytes()));
     Ok(files)
 }
@@ -131,12 +133,22 @@ pub fn json(record: &Record) -> Result<Vec<u8>, serde_json::Error> {
     Ok(json)
 }
 
-fn orders(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, serde_json::Error> {
-    order_files(record, &choice.garment, &choice.orders, choice.sizes.scanner_girth_mm)
+/// The measures as tables, and the files of the order.
+fn tables(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, serde_json::Error> {
+    let ReportChoice { garment, language, sizes, orders, age_max, .. } = choice;
+    let order = Order::of(record, garment, None, sizes.scanner_girth_mm).on(sizes.today, *age_max);
+    let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
+    let mut files = vec![
+        file(MEASUREMENTS, csv::measurements(record, garment, *language).into_bytes()),
+        file(SPREADSHEET, csv::spreadsheet(record, garment, *language).into_bytes()),
+    ];
+    files.extend(order_files(&order, orders, *language, patient)?);
+    Ok(files)
 }
 
-fn csv(record: &Record, choice: &ReportChoice) -> Vec<u8> {
-    csv::measurements(record, &choice.garment, choice.language).into_bytes()
+/// Whether a file of a record is one of those.
+fn is_table(name: &str) -> bool {
+    [MEASUREMENTS, SPREADSHEET].contains(&name) || is_order_file(name)
 }
 
 fn sums_of(files: &[RecordFile]) -> String {

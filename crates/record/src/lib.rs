@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod cells;
 pub mod change;
 pub mod chart;
 mod check;

@@ -3,6 +3,7 @@
 use gaiter_leg::Side;
 use gaiter_record::Acquired;
 
+use super::course::{Course, Group};
 use super::stance::StanceChange;
 use super::visit::Visit;
 
@@ -66,16 +67,7 @@ impl Caution {
 
 /// What speaks against comparing an earlier visit with a later one.
 pub(super) fn cautions([earlier, later]: [&Visit; 2]) -> Vec<Caution> {
-    let mut found = Vec::new();
-    let times = [earlier, later].map(|visit| visit.acquired.as_ref().and_then(time_of_day_h));
-    match times {
-        [Some(one), Some(other)] => {
-            let apart = (one - other).abs();
-            let hours = apart.min(24.0 - apart);
-            found.extend((hours > TIME_OF_DAY_H).then_some(Caution::TimeOfDay { hours }));
-        }
-        _ => found.push(Caution::TimeUnknown),
-    }
+    let mut found: Vec<Caution> = time_of_day([earlier, later]).into_iter().collect();
     found.extend(earlier.is_of_other_posture(later).then_some(Caution::Posture));
     found.extend(Side::FROM_FRONT.into_iter().filter_map(|side| stance([earlier, later], side)));
     if earlier.station != later.station {
@@ -92,6 +84,25 @@ pub(super) fn cautions([earlier, later]: [&Visit; 2]) -> Vec<Caution> {
     let sides = Side::FROM_FRONT.into_iter().filter(by_hand);
     found.extend(sides.map(|side| Caution::ByHand { side }));
     found
+}
+
+/// What speaks against comparing two visits because of their times of day.
+fn time_of_day(visits: [&Visit; 2]) -> Option<Caution> {
+    let [one, other] = visits.map(|visit| visit.acquired.as_ref().and_then(time_of_day_h));
+    let (Some(one), Some(other)) = (one, other) else { return Some(Caution::TimeUnknown) };
+    let apart = (one - other).abs();
+    let hours = apart.min(24.0 - apart);
+    (hours > TIME_OF_DAY_H).then_some(Caution::TimeOfDay { hours })
+}
+
+impl Course {
+    /// That a visit of a group was at another time of day than its last one, with which visits are compared; `None` also
+    /// if one of the times is not known.
+    pub fn other_time_of_day(&self, group: &Group, visit: usize) -> Option<Caution> {
+        let last = &self.visits[*group.visits.last()?];
+        let found = time_of_day([&self.visits[visit], last])?;
+        matches!(found, Caution::TimeOfDay { .. }).then_some(found)
+    }
 }
 
 fn stance(visits: [&Visit; 2], side: Side) -> Option<Caution> {

@@ -61,6 +61,8 @@ pub struct VisitFigures {
     pub phantom_bias_mm: Option<f64>,
     /// What the girths mean.
     pub definition: String,
+    /// What of it speaks against comparing it with the last visit of its group, by code: `time-of-day-differs`.
+    pub cautions: Vec<&'static str>,
     /// The legs that were measured.
     pub legs: Vec<LegAtVisitFigures>,
     /// Volume of the left leg minus that of the right one, over the lengths that both have; null if a leg is missing.
@@ -309,6 +311,11 @@ fn visit(course: &Course, at: usize) -> VisitFigures {
         posture: of.posture.clone(),
         phantom_bias_mm: of.phantom_mm,
         definition: of.definition.girths.clone(),
+        cautions: group
+            .and_then(|group| course.other_time_of_day(group, at))
+            .iter()
+            .map(Caution::code)
+            .collect(),
         legs: Side::BOTH.into_iter().filter_map(leg).collect(),
         left_minus_right_ml: group
             .and_then(|group| course.left_minus_right(group, at))

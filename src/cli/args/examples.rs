@@ -98,7 +98,7 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter order /srv/records/4711 --garment AG", "prints the order of a thigh stocking"],
             [
                 "gaiter order record.json --ref A-1042 --out orders",
-                "writes order.csv and order.json",
+                "writes tables for programs and for people, and order.json",
             ],
             ["gaiter order record.json --mapping shop.toml", "as a shop system wants it"],
             [

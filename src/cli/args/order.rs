@@ -26,7 +26,7 @@ pub struct OrderOf {
     /// The garment that is ordered
     #[command(flatten)]
     pub garment: GarmentArgs,
-    /// Write the file that this mapping describes, instead of order.csv
+    /// Write the file that this mapping describes, instead of the tables order.csv and order-spreadsheet.csv
     #[arg(long, value_name = "FILE")]
     pub mapping: Option<PathBuf>,
     /// The reference by which shop and maker know the order; never a patient's id or name

@@ -235,14 +235,17 @@ fn written(
     Ok(said)
 }
 
+/// The file of the PDF.
+const PAPER_NAME: &str = "visits.pdf";
+
 /// The page, the PDF and the figures.
 fn files(report: &ReportOf, paper: Paper, json: String) -> Result<[RecordFile; 3], Fault> {
-    let document = report.document();
+    let document = report.document_beside(PAPER_NAME);
     let page = document_page(&document, paper)?;
     let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };
     Ok([
         file("visits.html", page.into_bytes()),
-        file("visits.pdf", document_paper(&document, paper)?),
+        file(PAPER_NAME, document_paper(&document, paper)?),
         file("visits.json", json.into_bytes()),
     ])
 }

@@ -7,15 +7,18 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
+use gaiter_language::Language;
 use gaiter_record::order::{
-    BYTES_MAX, LastFault, Order, OrderFile, OrderRef, RefFault, ReorderFault, csv, json, mapped,
-    mapped_name, read,
+    BYTES_MAX, LastFault, Order, OrderFile, OrderRef, RefFault, ReorderFault, mapped, mapped_name,
+    read,
 };
+use gaiter_record::report::AgeMax;
 use gaiter_record::schema::NOT_VOUCHED;
 use gaiter_record::sizing::SCANNER_GIRTH_MM;
 use gaiter_record::{Record, RecordFile, SUMS};
 use gaiter_sizes::{Garment, Mapping};
 use jiff::Zoned;
+use jiff::civil::Date;
 
 use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat, usual_config};
 use super::{Exit, complain, explain_config, print, report, shown};
@@ -103,10 +106,10 @@ fn ordered(args: &OrderOf) -> Result<(), Exit> {
             shown(path.display())
         ));
     }
-    let order =
-        of(args, &record, &garment, last, configured.scanner_girth_mm).map_err(complained)?;
-    let files =
-        files(&order, mapping.as_ref(), &record).map_err(|fault| complained(fault.into()))?;
+    let order = of(args, &record, &garment, last, configured.scanner_girth_mm);
+    let order = order.map_err(complained)?.on(configured.today, configured.age_max);
+    let files = files(&order, mapping.as_ref(), &record, configured.language)
+        .map_err(|fault| complained(fault.into()))?;
     open::told(&order).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
     match &args.out {
         Some(out) => {
@@ -117,7 +120,7 @@ fn ordered(args: &OrderOf) -> Result<(), Exit> {
         None => {
             let name = OrderFile::Json.name();
             let is_asked = |file: &&RecordFile| (file.name == name) == args.json;
-            // Both the JSON and another file are there.
+            // The JSON is there, and another file: first the exact table.
             let file = files.iter().find(is_asked).ok_or(Exit::Internal)?;
             printed(print_bytes(&file.bytes))
         }
@@ -145,23 +148,24 @@ fn of(
     again.map_err(|source| Fault::Reorder { path: path.to_owned(), source })
 }
 
-/// The files of the order: the one that was asked for, and the JSON from which it can be repeated.
+/// The files of the order: the mapping's that was asked for, else the tables for programs and for people, and the
+/// JSON from which it can be repeated.
 fn files(
     order: &Order,
     mapping: Option<&Mapping>,
     record: &Record,
+    language: Language,
 ) -> Result<Vec<RecordFile>, serde_json::Error> {
-    let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
-    let table = match mapping {
-        None => {
-            RecordFile { name: OrderFile::Csv.name().to_owned(), bytes: csv(order).into_bytes() }
-        }
-        Some(mapping) => {
-            RecordFile { name: mapped_name(order, mapping), bytes: mapped(order, mapping, patient) }
-        }
+    let own = |kind: OrderFile| kind.of(order, language);
+    let Some(mapping) = mapping else {
+        return [OrderFile::Csv, OrderFile::Spreadsheet, OrderFile::Json]
+            .map(own)
+            .into_iter()
+            .collect();
     };
-    let json = RecordFile { name: OrderFile::Json.name().to_owned(), bytes: json(order)? };
-    Ok(vec![table, json])
+    let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
+    let name = mapped_name(order, mapping);
+    Ok(vec![RecordFile { name, bytes: mapped(order, mapping, patient) }, own(OrderFile::Json)?])
 }
 
 /// The last order. Its length is looked at first: a scan in the wrong place is not read whole.
@@ -187,15 +191,22 @@ struct Configured {
     garments: Vec<Garment>,
     garment: Garment,
     scanner_girth_mm: f64,
+    language: Language,
+    age_max: AgeMax,
+    today: Date,
 }
 
 impl Configured {
     fn of(args: &OrderOf) -> Result<Configured, Exit> {
+        let today = Zoned::now().date();
         match config::read(&args.config) {
             Ok(config) => Ok(Configured {
-                scanner_girth_mm: config.report_choice(Zoned::now().date()).sizes.scanner_girth_mm,
+                scanner_girth_mm: config.report_choice(today).sizes.scanner_girth_mm,
                 garments: config.garments,
                 garment: config.garment,
+                language: config.language,
+                age_max: config.age_max,
+                today,
             }),
             Err(ConfigError::Unreadable { source, .. })
                 if source.kind() == io::ErrorKind::NotFound && args.config == usual_config() =>
@@ -204,6 +215,9 @@ impl Configured {
                     garments: Garment::shipped().to_vec(),
                     garment: Garment::default(),
                     scanner_girth_mm: SCANNER_GIRTH_MM,
+                    language: Language::default(),
+                    age_max: AgeMax::default(),
+                    today,
                 })
             }
             Err(error) => Err(explain_config(&error)),

@@ -1,4 +1,5 @@
-//! What a person must know before an order is sent: boxes that are open, and what is to be made sure of.
+//! What a person must know before an order is sent: boxes that are open, a scan that is too old, and what is to be
+//! made sure of.
 
 use gaiter_record::order::{OpenBox, Order, OrderSide, State};
 
@@ -12,6 +13,7 @@ pub fn told(order: &Order) -> Vec<String> {
             told.push(format!("open, {}: {}", side.word(), boxes.join(", ")));
         }
     }
+    told.extend(order.is_of_an_old_scan().then(|| of_age(order)));
     if !order.to_check.is_empty() {
         told.push(format!("make sure of: {}", order.to_check.join(", ")));
     }
@@ -22,6 +24,16 @@ pub fn told(order: &Order) -> Vec<String> {
         ));
     }
     told
+}
+
+/// Why the scan is too old.
+fn of_age(order: &Order) -> String {
+    match order.holds_until {
+        Some(last) => format!(
+            "the scan is too old for an order: its measures held until {last} (report.max_age); measure again"
+        ),
+        None => "the day of the scan is not known: measure again before an order".to_owned(),
+    }
 }
 
 fn in_words(of: &OpenBox) -> String {

@@ -1,25 +1,17 @@
 //! `gaiter patient erase`.
 
 use std::io::{self, IsTerminal, Write};
-use std::time::Duration;
 
 use gaiter_flow::patient::erasure::Erasure;
 use gaiter_language::Language;
-use jiff::{SignedDuration, Timestamp};
 use serde_json::json;
 
 use super::preview;
 use super::reach::{Fault, Reached};
+use super::watch::Watch;
 use crate::cli::args::EraseArgs;
 use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print};
-use crate::store::polling::poll;
-
-/// How long the station may take to begin anew and to clear its folder and the stores.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// How long after its own folder the stores that are in reach are cleared.
-const STORES_PATIENCE: SignedDuration = SignedDuration::from_secs(10);
 
 /// Erases all that the station holds of a person, once the id was given twice.
 pub fn erase(args: &EraseArgs) -> Exit {
@@ -53,9 +45,13 @@ fn erased(args: &EraseArgs) -> Result<Exit, Fault> {
     if again != patient {
         return Err(Fault::NotAgain);
     }
-    let erasure = match reached.erase(&patient, &again)? {
-        Some(erasure) => Some(erasure),
-        None => waited(&reached, &patient),
+    let watch = Watch::of(&reached, &patient);
+    let erasure = match reached.erase(&patient) {
+        Ok(Some(erasure)) => Some(erasure),
+        Ok(None) => watch.noted().until_known()?,
+        // It ended before it answered, so nobody knows yet whether it noted the wish.
+        Err(fault) if fault.is_silence() => watch.until_known()?,
+        Err(fault) => return Err(fault),
     };
     told(args, erasure.as_ref(), language)
 }
@@ -69,35 +65,28 @@ fn read_again(language: Language) -> io::Result<String> {
     read_patient()
 }
 
-/// Waits until nothing is left to do, or only a store that is out of reach.
-fn waited(reached: &Reached<'_>, patient: &str) -> Option<Erasure> {
-    let mut last = None;
-    let ended = poll(PATIENCE, || {
-        // The socket is away for a moment while the station begins anew.
-        let erasure = reached.erasure(patient).ok().flatten()?;
-        let own =
-            erasure.cleared.is_some_and(|at| at.duration_until(Timestamp::now()) > STORES_PATIENCE);
-        let is_over = erasure.ended.is_some() || own;
-        last = Some(erasure.clone());
-        is_over.then_some(erasure)
-    });
-    ended.or(last)
-}
-
+/// Tells what is known of an erasure; `None` if nobody could be asked to the end.
 fn told(args: &EraseArgs, erasure: Option<&Erasure>, language: Language) -> Result<Exit, Fault> {
     let ended = erasure.and_then(|erasure| erasure.ended);
-    let stores = erasure.map(|erasure| erasure.stores.clone()).unwrap_or_default();
-    let own = erasure.is_some_and(|erasure| erasure.cleared.is_some());
-    let text = match (args.ask.json, ended.is_some(), own) {
-        (true, ..) => {
-            format!("{:#}\n", json!({ "ended": ended, "own_cleared": own, "waits_for": stores }))
+    let text = match erasure {
+        _ if args.ask.json => format!("{:#}\n", as_json(erasure)),
+        None => format!("{}\n", language.text("erase.unknown")),
+        Some(_) if ended.is_some() => format!("{}\n", language.text("erase.done")),
+        Some(erasure) if erasure.cleared.is_some() => {
+            let stores = erasure.stores.join(", ");
+            format!("{}\n", language.filled("erase.waits", &[("stores", &stores)]))
         }
-        (false, true, _) => format!("{}\n", language.text("erase.done")),
-        (false, false, true) => {
-            format!("{}\n", language.filled("erase.waits", &[("stores", &stores.join(", "))]))
-        }
-        (false, false, false) => format!("{}\n", language.text("erase.not_yet")),
+        Some(_) => format!("{}\n", language.text("erase.not_yet")),
     };
     print(text).map_err(Fault::Print)?;
     Ok(if ended.is_some() { Exit::Done } else { Exit::Io })
+}
+
+fn as_json(erasure: Option<&Erasure>) -> serde_json::Value {
+    json!({
+        "known": erasure.is_some(),
+        "ended": erasure.and_then(|erasure| erasure.ended),
+        "own_cleared": erasure.is_some_and(|erasure| erasure.cleared.is_some()),
+        "waits_for": erasure.map(|erasure| erasure.stores.clone()).unwrap_or_default(),
+    })
 }

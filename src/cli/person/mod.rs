@@ -6,6 +6,7 @@ mod files;
 mod overview;
 mod preview;
 mod reach;
+mod watch;
 
 pub use disclose::disclose;
 pub use erase::erase;

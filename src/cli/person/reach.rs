@@ -7,6 +7,7 @@ use std::path::Path;
 use gaiter_flow::patient::erasure::Erasure;
 use gaiter_flow::patient::person::Person;
 use gaiter_language::Language;
+use jiff::Timestamp;
 
 use crate::cli::ask::{AskFault, ask};
 use crate::cli::{Exit, shown};
@@ -68,6 +69,11 @@ impl Fault {
         }
     }
 
+    /// Whether the station ended, or was away, before it answered.
+    pub(super) fn is_silence(&self) -> bool {
+        matches!(self, Fault::Ask(AskFault::Io(_) | AskFault::NoStation { .. }))
+    }
+
     /// What the operator can do, if anything.
     pub(super) fn hint(&self) -> Option<String> {
         match self {
@@ -126,14 +132,35 @@ impl<'a> Reached<'a> {
     }
 
     /// Asks for the erasure of a person. Returns what has become of it if that is known at once.
-    pub(super) fn erase(&self, patient: &str, again: &str) -> Result<Option<Erasure>, Fault> {
+    pub(super) fn erase(&self, patient: &str) -> Result<Option<Erasure>, Fault> {
         match &self.stopped {
             Some(stopped) => Ok(stopped.erase(patient, &user())?),
             None => {
-                let (patient, again) = (patient.to_owned(), again.to_owned());
+                let (patient, again) = (patient.to_owned(), patient.to_owned());
                 ask(self.config, &Request::Erase { patient, again, by: user() })?;
                 Ok(None)
             }
+        }
+    }
+
+    /// Carries an erasure on that a station began which runs no more. An erasure that was noted before `asked`
+    /// is an earlier one, unless this one `is_noted`.
+    ///
+    /// # Errors
+    /// If the state folder cannot be taken: the station may be about to start.
+    pub(super) fn erase_without_station(
+        &self,
+        patient: &str,
+        asked: Timestamp,
+        is_noted: bool,
+    ) -> Result<Option<Erasure>, Fault> {
+        let whole = config::read(self.config).map_err(AskFault::from)?;
+        let stopped = Stopped::take(whole)?;
+        let is_this = |erasure: &Erasure| is_noted || erasure.at >= asked;
+        let found = stopped.erasure(patient).filter(is_this);
+        match found.filter(|erasure| erasure.ended.is_some()) {
+            Some(ended) => Ok(Some(ended)),
+            None => Ok(stopped.erase(patient, &user())?),
         }
     }
 

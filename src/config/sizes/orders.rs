@@ -23,7 +23,7 @@ pub(in crate::config) fn orders(
 }
 
 fn kinds(reader: &mut Reader) -> BTreeSet<OrderFile> {
-    let usual = Absent::Default("csv\", \"json");
+    let usual = Absent::Default("csv\", \"spreadsheet\", \"json");
     let mut kinds = BTreeSet::new();
     for Found { value, at } in reader.list("orders.files", usual, parse::word(ORDER_FILES)) {
         if !kinds.insert(value) {

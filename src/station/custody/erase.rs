@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::PoisonError;
 
 use gaiter_flow::ScanId;
-use gaiter_flow::patient::erasure::{ErasedScan, Erasure};
+use gaiter_flow::patient::erasure::{ERASED, ErasedScan, Erasure};
 use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::round::Judged;
 use jiff::Timestamp;
@@ -16,7 +16,7 @@ use serde_json::json;
 use self::naming::{remove_journals, remove_orders};
 use super::spool::Intake;
 use super::{Custody, CustodyFault, io};
-use crate::station::journal::{Erasing, Event};
+use crate::station::journal::{Erasing, Event, Theirs};
 use crate::store::durable;
 pub(in crate::station) use naming::{journals_naming, orders_naming};
 
@@ -105,14 +105,16 @@ impl Custody {
     /// The scans of a person in the journal, and those of the spool and the quarantine that a lost journal
     /// does not know.
     fn scans_to_erase(&self, patient: &str) -> Result<Vec<ErasedScan>, CustodyFault> {
-        let theirs = self.journal.scans_of_person(patient)?.into_iter();
-        let theirs = theirs.filter(|theirs| theirs.whose != WhoseScan::TakenBack);
-        let mut scans: Vec<ErasedScan> = theirs
-            .map(|theirs| ErasedScan {
-                sha256: theirs.scan.to_string(),
-                is_whole: theirs.whose == WhoseScan::Theirs,
-            })
-            .collect();
+        let mut scans = Vec::new();
+        for Theirs { scan, whose } in self.journal.scans_of_person(patient)? {
+            let is_whole = match whose {
+                WhoseScan::TakenBack => continue,
+                WhoseScan::Theirs => true,
+                WhoseScan::Shared => false,
+                WhoseScan::Uncertain => self.is_of_none_else(&scan, patient)?,
+            };
+            scans.push(ErasedScan { sha256: scan.to_string(), is_whole });
+        }
         let mut kept = io("listing the spool", self.spool.entries())?;
         kept.extend(io("listing the quarantine", self.quarantine.entries())?);
         for scan in kept {
@@ -128,6 +130,13 @@ impl Custody {
             }
         }
         Ok(scans)
+    }
+
+    /// Whether a held scan can belong to this person and to those who were erased before, and to no one else.
+    fn is_of_none_else(&self, scan: &ScanId, patient: &str) -> Result<bool, CustodyFault> {
+        let held_for = self.journal.patients(scan)?.into_iter().flatten();
+        let mut all = held_for.chain(self.journal.candidates(scan)?);
+        Ok(all.all(|id| id == patient || id == ERASED))
     }
 
     fn intake_of_kept(&self, scan: &ScanId) -> Option<Intake> {
@@ -168,9 +177,15 @@ fn intake_names(intake: &Intake, patient: &str) -> bool {
     serde_json::to_string(intake).is_ok_and(|text| text.contains(&json!(patient).to_string()))
 }
 
-/// Takes a person from an intake.
+/// Takes a person from an intake. Beside others to whom the scan may belong stays that it may be an erased
+/// person's.
 fn leave(intake: &mut Intake, patient: &str) {
     intake.patient = intake.patient.take().filter(|named| named.id != patient);
-    intake.candidates.retain(|id| id != patient);
+    if intake.candidates.iter().any(|id| id == patient) {
+        intake.candidates.retain(|id| id != patient && id != ERASED);
+        if !intake.candidates.is_empty() {
+            intake.candidates.push(ERASED.to_owned());
+        }
+    }
     intake.judged = Judged::Unpressed;
 }

@@ -6,6 +6,7 @@ use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use gaiter_flow::patient::erasure::ERASED;
 use gaiter_flow::round::{Judged, Named};
 use gaiter_flow::{ScanId, Stamp};
 use gaiter_record::SourceKind;
@@ -106,10 +107,11 @@ impl Custody {
         Ok(false)
     }
 
-    /// All patients a scan belongs to or may belong to.
+    /// All patients a scan belongs to or may belong to, without those who were erased.
     fn whose(&self, scan: &ScanId) -> Result<Vec<Named>, CustodyFault> {
         let patients = self.journal.patients(scan)?.into_iter().flatten();
         let mut ids: Vec<String> = patients.chain(self.journal.candidates(scan)?).collect();
+        ids.retain(|id| id != ERASED);
         ids.sort();
         ids.dedup();
         Ok(ids.into_iter().map(|id| Named { id, by: SourceKind::Record }).collect())

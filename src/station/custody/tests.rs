@@ -3,7 +3,8 @@
 use std::fs;
 use std::sync::atomic::Ordering;
 
-use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
+use gaiter_flow::patient::erasure::ERASED;
+use gaiter_flow::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use gaiter_flow::{Disposition, Stamp};
 use gaiter_record::{Source, SourceKind};
 
@@ -315,6 +316,31 @@ fn a_held_scan_that_is_released_goes_to_the_patient_it_was_held_for_and_to_nobod
     assert_eq!(due.iter().map(Due::patient_cell).collect::<Vec<_>>(), ["0815"]);
     custody.delivered(&due[0], Path::new("/r/0815/x")).unwrap();
     assert!(!custody.spool.holds(&scan), "nothing is pending, held or refused any more");
+}
+
+fn erase(custody: &Custody, state_dir: &Path, id: &str) {
+    custody.ask_for_erasure(id, "uid 0").unwrap();
+    let whose = custody.erasures().hash(id);
+    let erasure = custody.erasures().of(&whose).unwrap();
+    custody.clear_own(&whose, erasure, id, state_dir).unwrap();
+}
+
+#[test]
+fn a_held_scan_keeps_that_it_may_be_an_erased_persons_until_all_it_may_belong_to_are_erased() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    let claims = vec![patient("4711"), patient("0815")];
+    let whose = Whose { held: Some(PATIENTS_DIFFER), claims, ..Whose::default() };
+    assert_eq!(admit(&custody, whose), Verdict::Held(PATIENTS_DIFFER));
+    erase(&custody, dir.path(), "4711");
+    assert_eq!(custody.journal.candidates(&scan).unwrap(), ["0815", ERASED]);
+    // A journal that is made anew says the same.
+    assert_eq!(custody.spool.intake(&scan).unwrap().candidates, ["0815", ERASED]);
+    assert_eq!(custody.release(&scan).unwrap(), Acted::Several);
+    erase(&custody, dir.path(), "0815");
+    assert_eq!(custody.journal.scan(&scan).unwrap(), None);
+    assert!(!custody.spool.holds(&scan), "nobody is left who could decide whose it is");
 }
 
 #[test]

@@ -116,7 +116,13 @@ impl Stopped {
                 Err(ClearFault::Custody(fault)) => return Err(fault.into()),
             }
         }
-        Ok(self.custody.erasures().of(&self.custody.erasures().hash(patient)))
+        Ok(self.erasure(patient))
+    }
+
+    /// What has become of the erasure of a person; `None` if there is none.
+    pub fn erasure(&self, patient: &str) -> Option<Erasure> {
+        let erasures = self.custody.erasures();
+        erasures.of(&erasures.hash(patient))
     }
 
     fn renew_head(&self, store: &RecordStore) -> Result<(), CustodyFault> {

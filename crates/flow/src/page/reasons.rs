@@ -36,6 +36,11 @@ impl Advice {
         Advice { what: format!("{} {}", self.what, other.what), ..self }
     }
 
+    /// A further sentence on the situation.
+    pub(super) fn and(self, more: &str) -> Advice {
+        Advice { what: format!("{} {more}", self.what), ..self }
+    }
+
     /// The advice for a code in a table of texts; `None` for an unknown code.
     fn of(table: &str, code: &str, language: Language) -> Option<Advice> {
         let what = language.find(&format!("{table}.{code}.what"))?;

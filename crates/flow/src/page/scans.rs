@@ -11,6 +11,7 @@ use super::reasons::{Advice, of_held, of_refused};
 use super::rows::key;
 use super::{PatientShown, distinct};
 use crate::account::{Delivered, Whole};
+use crate::patient::erasure::ERASED;
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::{Closed, Disposition, ScanState, Task, round};
 
@@ -88,6 +89,11 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         (Disposition::Held, None) => Some(of_held(held_as(code), language)),
         _ => None,
     });
+    let may_be_erased = is == Disposition::Held && whole.candidates.iter().any(|id| id == ERASED);
+    let advice = advice.map(|advice| match may_be_erased {
+        true => advice.and(language.text("page.scan.erased")),
+        false => advice,
+    });
     let state = if told.is_to_be_fetched { Disposition::Delivered } else { is }.word();
     let word = match (is, whole.summary.closed) {
         (Disposition::Closed, Some(why)) => language.word("page.scan.closed", why.word()),
@@ -155,13 +161,15 @@ fn acts(is: Disposition, code: Option<&str>, whole: &Whole) -> Vec<&'static str>
     }
 }
 
-/// To whom a held scan can be given with one click, without the patient to whom a release gives it.
+/// To whom a held scan can be given with one click, without the patient to whom a release gives it, and without
+/// persons who were erased.
 fn candidates(is: Disposition, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
     if ![Disposition::Held, Disposition::Closed].contains(&is) || !acts.contains(&"assign") {
         return Vec::new();
     }
     let released = if acts.contains(&"release") { whole.owners() } else { BTreeSet::new() };
-    distinct(whole.candidates.iter().filter(|id| !released.contains(id.as_str())))
+    let can_be_given = |id: &&String| *id != ERASED && !released.contains(id.as_str());
+    distinct(whole.candidates.iter().filter(can_be_given))
 }
 
 /// The only patient to whom a scan belongs, if it is in the right place.

@@ -7,7 +7,7 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-/// What stands in the place of an erased id.
+/// What stands in the place of an erased id: in the history, and among those to whom a held scan may belong.
 pub const ERASED: &str = "(erased)";
 
 /// A scan of an erased person, of which only the hash is left.

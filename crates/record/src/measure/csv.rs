@@ -1,23 +1,41 @@
-//! `measurements.csv` for spreadsheets, in the order of the measuring sheet: the verdict, then each leg
-//! from G down to A, then the requested heights. RFC 4180, comma, point.
+//! The measures as a table, in the order of the measuring sheet: the verdict, then each leg from G down to A, then
+//! the requested heights. RFC 4180: `measurements.csv` for programs with comma and point, and the same table for
+//! the spreadsheet of a person as its language has it.
 
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 use gaiter_sizes::Garment;
 
 use super::{Absent, Length, Measure};
+use crate::cells::{Notation, cell};
 use crate::chart::AtFigures;
 use crate::completeness::Completeness;
 use crate::measure::amendment::{Amendment, ByHand, Subject};
-use crate::rounding::{self, cm_words};
+use crate::rounding::{self, cm_words, shortest};
 use crate::schema::{LegFigures, Record};
 
-const HEADER: &str = "leg,level,state,girth_cm,height_cm,doubts,girth_tape_mm,girth_sd_mm,\
-                      height_mm,height_sd_mm,girth_contour_mm,note,scan_girth_tape_mm,\
-                      scan_height_mm\r\n";
+/// The columns. Those in cm are those of the measuring sheet; those in mm have all digits.
+const COLUMNS: [&str; 14] = [
+    "leg",
+    "level",
+    "state",
+    "girth_cm",
+    "height_cm",
+    "doubts",
+    "girth_tape_mm",
+    "girth_sd_mm",
+    "height_mm",
+    "height_sd_mm",
+    "girth_contour_mm",
+    "note",
+    "scan_girth_tape_mm",
+    "scan_height_mm",
+];
 
-/// The columns between `doubts` and `note`, all empty.
-const NO_EXACT: &str = ",,,,";
+const LINE_END: &str = "\r\n";
+
+/// The exact table, which programs read.
+const EXACT: Notation = Notation::exact(',');
 
 /// The state of a level with figures that were measured.
 const MEASURED: &str = "measured";
@@ -34,110 +52,166 @@ const NOT_MEASURABLE: &str = "not measurable";
 /// The state of a level or requested height without figures.
 const NOT_FOUND: &str = "not found";
 
-/// The columns after `note`: what the scan says of a level that a person set, both empty.
-const NOT_SET: &str = ",,";
-
-/// The verdict for an order of this garment, in words of this language, and all levels of the measured
-/// legs. The columns in cm are those of the measuring sheet; the columns in mm have all digits.
+/// The verdict for an order of this garment, in words of this language, and all levels of the measured legs, as
+/// the exact table for programs: its figures are the same in every language.
 pub fn measurements(record: &Record, garment: &Garment, language: Language) -> String {
-    let verdict = Completeness::of(record, garment);
-    let to_do = quoted(&verdict.sentences(language).join(" "));
-    let kind = verdict.kind().word();
-    let mut text = format!("{HEADER},verdict,{kind},,,,{NO_EXACT},{to_do}{NOT_SET}\r\n");
+    table(record, garment, language, EXACT)
+}
+
+/// The same table for a spreadsheet that is set to this language.
+pub fn spreadsheet(record: &Record, garment: &Garment, language: Language) -> String {
+    table(record, garment, language, Notation::spreadsheet(language))
+}
+
+fn table(record: &Record, garment: &Garment, language: Language, notation: Notation) -> String {
+    let head = COLUMNS.join(&notation.separator.to_string());
+    let mut text = format!("{}{head}{LINE_END}", notation.begin);
+    text += &verdict(record, garment, language).text(notation);
     for side in record.sides() {
-        let leg = record.leg(side);
-        for level in Level::ALL.into_iter().rev() {
-            let cells = match Measure::of(record, side, level) {
-                Ok(measure) => of_level(leg, level, &measure),
-                Err(Absent::NotFound) => without_figures(NOT_FOUND, "") + NOT_SET,
-                Err(Absent::NotMeasurable) => not_measurable(record, side, level),
-            };
-            text.push_str(&format!("{},{},{cells}\r\n", side.word(), level.name()));
-        }
-        for at in leg.iter().flat_map(|leg| &leg.at) {
-            let level = format!("at {} cm", rounding::mm(at.height_mm / 10.0));
-            text.push_str(&format!("{},{level},{}{NOT_SET}\r\n", side.word(), at_height(at)));
-        }
+        let levels = Level::ALL.into_iter().rev().map(|level| of_level(record, side, level));
+        let at = record.leg(side).into_iter().flat_map(|leg| &leg.at);
+        let at = at.map(|at| at_height(side, at, notation.language));
+        text.extend(levels.chain(at).map(|line| line.text(notation)));
     }
     text
 }
 
-/// A text as one cell.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('"', "\"\""))
+/// A line of the table. What it does not have is an empty cell.
+#[derive(Default)]
+struct Line<'a> {
+    leg: &'a str,
+    level: String,
+    state: &'a str,
+    girth_mm: Option<f64>,
+    girth_sd_mm: Option<f64>,
+    height_mm: Option<f64>,
+    height_sd_mm: Option<f64>,
+    contour_mm: Option<f64>,
+    doubts: String,
+    note: Note<'a>,
+    /// What the scan says of a level that a person set.
+    scan_girth_mm: Option<f64>,
+    scan_height_mm: Option<f64>,
 }
 
-/// A figure, or nothing if it is unknown.
-fn judged(figure: Option<f64>) -> String {
-    figure.map_or(String::new(), |figure| figure.to_string())
+/// What stands in the column `note`.
+#[derive(Default)]
+enum Note<'a> {
+    /// Nothing.
+    #[default]
+    None,
+    /// How the scan found a level.
+    By(&'a str),
+    /// A sentence, always in quotes.
+    Sentence(String),
 }
 
-/// A length in cm, rounded as on the measuring sheet, or nothing.
-fn cm(mm: Option<f64>) -> String {
-    mm.map_or(String::new(), |mm| cm_words(mm, Language::En))
+impl Line<'_> {
+    fn text(&self, notation: Notation) -> String {
+        let Notation { separator, language, .. } = notation;
+        let cm = |mm: Option<f64>| mm.map_or(String::new(), |mm| cm_words(mm, language));
+        let cells = [
+            self.leg.to_owned(),
+            self.level.clone(),
+            self.state.to_owned(),
+            cm(self.girth_mm),
+            cm(self.height_mm),
+            self.doubts.clone(),
+            notation.figure(self.girth_mm),
+            notation.figure(self.girth_sd_mm),
+            notation.figure(self.height_mm),
+            notation.figure(self.height_sd_mm),
+            notation.figure(self.contour_mm),
+            match &self.note {
+                Note::None => String::new(),
+                Note::By(words) => cell(words, separator, false),
+                Note::Sentence(words) => cell(words, separator, true),
+            },
+            notation.figure(self.scan_girth_mm),
+            notation.figure(self.scan_height_mm),
+        ];
+        cells.join(&separator.to_string()) + LINE_END
+    }
 }
 
-fn without_figures(state: &str, note: &str) -> String {
-    format!("{state},,,,{NO_EXACT},{note}")
+fn verdict(record: &Record, garment: &Garment, language: Language) -> Line<'static> {
+    let verdict = Completeness::of(record, garment);
+    Line {
+        level: "verdict".to_owned(),
+        state: verdict.kind().word(),
+        note: Note::Sentence(verdict.sentences(language).join(" ")),
+        ..Line::default()
+    }
 }
 
-fn not_measurable(record: &Record, side: Side, level: Level) -> String {
-    let hand = record.by_hand(side, Subject::Level(level));
-    let note = hand.map_or(String::new(), |hand| note(&hand));
-    without_figures(NOT_MEASURABLE, &note) + &scanned(record.leg(side), level)
-}
-
-fn of_level(leg: Option<&LegFigures>, level: Level, measure: &Measure<'_>) -> String {
-    let Measure { girth, height, is_estimate, doubts, by, by_hand, .. } = measure;
-    let height_mm = height.map(|height| height.mm);
-    let landmark = leg.and_then(|leg| leg.landmarks.get(level.name()));
-    // The girth along the skin belongs to the scan's own girth.
-    let contour_mm = landmark.filter(|_| by_hand.is_none()).map(|found| found.girth_contour_mm);
-    let state = match (by_hand, is_estimate) {
-        (Some(_), _) => BY_HAND,
-        (None, true) => ESTIMATED,
-        (None, false) => MEASURED,
+fn of_level(record: &Record, side: Side, level: Level) -> Line<'_> {
+    let line = match Measure::of(record, side, level) {
+        Ok(measure) => measured(record.leg(side), level, measure),
+        Err(Absent::NotFound) => Line { state: NOT_FOUND, ..Line::default() },
+        Err(Absent::NotMeasurable) => {
+            let hand = record.by_hand(side, Subject::Level(level));
+            Line {
+                state: NOT_MEASURABLE,
+                note: hand.map_or(Note::None, |hand| Note::Sentence(note(&hand))),
+                ..scanned(record.leg(side), level)
+            }
+        }
     };
-    format!(
-        "{state},{},{},{},{},{},{},{},{},{}{}",
-        cm(Some(girth.mm)),
-        cm(height_mm),
-        doubts.join(" "),
-        girth.mm,
-        judged(girth.sd_mm),
-        judged(height_mm),
-        judged(height.and_then(|Length { sd_mm, .. }| sd_mm)),
-        judged(contour_mm),
-        by_hand.as_ref().map_or_else(|| (*by).to_owned(), note),
-        by_hand.map_or_else(|| NOT_SET.to_owned(), |_| scanned(leg, level)),
-    )
+    Line { leg: side.word(), level: level.name().to_owned(), ..line }
+}
+
+fn measured<'a>(leg: Option<&LegFigures>, level: Level, measure: Measure<'a>) -> Line<'a> {
+    let Measure { girth, height, is_estimate, doubts, by, by_hand, .. } = measure;
+    let landmark = leg.and_then(|leg| leg.landmarks.get(level.name()));
+    let line = match by_hand {
+        Some(_) => scanned(leg, level),
+        None => Line::default(),
+    };
+    Line {
+        state: match (by_hand, is_estimate) {
+            (Some(_), _) => BY_HAND,
+            (None, true) => ESTIMATED,
+            (None, false) => MEASURED,
+        },
+        girth_mm: Some(girth.mm),
+        girth_sd_mm: girth.sd_mm,
+        height_mm: height.map(|height| height.mm),
+        height_sd_mm: height.and_then(|Length { sd_mm, .. }| sd_mm),
+        // The girth along the skin belongs to the scan's own girth.
+        contour_mm: landmark.filter(|_| by_hand.is_none()).map(|found| found.girth_contour_mm),
+        doubts: doubts.join(" "),
+        note: by_hand.map_or(Note::By(by), |hand| Note::Sentence(note(&hand))),
+        ..line
+    }
 }
 
 /// Who set a measure, when and why: `by hand, Anna Berg, 2026-11-25T10:00:00Z: swollen since the scan`.
 fn note(hand: &ByHand<'_>) -> String {
     let Amendment { by, at, reason, .. } = hand.last;
-    quoted(&format!("by hand, {by}, {at}: {reason}"))
+    format!("by hand, {by}, {at}: {reason}")
 }
 
-/// The columns after `note`: the scan's girth and height of a level that a person set.
-fn scanned(leg: Option<&LegFigures>, level: Level) -> String {
+/// Only the scan's girth and height of a level that a person set.
+fn scanned(leg: Option<&LegFigures>, level: Level) -> Line<'static> {
     let scanned = leg.and_then(|leg| Measure::scanned(leg, level));
-    let girth_mm = scanned.as_ref().map(|of| of.girth.mm);
-    let height_mm = scanned.and_then(|of| of.height).map(|of| of.mm);
-    format!(",{},{}", judged(girth_mm), judged(height_mm))
+    Line {
+        scan_girth_mm: scanned.as_ref().map(|of| of.girth.mm),
+        scan_height_mm: scanned.and_then(|of| of.height).map(|of| of.mm),
+        ..Line::default()
+    }
 }
 
 /// A requested height is exact, so its standard error stays empty.
-fn at_height(at: &AtFigures) -> String {
-    format!(
-        "{},{},{},{},{},{},{},,{},",
-        if at.girth_tape_mm.is_some() { MEASURED } else { NOT_FOUND },
-        cm(at.girth_tape_mm),
-        cm(Some(at.height_mm)),
-        at.doubts.join(" "),
-        judged(at.girth_tape_mm),
-        judged(at.girth_sd_mm),
-        at.height_mm,
-        judged(at.girth_contour_mm),
-    )
+fn at_height(side: Side, at: &AtFigures, language: Language) -> Line<'_> {
+    Line {
+        leg: side.word(),
+        level: format!("at {} cm", shortest(rounding::mm(at.height_mm / 10.0), language)),
+        state: if at.girth_tape_mm.is_some() { MEASURED } else { NOT_FOUND },
+        girth_mm: at.girth_tape_mm,
+        girth_sd_mm: at.girth_sd_mm,
+        height_mm: Some(at.height_mm),
+        contour_mm: at.girth_contour_mm,
+        doubts: at.doubts.join(" "),
+        ..Line::default()
+    }
 }

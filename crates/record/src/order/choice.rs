@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use gaiter_sizes::{Garment, Mapping};
+use gaiter_language::Language;
+use gaiter_sizes::Mapping;
 
-use super::{Order, csv, mapped, mapped_name};
-use crate::Record;
+use super::{Order, csv, mapped, mapped_name, spreadsheet};
 use crate::file::{RecordFile, file};
 
 /// How the names of all order files begin, and of no other file of a record.
@@ -14,8 +14,10 @@ const BEGIN: &str = "order";
 /// An order as a file of gaiter's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum OrderFile {
-    /// As a table, `order.csv`.
+    /// As the exact table for programs, `order.csv`.
     Csv,
+    /// As the same table for a spreadsheet that is set to the language of the report, `order-spreadsheet.csv`.
+    Spreadsheet,
     /// As `order.json`, with everything that is known; a further order is made from it.
     Json,
 }
@@ -25,8 +27,22 @@ impl OrderFile {
     pub fn name(self) -> &'static str {
         match self {
             OrderFile::Csv => "order.csv",
+            OrderFile::Spreadsheet => "order-spreadsheet.csv",
             OrderFile::Json => "order.json",
         }
+    }
+
+    /// The file of an order; the language is that of a spreadsheet.
+    ///
+    /// # Errors
+    /// If a figure cannot be written as JSON.
+    pub fn of(self, order: &Order, language: Language) -> Result<RecordFile, serde_json::Error> {
+        let bytes = match self {
+            OrderFile::Csv => csv(order).into_bytes(),
+            OrderFile::Spreadsheet => spreadsheet(order, language).into_bytes(),
+            OrderFile::Json => json(order)?,
+        };
+        Ok(file(self.name(), bytes))
     }
 }
 
@@ -40,9 +56,9 @@ pub struct OrderChoice {
 }
 
 impl Default for OrderChoice {
-    /// Both files of gaiter's own.
+    /// All files of gaiter's own.
     fn default() -> OrderChoice {
-        let files = [OrderFile::Csv, OrderFile::Json];
+        let files = [OrderFile::Csv, OrderFile::Spreadsheet, OrderFile::Json];
         OrderChoice { files: files.into(), mappings: Vec::new() }
     }
 }
@@ -62,29 +78,21 @@ pub fn json(order: &Order) -> Result<Vec<u8>, serde_json::Error> {
     Ok(json)
 }
 
-/// The files of the order of this garment from a record, each under a name of its own.
+/// The files of an order, each under a name of its own. The patient's id is only for a mapping that asks for it.
 ///
 /// # Errors
 /// If a figure cannot be written as JSON.
 pub fn order_files(
-    record: &Record,
-    garment: &Garment,
+    order: &Order,
     choice: &OrderChoice,
-    scanner_girth_mm: f64,
+    language: Language,
+    patient: Option<&str>,
 ) -> Result<Vec<RecordFile>, serde_json::Error> {
-    let order = Order::of(record, garment, None, scanner_girth_mm);
-    let mut files = Vec::new();
-    for kind in &choice.files {
-        let bytes = match kind {
-            OrderFile::Csv => csv(&order).into_bytes(),
-            OrderFile::Json => json(&order)?,
-        };
-        files.push(file(kind.name(), bytes));
-    }
-    let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
+    let own = choice.files.iter().map(|kind| kind.of(order, language));
+    let mut files = own.collect::<Result<Vec<RecordFile>, _>>()?;
     for mapping in &choice.mappings {
-        let name = own_name(mapped_name(&order, mapping), &files);
-        files.push(RecordFile { name, bytes: mapped(&order, mapping, patient) });
+        let name = own_name(mapped_name(order, mapping), &files);
+        files.push(RecordFile { name, bytes: mapped(order, mapping, patient) });
     }
     Ok(files)
 }

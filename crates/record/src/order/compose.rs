@@ -4,6 +4,7 @@ use gaiter_leg::Side;
 use gaiter_leg::method::Posture;
 use gaiter_sizes::garment::FormBox;
 use gaiter_sizes::{Garment, Point};
+use jiff::civil::Date;
 use jiff::tz::Offset;
 
 use super::place::{Part, length_from, place};
@@ -11,10 +12,11 @@ use super::reading::{Read, edited, read};
 use super::text::{OrderRef, patient_check, without_id};
 use super::{
     BASIS, Figure, NOT_OF_A_SCAN, OpenBox, Order, OrderSide, OrderedGarment, OrderedRecord,
-    OrderedScan, Row, SCHEMA, Units,
+    OrderedScan, Row, SCAN_AGE, SCHEMA, Units,
 };
 use crate::completeness::Completeness;
-use crate::{FIRST_REVISION, Record, rounding};
+use crate::report::AgeMax;
+use crate::{Acquired, FIRST_REVISION, Record, rounding};
 
 /// The digits of a scan's reference, as lists of scans show it.
 const REFERENCE_DIGITS: usize = 8;
@@ -39,6 +41,7 @@ impl Order {
             reorder: None,
             garment: ordered_garment(garment),
             scan: scan(record),
+            holds_until: None,
             record: OrderedRecord {
                 schema: record.schema.clone(),
                 revision: record.revision,
@@ -60,6 +63,22 @@ impl Order {
             rows,
             not_of_a_scan: NOT_OF_A_SCAN.map(str::to_owned).into(),
         }
+    }
+
+    /// The order as it is made on a day: it says until when its measures hold, and whether they do no more.
+    pub fn on(mut self, today: Date, most: AgeMax) -> Order {
+        let taken = self.scan.acquired.as_ref().map(|acquired: &Acquired| acquired.local().date());
+        self.holds_until = taken.and_then(|taken| most.last_day(taken));
+        self.to_check.retain(|code| code != SCAN_AGE);
+        if self.holds_until.is_none_or(|last| today > last) {
+            self.to_check.push(SCAN_AGE.to_owned());
+        }
+        self
+    }
+
+    /// Whether the scan was too old for an order on its day, or was taken on a day that is not known.
+    pub fn is_of_an_old_scan(&self) -> bool {
+        self.to_check.iter().any(|code| code == SCAN_AGE)
     }
 }
 

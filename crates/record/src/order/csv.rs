@@ -1,7 +1,10 @@
-//! An order as a table: one row per side and point. UTF-8, semicolon, decimal point, lines end with CR LF.
+//! An order as a table: one row per side and point. UTF-8, lines end with CR LF. For programs with semicolons and
+//! decimal points, for the spreadsheet of a person as its language has it.
 
-use super::cells::{guarded, line};
-use super::{Figure, LastFigure, Order, Row, State};
+use gaiter_language::Language;
+
+use super::{Figure, LastFigure, Order, Row, SCAN_AGE, State};
+use crate::cells::{Notation, guarded, line};
 
 /// The columns of every order.
 const COLUMNS: [&str; 17] = [
@@ -38,23 +41,37 @@ const OF_A_REORDER: [&str; 10] = [
     "length_change_u95_mm",
 ];
 
-const SEPARATOR: char = ';';
+/// The exact table, which programs read.
+const EXACT: Notation = Notation::exact(';');
+
 const LINE_END: &str = "\r\n";
 
-/// The order as a table.
+/// The order as the exact table for programs: the same in every language.
 pub fn csv(order: &Order) -> String {
+    table(order, EXACT)
+}
+
+/// The same table for a spreadsheet that is set to this language.
+pub fn spreadsheet(order: &Order, language: Language) -> String {
+    table(order, Notation::spreadsheet(language))
+}
+
+fn table(order: &Order, notation: Notation) -> String {
+    let Notation { begin, separator, .. } = notation;
     let further: &[&str] = if order.reorder.is_some() { &OF_A_REORDER } else { &[] };
     let names = COLUMNS.iter().chain(further).map(|name| (*name).to_owned());
-    let mut text = line(&names.collect::<Vec<_>>(), SEPARATOR, false, LINE_END);
+    let names = names.collect::<Vec<_>>();
+    let mut text = begin.to_owned() + &line(&names, separator, false, LINE_END);
     for row in &order.rows {
-        let mut cells = own(order, row);
-        cells.extend(of_a_reorder(order, row));
-        text += &line(&cells, SEPARATOR, false, LINE_END);
+        let mut cells = own(order, row, notation);
+        cells.extend(of_a_reorder(order, row, notation));
+        text += &line(&cells, separator, false, LINE_END);
     }
     text
 }
 
-fn own(order: &Order, row: &Row) -> Vec<String> {
+fn own(order: &Order, row: &Row, notation: Notation) -> Vec<String> {
+    let number = |figure| notation.figure(figure);
     let words = |text: &Option<String>| text.as_deref().map(guarded).unwrap_or_default();
     let [girth, length] = [&row.girth, &row.length].map(Option::as_ref);
     vec![
@@ -70,7 +87,7 @@ fn own(order: &Order, row: &Row) -> Vec<String> {
         row.length_from.clone().unwrap_or_default(),
         order.basis.clone(),
         method(row),
-        flag(row),
+        flag(order, row),
         number(girth.and_then(|of| of.printed_cm)),
         number(length.and_then(|of| of.printed_cm)),
         words(&row.edited_by),
@@ -78,13 +95,13 @@ fn own(order: &Order, row: &Row) -> Vec<String> {
     ]
 }
 
-fn of_a_reorder(order: &Order, row: &Row) -> Vec<String> {
+fn of_a_reorder(order: &Order, row: &Row, notation: Notation) -> Vec<String> {
     let Some(reorder) = &order.reorder else { return Vec::new() };
     let at = reorder.last_scan.acquired.as_ref().map(|acquired| acquired.at.to_string());
     let last = |of: Option<LastFigure>| {
         let figures = [of.map(|of| of.mm), of.and_then(|of| of.change_mm)];
         let figures = figures.into_iter().chain([of.and_then(|of| of.change_u95_mm)]);
-        figures.map(number).collect::<Vec<_>>()
+        figures.map(|figure| notation.figure(figure)).collect::<Vec<_>>()
     };
     let last_row = row.last.clone().unwrap_or_default();
     let mut cells = vec![
@@ -98,11 +115,6 @@ fn of_a_reorder(order: &Order, row: &Row) -> Vec<String> {
     cells
 }
 
-/// A figure with all its digits, or nothing.
-fn number(figure: Option<f64>) -> String {
-    figure.map_or(String::new(), |figure| figure.to_string())
-}
-
 /// How girth and length were taken: one word if both were alike, else that of the girth, `/`, that of the
 /// length.
 fn method(row: &Row) -> String {
@@ -113,7 +125,7 @@ fn method(row: &Row) -> String {
 }
 
 /// What is to be known of a row, separated by blanks.
-fn flag(row: &Row) -> String {
+fn flag(order: &Order, row: &Row) -> String {
     let mut flags: Vec<String> = Vec::new();
     if !row.counts {
         flags.push("replaced".to_owned());
@@ -131,6 +143,9 @@ fn flag(row: &Row) -> String {
         if !flags.contains(doubt) {
             flags.push(doubt.clone());
         }
+    }
+    if order.is_of_an_old_scan() && row.figures().any(|figure| figure.mm.is_some()) {
+        flags.push(SCAN_AGE.to_owned());
     }
     flags.join(" ")
 }

@@ -9,12 +9,9 @@ use gaiter_sizes::mapping::{
 use jiff::civil::DateTime;
 use jiff::tz::Offset;
 
-use super::cells::{guarded, line};
 use super::place::{Part, place};
-use super::{Figure, LastFigure, Order, OrderSide, OrderedScan, Row, State};
-
-/// The mark by which a spreadsheet recognises UTF-8.
-const BYTE_ORDER_MARK: &str = "\u{feff}";
+use super::{Figure, LastFigure, Order, OrderSide, OrderedScan, Row, SCAN_AGE, State};
+use crate::cells::{BYTE_ORDER_MARK, guarded, line};
 
 /// The file of an order. The patient's id is only in it if the mapping asks for it.
 pub fn mapped(order: &Order, mapping: &Mapping, patient: Option<&str>) -> Vec<u8> {
@@ -158,11 +155,11 @@ impl<'a> Mapped<'a> {
             Cell::Fact(fact) => Content::Words(self.fact(*fact, of)),
             Cell::Date(dated, format) => {
                 let last = self.order.reorder.as_ref().map(|reorder| &reorder.last_scan);
-                let scan = match dated {
-                    Dated::Scan => Some(&self.order.scan),
-                    Dated::Last => last,
+                let at = match dated {
+                    Dated::Scan => local(&self.order.scan),
+                    Dated::Last => last.and_then(local),
+                    Dated::HoldsUntil => self.order.holds_until.map(|day| day.at(0, 0, 0, 0)),
                 };
-                let at = scan.and_then(local);
                 Content::Words(at.map(|at| format.text(at)).unwrap_or_default())
             }
             Cell::Figure(which, what) => self.figure_cell(self.figure(*which, of), *what),
@@ -243,7 +240,10 @@ impl<'a> Mapped<'a> {
             }
             Of::Flag => {
                 let state = figure.map(|figure| figure.is).filter(|is| *is != State::Measured);
-                Content::Words(state.map(State::word).unwrap_or_default().to_owned())
+                let has_figure = figure.is_some_and(|figure| figure.mm.is_some());
+                let age = (has_figure && self.order.is_of_an_old_scan()).then_some(SCAN_AGE);
+                let flags: Vec<&str> = state.map(State::word).into_iter().chain(age).collect();
+                Content::Words(flags.join(" "))
             }
             Of::Last => {
                 number(last.filter(|of| self.writes(of.is)).map(|of| of.mm), figures.rounding)

@@ -3,7 +3,6 @@
 //! An order has no patient, and says of every figure whether it is sure. What the scan measured stays readable
 //! where a person set another value: it has a row of its own, before the one that counts.
 
-mod cells;
 mod choice;
 mod compose;
 mod csv;
@@ -15,12 +14,13 @@ mod reorder;
 mod text;
 
 use jiff::Timestamp;
+use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
 
 use super::provenance::Acquired;
 use super::schema::MadeBy;
 pub use choice::{OrderChoice, OrderFile, is_order_file, json, order_files};
-pub use csv::csv;
+pub use csv::{csv, spreadsheet};
 pub use mapped::{mapped, mapped_name};
 pub use readback::{BYTES_MAX, LastFault, read};
 pub use reorder::ReorderFault;
@@ -34,6 +34,9 @@ const BASIS: &str = "skin";
 
 /// What an order needs besides measures. No scan gives it, so it is always open.
 const NOT_OF_A_SCAN: [&str; 7] = ["class", "knit", "product", "colour", "toe", "band", "quantity"];
+
+/// The code of an order whose scan was too old for one, or taken on a day that is not known.
+const SCAN_AGE: &str = "scan-age";
 
 /// An order, or a further one of the same garment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,8 +53,11 @@ pub struct Order {
     pub reorder: Option<Reorder>,
     /// What is ordered, and its form.
     pub garment: OrderedGarment,
-    /// The scan that was measured. Its age is for the reader to count.
+    /// The scan that was measured.
     pub scan: OrderedScan,
+    /// The last day on which its measures hold for an order, by the station's greatest age of a scan; null if the
+    /// day of the scan is not known, and in older orders.
+    pub holds_until: Option<Date>,
     /// The record that was read.
     pub record: OrderedRecord,
     /// Program and method that measured the scan.
@@ -69,7 +75,8 @@ pub struct Order {
     pub scanner_girth_mm: f64,
     /// What is to be done before the order: `complete`, `not-measurable`, `by-hand` or `scan-again`.
     pub state: String,
-    /// What a person must make sure of, as codes; empty if nothing is.
+    /// What a person must make sure of, as codes; empty if nothing is. `scan-age`: on the day of the order the scan
+    /// was too old for one, or its day is not known.
     pub to_check: Vec<String>,
     /// By which a further order notices another patient: four digits of a hash of the scan and the patient's
     /// id, too few to find the id. Null if no patient is known.

@@ -19,6 +19,13 @@ impl Default for AgeMax {
     }
 }
 
+impl AgeMax {
+    /// The last day on which a scan of this day may be used for an order; `None` if no calendar has it.
+    pub fn last_day(self, taken: Date) -> Option<Date> {
+        taken.checked_add(i64::from(self.0).days()).ok()
+    }
+}
+
 /// What a sheet says about the age of its scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Age {
@@ -45,7 +52,7 @@ impl Age {
     /// The age of a record's scan.
     pub fn of(record: &Record, most: AgeMax, language: Language) -> Age {
         let taken = record.acquired.as_ref().map(|acquired: &Acquired| acquired.local().date());
-        let last = taken.and_then(|taken| taken.checked_add(i64::from(most.0).days()).ok());
+        let last = taken.and_then(|taken| most.last_day(taken));
         let (Some(taken), Some(last)) = (taken, last) else {
             return Age { until: language.text("report.age.unknown").to_owned(), counted: None };
         };

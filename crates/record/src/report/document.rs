@@ -27,8 +27,19 @@ pub struct Document {
     pub head: Head,
     /// Where it comes from.
     pub origin: Origin,
-    /// Its content, in reading order.
+    /// The same report as a PDF; `None` if a reader of the page cannot open it from there.
+    pub paper: Option<PaperLink>,
+    /// Its content, in reading order. What stands before the first [`Block::Turn`] is one page of paper.
     pub blocks: Vec<Block>,
+}
+
+/// A link from a page to the same report as a PDF.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PaperLink {
+    /// Where it is, from the page.
+    pub address: String,
+    /// What the link says.
+    pub words: String,
 }
 
 /// A part of a report.

@@ -80,14 +80,20 @@ pub fn document_page(of: &Document, paper: Paper) -> Result<String, serde_json::
              <script>{script}</script>\n"
         ),
     };
-    let blocks: String = of.blocks.iter().enumerate().map(block).collect();
+    let blocks: Vec<String> = of.blocks.iter().enumerate().map(block).collect();
+    let turn = of.blocks.iter().position(|block| matches!(block, Block::Turn)).unwrap_or(0);
+    let (first, others) = blocks.split_at(turn);
+    let first = match first {
+        [] => String::new(),
+        first => element("div", " class=\"first-page summary\"", &first.concat()),
+    };
     Ok(format!(
         "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}{}\
          {scripts}</body>\n</html>\n",
         language.tag(),
         head(&of.head, &policy(&style, &script)),
-        parts::document_header(&of.head),
-        element("main", "", &blocks),
+        parts::document_header(&of.head, of.paper.as_ref()),
+        element("main", "", &(first + &others.concat())),
     ))
 }
 

@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 use super::{ID, RECORD, garment, order};
 use crate::placed::placed;
 
-const MAPPINGS: [&str; 4] = [
+const MAPPINGS: [&str; 5] = [
     include_str!("../../../../config/orders/example-points.toml"),
     include_str!("../../../../config/orders/example-wide.toml"),
+    include_str!("../../../../config/orders/german-spreadsheet.toml"),
     include_str!("../../../../fixtures/cases/orders/levels_as_json.toml"),
     include_str!("../../../../fixtures/cases/orders/again_all_values.toml"),
 ];

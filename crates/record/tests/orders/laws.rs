@@ -4,12 +4,16 @@
 
 use std::collections::BTreeMap;
 
+use gaiter_language::Language;
 use gaiter_record::order::{
-    JSON_SCHEMA, Order, OrderChoice, OrderRef, RefFault, Row, csv, json, order_files, read,
+    JSON_SCHEMA, Order, OrderChoice, OrderRef, RefFault, Row, csv, json, mapped, order_files, read,
+    spreadsheet,
 };
+use gaiter_record::report::AgeMax;
 use gaiter_record::rounding;
 use gaiter_sizes::mapping::parse;
 use gaiter_sizes::{Garment, Mapping};
+use jiff::civil::{Date, date};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -95,6 +99,25 @@ fn table_and_json_say_the_same_to_the_last_digit() {
 }
 
 #[test]
+fn the_table_for_a_german_spreadsheet_has_commas_for_points_and_that_for_programs_never() {
+    let order = order();
+    let (exact, german) = (csv(&order), spreadsheet(&order, Language::De));
+    assert!(!exact.starts_with('\u{feff}') && exact.contains(";371.25;"), "{exact}");
+    let cells_of = |text: &str| cells(text.trim_start_matches('\u{feff}'));
+    assert!(german.starts_with('\u{feff}'), "Excel takes it for no UTF-8");
+    for (exact, told) in cells_of(&exact).concat().iter().zip(cells_of(&german).concat()) {
+        match exact.parse::<f64>() {
+            Ok(_) => assert_eq!(told, exact.replace('.', ",")),
+            Err(_) => assert_eq!(&told, exact),
+        }
+        // What German spreadsheets take for a day or for thousands.
+        assert!(told.parse::<f64>().is_err() || !told.contains('.'), "{told}");
+    }
+    let english = spreadsheet(&order, Language::En);
+    assert!(english.contains(",371.25,") && !english.contains("371,25"), "{english}");
+}
+
+#[test]
 fn what_a_person_set_counts_and_what_the_scan_says_stays_before_it() {
     let order = order();
     let of = |side: &str, point: &str| -> Vec<&Row> {
@@ -139,17 +162,59 @@ fn mappings() -> Vec<Mapping> {
     let texts = [
         include_str!("../../../../config/orders/example-points.toml"),
         include_str!("../../../../config/orders/example-wide.toml"),
+        include_str!("../../../../config/orders/german-spreadsheet.toml"),
     ];
     texts.map(|text| parse(text.as_bytes()).unwrap()).into()
+}
+
+/// Two weeks, as for legs after decongestion.
+const MOST: AgeMax = AgeMax(14);
+
+/// The last day for a scan of 20 November, by the clock at the scanner.
+const LAST: Date = date(2026, 12, 4);
+
+#[test]
+fn an_order_of_a_scan_that_is_too_old_says_so_in_every_file() {
+    let fresh = order().on(LAST, MOST);
+    assert!(!fresh.is_of_an_old_scan() && csv(&fresh) == csv(&order()));
+    let old = order().on(date(2026, 12, 5), MOST);
+    assert_eq!([&fresh, &old].map(|of| of.holds_until), [Some(LAST); 2]);
+    let file: Value = serde_json::from_slice(&json(&old).unwrap()).unwrap();
+    assert_eq!(file["holds_until"], "2026-12-04");
+    assert!(file["to_check"].as_array().unwrap().contains(&"scan-age".into()), "{file}");
+    for cells in rows(&csv(&old)) {
+        let has_figure = !cells["girth_mm"].is_empty() || !cells["length_mm"].is_empty();
+        let is_told = cells["flag"].split(' ').any(|flag| flag == "scan-age");
+        assert_eq!(is_told, has_figure, "{cells:?}");
+    }
+    let mappings = mappings();
+    let [points, _, german] = &mappings[..] else { panic!("three mappings") };
+    let told = |mapping: &Mapping| String::from_utf8(mapped(&old, mapping, None)).unwrap();
+    assert!(told(points).contains("A-1042,R,cB,213,3,scan-age,"), "{}", told(points));
+    assert!(told(german).contains(";20.11.2026;04.12.2026;AD;"), "{}", told(german));
+}
+
+#[test]
+fn the_age_of_an_order_that_is_made_again_is_that_of_its_scan_on_its_own_day() {
+    let old = order().on(date(2026, 12, 5), MOST);
+    let again = |day: Date| Order::exact(&old, &RECORD, &garment(), None).unwrap().on(day, MOST);
+    assert!(!again(LAST).is_of_an_old_scan() && again(date(2027, 1, 1)).is_of_an_old_scan());
+    let twice = again(date(2027, 1, 1)).to_check;
+    assert_eq!(twice.iter().filter(|code| *code == "scan-age").count(), 1);
+    let mut undated = order();
+    undated.scan.acquired = None;
+    let undated = undated.on(LAST, MOST);
+    assert!(undated.is_of_an_old_scan() && undated.holds_until.is_none());
 }
 
 #[test]
 fn no_file_of_an_order_names_the_patient_and_all_are_small_with_ascii_names() {
     for garment in Garment::shipped() {
         let choice = OrderChoice { mappings: mappings(), ..OrderChoice::default() };
-        let files = order_files(&RECORD, garment, &choice, 1.0).unwrap();
+        let order = Order::of(&RECORD, garment, None, 1.0);
+        let files = order_files(&order, &choice, Language::De, Some(ID)).unwrap();
         let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-        assert_eq!(names.len(), 4);
+        assert_eq!(names.len(), 6);
         for file in &files {
             assert!(file.name.is_ascii() && !file.name.contains(ID), "{}", file.name);
             // A cost estimate takes 10 MB; an order is far below.
@@ -165,7 +230,7 @@ fn only_a_mapping_that_asks_for_the_id_writes_it() {
     let text = include_str!("../../../../fixtures/cases/orders/asks_for_the_id.toml");
     let mapping = parse(text.as_bytes()).unwrap();
     let choice = OrderChoice { files: [].into(), mappings: vec![mapping] };
-    let files = order_files(&RECORD, &garment(), &choice, 1.0).unwrap();
+    let files = order_files(&order(), &choice, Language::En, Some(ID)).unwrap();
     assert!(String::from_utf8_lossy(&files[0].bytes).contains(ID));
     assert!(!files[0].name.contains(ID));
 }
@@ -176,7 +241,7 @@ fn two_mappings_that_fill_their_name_alike_have_files_of_their_own() {
     twin.id = "EXAMPLE-points".to_owned();
     let mappings = vec![mappings().remove(0), twin];
     let choice = OrderChoice { files: [].into(), mappings };
-    let files = order_files(&RECORD, &garment(), &choice, 1.0).unwrap();
+    let files = order_files(&order(), &choice, Language::En, Some(ID)).unwrap();
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     assert_eq!(names, ["order-example-points.csv", "order-EXAMPLE-points-2.csv"]);
 }

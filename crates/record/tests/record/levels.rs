@@ -5,6 +5,7 @@
 use std::sync::LazyLock;
 
 use gaiter_cad::Output;
+use gaiter_language::Language;
 use gaiter_leg::method::{B1, LevelChoices};
 use gaiter_leg::{Extraction, Level, Method};
 use gaiter_record::{Provenance, Record, ReportChoice, ScanFile, record_files, sha256};
@@ -18,10 +19,14 @@ static MEASURED: LazyLock<&(Extraction, Record)> = LazyLock::new(|| measured("f_
 
 /// A text file of the record folder.
 fn file(extraction: &Extraction, name: &str) -> String {
+    file_in(Language::En, extraction, name)
+}
+
+fn file_in(language: Language, extraction: &Extraction, name: &str) -> String {
     let sha256 = sha256(&BYTES);
     let provenance = Provenance::of_scan(sha256);
     let output = Output::default();
-    let choice = ReportChoice::default();
+    let choice = ReportChoice { language, ..ReportChoice::default() };
     let scan = ScanFile { bytes: &BYTES, format: Format::Obj, ord: None };
     let method = Method::default();
     let files = record_files(extraction, &provenance, &method, &output, &choice, scan).unwrap().1;
@@ -98,6 +103,29 @@ fn the_spreadsheet_begins_with_the_verdict_and_has_a_line_for_every_level_in_the
         let is_on_foot = ["A", "Y"].contains(&row[1]);
         assert_eq!(row[at("height_cm")].is_empty(), is_on_foot, "{row:?}");
     }
+}
+
+#[test]
+fn the_table_for_people_has_the_decimal_sign_and_separator_of_their_language() {
+    let exact = file_in(Language::De, &MEASURED.0, "measurements.csv");
+    assert!(exact.starts_with("leg,level,state,girth_cm,"), "{exact}");
+    let german = file_in(Language::De, &MEASURED.0, "measurements-spreadsheet.csv");
+    assert!(german.starts_with("\u{feff}leg;level;state;girth_cm;"), "{german}");
+    let rows = german.split("\r\n").skip(2).filter(|line| !line.is_empty());
+    let rows: Vec<Vec<&str>> = rows.map(|line| line.split(';').collect()).collect();
+    let exact = cells(&exact);
+    assert_eq!(exact.len(), rows.len());
+    let mut figures = 0;
+    for (exact, told) in exact.concat().into_iter().zip(rows.concat()) {
+        match exact.parse::<f64>() {
+            Ok(_) => assert_eq!(told, exact.replace('.', ",")),
+            Err(_) => assert_eq!(told, exact),
+        }
+        figures += usize::from(exact.parse::<f64>().is_ok());
+    }
+    assert!(figures > 50, "{figures}");
+    let english = file(&MEASURED.0, "measurements-spreadsheet.csv");
+    assert_eq!(english.strip_prefix('\u{feff}'), Some(&*file(&MEASURED.0, "measurements.csv")));
 }
 
 #[test]

@@ -232,6 +232,20 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
         let old = ["record.json", "measurements.csv"]
             .map(|name| RecordFile { name: name.to_owned(), bytes: Vec::new() });
         let files = amended_files(&record, &choice, old.into()).unwrap();
+        let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+        // The older record had no table for people.
+        assert_eq!(
+            names,
+            [
+                "record.json",
+                "measurements.csv",
+                "measurements-spreadsheet.csv",
+                "order.csv",
+                "order-spreadsheet.csv",
+                "order.json",
+                "SHA256SUMS"
+            ]
+        );
         let csv = String::from_utf8(files[1].bytes.clone()).unwrap();
         let sheet = of_sheet(&record);
         assert_eq!(of_csv(&csv), sheet, "{body}: CSV");

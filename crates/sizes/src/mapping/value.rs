@@ -60,6 +60,8 @@ pub enum Dated {
     Scan,
     /// The scan of the order that is ordered again.
     Last,
+    /// The last day on which the measures hold for an order.
+    HoldsUntil,
 }
 
 /// Where a point lies.
@@ -123,7 +125,11 @@ const FACTS: [(&str, Fact); 15] = [
 ];
 
 /// The dates by their words.
-const DATES: [(&str, Dated); 2] = [("scan.date", Dated::Scan), ("last.date", Dated::Last)];
+const DATES: [(&str, Dated); 3] = [
+    ("scan.date", Dated::Scan),
+    ("last.date", Dated::Last),
+    ("order.holds_until", Dated::HoldsUntil),
+];
 
 /// The places by their words.
 const PLACES: [(&str, Place); 3] =

@@ -9,7 +9,7 @@ use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::Record;
 use gaiter_record::report::content::Section;
-use gaiter_record::report::document::{Block, Document, Origin};
+use gaiter_record::report::document::{Block, Document, Origin, PaperLink};
 use gaiter_record::report::{AgeMax, Head};
 use jiff::civil::Date;
 
@@ -54,31 +54,45 @@ impl ReportOf<'_> {
             let title = words.text("visits.cautions");
             blocks.push(Block::Section(Section { title, entries: cautions }));
         }
+        let group = self.course.last_group();
+        let compared = group.map(|of| self.course.last_compared(of)).unwrap_or_default();
+        let pictures = pictures::first(&words, &compared);
+        if !pictures.is_empty() {
+            blocks.extend(pictures);
+            blocks.push(Block::Turn);
+        }
         blocks.push(Block::Table(tables::visits(&words)));
-        if let Some(group) = self.course.last_group() {
-            blocks.extend(self.of_group(&words, group));
+        if let Some(group) = group {
+            blocks.extend(self.of_group(&words, group, &compared));
         }
         let title = words.text("visits.legend");
         blocks.push(Block::Section(Section { title, entries: self.legend(&words) }));
-        Document { head: self.head(&words), origin: self.origin(), blocks }
+        Document { head: self.head(&words), origin: self.origin(), paper: None, blocks }
     }
 
-    /// The tables of the visits that can be compared with the last one.
-    fn of_group(&self, words: &Words, group: &Group) -> Vec<Block> {
+    /// The report for a page that has the PDF of it beside it, under this name.
+    pub fn document_beside(&self, paper: &str) -> Document {
+        let words = self.language.text("visits.paper").to_owned();
+        let paper = Some(PaperLink { address: paper.to_owned(), words });
+        Document { paper, ..self.document() }
+    }
+
+    /// The tables and pictures of the visits that can be compared with the last one. Tables that may go on on the next
+    /// page stand between the pictures, which may not.
+    fn of_group(&self, words: &Words, group: &Group, compared: &[Comparison]) -> Vec<Block> {
         let mut blocks: Vec<Block> = Vec::new();
-        let compared = self.course.last_compared(group);
         let compared_volumes = compared.iter().filter(|of| !of.is_of_other_posture());
         blocks.extend(compared_volumes.map(|of| Block::Table(tables::volumes(words, group, of))));
         let shown = shown(group);
-        blocks.extend(pictures::all(words, group, &shown, &compared));
+        blocks.extend(pictures::profiles(words, &shown));
+        let legs = || Side::FROM_FRONT.into_iter();
+        let girths = legs().filter_map(|side| tables::girths(words, side, &shown, compared));
+        blocks.extend(girths.map(Block::Table));
+        blocks.extend(pictures::slices(words, group, compared));
+        let slices = legs().filter_map(|side| tables::slices(words, group, side, &shown, compared));
+        blocks.extend(slices.map(Block::Table));
         let overlaid = compared.first().filter(|of| !of.is_of_other_posture());
         blocks.extend(overlaid.map(|of| self.overlaid(words, of)).into_iter().flatten());
-        let legs = || Side::FROM_FRONT.into_iter();
-        let girths = legs().filter_map(|side| tables::girths(words, side, &shown, &compared));
-        blocks.extend(girths.map(Block::Table));
-        let slices =
-            legs().filter_map(|side| tables::slices(words, group, side, &shown, &compared));
-        blocks.extend(slices.map(Block::Table));
         blocks.extend(tables::levels(words, &shown).map(Block::Table));
         blocks
     }

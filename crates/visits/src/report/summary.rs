@@ -41,8 +41,9 @@ impl ReportOf<'_> {
     }
 
     fn of_comparison(&self, words: &Words, group: &Group, of: &Comparison) -> Vec<String> {
-        let mut said: Vec<String> =
-            Side::FROM_FRONT.into_iter().filter_map(|side| volume(words, of, side)).collect();
+        let volumes =
+            Side::FROM_FRONT.into_iter().filter_map(|side| volume(words, group, of, side));
+        let mut said: Vec<String> = volumes.collect();
         if of.is_of_other_posture() {
             let posture = words.caution(of, &Caution::Posture);
             said.push(format!("{}: {posture}", between(words, of)));
@@ -151,10 +152,27 @@ impl ReportOf<'_> {
             said.push(words.filled("visits.legend_volumes", &values));
         }
         said.push(words.text("visits.legend_percent"));
+        said.push(words.text("visits.legend_rounding"));
         let mm = shortest(self.course.choice.girth_common_mm, language);
         said.push(words.filled("visits.legend_uncertainty", &[("mm", &mm)]));
+        said.extend(self.bound(words));
         said.push(words.text("visits.legend_limits"));
         said
+    }
+}
+
+impl ReportOf<'_> {
+    /// What part of the last visit's volumes the errors are that all girths of a scan have in common.
+    fn bound(&self, words: &Words) -> Option<String> {
+        let (group, last) = (self.course.last_group()?, self.course.visits.len().checked_sub(1)?);
+        let share = |side: Side| {
+            let volume = self.course.volume(group, last, side)?;
+            let percent = number(100.0 * volume.parts.common() / volume.value, 2, words.language);
+            Some(format!("{} {percent} %", words.leg_in_sentence(side)))
+        };
+        let shares: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(share).collect();
+        let all = shares.join(", ");
+        (!shares.is_empty()).then(|| words.filled("visits.legend_bound", &[("shares", &all)]))
     }
 }
 
@@ -177,33 +195,39 @@ fn stand_ins(words: &Words, of: &Comparison) -> Vec<String> {
     ends.into_iter().flatten().collect()
 }
 
-fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
+fn volume(words: &Words, group: &Group, of: &Comparison, side: Side) -> Option<String> {
     let change = of.legs.get(side).as_ref()?.volume?;
+    let at = |visit: usize| words.course.volume(group, visit, side);
+    let told = words.told([at(of.earlier)?.value, at(of.later)?.value], &change);
+    let [percent, detectable] = words.told_percent(&change);
     let values: [(&str, &dyn Display); 5] = [
         ("leg", &words.leg(side)),
         ("between", &between(words, of)),
-        ("ml", &words.ml_change(change.by)),
-        ("percent", &words.percent_change(change.percent)),
-        ("detectable", &words.detectable(change.detectable_percent())),
+        ("ml", &told.change),
+        ("percent", &percent),
+        ("detectable", &detectable),
     ];
     Some(words.of_code("visits.volume", change.shown().word(), &values))
 }
 
 fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
     let only = |side: Side| words.language.word("leg.only", side.word());
+    let ends = [change.earlier.ml.value, change.later.ml.value];
+    let told = words.told(ends, &change.change);
+    let [before, after] = ends.map(|ml| words.ml_apart(ml, told.decimals));
     let values: [(&str, &dyn Display); 7] = [
         ("side", &only(change.later.affected)),
         ("between", &between(words, of)),
-        ("ml", &words.ml_change(change.change.by)),
-        ("before", &words.ml_change(change.earlier.ml.value)),
-        ("after", &words.ml_change(change.later.ml.value)),
+        ("ml", &told.change),
+        ("before", &before),
+        ("after", &after),
         ("other_side", &only(change.later.affected.other())),
-        ("detectable", &words.detectable_ml(&change.change)),
+        ("detectable", &told.detectable),
     ];
     let shown = words.of_code("visits.excess", change.change.shown().word(), &values);
     let reduction = match &change.reduction {
         Ok(reduction) => {
-            let percent = tenths_words(reduction.percent, words.language).replace('-', "−");
+            let percent = words.unsigned_percent(reduction.percent);
             let margin = tenths_words((10.0 * reduction.expanded).ceil() / 10.0, words.language);
             words.filled("visits.reduction", &[("percent", &percent), ("margin", &margin)])
         }
@@ -218,12 +242,15 @@ fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
 fn difference(words: &Words, group: &Group, of: &Comparison) -> Option<String> {
     let change: Change = of.left_minus_right?;
     let at = |visit: usize| words.course.left_minus_right(group, visit);
+    let ends = [at(of.earlier)?.value, at(of.later)?.value];
+    let told = words.told(ends, &change);
+    let [before, after] = ends.map(|ml| words.ml_apart(ml, told.decimals));
     let values: [(&str, &dyn Display); 5] = [
         ("between", &between(words, of)),
-        ("ml", &words.ml_change(change.by)),
-        ("before", &words.ml_change(at(of.earlier)?.value)),
-        ("after", &words.ml_change(at(of.later)?.value)),
-        ("detectable", &words.detectable_ml(&change)),
+        ("ml", &told.change),
+        ("before", &before),
+        ("after", &after),
+        ("detectable", &told.detectable),
     ];
     let key = match change.shown() {
         Shown::Larger | Shown::Smaller => "visits.difference",

@@ -15,6 +15,9 @@ use crate::course::{Affected, Group};
 use crate::place::{Step, along_mm};
 use crate::quantity::{Change, Quantity, Shown};
 
+/// Behind the time of a visit at another time of day than the last one.
+const OTHER_TIME: &str = " †";
+
 /// All visits, newest first: conditions, volumes, excess or difference.
 pub(super) fn visits(words: &Words) -> Table {
     let legs = Side::FROM_FRONT
@@ -38,7 +41,9 @@ pub(super) fn visits(words: &Words) -> Table {
         let apart = group.and_then(|group| apart(words, group, visit));
         let apart = apart.unwrap_or_else(|| missing(words));
         let figures = vec![plain(words.posture(of)), phantom, right, left, apart];
-        TableRow { head: words.time(of), figures }
+        let other_time = group.and_then(|group| course.other_time_of_day(group, visit));
+        let sign = if other_time.is_some() { OTHER_TIME } else { "" };
+        TableRow { head: words.time(of) + sign, figures }
     };
     Table {
         title: words.text("visits.all"),
@@ -102,30 +107,37 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
     }
 }
 
-fn changed(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Vec<Figure> {
+fn changed(words: &Words, ends: [Quantity; 2], change: &Change) -> Vec<Figure> {
     let mark = mark(change.shown());
-    let detectable = words.detectable_ml(change);
-    let percent = words.detectable(change.detectable_percent());
+    let told = words.told(ends.map(|of| of.value), change);
+    let [percent, percent_detectable] = words.told_percent(change);
+    let [before, after] = ends.map(|of| Figure {
+        value: number(of.value, told.decimals, words.language),
+        ..ml(words, &of)
+    });
     vec![
-        ml(words, &before),
-        ml(words, &after),
-        Figure { value: words.ml_change(change.by), margin: None, mark },
-        Figure { value: words.percent_change(change.percent), margin: None, mark },
-        plain(format!("{detectable} ({percent} %)")),
+        before,
+        after,
+        Figure { value: told.change, margin: None, mark },
+        Figure { value: percent, margin: None, mark },
+        plain(format!("{} ({percent_detectable} %)", told.detectable)),
         plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
     ]
 }
 
 /// The change of what the legs differ by. Its percent change is not told: that of an excess has a name of its own,
 /// and a difference may be nothing.
-fn changed_apart(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Vec<Figure> {
+fn changed_apart(words: &Words, ends: [Quantity; 2], change: &Change) -> Vec<Figure> {
     let mark = mark(change.shown());
+    let told = words.told(ends.map(|of| of.value), change);
+    let [before, after] =
+        ends.map(|of| Figure { value: words.ml_apart(of.value, told.decimals), ..ml(words, &of) });
     vec![
-        ml_apart(words, &before),
-        ml_apart(words, &after),
-        Figure { value: words.ml_change(change.by), margin: None, mark },
+        before,
+        after,
+        Figure { value: told.change, margin: None, mark },
         missing(words),
-        plain(words.detectable_ml(change)),
+        plain(told.detectable),
         plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
     ]
 }

@@ -11,11 +11,47 @@ use crate::caution::Caution;
 use crate::comparison::Comparison;
 use crate::course::Course;
 use crate::left_out::StandIns;
-use crate::quantity::Change;
+use crate::quantity::{Change, Shown};
 use crate::visit::Visit;
+
+/// The decimals that volumes can have in words, and what one of the last place is a part of; the most are those of the
+/// JSON form.
+const ML_DECIMALS: [(usize, f64); 4] = [(0, 1.0), (1, 10.0), (2, 100.0), (3, 1000.0)];
+
+/// The same of percentages.
+const PERCENT_DECIMALS: [(usize, f64); 2] = [(1, 10.0), (2, 100.0)];
 
 /// Behind the day of a visit that stands in the place of a record that is left out.
 const STAND_IN: &str = " #";
+
+/// A change of a volume in words, mL. Its figures and those beside it have as few decimals as make them agree: the
+/// earlier one and the change add up to the later one, and the change reaches what can be shown only if it is shown.
+#[derive(Debug)]
+pub(super) struct Told {
+    /// How many decimals they have.
+    pub decimals: usize,
+    /// The change, with its sign.
+    pub change: String,
+    /// From which on it can be shown.
+    pub detectable: String,
+}
+
+/// The first of some decimals with which figures agree; the last if they agree with none.
+fn decimals(of: &[(usize, f64)], agree: impl Fn(f64) -> bool) -> (usize, f64) {
+    let found = of.iter().find(|(_, scale)| agree(*scale)).or(of.last());
+    found.copied().unwrap_or((0, 1.0))
+}
+
+/// Whether a change, as it is told, reaches what can be shown, as that is told, exactly if it is shown.
+fn is_told_as_shown([by, detectable]: [f64; 2], shown: Shown, scale: f64) -> bool {
+    let is_reached = (scale * by).round().abs() >= scale * up(detectable, scale) - 0.5;
+    is_reached == (shown != Shown::NoChange)
+}
+
+/// Rounded up, so that what can be shown is never told as smaller than it is.
+fn up(value: f64, scale: f64) -> f64 {
+    (scale * value - 1e-9).ceil() / scale
+}
 
 /// Writes the words of one course in one language.
 #[derive(Debug, Clone, Copy)]
@@ -100,19 +136,43 @@ impl Words<'_> {
         signed(ml, &number(ml, 0, self.language))
     }
 
+    /// A volume by which the legs differ, mL, with its sign and so many decimals.
+    pub(super) fn ml_apart(&self, ml: f64, decimals: usize) -> String {
+        signed(ml, &number(ml, decimals, self.language))
+    }
+
+    /// A percentage that has a sign only if it is negative.
+    pub(super) fn unsigned_percent(&self, percent: f64) -> String {
+        self.percent_change(percent).trim_start_matches('+').to_owned()
+    }
+
     /// A percentage with its sign.
     pub(super) fn percent_change(&self, percent: f64) -> String {
         signed(percent, &tenths_words(percent, self.language))
     }
 
-    /// The smallest percentage that is shown, rounded up, so that it is never told as smaller than it is.
-    pub(super) fn detectable(&self, percent: f64) -> String {
-        tenths_words((10.0 * percent - 1e-9).ceil() / 10.0, self.language)
+    /// A change of a volume with the volumes before and after it, which stand beside it.
+    pub(super) fn told(&self, ends: [f64; 2], change: &Change) -> Told {
+        let decimals = decimals(&ML_DECIMALS, |scale| {
+            let [before, after, by] = [ends[0], ends[1], change.by].map(|ml| (scale * ml).round());
+            after - before == by
+                && is_told_as_shown([change.by, change.detectable()], change.shown(), scale)
+        });
+        let detectable = up(change.detectable(), decimals.1);
+        Told {
+            decimals: decimals.0,
+            change: signed(change.by, &number(change.by, decimals.0, self.language)),
+            detectable: number(detectable, decimals.0, self.language),
+        }
     }
 
-    /// The smallest change of a volume that is shown, mL, rounded up.
-    pub(super) fn detectable_ml(&self, change: &Change) -> String {
-        number((change.detectable() - 1e-9).ceil(), 0, self.language)
+    /// The percentage of a change, and from which on it can be shown.
+    pub(super) fn told_percent(&self, change: &Change) -> [String; 2] {
+        let figures = [change.percent, change.detectable_percent()];
+        let is_told = |scale| is_told_as_shown(figures, change.shown(), scale);
+        let (decimals, scale) = decimals(&PERCENT_DECIMALS, is_told);
+        let percent = number(change.percent, decimals, self.language);
+        [signed(change.percent, &percent), number(up(figures[1], scale), decimals, self.language)]
     }
 
     /// What speaks against a comparison.
@@ -137,5 +197,45 @@ impl Words<'_> {
             Caution::ByHand { side } => with(&[("leg", &self.leg(*side))]),
             Caution::TimeUnknown | Caution::Station | Caution::NoPhantom => with(&[]),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::{Parts, Quantity};
+
+    fn change([before, after]: [f64; 2], random: f64) -> Change {
+        let quantity = |value: f64| Quantity { value, parts: Parts { random, ..Parts::default() } };
+        Change::between(&quantity(before), &quantity(after))
+    }
+
+    fn told(ends: [f64; 2], random: f64) -> (usize, String, String) {
+        let course =
+            Course { visits: Vec::new(), groups: Vec::new(), choice: CHOICE, left_out: Vec::new() };
+        let words = Words { course: &course, language: Language::En };
+        let told = words.told(ends, &change(ends, random));
+        (told.decimals, told.change, told.detectable)
+    }
+
+    const CHOICE: crate::course::Choice =
+        crate::course::Choice { volume: None, affected: None, girth_common_mm: 1.0 };
+
+    #[test]
+    fn figures_beside_each_other_add_up() {
+        let of = |ends: [f64; 2]| told(ends, 1.0);
+        assert_eq!(of([175.0, 185.0]), (0, "+10".to_owned(), "3".to_owned()));
+        // 175 before, 185 after, +9.
+        assert_eq!(of([175.4, 184.7]), (1, "+9.3".to_owned(), "2.9".to_owned()));
+        assert_eq!(of([-184.7, -175.4]).1, "+9.3");
+        assert_eq!(of([184.7, 175.4]).1, "\u{2212}9.3");
+    }
+
+    #[test]
+    fn a_change_is_told_as_reaching_what_can_be_shown_only_if_it_is_shown() {
+        // 2 √2 · 3.5 = 9.9.
+        assert_eq!(told([100.0, 109.7], 3.5), (1, "+9.7".to_owned(), "9.9".to_owned()));
+        assert_eq!(told([100.0, 110.2], 3.55), (1, "+10.2".to_owned(), "10.1".to_owned()));
+        assert_eq!(told([100.0, 112.0], 3.5), (0, "+12".to_owned(), "10".to_owned()));
     }
 }

@@ -6,5 +6,6 @@ mod left_out;
 mod refusals;
 mod stance;
 mod swelling;
+mod words;
 mod worked;
 mod year;

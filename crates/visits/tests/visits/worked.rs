@@ -17,7 +17,7 @@ use crate::refusals::{PLAIN, at_day};
 use crate::stance::CHOICE;
 
 /// A record whose legs are cylinders of these girths, right and left, mm, at every length from 12 to 60 cm.
-fn cylinders([right_mm, left_mm]: [f64; 2], day: i64) -> Record {
+pub fn cylinders([right_mm, left_mm]: [f64; 2], day: i64) -> Record {
     let mut record = at_day(&PLAIN, day);
     for leg in &mut record.legs {
         let girth_mm = if leg.side == "left" { left_mm } else { right_mm };
@@ -30,7 +30,7 @@ fn cylinders([right_mm, left_mm]: [f64; 2], day: i64) -> Record {
 }
 
 /// The girth of a cylinder of this volume and of 48 cm length: C = √(4 π V / h).
-fn girth_mm(ml: f64) -> f64 {
+pub fn girth_mm(ml: f64) -> f64 {
     (4.0 * std::f64::consts::PI * ml * 1000.0 / 480.0).sqrt()
 }
 
@@ -56,7 +56,7 @@ fn percent_change_of_the_leg_and_percent_reduction_of_the_excess_are_different_f
     assert!(right.by.abs() < 1e-6);
 }
 
-fn named(affected: Affected) -> Choice {
+pub fn named(affected: Affected) -> Choice {
     Choice { affected: Some(affected), ..CHOICE }
 }
 

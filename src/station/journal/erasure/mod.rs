@@ -17,7 +17,7 @@ use super::deliveries::finish_if_done;
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, captures, cell, history, json_cell, withdrawal};
 use gaiter_flow::ScanId;
-use gaiter_flow::patient::erasure::names;
+use gaiter_flow::patient::erasure::{ERASED, names};
 use gaiter_flow::round::Named;
 pub use person::Theirs;
 use redact::redact;
@@ -128,18 +128,21 @@ pub(super) fn forget_old_head(connection: &Connection, place: &str) -> Result<()
     Ok(())
 }
 
-/// Takes the person from scans that belong to others, too, or may.
+/// Takes the person from scans that belong to others, too, or may. Beside other candidates of a held scan a word
+/// stays: that it may be an erased person's.
 fn leave_shared(transaction: &Transaction<'_>, patient: &str) -> Result<(), JournalError> {
     hold_for_others(transaction, patient)?;
     let mut shared: Vec<String> =
         texts(transaction, "DELETE FROM deliveries WHERE patient = ?1 RETURNING sha256", patient)?;
-    shared.extend(texts(
-        transaction,
-        "UPDATE scans SET candidates = (SELECT json_group_array(value) FROM json_each(candidates)
-                                        WHERE value <> ?1)
-         WHERE EXISTS (SELECT 1 FROM json_each(candidates) WHERE value = ?1) RETURNING sha256",
-        patient,
-    )?);
+    let named = format!(
+        "UPDATE scans SET candidates = CASE
+           WHEN EXISTS (SELECT 1 FROM json_each(candidates) WHERE value NOT IN (?1, '{ERASED}'))
+           THEN json_insert((SELECT json_group_array(value) FROM json_each(candidates)
+                             WHERE value NOT IN (?1, '{ERASED}')), '$[#]', '{ERASED}')
+           ELSE '[]' END
+         WHERE EXISTS (SELECT 1 FROM json_each(candidates) WHERE value = ?1) RETURNING sha256"
+    );
+    shared.extend(texts(transaction, &named, patient)?);
     shared.sort();
     shared.dedup();
     for scan in shared {

@@ -145,7 +145,7 @@ function links(scan, showsIds, canAct) {
     anchors.unshift(button(label("view"), `view ${rowKey(scan)}`, () => view(scan)));
   }
   // The visits of a patient are compared when they are asked for; a preview is no visit.
-  if (scan.owner) anchors.push(anchor("visits.html"), ...(canAct ? [affectedButton(scan)] : []));
+  if (scan.owner) anchors.push(anchor("visits.html"), anchor("visits.pdf"), ...(canAct ? [affectedButton(scan)] : []));
   const others = scan.files.filter((file) => !(file in labels)).map(anchor);
   return make("div", { "aria-label": label("files"), role: "group" },
     make("p", { class: "links" }, anchors), others.length ? otherFiles(scan, others) : null);

@@ -3,6 +3,7 @@
 use super::*;
 use crate::light::Outcome;
 use crate::page::reasons::{Advice, of_refused};
+use crate::patient::erasure::ERASED;
 
 /// For a held scan with these candidates: the patients who can be chosen, and the verbs.
 fn choices(
@@ -35,6 +36,26 @@ fn a_held_scan_offers_its_candidates_and_a_release_only_where_exactly_one_patien
     let mut stored = whole("delivered", None, vec![delivery(Some("1"), "delivered", None)]);
     stored.candidates = ids(&["1", "2"]);
     assert!(scan_shown(&stored, &Told::default(), Language::En).candidates.is_empty());
+}
+
+#[test]
+fn a_held_scan_that_may_be_an_erased_persons_says_so_and_is_never_given_to_them_nor_released() {
+    let held = vec![delivery(Some("1"), "held", Some("export-late"))];
+    let mut whole = whole("delivered", None, held);
+    for (language, said) in [
+        (Language::En, "It may also be an erased person's."),
+        (Language::De, "Er kann auch von einer gelöschten Person sein."),
+    ] {
+        whole.candidates = vec!["1".to_owned(), ERASED.to_owned()];
+        let shown = scan_shown(&whole, &Told::default(), language);
+        assert!(shown.advice.unwrap().what.ends_with(said));
+        assert_eq!(shown.candidates.iter().map(|of| of.id.as_str()).collect::<Vec<_>>(), ["1"]);
+        assert_eq!(shown.acts, ["assign", "give_up"], "a release would be a guess");
+        assert_eq!(whole.possible_owners(), ["1"]);
+        whole.candidates = vec!["1".to_owned()];
+        let shown = scan_shown(&whole, &Told::default(), language);
+        assert!(!shown.advice.unwrap().what.contains(said));
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use crate::picture::figures::{Figure as Drawn, SHEET};
 use crate::picture::svg;
 use crate::report::age::Age;
 use crate::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
+use crate::report::document::PaperLink;
 use crate::report::{Figure, Head, Mark};
 
 /// The patient, and when the scan was taken.
@@ -19,11 +20,16 @@ pub(super) fn header(content: &Content) -> String {
 }
 
 /// The head of a report of blocks.
-pub(super) fn document_header(head: &Head) -> String {
+pub(super) fn document_header(head: &Head, paper: Option<&PaperLink>) -> String {
     let title = words("p", " class=\"kind\"", &head.title);
     let patient = format!("<h1>{}</h1>", foreign(&head.patient));
     let taken = format!("<p class=\"taken\">{}</p>", foreign(&head.taken));
-    element("header", "", &[title, patient, taken].join("\n"))
+    let link = |paper: &PaperLink| {
+        let link = words("a", &format!(" href=\"{}\"", escaped(&paper.address)), &paper.words);
+        element("p", " class=\"screen-only\"", &link)
+    };
+    let paper = paper.map(link).unwrap_or_default();
+    element("header", "", &[title, patient, taken, paper].join("\n"))
 }
 
 /// What matters most, a sentence a line.

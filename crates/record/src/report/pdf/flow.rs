@@ -146,6 +146,21 @@ impl<'a> Flow<'a> {
         self.bottom() - self.y
     }
 
+    /// Height of a picture that has `words` pt of heading and caption, with which it takes at most this share of a
+    /// page, pt. It is smaller if that saves a page.
+    pub(super) fn share_height(&self, picture: &Picture, words: f64, share: f64) -> f64 {
+        let own = Flow::drawn_height(picture, LARGEST_SCALE);
+        let most = own.min(share * (self.bottom() - TOP) - words);
+        let left = self.room() - words;
+        if left >= SHRUNK_SCALE * most { most.min(left) } else { most }
+    }
+
+    /// Height of a picture at a scale at which it is not too wide, pt.
+    pub(super) fn drawn_height(picture: &Picture, scale: f64) -> f64 {
+        let [width, height] = picture.size;
+        height * (WIDTH / width).min(LARGEST_SCALE).min(scale)
+    }
+
     /// Draws a picture without a caption, at most this high, pt.
     pub(super) fn drawing(&mut self, picture: &Picture, height_max: f64) {
         let [width, height] = picture.size;

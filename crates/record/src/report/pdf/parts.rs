@@ -6,12 +6,26 @@ use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE, TITLE_TY
 use super::table::{Cell, Row, Table};
 use super::wrap::Type;
 use crate::picture::figures::Figure as Drawn;
-use crate::picture::{Anchor, Ink};
+use crate::picture::{Anchor, Ink, Picture};
 use crate::report::content::{self, Content, Note, PictureWords, Section, Sizes, Weight};
+use crate::report::document::Block;
 use crate::report::{Figure, Mark};
 
 /// Letter size of the table of all figures, which has many columns, pt.
 const DENSE: f64 = 7.0;
+
+/// Space above a part of a first page, pt.
+const PART_GAP: f64 = 8.0;
+
+/// Space between a picture and the words above and below it, pt.
+const DRAWN_GAP: f64 = 4.0;
+
+/// The smallest scale at which the letters of a picture can be read, pt per px.
+const READABLE: f64 = 0.35;
+
+/// With its words a picture takes at most this share of a page: where it does not fit below what is before it, more
+/// than half of that page is filled.
+const PICTURE_SHARE: f64 = 0.48;
 
 /// A note or paragraph of up to this height stays on one page, pt.
 const WHOLE_MAX: f64 = 150.0;
@@ -31,11 +45,59 @@ pub(super) fn sentences(flow: &mut Flow<'_>, sentences: &[String]) {
     }
 }
 
+/// What matters most on a page of its own: its pictures share the height that its words leave. Only where that is so
+/// little that they could not be read, they go on.
+pub(super) fn first_page(flow: &mut Flow<'_>, blocks: &[Block]) {
+    let mut pictures: Vec<(&String, &Picture, &String)> = Vec::new();
+    for block in blocks {
+        match block {
+            Block::Verdict(said) => sentences(flow, said),
+            Block::Section(section) => small_section(flow, section),
+            Block::Table(table) => tables(flow, std::slice::from_ref(table)),
+            Block::Picture { title, figure, caption } => {
+                pictures.push((title, &figure.picture, caption));
+            }
+            Block::View(_) | Block::Turn => {}
+        }
+    }
+    let around = |title: &str, caption: &str| {
+        let words = Flow::height_of(title, BOLD_TYPE) + Flow::height_of(caption, SMALL_TYPE);
+        PART_GAP + words + 2.0 * DRAWN_GAP
+    };
+    let words: f64 = pictures.iter().map(|(title, _, caption)| around(title, caption)).sum();
+    let heights: f64 = pictures.iter().map(|(_, picture, _)| picture.size[1]).sum();
+    let scale = ((flow.room() - words) / heights).max(READABLE);
+    for (title, picture, caption) in pictures {
+        let height = Flow::drawn_height(picture, scale);
+        flow.need(around(title, caption) + height);
+        flow.space(PART_GAP);
+        flow.text(title, StructRole::H2, BOLD_TYPE, Ink::Text);
+        flow.space(DRAWN_GAP);
+        flow.drawing(picture, height);
+        flow.space(DRAWN_GAP);
+        flow.text(caption, StructRole::P, SMALL_TYPE, Ink::Muted);
+    }
+}
+
+/// A heading with paragraphs where there is little room.
+fn small_section(flow: &mut Flow<'_>, section: &Section) {
+    flow.space(PART_GAP);
+    flow.text(&section.title, StructRole::H2, BOLD_TYPE, Ink::Text);
+    for entry in &section.entries {
+        flow.text(entry, StructRole::P, SMALL_TYPE, Ink::Text);
+        flow.space(2.0);
+    }
+}
+
 /// A picture below a heading.
 pub(super) fn picture(flow: &mut Flow<'_>, title: &str, drawn: &Drawn, caption: &str) {
-    let height = flow.picture_height(&drawn.picture, [caption, ""], HEADING_ROOM);
-    flow.heading(title, height);
-    flow.picture(&drawn.picture, "", caption);
+    let below = 2.0 * DRAWN_GAP + Flow::height_of(caption, SMALL_TYPE);
+    let height = flow.share_height(&drawn.picture, HEADING_ROOM + below, PICTURE_SHARE);
+    flow.heading(title, height + below);
+    flow.drawing(&drawn.picture, height);
+    flow.space(DRAWN_GAP);
+    flow.text(caption, StructRole::P, SMALL_TYPE, Ink::Muted);
+    flow.space(DRAWN_GAP);
 }
 
 /// Where the record comes from.

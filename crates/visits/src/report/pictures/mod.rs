@@ -1,5 +1,6 @@
 //! The pictures of a report of visits, drawn only from the course.
 
+mod changes;
 mod profiles;
 mod slices;
 mod volumes;
@@ -22,35 +23,40 @@ use crate::overlay::Overlay;
 /// The ends of the scale of distances, mm: the smallest that holds almost all of them is taken.
 const SCALES_MM: [f64; 5] = [2.0, 4.0, 8.0, 16.0, 32.0];
 
-/// The pictures for which the course has data, in reading order: the curve of all visits, and those of the
-/// visits that stand beside each other.
-pub(super) fn all(
-    words: &Words,
-    group: &Group,
-    shown: &[usize],
-    compared: &[Comparison],
-) -> Vec<Block> {
+/// The pictures of the first page: the curves of all visits, and where along the legs girths have changed.
+pub(super) fn first(words: &Words, compared: &[Comparison]) -> Vec<Block> {
+    let volumes = volumes::picture(words);
+    let volumes = volumes.map(|of| block(words, "volumes", "visits.picture.volumes", of));
+    let changes = changes::picture(words, compared);
+    let changes = changes.map(|of| block(words, "changes", "visits.picture.changes", of));
+    volumes.into_iter().chain(changes).collect()
+}
+
+/// The girths along the legs at the visits that stand beside each other.
+pub(super) fn profiles(words: &Words, shown: &[usize]) -> Option<Block> {
     // Curves in another posture are not laid over each other.
     let visits = &words.course.visits;
     let last = shown.last().map(|last| &visits[*last]);
     let is_of_posture =
         |visit: &usize| last.is_none_or(|last| !visits[*visit].is_of_other_posture(last));
     let profiled: Vec<usize> = shown.iter().copied().filter(is_of_posture).collect();
-    let pictures = [
-        ("volumes", "visits.picture.volumes", volumes::picture(words)),
-        ("profiles", "visits.picture.profiles", profiles::picture(words, &profiled)),
-        ("slices", "visits.picture.slices", slices::picture(words, group, compared)),
-    ];
-    let block = |(name, key, picture): (&'static str, &'static str, Option<Picture>)| {
-        let picture = picture?;
-        let marks = svg::marks(&picture);
-        Some(Block::Picture {
-            title: words.text(key),
-            figure: Figure { name, picture, marks },
-            caption: words.of_code("visits.caption", name, &[]),
-        })
-    };
-    pictures.into_iter().filter_map(block).collect()
+    let picture = profiles::picture(words, &profiled)?;
+    Some(block(words, "profiles", "visits.picture.profiles", picture))
+}
+
+/// The change of the volume of each slice, a picture for each comparison.
+pub(super) fn slices(words: &Words, group: &Group, compared: &[Comparison]) -> Vec<Block> {
+    let pictures = compared.iter().filter_map(|of| slices::picture(words, group, of));
+    pictures.map(|of| block(words, "slices", "visits.picture.slices", of)).collect()
+}
+
+fn block(words: &Words, name: &'static str, title: &'static str, picture: Picture) -> Block {
+    let marks = svg::marks(&picture);
+    Block::Picture {
+        title: words.text(title),
+        figure: Figure { name, picture, marks },
+        caption: words.of_code("visits.caption", name, &[]),
+    }
 }
 
 /// The legs of two visits laid over each other.
@@ -80,7 +86,7 @@ pub(super) fn overlay(words: &Words, of: &Comparison, overlay: Overlay) -> Vec<B
     });
     let view = View {
         title: words.filled("visits.picture.in_3d", &[("between", &pair)]),
-        text: caption,
+        text: format!("{caption} {}", words.text("visits.dots")),
         record: overlay.record,
         words: vec![
             ("error_mm", number(end_mm, 0, words.language)),

@@ -21,7 +21,7 @@ const WIDTH: f64 = 720.0;
 /// Left and right end of the bars of each leg, right leg first, px.
 const LEGS_PX: [[f64; 2]; 2] = [[56.0, 346.0], [412.0, 702.0]];
 
-/// From the top of a comparison to its highest slice, px.
+/// From the top to the highest slice, px.
 const HEAD: f64 = 50.0;
 
 /// Height of a slice, px.
@@ -43,37 +43,34 @@ const SCALE_MIN_ML: f64 = 20.0;
 const STEPS_ML: [f64; 7] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
 const STEPS_MAX: f64 = 4.0;
 
-/// The figure; `None` if no slice can be compared.
-pub(super) fn picture(words: &Words, group: &Group, compared: &[Comparison]) -> Option<Picture> {
+/// The figure of a comparison; `None` if no slice can be compared.
+pub(super) fn picture(words: &Words, group: &Group, of: &Comparison) -> Option<Picture> {
+    if of.is_of_other_posture() {
+        return None;
+    }
     let steps = &group.pieces.left | &group.pieces.right;
     let (low, high) = (*steps.first()?, *steps.last()?);
-    let slices = |of: &Comparison| {
-        Side::FROM_FRONT.map(|side| of.legs.get(side).as_ref().map(|leg| leg.pieces.clone()))
-    };
-    let compared = compared.iter().filter(|of| !of.is_of_other_posture());
-    let all: Vec<_> = compared.map(|of| (of, slices(of))).collect();
-    let reach = all.iter().flat_map(|(_, legs)| legs.iter().flatten().flatten());
+    let slices = |side: Side| of.legs.get(side).as_ref().map(|leg| leg.pieces.as_slice());
+    let legs = Side::FROM_FRONT.map(|side| slices(side).unwrap_or_default());
+    let reach = legs.into_iter().flatten();
     let reach = reach.map(|of| of.change.by.abs() + of.change.detectable());
     let reach = reach.filter(|ml| ml.is_finite()).fold(SCALE_MIN_ML, f64::max);
     let step = STEPS_ML.into_iter().find(|step| reach <= STEPS_MAX * step).unwrap_or(reach);
     let end = (reach / step).ceil() * step;
-    let (mut marks, mut top) = (Vec::new(), 0.0);
-    for (of, legs) in &all {
-        marks.push(heading([4.0, top + 16.0], Anchor::Start, Ink::Text, between(words, of)));
-        let rows = Scale {
-            range: [along_mm(low), along_mm(high) + PROFILE_STEP_MM],
-            px: [top + HEAD + ROW * f64::from(high - low + 1), top + HEAD],
-        };
-        for ((side, slices), px) in Side::FROM_FRONT.into_iter().zip(legs).zip(LEGS_PX) {
-            let scale = Scale { range: [-end, end], px };
-            marks.extend(grid(words, side, &scale, step, &rows));
-            let named = slices.iter().flatten().filter(|of| (low..=high).contains(&of.step));
-            marks.extend(named.flat_map(|of| bar(side, of, &scale, &rows)));
-        }
-        top = rows.px[0] + BELOW;
+    let mut marks = vec![heading([4.0, 16.0], Anchor::Start, Ink::Text, between(words, of))];
+    let rows = Scale {
+        range: [along_mm(low), along_mm(high) + PROFILE_STEP_MM],
+        px: [HEAD + ROW * f64::from(high - low + 1), HEAD],
+    };
+    for ((side, slices), px) in Side::FROM_FRONT.into_iter().zip(legs).zip(LEGS_PX) {
+        let scale = Scale { range: [-end, end], px };
+        marks.extend(grid(words, side, &scale, step, &rows));
+        let named = slices.iter().filter(|of| (low..=high).contains(&of.step));
+        marks.extend(named.flat_map(|of| bar(side, of, &scale, &rows)));
     }
+    let height = rows.px[0] + BELOW;
     let title = words.text("visits.picture.slices");
-    (top > 0.0).then_some(Picture { title, size: [WIDTH, top], cuts: Vec::new(), marks })
+    Some(Picture { title, size: [WIDTH, height], cuts: Vec::new(), marks })
 }
 
 fn grid(words: &Words, side: Side, scale: &Scale, step: f64, rows: &Scale) -> Vec<Mark> {

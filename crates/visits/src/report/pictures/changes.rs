@@ -1,0 +1,148 @@
+//! By how much the girths have changed along each leg, on a scale of its own: on that of the girths themselves a
+//! centimetre cannot be seen.
+
+use gaiter_leg::Side;
+use gaiter_record::picture::figures::plot::{
+    Frame, LINE, SMALL, Scale, heading, lines, range, words as label,
+};
+use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use gaiter_record::rounding::{cm_words, number, signed};
+
+use super::super::words::Words;
+use crate::comparison::{Comparison, PlaceChange};
+use crate::place::along_mm;
+use crate::quantity::Shown;
+use crate::report::summary::between;
+
+/// Width, px.
+const WIDTH: f64 = 720.0;
+
+/// Left and right end of the chart of each leg, right leg first, px.
+const LEGS_PX: [[f64; 2]; 2] = [[46.0, 346.0], [402.0, 702.0]];
+
+/// Where a narrow screen may cut between the two, px.
+const CUT_PX: f64 = 366.0;
+
+/// Bottom and top of the charts, px.
+const ROWS_PX: [f64; 2] = [216.0, 40.0];
+
+/// From the bottom of the charts to the baseline of the first line that names a comparison, px.
+const BELOW: f64 = 36.0;
+
+/// Steps of the lengths, mm.
+const STEP_MM: f64 = 100.0;
+
+/// The scale reaches at least so far to either side, mm, so that a change of a millimetre does not look like one of a
+/// centimetre.
+const SCALE_MIN_MM: f64 = 10.0;
+
+/// Steps of which one divides the scale into at most [`STEPS_MAX`] parts on either side, mm.
+const STEPS_MM: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
+const STEPS_MAX: f64 = 4.0;
+
+/// Radius of the dot of a change that is shown, px.
+const DOT: f64 = 3.0;
+
+/// The figure; `None` if no girth can be compared.
+pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture> {
+    let compared: Vec<&Comparison> =
+        compared.iter().filter(|of| !of.is_of_other_posture()).collect();
+    let all = || {
+        let legs = compared.iter().flat_map(|of| Side::BOTH.map(|side| girths(of, side)));
+        legs.flatten()
+    };
+    let lengths = range(all().map(|of| along_mm(of.step)), STEP_MM)?;
+    let figures = all().flat_map(|of| [of.change.by.abs(), of.change.detectable()]);
+    let reach = figures.filter(|mm| mm.is_finite()).fold(SCALE_MIN_MM, f64::max);
+    let step = STEPS_MM.into_iter().find(|step| reach <= STEPS_MAX * step).unwrap_or(reach);
+    let end = (reach / step).ceil() * step;
+    let mut marks = Vec::new();
+    for (side, px) in Side::FROM_FRONT.into_iter().zip(LEGS_PX) {
+        let y = Scale { range: lengths, px: ROWS_PX };
+        let frame = Frame { x: Scale { range: [-end, end], px }, y };
+        marks.extend(leg(words, side, &frame, step));
+        // The last one first, so that the first comparison lies above it.
+        for (place, of) in compared.iter().enumerate().rev() {
+            marks.extend(curve(girths(of, side), &frame, look(place, side)));
+        }
+    }
+    let length = words.text("visits.picture.length_cm");
+    marks.push(label([4.0, ROWS_PX[1] - 8.0], Anchor::Start, SMALL, Ink::Muted, length));
+    for (place, of) in compared.iter().enumerate() {
+        marks.extend(name(words, of, place));
+    }
+    let height = ROWS_PX[0] + BELOW + LINE * compared.len() as f64;
+    let title = words.text("visits.picture.changes");
+    Some(Picture { title, size: [WIDTH, height], cuts: vec![CUT_PX], marks })
+}
+
+/// The changes of the girths of a leg.
+fn girths(of: &Comparison, side: Side) -> &[PlaceChange] {
+    of.legs.get(side).as_ref().map(|leg| leg.girths.as_slice()).unwrap_or_default()
+}
+
+/// The grid of a leg, with its name and the line of no change.
+fn leg(words: &Words, side: Side, frame: &Frame, step: f64) -> Vec<Mark> {
+    let language = words.language;
+    let mut marks = frame.columns(step, |mm| signed(mm, &cm_words(mm, language)));
+    marks.extend(frame.rows(STEP_MM, |mm| number(mm / 10.0, 0, language)));
+    let [bottom, top] = frame.y.px;
+    let middle = frame.x.at(0.0);
+    marks.push(lines(vec![vec![[middle, bottom], [middle, top]]], Ink::Muted, 1.0));
+    let title = words.filled("visits.picture.change_cm", &[("leg", &words.leg(side))]);
+    marks.push(heading([middle, top - 22.0], Anchor::Middle, Ink::of(side), title));
+    marks
+}
+
+/// How a comparison is drawn: its ink, its line, and the dashes of it.
+type Look = (Ink, f64, Option<f64>);
+
+/// The comparison with the first visit in the leg's own ink, that with the one before the last dashed.
+fn look(place: usize, side: Side) -> Look {
+    match place {
+        0 => (Ink::of(side), 2.0, None),
+        _ => (Ink::Text, 1.2, Some(5.0)),
+    }
+}
+
+/// The changes along a leg; a dot where a change is shown. Of the comparison that is not dashed also from where on one
+/// can be shown.
+fn curve(of: &[PlaceChange], frame: &Frame, (ink, width, dash): Look) -> Vec<Mark> {
+    let at = |place: &PlaceChange, mm: f64| frame.at([mm, along_mm(place.step)]);
+    let runs = || of.chunk_by(|one, next| one.step + 1 == next.step);
+    let line = |by: &dyn Fn(&PlaceChange) -> f64, stroke: Stroke| Mark::Lines {
+        lines: runs().map(|run| run.iter().map(|of| at(of, by(of))).collect()).collect(),
+        is_closed: false,
+        fill: None,
+        stroke: Some(stroke),
+    };
+    if of.is_empty() {
+        return Vec::new();
+    }
+    let mut marks = Vec::new();
+    if dash.is_none() {
+        let stroke = Stroke { ink: Ink::Muted, width: 1.0, dash: Some(2.0) };
+        marks.push(line(&|of: &PlaceChange| of.change.detectable(), stroke));
+        marks.push(line(&|of: &PlaceChange| -of.change.detectable(), stroke));
+    }
+    marks.push(line(&|of: &PlaceChange| of.change.by, Stroke { ink, width, dash }));
+    let shown = of.iter().filter(|of| of.change.shown() != Shown::NoChange);
+    let dots: Vec<[f64; 2]> = shown.map(|of| at(of, of.change.by)).collect();
+    if !dots.is_empty() {
+        marks.push(Mark::Dots { at: dots, radius: DOT, fill: Some(ink), stroke: None });
+    }
+    marks
+}
+
+/// The line of a comparison and its days, below the charts.
+fn name(words: &Words, of: &Comparison, place: usize) -> [Mark; 2] {
+    let (ink, width, dash) = look(place, Side::Left);
+    let left = LEGS_PX[0][0];
+    let y = ROWS_PX[0] + BELOW + LINE * place as f64;
+    let line = vec![vec![[left, y - 4.0], [left + 40.0, y - 4.0]]];
+    let stroke = Some(Stroke { ink, width, dash });
+    [
+        Mark::Lines { lines: line, is_closed: false, fill: None, stroke },
+        label([left + 48.0, y], Anchor::Start, SMALL, Ink::Text, between(words, of)),
+    ]
+}

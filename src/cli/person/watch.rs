@@ -1,0 +1,159 @@
+//! Watches an erasure at a running station, which may end at any moment, begin anew, or not come back. What it said
+//! before it fell silent does not count: it is asked again until it is known what has become of the erasure.
+
+use std::time::{Duration, Instant};
+
+use gaiter_flow::patient::erasure::Erasure;
+use jiff::Timestamp;
+
+use super::reach::{Fault, Reached};
+use crate::store::polling::poll;
+
+/// How long the station may take to begin anew and to clear its folder and the stores.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How long after its own folder, without a break, the stores that are in reach are cleared.
+const STORES_PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long a station may be away before its state folder is taken. The service manager starts it again after
+/// two seconds.
+const AWAY_PATIENCE: Duration = Duration::from_secs(10);
+
+/// An erasure that is watched.
+pub(super) struct Watch<'a> {
+    reached: &'a Reached<'a>,
+    patient: &'a str,
+    /// When it was asked for: an erasure from before is another one.
+    asked: Timestamp,
+    /// Whether a station said that it noted the wish.
+    is_noted: bool,
+    heard: Heard,
+}
+
+impl<'a> Watch<'a> {
+    /// The watch of an erasure that is asked for next.
+    pub(super) fn of(reached: &'a Reached<'a>, patient: &'a str) -> Watch<'a> {
+        let asked = Timestamp::now();
+        Watch { reached, patient, asked, is_noted: false, heard: Heard::default() }
+    }
+
+    /// The station said that it noted the wish.
+    pub(super) fn noted(self) -> Watch<'a> {
+        Watch { is_noted: true, ..self }
+    }
+
+    /// Asks again until nothing is left to do, or only a store that is out of reach. Returns what a station
+    /// says at the end; `None` if none says anything.
+    ///
+    /// # Errors
+    /// If a station that had not noted the wish refuses it.
+    pub(super) fn until_known(mut self) -> Result<Option<Erasure>, Fault> {
+        match poll(PATIENCE, || self.look().transpose()) {
+            Some(known) => known.map(Some),
+            None => Ok(self.heard.last),
+        }
+    }
+
+    fn look(&mut self) -> Result<Option<Erasure>, Fault> {
+        match self.reached.erasure(self.patient) {
+            Ok(Some(erasure)) if self.is_noted || erasure.at >= self.asked => {
+                self.is_noted = true;
+                Ok(self.heard.answer(erasure, Instant::now()))
+            }
+            // The station that was asked ended before it noted the wish, and another one runs.
+            Ok(_) => match self.reached.erase(self.patient) {
+                Err(fault) if !fault.is_silence() => Err(fault),
+                asked => {
+                    self.is_noted = asked.is_ok();
+                    Ok(None)
+                }
+            },
+            Err(fault) => {
+                let away = self.heard.silence(Instant::now());
+                if !fault.is_silence() || away <= AWAY_PATIENCE {
+                    return Ok(None);
+                }
+                let Watch { reached, patient, asked, is_noted, .. } = *self;
+                // It fails while a station is about to start, which is then asked again.
+                Ok(reached.erase_without_station(patient, asked, is_noted).ok().flatten())
+            }
+        }
+    }
+}
+
+/// What a station said, as far as it has not fallen silent since.
+#[derive(Debug, Default)]
+struct Heard {
+    last: Option<Erasure>,
+    /// Since when it has said, without a break, that its own folder is cleared.
+    cleared_since: Option<Instant>,
+    /// Since when it has been silent.
+    silent_since: Option<Instant>,
+}
+
+impl Heard {
+    /// Takes in an answer, and returns it if there is nothing left to wait for.
+    fn answer(&mut self, erasure: Erasure, now: Instant) -> Option<Erasure> {
+        self.silent_since = None;
+        if erasure.cleared.is_some() {
+            self.cleared_since.get_or_insert(now);
+        }
+        let is_over = erasure.ended.is_some()
+            || self.cleared_since.is_some_and(|since| now.duration_since(since) > STORES_PATIENCE);
+        self.last = Some(erasure.clone());
+        is_over.then_some(erasure)
+    }
+
+    /// There was no answer: what was said before counts no more. Returns for how long there has been none.
+    fn silence(&mut self, now: Instant) -> Duration {
+        (self.last, self.cleared_since) = (None, None);
+        now.duration_since(*self.silent_since.get_or_insert(now))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An erasure of which the station's own folder is cleared, and no store.
+    fn cleared() -> Erasure {
+        let at = Timestamp::from_second(1_800_000_000).unwrap();
+        let stores = vec!["folder".to_owned(), "copy".to_owned()];
+        let mut erasure = Erasure::asked(None, "4711", (at, "uid 0".to_owned()), stores);
+        erasure.own_cleared(at, &["folder", "copy"]);
+        erasure
+    }
+
+    #[test]
+    fn what_a_station_said_before_it_fell_silent_counts_no_more() {
+        let (mut heard, began) = (Heard::default(), Instant::now());
+        assert_eq!(heard.answer(cleared(), began), None);
+        assert!(heard.last.is_some());
+        let second = Duration::from_secs(1);
+        assert_eq!(heard.silence(began + second), Duration::ZERO);
+        assert_eq!(heard.last, None, "nobody knows what the station did before it ended");
+        assert_eq!(heard.silence(began + 3 * second), 2 * second);
+    }
+
+    #[test]
+    fn a_station_that_begins_anew_has_the_whole_time_for_its_stores_again() {
+        let (mut heard, began) = (Heard::default(), Instant::now());
+        let at = |seconds| began + Duration::from_secs(seconds);
+        heard.answer(cleared(), at(0));
+        heard.silence(at(1));
+        // Its own folder was cleared long ago, and it is about to clear the stores.
+        assert_eq!(heard.answer(cleared(), at(15)), None);
+        assert_eq!(heard.answer(cleared(), at(24)), None);
+        assert_eq!(heard.answer(cleared(), at(26)), Some(cleared()), "a store is out of reach");
+    }
+
+    #[test]
+    fn an_erasure_that_has_ended_is_known_at_once() {
+        let mut erasure = cleared();
+        let at = erasure.at;
+        erasure.store_cleared("folder", at);
+        erasure.store_cleared("copy", at);
+        let (mut heard, now) = (Heard::default(), Instant::now());
+        assert_eq!(heard.answer(erasure.clone(), now), Some(erasure));
+    }
+}
