@@ -418,7 +418,11 @@ fn excess(of: &Excess) -> ExcessFigures {
 fn excess_change(of: &ExcessChange) -> ExcessChangeFigures {
     ExcessChangeFigures {
         affected: of.later.affected.word(),
-        volume_ml: change(&of.change),
+        // The percentage of an excess is its reduction.
+        volume_ml: match of.reduction {
+            Ok(_) => change(&of.change),
+            Err(_) => difference_change(&of.change),
+        },
         percent_reduction: of.reduction.ok().map(|of| percent(of.percent)),
         percent_reduction_u95: of.reduction.ok().map(|of| percent(of.expanded)),
         no_percent_reduction: of.reduction.err().map(NoReduction::word),

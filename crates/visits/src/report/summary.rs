@@ -224,6 +224,9 @@ fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
         ("other_side", &only(change.later.affected.other())),
         ("detectable", &told.detectable),
     ];
+    if change.reduction == Err(NoReduction::SmallerLeg) {
+        return words.filled("visits.smaller_leg", &values);
+    }
     let shown = words.of_code("visits.excess", change.change.shown().word(), &values);
     let reduction = match &change.reduction {
         Ok(reduction) => {

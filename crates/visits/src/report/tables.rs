@@ -178,7 +178,9 @@ pub(super) fn slices(
     let cell = |visit: usize, step: Step| {
         let leg = words.course.visits[visit].legs.get(side).as_ref()?;
         let piece = *leg.pieces(group.volume).get(&step)?;
-        Some(plain(number(piece.ml, 0, words.language)))
+        let is_doubtful = [step, step + 1].iter().any(|end| leg.places[end].is_doubtful);
+        let mark = if is_doubtful { Mark::Doubtful } else { Mark::Sure };
+        Some(Figure { value: number(piece.ml, 0, words.language), margin: None, mark })
     };
     let title = words.filled("visits.slices", &[("leg", &words.leg(side))]);
     let change = |change: &Change| Figure {
@@ -224,7 +226,7 @@ fn places(
             shown.iter().map(|visit| cell(*visit, step).unwrap_or_else(|| missing(words)));
         let changes = changes.iter().map(|of| {
             let found = of.iter().find(|of| of.step == step);
-            found.map_or_else(|| missing(words), |of| change(&of.change))
+            found.map_or_else(|| missing(words), |of| doubted(change(&of.change), of.is_doubtful))
         });
         TableRow { head: place(step), figures: figures.chain(changes).collect() }
     };
@@ -291,6 +293,12 @@ fn mark(shown: Shown) -> Mark {
         Shown::NoChange => Mark::Sure,
         Shown::Larger | Shown::Smaller => Mark::Real,
     }
+}
+
+/// A change with the sign of doubt beside what it shows.
+fn doubted(figure: Figure, is_doubtful: bool) -> Figure {
+    let sign = if is_doubtful { " ?" } else { "" };
+    Figure { value: figure.value + sign, ..figure }
 }
 
 fn plain(value: String) -> Figure {
