@@ -43,7 +43,11 @@ const G_MM: f64 = 3.0;
 const G_BELOW_CROTCH_MM: f64 = 50.0;
 
 /// At most this share of the levels that are not weak in the truth carries a doubt.
-const DOUBTED_SHARE: f64 = 0.05;
+const DOUBTED_SHARE: f64 = 0.02;
+
+/// A girth or a height without a doubt is quietly wrong if it is off by this, mm, and by three standard errors more. None
+/// may be.
+const QUIET_MM: [f64; 2] = [2.0, 5.0];
 
 /// At least this share of the landmarks lies within two standard errors of the truth.
 const COVERED_SHARE: f64 = 0.93;
@@ -97,6 +101,8 @@ pub struct Limits {
     /// Errors and standard errors of the height of the crotch, mm.
     crotch: Claims,
     g_mm: Vec<f64>,
+    /// Girths and heights at B, C and D that are quietly wrong.
+    quiet: [usize; 2],
     /// Levels that are not weak in the truth, and how many of them carry a doubt.
     firm: usize,
     doubted: usize,
@@ -136,6 +142,13 @@ impl Limits {
                     if level == Level::B1 { &mut self.claims_of_b1 } else { &mut self.claims };
                 if let Some(landmark) = leg.and_then(|leg| found(leg, level)) {
                     claim(claims, landmark, [girth_mm, height_mm]);
+                    let off_mm = [girth_mm, height_mm].map(f64::abs);
+                    let sds_mm = [landmark.girth_of_level_sd_mm, landmark.height_sd_mm];
+                    let is_sure = level != Level::B1 && landmark.doubts.is_empty();
+                    for (at, quiet) in self.quiet.iter_mut().enumerate() {
+                        let is_off = off_mm[at] > QUIET_MM[at] + 3.0 * sds_mm[at];
+                        *quiet += usize::from(is_sure && is_off);
+                    }
                     let is_firm = truth["landmarks"][level.name()]["weak"] != true;
                     self.firm += usize::from(is_firm);
                     self.doubted += usize::from(is_firm && !landmark.doubts.is_empty());
@@ -254,6 +267,8 @@ impl Limits {
 
     fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let counts = [
+            ("girths at B, C, D quietly wrong", self.quiet[0]),
+            ("heights of B, C, D quietly wrong", self.quiet[1]),
             ("sides swapped", self.swapped),
             ("scans refused", self.refused),
             ("legs refused", self.legs_refused),
