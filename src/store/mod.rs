@@ -18,6 +18,7 @@ use jiff::Timestamp;
 
 pub use folder::FolderStore;
 use gaiter_flow::ScanId;
+use gaiter_flow::cause::Cause;
 use gaiter_record::RecordFile;
 use gaiter_record::gdt::ResultFault;
 pub use gdt::GdtStore;
@@ -109,6 +110,19 @@ pub enum StoreFault {
     /// The store will never take this record.
     #[error("the store cannot take this record: {0}")]
     Permanent(Misfit),
+}
+
+impl StoreFault {
+    /// Why, for people, without a path.
+    pub fn cause(&self) -> Cause {
+        match self {
+            StoreFault::Transient { what, source, .. } => {
+                Cause::of_system(source).after(format_args!("{what} failed"))
+            }
+            StoreFault::NotFetched => Cause::said(self),
+            StoreFault::Permanent(misfit) => Cause::said(misfit),
+        }
+    }
 }
 
 /// Why a store will never take a record.

@@ -36,12 +36,12 @@ pub fn ask(core: &Core, name: &str) -> bool {
 /// of the history as it is since.
 fn clear(core: &Core, store: &RecordStore) -> Result<(), Cause> {
     erase::clear_store_of(core, store).map_err(|fault| match fault {
-        ClearFault::Store(fault) => without_path(&fault),
+        ClearFault::Store(fault) => fault.cause(),
         ClearFault::Custody(fault) => core.checked(&fault),
     })?;
     let RecordStore::Folder(folder) = store else { return Ok(()) };
     let renewed = renew_head(&core.custody, folder).map_err(|fault| core.checked(&fault))?;
-    renewed.map_err(|fault| without_path(&fault))
+    renewed.map_err(|fault| fault.cause())
 }
 
 /// Makes sure that the journal knows the store's records. One that is older than they are is set aside and
@@ -57,7 +57,7 @@ fn know(core: &Core, store: &RecordStore) -> Result<(), Cause> {
     if core.stores.is_open(store) {
         return Ok(());
     }
-    match store.kept_head().map_err(|fault| without_path(&fault))? {
+    match store.kept_head().map_err(|fault| fault.cause())? {
         Some(head) => journal.holds_head(&head).map_err(of_journal),
         None => Ok(()),
     }
@@ -73,7 +73,7 @@ fn begin(core: &Core, store: &RecordStore) -> Result<(), Cause> {
         return Ok(());
     }
     // Created only if the station never had it: otherwise a missing folder is an unmounted share.
-    store.begin(begun.is_none()).map_err(|fault| without_path(&fault))?;
+    store.begin(begun.is_none()).map_err(|fault| fault.cause())?;
     journal.begun(store.name(), &place).map_err(of_journal)
 }
 
@@ -126,17 +126,6 @@ pub fn note_stalled(core: &Core, name: &str) -> bool {
 fn refusal(fault: &StoreFault) -> StoreRefusal {
     match fault {
         StoreFault::NotFetched => StoreRefusal::NotFetched,
-        _ => StoreRefusal::Fault(without_path(fault)),
-    }
-}
-
-/// A store's fault without its path.
-fn without_path(fault: &StoreFault) -> Cause {
-    match fault {
-        StoreFault::Transient { what, source, .. } => {
-            Cause::of_system(source).after(format_args!("{what} failed"))
-        }
-        StoreFault::NotFetched => Cause::said(fault),
-        StoreFault::Permanent(misfit) => Cause::said(misfit),
+        _ => StoreRefusal::Fault(fault.cause()),
     }
 }

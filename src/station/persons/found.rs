@@ -5,7 +5,6 @@ use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use gaiter_flow::cause::Cause;
 use gaiter_flow::patient::naming::RecordName;
 use gaiter_flow::patient::person::{
     HandedOver, KnownVisits, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore,
@@ -138,7 +137,7 @@ fn in_folders(store: &RecordStore, patient: &str) -> Option<PersonStore> {
         of_another: 0,
     };
     if let Err(fault) = fill(&mut of, folder, patient) {
-        let cause = without_path(&fault);
+        let cause = fault.cause();
         (of.fault, of.cause) = (Some(cause.to_string()), Some(cause));
     }
     Some(of)
@@ -188,14 +187,4 @@ fn given(store: &RecordStore, patient: &str) -> Option<Vec<HandedOver>> {
         attachments: of.attachments,
     });
     Some(handed_over.collect())
-}
-
-/// A store's fault without its path.
-fn without_path(fault: &StoreFault) -> Cause {
-    match fault {
-        StoreFault::Transient { what, source, .. } => {
-            Cause::of_system(source).after(format_args!("{what} failed"))
-        }
-        fault => Cause::said(fault),
-    }
 }

@@ -7,9 +7,21 @@ use std::path::{Path, PathBuf};
 
 use rig::verb::{code, gaiter_told, stderr, stdout};
 use rig::web::Site;
-use rig::{Booth, sha256};
+use rig::{Booth, Daemon, sha256};
 use serde_json::{Value, json};
 use support::coarse_body;
+
+/// A station with a page and the record of one scan, the patient's only one; the scan's id.
+fn with_one_record() -> (Booth, Daemon, Site, String) {
+    let booth = Booth::new();
+    booth.reconfigure(|config| format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n"));
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    let bytes = coarse_body(0);
+    booth.export("4711_a.obj", &bytes);
+    booth.wait_for_records(1);
+    (booth, daemon, site, sha256(&bytes))
+}
 
 fn name_affected(site: &Site, patient: &str, affected: &str) -> u16 {
     let body = json!({"ask": "name_affected", "patient": patient, "affected": affected});
@@ -18,14 +30,8 @@ fn name_affected(site: &Site, patient: &str, affected: &str) -> u16 {
 
 #[test]
 fn the_affected_leg_is_named_once_and_holds_for_page_and_terminal() {
-    let booth = Booth::new();
-    booth.reconfigure(|config| format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n"));
-    let daemon = booth.start();
-    let site = Site::of(&booth, "local");
-    let bytes = coarse_body(0);
-    booth.export("4711_a.obj", &bytes);
-    booth.wait_for_records(1);
-    let path = format!("/scan/{}/visits.html", sha256(&bytes));
+    let (booth, daemon, site, scan) = with_one_record();
+    let path = format!("/scan/{scan}/visits.html");
     booth.wait_for("the record", || site.get(&path, &site.operator()).status != 404);
     let mut folders = fs::read_dir(booth.path("records/4711")).unwrap();
     let folder = folders.find_map(|entry| {
@@ -78,14 +84,8 @@ fn earlier_visit(folder: &Path, day: &str, digit: &str) -> PathBuf {
 
 #[test]
 fn the_visits_of_a_patient_are_compared_for_those_who_may_see_whose_scan_it_is() {
-    let booth = Booth::new();
-    booth.reconfigure(|config| format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n"));
-    let daemon = booth.start();
-    let site = Site::of(&booth, "local");
-    let bytes = coarse_body(0);
-    booth.export("4711_a.obj", &bytes);
-    booth.wait_for_records(1);
-    let (scan, operator) = (sha256(&bytes), site.operator());
+    let (booth, daemon, site, scan) = with_one_record();
+    let operator = site.operator();
     let path = |name: &str| format!("/scan/{scan}/{name}");
     booth.wait_for("the record", || site.get(&path("visits.html"), &operator).status != 404);
 

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use crate::sections::slice::Mesh;
+use crate::sections::slice::{Around, Mesh};
 
 /// The points that are looked at, as shares of stature: those of the shanks, where nothing is sharp.
 const SPAN_SHARE: [f64; 2] = [0.06, 0.28];
@@ -77,8 +77,9 @@ pub fn smoothed(legs: &[&Mesh], stature_mm: f64) -> Option<Smoothed> {
 
 impl Sums {
     fn add(&mut self, mesh: &Mesh, [low_mm, high_mm]: [f64; 2]) {
-        let inner = inner(mesh, 2);
-        let arms = to_mean(mesh, mesh.points().iter().map(|point| point.coords));
+        let around = mesh.around();
+        let inner = inner(mesh, &around, 2);
+        let arms = to_mean(mesh, &around, mesh.points().iter().map(|point| point.coords));
         let normals = (0..).map(|index| mesh.normal(index));
         let across: Vec<f64> =
             arms.iter().zip(normals.clone()).map(|(arm, normal)| arm.dot(&normal)).collect();
@@ -87,15 +88,14 @@ impl Sums {
             .zip(normals.clone().zip(&across))
             .map(|(arm, (normal, across))| arm - normal * *across)
             .collect();
-        let change = to_mean(mesh, aside.iter().copied());
-        let facets = counts(mesh, mesh.triangles().iter().flatten());
+        let change = to_mean(mesh, &around, aside.iter().copied());
         for (index, normal) in normals.take(inner.len()).enumerate() {
             if !inner[index] || !(low_mm..high_mm).contains(&mesh.points()[index].z) {
                 continue;
             }
             let change = change[index] - normal * normal.dot(&change[index]);
             self.points += 1.0;
-            self.irregular += f64::from(u8::from(facets[index] != 6));
+            self.irregular += f64::from(u8::from(around[index].facets != 6));
             self.aside_mm2 += aside[index].norm_squared();
             self.change_mm2 += change.norm_squared();
             self.across_mm += across[index].abs();
@@ -103,15 +103,12 @@ impl Sums {
     }
 }
 
-/// How often each point is named.
-fn counts<'a>(mesh: &Mesh, named: impl Iterator<Item = &'a u32>) -> Vec<u32> {
-    let mut counts = vec![0; mesh.points().len()];
-    named.for_each(|point| counts[*point as usize] += 1);
-    counts
-}
-
 /// From the value at each point to the mean of those at its neighbours.
-fn to_mean(mesh: &Mesh, values: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
+fn to_mean(
+    mesh: &Mesh,
+    around: &[Around],
+    values: impl Iterator<Item = Vector3<f64>>,
+) -> Vec<Vector3<f64>> {
     let values: Vec<Vector3<f64>> = values.collect();
     let mut sums = vec![Vector3::zeros(); values.len()];
     for &[a, b] in mesh.edges() {
@@ -119,20 +116,15 @@ fn to_mean(mesh: &Mesh, values: impl Iterator<Item = Vector3<f64>>) -> Vec<Vecto
         sums[a] += values[b];
         sums[b] += values[a];
     }
-    let edges = counts(mesh, mesh.edges().iter().flatten());
-    let mean = |((sum, count), value): ((Vector3<f64>, u32), Vector3<f64>)| {
-        sum / f64::from(count.max(1)) - value
+    let mean = |((sum, around), value): ((Vector3<f64>, &Around), Vector3<f64>)| {
+        sum / f64::from(around.edges.max(1)) - value
     };
-    sums.into_iter().zip(edges).zip(values).map(mean).collect()
+    sums.into_iter().zip(around).zip(values).map(mean).collect()
 }
 
 /// The points that facets surround, and whose neighbours are such points up to so many edges away.
-fn inner(mesh: &Mesh, edges_away: usize) -> Vec<bool> {
-    let facets = counts(mesh, mesh.triangles().iter().flatten());
-    let edges = counts(mesh, mesh.edges().iter().flatten());
-    // At a border there is one more edge than there are facets.
-    let mut inner: Vec<bool> =
-        facets.iter().zip(&edges).map(|(facets, edges)| *facets > 0 && facets == edges).collect();
+fn inner(mesh: &Mesh, around: &[Around], edges_away: usize) -> Vec<bool> {
+    let mut inner: Vec<bool> = around.iter().map(Around::is_surrounded).collect();
     for _ in 0..edges_away {
         let before = inner.clone();
         for &[a, b] in mesh.edges() {

@@ -114,13 +114,10 @@ fn facet(places: &[[f64; 2]; 3], skin: &Tensor) -> Option<(f64, f64)> {
 
 /// Standard deviation of the number of facets around a point, of those points that facets surround; 0 for a grid.
 fn irregularity(mesh: &Mesh, places: &[Option<[f64; 2]>]) -> f64 {
-    let mut around = vec![[0_u32; 2]; places.len()];
-    mesh.triangles().iter().flatten().for_each(|corner| around[*corner as usize][0] += 1);
-    mesh.edges().iter().flatten().for_each(|end| around[*end as usize][1] += 1);
+    let around = mesh.around();
     let on_skin = around.iter().zip(places).filter(|(_, place)| place.is_some());
-    // At a border there is one more edge than there are facets.
-    let inner = on_skin.filter(|([facets, edges], _)| *facets > 0 && facets == edges);
-    let counts: Vec<f64> = inner.map(|([facets, _], _)| f64::from(*facets)).collect();
+    let surrounded = on_skin.map(|(around, _)| around).filter(|around| around.is_surrounded());
+    let counts: Vec<f64> = surrounded.map(|around| f64::from(around.facets)).collect();
     if counts.iter().all(|count| *count <= GRID_MAX) {
         return 0.0;
     }

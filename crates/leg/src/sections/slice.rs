@@ -76,6 +76,22 @@ pub struct Crossing {
     pub position: Point3<f64>,
 }
 
+/// How many facets and edges of a mesh meet at a point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Around {
+    /// Facets.
+    pub facets: u32,
+    /// Edges.
+    pub edges: u32,
+}
+
+impl Around {
+    /// Whether facets surround the point. At a border there is one more edge than there are facets.
+    pub fn is_surrounded(&self) -> bool {
+        self.facets > 0 && self.facets == self.edges
+    }
+}
+
 impl Mesh {
     /// A mesh; every index must be within `points`, as guaranteed by a scan.
     pub fn new(points: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Mesh {
@@ -157,6 +173,14 @@ impl Mesh {
     /// Edges of the triangles, each once and in ascending order, smaller index first.
     pub fn edges(&self) -> &[[u32; 2]] {
         self.edges.get_or_init(|| edges(self.points.len(), &self.triangles))
+    }
+
+    /// What meets at each point.
+    pub fn around(&self) -> Vec<Around> {
+        let mut around = vec![Around::default(); self.points.len()];
+        self.triangles.iter().flatten().for_each(|corner| around[*corner as usize].facets += 1);
+        self.edges().iter().flatten().for_each(|end| around[*end as usize].edges += 1);
+        around
     }
 
     /// Unit normal of the skin at a point, of arbitrary sign; zero for a point cloud.

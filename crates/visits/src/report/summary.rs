@@ -28,7 +28,7 @@ impl ReportOf<'_> {
         for of in &compared {
             said.extend(stand_ins(words, of));
         }
-        // What holds for both comparisons is told once.
+        // What both comparisons share stands once.
         let mut known = BTreeSet::new();
         said.retain(|sentence| known.insert(sentence.clone()));
         if compared.is_empty() {

@@ -178,7 +178,8 @@ pub(super) fn slices(
     let cell = |visit: usize, step: Step| {
         let leg = words.course.visits[visit].legs.get(side).as_ref()?;
         let piece = *leg.pieces(group.volume).get(&step)?;
-        let is_doubtful = [step, step + 1].iter().any(|end| leg.places[end].is_doubtful);
+        let mut ends = [step, step + 1].into_iter().filter_map(|end| leg.places.get(&end));
+        let is_doubtful = ends.any(|place| place.is_doubtful);
         let mark = if is_doubtful { Mark::Doubtful } else { Mark::Sure };
         Some(Figure { value: number(piece.ml, 0, words.language), margin: None, mark })
     };

@@ -279,3 +279,45 @@ fn each_figure_of_the_tables_of_volumes_is_that_of_the_json_form() {
         }
     }
 }
+
+#[test]
+fn an_affected_leg_that_was_the_smaller_one_is_told_as_such_and_its_change_has_no_percentage() {
+    let records = [cylinders([400.0, 420.0], 0), cylinders([400.0, 410.0], 30)];
+    let course = Course::comparable(&records, named(Affected::One(Side::Right))).unwrap();
+    let report = document(&course, &records, Language::En);
+    let said = verdict(&report).iter().find(|said| said.starts_with("The affected leg (right)"));
+    let said = said.unwrap();
+    assert!(said.contains("was the smaller one before") && !said.contains("larger"), "{said}");
+    let json = serde_json::to_value(figures(&course, &[])).unwrap();
+    let excess = &json["comparisons"][0]["excess"];
+    assert_eq!(excess["no_percent_reduction"], "smaller-leg");
+    assert_eq!(excess["volume_ml"]["percent_change"], Value::Null);
+}
+
+#[test]
+fn slices_beside_a_doubtful_girth_and_their_changes_bear_the_sign_of_doubt() {
+    let mut records = [cylinders([400.0, 420.0], 0), cylinders([400.0, 410.0], 30)];
+    for leg in &mut records[1].legs {
+        for at in leg.along.iter_mut().filter(|at| at.along_axis_mm == 320.0) {
+            at.doubts = vec!["gap".into()];
+        }
+    }
+    let course = Course::comparable(&records, named(Affected::One(Side::Left))).unwrap();
+    let report = document(&course, &records, Language::En);
+    let tables = report.blocks.iter().filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    let rows: Vec<_> = tables.flat_map(|table| &table.rows).collect();
+    for (head, is_doubted) in [("24–28", false), ("28–32", true), ("32–36", true), ("36–40", false)]
+    {
+        let slices: Vec<_> = rows.iter().filter(|row| row.head == head).collect();
+        assert_eq!(slices.len(), 2, "{head}: one of each leg");
+        for row in slices {
+            let [earlier, later, change] = &row.figures[..] else { panic!("{row:?}") };
+            assert_eq!(earlier.mark.sign(), "", "{head}");
+            assert_eq!(later.mark.sign(), if is_doubted { "?" } else { "" }, "{head}");
+            assert_eq!(change.value.ends_with('?'), is_doubted, "{head}: {}", change.value);
+        }
+    }
+}
