@@ -100,6 +100,9 @@ impl FolderStore {
     }
 
     fn erase_in(&self, folder: &Path, patient: &str, before: Timestamp) -> Result<(), StoreFault> {
+        // What was being removed when the station ended: its own time is that of the removal.
+        let gone = self.being_removed(folder);
+        tried("removing", &gone, durable::remove_folder(&gone))?;
         // Repeated until none is found: a re-extraction may add a revision meanwhile. A later one finds the
         // record gone and removes its revision itself.
         loop {
@@ -147,7 +150,7 @@ impl FolderStore {
             tried("removing", place, fs::remove_file(place))?;
             return tried("syncing", within, durable::sync_folder(within));
         }
-        let gone = within.join(format!("{}erasing", self.staging));
+        let gone = self.being_removed(within);
         if place != gone {
             tried("removing", &gone, durable::remove_folder(&gone))?;
             tried("renaming", place, durable::rename_new(place, &gone))?;
@@ -155,6 +158,11 @@ impl FolderStore {
         }
         tried("removing", &gone, durable::remove_folder(&gone))?;
         tried("syncing", within, durable::sync_folder(within))
+    }
+
+    /// The place from which something in a folder is removed.
+    fn being_removed(&self, within: &Path) -> PathBuf {
+        within.join(format!("{}erasing", self.staging))
     }
 
     /// Whether a hidden folder is one that another station prepares: it is that station's to remove.

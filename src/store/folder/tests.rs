@@ -435,3 +435,15 @@ fn ids_that_differ_in_case_only_are_refused_and_never_merged() {
     assert!(case.store().put(&delivery("P1")).unwrap().already_there);
     assert_eq!(case.store().stored_scan(&case.scan, Some("p1")).unwrap(), None);
 }
+
+#[test]
+fn an_erasure_that_was_cut_off_while_it_removed_a_record_is_carried_on_to_its_end() {
+    let case = Case::new();
+    let store = case.store();
+    store.put(&case.delivery()).unwrap();
+    // The station ended between the renaming of the record and its removal, later than the erasure was asked for.
+    let folder = case.dir.path().join("records/4711");
+    fs::rename(case.place(), folder.join(".staging.booth-1.erasing")).unwrap();
+    store.erase("4711", "2026-11-22T09:15:00Z".parse().unwrap(), &[]).unwrap();
+    assert!(!folder.exists(), "{:?}", names(&folder));
+}
