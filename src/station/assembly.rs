@@ -124,7 +124,7 @@ pub(in crate::station) fn open_custody(
 fn recover<'a>(
     custody: &Custody,
     rebuilt: Option<String>,
-    begun: impl Iterator<Item = &'a RecordStore>,
+    begun: impl Iterator<Item = &'a dyn RecordStore>,
     facts: &mut Facts,
 ) -> Result<usize, CustodyFault> {
     if custody.journal().is_paused()? {

@@ -12,7 +12,7 @@ use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
 /// Where records go.
 #[derive(Debug)]
 pub struct Stores {
-    all: Vec<RecordStore>,
+    all: Vec<Box<dyn RecordStore>>,
     /// The names of the stores that this run has opened.
     opened: Mutex<BTreeSet<&'static str>>,
 }
@@ -27,39 +27,41 @@ impl Stores {
             station,
             config.store.folder.access,
         );
-        let copy = config.store.copy.as_ref();
-        let copy =
-            copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station, copy.access));
-        let folders = [Some(first), copy].into_iter().flatten().map(RecordStore::Folder);
-        let all = folders.chain(config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt)));
-        Stores { all: all.collect(), opened: Mutex::default() }
+        let copy = config
+            .store
+            .copy
+            .as_ref()
+            .map(|copy| FolderStore::new("copy", copy.path.clone(), station, copy.access));
+        let gdt = config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt));
+        let all = [Some(boxed(first)), copy.map(boxed), gdt.map(boxed)];
+        Stores { all: all.into_iter().flatten().collect(), opened: Mutex::default() }
     }
 
     /// All of them, in the configuration's order.
-    pub fn iter(&self) -> impl Iterator<Item = &RecordStore> {
-        self.all.iter()
+    pub fn iter(&self) -> impl Iterator<Item = &dyn RecordStore> {
+        self.all.iter().map(Box::as_ref)
     }
 
     /// The store of this name in the journal, if the configuration has it.
-    pub fn named(&self, name: &str) -> Option<&RecordStore> {
+    pub fn named(&self, name: &str) -> Option<&dyn RecordStore> {
         self.iter().find(|store| store.name() == name)
     }
 
     /// The names of all stores.
     pub fn names(&self) -> Vec<&'static str> {
-        self.iter().map(RecordStore::name).collect()
+        self.iter().map(|store| store.name()).collect()
     }
 
     /// The names of the stores that take no record of a scan without a patient.
     pub fn named_only(&self) -> Vec<&'static str> {
-        self.iter().filter(|store| !store.takes_unassigned()).map(RecordStore::name).collect()
+        self.iter().filter(|store| !store.takes_unassigned()).map(|store| store.name()).collect()
     }
 
     /// Removes what a crash left half made in a store, once per run. Blocks.
     ///
     /// # Errors
     /// See [`StoreFault`]; the next call tries again.
-    pub fn open(&self, store: &RecordStore) -> Result<(), StoreFault> {
+    pub fn open(&self, store: &dyn RecordStore) -> Result<(), StoreFault> {
         if !self.is_open(store) {
             store.open()?;
             self.opened().insert(store.name());
@@ -68,7 +70,7 @@ impl Stores {
     }
 
     /// Reports whether this run has opened a store.
-    pub fn is_open(&self, store: &RecordStore) -> bool {
+    pub fn is_open(&self, store: &dyn RecordStore) -> bool {
         self.opened().contains(store.name())
     }
 
@@ -77,8 +79,12 @@ impl Stores {
     }
 }
 
+fn boxed(store: impl RecordStore + 'static) -> Box<dyn RecordStore> {
+    Box::new(store)
+}
+
 /// The store of practice software.
-fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> RecordStore {
+fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> GdtStore {
     let attach = Attach {
         files: gdt.attach.clone(),
         folder: gdt.attach_folder.clone(),
@@ -89,6 +95,5 @@ fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> RecordStore {
     let station = (config.station.id.as_str(), config.station.state_dir.clone());
     let zone = if gdt.utc { TimeZone::UTC } else { TimeZone::system() };
     let names = gdt.file_name.clone();
-    let store = GdtStore::new(gdt.path.clone(), names, rules, station, zone);
-    RecordStore::Gdt(Box::new(store))
+    GdtStore::new(gdt.path.clone(), names, rules, station, zone)
 }

@@ -19,13 +19,16 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::naming;
 use gaiter_record::{FIRST_REVISION, RecordFile};
+use jiff::Timestamp;
 
 use self::lock::StoreLock;
 use self::search::find;
 use super::listing::folders;
 use super::revision::{self, Added};
 use super::sums::{self, SUMS};
-use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
+use super::{
+    Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault, StoredScan, durable, tried,
+};
 use crate::store::access::Access;
 pub use person::PersonFolder;
 
@@ -79,7 +82,7 @@ impl FolderStore {
     ///
     /// # Errors
     /// A transient fault if the folder cannot be made.
-    pub fn make_root(&self) -> Result<(), StoreFault> {
+    fn make_root(&self) -> Result<(), StoreFault> {
         tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))
     }
 
@@ -88,7 +91,7 @@ impl FolderStore {
     ///
     /// # Errors
     /// A transient fault if the folder is out of reach.
-    pub fn mark(&self) -> Result<(), StoreFault> {
+    fn mark(&self) -> Result<(), StoreFault> {
         let mark = self.root.join(MARK);
         match durable::write_new(&mark, MARK_TEXT.as_bytes()) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -97,22 +100,11 @@ impl FolderStore {
         tried("syncing", &self.root, durable::sync_folder(&self.root))
     }
 
-    /// Checks that the store's folder can be opened and is the one that was marked.
-    ///
-    /// # Errors
-    /// A transient fault if that is not so.
-    pub fn reach(&self) -> Result<(), StoreFault> {
-        tried("opening", &self.root, fs::read_dir(&self.root))?;
-        let mark = self.root.join(MARK);
-        let what = "looking for .gaiter-store (missing if a share is not mounted)";
-        tried(what, &mark, fs::symlink_metadata(&mark)).map(drop)
-    }
-
     /// Removes staged folders that crashed deliveries of this station left.
     ///
     /// # Errors
     /// A transient fault if the store is out of reach.
-    pub fn clear_staging(&self) -> Result<(), StoreFault> {
+    fn clear_staging(&self) -> Result<(), StoreFault> {
         for patient in folders(&self.root)? {
             for staged in folders(&patient)? {
                 let name = staged.file_name().unwrap_or_default().to_string_lossy();
@@ -122,25 +114,6 @@ impl FolderStore {
             }
         }
         Ok(())
-    }
-
-    /// The store's folder, as configured.
-    pub fn place(&self) -> String {
-        self.root.to_string_lossy().into_owned()
-    }
-
-    /// The store's name in the journal.
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// Stores a record, or finds that it is already there. A record with any time counts, because a
-    /// station that lost its journal sees an old scan for the first time.
-    pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
-        fit(delivery)?;
-        // Checked each time: the share may have gone since, and its empty mount point accepts anything.
-        self.reach()?;
-        self.put_in_reach(delivery).map_err(|fault| self.of_record(fault, &TAKEN))
     }
 
     fn put_in_reach(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
@@ -217,6 +190,93 @@ impl FolderStore {
             }
             Err(source) => Err(StoreFault::Transient { what: "renaming", path: place, source }),
         }
+    }
+}
+
+impl RecordStore for FolderStore {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn place(&self) -> String {
+        self.root.to_string_lossy().into_owned()
+    }
+
+    fn takes_unassigned(&self) -> bool {
+        true
+    }
+
+    fn gives_back(&self) -> bool {
+        true
+    }
+
+    fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
+        if make_folder {
+            self.make_root()?;
+        }
+        self.mark()
+    }
+
+    fn open(&self) -> Result<(), StoreFault> {
+        self.clear_staging()
+    }
+
+    /// Also checks that the folder is the one that was marked.
+    fn reach(&self) -> Result<(), StoreFault> {
+        tried("opening", &self.root, fs::read_dir(&self.root))?;
+        let mark = self.root.join(MARK);
+        let what = "looking for .gaiter-store (missing if a share is not mounted)";
+        tried(what, &mark, fs::symlink_metadata(&mark)).map(drop)
+    }
+
+    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+        self.all_records()
+    }
+
+    /// A record with any time counts as there, because a station that lost its journal sees an old scan
+    /// for the first time.
+    fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+        fit(delivery)?;
+        // Checked each time: the share may have gone since, and its empty mount point accepts anything.
+        self.reach()?;
+        self.put_in_reach(delivery).map_err(|fault| self.of_record(fault, &TAKEN))
+    }
+
+    fn erase(&self, patient: &str, before: Timestamp, scans: &[ScanId]) -> Result<(), StoreFault> {
+        self.erase_person(patient, before, scans)
+    }
+
+    fn withdraw(
+        &self,
+        scan: &ScanId,
+        from: Option<&str>,
+        keeper: Option<&str>,
+    ) -> Result<(), StoreFault> {
+        self.withdraw_record(scan, from, keeper)
+    }
+
+    fn kept_head(&self) -> Result<Option<String>, StoreFault> {
+        self.read_head()
+    }
+
+    fn keep_head(&self, line: &str) -> Result<(), StoreFault> {
+        self.write_head(line)
+    }
+
+    fn settle_head(&self) -> Result<(), StoreFault> {
+        self.sync_head()
+    }
+
+    fn stored_scan(
+        &self,
+        scan: &ScanId,
+        patient: Option<&str>,
+    ) -> Result<Option<StoredScan>, StoreFault> {
+        self.scan_in_record(scan, patient)
+    }
+
+    fn of_person(&self, patient: &str) -> Result<Option<PersonFolder>, StoreFault> {
+        self.person_folder(patient).map(Some)
     }
 }
 

@@ -25,7 +25,7 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 use sha2::{Digest, Sha256};
 
-use super::{Delivery, FoundRecord, Misfit, Receipt, StoreFault};
+use super::{Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault};
 pub use attach::Attach;
 use gaiter_flow::ScanId;
 use gaiter_record::gdt::rules::FileName;
@@ -67,85 +67,6 @@ impl GdtStore {
         GdtStore { rules, garment, attach, place, register, zone, naming: Arc::default() }
     }
 
-    /// The exchange folder, as configured.
-    pub fn place(&self) -> String {
-        self.place.folder().to_string_lossy().into_owned()
-    }
-
-    /// Begins the store: makes the folder for staged results, which also identifies the exchange folder,
-    /// and the exchange folder itself if `make_folder` is set.
-    ///
-    /// # Errors
-    /// A transient fault if that is not possible now.
-    pub fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
-        self.place.begin(make_folder)
-    }
-
-    /// Removes results that crashed deliveries left staged and not registered.
-    ///
-    /// # Errors
-    /// A transient fault if the folder is out of reach.
-    pub fn open(&self) -> Result<(), StoreFault> {
-        self.register.open()?;
-        for key in self.place.staged()? {
-            if self.register.entry(&key)?.is_none() {
-                self.place.unstage(&key)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Checks that the exchange folder is there and can take a result now.
-    ///
-    /// # Errors
-    /// A transient fault if it cannot; [`StoreFault::NotFetched`] while the last result under a fixed
-    /// name, or 999 numbered results, have not been fetched.
-    pub fn reach(&self) -> Result<(), StoreFault> {
-        self.place.reach()?;
-        self.place.free_name(self.register.last_number()).map(drop)
-    }
-
-    /// Every record that was handed over.
-    ///
-    /// # Errors
-    /// A transient fault if the register cannot be read or the exchange folder is out of reach.
-    pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
-        self.place.reach()?;
-        let mut found = Vec::new();
-        for (key, entry) in self.register.entries()? {
-            if !self.place.is_staged(&key)? {
-                found.extend(entry.found(self.place.folder()));
-            }
-        }
-        Ok(found)
-    }
-
-    /// Hands a record over, or finds that it was handed over before.
-    pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
-        let Some(patient) = delivery.patient else {
-            return Err(StoreFault::Permanent(Misfit::Unassigned));
-        };
-        let _naming = self.naming.lock().unwrap_or_else(PoisonError::into_inner);
-        // Checked each time: the share may have gone since.
-        self.place.reach()?;
-        self.register.open()?;
-        let key = key(delivery.scan, patient, delivery.revision);
-        if let Some(entry) = self.register.entry(&key)? {
-            if !self.place.is_staged(&key)? {
-                // The run that gave it its name may have ended before this sync.
-                self.place.sync()?;
-                let folder = self.place.folder().join(entry.name);
-                return Ok(Receipt { folder, already_there: true });
-            }
-        } else {
-            // Checked before anything is written: it may have to wait for long.
-            self.place.free_name(self.register.last_number())?;
-            self.stage(&key, delivery)?;
-        }
-        let folder = self.name(&key, delivery, patient)?;
-        Ok(Receipt { folder, already_there: false })
-    }
-
     /// Writes attachments and message, synced; the message goes to the staging folder.
     fn stage(&self, key: &str, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
         let misfit = |misfit| StoreFault::Permanent(misfit);
@@ -185,6 +106,96 @@ impl GdtStore {
         };
         self.register.enter(key, &entry)?;
         self.place.publish(key, &name)
+    }
+}
+
+impl RecordStore for GdtStore {
+    fn name(&self) -> &'static str {
+        GdtStore::NAME
+    }
+
+    fn place(&self) -> String {
+        self.place.folder().to_string_lossy().into_owned()
+    }
+
+    fn takes_unassigned(&self) -> bool {
+        false
+    }
+
+    fn gives_back(&self) -> bool {
+        false
+    }
+
+    /// Makes the folder for staged results, which also identifies the exchange folder.
+    fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
+        self.place.begin(make_folder)
+    }
+
+    /// Removes results that crashed deliveries left staged and not registered.
+    fn open(&self) -> Result<(), StoreFault> {
+        self.register.open()?;
+        for key in self.place.staged()? {
+            if self.register.entry(&key)?.is_none() {
+                self.place.unstage(&key)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Also [`StoreFault::NotFetched`] while the last result under a fixed name, or 999 numbered results,
+    /// have not been fetched.
+    fn reach(&self) -> Result<(), StoreFault> {
+        self.place.reach()?;
+        self.place.free_name(self.register.last_number()).map(drop)
+    }
+
+    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+        self.place.reach()?;
+        let mut found = Vec::new();
+        for (key, entry) in self.register.entries()? {
+            if !self.place.is_staged(&key)? {
+                found.extend(entry.found(self.place.folder()));
+            }
+        }
+        Ok(found)
+    }
+
+    fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+        let Some(patient) = delivery.patient else {
+            return Err(StoreFault::Permanent(Misfit::Unassigned));
+        };
+        let _naming = self.naming.lock().unwrap_or_else(PoisonError::into_inner);
+        // Checked each time: the share may have gone since.
+        self.place.reach()?;
+        self.register.open()?;
+        let key = key(delivery.scan, patient, delivery.revision);
+        if let Some(entry) = self.register.entry(&key)? {
+            if !self.place.is_staged(&key)? {
+                // The run that gave it its name may have ended before this sync.
+                self.place.sync()?;
+                let folder = self.place.folder().join(entry.name);
+                return Ok(Receipt { folder, already_there: true });
+            }
+        } else {
+            // Checked before anything is written: it may have to wait for long.
+            self.place.free_name(self.register.last_number())?;
+            self.stage(&key, delivery)?;
+        }
+        let folder = self.name(&key, delivery, patient)?;
+        Ok(Receipt { folder, already_there: false })
+    }
+
+    fn erase(
+        &self,
+        patient: &str,
+        _before: Timestamp,
+        _scans: &[ScanId],
+    ) -> Result<(), StoreFault> {
+        self.erase_person(patient)
+    }
+
+    fn given(&self, patient: &str) -> Result<Vec<Given>, StoreFault> {
+        self.given_of_person(patient)
     }
 }
 

@@ -11,25 +11,141 @@ pub mod polling;
 pub mod revision;
 pub mod sums;
 
+use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
 
-pub use folder::FolderStore;
+pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
 use gaiter_flow::cause::Cause;
 use gaiter_record::RecordFile;
 use gaiter_record::gdt::ResultFault;
-pub use gdt::GdtStore;
+pub use gdt::{GdtStore, Given};
 
-/// A store of records, one of the kinds that gaiter knows.
-#[derive(Debug, Clone)]
-pub enum RecordStore {
-    /// A folder per patient, a folder per record.
-    Folder(FolderStore),
-    /// Results for a practice's software.
-    Gdt(Box<GdtStore>),
+/// A store of records. A new kind is a file here, a section of `station.toml`, a page of the
+/// documentation and a line in `station/stores.rs`; everything else asks the store. All calls block.
+pub trait RecordStore: fmt::Debug + Send + Sync {
+    /// The store's name in the journal.
+    fn name(&self) -> &'static str;
+
+    /// Where the store is, as configured.
+    fn place(&self) -> String;
+
+    /// Reports whether the store takes records of scans without a patient.
+    fn takes_unassigned(&self) -> bool;
+
+    /// Reports whether a record can be withdrawn; practice software keeps what it was handed.
+    fn gives_back(&self) -> bool;
+
+    /// Begins a new store: makes its folder if `make_folder` is set, then marks it.
+    ///
+    /// # Errors
+    /// A transient fault if that is not possible now.
+    fn begin(&self, make_folder: bool) -> Result<(), StoreFault>;
+
+    /// Prepares the store after a start: removes what a crash left half made.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach.
+    fn open(&self) -> Result<(), StoreFault>;
+
+    /// Checks that the store is in reach, so that no scan is measured for a store that is not.
+    ///
+    /// # Errors
+    /// A transient fault if it is not.
+    fn reach(&self) -> Result<(), StoreFault>;
+
+    /// Every record in the store.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach or only part of it could be read.
+    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault>;
+
+    /// Stores a record, or finds that it is already there.
+    ///
+    /// # Errors
+    /// See [`StoreFault`]; after any of them the same `put` may be tried again.
+    fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault>;
+
+    /// Removes what the store has of a person and gives back: records of scans that came before a time,
+    /// those of these scans from the unassigned ones, results that have no name yet. A repeated call
+    /// does nothing.
+    ///
+    /// # Errors
+    /// See [`StoreFault`]; what was removed stays removed.
+    fn erase(&self, patient: &str, before: Timestamp, scans: &[ScanId]) -> Result<(), StoreFault>;
+
+    /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
+    /// `keeper` has it. Files that a person added to it move to the keeper's record. A repeated call
+    /// does nothing.
+    ///
+    /// # Errors
+    /// See [`StoreFault`]; a permanent one if the store gives nothing back, or if the record was changed
+    /// by hand and is therefore left alone.
+    fn withdraw(
+        &self,
+        _scan: &ScanId,
+        _from: Option<&str>,
+        _keeper: Option<&str>,
+    ) -> Result<(), StoreFault> {
+        Err(StoreFault::Permanent(Misfit::HandedOver))
+    }
+
+    /// The head of the station's history, as [`RecordStore::keep_head`] left it; `None` if there is none.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach.
+    fn kept_head(&self) -> Result<Option<String>, StoreFault> {
+        Ok(None)
+    }
+
+    /// Keeps the head of the station's history beside its records, where the store has a place for it: a
+    /// state folder that was put back from a backup is older than that.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach.
+    fn keep_head(&self, _line: &str) -> Result<(), StoreFault> {
+        Ok(())
+    }
+
+    /// Makes the head that was kept last durable: after an erasure an older one would be of another
+    /// history.
+    ///
+    /// # Errors
+    /// A transient fault if it cannot be synced.
+    fn settle_head(&self) -> Result<(), StoreFault> {
+        Ok(())
+    }
+
+    /// The bytes of a scan, from its record for this patient; `None` if there is no such record.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach.
+    fn stored_scan(
+        &self,
+        _scan: &ScanId,
+        _patient: Option<&str>,
+    ) -> Result<Option<StoredScan>, StoreFault> {
+        Ok(None)
+    }
+
+    /// What lies in a person's folder; `None` if the store keeps no folders.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach; a permanent one if the folder is a link.
+    fn of_person(&self, _patient: &str) -> Result<Option<PersonFolder>, StoreFault> {
+        Ok(None)
+    }
+
+    /// What was handed over of a person, by a store that people do not read as folders.
+    ///
+    /// # Errors
+    /// A transient fault if that cannot be read.
+    fn given(&self, _patient: &str) -> Result<Vec<Given>, StoreFault> {
+        Ok(Vec::new())
+    }
 }
 
 /// One record on its way to a store.
@@ -192,174 +308,6 @@ impl StoreFault {
             StoreFault::Permanent(Misfit::FolderClash) => "patient-folder-clash",
             StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
             StoreFault::Permanent(_) => "store-misfit",
-        }
-    }
-}
-
-impl RecordStore {
-    /// The store's name in the journal.
-    pub fn name(&self) -> &'static str {
-        match self {
-            RecordStore::Folder(store) => store.name(),
-            RecordStore::Gdt(_) => GdtStore::NAME,
-        }
-    }
-
-    /// Reports whether the store takes unassigned records.
-    pub fn takes_unassigned(&self) -> bool {
-        match self {
-            RecordStore::Folder(_) => true,
-            RecordStore::Gdt(_) => false,
-        }
-    }
-
-    /// Begins a new store: makes its folder if `make_folder` is set, then marks it.
-    ///
-    /// # Errors
-    /// A transient fault if that is not possible now.
-    pub fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
-        match self {
-            RecordStore::Folder(store) => {
-                if make_folder {
-                    store.make_root()?;
-                }
-                store.mark()
-            }
-            RecordStore::Gdt(store) => store.begin(make_folder),
-        }
-    }
-
-    /// Reports whether a record can be withdrawn; practice software keeps what it was handed.
-    pub fn gives_back(&self) -> bool {
-        match self {
-            RecordStore::Folder(_) => true,
-            RecordStore::Gdt(_) => false,
-        }
-    }
-
-    /// Where the store is, as configured.
-    pub fn place(&self) -> String {
-        match self {
-            RecordStore::Folder(store) => store.place(),
-            RecordStore::Gdt(store) => store.place(),
-        }
-    }
-
-    /// Prepares the store after a start: removes what a crash left half made.
-    ///
-    /// # Errors
-    /// A transient fault if the store is out of reach.
-    pub fn open(&self) -> Result<(), StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.clear_staging(),
-            RecordStore::Gdt(store) => store.open(),
-        }
-    }
-
-    /// Checks that the store is in reach, so that no scan is measured for a store that is not.
-    ///
-    /// # Errors
-    /// A transient fault if it is not.
-    pub fn reach(&self) -> Result<(), StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.reach(),
-            RecordStore::Gdt(store) => store.reach(),
-        }
-    }
-
-    /// Every record in the store.
-    ///
-    /// # Errors
-    /// A transient fault if the store is out of reach or only part of it could be read.
-    pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.records(),
-            RecordStore::Gdt(store) => store.records(),
-        }
-    }
-
-    /// The head of the station's history, as [`RecordStore::keep_head`] left it; `None` if there is none.
-    ///
-    /// # Errors
-    /// A transient fault if the store is out of reach.
-    pub fn kept_head(&self) -> Result<Option<String>, StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.kept_head(),
-            RecordStore::Gdt(_) => Ok(None),
-        }
-    }
-
-    /// Keeps the head of the station's history beside its records: a state folder that was put back from a
-    /// backup is older than that. The practice's software has no place for it.
-    ///
-    /// # Errors
-    /// A transient fault if the store is out of reach.
-    pub fn keep_head(&self, line: &str) -> Result<(), StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.keep_head(line),
-            RecordStore::Gdt(_) => Ok(()),
-        }
-    }
-
-    /// The bytes of a scan, from its record for this patient; `None` if there is no such record.
-    ///
-    /// # Errors
-    /// A transient fault if the store is out of reach.
-    pub fn stored_scan(
-        &self,
-        scan: &ScanId,
-        patient: Option<&str>,
-    ) -> Result<Option<StoredScan>, StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.stored_scan(scan, patient),
-            RecordStore::Gdt(_) => Ok(None),
-        }
-    }
-
-    /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
-    /// `keeper` has it. Files that a person added to it move to the keeper's record. A repeated call
-    /// does nothing.
-    ///
-    /// # Errors
-    /// See [`StoreFault`]; a permanent one if the record was changed by hand and is therefore left
-    /// alone.
-    pub fn withdraw(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        keeper: Option<&str>,
-    ) -> Result<(), StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.withdraw(scan, from, keeper),
-            RecordStore::Gdt(_) => Err(StoreFault::Permanent(Misfit::HandedOver)),
-        }
-    }
-
-    /// Removes what the store has of a person and gives back: records of scans that came before a time, those
-    /// of these scans from the unassigned ones, results that have no name yet. A repeated call does nothing.
-    ///
-    /// # Errors
-    /// See [`StoreFault`]; what was removed stays removed.
-    pub fn erase(
-        &self,
-        patient: &str,
-        before: Timestamp,
-        scans: &[ScanId],
-    ) -> Result<(), StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.erase(patient, before, scans),
-            RecordStore::Gdt(store) => store.erase(patient),
-        }
-    }
-
-    /// Stores a record, or finds that it is already there.
-    ///
-    /// # Errors
-    /// See [`StoreFault`]; after any of them the same `put` may be tried again.
-    pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
-        match self {
-            RecordStore::Folder(store) => store.put(delivery),
-            RecordStore::Gdt(store) => store.put(delivery),
         }
     }
 }

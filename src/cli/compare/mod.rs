@@ -25,8 +25,7 @@ use super::terminal::{paint, screen};
 use super::{Exit, complain, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, FolderStoreConfig, VisitsConfig};
 use crate::station::runtime::causes::chain;
-use crate::store::StoreFault;
-use crate::store::folder::FolderStore;
+use crate::store::{FolderStore, RecordStore, StoreFault};
 
 /// Why nothing was compared, or not written.
 #[derive(Debug, thiserror::Error)]

@@ -34,20 +34,19 @@ pub fn ask(core: &Core, name: &str) -> bool {
 
 /// Removes from the store what an erasure wants removed, before a search could find it; and gives it the head
 /// of the history as it is since.
-fn clear(core: &Core, store: &RecordStore) -> Result<(), Cause> {
+fn clear(core: &Core, store: &dyn RecordStore) -> Result<(), Cause> {
     erase::clear_store_of(core, store).map_err(|fault| match fault {
         ClearFault::Store(fault) => fault.cause(),
         ClearFault::Custody(fault) => core.checked(&fault),
     })?;
-    let RecordStore::Folder(folder) = store else { return Ok(()) };
-    let renewed = renew_head(&core.custody, folder).map_err(|fault| core.checked(&fault))?;
+    let renewed = renew_head(&core.custody, store).map_err(|fault| core.checked(&fault))?;
     renewed.map_err(|fault| fault.cause())
 }
 
 /// Makes sure that the journal knows the store's records. One that is older than they are is set aside and
 /// rebuilt, which searches the store. Only the first look of a run checks that: two stations that were
 /// given the same id by mistake would otherwise rebuild their journals in turns.
-fn know(core: &Core, store: &RecordStore) -> Result<(), Cause> {
+fn know(core: &Core, store: &dyn RecordStore) -> Result<(), Cause> {
     let journal = core.custody.journal();
     let of_journal = |error: JournalError| core.checked(&error);
     if journal.is_to_be_searched(store.name()).map_err(of_journal)? {
@@ -65,7 +64,7 @@ fn know(core: &Core, store: &RecordStore) -> Result<(), Cause> {
 
 /// Begins a store that the journal does not know at its place. A store that it knows must be found
 /// marked, so that the empty mount point of a share is not mistaken for it.
-fn begin(core: &Core, store: &RecordStore) -> Result<(), Cause> {
+fn begin(core: &Core, store: &dyn RecordStore) -> Result<(), Cause> {
     let (journal, place) = (core.custody.journal(), store.place());
     let of_journal = |error: JournalError| core.checked(&error);
     let begun = journal.begun_at(store.name()).map_err(of_journal)?;
@@ -79,7 +78,7 @@ fn begin(core: &Core, store: &RecordStore) -> Result<(), Cause> {
 
 /// Notes what an attempt at a store came to. Logs a change.
 pub fn note(core: &Core, name: &str, attempt: StoreAttempt) {
-    let Some(store) = core.stores.named(name).map(RecordStore::name) else { return };
+    let Some(store) = core.stores.named(name).map(|store| store.name()) else { return };
     let is_awaited = attempt == StoreAttempt::Look(None) && awaits(core, store);
     let (mut before, mut after) = (None, None);
     core.board.note(|facts| {

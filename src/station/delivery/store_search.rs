@@ -28,7 +28,7 @@ pub enum SearchFault {
 ///
 /// # Errors
 /// See [`SearchFault`]; what was entered stays, and the store is searched again.
-pub fn search(custody: &Custody, store: &RecordStore) -> Result<(), SearchFault> {
+pub fn search(custody: &Custody, store: &dyn RecordStore) -> Result<(), SearchFault> {
     let records = store.records().map_err(SearchFault::Store)?;
     let mut against = Vec::new();
     for record in &records {

@@ -74,7 +74,7 @@ fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> Figures {
 /// See [`ClearFault`]: the store is out of reach. It is then cleared at the next attempt.
 pub(in crate::station) fn clear_store(
     custody: &Custody,
-    store: &RecordStore,
+    store: &dyn RecordStore,
 ) -> Result<usize, ClearFault> {
     let mut cleared = 0;
     let searched = custody.journal().is_to_be_searched(store.name());
@@ -110,7 +110,7 @@ fn whole(erasure: &Erasure) -> Vec<ScanId> {
 /// As [`clear_store`], for a running station: notes what has become of it on the board.
 pub(in crate::station) fn clear_store_of(
     core: &Core,
-    store: &RecordStore,
+    store: &dyn RecordStore,
 ) -> Result<(), ClearFault> {
     let cleared = clear_store(&core.custody, store)?;
     if cleared > 0 {

@@ -19,7 +19,7 @@ use crate::station::custody::{Custody, CustodyFault, journals_naming, orders_nam
 use crate::station::journal::Theirs;
 use crate::station::stores::Stores;
 use crate::store::brief::Brief;
-use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
+use crate::store::{FolderStore, PersonFolder, RecordStore, StoreFault};
 
 /// The version of what is put together.
 const SCHEMA: &str = "gaiter.person/1";
@@ -68,7 +68,7 @@ pub(in crate::station) fn person(
         at: now(),
         scans,
         stores: stores.iter().filter_map(|store| in_folders(store, patient)).collect(),
-        handed_over: stores.iter().filter_map(|store| given(store, patient)).flatten().collect(),
+        handed_over: stores.iter().flat_map(|store| given(store, patient)).collect(),
         captures: journal.captures_of_person(patient)?,
         affected: custody.affected_of(patient)?,
         orders: orders_naming(state_dir, patient).map_err(state("reading refused orders"))?,
@@ -124,9 +124,8 @@ fn names_another(identity: &Identity, path: &Path, patient: &str) -> bool {
     matches!(identity.of_file_name(&name), NameSays::Patient(named) if named.id != patient)
 }
 
-/// What a folder store holds; `None` for another kind.
-fn in_folders(store: &RecordStore, patient: &str) -> Option<PersonStore> {
-    let RecordStore::Folder(folder) = store else { return None };
+/// What a store holds in folders; `None` for one that keeps none.
+fn in_folders(store: &dyn RecordStore, patient: &str) -> Option<PersonStore> {
     let mut of = PersonStore {
         store: store.name().to_owned(),
         place: PathBuf::from(store.place()),
@@ -136,15 +135,17 @@ fn in_folders(store: &RecordStore, patient: &str) -> Option<PersonStore> {
         others: Vec::new(),
         of_another: 0,
     };
-    if let Err(fault) = fill(&mut of, folder, patient) {
-        let cause = fault.cause();
-        (of.fault, of.cause) = (Some(cause.to_string()), Some(cause));
+    match store.of_person(patient).transpose()?.and_then(|found| fill(&mut of, found)) {
+        Ok(()) => {}
+        Err(fault) => {
+            let cause = fault.cause();
+            (of.fault, of.cause) = (Some(cause.to_string()), Some(cause));
+        }
     }
     Some(of)
 }
 
-fn fill(of: &mut PersonStore, store: &FolderStore, patient: &str) -> Result<(), StoreFault> {
-    let found = store.of_person(patient)?;
+fn fill(of: &mut PersonStore, found: PersonFolder) -> Result<(), StoreFault> {
     (of.others, of.of_another) = (found.others, found.of_another.len());
     for folder in found.records {
         let brief = Brief::read(&folder.join(RECORD))?;
@@ -174,11 +175,9 @@ fn record(folder: PathBuf, brief: Option<Brief>) -> PersonRecord {
     }
 }
 
-/// What practice software was given; `None` for a store of another kind, or one that cannot say.
-fn given(store: &RecordStore, patient: &str) -> Option<Vec<HandedOver>> {
-    let RecordStore::Gdt(gdt) = store else { return None };
-    let gdt: &GdtStore = gdt;
-    let given = gdt.given(patient).ok()?.into_iter();
+/// What a store handed over; nothing for one that cannot say.
+fn given(store: &dyn RecordStore, patient: &str) -> Vec<HandedOver> {
+    let given = store.given(patient).unwrap_or_default().into_iter();
     let handed_over = given.map(|of| HandedOver {
         sha256: of.sha256,
         file: of.file,
@@ -186,5 +185,5 @@ fn given(store: &RecordStore, patient: &str) -> Option<Vec<HandedOver>> {
         waits: of.is_there,
         attachments: of.attachments,
     });
-    Some(handed_over.collect())
+    handed_over.collect()
 }

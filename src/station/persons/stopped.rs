@@ -16,7 +16,7 @@ use crate::station::error::StationError;
 use crate::station::journal::Event;
 use crate::station::state_dir::{OwnStateDir, take_state_dir};
 use crate::station::stores::Stores;
-use crate::store::{FolderStore, RecordStore};
+use crate::store::{RecordStore, StoreFault};
 
 /// A station that does not run.
 #[derive(Debug)]
@@ -110,7 +110,8 @@ impl Stopped {
         erase::clear_own(&self.custody, state_dir);
         for store in self.stores.iter() {
             match erase::clear_store(&self.custody, store) {
-                Ok(_) => self.renew_head(store)?,
+                // The next start renews the head if it cannot be done now.
+                Ok(_) => drop(renew_head(&self.custody, store)?),
                 // It stays pending, and the answer says so.
                 Err(ClearFault::Store(_)) => {}
                 Err(ClearFault::Custody(fault)) => return Err(fault.into()),
@@ -124,21 +125,13 @@ impl Stopped {
         let erasures = self.custody.erasures();
         erasures.of(&erasures.hash(patient))
     }
-
-    fn renew_head(&self, store: &RecordStore) -> Result<(), CustodyFault> {
-        if let RecordStore::Folder(folder) = store {
-            // The next start does it if it fails.
-            let _ = renew_head(&self.custody, folder)?;
-        }
-        Ok(())
-    }
 }
 
 /// Writes the head of the history in a store anew if it is of the history before an erasure.
 pub(in crate::station) fn renew_head(
     custody: &Custody,
-    store: &FolderStore,
-) -> Result<Result<(), crate::store::StoreFault>, CustodyFault> {
+    store: &dyn RecordStore,
+) -> Result<Result<(), StoreFault>, CustodyFault> {
     let journal = custody.journal();
     if !journal.has_old_head(store.name())? {
         return Ok(Ok(()));

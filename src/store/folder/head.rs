@@ -6,14 +6,14 @@ use std::io::ErrorKind;
 use std::os::unix::fs::{FileExt, OpenOptionsExt};
 
 use super::FolderStore;
-use crate::store::{StoreFault, tried};
+use crate::store::{RecordStore, StoreFault, tried};
 
 impl FolderStore {
     /// The head as it was last kept; `None` if it never was.
     ///
     /// # Errors
     /// A transient fault if it cannot be read.
-    pub fn kept_head(&self) -> Result<Option<String>, StoreFault> {
+    pub(super) fn read_head(&self) -> Result<Option<String>, StoreFault> {
         let path = self.root.join(&self.head);
         match fs::read(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
@@ -29,7 +29,7 @@ impl FolderStore {
     ///
     /// # Errors
     /// A transient fault if it cannot be written, or if the store is out of reach.
-    pub fn keep_head(&self, line: &str) -> Result<(), StoreFault> {
+    pub(super) fn write_head(&self, line: &str) -> Result<(), StoreFault> {
         self.reach()?;
         let path = self.root.join(&self.head);
         let mut options = OpenOptions::new();
@@ -42,7 +42,7 @@ impl FolderStore {
     ///
     /// # Errors
     /// A transient fault if it cannot be synced.
-    pub fn settle_head(&self) -> Result<(), StoreFault> {
+    pub(super) fn sync_head(&self) -> Result<(), StoreFault> {
         let path = self.root.join(&self.head);
         let synced = OpenOptions::new().write(true).open(&path).and_then(|file| file.sync_all());
         tried("syncing", &path, synced)

@@ -15,7 +15,7 @@ use super::FolderStore;
 use super::search::KEEPS_IT;
 use crate::store::brief::Brief;
 use crate::store::listing::records_in;
-use crate::store::{StoreFault, durable, sums, tried};
+use crate::store::{RecordStore, StoreFault, durable, sums, tried};
 
 /// What lies in a person's folder.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -35,7 +35,7 @@ impl FolderStore {
     ///
     /// # Errors
     /// A transient fault if the store is out of reach; a permanent one if the folder is a link.
-    pub fn of_person(&self, patient: &str) -> Result<PersonFolder, StoreFault> {
+    pub(super) fn person_folder(&self, patient: &str) -> Result<PersonFolder, StoreFault> {
         self.reach()?;
         let Some(folder) = self.own_folder(Some(patient))? else {
             return Ok(PersonFolder::default());
@@ -63,7 +63,7 @@ impl FolderStore {
     /// # Errors
     /// A transient fault if the store is out of reach; a permanent one if the folder is a link, or something
     /// of its own is in the way.
-    pub fn erase(
+    pub(super) fn erase_person(
         &self,
         patient: &str,
         before: Timestamp,

@@ -13,7 +13,7 @@ use gaiter_record::{ORD, RECORD};
 use super::FolderStore;
 use crate::store::listing::{folders, records_in};
 use crate::store::sums::{self, SUMS};
-use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
+use crate::store::{FoundRecord, Misfit, RecordStore, StoreFault, StoredScan, durable, tried};
 
 /// The beginning of the name of a file with measures that people set in a record that was withdrawn.
 const SET_BY_HAND: &str = "set-by-hand";
@@ -51,7 +51,7 @@ impl FolderStore {
     ///
     /// # Errors
     /// A transient fault if a folder cannot be listed or read.
-    pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+    pub(super) fn all_records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
         let mut found = Vec::new();
         for patient in folders(&self.root)? {
             let name = patient.file_name().and_then(OsStr::to_str);
@@ -74,7 +74,7 @@ impl FolderStore {
     ///
     /// # Errors
     /// A transient fault if the store cannot be read.
-    pub fn stored_scan(
+    pub(super) fn scan_in_record(
         &self,
         scan: &ScanId,
         patient: Option<&str>,
@@ -101,7 +101,7 @@ impl FolderStore {
     /// # Errors
     /// See [`StoreFault`]: a permanent one if a revision was changed by hand, then all stay; or if
     /// something is in the way of this record.
-    pub fn withdraw(
+    pub(super) fn withdraw_record(
         &self,
         scan: &ScanId,
         from: Option<&str>,

@@ -29,7 +29,7 @@ impl GdtStore {
     /// # Errors
     /// A transient fault if the register cannot be read. A folder that is out of reach is no fault: nothing is
     /// there then.
-    pub fn given(&self, patient: &str) -> Result<Vec<Given>, StoreFault> {
+    pub(super) fn given_of_person(&self, patient: &str) -> Result<Vec<Given>, StoreFault> {
         let mut given = Vec::new();
         for (key, entry) in self.register.entries()? {
             if entry.patient != patient || self.place.is_staged(&key).unwrap_or(false) {
@@ -52,7 +52,7 @@ impl GdtStore {
     ///
     /// # Errors
     /// A transient fault if the exchange folder is out of reach.
-    pub fn erase(&self, patient: &str) -> Result<(), StoreFault> {
+    pub(super) fn erase_person(&self, patient: &str) -> Result<(), StoreFault> {
         self.place.reach()?;
         for (key, entry) in self.register.entries()? {
             if entry.patient == patient {
