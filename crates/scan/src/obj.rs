@@ -1,25 +1,18 @@
 //! Wavefront OBJ, decoded by tobj after our own checks.
 //!
-//! tobj never panics, but it accepts NaN and infinity, a cut face line, and a file without faces,
-//! and it refuses a whole file because of one Latin-1 letter in an object's name. So it receives
-//! only the statements with geometry. The checks have already read every corner of every face, so
-//! tobj does not get the faces again: it returns the points, which are then put in the order in which
-//! the faces use them. A file without faces is read without tobj, which drops points that no face uses.
+//! tobj never panics, but it accepts NaN and infinity, a file whose faces were cut off, and one without faces, of
+//! which it returns nothing.
 
 mod lines;
-mod plain;
-mod positions;
-mod statements;
+mod mesh;
 mod unmeshed;
 
-use nalgebra::Point3;
-
 use super::Scan;
-use super::fault::{self, CutSign, Place, ScanFault, cut_short};
-use super::text::{self, Decimals, numbered};
+use super::fault::{CutSign, ScanFault, cut_short};
+use super::text::{self, numbered};
 use super::weld::welded;
-use lines::{each_geometry, is_face, keyword, refuse_others};
-use statements::{Statements, Use};
+use lines::{is_face, keyword, refuse_others};
+use mesh::{Mesh, all_points, mesh};
 use unmeshed::unmeshed_skin;
 
 /// A larger share of points of the skin without faces means that the face list was cut off. Some exporters leave
@@ -40,37 +33,21 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     if !numbered(bytes).any(|(_, statement)| keyword(statement).eq_ignore_ascii_case(b"v")) {
         return Err(ScanFault::NoPoints);
     }
-    let mut statements = Statements::of(bytes)?;
-    if statements.has_commas {
-        points(bytes)?;
+    let Mesh { points, triangles, point_count: of, unused } = mesh(bytes)?;
+    if triangles.is_empty() {
+        return Ok(Scan { points: all_points(bytes)?, triangles: Vec::new() });
     }
-    if statements.triangles.is_empty() {
-        return Ok(Scan { points: points(bytes)?, triangles: Vec::new() });
-    }
-    let Use { order, unused } = statements.number_by_use();
-    let of = statements.point_count;
     let is_more = |count: usize, share: f64| count as f64 > share * of as f64;
     if is_more(unused, UNMESHED_MAX_SHARE) {
         let missing = match is_more(unused, UNUSED_POINTS_MAX_SHARE) {
             true => unused,
-            false => unmeshed_skin(&points(bytes)?, &statements.triangles, &order),
+            false => unmeshed_skin(&points, &triangles, &all_points(bytes)?),
         };
         if is_more(missing, UNMESHED_MAX_SHARE) {
             return Err(cut_short(CutSign::UnusedPoints { unused: missing, points: of }));
         }
     }
-    let Statements { positions, triangles, has_unusual, .. } = statements;
-    let read = match has_unusual {
-        false => positions.read().map(|all| order.iter().map(|&at| all[at as usize]).collect()),
-        true => positions::unusual(bytes, &order),
-    };
-    let are_finite = |found: &[Point3<f64>]| found.iter().all(|p| p.iter().all(|c| c.is_finite()));
-    match read {
-        Ok(found) if are_finite(&found) => Ok(welded((found, triangles))),
-        // tobj does not report a line, so a reader that does reads the points again.
-        Ok(_) => Err(points(bytes).err().unwrap_or(unplaced("a coordinate is not finite"))),
-        Err(said) => Err(points(bytes).err().unwrap_or(unplaced(&said))),
-    }
+    Ok(welded((points, triangles)))
 }
 
 /// Whether the text has a proper end.
@@ -92,40 +69,14 @@ pub(super) fn lacks_line_end_only(bytes: &[u8]) -> bool {
     if !numbered(bytes).last().is_some_and(|(_, last)| has_three(last)) {
         return false;
     }
-    let Ok(mut statements) = Statements::of(text::without_mark(bytes)) else { return false };
-    let unused = statements.number_by_use().unused;
-    let Some((&[first, second, last], others)) = statements.triangles.split_last() else {
+    let Ok(mesh) = mesh(text::without_mark(bytes)) else { return false };
+    let Some((&[first, second, last], others)) = mesh.triangles.split_last() else {
         return false;
     };
     let shares_edge = |other: &[u32; 3]| {
         other.contains(&last) && (other.contains(&first) || other.contains(&second))
     };
-    unused == 0 && others.iter().any(shares_edge)
-}
-
-fn unplaced(what: &str) -> ScanFault {
-    ScanFault::Malformed { place: Place::Unknown, what: what.to_owned() }
-}
-
-/// All points, used by a face or not, in the order of the file.
-///
-/// # Errors
-/// The first invalid coordinate, with its line.
-fn points(bytes: &[u8]) -> Result<Vec<Point3<f64>>, ScanFault> {
-    let mut found = Vec::new();
-    let mut decimals = Decimals::default();
-    each_geometry(bytes, |line, statement| {
-        if keyword(statement) == b"v" {
-            let mut words = text::words(statement).skip(1);
-            let mut next = || match words.next() {
-                Some(word) => decimals.number(word, line),
-                None => Err(fault::malformed(line, "fewer than three coordinates")),
-            };
-            found.push(Point3::new(next()?, next()?, next()?));
-        }
-        Ok(())
-    })?;
-    Ok(found)
+    mesh.unused == 0 && others.iter().any(shares_edge)
 }
 
 #[cfg(test)]

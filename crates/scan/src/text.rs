@@ -45,12 +45,6 @@ impl<'a> Lines<'a> {
     pub(super) fn passed(&self) -> usize {
         self.passed
     }
-
-    /// Passes the next line, whose length with its line end the caller has found already.
-    pub(super) fn pass(&mut self, length: usize) {
-        self.rest = &self.rest[length..];
-        self.passed += 1;
-    }
 }
 
 impl<'a> Iterator for Lines<'a> {

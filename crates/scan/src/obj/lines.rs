@@ -45,7 +45,7 @@ pub(super) fn refuse_others(bytes: &[u8]) -> Result<(), ScanFault> {
 }
 
 /// Reads the `v`, `f` and `fo` statements of a text, one after the other.
-pub(super) struct Geometry<'a> {
+struct Geometry<'a> {
     lines: Lines<'a>,
     /// A statement that goes on over several lines, joined.
     joined: Vec<u8>,
@@ -53,18 +53,8 @@ pub(super) struct Geometry<'a> {
 
 impl<'a> Geometry<'a> {
     /// The statements of a text without a byte order mark.
-    pub(super) fn of(bytes: &'a [u8]) -> Geometry<'a> {
+    fn of(bytes: &'a [u8]) -> Geometry<'a> {
         Geometry { lines: text::lines(bytes), joined: Vec::new() }
-    }
-
-    /// What has not been read yet; it begins with a line.
-    pub(super) fn rest(&self) -> &'a [u8] {
-        self.lines.rest()
-    }
-
-    /// Passes the next line, whose length with its line end the caller has found already.
-    pub(super) fn pass(&mut self, length: usize) {
-        self.lines.pass(length);
     }
 
     /// Reads the next line, and the ones that it goes on with. If it is a `v`, `f` or `fo` statement,
@@ -74,7 +64,7 @@ impl<'a> Geometry<'a> {
     /// # Errors
     /// [`ScanFault::CutShort`] if the last line expects a continuation; [`ScanFault::Malformed`] for these
     /// statements in capitals, without which a mesh would be read as bare points, or in part.
-    pub(super) fn statement(&mut self) -> Result<Option<(usize, &[u8])>, ScanFault> {
+    fn statement(&mut self) -> Result<Option<(usize, &[u8])>, ScanFault> {
         let first = self.lines.next().unwrap_or_default().trim_ascii();
         let number = self.lines.passed();
         match keyword(first) {
@@ -114,38 +104,10 @@ pub(super) fn each_geometry(
     mut each: impl FnMut(usize, &[u8]) -> Result<(), ScanFault>,
 ) -> Result<(), ScanFault> {
     let mut geometry = Geometry::of(bytes);
-    while !geometry.rest().is_empty() {
+    while !geometry.lines.rest().is_empty() {
         if let Some((line, statement)) = geometry.statement()? {
             each(line, statement)?;
         }
     }
     Ok(())
-}
-
-/// Only `v` and the three coordinates of a point: tobj refuses a file where some points have colours.
-pub(super) fn point_only(statement: &[u8]) -> &[u8] {
-    &statement[..end_of_word(statement, WORDS_OF_POINT)]
-}
-
-/// Coordinates with decimal points instead of decimal commas.
-pub(super) fn with_decimal_points(coordinates: &[u8]) -> Vec<u8> {
-    coordinates.iter().map(|&byte| if byte == b',' { b'.' } else { byte }).collect()
-}
-
-/// The end of the `count`-th word of a trimmed statement.
-fn end_of_word(statement: &[u8], count: usize) -> usize {
-    let mut seen = 0;
-    let mut within = false;
-    for (at, byte) in statement.iter().enumerate() {
-        if byte.is_ascii_whitespace() {
-            within = false;
-            if seen == count {
-                return at;
-            }
-        } else if !within {
-            within = true;
-            seen += 1;
-        }
-    }
-    statement.len()
 }

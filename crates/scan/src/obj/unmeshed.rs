@@ -29,19 +29,19 @@ struct Held {
     unused: Vec<u32>,
 }
 
-/// How many unused points seem to be skin whose faces are missing: they lie together, or on the skin beside its points
-/// and as far from them as these from one another. A stray lies alone, or beside the skin, or near one of its points.
-/// `order` are the points that the triangles use, by the triangles' numbers for them.
+/// How many points of a file that no triangle uses seem to be skin whose faces are missing: they lie together, or on
+/// the skin beside its points and as far from them as these from one another. A stray lies alone, or beside the skin,
+/// or near one of its points. `used` are the points of the triangles, `all` those of the file.
 pub(super) fn unmeshed_skin(
-    points: &[Point3<f64>],
+    used: &[Point3<f64>],
     triangles: &[[u32; 3]],
-    order: &[u32],
+    all: &[Point3<f64>],
 ) -> usize {
-    let at = |number: u32| points[order[number as usize] as usize];
+    let at = |number: u32| used[number as usize];
     let edges = triangles.iter().map(|&[first, second, _]| (at(second) - at(first)).norm());
     let edge = edges.sum::<f64>() / triangles.len() as f64;
-    let normals = normals(points.len(), triangles, order, &at);
-    let cells = cells(points, order, CELL_EDGES * edge);
+    let normals = normals(used, triangles);
+    let cells = cells(used, all, CELL_EDGES * edge);
     let count = cells.iter().filter(|(_, held)| !held.unused.is_empty()).map(|(cell, held)| {
         let around: Vec<&Held> = neighbours(cell).filter_map(|cell| cells.get(&cell)).collect();
         let used = || around.iter().flat_map(|held| &held.used);
@@ -50,8 +50,8 @@ pub(super) fn unmeshed_skin(
             return held.unused.len();
         }
         let is_beside = |own: &&u32| {
-            let own = &points[**own as usize];
-            let arm = |other: &u32| own - points[*other as usize];
+            let own = &all[**own as usize];
+            let arm = |other: &u32| own - at(*other);
             let nearest = used().min_by(|a, b| arm(a).norm().total_cmp(&arm(b).norm()));
             nearest.is_some_and(|nearest| {
                 let arm = arm(nearest);
@@ -64,31 +64,36 @@ pub(super) fn unmeshed_skin(
     count.sum()
 }
 
-/// Unit normals of the skin at its points, by the points' places in the file.
-fn normals(
-    count: usize,
-    triangles: &[[u32; 3]],
-    order: &[u32],
-    at: &impl Fn(u32) -> Point3<f64>,
-) -> Vec<Vector3<f64>> {
-    let mut normals = vec![Vector3::zeros(); count];
+/// Unit normals of the skin at its points.
+fn normals(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<Vector3<f64>> {
+    let mut normals = vec![Vector3::zeros(); points.len()];
     for triangle in triangles {
-        let [a, b, c] = triangle.map(at);
+        let [a, b, c] = triangle.map(|corner| points[corner as usize]);
         let normal = (b - a).cross(&(c - a));
-        triangle.iter().for_each(|corner| normals[order[*corner as usize] as usize] += normal);
+        triangle.iter().for_each(|corner| normals[*corner as usize] += normal);
     }
     normals.iter().map(|sum| sum.try_normalize(0.0).unwrap_or_default()).collect()
 }
 
-/// The points by cells of this width.
-fn cells(points: &[Point3<f64>], order: &[u32], width: f64) -> BTreeMap<Cell, Held> {
-    let mut is_used = vec![false; points.len()];
-    order.iter().for_each(|number| is_used[*number as usize] = true);
+/// The points that triangles use, and the others of the file, by cells of this width. A point where a used one lies is
+/// the same point.
+fn cells(used: &[Point3<f64>], all: &[Point3<f64>], width: f64) -> BTreeMap<Cell, Held> {
+    let cell = |point: &Point3<f64>| -> Cell {
+        std::array::from_fn(|axis| (point[axis] / width).floor() as i64)
+    };
+    let place = |point: &Point3<f64>| -> [u64; 3] {
+        std::array::from_fn(|axis| (point[axis] + 0.0).to_bits())
+    };
     let mut cells: BTreeMap<Cell, Held> = BTreeMap::new();
-    for ((point, is_used), number) in points.iter().zip(is_used).zip(0..) {
-        let cell = std::array::from_fn(|axis| (point[axis] / width).floor() as i64);
-        let held = cells.entry(cell).or_default();
-        (if is_used { &mut held.used } else { &mut held.unused }).push(number);
+    for (point, number) in used.iter().zip(0..) {
+        cells.entry(cell(point)).or_default().used.push(number);
+    }
+    let mut places: Vec<_> = used.iter().map(place).collect();
+    places.sort_unstable();
+    for (point, number) in all.iter().zip(0..) {
+        if places.binary_search(&place(point)).is_err() {
+            cells.entry(cell(point)).or_default().unused.push(number);
+        }
     }
     cells
 }

@@ -1,0 +1,220 @@
+//! The points and triangles of a file, by tobj.
+//!
+//! tobj gets the statements with geometry alone, because it refuses a whole file for a Latin-1 letter in a name, for
+//! colours at some points, for line ends of old systems and for decimal commas, and does not know `fo` and `\`. What
+//! it refuses is read a second time by what knows the lines.
+
+use std::path::Path;
+
+use nalgebra::Point3;
+
+use super::super::fault::{Place, ScanFault, malformed};
+use super::super::text::{Decimals, excerpt, words};
+use super::lines::{WORDS_OF_POINT, each_geometry, keyword};
+
+/// Bytes of the shortest point, `v 0 0 0` and its line end: no file has more points than it has room for.
+const POINT_BYTES_MIN: usize = 8;
+
+/// Triangles that tobj gets as one object: it takes up to 330 bytes for each until the object ends.
+const TRIANGLES_PER_OBJECT: usize = 1 << 14;
+
+/// What the faces of a file span.
+pub(super) struct Mesh {
+    /// The points that a triangle uses, in the order in which the triangles use them first; some are there twice.
+    pub points: Vec<Point3<f64>>,
+    /// Polygons as fans around their first corner, without triangles that use a point twice.
+    pub triangles: Vec<[u32; 3]>,
+    /// Number of points of the file.
+    pub point_count: usize,
+    /// Number of those that no face uses.
+    pub unused: usize,
+}
+
+/// Reads the mesh of a text without a byte order mark; one without triangles if it has no faces.
+///
+/// # Errors
+/// The first fault, with its line.
+pub(super) fn mesh(bytes: &[u8]) -> Result<Mesh, ScanFault> {
+    let given = Given::new(bytes)?;
+    if given.has_commas {
+        all_points(bytes)?;
+    }
+    let options = tobj::LoadOptions::default();
+    let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
+    let placed = |said: &str| first_fault(bytes, given.point_count).unwrap_or(unplaced(said));
+    let (models, _) = tobj::load_obj_buf(&mut given.text.as_slice(), &options, no_materials)
+        .map_err(|fault| placed(&fault.to_string()))?;
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    for tobj::Model { mesh, .. } in models {
+        let first = points.len() as u32;
+        points.extend(mesh.positions.chunks_exact(3).map(|of| Point3::new(of[0], of[1], of[2])));
+        let corners = |of: &[u32]| [of[0] + first, of[1] + first, of[2] + first];
+        triangles.extend(mesh.indices.chunks_exact(3).map(corners));
+    }
+    match points.iter().flat_map(|point| point.iter()).all(|value| value.is_finite()) {
+        true => Ok(Mesh {
+            points,
+            triangles,
+            point_count: given.point_count,
+            unused: given.point_count - given.used.iter().filter(|used| **used).count(),
+        }),
+        false => Err(placed("a coordinate is not finite")),
+    }
+}
+
+/// All points, used by a face or not, in the order of the file.
+///
+/// # Errors
+/// The first invalid coordinate, with its line.
+pub(super) fn all_points(bytes: &[u8]) -> Result<Vec<Point3<f64>>, ScanFault> {
+    let mut found = Vec::new();
+    let mut decimals = Decimals::default();
+    each_geometry(bytes, |line, statement| {
+        if keyword(statement) == b"v" {
+            found.push(point(statement, line, &mut decimals)?);
+        }
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+/// What tobj gets of a file.
+#[derive(Default)]
+struct Given {
+    /// `v` statements with three coordinates, and `f` statements of triangles.
+    text: Vec<u8>,
+    point_count: usize,
+    triangle_count: usize,
+    has_commas: bool,
+    /// By the points of the file, as many as may exist: whether a face uses it.
+    used: Vec<bool>,
+}
+
+impl Given {
+    fn new(bytes: &[u8]) -> Result<Given, ScanFault> {
+        let text = Vec::with_capacity(bytes.len());
+        let used = vec![false; bytes.len() / POINT_BYTES_MIN + 1];
+        let mut given = Given { text, used, ..Given::default() };
+        each_geometry(bytes, |line, statement| match keyword(statement) {
+            b"v" => given.add_point(statement, line),
+            _ => given.add_face(statement, line),
+        })?;
+        Ok(given)
+    }
+
+    fn add_point(&mut self, statement: &[u8], line: usize) -> Result<(), ScanFault> {
+        self.point_count += 1;
+        let start = self.text.len();
+        let mut count = 0;
+        for word in words(statement).take(WORDS_OF_POINT) {
+            self.text.extend_from_slice(word);
+            self.text.push(b' ');
+            count += 1;
+        }
+        self.text.push(b'\n');
+        let written = &mut self.text[start..];
+        // tobj also parts words at white space that is not ASCII.
+        let is_usual = |byte: &u8| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\n');
+        if count < WORDS_OF_POINT || !written.iter().all(is_usual) {
+            point(statement, line, &mut Decimals::default())?;
+        }
+        for byte in written.iter_mut().filter(|byte| **byte == b',') {
+            *byte = b'.';
+            self.has_commas = true;
+        }
+        Ok(())
+    }
+
+    /// Adds the triangles of a polygon around its first corner. Faces with one or two corners are points and lines,
+    /// which have their own statements in OBJ.
+    fn add_face(&mut self, statement: &[u8], line: usize) -> Result<(), ScanFault> {
+        let mut words = corners(statement);
+        let mut next =
+            |given: &Given| words.next().map(|word| given.corner(word, line)).transpose();
+        let (first, mut last) = (next(self)?, next(self)?);
+        while let Some(corner) = next(self)? {
+            let (Some(first), Some(previous)) = (first, last.replace(corner)) else { break };
+            let triangle = [first, previous, corner];
+            let [a, b, c] = triangle.map(|(point, _)| point);
+            [a, b, c].into_iter().for_each(|point| self.used[point] = true);
+            if a != b && b != c && c != a {
+                self.add_triangle(triangle.map(|(_, written)| written));
+            }
+        }
+        Ok(())
+    }
+
+    fn add_triangle(&mut self, corners: [&[u8]; 3]) {
+        if self.triangle_count.is_multiple_of(TRIANGLES_PER_OBJECT) {
+            self.text.extend_from_slice(b"o\n");
+        }
+        self.triangle_count += 1;
+        self.text.push(b'f');
+        for corner in corners {
+            self.text.push(b' ');
+            self.text.extend_from_slice(corner);
+        }
+        self.text.push(b'\n');
+    }
+
+    /// The 0-based point of a word such as `3`, `-1`, `3/1` or `3//2`, and its number as written.
+    fn corner<'a>(&self, word: &'a [u8], line: usize) -> Result<(usize, &'a [u8]), ScanFault> {
+        let written = word.split(|&byte| byte == b'/').next().unwrap_or_default();
+        let index = match written.strip_prefix(b"-") {
+            None => digits(written).and_then(|number| number.checked_sub(1)),
+            Some(back) => digits(back)
+                .filter(|back| *back > 0)
+                .and_then(|back| self.point_count.checked_sub(back)),
+        };
+        let index = index.filter(|index| *index < self.used.len());
+        Ok((index.ok_or_else(|| no_corner(word, line))?, written))
+    }
+}
+
+/// A whole number of digits only.
+fn digits(word: &[u8]) -> Option<usize> {
+    let are_digits = word.iter().all(u8::is_ascii_digit);
+    std::str::from_utf8(word).ok().filter(|_| are_digits)?.parse().ok()
+}
+
+/// The words of the corners of a face, up to a comment.
+fn corners(statement: &[u8]) -> impl Iterator<Item = &[u8]> {
+    words(statement).skip(1).take_while(|word| !word.starts_with(b"#"))
+}
+
+fn point(statement: &[u8], line: usize, decimals: &mut Decimals) -> Result<Point3<f64>, ScanFault> {
+    let mut words = words(statement).skip(1);
+    let mut next = || match words.next() {
+        Some(word) => decimals.number(word, line),
+        None => Err(malformed(line, "fewer than three coordinates")),
+    };
+    Ok(Point3::new(next()?, next()?, next()?))
+}
+
+/// The first fault of a file of so many points, with its line; `None` if there is none that is known here.
+fn first_fault(bytes: &[u8], point_count: usize) -> Option<ScanFault> {
+    let mut decimals = Decimals::default();
+    let found = each_geometry(bytes, |line, statement| {
+        if keyword(statement) == b"v" {
+            return point(statement, line, &mut decimals).map(drop);
+        }
+        // Those that count back are known to be there.
+        let is_there = |word: &[u8]| {
+            let number = word.split(|&byte| byte == b'/').next().and_then(digits);
+            number.is_none_or(|number| number <= point_count)
+        };
+        match corners(statement).find(|word| !is_there(word)) {
+            Some(word) => Err(no_corner(word, line)),
+            None => Ok(()),
+        }
+    });
+    found.err()
+}
+
+fn no_corner(word: &[u8], line: usize) -> ScanFault {
+    malformed(line, format!("\"{}\" is no corner of a face", excerpt(word)))
+}
+
+fn unplaced(what: &str) -> ScanFault {
+    ScanFault::Malformed { place: Place::Unknown, what: what.to_owned() }
+}
