@@ -301,22 +301,69 @@ fn check_names_each_fault_of_a_table_with_its_place_and_warns_of_what_is_old_or_
     assert!((stderr(&output) + &stdout(&output)).contains("none.toml: No such file"));
 }
 
+/// A day on which no scan of today was taken.
+const LONG_AGO: &str = "2016-11-21T09:14:59Z";
+
 /// `gaiter order` of a record whose scan was taken on a day.
-fn order_of(day: &str) -> Output {
+fn order_of(day: &str, more: &[&str]) -> Output {
     let dir = TempDir::new().unwrap();
     let text = fs::read_to_string(record(&dir).join("record.json")).unwrap();
     let of_day = write(dir.path(), "record.json", text.replace("2026-11-21T09:14:59Z", day));
-    gaiter(&["order", &of_day])
+    gaiter(&[&["order", of_day.as_str()], more].concat())
 }
 
 #[test]
 fn the_order_of_a_scan_that_is_too_old_says_so_on_the_terminal_and_in_the_table() {
-    let old = order_of("2016-11-21T09:14:59Z");
+    let old = order_of(LONG_AGO, &[]);
     assert_eq!(code(&old), Some(0), "{}", stderr(&old));
     let said = stderr(&old);
     assert!(said.contains("too old for an order: its measures held until 2017-05-20"), "{said}");
     assert!(stdout(&old).contains(";scan-age;"), "{}", stdout(&old));
     let now = jiff::Timestamp::now().to_string();
-    let fresh = order_of(&now);
+    let fresh = order_of(&now, &[]);
     assert!(!stderr(&fresh).contains("too old") && !stdout(&fresh).contains("scan-age"));
+}
+
+#[test]
+fn an_order_is_told_in_both_languages_and_its_table_for_people_too_but_programs_read_the_same() {
+    let dir = TempDir::new().unwrap();
+    let mut exact = Vec::new();
+    for (language, marks, head) in [
+        (
+            "en",
+            ["open, body: cT (no scan gives it", "too old for an order", "nothing vouches"],
+            "\u{feff}Format,Order,",
+        ),
+        (
+            "de",
+            ["offen, Rumpf: cT (gibt kein Scan an", "zu alt für eine Bestellung", "bürgt nichts"],
+            "\u{feff}Format;Auftrag;",
+        ),
+    ] {
+        let out = dir.path().join(language);
+        let out = out.to_str().unwrap();
+        let more = ["--garment", "AT", "--ref", "3-12", "--language", language, "--out", out];
+        let output = order_of(LONG_AGO, &more);
+        assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+        for mark in marks {
+            assert!(stderr(&output).contains(mark), "{mark}: {}", stderr(&output));
+        }
+        let read = |name: &str| fs::read_to_string(Path::new(out).join(name)).unwrap();
+        let table = read("order-spreadsheet.csv");
+        assert!(table.starts_with(head) && table.contains("\"=\"\"3-12\"\"\""), "{table}");
+        exact.push(read("order.csv"));
+    }
+    assert!(exact[0].starts_with("format;order_ref;") && exact[0].contains(";3-12;"));
+    assert_eq!(exact[0], exact[1]);
+}
+
+#[test]
+fn an_order_has_the_language_of_the_configuration_unless_another_is_named() {
+    let dir = TempDir::new().unwrap();
+    let config = station(dir.path(), "[report]\nlanguage = \"de\"\n");
+    let config = config.to_str().unwrap();
+    let said = stderr(&order_of(LONG_AGO, &["--config", config]));
+    assert!(said.contains("zu alt für eine Bestellung"), "{said}");
+    let said = stderr(&order_of(LONG_AGO, &["--config", config, "--lang", "en"]));
+    assert!(said.contains("too old for an order"), "{said}");
 }

@@ -22,7 +22,7 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 58] = [
+const BY_CODE: [(&str, &str); 62] = [
     ("act.affected", "`Affected::word`, and that none is named"),
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
@@ -34,11 +34,15 @@ const BY_CODE: [(&str, &str); 58] = [
     ("explain.closed", "`Closed::word`"),
     ("explain.passed_over", "`PassedOver::word`"),
     ("finding", "the findings and doubts of a record"),
+    ("heading.measurements", "the columns of `measurements.csv`"),
+    ("heading.order", "the columns of `order.csv`"),
     ("leg", "`Side::word`"),
     ("leg.heading", "`Side::word`"),
     ("leg.only", "`Side::word`"),
     ("leg.short", "`Side::word`"),
     ("level", "`Level::name`"),
+    ("ordering.side", "`OrderSide::word`"),
+    ("ordering.why", "`State::word` of a figure of an order"),
     ("page.complaint", "what keeps the station from being ready"),
     ("page.done", "the verbs of the page's decisions"),
     ("page.fault", "why a decision was not carried out"),

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use gaiter_language::Language;
+
 use super::{GarmentArgs, of_words, usual_config};
-use crate::config::words::Words;
+use crate::config::words::{LANGUAGES, Words};
 
 /// `gaiter order`
 #[derive(Debug, clap::Args)]
@@ -47,7 +49,10 @@ pub struct OrderOf {
     /// Print the order as JSON; with --out, the paths of the files
     #[arg(long)]
     pub json: bool,
-    /// The configuration with garment and scanner; the variable GAITER_CONFIG names another default
+    /// The language of the text, and of order-spreadsheet.csv [default: en, or that of the configuration]
+    #[arg(long, visible_alias = "lang", value_parser = of_words(LANGUAGES))]
+    pub language: Option<Language>,
+    /// The configuration with garment, language and scanner; the variable GAITER_CONFIG names another default
     #[arg(long, value_name = "FILE", default_value_os_t = usual_config())]
     pub config: PathBuf,
 }

@@ -94,23 +94,22 @@ fn ordered(args: &OrderOf) -> Result<(), Exit> {
     // clap asks for a record where no other verb is named, and for a last order where one is repeated.
     let path = args.record.as_ref().ok_or(Exit::Usage)?;
     let configured = Configured::of(args)?;
+    let language = args.language.unwrap_or(configured.language);
     let mapping = args.mapping.as_deref().map(check::mapping).transpose()?;
     let last = args.last.as_deref().map(last_order).transpose().map_err(complained)?;
     let last = args.last.as_deref().zip(last);
     let garment = garment(args, &configured, last.as_ref().map(|(_, order)| order))?;
     let record = report::record_at(path).map_err(|fault| complained(fault.into()))?;
     if record.has_finding(NOT_VOUCHED) {
-        complain(format_args!(
-            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it; order.json says so \
-             (to_check: source)",
-            shown(path.display())
-        ));
+        let name = shown(path.display());
+        let said = language.filled("ordering.not_vouched", &[("record", &name), ("sums", &SUMS)]);
+        complain(format_args!("gaiter: {said}"));
     }
     let order = of(args, &record, &garment, last, configured.scanner_girth_mm);
     let order = order.map_err(complained)?.on(configured.today, configured.age_max);
-    let files = files(&order, mapping.as_ref(), &record, configured.language)
+    let files = files(&order, mapping.as_ref(), &record, language)
         .map_err(|fault| complained(fault.into()))?;
-    open::told(&order).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
+    open::told(&order, language).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
     match &args.out {
         Some(out) => {
             let paths = report::placed(&files, out, args.force);

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use gaiter_flow::patient::person::{Person, PersonStore, WhoseScan};
+use gaiter_flow::patient::person::{Person, PersonScan, PersonStore, WhoseScan};
 use gaiter_language::Language;
 
 use crate::cli::shown;
@@ -24,13 +24,18 @@ fn removed(person: &Person, language: Language) -> Vec<String> {
     let filled = |key, words: &[(&str, &dyn Display)]| language.filled(key, words);
     let mut lines: Vec<String> = person.stores.iter().map(|of| of_store(of, language)).collect();
     let count = |whose| person.scans.iter().filter(|scan| scan.whose == whose).count();
+    let is_uncertain = |scan: &&PersonScan| scan.whose == WhoseScan::Uncertain;
+    let uncertain = person.scans.iter().filter(is_uncertain);
+    let (whole, held): (Vec<_>, Vec<_>) = uncertain.partition(|scan| scan.goes_whole);
     let kept = person.scans.iter().filter(|scan| !scan.kept.is_empty()).count();
     lines.push(filled("erase.scans", &[("count", &count(WhoseScan::Theirs)), ("kept", &kept)]));
-    for (key, whose) in
-        [("erase.shared", WhoseScan::Shared), ("erase.uncertain", WhoseScan::Uncertain)]
-    {
-        if count(whose) > 0 {
-            lines.push(filled(key, &[("count", &count(whose))]));
+    for (key, count) in [
+        ("erase.shared", count(WhoseScan::Shared)),
+        ("erase.uncertain", held.len()),
+        ("erase.uncertain_whole", whole.len()),
+    ] {
+        if count > 0 {
+            lines.push(filled(key, &[("count", &count)]));
         }
     }
     lines.extend(person.affected.as_ref().map(|_| language.text("erase.affected").to_owned()));
@@ -83,4 +88,44 @@ fn left(person: &Person, language: Language) -> Vec<String> {
     }
     lines.push(language.text("erase.elsewhere").to_owned());
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn scan(whose: &str, goes_whole: bool) -> serde_json::Value {
+        json!({
+            "sha256": "0".repeat(64), "whose": whose, "goes_whole": goes_whole,
+            "state": "spooled", "first_seen": "2026-11-21T09:15:00Z", "format": "obj", "size": 12,
+            "deliveries": [], "kept": [],
+        })
+    }
+
+    #[test]
+    fn a_held_scan_that_can_be_nobody_elses_is_not_told_to_stay_held() {
+        let scans = [
+            scan("theirs", true),
+            scan("shared", false),
+            scan("uncertain", false),
+            scan("uncertain", true),
+            scan("uncertain", true),
+        ];
+        let person = json!({
+            "schema": "gaiter.person/1", "patient": "4711", "station": "t",
+            "at": "2026-11-21T09:15:00Z", "scans": scans, "stores": [], "handed_over": [],
+            "captures": [], "orders": [], "exports": [], "journals": [], "history": [],
+        });
+        let person: Person = serde_json::from_value(person).unwrap();
+        let told = of(&person, Language::En);
+        for line in [
+            "this person's part of 1 scans that others have, too",
+            "this person's name at 1 held scans, which may be another's and stay held",
+            "2 held scans, which can be nobody else's but an erased person's",
+        ] {
+            assert!(told.contains(&format!("  - {line}\n")), "{line}: {told}");
+        }
+        assert!(of(&person, Language::De).contains("2 zurückgehaltene Scans, die sonst nur"));
+    }
 }

@@ -106,14 +106,11 @@ impl Custody {
     /// does not know.
     fn scans_to_erase(&self, patient: &str) -> Result<Vec<ErasedScan>, CustodyFault> {
         let mut scans = Vec::new();
-        for Theirs { scan, whose } in self.journal.scans_of_person(patient)? {
-            let is_whole = match whose {
-                WhoseScan::TakenBack => continue,
-                WhoseScan::Theirs => true,
-                WhoseScan::Shared => false,
-                WhoseScan::Uncertain => self.is_of_none_else(&scan, patient)?,
-            };
-            scans.push(ErasedScan { sha256: scan.to_string(), is_whole });
+        for of in self.journal.scans_of_person(patient)? {
+            if of.whose != WhoseScan::TakenBack {
+                let is_whole = self.goes_whole(&of, patient)?;
+                scans.push(ErasedScan { sha256: of.scan.to_string(), is_whole });
+            }
         }
         let mut kept = io("listing the spool", self.spool.entries())?;
         kept.extend(io("listing the quarantine", self.quarantine.entries())?);
@@ -130,6 +127,18 @@ impl Custody {
             }
         }
         Ok(scans)
+    }
+
+    /// Whether the erasure of a person removes a scan whole, and not only their part of it.
+    ///
+    /// # Errors
+    /// If the journal cannot be read.
+    pub fn goes_whole(&self, of: &Theirs, patient: &str) -> Result<bool, CustodyFault> {
+        match of.whose {
+            WhoseScan::Theirs => Ok(true),
+            WhoseScan::Uncertain => self.is_of_none_else(&of.scan, patient),
+            WhoseScan::Shared | WhoseScan::TakenBack => Ok(false),
+        }
     }
 
     /// Whether a held scan can belong to this person and to those who were erased before, and to no one else.

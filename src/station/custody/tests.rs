@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 
 use gaiter_flow::patient::erasure::ERASED;
 use gaiter_flow::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
+use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::{Disposition, Stamp};
 use gaiter_record::{Source, SourceKind};
 
@@ -333,11 +334,17 @@ fn a_held_scan_keeps_that_it_may_be_an_erased_persons_until_all_it_may_belong_to
     let claims = vec![patient("4711"), patient("0815")];
     let whose = Whose { held: Some(PATIENTS_DIFFER), claims, ..Whose::default() };
     assert_eq!(admit(&custody, whose), Verdict::Held(PATIENTS_DIFFER));
+    let theirs = custody.journal.scans_of_person("4711").unwrap();
+    assert!(!custody.goes_whole(&theirs[0], "4711").unwrap(), "it may be 0815's");
     erase(&custody, dir.path(), "4711");
     assert_eq!(custody.journal.candidates(&scan).unwrap(), ["0815", ERASED]);
     // A journal that is made anew says the same.
     assert_eq!(custody.spool.intake(&scan).unwrap().candidates, ["0815", ERASED]);
     assert_eq!(custody.release(&scan).unwrap(), Acted::Several);
+    // What the next erasure will do is known before.
+    let theirs = custody.journal.scans_of_person("0815").unwrap();
+    assert_eq!(theirs.iter().map(|of| of.whose).collect::<Vec<_>>(), [WhoseScan::Uncertain]);
+    assert!(custody.goes_whole(&theirs[0], "0815").unwrap());
     erase(&custody, dir.path(), "0815");
     assert_eq!(custody.journal.scan(&scan).unwrap(), None);
     assert!(!custody.spool.holds(&scan), "nobody is left who could decide whose it is");

@@ -39,12 +39,14 @@ pub(in crate::station) fn person(
     let alone = theirs.iter().filter(|of| of.whose == WhoseScan::Theirs);
     let alone: Vec<ScanId> = alone.map(|of| of.scan.clone()).collect();
     let mut scans = Vec::new();
-    for Theirs { scan, whose } in &theirs {
+    for of in &theirs {
+        let Theirs { scan, whose } = of;
         // It may just have been forgotten.
         let Some(whole) = journal.whole(scan)? else { continue };
         scans.push(PersonScan {
             sha256: scan.to_string(),
             whose: *whose,
+            goes_whole: custody.goes_whole(of, patient)?,
             summary: whole.summary,
             deliveries: journal.deliveries_of_person(scan, patient)?,
             kept: kept(custody, state_dir, scan),

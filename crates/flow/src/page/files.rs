@@ -1,7 +1,17 @@
 //! The files of a record on the page: their order, and what a browser may do with each.
 
-/// The names that the page shows first, with words of their own. Previews hold these only.
-pub const FIRST: [&str; 4] = ["report.html", "report.pdf", "legs.svg", "record.json"];
+/// The names that the page shows first, with words of their own: those for people, and last the record.
+pub const FIRST: [&str; 6] = [
+    "report.html",
+    "report.pdf",
+    "legs.svg",
+    "measurements-spreadsheet.csv",
+    "order-spreadsheet.csv",
+    "record.json",
+];
+
+/// The names of the files of a preview. It has no table: nothing is ordered of a scan that is held.
+pub const PREVIEW: [&str; 4] = ["report.html", "report.pdf", "legs.svg", "record.json"];
 
 /// How a file of a record is served.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +74,8 @@ pub fn in_order(mut names: Vec<String>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use gaiter_language::Language;
+
     use super::*;
 
     #[test]
@@ -71,15 +83,45 @@ mod tests {
         for name in ["scan.obj", "scan.wrl", "scan.svg", "scan.html", "scanner.ord", "notes.html"] {
             assert!(!served(name).opens, "{name}");
         }
-        for name in FIRST {
+        for name in PREVIEW {
             assert!(served(name).opens, "{name}");
         }
     }
 
     #[test]
-    fn the_report_is_first_and_what_has_no_word_of_its_own_keeps_its_order() {
-        let names = ["record.json", "left.step", "legs.svg", "SHA256SUMS", "report.html"];
-        let order = ["report.html", "legs.svg", "record.json", "left.step", "SHA256SUMS"];
+    fn the_report_is_first_then_come_the_tables_for_people_and_all_others_keep_their_order() {
+        let names = [
+            "record.json",
+            "measurements.csv",
+            "measurements-spreadsheet.csv",
+            "order.csv",
+            "order-spreadsheet.csv",
+            "left.step",
+            "legs.svg",
+            "SHA256SUMS",
+            "report.html",
+        ];
+        let order = [
+            "report.html",
+            "legs.svg",
+            "measurements-spreadsheet.csv",
+            "order-spreadsheet.csv",
+            "record.json",
+            "measurements.csv",
+            "order.csv",
+            "left.step",
+            "SHA256SUMS",
+        ];
         assert_eq!(in_order(names.map(str::to_owned).into()), order);
+    }
+
+    #[test]
+    fn what_the_page_shows_first_has_words_of_its_own_in_every_language() {
+        for name in FIRST {
+            for language in Language::ALL {
+                assert!(language.find(&format!("page.label.{name}")).is_some(), "{name}");
+            }
+        }
+        assert!(PREVIEW.iter().all(|name| FIRST.contains(name)));
     }
 }

@@ -66,6 +66,9 @@ pub struct PersonScan {
     pub sha256: String,
     /// Whether it is theirs.
     pub whose: WhoseScan,
+    /// Whether it is erased with them: no one else has it, and all others to whom it may belong are erased.
+    #[serde(default)]
+    pub goes_whole: bool,
     /// The scan itself.
     #[serde(flatten)]
     pub summary: Summary,

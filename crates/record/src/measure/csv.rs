@@ -1,13 +1,13 @@
 //! The measures as a table, in the order of the measuring sheet: the verdict, then each leg from G down to A, then
 //! the requested heights. RFC 4180: `measurements.csv` for programs with comma and point, and the same table for
-//! the spreadsheet of a person as its language has it.
+//! the spreadsheet of a person with headings and signs as its language has them.
 
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 use gaiter_sizes::Garment;
 
 use super::{Absent, Length, Measure};
-use crate::cells::{Notation, cell};
+use crate::cells::{Notation, cell, line};
 use crate::chart::AtFigures;
 use crate::completeness::Completeness;
 use crate::measure::amendment::{Amendment, ByHand, Subject};
@@ -31,6 +31,9 @@ const COLUMNS: [&str; 14] = [
     "scan_girth_tape_mm",
     "scan_height_mm",
 ];
+
+/// The texts for the columns.
+const HEADINGS: &str = "heading.measurements";
 
 const LINE_END: &str = "\r\n";
 
@@ -58,14 +61,14 @@ pub fn measurements(record: &Record, garment: &Garment, language: Language) -> S
     table(record, garment, language, EXACT)
 }
 
-/// The same table for a spreadsheet that is set to this language.
+/// The same table for a spreadsheet that is set to this language, with its headings.
 pub fn spreadsheet(record: &Record, garment: &Garment, language: Language) -> String {
     table(record, garment, language, Notation::spreadsheet(language))
 }
 
 fn table(record: &Record, garment: &Garment, language: Language, notation: Notation) -> String {
-    let head = COLUMNS.join(&notation.separator.to_string());
-    let mut text = format!("{}{head}{LINE_END}", notation.begin);
+    let names = COLUMNS.map(|name| notation.heading(HEADINGS, name));
+    let mut text = notation.begin.to_owned() + &line(&names, notation.separator, false, LINE_END);
     text += &verdict(record, garment, language).text(notation);
     for side in record.sides() {
         let levels = Level::ALL.into_iter().rev().map(|level| of_level(record, side, level));

@@ -1,10 +1,10 @@
 //! An order as a table: one row per side and point. UTF-8, lines end with CR LF. For programs with semicolons and
-//! decimal points, for the spreadsheet of a person as its language has it.
+//! decimal points, for the spreadsheet of a person with headings, signs and texts as its language has them.
 
 use gaiter_language::Language;
 
 use super::{Figure, LastFigure, Order, Row, SCAN_AGE, State};
-use crate::cells::{Notation, guarded, line};
+use crate::cells::{Notation, line};
 
 /// The columns of every order.
 const COLUMNS: [&str; 17] = [
@@ -44,6 +44,9 @@ const OF_A_REORDER: [&str; 10] = [
 /// The exact table, which programs read.
 const EXACT: Notation = Notation::exact(';');
 
+/// The texts for the columns.
+const HEADINGS: &str = "heading.order";
+
 const LINE_END: &str = "\r\n";
 
 /// The order as the exact table for programs: the same in every language.
@@ -51,7 +54,7 @@ pub fn csv(order: &Order) -> String {
     table(order, EXACT)
 }
 
-/// The same table for a spreadsheet that is set to this language.
+/// The same table for a spreadsheet that is set to this language, with its headings.
 pub fn spreadsheet(order: &Order, language: Language) -> String {
     table(order, Notation::spreadsheet(language))
 }
@@ -59,7 +62,7 @@ pub fn spreadsheet(order: &Order, language: Language) -> String {
 fn table(order: &Order, notation: Notation) -> String {
     let Notation { begin, separator, .. } = notation;
     let further: &[&str] = if order.reorder.is_some() { &OF_A_REORDER } else { &[] };
-    let names = COLUMNS.iter().chain(further).map(|name| (*name).to_owned());
+    let names = COLUMNS.iter().chain(further).map(|name| notation.heading(HEADINGS, name));
     let names = names.collect::<Vec<_>>();
     let mut text = begin.to_owned() + &line(&names, separator, false, LINE_END);
     for row in &order.rows {
@@ -72,12 +75,12 @@ fn table(order: &Order, notation: Notation) -> String {
 
 fn own(order: &Order, row: &Row, notation: Notation) -> Vec<String> {
     let number = |figure| notation.figure(figure);
-    let words = |text: &Option<String>| text.as_deref().map(guarded).unwrap_or_default();
+    let words = |text: Option<&str>| text.map(|text| notation.words(text)).unwrap_or_default();
     let [girth, length] = [&row.girth, &row.length].map(Option::as_ref);
     vec![
         order.schema.clone(),
-        words(&order.order_ref),
-        order.scan.reference.clone(),
+        words(order.order_ref.as_deref()),
+        notation.words(&order.scan.reference),
         row.side.word().to_owned(),
         row.point.clone(),
         number(girth.and_then(|of| of.mm)),
@@ -90,8 +93,8 @@ fn own(order: &Order, row: &Row, notation: Notation) -> Vec<String> {
         flag(order, row),
         number(girth.and_then(|of| of.printed_cm)),
         number(length.and_then(|of| of.printed_cm)),
-        words(&row.edited_by),
-        words(&row.reason),
+        words(row.edited_by.as_deref()),
+        words(row.reason.as_deref()),
     ]
 }
 
@@ -106,8 +109,8 @@ fn of_a_reorder(order: &Order, row: &Row, notation: Notation) -> Vec<String> {
     let last_row = row.last.clone().unwrap_or_default();
     let mut cells = vec![
         reorder.is.word().to_owned(),
-        reorder.last_ref.as_deref().map(guarded).unwrap_or_default(),
-        reorder.last_scan.reference.clone(),
+        reorder.last_ref.as_deref().map(|text| notation.words(text)).unwrap_or_default(),
+        notation.words(&reorder.last_scan.reference),
         at.unwrap_or_default(),
     ];
     cells.extend(last(last_row.girth));

@@ -11,7 +11,7 @@ use jiff::tz::Offset;
 
 use super::place::{Part, place};
 use super::{Figure, LastFigure, Order, OrderSide, OrderedScan, Row, SCAN_AGE, State};
-use crate::cells::{BYTE_ORDER_MARK, guarded, line};
+use crate::cells::{BYTE_ORDER_MARK, guarded, kept, line};
 
 /// The file of an order. The patient's id is only in it if the mapping asks for it.
 pub fn mapped(order: &Order, mapping: &Mapping, patient: Option<&str>) -> Vec<u8> {
@@ -63,7 +63,7 @@ struct OfRow<'a> {
 enum Content {
     /// A figure, written as the mapping says.
     Number(String),
-    /// A text of the mapping itself.
+    /// A text of the mapping itself, or a day as it writes them.
     Own(String),
     /// A text from elsewhere.
     Words(String),
@@ -160,7 +160,7 @@ impl<'a> Mapped<'a> {
                     Dated::Last => last.and_then(local),
                     Dated::HoldsUntil => self.order.holds_until.map(|day| day.at(0, 0, 0, 0)),
                 };
-                Content::Words(at.map(|at| format.text(at)).unwrap_or_default())
+                Content::Own(at.map(|at| guarded(&format.text(at))).unwrap_or_default())
             }
             Cell::Figure(which, what) => self.figure_cell(self.figure(*which, of), *what),
         }
@@ -274,7 +274,7 @@ impl<'a> Mapped<'a> {
     }
 
     fn table(&self, rows: &[OfRow<'_>], csv: Csv) -> Vec<u8> {
-        let Csv { separator, quotes_all, line_end, encoding, has_header } = csv;
+        let Csv { separator, quotes_all, line_end, encoding, has_header, is_spreadsheet } = csv;
         let columns = &self.mapping.columns;
         let mut text = String::new();
         if has_header {
@@ -284,6 +284,7 @@ impl<'a> Mapped<'a> {
         for row in rows {
             let cells = columns.iter().map(|column| match self.content(column, row) {
                 Content::Number(text) | Content::Own(text) => text,
+                Content::Words(text) if is_spreadsheet => kept(&text),
                 Content::Words(text) => guarded(&text),
             });
             text += &line(&cells.collect::<Vec<_>>(), separator, quotes_all, line_end);

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gaiter_language::Language;
 use gaiter_record::order::{
@@ -98,15 +98,29 @@ fn table_and_json_say_the_same_to_the_last_digit() {
     }
 }
 
+/// The text that a cell of a table for people stands for: without `="…"`.
+fn meant(cell: &str) -> String {
+    let inner = cell.strip_prefix("=\"").and_then(|cell| cell.strip_suffix('"'));
+    inner.map_or_else(|| cell.to_owned(), |text| text.replace("\"\"", "\""))
+}
+
+/// The cells of the German table for people; the first line has the headings.
+fn for_people(order: &Order) -> Vec<Vec<String>> {
+    let text = spreadsheet(order, Language::De);
+    assert!(text.starts_with('\u{feff}'), "Excel takes it for no UTF-8");
+    cells(text.trim_start_matches('\u{feff}'))
+}
+
 #[test]
 fn the_table_for_a_german_spreadsheet_has_commas_for_points_and_that_for_programs_never() {
     let order = order();
-    let (exact, german) = (csv(&order), spreadsheet(&order, Language::De));
+    let (exact, german) = (csv(&order), for_people(&order));
     assert!(!exact.starts_with('\u{feff}') && exact.contains(";371.25;"), "{exact}");
-    let cells_of = |text: &str| cells(text.trim_start_matches('\u{feff}'));
-    assert!(german.starts_with('\u{feff}'), "Excel takes it for no UTF-8");
-    for (exact, told) in cells_of(&exact).concat().iter().zip(cells_of(&german).concat()) {
+    let exact = cells(&exact);
+    assert_eq!(exact.len(), german.len());
+    for (exact, told) in exact[1..].concat().iter().zip(german[1..].concat()) {
         match exact.parse::<f64>() {
+            Ok(_) if told.starts_with('=') => assert_eq!(&meant(&told), exact),
             Ok(_) => assert_eq!(told, exact.replace('.', ",")),
             Err(_) => assert_eq!(&told, exact),
         }
@@ -115,6 +129,41 @@ fn the_table_for_a_german_spreadsheet_has_commas_for_points_and_that_for_program
     }
     let english = spreadsheet(&order, Language::En);
     assert!(english.contains(",371.25,") && !english.contains("371,25"), "{english}");
+}
+
+#[test]
+fn the_headings_for_people_are_those_of_their_language_and_programs_find_the_columns_names() {
+    let order_ref = OrderRef::new("A-1042", &RECORD).unwrap();
+    let again = Order::with_changes(&order(), &RECORD, &garment(), Some(&order_ref), 1.0).unwrap();
+    let (names, german) = (cells(&csv(&again)).remove(0), for_people(&again).remove(0));
+    assert_eq!(names.len(), german.len());
+    for (name, heading) in names.iter().zip(&german) {
+        let is_plain = !heading.contains('_') && !heading.starts_with(['=', '+', '-', '@', '±']);
+        assert!(is_plain && heading != name, "{name}: {heading}");
+    }
+    let distinct: BTreeSet<&String> = german.iter().collect();
+    assert_eq!(distinct.len(), german.len(), "{german:?}");
+    let of = |name: &str| &german[names.iter().position(|known| known == name).unwrap()];
+    assert_eq!([of("order_ref"), of("side")], ["Auftrag", "Seite"]);
+    assert_eq!([of("girth_mm"), of("last_girth_mm")], ["Umfang in mm", "Letzter Umfang in mm"]);
+    let english = spreadsheet(&again, Language::En);
+    assert!(english.starts_with("\u{feff}Format,Order,Scan,Side,Point,Girth in mm,"), "{english}");
+}
+
+#[test]
+fn a_reference_that_looks_like_a_day_or_a_number_stays_text_for_people_and_bare_for_programs() {
+    for text in ["3-12", "1/4", "0012", "1E5"] {
+        let order_ref = OrderRef::new(text, &RECORD).unwrap();
+        let order = Order::of(&RECORD, &garment(), Some(&order_ref), 1.0);
+        assert_eq!(rows(&csv(&order))[0]["order_ref"], text);
+        assert_eq!(for_people(&order)[1][1], format!("=\"{text}\""));
+        let german = mappings().remove(2);
+        let of_mapping = String::from_utf8(mapped(&order, &german, None)).unwrap();
+        let second = of_mapping.lines().nth(1).unwrap();
+        // The scan's reference is of digits only; a day stays a day.
+        let expected = format!("\"=\"\"{text}\"\"\";\"=\"\"01234567\"\"\";20.11.2026;;AD;rechts;");
+        assert!(second.starts_with(&expected), "{second}");
+    }
 }
 
 #[test]
@@ -139,7 +188,9 @@ fn what_a_person_set_counts_and_what_the_scan_says_stays_before_it() {
         "{open:?}"
     );
     // In a spreadsheet the reason is text, not a formula.
-    assert!(csv(&order).contains("\"'=swollen; \"\"hard\"\"\""), "{}", csv(&order));
+    for text in [csv(&order), spreadsheet(&order, Language::De)] {
+        assert!(text.contains("\"'=swollen; \"\"hard\"\"\""), "{text}");
+    }
 }
 
 #[test]
@@ -288,6 +339,28 @@ proptest! {
             prop_assert!(!is_formula || told.starts_with('\''), "{told}");
             let meant = if is_formula { told.strip_prefix('\'').unwrap() } else { told };
             prop_assert_eq!(meant, &reason);
+        }
+    }
+
+    #[test]
+    fn any_reference_is_read_back_from_the_table_for_people_and_is_no_value_there(
+        text in "\\PC{1,60}|[0-9Ee/.,:+='\" -]{1,20}|(Mai|Mar|Mo|EUR)[ -]?[0-9]{1,4}",
+    ) {
+        let Ok(order_ref) = OrderRef::new(&text, &RECORD) else { return Ok(()) };
+        let order = Order::of(&RECORD, &garment(), Some(&order_ref), 1.0);
+        for cells in &for_people(&order)[1..] {
+            let told = &cells[1];
+            let is_guarded = told.trim_start_matches('\'').starts_with(['=', '+', '-', '@'])
+                && !told.starts_with("=\"");
+            let text = match told.strip_prefix('\'') {
+                Some(text) if is_guarded => text.to_owned(),
+                _ => meant(told),
+            };
+            prop_assert_eq!(text.as_str(), order_ref.as_str());
+            let is_bare = !is_guarded && !told.starts_with("=\"");
+            let first = told.chars().find(|letter| letter.is_alphanumeric());
+            prop_assert!(!is_bare || !first.is_some_and(char::is_numeric), "{}", told);
+            prop_assert!(!told.starts_with(['+', '-', '@']), "{}", told);
         }
     }
 }

@@ -66,6 +66,8 @@ pub struct Csv {
     pub encoding: Encoding,
     /// Whether the first line has the names of the columns.
     pub has_header: bool,
+    /// Whether a person opens it in a spreadsheet: texts that this would take for numbers or days then stay texts.
+    pub is_spreadsheet: bool,
 }
 
 /// The character set of a table.

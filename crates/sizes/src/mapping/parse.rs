@@ -13,10 +13,11 @@ use crate::parse::{is_of_format, points, readable};
 
 /// The keys of a file. Notes may be added: any key that begins with `note_`.
 const KEYS: &str = "format id name source file_name layout rows points unit decimal step round decimals \
-                    also_write separator quote line_end encoding header instead words column note_…";
+                    also_write separator quote line_end encoding header spreadsheet instead words column \
+                    note_…";
 
 /// The keys of `layout = "csv"`.
-const CSV_KEYS: [&str; 5] = ["separator", "quote", "line_end", "encoding", "header"];
+const CSV_KEYS: [&str; 6] = ["separator", "quote", "line_end", "encoding", "header", "spreadsheet"];
 
 /// The steps to which figures are rounded, mm: a hundredth of a millimetre to five centimetres.
 const STEPS_MM: [f64; 2] = [0.01, 50.0];
@@ -142,6 +143,7 @@ fn layout(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Layout> {
         line_end: line_end.unwrap_or("\r\n"),
         encoding: encoding.unwrap_or(Encoding::Utf8),
         has_header: flag(whole, "header", faults).unwrap_or(true),
+        is_spreadsheet: flag(whole, "spreadsheet", faults).unwrap_or(false),
     }))
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gaiter_flow::ScanId;
-use gaiter_flow::page::files::FIRST;
+use gaiter_flow::page::files::PREVIEW;
 use gaiter_record::RecordFile;
 use tokio::sync::Notify;
 
@@ -148,7 +148,7 @@ fn write(folder: &Path, files: &[RecordFile]) -> io::Result<()> {
         new.open(folder.join(name))?.write_all(bytes)
     };
     let mut listed = String::new();
-    for RecordFile { name, bytes } in files.iter().filter(|file| FIRST.contains(&&*file.name)) {
+    for RecordFile { name, bytes } in files.iter().filter(|file| PREVIEW.contains(&&*file.name)) {
         write(name, bytes)?;
         listed += &sums::line(&sums::scan_id(bytes), name);
     }
@@ -178,7 +178,7 @@ mod tests {
 
     fn files() -> Vec<RecordFile> {
         let file = |name: &str| RecordFile { name: name.to_owned(), bytes: name.into() };
-        ["legs.svg", "record.json", "measurements.csv", "left.step"].map(file).into()
+        ["legs.svg", "record.json", "order-spreadsheet.csv", "left.step"].map(file).into()
     }
 
     fn names(folder: &Path) -> Vec<String> {

@@ -90,6 +90,7 @@ fn fill(template: &str, language: Language, way: Way) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gaiter_flow::page::files::FIRST;
     use gaiter_record::report::VIEWER;
 
     fn keys(template: &str) -> Vec<&str> {
@@ -108,9 +109,8 @@ mod tests {
         }
         // The labels of decisions about a scan, and of its files, are found by their own names.
         let acts = ["assign", "give_up", "leave", "release", "retry", "unassign"];
-        let files = ["legs.svg", "record.json", "report.html", "report.pdf"];
         for (key, _) in Language::En.table("page.label") {
-            let by_name = acts.contains(&key) || files.contains(&key);
+            let by_name = acts.contains(&key) || FIRST.contains(&key);
             let by_script = SCRIPT.contains(&format!("{key:?}"));
             assert!(by_name || by_script || used.contains(&key), "{key} is not used");
         }
