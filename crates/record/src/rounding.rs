@@ -12,9 +12,14 @@ pub fn mm(value: f64) -> f64 {
     to_places(value, 3)
 }
 
-/// Lengths in mm as cm, to 1 mm, as on a tape, for practice software.
-pub(crate) fn cm(value_mm: f64) -> f64 {
+/// Lengths in mm as cm, to 1 mm, as on a tape, for other programs.
+pub fn cm(value_mm: f64) -> f64 {
     to_places(value_mm / 10.0, 1)
+}
+
+/// Standard errors in mm as cm, to 10 µm, for other programs.
+pub(crate) fn sd_cm(sd_mm: f64) -> f64 {
+    to_places(sd_mm / 10.0, 3)
 }
 
 /// Lengths in mm as text: cm with one decimal and the decimal sign of the language.

@@ -1,5 +1,8 @@
 //! Text from outside in a form that is safe to show to people.
 
+/// The longest line of another program, characters.
+const LINE_MOST: usize = 200;
+
 /// An id with nothing hidden in it. Characters that are invisible, or that change the text direction,
 /// are replaced by their code points, so that no id is mistaken for another.
 pub fn id(text: &str) -> String {
@@ -12,6 +15,24 @@ pub fn id(text: &str) -> String {
         }
     }
     shown
+}
+
+/// A text of another program as part of a line for people and logs: without what nobody sees or what turns the
+/// direction of letters, without these words, which must not get into a log, and at most 200 characters long.
+pub fn in_a_line(text: &str, without: &[&str]) -> String {
+    let mut line = seen(text);
+    for word in without.iter().map(|word| seen(word)).filter(|word| !word.is_empty()) {
+        line = line.replace(&word, "…");
+    }
+    line.chars().take(LINE_MOST).collect()
+}
+
+/// What people see of a text, with single blanks.
+fn seen(text: &str) -> String {
+    let of_word =
+        |word: &str| word.chars().filter(|letter| !is_hidden(*letter)).collect::<String>();
+    let words = text.split_whitespace().map(of_word).filter(|word: &String| !word.is_empty());
+    words.collect::<Vec<String>>().join(" ")
 }
 
 /// Control characters, blanks other than the plain one, format characters, including those that change
@@ -33,6 +54,16 @@ mod tests {
     fn what_hides_or_turns_letters_is_shown_and_letters_stay() {
         assert_eq!(id("P12 <b>\"Müller\" שלום"), "P12 <b>\"Müller\" שלום");
         assert_eq!(id("1\u{202E}32\u{0}\u{200B}\n"), "1[U+202E]32[U+0000][U+200B][U+000A]");
+    }
+
+    #[test]
+    fn a_line_of_another_program_is_short_and_has_no_secret_however_it_is_hidden() {
+        let line = |text: &str| in_a_line(text, &["4711", ""]);
+        assert_eq!(line("no\r\n  Patient/4711 \u{1b} here"), "no Patient/… here");
+        assert_eq!(line("47\u{200B}11 47\u{0}11 4\u{202E}711 47111"), "… … … …1");
+        assert_eq!(line(&"4711".repeat(300)), "…".repeat(200));
+        assert_eq!(in_a_line("of P\u{A0}17", &["P 17"]), "of …");
+        assert_eq!(line(""), "");
     }
 
     #[test]

@@ -4,12 +4,15 @@
 
 mod completeness;
 mod every_finding;
+mod export_figures;
+mod fhir_resources;
 mod figure_claims;
 mod figure_sides;
 mod figures;
 mod from_extraction;
 mod gdt_message;
 mod gdt_orders;
+mod hl7_message;
 mod levels;
 mod older_records;
 mod one_order;

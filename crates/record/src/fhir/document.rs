@@ -1,0 +1,116 @@
+//! Files of the record as documents.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::Parts;
+use super::bundle::Entry;
+use crate::file::RecordFile;
+
+/// The media type of a file by the ending of its name.
+const TYPES: [(&str, &str); 12] = [
+    ("pdf", "application/pdf"),
+    ("json", "application/json"),
+    ("csv", "text/csv"),
+    ("html", "text/html"),
+    ("svg", "image/svg+xml"),
+    ("png", "image/png"),
+    ("step", "model/step"),
+    ("igs", "model/iges"),
+    ("stl", "model/stl"),
+    ("obj", "model/obj"),
+    ("glb", "model/gltf-binary"),
+    ("txt", "text/plain"),
+];
+
+/// The media type of any other file.
+const OTHER: &str = "application/octet-stream";
+
+/// The file that is the report itself.
+const PDF: &str = "report.pdf";
+
+impl Parts<'_> {
+    /// A document for each file that the rules name and the record has.
+    pub(super) fn documents(&self, report: &Entry) -> Vec<Entry> {
+        let named = self.rules.attach.iter().filter(|name| *name != PDF);
+        let files = named.filter_map(|name| self.sent.files.iter().find(|of| of.name == *name));
+        files.map(|file| self.document(file, report)).collect()
+    }
+
+    fn document(&self, file: &RecordFile, report: &Entry) -> Entry {
+        let (part, status) = (format!("file/{}", file.name), self.status());
+        let identifier = self.identifier(self.sent.key.part(&part));
+        let words = self.rules.language.text("hospital.document");
+        let resource = json!({
+            "resourceType": "DocumentReference",
+            "identifier": self.identifiers(&part),
+            "status": status.of_document(),
+            "docStatus": status.code(),
+            "type": self.concept("record-file", words, &[]),
+            "subject": { "reference": self.sent.subject },
+            "description": format!("{}: {words}", file.name),
+            "content": [{ "attachment": Parts::attachment(file) }],
+            "context": { "related": [{ "reference": report.reference() }] },
+        });
+        Entry::new(identifier, resource)
+    }
+
+    /// The report's PDF; `None` if the rules do not name it, or if the record has none.
+    pub(super) fn pdf(&self) -> Option<Value> {
+        let is_named = self.rules.attach.iter().any(|name| name == PDF);
+        let file = self.sent.files.iter().find(|file| is_named && file.name == PDF)?;
+        let mut pdf = Parts::attachment(file);
+        pdf["language"] = self.rules.language.tag().into();
+        Some(pdf)
+    }
+
+    fn attachment(file: &RecordFile) -> Value {
+        json!({
+            "contentType": media_type(&file.name),
+            "data": STANDARD.encode(&file.bytes),
+            "size": file.bytes.len(),
+            "title": file.name,
+        })
+    }
+}
+
+/// The media type of a file.
+fn media_type(name: &str) -> &'static str {
+    let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
+    TYPES.iter().find(|(known, _)| *known == ending).map_or(OTHER, |(_, kind)| kind)
+}
+
+#[cfg(test)]
+mod tests {
+    use gaiter_cad::{FileFormat, FileKind, Schema, Shape};
+
+    use super::*;
+
+    #[test]
+    fn every_file_of_a_surface_has_a_media_type_of_its_own() {
+        let (step, newer) = (FileFormat::Step(Schema::Ap214), FileFormat::Step(Schema::Ap242));
+        for (format, expected) in [
+            (step, "model/step"),
+            (newer, "model/step"),
+            (FileFormat::Iges, "model/iges"),
+            (FileFormat::Stl, "model/stl"),
+            (FileFormat::Obj, "model/obj"),
+            (FileFormat::Glb, "model/gltf-binary"),
+        ] {
+            for shape in [Shape::Tube, Shape::Solid] {
+                let name = format!("left{}", FileKind { format, shape }.ending());
+                assert_eq!(media_type(&name), expected, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_of_no_known_kind_is_bytes() {
+        assert_eq!(
+            ["REPORT.PDF", "record.json", "order.csv"].map(media_type),
+            ["application/pdf", "application/json", "text/csv",]
+        );
+        assert_eq!(["SHA256SUMS", "scanner.ord", "", "pdf."].map(media_type), [OTHER; 4]);
+    }
+}

@@ -1,0 +1,272 @@
+//! The messages: a result, and its withdrawal.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use gaiter_leg::Side;
+use jiff::tz::TimeZone;
+use jiff::{Timestamp, Zoned};
+
+use super::escape::escaped;
+use super::{Charset, Hl7Rules, PdfForm};
+use crate::completeness::Completeness;
+use crate::export::{ExportFigure, What, export_figures, taken};
+use crate::schema::Record;
+use crate::{FIRST_REVISION, sha256};
+
+/// Digits of a control id; MSH-10 has room for 20.
+const CONTROL_DIGITS: usize = 20;
+
+/// The order's code.
+const ORDER: &str = "LEGS";
+
+/// The code of the PDF.
+const PDF: &str = "PDF";
+
+/// The code of the verdict.
+const VERDICT: &str = "VERDICT";
+
+/// The version before OBX-18, the station, was added.
+const WITHOUT_STATION: &str = "2.3.1";
+
+/// Identifies a message: the same one is sent again under the same id.
+pub fn control_id(scan: &str, patient: &str, revision: u32, is_withdrawal: bool) -> String {
+    let mut digits = sha256(format!("{scan}\0{patient}\0{revision}\0{is_withdrawal}").as_bytes());
+    digits.truncate(CONTROL_DIGITS);
+    digits
+}
+
+/// The codes of what a result of this record holds, in its order.
+pub fn observed(record: &Record, has_pdf: bool) -> Vec<String> {
+    let figures = export_figures(record);
+    let codes = figures.iter().map(code);
+    let pdf = has_pdf.then(|| PDF.to_owned());
+    codes.chain([VERDICT.to_owned()]).chain(pdf).collect()
+}
+
+/// The result of a record, for its patient. `first_seen` is the time of a record that does not say when it was
+/// taken, `now` that of the message. `None` if the record names no patient.
+pub fn result(
+    record: &Record,
+    pdf: Option<&[u8]>,
+    rules: &Hl7Rules,
+    first_seen: Timestamp,
+    now: Timestamp,
+) -> Option<Vec<u8>> {
+    let patient = record.patient.as_ref()?.id.as_str();
+    let control = control_id(&record.scan.sha256, patient, record.revision, false);
+    let status = match record.revision > FIRST_REVISION {
+        true => Status::Corrected,
+        false => Status::Final,
+    };
+    let at = moment(&taken(record, first_seen));
+    let of = Message { rules, patient, status, at };
+    let mut segments = of.head(&control, &record.scan.sha256, now);
+    let figures = export_figures(record);
+    let station = record.station.as_deref().unwrap_or_default();
+    for (at, figure) in figures.iter().enumerate() {
+        segments.extend(of.figure(at + 1, figure, station));
+    }
+    let number = figures.len() + 1;
+    let words = rules.language.text("hospital.report");
+    let verdict = Completeness::of(record, &rules.garment).sentences(rules.language).join(" ");
+    let value = Value { kind: "TX", text: escaped(&verdict), unit: "" };
+    segments
+        .push(of.observation(number, &Observation { code: VERDICT, words, value, station: "" }));
+    if let (Some(pdf), Some(kind)) = (pdf, kind_of(rules.pdf)) {
+        let text = format!("^{kind}^Base64^{}", STANDARD.encode(pdf));
+        let value = Value { kind: "ED", text, unit: "" };
+        let pdf = Observation { code: PDF, words, value, station: "" };
+        segments.push(of.observation(number + 1, &pdf));
+    }
+    Some(of.written(&segments))
+}
+
+/// The withdrawal of a result that was sent for the wrong patient: each of these codes as wrong, without a value.
+pub fn withdrawal(
+    scan: &str,
+    patient: &str,
+    revision: u32,
+    codes: &[String],
+    rules: &Hl7Rules,
+    now: Timestamp,
+) -> Vec<u8> {
+    let control = control_id(scan, patient, revision, true);
+    let at = moment(&now.to_zoned(TimeZone::UTC));
+    let of = Message { rules, patient, status: Status::Wrong, at };
+    let mut segments = of.head(&control, scan, now);
+    for (at, code) in codes.iter().enumerate() {
+        let value = Value { kind: "ST", text: String::new(), unit: "" };
+        let wrong = Observation { code, words: "", value, station: "" };
+        segments.push(of.observation(at + 1, &wrong));
+    }
+    of.written(&segments)
+}
+
+/// The data type of a PDF in an observation; `None` if it is not sent.
+fn kind_of(form: PdfForm) -> Option<&'static str> {
+    match form {
+        PdfForm::MediaType => Some("application^pdf"),
+        PdfForm::Plain => Some("PDF^"),
+        PdfForm::None => None,
+    }
+}
+
+/// What a message says about the figures in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Status {
+    /// They hold.
+    Final,
+    /// They hold, in place of those that were final.
+    Corrected,
+    /// They were sent for the wrong patient.
+    Wrong,
+}
+
+impl Status {
+    /// OBX-11 (HL7 table 0085).
+    fn of_observation(self) -> char {
+        match self {
+            Status::Final => 'F',
+            Status::Corrected => 'C',
+            Status::Wrong => 'W',
+        }
+    }
+
+    /// OBR-25 (HL7 table 0123), which has no code for a wrong result: it is a correction.
+    fn of_order(self) -> char {
+        match self {
+            Status::Final => 'F',
+            Status::Corrected | Status::Wrong => 'C',
+        }
+    }
+}
+
+/// What an OBX says.
+struct Observation<'a> {
+    /// OBX-3.1.
+    code: &'a str,
+    /// OBX-3.2: the same in words.
+    words: &'a str,
+    value: Value,
+    /// OBX-18: the station; empty for what is no figure.
+    station: &'a str,
+}
+
+/// A value with its data type and unit.
+struct Value {
+    /// OBX-2.
+    kind: &'static str,
+    /// OBX-5, with its separators.
+    text: String,
+    /// OBX-6.
+    unit: &'static str,
+}
+
+/// What the segments of a message share.
+struct Message<'a> {
+    rules: &'a Hl7Rules,
+    patient: &'a str,
+    status: Status,
+    /// When the scan was taken.
+    at: String,
+}
+
+impl Message<'_> {
+    fn charset(&self) -> Charset {
+        self.rules.charset.that_writes(self.patient)
+    }
+
+    /// MSH, PID and OBR.
+    fn head(&self, control: &str, scan: &str, now: Timestamp) -> Vec<String> {
+        let Hl7Rules { sender, receiver, processing, version, authority, coding, .. } = self.rules;
+        let [[application, facility], [to_application, to_facility]] =
+            [sender, receiver].map(|names| names.each_ref().map(|name| escaped(name)));
+        let now = moment(&now.to_zoned(TimeZone::UTC));
+        let msh = format!(
+            "MSH|^~\\&|{application}|{facility}|{to_application}|{to_facility}|{now}||\
+             ORU^R01^ORU_R01|{control}|{processing}|{}|||AL|NE||{}",
+            escaped(version),
+            self.charset().name()
+        );
+        // The name is required and not known: its type says so.
+        let id = format!("{}^^^{}^PI", escaped(self.patient), escaped(authority));
+        let pid = format!("PID|1||{id}||^^^^^^U");
+        let filler: String = scan.chars().take(CONTROL_DIGITS).collect();
+        let order = escaped(self.rules.language.text("hospital.leg_measures"));
+        let obr = format!(
+            "OBR|1||{filler}^GAITER|{ORDER}^{order}^{}|||{}|||||||||||||||{now}|||{}",
+            escaped(coding),
+            self.at,
+            self.status.of_order()
+        );
+        vec![msh, pid, obr]
+    }
+
+    /// An OBX for a girth or height, and an NTE for each doubt.
+    fn figure(&self, number: usize, figure: &ExportFigure, station: &str) -> Vec<String> {
+        let language = self.rules.language;
+        let key = match figure.what {
+            What::Girth => "hospital.girth_at",
+            What::Height => "hospital.height_at",
+        };
+        let level = language.filled(key, &[("level", &figure.level.name())]);
+        let words = format!("{level}, {}", language.word("leg", figure.side.word()));
+        let value = Value { kind: "NM", text: format!("{:.1}", figure.cm), unit: "cm^cm^UCUM" };
+        let station = if self.rules.version == WITHOUT_STATION { "" } else { station };
+        let observation = Observation { code: &code(figure), words: &words, value, station };
+        let mut segments = vec![self.observation(number, &observation)];
+        let by_hand = figure.is_by_hand.then(|| language.text("hospital.by_hand").to_owned());
+        let doubts = figure.doubts.iter().map(|doubt| {
+            let title = language.find(&format!("finding.{doubt}.title"));
+            format!("{}: {}", language.text("hospital.doubtful"), title.unwrap_or(doubt))
+        });
+        for (at, note) in by_hand.into_iter().chain(doubts).enumerate() {
+            segments.push(format!("NTE|{}|L|{}", at + 1, escaped(&note)));
+        }
+        segments
+    }
+
+    fn observation(&self, number: usize, of: &Observation<'_>) -> String {
+        let Observation { code, words, value: Value { kind, text, unit }, station } = of;
+        let segment = format!(
+            "OBX|{number}|{kind}|{}^{}^{}|{}|{text}|{unit}|||||{}|||{}||||{}",
+            escaped(code),
+            escaped(words),
+            escaped(&self.rules.coding),
+            group(code),
+            self.status.of_observation(),
+            self.at,
+            escaped(station)
+        );
+        segment.trim_end_matches('|').to_owned()
+    }
+
+    /// Segments as bytes, each ended by a carriage return.
+    fn written(&self, segments: &[String]) -> Vec<u8> {
+        let text: String = segments.iter().map(|segment| format!("{segment}\r")).collect();
+        self.charset().encoded(&text)
+    }
+}
+
+/// The code of a figure with its leg: `cB-R`.
+fn code(figure: &ExportFigure) -> String {
+    let letter = match figure.side {
+        Side::Right => 'R',
+        Side::Left => 'L',
+    };
+    format!("{}-{letter}", figure.code())
+}
+
+/// OBX-4 of a code, which some versions require: the right leg, the left one, both.
+fn group(code: &str) -> u8 {
+    match code.rsplit_once('-') {
+        Some((_, "R")) => 1,
+        Some((_, "L")) => 2,
+        _ => 3,
+    }
+}
+
+/// A time as HL7 writes it, to the second, with its offset.
+fn moment(at: &Zoned) -> String {
+    at.strftime("%Y%m%d%H%M%S%z").to_string()
+}

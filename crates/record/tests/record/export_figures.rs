@@ -1,0 +1,129 @@
+//! The figures that go to systems of others are those of the measuring sheet, to the last digit and with the same
+//! marks.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+
+use gaiter_language::Language;
+use gaiter_leg::{Level, Side};
+use gaiter_record::Record;
+use gaiter_record::export::{ExportFigure, What, export_figures};
+use gaiter_record::measure::amendment::{Amendment, Deed};
+use gaiter_record::report::{Content, Figure, Mark};
+use gaiter_sizes::Garment;
+use serde_json::json;
+use support::records::{bodies, measured};
+
+/// A measure of the right leg that a person set.
+pub fn set(measure: &str, is: Deed, girth_mm: Option<f64>, height_mm: Option<f64>) -> Amendment {
+    Amendment {
+        leg: "right".to_owned(),
+        measure: measure.to_owned(),
+        is,
+        girth_mm,
+        height_mm,
+        length_mm: None,
+        reason: "swollen since".to_owned(),
+        by: "Anna Berg".to_owned(),
+        at: "2026-11-20T10:00:00Z".parse().unwrap(),
+    }
+}
+
+/// A record with every mark on its right leg: C in doubt, E estimated, B with a girth by hand, D not measurable.
+pub fn marked() -> Record {
+    let mut record = measured("f_average_clean").1.clone();
+    let right = record.legs.iter_mut().find(|leg| leg.side == "right").unwrap();
+    right.landmarks.values_mut().for_each(|found| found.doubts.clear());
+    let c = right.landmarks.get_mut("C").unwrap();
+    c.doubts = vec!["gap".to_owned(), "never-heard-of".to_owned()];
+    // Half of a step is rounded up, as on the sheet.
+    (c.girth_tape_mm, c.girth_sd_mm) = (223.5, Some(1.234_56));
+    right.landmarks.remove("E");
+    let estimate = json!({
+        "by": "proportion", "height_mm": 450.0, "along_axis_mm": 450.0, "girth_tape_mm": 380.0,
+        "height_sd_mm": 9.0, "girth_sd_mm": 6.0, "doubts": [],
+    });
+    right.estimates.insert("E".to_owned(), serde_json::from_value(estimate).unwrap());
+    let by_hand =
+        [set("B", Deed::Measured, Some(231.0), None), set("D", Deed::NotMeasurable, None, None)];
+    record.amended(&by_hand, true).unwrap()
+}
+
+/// The girths and heights of the sheet that are not estimated, with their marks, by leg and box.
+fn on_sheet(record: &Record) -> BTreeMap<String, String> {
+    let content = Content::of(record, Language::En, &Garment::default());
+    let mut told = BTreeMap::new();
+    let mut tell = |side: Side, code: String, figure: &Figure| {
+        if ![Mark::Missing, Mark::Estimated].contains(&figure.mark) {
+            let words = format!("{} {:?}", figure.value, figure.mark);
+            told.insert(format!("{} {code}", side.word()), words);
+        }
+    };
+    for row in &content.levels.rows {
+        for (side, leg) in Side::FROM_FRONT.into_iter().zip(&row.legs) {
+            tell(side, format!("c{}", row.level), &leg.girth);
+            if row.has_height {
+                tell(side, format!("l{}", row.level), &leg.height);
+            }
+        }
+    }
+    told
+}
+
+fn exported(record: &Record) -> BTreeMap<String, String> {
+    let mark = |figure: &ExportFigure| match (figure.is_by_hand, figure.doubts.is_empty()) {
+        (true, _) => Mark::ByHand,
+        (false, true) => Mark::Sure,
+        (false, false) => Mark::Doubtful,
+    };
+    let told = |figure: &ExportFigure| {
+        let place = format!("{} {}", figure.side.word(), figure.code());
+        (place, format!("{} {:?}", serde_json::to_string(&figure.cm).unwrap(), mark(figure)))
+    };
+    export_figures(record).iter().map(told).collect()
+}
+
+#[test]
+fn every_figure_of_the_sheet_goes_out_with_its_digits_and_its_mark_and_no_other() {
+    for (body, _, record) in bodies() {
+        let told = exported(record);
+        assert!(told.len() > 12, "{body}: only {told:?}");
+        assert_eq!(told, on_sheet(record), "{body}");
+    }
+    let record = marked();
+    let told = exported(&record);
+    assert_eq!(told, on_sheet(&record));
+    let of = |place: &str| told.get(place).map(String::as_str);
+    assert_eq!((of("right cC"), of("right cB")), (Some("22.4 Doubtful"), Some("23.1 ByHand")));
+    assert_eq!((of("right cE"), of("right lE"), of("right cD")), (None, None, None));
+}
+
+#[test]
+fn figures_come_in_the_order_of_the_sheet_and_the_foot_has_no_heights() {
+    for (body, _, record) in bodies() {
+        let figures = export_figures(record);
+        let place = |figure: &ExportFigure| {
+            let levels = Level::ALL.iter().rev().position(|level| *level == figure.level);
+            (figure.side == Side::Left, levels, figure.what == What::Height)
+        };
+        assert!(figures.is_sorted_by_key(place), "{body}: {figures:?}");
+        let has_height = |figure: &ExportFigure| figure.what == What::Height;
+        let lowest = figures.iter().filter(|of| has_height(of)).map(|of| of.level).min();
+        assert!(lowest.is_some_and(|level| level >= Level::B), "{body}: {lowest:?}");
+    }
+}
+
+#[test]
+fn a_figure_has_its_error_and_its_doubts_unless_a_person_set_it() {
+    let record = marked();
+    let figures = export_figures(&record);
+    let of =
+        |code: &str| figures.iter().find(|of| of.side == Side::Right && of.code() == code).unwrap();
+    let c = of("cC");
+    assert_eq!((c.sd_cm, c.is_by_hand), (Some(0.123), false));
+    assert_eq!(c.doubts, ["gap", "never-heard-of"]);
+    let b = of("cB");
+    assert_eq!((b.sd_cm, b.is_by_hand, b.doubts.len()), (None, true, 0));
+    assert!(!of("lB").is_by_hand);
+}
