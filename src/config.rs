@@ -15,6 +15,7 @@ mod phantom;
 mod place;
 pub mod port;
 mod reader;
+mod servers;
 pub mod sizes;
 #[cfg(test)]
 mod tests;
@@ -50,6 +51,7 @@ pub use load::{load, load_with, nested};
 pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
 pub use phantom::PhantomConfig;
+pub use servers::{FhirStoreConfig, Hl7StoreConfig};
 pub use sizes::beside::{Beside, Files};
 pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;
@@ -190,6 +192,10 @@ pub struct StoreConfig {
     pub copy: Option<FolderStoreConfig>,
     /// `[store.gdt]`: practice software that is notified of every named record, if configured.
     pub gdt: Option<GdtStoreConfig>,
+    /// `[store.fhir]`: a FHIR server that gets every named record, if configured.
+    pub fhir: Option<FhirStoreConfig>,
+    /// `[store.hl7]`: a receiver of HL7 v2 that gets every named record, if configured.
+    pub hl7: Option<Hl7StoreConfig>,
 }
 
 /// `[store.folder]`: records as folders.

@@ -5,6 +5,7 @@ mod environment;
 mod names;
 mod readers;
 mod row;
+mod servers;
 mod tables;
 mod unit;
 
@@ -55,8 +56,8 @@ pub fn check(args: &CheckArgs) -> Exit {
     }
 }
 
-/// The checks of what is around the station: folders and disks, who may read, the system's service, the booth; and
-/// what the running station advises.
+/// The checks of what is around the station: folders and disks, who may read, servers, the system's service, the
+/// booth; and what the running station advises.
 fn around(file: &Path, config: &Config) -> Vec<Row> {
     let running = match ask::ask(file, &Request::Status) {
         Ok(Answer::Status(status)) => Some(status),
@@ -65,6 +66,7 @@ fn around(file: &Path, config: &Config) -> Vec<Row> {
     let mut rows = environment::rows(config);
     rows.extend(tables::rows(config));
     rows.extend(readers::rows(config));
+    rows.extend(servers::rows(config));
     rows.extend(unit::rows(file, config));
     rows.extend(booth::rows(config, running.as_deref()));
     rows.extend(running.and_then(|status| habit(config, &status)));

@@ -220,9 +220,9 @@ pub enum What {
     /// A report value that its mask can never produce.
     #[error("is longer or shorter than trigger.usb.mask, or has bits that it leaves out")]
     OutsideMask,
-    /// Not a value that GDT, or the exchange with practice software, allows here.
+    /// Not a value that a format or protocol allows here.
     #[error("\"{text}\" is not a valid {what}")]
-    NotGdt {
+    Invalid {
         /// As written.
         text: String,
         /// What it should be.
@@ -230,6 +230,12 @@ pub enum What {
         /// What to write.
         hint: &'static str,
     },
+    /// A key that needs another one.
+    #[error("is set without {0}")]
+    Without(&'static str),
+    /// Two keys of which only one may be set.
+    #[error("is set together with {0}")]
+    Together(&'static str),
     /// Not a list of known girths.
     #[error("{0}")]
     PhantomGirths(PhantomTextFault),
@@ -320,7 +326,7 @@ impl What {
                 r#"write "off", or this machine's address on the local network and a port: "192.168.1.20:9180""#.into()
             }
             What::EmptyList => "name at least one folder that the scanner exports to".into(),
-            What::Twice(_) => "remove one of the two".into(),
+            What::Twice(_) | What::Together(_) => "remove one of the two".into(),
             What::Overlap { .. } => "exports, state and records need separate folders".into(),
             What::NotARegex(_) => "in single quotes a \\ needs no doubling: '^P?[0-9]+_'".into(),
             What::NoPatientGroup => {
@@ -339,7 +345,8 @@ impl What {
             What::OutsideMask => {
                 r#"write as many bytes in both: mask = "00 01", value = "00 01""#.into()
             }
-            What::NotGdt { hint, .. } => (*hint).into(),
+            What::Invalid { hint, .. } => (*hint).into(),
+            What::Without(key) => format!("set {key} too"),
             What::PhantomGirths(_) => {
                 r#"in cm: "35.2" for a cylinder, or girths at heights: "10:35.2, 30:38.1""#.into()
             }

@@ -202,7 +202,7 @@ fn named(found: Found<Option<PathBuf>>) -> Option<Found<PathBuf>> {
 }
 
 fn not_gdt(text: &str, what: &'static str, hint: &'static str) -> What {
-    What::NotGdt { text: text.into(), what, hint }
+    What::Invalid { text: text.into(), what, hint }
 }
 
 /// Short names of programs and examinations: only what every character set and file system accepts.

@@ -22,7 +22,8 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, notation, observability, page, phantom, sizes, trigger, watch,
+    StoreConfig, capture, gdt, notation, observability, page, phantom, servers, sizes, trigger,
+    watch,
 };
 
 /// Reads the text of a configuration that names no other files.
@@ -126,6 +127,8 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let copy_mode = reader.text("store.copy.mode", Default("private"), parse::word(ACCESSES));
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
     let (gdt_path, gdt) = gdt::store(reader);
+    let fhir = servers::fhir(reader);
+    let (hl7_path, hl7) = servers::hl7(reader);
     let retention = retention(reader);
     let status = observability::status(reader);
     let (page, log) = (page::config(reader), observability::log(reader));
@@ -133,7 +136,11 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     observability::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
-    let exchange = [("store.gdt.path", gdt_path), ("patient.orders.path", orders_path)];
+    let exchange = [
+        ("store.gdt.path", gdt_path),
+        ("store.hl7.path", hl7_path),
+        ("patient.orders.path", orders_path),
+    ];
     let own = [
         ("station.state_dir", state_dir.as_ref()),
         ("store.folder.path", store.as_ref()),
@@ -199,6 +206,8 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
             folder: FolderStoreConfig { path: store?.value, access: store_mode?.value },
             copy: copy.map(|found| FolderStoreConfig { path: found.value, access: copy_access }),
             gdt: gdt?,
+            fhir: fhir?,
+            hl7: hl7?,
         },
         retention: retention?,
         status: status?,

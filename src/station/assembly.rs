@@ -73,7 +73,7 @@ impl Station {
         // The station that lost its journal had begun these stores, so their marks must be found.
         let begun = stores.iter().filter(|_| !first_start);
         // First: what is to be erased must not be taken over.
-        erase::clear_own(&custody, &config.station.state_dir);
+        erase::clear_own(&custody, &stores, &config.station.state_dir);
         erase::note(&custody, &mut facts);
         let recovered = recover(&custody, rebuilt, begun, &mut facts);
         let adopted = recovered.map_err(|fault| failed(fault, &config, &custody))?;
@@ -116,6 +116,7 @@ pub(in crate::station) fn open_custody(
     let decided = (decisions, erasures, affected);
     let custody = Custody::new(opened.journal, kept, decided, names, config.retention.spool);
     let custody = custody.with_named_only(stores.named_only()).with_phantom(phantom);
+    let custody = custody.with_servers(stores.servers()).map_err(StationError::Recovery)?;
     Ok((custody, opened.rebuilt))
 }
 

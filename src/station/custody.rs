@@ -57,6 +57,8 @@ pub struct Custody {
     stores: Vec<&'static str>,
     /// The stores that take no unassigned record.
     named_only: Vec<&'static str>,
+    /// The stores that are servers.
+    servers: Vec<&'static str>,
     /// How long spooled bytes are kept after they are no longer needed.
     kept: Duration,
     /// Held during each change of more than one of the three.
@@ -129,6 +131,7 @@ impl Custody {
             phantom: None,
             stores,
             named_only: Vec::new(),
+            servers: Vec::new(),
             kept,
             change: Mutex::new(()),
             untidy: AtomicBool::new(false),
@@ -139,6 +142,14 @@ impl Custody {
     /// The same, with the names of the stores that take no unassigned record.
     pub fn with_named_only(self, named_only: Vec<&'static str>) -> Custody {
         Custody { named_only, ..self }
+    }
+
+    /// The same, with the names of the stores that are servers; the journal is told them, too.
+    ///
+    /// # Errors
+    /// If the journal fails.
+    pub fn with_servers(self, servers: Vec<&'static str>) -> Result<Custody, CustodyFault> {
+        Ok(Custody { journal: self.journal.with_servers(&servers)?, servers, ..self })
     }
 
     /// The same, with the series of checks with the phantom.

@@ -41,6 +41,10 @@ const MOST_HANDS: usize = 5;
 /// A step at a store that takes longer has stalled. A record has a few megabytes.
 const STALLED: Duration = Duration::from_secs(60);
 
+/// While a step at a store takes longer than this, nothing else is begun there, and it keeps no other store
+/// waiting: a server that hangs would otherwise take all hands.
+const SLOW: Duration = Duration::from_secs(5);
+
 /// The result of a job.
 enum Done {
     Asked { store: String, in_reach: bool },
@@ -223,15 +227,17 @@ impl Bench {
         Ok(())
     }
 
-    /// Marks a store as stalled if a step there does not return; other stores continue.
+    /// Lets a store rest while a step there takes long, and reports it if the step does not return; other stores
+    /// continue.
     fn find_stalled(&mut self, booth: &Booth) {
         let now = booth.core().now();
         for ((store, _), began) in &self.at_store {
-            if now.saturating_sub(*began) >= STALLED
-                && store_reach::note_stalled(booth.core(), store)
-            {
-                info!(event = "store-stalled", store);
+            let lasts = now.saturating_sub(*began);
+            if lasts >= SLOW {
                 self.outbox.stalled(store);
+            }
+            if lasts >= STALLED && store_reach::note_stalled(booth.core(), store) {
+                info!(event = "store-stalled", store);
             }
         }
     }

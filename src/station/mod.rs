@@ -46,7 +46,7 @@ pub(crate) mod runtime;
 mod service;
 pub(crate) mod share;
 mod state_dir;
-mod stores;
+pub(crate) mod stores;
 mod workers;
 
 pub use error::{StationError, Worker};

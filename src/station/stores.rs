@@ -3,11 +3,19 @@
 use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use gaiter_record::fhir::FhirRules;
+use gaiter_record::hl7::Hl7Rules;
 use jiff::tz::TimeZone;
 
-use crate::config::{Config, GdtStoreConfig};
+use crate::config::{Config, FhirStoreConfig, GdtStoreConfig, Hl7StoreConfig};
 use crate::store::gdt::Attach;
-use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
+use crate::store::{FhirStore, FolderStore, GdtStore, Hl7Store, RecordStore, StoreFault};
+
+/// The system of gaiter's codes in FHIR. It is the same everywhere, so that a code means the same everywhere.
+const FHIR_CODES: &str = "urn:gaiter:measure";
+
+/// The name of gaiter's codes in HL7 v2: a local coding system (table 0396, 99zzz).
+const HL7_CODES: &str = "99GTR";
 
 /// Where records go.
 #[derive(Debug)]
@@ -33,8 +41,11 @@ impl Stores {
             .as_ref()
             .map(|copy| FolderStore::new("copy", copy.path.clone(), station, copy.access));
         let gdt = config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt));
-        let all = [Some(boxed(first)), copy.map(boxed), gdt.map(boxed)];
-        Stores { all: all.into_iter().flatten().collect(), opened: Mutex::default() }
+        let fhir = config.store.fhir.as_ref().map(|fhir| fhir_store(config, fhir));
+        let hl7 = config.store.hl7.as_ref().map(|hl7| hl7_store(config, hl7));
+        let servers = [fhir.map(boxed), hl7.map(boxed)];
+        let all = [Some(boxed(first)), copy.map(boxed), gdt.map(boxed)].into_iter().chain(servers);
+        Stores { all: all.flatten().collect(), opened: Mutex::default() }
     }
 
     /// All of them, in the configuration's order.
@@ -55,6 +66,11 @@ impl Stores {
     /// The names of the stores that take no record of a scan without a patient.
     pub fn named_only(&self) -> Vec<&'static str> {
         self.iter().filter(|store| !store.takes_unassigned()).map(|store| store.name()).collect()
+    }
+
+    /// The names of the stores that are servers.
+    pub fn servers(&self) -> Vec<&'static str> {
+        self.iter().filter(|store| store.is_server()).map(|store| store.name()).collect()
     }
 
     /// Removes what a crash left half made in a store, once per run. Blocks.
@@ -96,4 +112,36 @@ fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> GdtStore {
     let zone = if gdt.utc { TimeZone::UTC } else { TimeZone::system() };
     let names = gdt.file_name.clone();
     GdtStore::new(gdt.path.clone(), names, rules, station, zone)
+}
+
+/// The store of a FHIR server.
+fn fhir_store(config: &Config, fhir: &FhirStoreConfig) -> FhirStore {
+    let rules = FhirRules {
+        identifiers: fhir.identifiers.clone(),
+        codes: FHIR_CODES.to_owned(),
+        language: config.language,
+        garment: config.garment.clone(),
+        attach: fhir.attach.clone(),
+    };
+    FhirStore::new(fhir.server.clone(), rules)
+}
+
+/// The store of a receiver of HL7 v2. A station without a name for its facility has its own.
+fn hl7_store(config: &Config, hl7: &Hl7StoreConfig) -> Hl7Store {
+    let station = &config.station.id;
+    let [application, facility] = hl7.sender.clone();
+    let facility = if facility.is_empty() { station.clone() } else { facility };
+    let rules = Hl7Rules {
+        sender: [application, facility],
+        receiver: hl7.receiver.clone(),
+        processing: hl7.processing,
+        version: hl7.version.clone(),
+        authority: hl7.authority.clone(),
+        coding: HL7_CODES.to_owned(),
+        pdf: hl7.pdf,
+        charset: hl7.charset,
+        language: config.language,
+        garment: config.garment.clone(),
+    };
+    Hl7Store::new(hl7.way.clone(), rules, &config.station.state_dir).of_station(station)
 }

@@ -4,11 +4,18 @@
 pub mod access;
 pub mod brief;
 pub mod durable;
+pub mod endpoint;
+mod fault;
+pub mod fhir;
 pub mod folder;
 pub mod gdt;
+pub mod hl7;
+pub mod https;
 mod listing;
 pub mod polling;
 pub mod revision;
+pub mod secret;
+pub mod server;
 pub mod sums;
 
 use std::fmt;
@@ -17,12 +24,14 @@ use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
 
+pub use fault::{Misfit, StoreFault};
+pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
-use gaiter_flow::cause::Cause;
 use gaiter_record::RecordFile;
-use gaiter_record::gdt::ResultFault;
 pub use gdt::{GdtStore, Given};
+pub use hl7::Hl7Store;
+pub use server::ServerFault;
 
 /// A store of records. A new kind is a file here, a section of `station.toml`, a page of the
 /// documentation and a line in `station/stores.rs`; everything else asks the store. All calls block.
@@ -38,6 +47,12 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
 
     /// Reports whether a record can be withdrawn; practice software keeps what it was handed.
     fn gives_back(&self) -> bool;
+
+    /// Reports whether others act on what is there at once: a withdrawal does not wait for another patient's
+    /// record, and an erasure removes nothing there.
+    fn is_server(&self) -> bool {
+        false
+    }
 
     /// Begins a new store: makes its folder if `make_folder` is set, then marks it.
     ///
@@ -56,6 +71,14 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     /// # Errors
     /// A transient fault if it is not.
     fn reach(&self) -> Result<(), StoreFault>;
+
+    /// Tries the store out for a person who has set it up, as far as that leaves nothing there.
+    ///
+    /// # Errors
+    /// A fault if a record could not be put there.
+    fn try_out(&self) -> Result<(), StoreFault> {
+        self.reach()
+    }
 
     /// Every record in the store.
     ///
@@ -139,6 +162,11 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
         Ok(None)
     }
 
+    /// The file of a message with this reference, while the receiver has not fetched it.
+    fn unfetched(&self, _reference: &str) -> Option<PathBuf> {
+        None
+    }
+
     /// What was handed over of a person, by a store that people do not read as folders.
     ///
     /// # Errors
@@ -201,115 +229,6 @@ pub struct Receipt {
     pub folder: PathBuf,
     /// The record was already there; nothing was written.
     pub already_there: bool,
-}
-
-/// Why a record was not stored.
-#[derive(Debug, thiserror::Error)]
-pub enum StoreFault {
-    /// The store cannot take the record now, but may later.
-    #[error("{what} failed on {path}")]
-    Transient {
-        /// What was tried.
-        what: &'static str,
-        /// On what.
-        path: PathBuf,
-        /// How it failed.
-        #[source]
-        source: io::Error,
-    },
-    /// The practice software has not fetched what was handed over before.
-    #[error(
-        "the practice software has not fetched the last result; the next one waits, because \
-         results are never overwritten"
-    )]
-    NotFetched,
-    /// The store will never take this record.
-    #[error("the store cannot take this record: {0}")]
-    Permanent(Misfit),
-}
-
-impl StoreFault {
-    /// Why, for people, without a path.
-    pub fn cause(&self) -> Cause {
-        match self {
-            StoreFault::Transient { what, source, .. } => {
-                Cause::of_system(source).after(format_args!("{what} failed"))
-            }
-            StoreFault::NotFetched => Cause::said(self),
-            StoreFault::Permanent(misfit) => Cause::said(misfit),
-        }
-    }
-}
-
-/// Why a store will never take a record.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Misfit {
-    /// The record's last file is not `SHA256SUMS`.
-    #[error("its last file is not SHA256SUMS")]
-    NoSums,
-    /// The spooled bytes are not the scan's.
-    #[error("the spooled bytes are not those of the scan")]
-    OtherBytes,
-    /// A file name that could leave the record's folder or hide.
-    #[error("a file of the record has the invalid name {name:?}")]
-    FileName {
-        /// The name.
-        name: String,
-    },
-    /// The record's place is taken by something that is not this scan's complete record.
-    #[error("its folder exists but is not this scan's complete record: {0}")]
-    Occupied(sums::SumsFault),
-    /// Something is in the way of this record alone.
-    #[error("something is in its way: {what} failed ({error})")]
-    InTheWay {
-        /// What was tried.
-        what: &'static str,
-        /// How it failed.
-        error: io::ErrorKind,
-    },
-    /// The patient's folder is a link, which may lead to another patient's.
-    #[error("the patient's folder is a symbolic link")]
-    FolderIsLink,
-    /// The patient's folder cannot be told apart from another patient's.
-    #[error(
-        "the store has a folder whose name differs from this patient's only in letter case: it may \
-         be another patient's"
-    )]
-    FolderClash,
-    /// The record is unassigned, and practice software takes none of those.
-    #[error("it names no patient, which practice software requires")]
-    Unassigned,
-    /// It holds no readable `record.json`.
-    #[error("it holds no readable record.json")]
-    NoRecord,
-    /// Its `record.json` is another patient's.
-    #[error("its record.json names a different patient")]
-    OtherPatient,
-    /// It cannot be written as a GDT message.
-    #[error("it cannot be written as GDT: {0}")]
-    Gdt(ResultFault),
-    /// It was handed over to practice software, which keeps its own records.
-    #[error(
-        "it was handed over to the practice software and cannot be withdrawn: delete it in the \
-         practice software"
-    )]
-    HandedOver,
-}
-
-impl StoreFault {
-    /// The stable code of this fault, for the journal and `reason.json`.
-    pub fn code(&self) -> &'static str {
-        match self {
-            StoreFault::Transient { .. } => "store-unavailable",
-            StoreFault::NotFetched => "result-not-fetched",
-            StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
-            StoreFault::Permanent(Misfit::InTheWay { .. }) => "store-place-occupied",
-            StoreFault::Permanent(Misfit::FolderIsLink) => "patient-folder-is-a-link",
-            StoreFault::Permanent(Misfit::FolderClash) => "patient-folder-clash",
-            StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
-            StoreFault::Permanent(_) => "store-misfit",
-        }
-    }
 }
 
 /// Treats an I/O error of a store as transient: disks fill and empty, shares go and come back. What is in

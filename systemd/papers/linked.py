@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # Crates that compile C, and what of it copyright.in names.
-COMPILES_C = {"libsqlite3-sys": "SQLite", "libusb1-sys": "libusb"}
+COMPILES_C = {"libsqlite3-sys": "SQLite", "libusb1-sys": "libusb", "ring": "parts of BoringSSL"}
 
 # Where the texts of licences stand, in files of crates.
 LICENCE_FILE = re.compile(r"(licen[sc]e|copying|notice|copyright|unlicense|ofl)", re.I)

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs;
+use std::net::TcpListener;
 use std::os::unix::fs::{PermissionsExt, chown};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -327,7 +328,7 @@ fn a_group_that_may_read_records_needs_a_folder_that_hands_itself_on() {
 #[test]
 fn a_button_that_is_not_there_and_an_address_that_is_taken_are_told_without_a_station() {
     let dir = TempDir::new().unwrap();
-    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap();
     let more = format!(
         "[trigger.serial]\nport = \"{}/ttyBUTTON\"\ntokens = [\"PRESS\"]\n[status]\nlisten = \"{address}\"\n",
@@ -352,4 +353,92 @@ fn a_button_that_is_not_there_and_an_address_that_is_taken_are_told_without_a_st
     let rows = json(&check(&file, &["--json"]))["checks"].to_string();
     assert!(rows.contains("is there (trigger.serial.port)"), "{rows}");
     assert!(rows.contains("is free (status.listen)"), "{rows}");
+}
+
+/// The rows of a check by name and place, with verdict and detail.
+fn rows(output: &Output, check: &str) -> Vec<(String, String, String)> {
+    let text = |row: &serde_json::Value, key: &str| row[key].as_str().unwrap().to_owned();
+    let report = json(output);
+    let rows = report["checks"].as_array().unwrap().iter().filter(|row| row["check"] == check);
+    rows.map(|row| (text(row, "place"), text(row, "verdict"), text(row, "detail"))).collect()
+}
+
+/// A port of this machine on which no one listens.
+fn closed_port() -> u16 {
+    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
+}
+
+#[test]
+fn a_server_that_is_away_fails_and_its_secret_is_looked_at() {
+    let root = TempDir::new().unwrap();
+    let (secret, port) = (root.path().join("token"), closed_port());
+    fs::write(&secret, "Quastenflosser\n").unwrap();
+    let more = format!(
+        "[store.fhir]\naddress = \"http://127.0.0.1:{port}/fhir\"\npatient_system = \"urn:house\"\n\
+         access = \"bearer\"\nsecret = \"{}\"\n",
+        secret.display()
+    );
+    let file = station(root.path(), &more);
+    for (mode, verdict) in [(0o640, "warn"), (0o600, "ok")] {
+        fs::set_permissions(&secret, fs::Permissions::from_mode(mode)).unwrap();
+        let output = check(&file, &["--json"]);
+        assert_eq!(code(&output), Some(74), "{}", stdout(&output));
+        let [(place, found, _)] = &rows(&output, "secret")[..] else { panic!() };
+        assert_eq!((Path::new(place), found.as_str()), (secret.as_path(), verdict));
+        let [(place, found, detail)] = &rows(&output, "FHIR server")[..] else { panic!() };
+        assert_eq!((place, found.as_str()), (&format!("http://127.0.0.1:{port}/fhir"), "fail"));
+        assert!(detail.contains("refused"), "{detail}");
+        assert!(!stdout(&output).contains("Quastenflosser"));
+    }
+    fs::remove_file(&secret).unwrap();
+    let output = check(&file, &["--json"]);
+    let [(_, found, detail)] = &rows(&output, "secret")[..] else { panic!() };
+    assert_eq!(found, "fail");
+    assert!(detail.contains("token: No such file"), "{detail}");
+}
+
+#[test]
+fn a_credential_is_for_the_service_and_the_server_is_not_tried_without_it() {
+    let root = TempDir::new().unwrap();
+    let more = format!(
+        "[store.fhir]\naddress = \"http://127.0.0.1:{}/fhir\"\npatient_system = \"urn:house\"\n\
+         access = \"bearer\"\nsecret = \"credential:fhir\"\n",
+        closed_port()
+    );
+    let file = station(root.path(), &more);
+    let output = check(&file, &["--json"]);
+    assert_eq!(code(&output), Some(0), "{}", stdout(&output));
+    for name in ["secret", "FHIR server"] {
+        let [(_, verdict, _)] = &rows(&output, name)[..] else { panic!("{name}") };
+        assert_eq!(verdict, "warn", "{name}");
+    }
+}
+
+#[test]
+fn a_receiver_takes_a_connection_or_fails_and_a_folder_of_messages_is_written_in() {
+    let root = TempDir::new().unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let store = |way: &str| format!("[store.hl7]\n{way}\n");
+    let mllp = |port: u16| store(&format!("address = \"127.0.0.1:{port}\"\nencryption = \"none\""));
+    let open = mllp(listener.local_addr().unwrap().port());
+    for (way, exit, verdict) in [(open, 0, "ok"), (mllp(closed_port()), 74, "fail")] {
+        let output = check(&station(root.path(), &way), &["--json"]);
+        assert_eq!(code(&output), Some(exit), "{}", stdout(&output));
+        let [(_, found, _)] = &rows(&output, "HL7 receiver")[..] else { panic!() };
+        assert_eq!(found, verdict);
+        assert!(rows(&output, "encryption").is_empty(), "it stays on this machine");
+    }
+    // An address that is kept for documents: nobody is there.
+    let far = store("address = \"192.0.2.1:2575\"\nencryption = \"none\"\ntimeout = \"1s\"");
+    let output = check(&station(root.path(), &far), &["--json"]);
+    let [(_, verdict, detail)] = &rows(&output, "encryption")[..] else { panic!() };
+    assert_eq!(verdict, "warn");
+    assert!(detail.starts_with("not encrypted"), "{detail}");
+    let messages = root.path().join("messages");
+    fs::create_dir(&messages).unwrap();
+    let way = store(&format!("path = \"{}\"", messages.display()));
+    let output = check(&station(root.path(), &way), &["--json"]);
+    let [(place, verdict, _)] = &rows(&output, "message folder")[..] else { panic!() };
+    assert_eq!((Path::new(place), verdict.as_str()), (messages.as_path(), "ok"));
+    assert!(fs::read_dir(&messages).unwrap().next().is_none());
 }

@@ -15,7 +15,7 @@ const SOURCES: [&str; 13] = [
     "crates/leg/src/finding.rs",
     "crates/leg/src/doubt.rs",
     "crates/leg/src/comparison/opinion.rs",
-    "src/store/mod.rs",
+    "src/store/fault.rs",
     "crates/cad/src/kind.rs",
     "crates/record/src/gdt/order.rs",
     "crates/record/src/report/pdf/mod.rs",

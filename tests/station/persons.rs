@@ -247,6 +247,60 @@ fn an_erasure_that_something_in_the_persons_folder_stops_keeps_no_record_from_th
 }
 
 #[test]
+fn what_a_receiver_was_sent_is_disclosed_and_named_before_an_erasure_and_its_notes_go() {
+    let booth = Booth::new();
+    let messages = booth.path("messages");
+    fs::create_dir(&messages).unwrap();
+    booth.reconfigure(|config| {
+        config + &format!("[store.hl7]\npath = \"{}\"\n", messages.display())
+    });
+    let daemon = booth.start_ready();
+    for (file, number) in [("a", 1), ("b", 2)] {
+        booth.export(&format!("{ID}_{file}.obj"), &coarse_body(number));
+    }
+    let sent = "SELECT count(*) FROM deliveries WHERE store = 'hl7' AND state = 'delivered'";
+    booth.wait_for_journal(sent, 2);
+    let sent = || {
+        let mut all = files(&messages);
+        all.retain(|path| path.extension().is_some_and(|ending| ending == "hl7"));
+        all.sort();
+        all
+    };
+    let [fetched, waiting] = &sent()[..] else { panic!("not two messages") };
+    fs::remove_file(fetched).unwrap();
+
+    let out = booth.path("access").display().to_string();
+    let args = ["patient", "disclose", "--out", &out];
+    let (exit, _, faults) = told(&booth, &args, &format!("{ID}\n"));
+    assert_eq!(exit, Some(0), "{faults}");
+    let person = fs::read(booth.path("access/person.json")).unwrap();
+    let person: Value = serde_json::from_slice(&person).unwrap();
+    let given = person["on_servers"].as_array().unwrap();
+    let control = |path: &Path| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    for path in [fetched, waiting] {
+        let of = given.iter().find(|of| of["reference"] == control(path).as_str()).unwrap();
+        let unfetched = of["unfetched"].as_str().map(Path::new);
+        assert_eq!(unfetched, (path == waiting).then_some(waiting.as_path()));
+    }
+    let page = fs::read_to_string(booth.path("access/index.html")).unwrap();
+    assert!(page.contains(&control(fetched)) && page.contains("servers of the hospital"), "{page}");
+
+    let (exit, said, shown) = erase(&booth);
+    assert_eq!(exit, Some(0), "{said}{shown}");
+    let (fetched, waiting) = (control(fetched), control(waiting));
+    for part in [format!("{fetched}, given on"), format!("message {waiting} of")] {
+        assert!(shown.contains(&part), "no {part:?} in:\n{shown}");
+    }
+    booth.wait_for_journal("SELECT count(*) FROM history WHERE event = 'erasure-ended'", 1);
+    let notes = names(&booth.path("state/hl7-sent"));
+    assert!(notes.is_empty(), "{notes:?}");
+    let left = naming(&booth, &["state", "records"], ID);
+    assert!(left.is_empty(), "{left:?}");
+    assert_eq!(sent().len(), 1, "what was sent is the receiver's");
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
 fn a_store_out_of_reach_is_waited_for_and_cleared_once_it_is_back() {
     let (booth, daemon) = booth();
     fs::rename(booth.path("copy"), booth.path("away")).unwrap();

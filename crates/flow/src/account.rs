@@ -293,7 +293,7 @@ pub struct Delivered {
     pub attempts: u64,
     /// When the next attempt is due.
     pub next_at: Option<Timestamp>,
-    /// The record.
+    /// The record's folder, or by what a server has the record.
     pub folder: Option<String>,
 }
 

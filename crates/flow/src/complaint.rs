@@ -171,7 +171,9 @@ impl Complaint {
 
     /// One of its texts with its figures; `None` if there is none.
     fn text(&self, which: &str, language: Language) -> Option<String> {
-        let template = language.find(&format!("complaint.{}.{which}", self.code))?;
+        let of = |code: &str| language.find(&format!("complaint.{code}.{which}"));
+        let about = self.subject.as_ref().map(|subject| format!("{}-{subject}", self.code));
+        let template = about.and_then(|code| of(&code)).or_else(|| of(&self.code))?;
         fill(template, |name, form| Some(self.word(name, form, language)))
     }
 

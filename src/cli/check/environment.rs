@@ -95,7 +95,7 @@ fn footing(folder: &Path) -> io::Result<&Path> {
 
 /// Does what the station does with a record, in a trial folder that it removes afterwards. It does not
 /// create a missing folder, because that would belong to the user who checks and not to the station.
-fn writable(folder: &Path) -> io::Result<String> {
+pub(super) fn writable(folder: &Path) -> io::Result<String> {
     let place = footing(folder)?;
     let trial = place.join(format!(".gaiter-check-{}", std::process::id()));
     fs::create_dir(&trial).map_err(|error| {

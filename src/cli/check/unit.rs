@@ -1,5 +1,7 @@
-//! Whether the system service may use the folders that the configuration names. The station runs in a
-//! sandbox of systemd, which `gaiter check` does not, so folders that pass here may fail there.
+//! Whether the system service may use the folders and servers that the configuration names. The station runs in a
+//! sandbox of systemd, which `gaiter check` does not, so what passes here may fail there.
+
+mod network;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,8 +13,8 @@ use crate::config::{AfterOrder, Config};
 const SERVICE: &str = "gaiter.service";
 
 /// The properties that decide.
-const PROPERTIES: &str =
-    "LoadState,ExecStart,StateDirectory,ReadWritePaths,ProtectSystem,ProtectHome,PrivateTmp";
+const PROPERTIES: &str = "LoadState,ExecStart,StateDirectory,ReadWritePaths,ProtectSystem,\
+    ProtectHome,PrivateTmp,PrivateNetwork,RestrictAddressFamilies,IPAddressAllow,IPAddressDeny";
 
 /// The folders of `ProtectHome`.
 const HOMES: [&str; 3] = ["/home", "/root", "/run/user"];
@@ -20,11 +22,13 @@ const HOMES: [&str; 3] = ["/home", "/root", "/run/user"];
 /// The folders of `PrivateTmp`.
 const TEMPORARY: [&str; 2] = ["/tmp", "/var/tmp"];
 
-/// A row for each folder that the service may not use as it has to. None if there is no such service, or
+/// A row for each folder or server that the service may not use as it has to. None if there is no such service, or
 /// if it runs with another configuration.
 pub(super) fn rows(file: &Path, config: &Config) -> Vec<Row> {
-    let Some(unit) = shown() else { return Vec::new() };
-    let unit = Unit::of(&unit);
+    let Some(shown) = systemctl(&["show", SERVICE, "--property", PROPERTIES]) else {
+        return Vec::new();
+    };
+    let unit = Unit::of(&shown);
     if !unit.runs_with(file) {
         return Vec::new();
     }
@@ -38,19 +42,22 @@ pub(super) fn rows(file: &Path, config: &Config) -> Vec<Row> {
         Some(&config.store.folder.path),
         config.store.copy.as_ref().map(|copy| &copy.path),
         config.store.gdt.as_ref().map(|gdt| &gdt.path),
+        config.store.hl7.as_ref().and_then(|hl7| hl7.way.folder()),
     ];
     let written = written.into_iter().flatten().map(|folder| (folder, Need::Write));
     let refused = exports.chain(orders).chain(written).filter_map(|(folder, need)| {
         let why = unit.refuses(folder, need)?;
         Some(Row::new("service", folder, Verdict::Fail, why))
     });
-    refused.collect()
+    // Credentials are not among the properties that systemctl prints.
+    let files = systemctl(&["cat", SERVICE]).unwrap_or_default();
+    let servers = network::rows(&unit, config).into_iter();
+    refused.chain(servers).chain(network::credentials(&files, config)).collect()
 }
 
-/// What systemd says about the service; `None` where there is no systemd.
-fn shown() -> Option<String> {
-    let asked =
-        Command::new("systemctl").args(["show", SERVICE, "--property", PROPERTIES]).output();
+/// What systemd says; `None` where there is no systemd.
+fn systemctl(arguments: &[&str]) -> Option<String> {
+    let asked = Command::new("systemctl").args(arguments).output();
     let answer = asked.ok().filter(|answer| answer.status.success())?;
     String::from_utf8(answer.stdout).ok()
 }

@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use gaiter_flow::health::local;
-use gaiter_flow::patient::person::{Person, PersonRecord, WhoseScan};
+use gaiter_flow::patient::person::{OnServer, Person, PersonRecord, WhoseScan};
 use gaiter_language::Language;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem}\
@@ -57,6 +57,11 @@ fn sections(person: &Person, language: Language) -> Vec<Section> {
         ),
         ("person.others", &["person.file"], others(person)),
         ("person.handed_over", &["person.at", "person.file", "person.scan"], handed_over(person)),
+        (
+            "person.on_servers",
+            &["person.at", "person.server", "person.reference", "person.scan"],
+            on_servers(person, language),
+        ),
         ("person.elsewhere", &["person.file"], elsewhere(person)),
         ("person.captures", &["person.at", "person.state"], captures(person)),
         ("person.affected", &["person.at", "person.leg"], affected(person, language)),
@@ -160,10 +165,29 @@ fn handed_over(person: &Person) -> Vec<Vec<String>> {
     given.map(|of| vec![escaped(&time(of.at)), shown_path(&of.file), escaped(&of.sha256)]).collect()
 }
 
+fn on_servers(person: &Person, language: Language) -> Vec<Vec<String>> {
+    let row = |of: &OnServer| {
+        let store = language.word("page.part.store", &of.store);
+        let unknown = || language.text("person.unknown").to_owned();
+        let reference = of.reference.clone().unwrap_or_else(unknown);
+        vec![
+            escaped(&of.at.map(time).unwrap_or_default()),
+            escaped(&format!("{store}: {}", of.place)),
+            escaped(&match of.is_withdrawn {
+                true => format!("{reference} ({})", language.text("person.withdrawn")),
+                false => reference,
+            }),
+            escaped(&of.sha256),
+        ]
+    };
+    person.on_servers.iter().map(row).collect()
+}
+
 /// Files that the disclosure has no copy of.
 fn elsewhere(person: &Person) -> Vec<Vec<String>> {
     let attachments = person.handed_over.iter().flat_map(|of| &of.attachments);
-    let all = person.exports.iter().chain(&person.journals).chain(attachments);
+    let unfetched = person.on_servers.iter().filter_map(|of| of.unfetched.as_ref());
+    let all = person.exports.iter().chain(&person.journals).chain(attachments).chain(unfetched);
     all.map(|path| vec![shown_path(path)]).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use gaiter_flow::patient::person::{Person, PersonScan, PersonStore, WhoseScan};
+use gaiter_flow::patient::person::{OnServer, Person, PersonScan, PersonStore, WhoseScan};
 use gaiter_language::Language;
 
 use crate::cli::shown;
@@ -77,6 +77,7 @@ fn left(person: &Person, language: Language) -> Vec<String> {
             lines.push(language.filled("erase.attachment", &[("file", &file)]));
         }
     }
+    lines.extend(person.on_servers.iter().map(|of| on_server(of, language)));
     for path in &person.exports {
         let file = shown(path.display()).to_string();
         lines.push(language.filled("erase.export", &[("file", &file)]));
@@ -88,6 +89,29 @@ fn left(person: &Person, language: Language) -> Vec<String> {
     }
     lines.push(language.text("erase.elsewhere").to_owned());
     lines
+}
+
+fn on_server(of: &OnServer, language: Language) -> String {
+    let key = match (&of.unfetched, of.is_withdrawn) {
+        (Some(_), _) => "erase.on_server_unfetched",
+        (None, true) => "erase.on_server_withdrawn",
+        (None, false) => "erase.on_server",
+    };
+    let at = of.at.map(|at| at.to_string()).unwrap_or_default();
+    let file = of.unfetched.as_ref().map(|file| shown(file.display()).to_string());
+    let file = file.unwrap_or_default();
+    let place = shown(&of.place).to_string();
+    let unknown = language.text("person.unknown");
+    let store = language.word("page.part.store", &of.store);
+    let reference = shown(of.reference.as_deref().unwrap_or(unknown)).to_string();
+    let words: [(&str, &dyn Display); 5] = [
+        ("store", &store),
+        ("place", &place),
+        ("reference", &reference),
+        ("at", &at),
+        ("file", &file),
+    ];
+    language.filled(key, &words)
 }
 
 #[cfg(test)]
@@ -115,7 +139,7 @@ mod tests {
         let person = json!({
             "schema": "gaiter.person/1", "patient": "4711", "station": "t",
             "at": "2026-11-21T09:15:00Z", "scans": scans, "stores": [], "handed_over": [],
-            "captures": [], "orders": [], "exports": [], "journals": [], "history": [],
+            "captures": [], "orders": [], "exports": [], "journals": [], "history": [], "on_servers": [],
         });
         let person: Person = serde_json::from_value(person).unwrap();
         let told = of(&person, Language::En);

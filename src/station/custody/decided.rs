@@ -1,6 +1,7 @@
 //! Decisions and the journal. Each decision is stored before the journal changes. If the journal does
 //! not know it, after a crash in between or after a rebuild, it is carried out later.
 
+use std::collections::BTreeSet;
 use std::io::ErrorKind;
 use std::sync::PoisonError;
 
@@ -17,6 +18,8 @@ use crate::store::{FoundRecord, StoredScan};
 /// The operators' decisions about a scan.
 struct Known {
     ruling: Ruling,
+    /// The ids of those who have the scan no more.
+    former: BTreeSet<String>,
     /// The number of decisions.
     number: usize,
 }
@@ -89,6 +92,7 @@ impl Custody {
         let patients = known.patients();
         let stores = self.stores_for(patients.first());
         self.journal.carried_out(scan, &known.ruling, &patients, &stores, known.number)?;
+        self.leave_at_servers(scan, &known.former)?;
         Ok(Some(true))
     }
 
@@ -101,7 +105,10 @@ impl Custody {
             }
             decisions => io("reading decisions", decisions)?,
         };
-        Ok(Some(Known { ruling: Ruling::of(&decisions), number: decisions.len() }))
+        let (ruling, number) = (Ruling::of(&decisions), decisions.len());
+        let named = decisions.into_iter().filter_map(|decision| decision.patient);
+        let former = named.filter(|id| !ruling.allows(Some(id.as_str()))).collect();
+        Ok(Some(Known { ruling, former, number }))
     }
 
     /// Reports whether a decision forbids a record that a store holds.
@@ -118,6 +125,10 @@ impl Custody {
         let known = self.state_known(&record.scan)?.unwrap_or(Known::NOTHING);
         let number = (known.number > 0).then_some(known.number);
         self.journal.found(&found, known.ruling.patients(), number)?;
+        if let Some(patient) = patient.as_ref().filter(|_| !self.servers.is_empty()) {
+            self.journal.may_be_at_servers(&record.scan, patient, true)?;
+        }
+        self.leave_at_servers(&record.scan, &known.former)?;
         self.give_up_served(&record.scan)
     }
 
@@ -139,7 +150,24 @@ impl Custody {
         let number = has_bytes.then_some(known.number);
         let takers = self.stores_for(patients.first());
         self.journal.found_against(&found, &patients, &takers, number)?;
+        let former = known.former.iter().chain(&record.patient).cloned().collect();
+        self.leave_at_servers(&record.scan, &former)?;
         warn!(event = "record-against-decision", scan = record.scan.short(), store, has_bytes);
+        Ok(())
+    }
+
+    /// Has the record of a scan withdrawn from the servers that may have it for these former patients.
+    fn leave_at_servers(
+        &self,
+        scan: &ScanId,
+        former: &BTreeSet<String>,
+    ) -> Result<(), CustodyFault> {
+        if self.servers.is_empty() {
+            return Ok(());
+        }
+        for id in former {
+            self.journal.may_be_at_servers(scan, &by_operator(id), false)?;
+        }
         Ok(())
     }
 
@@ -164,7 +192,7 @@ impl Custody {
 }
 
 impl Known {
-    const NOTHING: Known = Known { ruling: Ruling::OPEN, number: 0 };
+    const NOTHING: Known = Known { ruling: Ruling::OPEN, former: BTreeSet::new(), number: 0 };
 }
 
 /// The journal row of a record found in a store, its patient, and its folder.

@@ -33,7 +33,9 @@ impl Custody {
         let whose = self.erasures.hash(patient);
         let at = Timestamp::now();
         self.journal.note_of_person(Event::Erasing, &json!({ "person": whose, "by": by }))?;
-        let stores = self.stores.iter().map(|store| (*store).to_owned()).collect();
+        // From a server nothing is removed.
+        let stores = self.stores.iter().filter(|store| !self.servers.contains(store));
+        let stores = stores.map(|store| (*store).to_owned()).collect();
         let earlier = self.erasures.of(&whose);
         let erasure = Erasure::asked(earlier, patient, (at, by.to_owned()), stores);
         io("noting an erasure", self.erasures.keep(&whose, &erasure))

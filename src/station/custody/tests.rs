@@ -25,6 +25,15 @@ pub(super) fn open(dir: &Path) -> Custody {
     Custody::new(journal, bytes, decided, vec!["folder"], Duration::ZERO)
 }
 
+/// The same, with a hospital's server as a second store.
+pub(super) fn open_with_server(dir: &Path) -> Custody {
+    let journal = Journal::open(&dir.join("journal.db")).unwrap();
+    let bytes = (Spool::open(dir).unwrap(), Quarantine::open(dir).unwrap());
+    let stores = vec!["folder", "fhir"];
+    let custody = Custody::new(journal, bytes, decided(dir), stores, Duration::ZERO);
+    custody.with_named_only(vec!["fhir"]).with_servers(vec!["fhir"]).unwrap()
+}
+
 fn decided(dir: &Path) -> (Decisions, Erasures, AffectedLegs) {
     let (decisions, erasures) = (Decisions::open(dir).unwrap(), Erasures::open(dir).unwrap());
     (decisions, erasures, AffectedLegs::open(dir).unwrap())
@@ -438,6 +447,54 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
     let due = custody.journal.pending().unwrap();
     custody.refuse_delivery(&due[0], occupied.clone()).unwrap();
     assert!(custody.quarantine.holds(&scan), "the last of them refuses the scan");
+}
+
+#[test]
+fn what_a_server_refuses_is_told_once_the_folder_has_it_and_can_be_given_to_another() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open_with_server(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, says("4711"));
+    let pending = custody.journal.pending().unwrap();
+    let (folder, server): (Vec<Due>, Vec<Due>) =
+        pending.into_iter().partition(|due| due.store == "folder");
+    // A server is slower than a folder.
+    custody.delivered(&folder[0], Path::new("/r/4711/x")).unwrap();
+    let unknown = "the server knows no patient of this id".to_owned();
+    let seen = "2026-11-21T09:15:00Z".parse().unwrap();
+    let why = Reason::new("patient-not-registered", unknown, Stage::Store, seen);
+    custody.refuse_delivery(&server[0], why.clone()).unwrap();
+    let whole = custody.journal.whole(&scan).unwrap().unwrap();
+    assert_eq!(whole.disposition(), Disposition::Refused);
+    assert_eq!(whole.summary.code, Some(why.code));
+    assert!(custody.quarantine.holds_bytes(&scan));
+    // The id was wrong.
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    assert_eq!(custody.unassign(&row, "4711", None).unwrap(), Acted::Done(1));
+    assert_eq!(custody.assign(&row, &patient("0815"), None).unwrap(), Acted::Done(2));
+    assert_eq!(custody.retry(&scan).unwrap(), Acted::Done(2));
+    for due in custody.journal.pending().unwrap() {
+        match due.task {
+            Task::Deliver => custody.delivered(&due, Path::new("/r/0815/x")).unwrap(),
+            _ => custody.journal.withdrawn(&due).unwrap(),
+        }
+    }
+    for due in custody.journal.pending().unwrap() {
+        assert_eq!(due.task, Task::Withdraw);
+        custody.journal.withdrawn(&due).unwrap();
+    }
+    let whole = custody.journal.whole(&scan).unwrap().unwrap();
+    assert_eq!(whole.disposition(), Disposition::Delivered);
+    assert_eq!(whole.owners().into_iter().collect::<Vec<_>>(), ["0815"]);
+}
+
+#[test]
+fn an_erasure_waits_for_no_server() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open_with_server(dir.path());
+    custody.ask_for_erasure("4711", "uid 0").unwrap();
+    let awaited: Vec<String> = custody.erasures().awaited_stores().into_iter().collect();
+    assert_eq!(awaited, ["folder"]);
 }
 
 #[test]

@@ -50,13 +50,15 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), Setback> {
             scan_file: &folder.join(&stored.scan_file),
             ending: &row.format,
         })
-        .map_err(|fault| match fault {
+        .map_err(|fault| match (fault.code(), fault) {
             // The scan's record is where it belongs: a store that refuses a later revision refuses no scan.
-            StoreFault::Permanent(misfit) => put_off(misfit.to_string()),
-            fault => work::of_store(fault, &row),
+            (code, StoreFault::Permanent(misfit)) => {
+                Setback::PutOff { code, error: misfit.to_string() }
+            }
+            (_, fault) => work::of_store(fault, &row),
         })?;
     store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
-    journal.handed_over(due, Some(stored.record.revision))?;
+    journal.handed_over(due, Some((stored.record.revision, receipt.folder.as_path())))?;
     let (scan, store) = (short(&due.scan), &due.store);
     let already_there = receipt.already_there;
     info!(event = "amendment-handed-over", scan, store, already_there);

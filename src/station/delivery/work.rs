@@ -4,7 +4,6 @@
 use std::time::{Duration, Instant};
 
 use gaiter_flow::Facts;
-use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::{Alarm, StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
@@ -145,10 +144,16 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         let journal = core.custody.journal();
         let store = core.stores.named(&due.store).ok_or_else(|| no_store(due))?;
         let from = due.patient.as_ref().map(|patient| patient.id.as_str());
-        let keeper = journal.keeper(&due.scan, &due.store)?;
-        let Some(keeper) = keeper.filter(|keeper| keeper.as_deref() != from) else {
-            let error = "nobody else has the record yet".to_owned();
-            return Err(Setback::PutOff { code: "withdrawal-early", error });
+        let keeper = match store.is_server() {
+            true => None,
+            false => {
+                let keeper = journal.keeper(&due.scan, &due.store)?;
+                let early = || {
+                    let error = "nobody else has the record yet".to_owned();
+                    Setback::PutOff { code: "withdrawal-early", error }
+                };
+                keeper.filter(|keeper| keeper.as_deref() != from).ok_or_else(early)?
+            }
         };
         let scan = short(&due.scan);
         match store.withdraw(&due.scan, from, keeper.as_deref()) {
@@ -233,15 +238,14 @@ fn note_kept(facts: &mut Facts) {
 pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
     let code = fault.code();
     match fault {
-        StoreFault::Transient { what, source, .. } => {
-            let why = Cause::of_system(&source).after(format_args!("{code}: {what} failed"));
-            let refusal = StoreRefusal::Fault(why);
-            Setback::StoreFailed { code, refusal }
-        }
         StoreFault::NotFetched => Setback::StoreFailed { code, refusal: StoreRefusal::NotFetched },
         StoreFault::Permanent(misfit) => {
             let message = misfit.to_string();
             Setback::Refused(Reason::new(code, message, Stage::Store, row.first_seen))
+        }
+        passing => {
+            let refusal = StoreRefusal::Fault(passing.cause().after(code));
+            Setback::StoreFailed { code, refusal }
         }
     }
 }

@@ -117,6 +117,7 @@ impl Journal {
         let head = HeadFile::open(path).map_err(JournalError::Head)?;
         schema::establish(&mut connection, is_anew)?;
         disposition::note_changes(&connection)?;
+        withdrawal::note_servers(&connection)?;
         integrity::check::rows(&connection)?;
         if erasure::is_old_head(&connection)? {
             // An erasure was cut off before it could write the head.

@@ -5,14 +5,16 @@
 //! A delivery becomes unwanted by its code, while its state says what the store may hold: `delivered`
 //! with [`UNASSIGNED`] was made; `delivered` with [`SUPERSEDED`] may be running, or may have been made
 //! by a run that ended before it could record that. Both are withdrawn as soon as the store holds a
-//! record that is wanted. Withdrawing a record that is not there does nothing.
+//! record that is wanted, so that a folder always has one of the scan; at a server at once, because others
+//! treat the wrong patient by it. Withdrawing a record that is not there does nothing.
 
 use std::path::Path;
 
 use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
+use gaiter_record::Patient;
 use jiff::Timestamp;
-use rusqlite::{OptionalExtension, Transaction, params};
+use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{delivery_state, detail, set_code, step};
@@ -26,8 +28,17 @@ pub const KEPT: &str = "record-kept";
 /// SQL: [`UNASSIGNED`], [`SUPERSEDED`] and [`HANDED_OVER`], the codes of unwanted deliveries.
 pub(super) const UNWANTED: &str = "('unassigned', 'superseded', 'result-handed-over')";
 
+/// The names of the stores that are servers, for this connection alone; nothing of it is in the file.
+const SERVERS: &str = "CREATE TEMP TABLE servers (name TEXT)";
+
+/// From now on this connection can be told which stores are servers, see [`Journal::with_servers`].
+pub(super) fn note_servers(connection: &Connection) -> Result<(), JournalError> {
+    Ok(connection.execute_batch(SERVERS)?)
+}
+
 /// Marks what is to be withdrawn now from every store that has a scan: each unwanted record, and the
-/// unassigned one if a patient has the record, once the store holds another record that is wanted.
+/// unassigned one if a patient has the record, once the store holds another record that is wanted; each
+/// unwanted one of a server.
 pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     let withdrawing = DeliveryState::Delivered.after(DeliveryStep::Withdraw)?;
     transaction.execute(
@@ -36,12 +47,13 @@ pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), 
                     changed_at = ?3
              WHERE sha256 = ?1 AND state = 'delivered'
                    AND (code IN (?4, ?5) OR patient = '' AND code IS NULL)
-                   AND EXISTS (SELECT 1 FROM deliveries AS keeper
-                               WHERE keeper.sha256 = deliveries.sha256
-                                     AND keeper.store = deliveries.store
-                                     AND keeper.patient <> deliveries.patient
-                                     AND keeper.state = 'delivered'
-                                     AND coalesce(keeper.code, '') NOT IN {UNWANTED})"
+                   AND (store IN (SELECT name FROM servers)
+                        OR EXISTS (SELECT 1 FROM deliveries AS keeper
+                                   WHERE keeper.sha256 = deliveries.sha256
+                                         AND keeper.store = deliveries.store
+                                         AND keeper.patient <> deliveries.patient
+                                         AND keeper.state = 'delivered'
+                                         AND coalesce(keeper.code, '') NOT IN {UNWANTED}))"
         ),
         params![
             scan.as_str(),
@@ -55,10 +67,7 @@ pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), 
 }
 
 /// Reports whether a delivery is still to be made as it was begun.
-pub(super) fn is_to_be_made(
-    transaction: &rusqlite::Connection,
-    due: &Due,
-) -> Result<bool, JournalError> {
+pub(super) fn is_to_be_made(transaction: &Connection, due: &Due) -> Result<bool, JournalError> {
     Ok(delivery_state(transaction, due)? == Some(DeliveryState::Pending))
 }
 
@@ -122,6 +131,35 @@ pub(super) fn made_in_vain(
 }
 
 impl Journal {
+    /// The same, with the names of the stores that are servers.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn with_servers(self, servers: &[&str]) -> Result<Journal, JournalError> {
+        for name in servers {
+            self.connection().execute("INSERT INTO servers (name) VALUES (?1)", [name])?;
+        }
+        Ok(self)
+    }
+
+    /// Enters that each server may have the record of a scan for a patient, where the journal does not know:
+    /// after its loss, because servers are not searched. Nothing is sent for that; but a later revision is, and
+    /// a record that is not wanted there is withdrawn.
+    pub fn may_be_at_servers(
+        &self,
+        scan: &ScanId,
+        patient: &Patient,
+        is_wanted: bool,
+    ) -> Result<(), JournalError> {
+        let (delivered, code) = (DeliveryState::Delivered, (!is_wanted).then_some(UNASSIGNED));
+        self.change(|transaction| {
+            for server in servers_without(transaction, scan, &patient.id)? {
+                insert_delivery(transaction, scan, Some(patient), &server, delivered, code)?;
+            }
+            apply(transaction, scan)
+        })
+    }
+
     /// Applies the rule to every scan that may have an unwanted record in a store: at a start no
     /// delivery is running. An older version may have left such records.
     pub fn take_back_unwanted(&self) -> Result<(), JournalError> {
@@ -197,6 +235,21 @@ impl Journal {
         let cells = [DeliveryState::Withdrawing.word(), KEPT];
         Ok(query.query_row(cells, |row| row.get(0))?)
     }
+}
+
+/// The servers for which the journal has no delivery of a scan to a patient.
+fn servers_without(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    patient: &str,
+) -> Result<Vec<String>, JournalError> {
+    let mut query = transaction.prepare_cached(
+        "SELECT name FROM servers
+         WHERE NOT EXISTS (SELECT 1 FROM deliveries
+                           WHERE sha256 = ?1 AND patient = ?2 AND store = name)",
+    )?;
+    let rows = query.query_map([scan.as_str(), patient], |row| row.get(0))?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
 #[cfg(test)]

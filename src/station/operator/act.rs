@@ -19,7 +19,7 @@ use crate::station::custody::{Acted, CustodyFault};
 use crate::station::event::short;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::runtime::causes::chain;
-use crate::store::{StoreFault, StoredScan};
+use crate::store::{RecordStore, StoreFault, StoredScan};
 pub use amend::{Measured, Setting};
 pub use fault::ActFault;
 
@@ -208,11 +208,7 @@ fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, Act
             info!(event = "scan-unassigned", scan);
             let key = if stays { "act.taken_back" } else { "act.unassigned" };
             let said = of_scan(core, key, &scan);
-            let of_practice = core.stores.iter().any(|store| !store.gives_back());
-            Ok(match of_practice {
-                true => core.config.language.filled("act.of_practice", &[("said", &said)]),
-                false => said,
-            })
+            Ok(elsewhere(core, said))
         }
         Acted::Nothing | Acted::Several | Acted::HasPatient => {
             let why = "act.why.just_changed";
@@ -220,6 +216,14 @@ fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, Act
         }
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
     }
+}
+
+/// What was said of a scan that was taken back, with what comes of it outside the folders.
+fn elsewhere(core: &Core, said: String) -> String {
+    let filled = |key, said: String| core.config.language.filled(key, &[("said", &said)]);
+    let is_any = |holds: fn(&dyn RecordStore) -> bool| core.stores.iter().any(holds);
+    let said = if is_any(|of| of.is_server()) { filled("act.of_servers", said) } else { said };
+    if is_any(|of| !of.gives_back()) { filled("act.of_practice", said) } else { said }
 }
 
 fn name_affected(core: &Core, id: &str, affected: Option<Affected>) -> Result<String, ActFault> {

@@ -12,6 +12,7 @@ use tracing::{info, warn};
 use crate::station::core::Core;
 use crate::station::custody::{Custody, CustodyFault};
 use crate::station::runtime::causes::chain;
+use crate::station::stores::Stores;
 use crate::store::{RecordStore, StoreFault};
 
 /// Alarm: an erasure waits, for a store or for the disk.
@@ -30,15 +31,35 @@ pub(in crate::station) enum ClearFault {
 
 /// Clears the station's own folder of persons whose erasure was asked for. No worker may run. What fails is
 /// tried again at the next start, and does not keep the station from starting.
-pub(in crate::station) fn clear_own(custody: &Custody, state_dir: &Path) {
+pub(in crate::station) fn clear_own(custody: &Custody, stores: &Stores, state_dir: &Path) {
     for (whose, erasure) in custody.erasures().pending() {
         let Next::Own { patient } = erasure.next() else { continue };
         let patient = patient.to_owned();
-        match custody.clear_own(&whose, erasure, &patient, state_dir) {
-            Ok(()) => info!(event = "person-erased-here", person = whose),
-            Err(fault) => warn!(event = "erasure-failed", person = whose, error = chain(&fault)),
-        }
+        let cleared = forget_given(custody, stores, &patient)
+            .and_then(|()| Ok(custody.clear_own(&whose, erasure, &patient, state_dir)?));
+        let error = match cleared {
+            Ok(()) => {
+                info!(event = "person-erased-here", person = whose);
+                continue;
+            }
+            Err(ClearFault::Store(fault)) => fault.cause().to_string(),
+            Err(ClearFault::Custody(fault)) => chain(&fault),
+        };
+        warn!(event = "erasure-failed", person = whose, error);
     }
+}
+
+/// Removes what the station notes of records that servers were given of a person, while the journal still knows
+/// the scans. From the servers themselves nothing is removed.
+fn forget_given(custody: &Custody, stores: &Stores, patient: &str) -> Result<(), ClearFault> {
+    let scans = custody.journal().scans_of_person(patient).map_err(CustodyFault::from)?;
+    let scans: Vec<ScanId> = scans.into_iter().map(|theirs| theirs.scan).collect();
+    let (now, mut stores) = (Timestamp::now(), stores.iter());
+    let erased = stores.try_for_each(|store| match store.is_server() {
+        true => store.erase(patient, now, &scans),
+        false => Ok(()),
+    });
+    erased.map_err(ClearFault::Store)
 }
 
 /// Notes on the board that an erasure waits, or that none does.

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::patient::naming::RecordName;
 use gaiter_flow::patient::person::{
-    HandedOver, KnownVisits, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore,
-    WhoseScan,
+    HandedOver, KnownVisits, OnServer, Person, PersonAmendment, PersonDelivery, PersonRecord,
+    PersonScan, PersonStore, WhoseScan,
 };
-use gaiter_flow::{Identity, NameSays, ScanId};
+use gaiter_flow::{DeliveryState, Identity, NameSays, ScanId};
 use gaiter_record::RECORD;
 use jiff::Timestamp;
 
@@ -52,6 +52,8 @@ pub(in crate::station) fn person(
             kept: kept(custody, state_dir, scan),
         });
     }
+    let servers = stores.iter().filter(|store| store.is_server());
+    let on_servers = servers.flat_map(|store| on_server(store, &scans)).collect();
     let mut exports = Vec::new();
     for Theirs { scan, .. } in &theirs {
         let paths = journal.paths_of(scan)?.into_iter();
@@ -71,6 +73,7 @@ pub(in crate::station) fn person(
         scans,
         stores: stores.iter().filter_map(|store| in_folders(store, patient)).collect(),
         handed_over: stores.iter().flat_map(|store| given(store, patient)).collect(),
+        on_servers,
         captures: journal.captures_of_person(patient)?,
         affected: custody.affected_of(patient)?,
         orders: orders_naming(state_dir, patient).map_err(state("reading refused orders"))?,
@@ -188,4 +191,22 @@ fn given(store: &dyn RecordStore, patient: &str) -> Vec<HandedOver> {
         attachments: of.attachments,
     });
     handed_over.collect()
+}
+
+/// What a server was given, or may have been. The journal knows it by its receipts.
+fn on_server(store: &dyn RecordStore, scans: &[PersonScan]) -> Vec<OnServer> {
+    let was_given =
+        |of: &PersonDelivery| of.folder.is_some() || of.state == DeliveryState::Delivered.word();
+    let all = scans.iter().flat_map(|scan| scan.deliveries.iter().map(move |of| (scan, of)));
+    let given = all.filter(|&(_, of)| of.store == store.name() && was_given(of));
+    let row = |(scan, of): (&PersonScan, &PersonDelivery)| OnServer {
+        sha256: scan.sha256.clone(),
+        store: of.store.clone(),
+        place: store.place(),
+        reference: of.folder.clone(),
+        at: of.at,
+        is_withdrawn: of.state == DeliveryState::Withdrawn.word(),
+        unfetched: of.folder.as_deref().and_then(|reference| store.unfetched(reference)),
+    };
+    given.map(row).collect()
 }

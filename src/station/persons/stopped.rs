@@ -107,7 +107,7 @@ impl Stopped {
     pub fn erase(&self, patient: &str, by: &str) -> Result<Option<Erasure>, StoppedFault> {
         let state_dir = &self.config.station.state_dir;
         self.custody.ask_for_erasure(patient, by)?;
-        erase::clear_own(&self.custody, state_dir);
+        erase::clear_own(&self.custody, &self.stores, state_dir);
         for store in self.stores.iter() {
             match erase::clear_store(&self.custody, store) {
                 // The next start renews the head if it cannot be done now.

@@ -214,3 +214,14 @@ fn a_result_that_nobody_fetched_is_a_notice_of_a_station_that_is_ready() {
     assert_eq!(notice.subject.as_deref(), Some("gdt"));
     assert_said(notice);
 }
+
+#[test]
+fn a_store_that_is_a_server_has_words_of_its_own() {
+    let remedy = |store: &str, language| {
+        Complaint::new("store-fault", Figures::default()).about(store).remedy(language)
+    };
+    for language in [Language::En, Language::De] {
+        assert_ne!(remedy("fhir", language), remedy("folder", language));
+        assert_eq!(remedy("hl7", language), remedy("fhir", language));
+    }
+}

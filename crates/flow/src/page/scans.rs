@@ -41,7 +41,8 @@ pub struct ScanShown {
     pub candidates: Vec<PatientShown>,
     /// For a record that can be taken back, the patient who has it.
     pub owner: Option<PatientShown>,
-    /// For a refused scan, the one patient to whom it belongs, who can be named to be scanned again.
+    /// For a refused scan that no store has, the one patient to whom it belongs, who can be named to be scanned
+    /// again.
     pub again: Option<PatientShown>,
     /// What a person must do.
     pub task: Task,
@@ -115,7 +116,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         patients: patients(whole),
         candidates: candidates(is, &acts, whole),
         owner: only(is == Disposition::Delivered, whole),
-        again: only(is == Disposition::Refused, whole),
+        again: only(is == Disposition::Refused && !whole.has_record(), whole),
         task: whole.task(),
         acts,
         incomplete: whole.summary.incomplete,
@@ -141,7 +142,15 @@ fn acts(is: Disposition, code: Option<&str>, whole: &Whole) -> Vec<&'static str>
         || whole.candidates.len() > 1;
     let is_for_one = whole.owners().len() == 1;
     let was_tried = whole.deliveries.iter().any(|delivery| delivery.attempts > 0);
+    let was_taken_back = whole.deliveries.iter().any(Delivered::is_to_go);
     match is {
+        // It was measured, and another store refused it: the id may be wrong.
+        Disposition::Refused if whole.has_record() && is_for_one => {
+            vec!["retry", "unassign", "give_up"]
+        }
+        Disposition::Refused if was_taken_back && whole.owners().is_empty() => {
+            vec!["assign", "retry", "give_up"]
+        }
         Disposition::Refused => vec!["retry", "give_up"],
         // Its bytes are gone; they come back with another export of the scan.
         Disposition::Closed if whole.summary.closed == Some(Closed::LetGo) => Vec::new(),

@@ -314,6 +314,26 @@ fn what_a_person_can_decide_follows_from_what_became_of_the_scan() {
             "delivered",
             vec!["unassign"],
         ),
+        (
+            "refused",
+            Some("patient-not-registered"),
+            vec![
+                delivery(Some("1"), "delivered", None),
+                delivery(Some("1"), "refused", Some("patient-not-registered")),
+            ],
+            "refused",
+            vec!["retry", "unassign", "give_up"],
+        ),
+        (
+            "refused",
+            Some("patient-not-registered"),
+            vec![
+                delivery(None, "refused", None),
+                delivery(Some("1"), "delivered", Some("unassigned")),
+            ],
+            "refused",
+            vec!["assign", "retry", "give_up"],
+        ),
         ("spooled", None, vec![delivery(Some("1"), "pending", None)], "spooled", vec![]),
     ] {
         let shown = scan(state, code, deliveries);

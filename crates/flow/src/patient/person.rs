@@ -27,6 +27,8 @@ pub struct Person {
     pub stores: Vec<PersonStore>,
     /// What was given to practice software.
     pub handed_over: Vec<HandedOver>,
+    /// What servers of a hospital were given.
+    pub on_servers: Vec<OnServer>,
     /// The waits for a scan of theirs.
     pub captures: Vec<PersonCapture>,
     /// Their affected leg, as a person named it; `None` if nobody did.
@@ -101,7 +103,7 @@ pub struct PersonDelivery {
     pub state: String,
     /// Since when it is in this state.
     pub at: Option<Timestamp>,
-    /// The record's folder.
+    /// The record's folder, or by what a server has the record.
     pub folder: Option<String>,
     /// Who named the patient.
     pub sources: Vec<SourceKind>,
@@ -168,6 +170,26 @@ pub struct HandedOver {
     pub attachments: Vec<PathBuf>,
 }
 
+/// A record that a server of a hospital was given.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OnServer {
+    /// The scan, 64 hexadecimal digits.
+    pub sha256: String,
+    /// The store.
+    pub store: String,
+    /// The server, as configured.
+    pub place: String,
+    /// By what it is found there: a report's address, or a message's control id; `None` if only a journal that
+    /// was lost knew it. The server may then have nothing.
+    pub reference: Option<String>,
+    /// Since when.
+    pub at: Option<Timestamp>,
+    /// It was taken back: the server may keep it, marked as wrong.
+    pub is_withdrawn: bool,
+    /// The message's file, while the receiver has not fetched it.
+    pub unfetched: Option<PathBuf>,
+}
+
 /// A wait for a scan of a person: a press, or a name without a button.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PersonCapture {
@@ -196,6 +218,7 @@ impl Person {
         self.scans.is_empty()
             && self.history.is_empty()
             && self.handed_over.is_empty()
+            && self.on_servers.is_empty()
             && self.captures.is_empty()
             && self.affected.is_none()
             && self.orders.is_empty()

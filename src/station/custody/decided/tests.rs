@@ -5,7 +5,9 @@ use std::path::Path;
 
 use gaiter_flow::{DeliveryState, Whose};
 
-use super::super::tests::{BYTES, admit, found_record, open, patient, reason, says, stored};
+use super::super::tests::{
+    BYTES, admit, found_record, open, open_with_server, patient, reason, says, stored,
+};
 use super::super::{Acted, Verdict};
 use super::*;
 use crate::station::journal::{Due, Task};
@@ -13,6 +15,10 @@ use crate::store::sums;
 
 /// Custody whose journal was lost, at its next start.
 fn rebuilt(custody: Custody, dir: &Path) -> Custody {
+    rebuilt_by(open, custody, dir)
+}
+
+fn rebuilt_by(open: fn(&Path) -> Custody, custody: Custody, dir: &Path) -> Custody {
     drop(custody);
     for file in ["journal.db", "journal.db-wal", "journal.db-shm", "history.head"] {
         let _ = fs::remove_file(dir.join(file));
@@ -316,4 +322,29 @@ fn a_scan_of_two_patients_is_taken_back_from_one_and_stays_with_the_other() {
         }
         assert_eq!(custody.journal.owners(&row.scan).unwrap(), ["0815"]);
     }
+}
+
+#[test]
+fn after_the_loss_of_the_journal_nothing_is_sent_again_and_what_a_server_has_is_still_taken_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open_with_server(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, says("4711"));
+    deliver(&custody);
+    assert!(!custody.spool.holds(&scan));
+    let custody = rebuilt_by(open_with_server, custody, dir.path());
+    custody.found(&found_record(), "folder").unwrap();
+    assert!(to_do(&custody).is_empty());
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    custody.unassign(&row, "4711", Some(stored())).unwrap();
+    let expected = [(String::new(), Task::Deliver), ("4711".to_owned(), Task::Withdraw)];
+    let sorted = |custody: &Custody| {
+        let mut all = to_do(custody);
+        all.sort();
+        all
+    };
+    assert_eq!(sorted(&custody), expected);
+    // Lost again before the server had answered.
+    let custody = rebuilt_by(open_with_server, custody, dir.path());
+    assert_eq!(sorted(&custody), expected);
 }

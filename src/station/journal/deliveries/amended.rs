@@ -4,6 +4,8 @@
 //! `amended` of a delivery is [`BEGUN`] before the revision is written and [`DUE`] afterwards. A crash in
 //! between leaves [`BEGUN`], and the next start makes it [`DUE`]: handing over a revision twice does nothing.
 
+use std::path::Path;
+
 use gaiter_flow::{DeliveryState, ScanId};
 use rusqlite::{OptionalExtension, params};
 use serde_json::json;
@@ -107,8 +109,8 @@ impl Journal {
         Ok(())
     }
 
-    /// Notes that a store has the latest revision; `None` if there is none to hand over.
-    pub fn handed_over(&self, due: &Due, revision: Option<u32>) -> Result<(), JournalError> {
+    /// Notes that a store has the latest revision, and its receipt; `None` if there is none to hand over.
+    pub fn handed_over(&self, due: &Due, given: Option<(u32, &Path)>) -> Result<(), JournalError> {
         self.change(|transaction| {
             // A revision that was begun meanwhile stays noted.
             transaction.execute(
@@ -116,7 +118,13 @@ impl Journal {
                  WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND amended = ?4",
                 [due.scan.as_str(), due.patient_cell(), &due.store, DUE],
             )?;
-            let Some(revision) = revision else { return Ok(()) };
+            let Some((revision, place)) = given else { return Ok(()) };
+            transaction.execute(
+                "UPDATE deliveries SET folder = ?4
+                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3
+                       AND store IN (SELECT name FROM servers)",
+                [due.scan.as_str(), due.patient_cell(), &due.store, &place.to_string_lossy()],
+            )?;
             let mut detail = detail(due);
             detail["revision"] = revision.into();
             history::append(transaction, Some(&due.scan), Event::Delivered, &detail)

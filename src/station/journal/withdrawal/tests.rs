@@ -13,7 +13,23 @@ use proptest::prelude::*;
 use super::*;
 use crate::station::journal::{Entry, ScanRow, Task};
 
-const STORES: [&str; 2] = ["copy", "folder"];
+const STORES: [&str; 3] = ["copy", "folder", "fhir"];
+
+/// Those of them that are servers.
+const SERVERS: [&str; 1] = ["fhir"];
+
+fn is_server(store: &str) -> bool {
+    SERVERS.contains(&store)
+}
+
+/// The stores that take the record of a scan of this patient: a server takes none without one.
+fn takers(id: &str) -> Vec<&'static str> {
+    STORES.into_iter().filter(|store| !id.is_empty() || !is_server(store)).collect()
+}
+
+fn open(dir: &Path) -> Journal {
+    Journal::open(&dir.join("journal.db")).unwrap().with_servers(&SERVERS).unwrap()
+}
 
 /// What may happen next.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +66,7 @@ enum Stage {
     Done,
 }
 
-/// A station with one scan and two stores that hold records by their patients' ids.
+/// A station with one scan, two folders and a server that hold records by their patients' ids.
 struct World {
     dir: tempfile::TempDir,
     journal: Journal,
@@ -85,7 +101,7 @@ fn store_of(due: &Due) -> &'static str {
 impl World {
     fn new(first: Option<&str>, looks_before: bool) -> World {
         let dir = tempfile::tempdir().unwrap();
-        let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
+        let journal = open(dir.path());
         let row = ScanRow {
             scan: scan(),
             format: "obj".to_owned(),
@@ -105,7 +121,7 @@ impl World {
             geometry: "",
             candidates: &[],
         };
-        journal.enter(&entry, &STORES).unwrap();
+        journal.enter(&entry, &takers(first.unwrap_or_default())).unwrap();
         World {
             dir,
             journal,
@@ -135,7 +151,7 @@ impl World {
     fn assign(&mut self, id: &str) {
         if self.journal.owners(&scan()).unwrap().is_empty() {
             self.number += 1;
-            self.journal.assigned(&scan(), &patient(id), &STORES, self.number).unwrap();
+            self.journal.assigned(&scan(), &patient(id), &takers(id), self.number).unwrap();
             self.decided = id.to_owned();
         }
     }
@@ -143,7 +159,7 @@ impl World {
     fn unassign(&mut self) {
         if self.journal.owners(&scan()).unwrap().len() == 1 {
             self.number += 1;
-            self.journal.unassigned(&scan(), &[], &STORES, self.number).unwrap();
+            self.journal.unassigned(&scan(), &[], &takers(""), self.number).unwrap();
             self.decided.clear();
         }
     }
@@ -201,10 +217,11 @@ impl World {
         }
     }
 
-    /// A record goes only where the keeper's is there, as in the folder store.
+    /// A record goes only where the keeper's is there, as in the folder store; from a server at once.
     fn withdraw(&mut self, due: &Due, stage: &Stage, ok: bool) -> Result<Stage, Ended> {
         let from = due.patient_cell();
         match stage {
+            Stage::Begun if is_server(&due.store) => Ok(Stage::Ready(String::new())),
             Stage::Begun => {
                 let keeper = self.journal.keeper(&due.scan, &due.store).unwrap();
                 let keeper = keeper.map(Option::unwrap_or_default);
@@ -213,7 +230,7 @@ impl World {
             Stage::Ready(_) if !ok => Err(Ended::StoreFailed),
             Stage::Ready(keeper) => {
                 let records = self.stores.get_mut(store_of(due)).unwrap();
-                if records.contains(from) && !records.contains(keeper) {
+                if records.contains(from) && !records.contains(keeper) && !is_server(&due.store) {
                     return Err(Ended::Kept);
                 }
                 records.remove(from);
@@ -229,7 +246,7 @@ impl World {
     fn crash(&mut self) {
         self.hand.clear();
         self.outbox = Outbox::default();
-        self.journal = Journal::open(&self.dir.path().join("journal.db")).unwrap();
+        self.journal = open(self.dir.path());
         self.journal.take_back_unwanted().unwrap();
     }
 
@@ -260,8 +277,10 @@ fn rests_where_it_was_decided_last(
     }
     world.comes_to_rest();
     prop_assert_eq!(world.journal.misjudged(), []);
-    let decided = BTreeSet::from([world.decided.clone()]);
+    let takers = takers(&world.decided);
     for (store, records) in &world.stores {
+        let takes = takers.contains(store);
+        let decided = BTreeSet::from_iter(takes.then(|| world.decided.clone()));
         prop_assert_eq!(records, &decided, "in {}", store);
     }
     prop_assert_eq!(world.journal.tally().unwrap().withdrawing, 0);
@@ -284,14 +303,47 @@ proptest! {
 #[test]
 fn what_is_taken_back_and_assigned_again_while_it_is_put_for_nobody_is_not_left_there() {
     use Happening::{Assign, Begin, GoOn, Unassign};
-    let put_both = [GoOn(0, true), GoOn(0, true)];
-    let delivered = [Begin].into_iter().chain(put_both).chain(put_both).chain(put_both);
-    let under_way = [Unassign, Begin].into_iter().chain(put_both).chain(put_both);
+    // Two folders and a server, from which the first is withdrawn meanwhile.
+    let put_all = [GoOn(0, true); 3];
+    let delivered = [Begin].into_iter().chain(put_all).chain(put_all).chain(put_all);
+    let under_way = [Unassign, Begin].into_iter().chain(put_all).chain(put_all);
     for first in [true, false] {
         let happenings: Vec<Happening> =
             delivered.clone().chain(under_way.clone()).chain([Assign(first)]).collect();
         rests_where_it_was_decided_last(Some("1"), true, &happenings).unwrap();
     }
+}
+
+#[test]
+fn what_was_taken_back_is_withdrawn_from_a_server_at_once_and_from_a_folder_once_another_has_it() {
+    let mut world = World::new(Some("1"), true);
+    world.comes_to_rest();
+    world.unassign();
+    let pending = world.journal.pending().unwrap();
+    let to_go: Vec<&str> = pending
+        .iter()
+        .filter(|due| due.task == Task::Withdraw)
+        .map(|due| due.store.as_str())
+        .collect();
+    assert_eq!(to_go, SERVERS);
+}
+
+#[test]
+fn what_a_lost_journal_knew_of_a_server_is_not_sent_again_and_can_be_taken_back() {
+    let mut world = World::new(Some("1"), true);
+    world.comes_to_rest();
+    let unknown = "DELETE FROM deliveries WHERE store = 'fhir'";
+    world.journal.connection().execute(unknown, []).unwrap();
+    world.journal.may_be_at_servers(&scan(), &patient("1"), true).unwrap();
+    assert!(world.journal.pending().unwrap().is_empty());
+    world.unassign();
+    world.comes_to_rest();
+    assert!(world.stores["fhir"].is_empty());
+    // Of what the journal knows it changes nothing.
+    world.assign("2");
+    world.comes_to_rest();
+    world.journal.may_be_at_servers(&scan(), &patient("2"), false).unwrap();
+    assert!(world.journal.pending().unwrap().is_empty());
 }
 
 #[test]

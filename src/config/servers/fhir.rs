@@ -1,0 +1,148 @@
+//! `[store.fhir]`: a FHIR R4 server.
+
+use super::{TlsKeys, address, file_name, host_and_port, line, secret, system, tls};
+use crate::config::fault::What;
+use crate::config::parse::{self, Bounds, or_none};
+use crate::config::reader::{Absent, Found, Reader};
+use crate::config::words::Words;
+use crate::store::endpoint::{Endpoint, Proxy};
+use crate::store::fhir::{FhirAccess, FhirServer, SmartAccess};
+
+/// `[store.fhir]`: a FHIR R4 server that gets every named record.
+#[derive(Debug, Clone)]
+pub struct FhirStoreConfig {
+    /// Where it is and how it is asked.
+    pub server: FhirServer,
+    /// The system of the identifiers of what is sent.
+    pub identifiers: String,
+    /// Files of the record that go along.
+    pub attach: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Open,
+    Basic,
+    Bearer,
+    Smart,
+}
+
+/// `store.fhir.access`
+const KINDS: Words<Kind> = &[
+    ("open", Kind::Open),
+    ("basic", Kind::Basic),
+    ("bearer", Kind::Bearer),
+    ("smart", Kind::Smart),
+];
+
+const TLS: TlsKeys = TlsKeys {
+    authorities: "store.fhir.authorities",
+    certificate: "store.fhir.certificate",
+    key: "store.fhir.certificate_key",
+};
+
+/// Reads the keys of `[store.fhir]`. Without an address the section is off.
+pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreConfig>> {
+    use Absent::Default;
+    let base = reader.text("store.fhir.address", Default(""), or_none(address));
+    let patients = reader.text("store.fhir.patient_system", Default(""), or_none(system));
+    let key = "store.fhir.identifier_system";
+    let identifiers = reader.text(key, Default("urn:gaiter:record"), system);
+    let attach = "report.pdf\", \"record.json\", \"left.step\", \"right.step";
+    let attach = reader.list("store.fhir.attach", Default(attach), file_name);
+    let access = access(reader);
+    let tls = tls(reader, &TLS);
+    let proxy = proxy(reader);
+    let bounds = Bounds { least: "1s", most: "50s" };
+    let limit = reader.text("store.fhir.timeout", Default("30s"), parse::duration_in(bounds));
+    let Found { value: base, at } = base?;
+    let Some(base) = base else { return Some(None) };
+    let patients = patients?.value;
+    if patients.is_none() {
+        reader.note(at, "store.fhir.address", What::Without("store.fhir.patient_system"));
+    }
+    let server = FhirServer {
+        base,
+        access: access?,
+        tls: tls?,
+        proxy: proxy?,
+        limit: limit?.value,
+        patients: patients?,
+    };
+    Some(Some(FhirStoreConfig {
+        server,
+        identifiers: identifiers?.value,
+        attach: attach.into_iter().map(|found| found.value).collect(),
+    }))
+}
+
+/// How the station shows that it may.
+fn access(reader: &mut Reader) -> Option<FhirAccess> {
+    use Absent::Default;
+    let kind = reader.text("store.fhir.access", Default("open"), parse::word(KINDS));
+    let user = reader.text("store.fhir.user", Default(""), or_none(line));
+    let secret = reader.text("store.fhir.secret", Default(""), or_none(secret));
+    let client = reader.text("store.fhir.client", Default(""), or_none(line));
+    let key_id = reader.text("store.fhir.key_id", Default(""), line);
+    let scope = "system/Patient.rs system/Device.crs system/Observation.crus \
+                 system/DiagnosticReport.crus system/DocumentReference.crus";
+    let scope = reader.text("store.fhir.scope", Default(scope), line);
+    let key = "store.fhir.token_address";
+    let token_address = reader.text(key, Default(""), or_none(address));
+    let Found { value: kind, at } = kind?;
+    let (user, secret, client) = (user?.value, secret?.value, client?.value);
+    let (key_id, scope, token_address) = (key_id?.value, scope?.value, token_address?.value);
+    // All that lacks is told at once.
+    let (has_user, has_client) = (user.is_some(), client.is_some());
+    let of_secret = ("store.fhir.secret", secret.is_some());
+    let needed = match kind {
+        Kind::Open => Vec::new(),
+        Kind::Basic => vec![("store.fhir.user", has_user), of_secret],
+        Kind::Bearer => vec![of_secret],
+        Kind::Smart => vec![("store.fhir.client", has_client), of_secret],
+    };
+    for (key, _) in needed.into_iter().filter(|(_, has)| !has) {
+        reader.note(at.clone(), "store.fhir.access", What::Without(key));
+    }
+    Some(match kind {
+        Kind::Open => FhirAccess::Open,
+        Kind::Basic => FhirAccess::Basic { user: user?, password: secret? },
+        Kind::Bearer => FhirAccess::Bearer { token: secret? },
+        Kind::Smart => FhirAccess::Smart(SmartAccess {
+            client: client?,
+            key: secret?,
+            key_id,
+            scope,
+            token_address,
+        }),
+    })
+}
+
+/// The proxy between station and server.
+fn proxy(reader: &mut Reader) -> Option<Option<Proxy>> {
+    use Absent::Default;
+    const USER: &str = "store.fhir.proxy_user";
+    const SECRET: &str = "store.fhir.proxy_secret";
+    let found = reader.text("store.fhir.proxy", Default(""), or_none(endpoint));
+    let user = reader.text(USER, Default(""), or_none(line));
+    let password = reader.text(SECRET, Default(""), or_none(secret));
+    let (user, password) = (user?, password?);
+    let user = match (user.value, password.value) {
+        (None, None) => None,
+        (Some(user), Some(password)) => Some((user, password)),
+        (None, Some(_)) => {
+            reader.note(password.at, SECRET, What::Without(USER));
+            return None;
+        }
+        (Some(_), None) => {
+            reader.note(user.at, USER, What::Without(SECRET));
+            return None;
+        }
+    };
+    Some(found?.value.map(|endpoint| Proxy { endpoint, user }))
+}
+
+/// `proxy.clinic.example:3128`
+fn endpoint(text: &str) -> Result<Endpoint, What> {
+    host_and_port(text).map(|(host, port)| Endpoint { host, port, is_encrypted: false })
+}

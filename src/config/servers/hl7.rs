@@ -1,0 +1,118 @@
+//! `[store.hl7]`: a receiver of HL7 v2.
+
+use std::path::PathBuf;
+
+use gaiter_record::hl7::{Charset, PdfForm};
+
+use super::{TlsKeys, host_and_port, line, tls};
+use crate::config::fault::What;
+use crate::config::parse::{self, Bounds, or_none};
+use crate::config::reader::{Absent, Found, Reader};
+use crate::config::words::Words;
+use crate::store::hl7::Hl7Way;
+
+/// `[store.hl7]`: a receiver of HL7 v2 that gets every named record.
+#[derive(Debug, Clone)]
+pub struct Hl7StoreConfig {
+    /// How messages get there.
+    pub way: Hl7Way,
+    /// Application and facility that send; an empty facility stands for the station's name.
+    pub sender: [String; 2],
+    /// Application and facility that receive.
+    pub receiver: [String; 2],
+    /// `P` for production, `T` for training.
+    pub processing: char,
+    /// The version.
+    pub version: String,
+    /// Who assigns the patients' ids.
+    pub authority: String,
+    /// How the PDF is sent.
+    pub pdf: PdfForm,
+    /// The character set.
+    pub charset: Charset,
+}
+
+/// `store.hl7.encryption`
+const ENCRYPTIONS: Words<bool> = &[("tls", true), ("none", false)];
+
+/// `store.hl7.processing`
+const PROCESSINGS: Words<char> = &[("production", 'P'), ("training", 'T')];
+
+/// `store.hl7.version`
+const VERSIONS: Words<&str> = &[("2.3.1", "2.3.1"), ("2.4", "2.4"), ("2.5", "2.5"), ("2.6", "2.6")];
+
+/// `store.hl7.pdf`
+const PDFS: Words<PdfForm> =
+    &[("media-type", PdfForm::MediaType), ("plain", PdfForm::Plain), ("none", PdfForm::None)];
+
+/// `store.hl7.charset`
+const CHARSETS: Words<Charset> = &[("utf-8", Charset::Utf8), ("8859-1", Charset::Latin1)];
+
+const TLS: TlsKeys = TlsKeys {
+    authorities: "store.hl7.authorities",
+    certificate: "store.hl7.certificate",
+    key: "store.hl7.certificate_key",
+};
+
+/// The folder as written, and the settings of the section; `Some(None)` if it is off.
+type Section = (Option<Found<PathBuf>>, Option<Option<Hl7StoreConfig>>);
+
+/// Reads the keys of `[store.hl7]`. Without an address and a folder the section is off.
+pub(in crate::config) fn hl7(reader: &mut Reader) -> Section {
+    use Absent::Default;
+    let address = reader.text("store.hl7.address", Default(""), or_none(host_and_port));
+    let path = reader.text("store.hl7.path", Default(""), parse::full_path_or_none);
+    let folder = path.clone().and_then(|path| Some(Found { value: path.value?, at: path.at }));
+    let way = way(reader, address, path);
+    (folder, settings(reader, way))
+}
+
+/// The one way that is configured; `Some(None)` for none.
+fn way(
+    reader: &mut Reader,
+    address: Option<Found<Option<(String, u16)>>>,
+    path: Option<Found<Option<PathBuf>>>,
+) -> Option<Option<Hl7Way>> {
+    use Absent::Default;
+    let encryption = reader.text("store.hl7.encryption", Default("tls"), parse::word(ENCRYPTIONS));
+    let tls = tls(reader, &TLS);
+    let bounds = Bounds { least: "1s", most: "50s" };
+    let limit = reader.text("store.hl7.timeout", Default("30s"), parse::duration_in(bounds));
+    let (path, encryption, tls, limit) = (path?, encryption?.value, tls?, limit?.value);
+    match (address?.value, path.value) {
+        (None, None) => Some(None),
+        (Some((host, port)), None) => {
+            Some(Some(Hl7Way::Mllp { host, port, tls: encryption.then_some(tls), limit }))
+        }
+        (None, Some(folder)) => Some(Some(Hl7Way::Files(folder))),
+        (Some(_), Some(_)) => {
+            reader.note(path.at, "store.hl7.path", What::Together("store.hl7.address"));
+            None
+        }
+    }
+}
+
+fn settings(reader: &mut Reader, way: Option<Option<Hl7Way>>) -> Option<Option<Hl7StoreConfig>> {
+    use Absent::Default;
+    let application = reader.text("store.hl7.application", Default("GAITER"), line);
+    let facility = reader.text("store.hl7.facility", Default(""), line);
+    let to_application = reader.text("store.hl7.receiving_application", Default(""), line);
+    let to_facility = reader.text("store.hl7.receiving_facility", Default(""), line);
+    let key = "store.hl7.processing";
+    let processing = reader.text(key, Default("production"), parse::word(PROCESSINGS));
+    let version = reader.text("store.hl7.version", Default("2.5"), parse::word(VERSIONS));
+    let authority = reader.text("store.hl7.authority", Default(""), line);
+    let pdf = reader.text("store.hl7.pdf", Default("media-type"), parse::word(PDFS));
+    let charset = reader.text("store.hl7.charset", Default("utf-8"), parse::word(CHARSETS));
+    let Some(way) = way? else { return Some(None) };
+    Some(Some(Hl7StoreConfig {
+        way,
+        sender: [application?.value, facility?.value],
+        receiver: [to_application?.value, to_facility?.value],
+        processing: processing?.value,
+        version: version?.value.to_owned(),
+        authority: authority?.value,
+        pdf: pdf?.value,
+        charset: charset?.value,
+    }))
+}

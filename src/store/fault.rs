@@ -1,0 +1,206 @@
+//! Why a record was not stored: not now, or never.
+
+use std::io;
+use std::path::PathBuf;
+
+use gaiter_flow::cause::Cause;
+use gaiter_record::gdt::ResultFault;
+
+use super::server::ServerFault;
+use super::sums;
+
+/// Why a record was not stored.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreFault {
+    /// The store cannot take the record now, but may later.
+    #[error("{what} failed on {path}")]
+    Transient {
+        /// What was tried.
+        what: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// How it failed.
+        #[source]
+        source: io::Error,
+    },
+    /// The practice software has not fetched what was handed over before.
+    #[error(
+        "the practice software has not fetched the last result; the next one waits, because \
+         results are never overwritten"
+    )]
+    NotFetched,
+    /// A server does not take the record now, but may later.
+    #[error(transparent)]
+    Server(#[from] ServerFault),
+    /// The store will never take this record.
+    #[error("the store cannot take this record: {0}")]
+    Permanent(Misfit),
+}
+
+impl StoreFault {
+    /// Why, for people, without a path.
+    pub fn cause(&self) -> Cause {
+        match self {
+            StoreFault::Transient { what, source, .. } => {
+                Cause::of_system(source).after(format_args!("{what} failed"))
+            }
+            StoreFault::NotFetched => Cause::said(self),
+            StoreFault::Server(fault) => fault.cause(),
+            StoreFault::Permanent(misfit) => misfit.cause(),
+        }
+    }
+
+    /// The stable code of this fault, for the journal and `reason.json`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            StoreFault::Transient { .. } | StoreFault::Server(_) => "store-unavailable",
+            StoreFault::NotFetched => "result-not-fetched",
+            StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
+            StoreFault::Permanent(Misfit::InTheWay { .. }) => "store-place-occupied",
+            StoreFault::Permanent(Misfit::FolderIsLink) => "patient-folder-is-a-link",
+            StoreFault::Permanent(Misfit::FolderClash) => "patient-folder-clash",
+            StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
+            StoreFault::Permanent(Misfit::NotRegistered) => "patient-not-registered",
+            StoreFault::Permanent(Misfit::RegisteredTwice(_)) => "patient-registered-twice",
+            StoreFault::Permanent(Misfit::PatientNotInUse) => "patient-not-in-use",
+            StoreFault::Permanent(Misfit::ServerRefused { .. }) => "server-refused",
+            StoreFault::Permanent(Misfit::ReceiverRefused { .. }) => "server-refused",
+            StoreFault::Permanent(_) => "store-misfit",
+        }
+    }
+}
+
+/// Why a store will never take a record.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Misfit {
+    /// The record's last file is not `SHA256SUMS`.
+    #[error("its last file is not SHA256SUMS")]
+    NoSums,
+    /// The spooled bytes are not the scan's.
+    #[error("the spooled bytes are not those of the scan")]
+    OtherBytes,
+    /// A file name that could leave the record's folder or hide.
+    #[error("a file of the record has the invalid name {name:?}")]
+    FileName {
+        /// The name.
+        name: String,
+    },
+    /// The record's place is taken by something that is not this scan's complete record.
+    #[error("its folder exists but is not this scan's complete record: {0}")]
+    Occupied(sums::SumsFault),
+    /// Something is in the way of this record alone.
+    #[error("something is in its way: {what} failed ({error})")]
+    InTheWay {
+        /// What was tried.
+        what: &'static str,
+        /// How it failed.
+        error: io::ErrorKind,
+    },
+    /// The patient's folder is a link, which may lead to another patient's.
+    #[error("the patient's folder is a symbolic link")]
+    FolderIsLink,
+    /// The patient's folder cannot be told apart from another patient's.
+    #[error(
+        "the store has a folder whose name differs from this patient's only in letter case: it may \
+         be another patient's"
+    )]
+    FolderClash,
+    /// The record is unassigned, and practice software takes none of those.
+    #[error("it names no patient, which practice software requires")]
+    Unassigned,
+    /// It holds no readable `record.json`.
+    #[error("it holds no readable record.json")]
+    NoRecord,
+    /// Its `record.json` is another patient's.
+    #[error("its record.json names a different patient")]
+    OtherPatient,
+    /// It cannot be written as a GDT message.
+    #[error("it cannot be written as GDT: {0}")]
+    Gdt(ResultFault),
+    /// The server knows no patient of this id.
+    #[error(
+        "the server knows no patient of this id: have the patient registered there, then try again"
+    )]
+    NotRegistered,
+    /// The server has several patients of one id.
+    #[error("the server has {0} patients of this id: have them merged there, then try again")]
+    RegisteredTwice(usize),
+    /// The server's patient is closed, was merged into another, or has another id by now.
+    #[error(
+        "the server's patient of this id is closed, or was merged into another: have it clarified \
+         there whose the id is, then try again"
+    )]
+    PatientNotInUse,
+    /// The server does not take what was sent. The words are without the patient's id.
+    #[error("the server does not take the record ({status}): {why}")]
+    ServerRefused {
+        /// The status of its answer.
+        status: u16,
+        /// What it says.
+        why: String,
+    },
+    /// The receiver does not take the message. The words are without the patient's id.
+    #[error("the receiver does not take the message ({code}): {why}")]
+    ReceiverRefused {
+        /// The code of its answer.
+        code: String,
+        /// What it says.
+        why: String,
+    },
+    /// It was handed over to practice software, which keeps its own records.
+    #[error(
+        "it was handed over to the practice software and cannot be withdrawn: delete it in the \
+         practice software"
+    )]
+    HandedOver,
+}
+
+impl Misfit {
+    /// Why, for people. What only an expert can do something about is told in English.
+    pub fn cause(&self) -> Cause {
+        match self {
+            Misfit::NotRegistered => Cause::known("patient-not-registered", []),
+            Misfit::RegisteredTwice(count) => {
+                Cause::known("patient-registered-twice", [("count", count.to_string())])
+            }
+            Misfit::PatientNotInUse => Cause::known("patient-not-in-use", []),
+            Misfit::ServerRefused { status, why } => {
+                let names = [("status", status.to_string()), ("why", why.clone())];
+                Cause::known("server-refuses", names)
+            }
+            Misfit::ReceiverRefused { code, why } => {
+                let names = [("code", code.clone()), ("why", why.clone())];
+                Cause::known("receiver-refuses", names)
+            }
+            other => Cause::said(other),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gaiter_language::Language;
+
+    use super::*;
+
+    #[test]
+    fn what_a_person_can_settle_is_told_in_each_language() {
+        let why = "no such code".to_owned();
+        for misfit in [
+            Misfit::NotRegistered,
+            Misfit::RegisteredTwice(2),
+            Misfit::PatientNotInUse,
+            Misfit::ServerRefused { status: 422, why: why.clone() },
+            Misfit::ReceiverRefused { code: "AR".to_owned(), why },
+        ] {
+            let cause = misfit.cause();
+            assert_eq!(cause.to_string(), misfit.to_string());
+            assert_ne!(cause.in_words(Language::De), cause.to_string(), "{misfit:?}");
+        }
+        let cause = StoreFault::Permanent(Misfit::RegisteredTwice(2)).cause();
+        assert_eq!(
+            cause.in_words(Language::De),
+            "der Server hat 2 Patienten mit dieser ID: dort zusammenführen lassen, dann noch einmal versuchen"
+        );
+    }
+}

@@ -1,0 +1,244 @@
+//! A FHIR R4 server as a store: each record is a transaction of resources that are created if none has their
+//! identifier yet, so that the same record can be sent again at any time.
+//!
+//! The server itself is the register. A resource that is there already is compared with what was sent: one of an
+//! earlier revision, or one that was withdrawn, is replaced; one of a later revision stays.
+
+mod access;
+mod answers;
+mod existing;
+mod patient;
+mod server;
+mod smart;
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use gaiter_flow::ScanId;
+use gaiter_record::Record;
+use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
+use http::header::{ACCEPT, AUTHORIZATION, CONTENT_TYPE, HeaderName, HeaderValue};
+use http::{Method, Uri};
+use jiff::Timestamp;
+use serde_json::Value;
+
+use self::access::{Token, secret_words};
+use self::answers::{Asked, of_replacing, outcome_of};
+use super::endpoint::EndpointFault;
+use super::https::{HttpAnswer, HttpFault, HttpRequest, HttpsClient};
+use super::server::ServerFault;
+use super::{Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault};
+pub use server::{FhirAccess, FhirServer, SmartAccess};
+
+/// The media type of FHIR as JSON.
+const JSON: HeaderValue = HeaderValue::from_static("application/fhir+json");
+
+/// The id of a patient whom no server knows.
+const TRIAL_PATIENT: &str = "gaiter-check";
+
+/// A FHIR server as a store.
+#[derive(Debug)]
+pub struct FhirStore {
+    server: FhirServer,
+    rules: FhirRules,
+    client: HttpsClient,
+    /// The token in use.
+    token: Mutex<Option<Token>>,
+}
+
+impl FhirStore {
+    /// Its name in the journal.
+    pub const NAME: &str = "fhir";
+
+    /// Resources as `rules` says, for this server.
+    pub fn new(server: FhirServer, rules: FhirRules) -> FhirStore {
+        let client = HttpsClient::new(server.tls.clone(), server.proxy.clone(), server.limit);
+        FhirStore { server, rules, client, token: Mutex::default() }
+    }
+
+    /// Creates what the server has not yet. Returns each entry with what became of it.
+    fn create(
+        &self,
+        entries: Vec<Entry>,
+        patient: &str,
+    ) -> Result<Vec<(Entry, Asked)>, StoreFault> {
+        let answer = self.ask(Method::POST, "", Some(&fhir::created(&entries)), &[patient])?;
+        let done = Asked::of(&answer, &entries, &[patient])?;
+        Ok(entries.into_iter().zip(done).collect())
+    }
+
+    /// Replaces what was read before. `known` gives the place of each reference within the transaction.
+    fn replace(
+        &self,
+        replacements: &[Replacement],
+        known: &[(String, String)],
+        patient: &str,
+    ) -> Result<(), StoreFault> {
+        if replacements.is_empty() {
+            return Ok(());
+        }
+        let body = fhir::replaced(replacements, known);
+        let answer = self.ask(Method::POST, "", Some(&body), &[patient]).map_err(of_replacing)?;
+        let done = Asked::all(&answer, replacements.len(), &[patient]);
+        done.map(|_| ()).map_err(of_replacing)
+    }
+
+    /// Asks the server for a path below its base, with a body or without, and reads the answer as JSON. One with
+    /// another status than 2xx is a fault, told without the words of `secret`.
+    fn ask(
+        &self,
+        method: Method,
+        path: &str,
+        body: Option<&Value>,
+        secret: &[&str],
+    ) -> Result<Value, StoreFault> {
+        let body = body.map(Value::to_string).unwrap_or_default().into_bytes();
+        let mut shown = self.authorization()?;
+        let mut answer = self.send(&method, path, &body, shown.as_ref())?;
+        if answer.status == 401 && self.forget_token() {
+            shown = self.authorization()?;
+            answer = self.send(&method, path, &body, shown.as_ref())?;
+        }
+        // What is no JSON is nothing that is looked for in it.
+        let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
+        if answer.is_success() {
+            return Ok(json);
+        }
+        let words = shown.as_ref().map(secret_words).unwrap_or_default();
+        let secret = secret.iter().copied().chain(words.iter().map(String::as_str));
+        Err(outcome_of(answer.status, &json, &secret.collect::<Vec<_>>()))
+    }
+
+    fn send(
+        &self,
+        method: &Method,
+        path: &str,
+        body: &[u8],
+        shown: Option<&HeaderValue>,
+    ) -> Result<HttpAnswer, ServerFault> {
+        let mut headers: Vec<(HeaderName, HeaderValue)> = vec![(ACCEPT, JSON)];
+        if !body.is_empty() {
+            headers.push((CONTENT_TYPE, JSON));
+        }
+        headers.extend(shown.map(|shown| (AUTHORIZATION, shown.clone())));
+        let address = match path.is_empty() {
+            true => self.server.base.clone(),
+            false => format!("{}/{path}", self.server.base),
+        };
+        let uri: Uri = address.parse().map_err(|_| HttpFault::from(EndpointFault::Address))?;
+        let request = HttpRequest { method: method.clone(), uri, headers, body: body.to_vec() };
+        Ok(self.client.send(request)?)
+    }
+}
+
+impl RecordStore for FhirStore {
+    fn name(&self) -> &'static str {
+        FhirStore::NAME
+    }
+
+    fn place(&self) -> String {
+        self.server.base.clone()
+    }
+
+    fn is_server(&self) -> bool {
+        true
+    }
+
+    fn takes_unassigned(&self) -> bool {
+        false
+    }
+
+    fn gives_back(&self) -> bool {
+        true
+    }
+
+    fn begin(&self, _make_folder: bool) -> Result<(), StoreFault> {
+        Ok(())
+    }
+
+    fn open(&self) -> Result<(), StoreFault> {
+        Ok(())
+    }
+
+    /// The server answers, speaks R4, and lets the station in.
+    fn reach(&self) -> Result<(), StoreFault> {
+        let statement = self.ask(Method::GET, "metadata", None, &[])?;
+        let not_usable = |why: String| Err(ServerFault::Answer(why).into());
+        if statement["resourceType"] != "CapabilityStatement" {
+            return not_usable("the base address gives no capability statement".to_owned());
+        }
+        let version = statement["fhirVersion"].as_str().unwrap_or_default();
+        if !version.starts_with(fhir::VERSION) {
+            let version: String = version.chars().take(20).collect();
+            return not_usable(format!("it speaks FHIR {version:?}, not R4"));
+        }
+        Ok(())
+    }
+
+    /// Also that the station may search for patients: for one whom no server knows.
+    fn try_out(&self) -> Result<(), StoreFault> {
+        self.reach()?;
+        match self.subject(TRIAL_PATIENT) {
+            Err(StoreFault::Permanent(Misfit::NotRegistered)) => Ok(()),
+            tried => tried.map(drop),
+        }
+    }
+
+    /// None: the server has no list of what one station sent, and a record that is sent again is found there.
+    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+        Ok(Vec::new())
+    }
+
+    fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+        let misfit = |misfit| StoreFault::Permanent(misfit);
+        let patient = delivery.patient.ok_or(misfit(Misfit::Unassigned))?;
+        let json = delivery.files.iter().find(|file| file.name == "record.json");
+        let record = json.and_then(|file| serde_json::from_slice::<Record>(&file.bytes).ok());
+        let record = record.ok_or(misfit(Misfit::NoRecord))?;
+        // The record must match the delivery: another patient's figures must never go out under this id.
+        if record.patient.as_ref().map(|patient| patient.id.as_str()) != Some(patient) {
+            return Err(misfit(Misfit::OtherPatient));
+        }
+        let (subject, key) = (self.subject(patient)?, FhirKey::of(delivery.scan.as_str(), patient));
+        let sent = Sent {
+            record: &record,
+            files: delivery.files,
+            first_seen: delivery.first_seen,
+            subject: &subject,
+            key: &key,
+        };
+        let created = self.create(fhir::entries(&sent, &self.rules), patient)?;
+        let stale = self.stale(&created, &key, record.revision, patient)?;
+        let known: Vec<(String, String)> =
+            created.iter().map(|(entry, of)| (entry.reference(), of.reference.clone())).collect();
+        self.replace(&stale, &known, patient)?;
+        let report = created.iter().find(|(entry, _)| entry.kind() == "DiagnosticReport");
+        let place = report.map(|(_, of)| of.reference.clone()).unwrap_or_default();
+        let already_there = created.iter().all(|(_, of)| !of.is_new) && stale.is_empty();
+        Ok(Receipt { folder: PathBuf::from(place), already_there })
+    }
+
+    /// Marks what was made of the scan for the patient as entered in error. Nothing is deleted.
+    fn withdraw(
+        &self,
+        scan: &ScanId,
+        from: Option<&str>,
+        _keeper: Option<&str>,
+    ) -> Result<(), StoreFault> {
+        let Some(patient) = from else { return Ok(()) };
+        let key = FhirKey::of(scan.as_str(), patient);
+        self.replace(&self.marked_in_error(&key, patient)?, &[], patient)
+    }
+
+    /// Removes nothing: what a server was given is the house's own, and is listed for the person who erases.
+    fn erase(
+        &self,
+        _patient: &str,
+        _before: Timestamp,
+        _scans: &[ScanId],
+    ) -> Result<(), StoreFault> {
+        Ok(())
+    }
+}

@@ -1,0 +1,73 @@
+//! A FHIR server: where it is, and how the station shows that it may.
+
+use std::time::Duration;
+
+use crate::store::endpoint::{Proxy, Secret, TlsFiles};
+
+/// Where a server is and how it is asked.
+#[derive(Debug, Clone)]
+pub struct FhirServer {
+    /// The base address, without a slash at its end.
+    pub base: String,
+    /// How the station shows that it may.
+    pub access: FhirAccess,
+    /// What connections trust.
+    pub tls: TlsFiles,
+    /// The proxy between station and server, if there is one.
+    pub proxy: Option<Proxy>,
+    /// For a whole exchange.
+    pub limit: Duration,
+    /// The system of patients' ids on the server.
+    pub patients: String,
+}
+
+/// How the station shows that it may. A certificate of its own is part of the connection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FhirAccess {
+    /// It does not.
+    Open,
+    /// By user and password.
+    Basic {
+        /// The user.
+        user: String,
+        /// The password.
+        password: Secret,
+    },
+    /// By a token that does not change.
+    Bearer {
+        /// The token.
+        token: Secret,
+    },
+    /// By SMART Backend Services: a signed statement gives a token for some minutes.
+    Smart(SmartAccess),
+}
+
+/// What SMART Backend Services needs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SmartAccess {
+    /// The client, as the server knows it.
+    pub client: String,
+    /// The private key (PKCS#8 as PEM): P-384 signs as ES384, RSA as RS384.
+    pub key: Secret,
+    /// The name of the key at the server; empty for none.
+    pub key_id: String,
+    /// What the station asks to be allowed.
+    pub scope: String,
+    /// Where tokens are given; `None` to ask the server.
+    pub token_address: Option<String>,
+}
+
+impl FhirServer {
+    /// Every secret that connections with it need.
+    pub fn secrets(&self) -> Vec<&Secret> {
+        let of_access = match &self.access {
+            FhirAccess::Open => None,
+            FhirAccess::Basic { password, .. } => Some(password),
+            FhirAccess::Bearer { token } => Some(token),
+            FhirAccess::Smart(smart) => Some(&smart.key),
+        };
+        let of_proxy = self.proxy.as_ref().and_then(|proxy| proxy.user.as_ref());
+        let own = self.tls.own.as_ref().map(|(_, key)| key);
+        [of_access, of_proxy.map(|(_, password)| password), own].into_iter().flatten().collect()
+    }
+}

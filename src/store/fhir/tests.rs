@@ -1,0 +1,254 @@
+//! The store against a server of prepared answers: what it asks, and what it makes of each answer.
+
+use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+use gaiter_flow::ScanId;
+use gaiter_language::Language;
+use gaiter_record::fhir::{FhirKey, FhirRules};
+use gaiter_sizes::Garment;
+use serde_json::{Value, json};
+
+use super::{FhirAccess, FhirServer, FhirStore, SmartAccess};
+use crate::store::endpoint::{Secret, TlsFiles};
+use crate::store::https::tests::{answer, serve_answers};
+use crate::store::server::ServerFault;
+use crate::store::{Misfit, RecordStore, StoreFault};
+
+const PATIENTS: &str = "urn:oid:1.2.276.0.76.3.1.999.1";
+const RECORDS: &str = "urn:gaiter:record";
+
+/// A store that asks at this port.
+fn store(port: u16, access: FhirAccess) -> FhirStore {
+    let server = FhirServer {
+        base: format!("http://127.0.0.1:{port}/r4"),
+        access,
+        tls: TlsFiles::default(),
+        proxy: None,
+        limit: Duration::from_secs(30),
+        patients: PATIENTS.to_owned(),
+    };
+    let rules = FhirRules {
+        identifiers: RECORDS.to_owned(),
+        codes: "urn:gaiter:measure".to_owned(),
+        language: Language::En,
+        garment: Garment::default(),
+        attach: Vec::new(),
+    };
+    FhirStore::new(server, rules)
+}
+
+/// A store whose server gives these answers, and the requests.
+fn answered(answers: Vec<String>) -> (FhirStore, Receiver<String>) {
+    let (port, requests) = serve_answers(answers);
+    (store(port, FhirAccess::Open), requests)
+}
+
+/// A store that is let in by SMART, whose server gives these answers.
+fn smart(answers: Vec<String>) -> (FhirStore, Receiver<String>) {
+    let (port, requests) = serve_answers(answers);
+    let key = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fixtures/tls/rsa.key");
+    let access = SmartAccess {
+        client: "gaiter-booth-1".to_owned(),
+        key: Secret::File(key),
+        key_id: String::new(),
+        scope: "system/Patient.rs".to_owned(),
+        token_address: Some(format!("http://127.0.0.1:{port}/token")),
+    };
+    (store(port, FhirAccess::Smart(access)), requests)
+}
+
+fn token(value: &str) -> String {
+    answer("200 OK", &json!({ "access_token": value, "expires_in": 300 }).to_string())
+}
+
+fn capable() -> String {
+    let statement = json!({ "resourceType": "CapabilityStatement", "fhirVersion": "4.0.1" });
+    answer("200 OK", &statement.to_string())
+}
+
+fn outcome(status: &str, text: &str) -> String {
+    let issue = json!({ "severity": "error", "code": "security", "diagnostics": text });
+    let outcome = json!({ "resourceType": "OperationOutcome", "issue": [issue] });
+    answer(status, &outcome.to_string())
+}
+
+fn found(resources: &[Value]) -> String {
+    let entry: Vec<Value> = resources.iter().map(|of| json!({ "resource": of })).collect();
+    let bundle = json!({ "resourceType": "Bundle", "type": "searchset", "entry": entry });
+    answer("200 OK", &bundle.to_string())
+}
+
+fn patient(id: &str, value: &str) -> Value {
+    let identifier = json!([{ "system": PATIENTS, "value": value }]);
+    json!({ "resourceType": "Patient", "id": id, "identifier": identifier })
+}
+
+/// The first line and the header `Authorization` of each request.
+fn asked(requests: &Receiver<String>) -> Vec<(String, Option<String>)> {
+    let told = |request: String| {
+        let shown = request.lines().find_map(|line| line.strip_prefix("authorization: "));
+        let first = request.lines().next().unwrap_or_default();
+        (first.to_owned(), shown.map(str::to_owned))
+    };
+    requests.try_iter().map(told).collect()
+}
+
+#[test]
+fn an_expired_token_is_renewed_once_and_then_kept() {
+    let expired = outcome("401 Unauthorized", "token expired");
+    let (store, requests) = smart(vec![token("one"), expired, token("two"), capable(), capable()]);
+    store.reach().unwrap();
+    store.reach().unwrap();
+    let metadata = "GET /r4/metadata HTTP/1.1".to_owned();
+    let place = "POST /token HTTP/1.1".to_owned();
+    let shown = |token: &str| Some(format!("Bearer {token}"));
+    let expected = [
+        (place.clone(), None),
+        (metadata.clone(), shown("one")),
+        (place, None),
+        (metadata.clone(), shown("two")),
+        (metadata, shown("two")),
+    ];
+    assert_eq!(asked(&requests), expected);
+}
+
+#[test]
+fn a_token_that_is_refused_twice_is_not_renewed_again() {
+    let refused = || outcome("401 Unauthorized", "no");
+    let (store, requests) =
+        smart(vec![token("one"), refused(), token("two"), refused(), capable()]);
+    let fault = store.reach().unwrap_err();
+    assert!(matches!(fault, StoreFault::Server(ServerFault::Forbidden { status: 401, .. })));
+    assert_eq!(requests.try_iter().count(), 4);
+}
+
+#[test]
+fn where_tokens_are_given_is_asked_of_the_server() {
+    let (port, requests) = serve_answers(vec![answer("200 OK", "{}")]);
+    let (mut store, _) = smart(Vec::new());
+    store.server.base = format!("http://127.0.0.1:{port}/r4");
+    if let FhirAccess::Smart(smart) = &mut store.server.access {
+        smart.token_address = None;
+    }
+    let fault = store.reach().unwrap_err();
+    assert!(matches!(fault, StoreFault::Server(ServerFault::NoToken(_))), "{fault}");
+    let place = "GET /r4/.well-known/smart-configuration HTTP/1.1".to_owned();
+    assert_eq!(asked(&requests), [(place, None)]);
+}
+
+#[test]
+fn no_fault_tells_token_password_or_patient() {
+    let dir = tempfile::tempdir().unwrap();
+    let secret = dir.path().join("secret");
+    std::fs::write(&secret, "hidden-word\n").unwrap();
+    let secret = Secret::File(secret);
+    let bearer = FhirAccess::Bearer { token: secret.clone() };
+    let basic = FhirAccess::Basic { user: "station".to_owned(), password: secret };
+    let encoded = "c3RhdGlvbjpoaWRkZW4td29yZA==";
+    for (access, shown) in [(bearer, "hidden-word"), (basic, encoded)] {
+        let said = format!(
+            "{shown} (hidden-word) is not let in to \
+             Patient?identifier=urn%3Aoid%3A1.2.276.0.76.3.1.999.1%7CP%2F4711 of P/4711"
+        );
+        let (port, _requests) = serve_answers(vec![outcome("403 Forbidden", &said)]);
+        let fault = store(port, access).subject("P/4711").unwrap_err();
+        assert!(fault.to_string().contains("is not let in to"), "{fault}");
+        for told in [fault.to_string(), fault.cause().to_string(), format!("{fault:?}")] {
+            for word in ["hidden-word", encoded.trim_end_matches('='), "4711"] {
+                assert!(!told.contains(word), "{told}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_patient_is_found_by_the_whole_identifier_or_not_at_all() {
+    let (store, requests) = answered(vec![found(&[patient("17", "P/4711")])]);
+    assert_eq!(store.subject("P/4711").unwrap(), "Patient/17");
+    let path = "GET /r4/Patient?identifier=urn%3Aoid%3A1.2.276.0.76.3.1.999.1%7CP%2F4711&_count=10 HTTP/1.1";
+    assert_eq!(asked(&requests), [(path.to_owned(), None)]);
+    let of = |answer: String| answered(vec![answer]).0.subject("P/4711").unwrap_err();
+    assert_eq!(of(found(&[])).code(), "patient-not-registered");
+    let two = of(found(&[patient("17", "P/4711"), patient("18", "P/4711")]));
+    assert!(matches!(two, StoreFault::Permanent(Misfit::RegisteredTwice(2))), "{two}");
+    let mut closed = patient("17", "P/4711");
+    closed["active"] = false.into();
+    assert_eq!(of(found(&[closed])).code(), "patient-not-in-use");
+}
+
+#[test]
+fn a_server_that_ignores_what_was_searched_for_is_not_believed() {
+    let more = json!({
+        "resourceType": "Bundle", "type": "searchset", "link": [{ "relation": "next", "url": "x" }],
+    });
+    let odd = json!({
+        "resourceType": "Bundle", "entry": ["x", 7, { "resource": { "resourceType": "Patient" } }],
+    });
+    for sent in [
+        found(&[patient("17", "P/4711"), patient("18", "P/4712")]),
+        found(&[patient("../17", "P/4711")]),
+        answer("200 OK", &patient("17", "P/4711").to_string()),
+        answer("200 OK", &more.to_string()),
+        answer("200 OK", &odd.to_string()),
+        answer("200 OK", "<html>"),
+    ] {
+        let fault = answered(vec![sent.clone()]).0.subject("P/4711").unwrap_err();
+        assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{sent}: {fault}");
+    }
+}
+
+#[test]
+fn a_server_is_tried_out_by_its_version_and_a_search_for_nobody() {
+    let (store, _requests) = answered(vec![capable(), found(&[])]);
+    store.try_out().unwrap();
+    let r5 = json!({ "resourceType": "CapabilityStatement", "fhirVersion": "5.0.0" }).to_string();
+    for sent in [answer("200 OK", &r5), answer("200 OK", "{}"), answer("200 OK", "Welcome")] {
+        let fault = answered(vec![sent]).0.try_out().unwrap_err();
+        assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
+    }
+    let (store, _requests) = answered(vec![capable(), outcome("403 Forbidden", "scope")]);
+    assert!(store.try_out().is_err());
+}
+
+/// An observation of a record on the server.
+fn observation(key: &FhirKey, status: &str) -> Value {
+    json!({
+        "resourceType": "Observation", "id": "7", "meta": { "versionId": "3" }, "status": status,
+        "identifier": [{ "system": RECORDS, "value": key.record() }],
+    })
+}
+
+#[test]
+fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
+    let scan: ScanId = ScanId::parse(&"ab".repeat(32)).unwrap();
+    let key = FhirKey::of(scan.as_str(), "4711");
+    let replaced = json!({
+        "resourceType": "Bundle", "type": "transaction-response",
+        "entry": [{ "response": { "status": "200 OK" } }],
+    });
+    let holds = found(&[observation(&key, "final")]);
+    let done = answer("200 OK", &replaced.to_string());
+    let (store, requests) = answered(vec![holds.clone(), found(&[]), found(&[]), done]);
+    store.withdraw(&scan, Some("4711"), None).unwrap();
+    let request = requests.try_iter().last().unwrap();
+    let (_, body) = request.split_once("\r\n\r\n").unwrap();
+    let sent: Value = serde_json::from_str(body).unwrap();
+    let [entry] = sent["entry"].as_array().unwrap().as_slice() else { panic!("{sent}") };
+    assert_eq!(entry["resource"]["status"], "entered-in-error");
+    assert_eq!(entry["request"]["method"], "PUT");
+    assert_eq!(entry["request"]["url"], "Observation/7");
+    assert_eq!(entry["request"]["ifMatch"], "W/\"3\"");
+
+    let marked = found(&[observation(&key, "entered-in-error")]);
+    let (store, requests) = answered(vec![marked, found(&[]), found(&[])]);
+    store.withdraw(&scan, Some("4711"), None).unwrap();
+    assert_eq!(requests.try_iter().count(), 3);
+
+    // Another changed it between the search and the transaction: the next try reads it anew.
+    let changed = outcome("412 Precondition Failed", "version");
+    let (store, _requests) = answered(vec![holds, found(&[]), found(&[]), changed]);
+    let fault = store.withdraw(&scan, Some("4711"), None).unwrap_err();
+    assert_eq!(fault.code(), "store-unavailable");
+}

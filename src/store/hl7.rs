@@ -1,0 +1,242 @@
+//! A receiver of HL7 v2 as a store: each record is a result (ORU^R01), over MLLP or as a file in a folder.
+//!
+//! A receiver has no place where the station could look what it has. What it has accepted is noted in the state
+//! folder, so that nothing is sent twice even if the journal is lost; a message whose answer was lost is sent again
+//! with the same control id, by which receivers know it.
+
+mod folder;
+mod mllp;
+mod sent;
+#[cfg(test)]
+mod tests;
+mod way;
+
+use std::path::{Path, PathBuf};
+
+use gaiter_flow::ScanId;
+use gaiter_record::hl7::{self, Answer, Hl7Rules, PdfForm};
+use gaiter_record::{Record, RecordFile, sha256};
+use jiff::Timestamp;
+
+use self::folder::MessageFolder;
+use self::mllp::Receiver;
+use self::sent::{Sent, SentMessages};
+use super::server::ServerFault;
+use super::{Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault};
+pub use way::Hl7Way;
+
+/// Digits of the hash that stands for a scan of a patient.
+const KEY_DIGITS: usize = 32;
+
+/// A receiver of HL7 v2 as a store.
+#[derive(Debug, Clone)]
+pub struct Hl7Store {
+    way: Hl7Way,
+    rules: Hl7Rules,
+    sent: SentMessages,
+    /// The station's name: its folder among message files is its own.
+    station: String,
+}
+
+impl Hl7Store {
+    /// Its name in the journal.
+    pub const NAME: &str = "hl7";
+
+    /// Messages as `rules` says, on this way; what was sent is noted in the state folder.
+    pub fn new(way: Hl7Way, rules: Hl7Rules, state_dir: &Path) -> Hl7Store {
+        let sent = SentMessages::in_state(state_dir);
+        Hl7Store { way, rules, sent, station: String::new() }
+    }
+
+    /// The store of a station that may have its folder of messages together with others.
+    pub fn of_station(self, station: &str) -> Hl7Store {
+        Hl7Store { station: station.to_owned(), ..self }
+    }
+
+    fn folder(&self) -> Option<MessageFolder> {
+        Some(MessageFolder::new(self.way.folder()?.clone(), &self.station))
+    }
+
+    fn receiver(&self) -> Option<Receiver<'_>> {
+        match &self.way {
+            Hl7Way::Mllp { host, port, tls, limit } => {
+                Some(Receiver { host, port: *port, tls: tls.as_ref(), limit: *limit })
+            }
+            Hl7Way::Files(_) => None,
+        }
+    }
+
+    /// Sends a message and notes that the receiver has it. A file is noted before it has its name: if it is not
+    /// there any more, it was fetched.
+    fn send(
+        &self,
+        key: &str,
+        patient: &str,
+        message: &[u8],
+        sent: &Sent,
+    ) -> Result<(), StoreFault> {
+        if let Some(receiver) = self.receiver() {
+            let answer = receiver.exchange(message).map_err(ServerFault::Http)?;
+            accepted(&answer, &sent.control, patient)?;
+            return self.sent.note(key, sent);
+        }
+        let Some(folder) = self.folder() else { return Ok(()) };
+        folder.reach()?;
+        folder.stage(key, &sent.control, message)?;
+        self.sent.note(key, sent)?;
+        folder.publish(key, &sent.control)
+    }
+
+    /// Gives the last message its name if a crash came before that.
+    fn settle(&self, key: &str, sent: &Sent) -> Result<(), StoreFault> {
+        self.folder().map_or(Ok(()), |folder| folder.publish(key, &sent.control))
+    }
+}
+
+impl RecordStore for Hl7Store {
+    fn name(&self) -> &'static str {
+        Hl7Store::NAME
+    }
+
+    fn place(&self) -> String {
+        match &self.way {
+            Hl7Way::Mllp { host, port, .. } => format!("{host}:{port}"),
+            Hl7Way::Files(folder) => folder.to_string_lossy().into_owned(),
+        }
+    }
+
+    fn takes_unassigned(&self) -> bool {
+        false
+    }
+
+    fn gives_back(&self) -> bool {
+        true
+    }
+
+    fn is_server(&self) -> bool {
+        true
+    }
+
+    fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
+        self.folder().map_or(Ok(()), |folder| folder.begin(make_folder))
+    }
+
+    /// Names staged messages that were noted, and removes the others: they are made again.
+    fn open(&self) -> Result<(), StoreFault> {
+        let Some(folder) = self.folder() else { return Ok(()) };
+        for (key, control) in folder.staged()? {
+            match self.sent.of(&key)?.is_some_and(|sent| sent.control == control) {
+                true => folder.publish(&key, &control)?,
+                false => folder.unstage(&key, &control)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn reach(&self) -> Result<(), StoreFault> {
+        match self.receiver() {
+            Some(receiver) => Ok(receiver.open().map_err(ServerFault::Http)?),
+            None => self.folder().map_or(Ok(()), |folder| folder.reach()),
+        }
+    }
+
+    /// None: a receiver cannot be asked what it has. The notes keep what was sent from being sent again.
+    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+        Ok(Vec::new())
+    }
+
+    fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+        let (mut record, patient) = record_of(delivery)?;
+        let (revision, key) = (record.revision, key(delivery.scan, patient));
+        let known = self.sent.of(&key)?;
+        if let Some(known) =
+            known.as_ref().filter(|known| known.holds && known.revision >= revision)
+        {
+            self.settle(&key, known)?;
+            return Ok(Receipt { folder: PathBuf::from(&known.control), already_there: true });
+        }
+        // A result that comes after its withdrawal is a correction of that: under the control id of the first one,
+        // a receiver would not enter it.
+        let number = known.map_or(revision, |known| revision.max(known.number + 1));
+        record.revision = number;
+        let pdf = file(delivery, "report.pdf").map(|file| file.bytes.as_slice());
+        let now = Timestamp::now();
+        let message = hl7::result(&record, pdf, &self.rules, delivery.first_seen, now);
+        let message = message.ok_or(StoreFault::Permanent(Misfit::Unassigned))?;
+        let control = hl7::control_id(delivery.scan.as_str(), patient, number, false);
+        let codes = hl7::observed(&record, pdf.is_some() && self.rules.pdf != PdfForm::None);
+        let folder = PathBuf::from(&control);
+        let sent = Sent { revision, number, control, holds: true, codes };
+        self.send(&key, patient, &message, &sent)?;
+        Ok(Receipt { folder, already_there: false })
+    }
+
+    /// All that a result held is marked as wrong.
+    fn withdraw(
+        &self,
+        scan: &ScanId,
+        from: Option<&str>,
+        _keeper: Option<&str>,
+    ) -> Result<(), StoreFault> {
+        let Some(patient) = from else { return Ok(()) };
+        let key = key(scan, patient);
+        let Some(sent) = self.sent.of(&key)? else { return Ok(()) };
+        if !sent.holds {
+            return self.settle(&key, &sent);
+        }
+        let (id, number) = (scan.as_str(), sent.number);
+        let control = hl7::control_id(id, patient, number, true);
+        let now = Timestamp::now();
+        let message = hl7::withdrawal(id, patient, number, &sent.codes, &self.rules, now);
+        self.send(&key, patient, &message, &Sent { control, holds: false, ..sent })
+    }
+
+    /// Forgets what was sent of these scans. The messages are the receiver's own; what is staged of them is removed
+    /// when the store is opened.
+    fn erase(&self, patient: &str, _before: Timestamp, scans: &[ScanId]) -> Result<(), StoreFault> {
+        scans.iter().map(|scan| key(scan, patient)).try_for_each(|key| self.sent.forget(&key))
+    }
+
+    fn unfetched(&self, reference: &str) -> Option<PathBuf> {
+        self.folder().map(|folder| folder.message(reference)).filter(|file| file.is_file())
+    }
+}
+
+/// The record of a delivery, and its patient. It must be that patient's: another one's figures must never go out
+/// under this id.
+fn record_of<'a>(delivery: &Delivery<'a>) -> Result<(Record, &'a str), StoreFault> {
+    let misfit = |misfit| StoreFault::Permanent(misfit);
+    let patient = delivery.patient.ok_or(misfit(Misfit::Unassigned))?;
+    let json = file(delivery, "record.json");
+    let record = json.and_then(|file| serde_json::from_slice::<Record>(&file.bytes).ok());
+    let record = record.ok_or(misfit(Misfit::NoRecord))?;
+    match record.patient.as_ref().is_some_and(|named| named.id == patient) {
+        true => Ok((record, patient)),
+        false => Err(misfit(Misfit::OtherPatient)),
+    }
+}
+
+fn file<'a>(delivery: &Delivery<'a>, name: &str) -> Option<&'a RecordFile> {
+    delivery.files.iter().find(|file| file.name == name)
+}
+
+/// Whether a receiver has the message of this control id, by its answer, which is told without the patient's id.
+fn accepted(answer: &[u8], control: &str, patient: &str) -> Result<(), StoreFault> {
+    let answer = hl7::answer(answer, control, &[patient]);
+    match answer.map_err(|fault| ServerFault::Answer(fault.to_string()))? {
+        Answer::Accepted => Ok(()),
+        Answer::Refused { code, why, is_passing: true } => {
+            Err(ServerFault::Later(format!("{code}: {why}")).into())
+        }
+        Answer::Refused { code, why, is_passing: false } => {
+            Err(StoreFault::Permanent(Misfit::ReceiverRefused { code, why }))
+        }
+    }
+}
+
+/// The hash that stands for a scan of a patient in the notes.
+fn key(scan: &ScanId, patient: &str) -> String {
+    let mut digits = sha256(format!("{scan}\0{patient}").as_bytes());
+    digits.truncate(KEY_DIGITS);
+    digits
+}

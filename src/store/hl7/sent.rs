@@ -1,0 +1,92 @@
+//! The notes of what a receiver has accepted, one file for each scan of a patient. They name neither.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::store::{StoreFault, durable, tried};
+
+/// What a receiver has of a scan of a patient.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Sent {
+    /// The revision of the record that it has accepted last.
+    pub revision: u32,
+    /// The number of the last message: that revision, or more if a result was sent again after its withdrawal.
+    pub number: u32,
+    /// The control id of the last message.
+    pub control: String,
+    /// Whether the result holds; not if it was withdrawn.
+    pub holds: bool,
+    /// The codes of the observations in it.
+    pub codes: Vec<String>,
+}
+
+/// The versions of a note.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "schema")]
+enum Versioned {
+    #[serde(rename = "gaiter.hl7-sent/1")]
+    V1(Sent),
+}
+
+/// The notes of a station.
+#[derive(Debug, Clone)]
+pub(super) struct SentMessages {
+    folder: PathBuf,
+}
+
+impl SentMessages {
+    pub fn in_state(state_dir: &Path) -> SentMessages {
+        SentMessages { folder: state_dir.join("hl7-sent") }
+    }
+
+    /// What the receiver has; `None` if nothing was ever accepted.
+    pub fn of(&self, key: &str) -> Result<Option<Sent>, StoreFault> {
+        let path = self.path(key);
+        let read = match fs::read(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            read => read,
+        };
+        let parse = |bytes: Vec<u8>| {
+            let read = serde_json::from_slice(&bytes);
+            read.map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+        };
+        let Versioned::V1(sent) = tried("reading", &path, read.and_then(parse))?;
+        Ok(Some(sent))
+    }
+
+    /// Notes what the receiver has; durable on return.
+    pub fn note(&self, key: &str, sent: &Sent) -> Result<(), StoreFault> {
+        let within = self.folder.parent().unwrap_or(Path::new("/"));
+        let write = || -> io::Result<()> {
+            durable::make_folder_once(&self.folder)?;
+            durable::sync_folder(within)?;
+            let bytes = serde_json::to_vec(&Versioned::V1(sent.clone()))?;
+            durable::replace_file(&self.folder, &file_name(key), &bytes)
+        };
+        tried("noting what was sent", &self.folder, write())
+    }
+
+    /// Removes a note; durable on return.
+    pub fn forget(&self, key: &str) -> Result<(), StoreFault> {
+        let path = self.path(key);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            removed => {
+                tried("forgetting what was sent", &path, removed)?;
+                tried("syncing", &self.folder, durable::sync_folder(&self.folder))
+            }
+        }
+    }
+
+    fn path(&self, key: &str) -> PathBuf {
+        self.folder.join(file_name(key))
+    }
+}
+
+fn file_name(key: &str) -> String {
+    format!("{key}.json")
+}

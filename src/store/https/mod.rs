@@ -1,0 +1,188 @@
+//! The HTTPS client of the stores that are servers: HTTP/1.1, verification always on, no redirects, no proxy but
+//! the configured one, and a limit for time and length of every answer. The calls block.
+
+mod fault;
+#[cfg(test)]
+pub(in crate::store) mod tests;
+pub mod tls;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use http::header::{HeaderMap, HeaderName, HeaderValue};
+use http::{Method, Request, Uri};
+use ureq::{Agent, ProxyProtocol};
+
+use super::endpoint::{Endpoint, EndpointFault, Proxy, TlsFiles};
+use super::secret;
+pub use fault::HttpFault;
+
+/// The longest answer, bytes: a capability statement has one or two million.
+const ANSWER_MOST: u64 = 16 << 20;
+
+/// The longest head of an answer, bytes.
+const HEAD_MOST: usize = 64 << 10;
+
+/// The longest search for the address of a name.
+const LOOKUP_MOST: Duration = Duration::from_secs(5);
+
+/// The longest way to a connection, with proxy and TLS.
+const CONNECT_MOST: Duration = Duration::from_secs(10);
+
+/// A connection that was idle for so long is not used again: servers close theirs after 5 s and more.
+const IDLE_MOST: Duration = Duration::from_secs(2);
+
+/// So long connections are made with the same certificates; then their files are read again.
+const KEPT_MOST: Duration = Duration::from_secs(60);
+
+/// What the station calls itself.
+const STATION: &str = concat!("gaiter/", env!("CARGO_PKG_VERSION"));
+
+/// Sends requests to servers.
+#[derive(Debug)]
+pub struct HttpsClient {
+    tls: TlsFiles,
+    proxy: Option<Proxy>,
+    /// For a whole exchange, from the search for the address to the last byte of the answer.
+    limit: Duration,
+    kept: Mutex<Option<Kept>>,
+}
+
+/// What keeps connections.
+#[derive(Debug)]
+struct Kept {
+    agent: Agent,
+    is_encrypted: bool,
+    since: Instant,
+}
+
+/// A request.
+#[derive(Debug)]
+pub struct HttpRequest {
+    /// Its method.
+    pub method: Method,
+    /// The whole address.
+    pub uri: Uri,
+    /// Headers besides those that every request has.
+    pub headers: Vec<(HeaderName, HeaderValue)>,
+    /// The body; may be empty.
+    pub body: Vec<u8>,
+}
+
+/// An answer, read to its end.
+#[derive(Debug, Clone)]
+pub struct HttpAnswer {
+    /// Its status, such as 201.
+    pub status: u16,
+    /// Its headers.
+    pub headers: HeaderMap,
+    /// Its body.
+    pub body: Vec<u8>,
+}
+
+impl HttpAnswer {
+    /// Whether it did what was asked.
+    pub fn is_success(&self) -> bool {
+        (200..300).contains(&self.status)
+    }
+}
+
+impl HttpsClient {
+    /// A client that trusts as `tls` says and gives a whole exchange this much time.
+    pub fn new(tls: TlsFiles, proxy: Option<Proxy>, limit: Duration) -> HttpsClient {
+        HttpsClient { tls, proxy, limit, kept: Mutex::default() }
+    }
+
+    /// Sends a request and reads the answer, whatever its status is.
+    ///
+    /// # Errors
+    /// See [`HttpFault`]; whether the server has carried the request out is then not known.
+    pub fn send(&self, request: HttpRequest) -> Result<HttpAnswer, HttpFault> {
+        let endpoint = Endpoint::of(&request.uri)?;
+        let agent = self.agent(endpoint.is_encrypted)?;
+        let answer = exchange(&agent, request)
+            .map_err(|error| HttpFault::of(error, self.way_to(&endpoint), self.limit))
+            .inspect_err(|_| *self.kept() = None)?;
+        match answer.status {
+            300..400 => Err(HttpFault::Redirect),
+            _ => Ok(answer),
+        }
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Option<Kept>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn agent(&self, is_encrypted: bool) -> Result<Agent, HttpFault> {
+        let mut kept = self.kept();
+        let fitting = kept
+            .as_ref()
+            .filter(|of| of.is_encrypted == is_encrypted && of.since.elapsed() < KEPT_MOST);
+        if let Some(fitting) = fitting {
+            return Ok(fitting.agent.clone());
+        }
+        let agent = self.new_agent(is_encrypted)?;
+        *kept = Some(Kept { agent: agent.clone(), is_encrypted, since: Instant::now() });
+        Ok(agent)
+    }
+
+    /// What is not encrypted stays on this machine and needs no certificates; no proxy gets it.
+    fn new_agent(&self, is_encrypted: bool) -> Result<Agent, HttpFault> {
+        let proxy = match &self.proxy {
+            Some(proxy) if is_encrypted => Some(of_client(proxy)?),
+            _ => None,
+        };
+        let config = Agent::config_builder()
+            .http_status_as_error(false)
+            .max_redirects(0)
+            // Set in any case: the client takes one from the environment otherwise.
+            .proxy(proxy)
+            .user_agent(STATION)
+            .max_response_header_size(HEAD_MOST)
+            .max_idle_connections(1)
+            .max_idle_age(IDLE_MOST)
+            .timeout_global(Some(self.limit))
+            .timeout_resolve(Some(LOOKUP_MOST))
+            .timeout_connect(Some(CONNECT_MOST));
+        let config = match is_encrypted {
+            true => config.tls_config(tls::of_client(&self.tls)?),
+            false => config,
+        };
+        Ok(config.build().new_agent())
+    }
+
+    /// The host, and the proxy on the way to it.
+    fn way_to(&self, endpoint: &Endpoint) -> String {
+        let host = endpoint.authority();
+        match &self.proxy {
+            Some(proxy) if endpoint.is_encrypted => {
+                format!("{host} (proxy {})", proxy.endpoint.authority())
+            }
+            _ => host,
+        }
+    }
+}
+
+fn exchange(agent: &Agent, request: HttpRequest) -> Result<HttpAnswer, ureq::Error> {
+    let HttpRequest { method, uri, headers, body } = request;
+    let mut head = Request::new(());
+    *head.method_mut() = method;
+    *head.uri_mut() = uri;
+    head.headers_mut().extend(headers);
+    let answer = match body.is_empty() {
+        true => agent.run(head)?,
+        false => agent.run(head.map(|()| body))?,
+    };
+    let (head, mut body) = answer.into_parts();
+    let body = body.with_config().limit(ANSWER_MOST).read_to_vec()?;
+    Ok(HttpAnswer { status: head.status.as_u16(), headers: head.headers, body })
+}
+
+fn of_client(proxy: &Proxy) -> Result<ureq::Proxy, HttpFault> {
+    let Endpoint { host, port, .. } = &proxy.endpoint;
+    let mut made = ureq::Proxy::builder(ProxyProtocol::Http).host(host).port(*port);
+    if let Some((user, password)) = &proxy.user {
+        made = made.username(user).password(&secret::read(password)?);
+    }
+    made.build().map_err(|_| HttpFault::Address(EndpointFault::Address))
+}

@@ -1,0 +1,131 @@
+//! Why a store that is a server does not take a record now.
+
+use gaiter_flow::cause::Cause;
+
+use super::endpoint::EndpointFault;
+use super::https::HttpFault;
+use super::secret::SecretFault;
+
+/// Why a server does not take a record now. It may later, so it is asked again.
+///
+/// What a server says is told in a line, without the patient's id and what the station shows to be let in.
+#[derive(Debug, thiserror::Error)]
+pub enum ServerFault {
+    /// It gave no answer.
+    #[error(transparent)]
+    Http(#[from] HttpFault),
+    /// A secret cannot be read.
+    #[error(transparent)]
+    Secret(#[from] SecretFault),
+    /// It lets the station in no more, or not for this.
+    #[error("the server does not let the station do this ({status}): {why}")]
+    Forbidden {
+        /// The status of the answer.
+        status: u16,
+        /// What the server says.
+        why: String,
+    },
+    /// It is busy, or has a fault of its own.
+    #[error("the server cannot do it now ({status}): {why}")]
+    Busy {
+        /// The status of the answer.
+        status: u16,
+        /// What the server says.
+        why: String,
+    },
+    /// There is no token to be let in with.
+    #[error("no access token: {0}")]
+    NoToken(#[from] TokenFault),
+    /// The answer is none that its protocol has.
+    #[error("the server's answer cannot be used: {0}")]
+    Answer(String),
+    /// A receiver of messages does not take one now.
+    #[error("the receiver cannot take the message now: {0}")]
+    Later(String),
+}
+
+/// Why there is no access token.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TokenFault {
+    /// The server names no place of tokens.
+    #[error(
+        "the server does not say where tokens are given (.well-known/smart-configuration); \
+         store.fhir.token_address can"
+    )]
+    NoPlace,
+    /// The place of tokens cannot be asked.
+    #[error("the place where tokens are given cannot be asked: {0}")]
+    Place(EndpointFault),
+    /// The answer has no token.
+    #[error("the answer holds none")]
+    NotThere,
+    /// The place of tokens gives none.
+    #[error("the server answers {status}: {why}")]
+    Refused {
+        /// The status of the answer.
+        status: u16,
+        /// What the server says.
+        why: String,
+    },
+    /// The station's key is none that can sign.
+    #[error("the key is no private key of P-384 or RSA (2048 bits or more) as PKCS#8 (PEM)")]
+    Key,
+    /// The machine cannot sign.
+    #[error("the statement of the station cannot be signed")]
+    NotSigned,
+    /// Password or token hold what no header can have.
+    #[error("password or token hold characters that cannot be sent")]
+    Characters,
+}
+
+impl ServerFault {
+    /// Why, for people.
+    pub fn cause(&self) -> Cause {
+        let told =
+            |status: u16, why: &str| [("status", status.to_string()), ("why", why.to_owned())];
+        match self {
+            ServerFault::Http(fault) => fault.cause(),
+            ServerFault::Secret(fault) => {
+                Cause::known("server-secret", [("why", fault.to_string())])
+            }
+            ServerFault::Forbidden { status, why } => {
+                Cause::known("server-forbids", told(*status, why))
+            }
+            ServerFault::Busy { status, why } => Cause::known("server-busy", told(*status, why)),
+            ServerFault::NoToken(fault) => {
+                Cause::known("server-no-token", [("why", fault.to_string())])
+            }
+            ServerFault::Answer(why) => Cause::known("server-answer", [("why", why.clone())]),
+            ServerFault::Later(why) => Cause::known("receiver-later", [("why", why.clone())]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gaiter_language::Language;
+
+    use super::*;
+
+    #[test]
+    fn a_fault_of_a_server_is_told_in_each_language() {
+        let busy = ServerFault::Busy { status: 503, why: "restarting".to_owned() };
+        let cause = busy.cause();
+        assert_eq!(cause.to_string(), busy.to_string());
+        assert_eq!(
+            cause.in_words(Language::De),
+            "der Server kann es zurzeit nicht ausführen (503): restarting"
+        );
+        for fault in [
+            ServerFault::Forbidden { status: 403, why: "scope".to_owned() },
+            ServerFault::NoToken(TokenFault::NotThere),
+            ServerFault::Answer("no bundle".to_owned()),
+            ServerFault::Later("AE: full".to_owned()),
+            ServerFault::Http(HttpFault::Redirect),
+        ] {
+            let cause = fault.cause();
+            assert_eq!(cause.to_string(), fault.to_string());
+            assert_ne!(cause.in_words(Language::De), cause.to_string(), "{fault:?}");
+        }
+    }
+}

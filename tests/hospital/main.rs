@@ -1,0 +1,22 @@
+//! The stores of hospitals against real servers: Medplum's FHIR router, and a receiver of HL7 v2 by hl7apy.
+//!
+//! What is told to fail is the front of each server; what validates, searches and keeps is theirs. `.ci/run`
+//! installs them. By hand:
+//!
+//! ```text
+//! npm --prefix tests/hospital ci
+//! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install hl7apy jsonschema
+//! GAITER_PYTHON=/tmp/venv/bin/python cargo test --test hospital -- --include-ignored
+//! ```
+
+mod fhir;
+mod fhir_access;
+mod fhir_faults;
+mod fhir_house;
+mod hl7;
+mod hl7_faults;
+mod hl7_house;
+mod kill;
+mod records;
+mod server;
+mod station;
