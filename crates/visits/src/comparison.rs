@@ -46,7 +46,7 @@ pub struct LegChange {
     /// Of the girths at fixed places, mm, lowest first. Places at which the skin has moved too far because the
     /// leg was held differently are missing, all of them in another posture.
     pub girths: Vec<PlaceChange>,
-    /// Of the volume of each piece, mL, lowest first. Pieces are missing like `girths`.
+    /// Of the volume of each piece that counts for the volume, mL, lowest first. Pieces are missing like `girths`.
     pub pieces: Vec<PlaceChange>,
 }
 
@@ -84,7 +84,7 @@ impl Course {
             };
             let legs = [before, after];
             let girths = girths(visits, legs, &stance);
-            Some(LegChange { volume, girths, pieces: pieces(visits, legs, &stance, group) })
+            Some(LegChange { volume, girths, pieces: pieces(visits, legs, &stance, (group, side)) })
         };
         Comparison {
             earlier,
@@ -139,7 +139,7 @@ fn pieces(
     visits: [&Visit; 2],
     legs: [&LegAtVisit; 2],
     stance: &StanceChange,
-    group: &Group,
+    (group, side): (&Group, Side),
 ) -> Vec<PlaceChange> {
     let change = |step: &Step| {
         let only = BTreeSet::from([*step]);
@@ -152,7 +152,7 @@ fn pieces(
             is_doubtful: is_doubtful(legs, &[*step, step + 1]),
         })
     };
-    let steps = legs[0].places.keys().filter(|step| stance.allows(**step, **step + 1));
+    let steps = group.pieces.get(side).iter().filter(|step| stance.allows(**step, **step + 1));
     steps.filter_map(change).collect()
 }
 

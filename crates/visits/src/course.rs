@@ -51,6 +51,9 @@ impl Affected {
     /// The word where nobody named any.
     pub const NOT_NAMED: &str = "not-named";
 
+    /// The word where what a person named cannot be read.
+    pub const UNREADABLE: &str = "unreadable";
+
     /// What a word names; `None` for another word.
     pub fn of_word(word: &str) -> Option<Affected> {
         Affected::WORDS.into_iter().find(|(own, _)| *own == word).map(|(_, affected)| affected)
@@ -77,6 +80,8 @@ pub struct Course {
     pub choice: Choice,
     /// Records of the patient that are no visits because they cannot be used or are gone, oldest first.
     pub left_out: Vec<LeftOut>,
+    /// A person named a leg, but what is kept of it cannot be read: none counts.
+    pub is_affected_unreadable: bool,
 }
 
 /// Visits of one definition.
@@ -183,7 +188,7 @@ impl Course {
             visits.sort_by_key(|visit| visit.acquired.as_ref().map(|acquired| acquired.at));
         }
         let groups = groups(&visits, choice.volume);
-        Ok(Course { visits, groups, choice, left_out: Vec::new() })
+        Ok(Course { visits, groups, choice, left_out: Vec::new(), is_affected_unreadable: false })
     }
 
     /// The course of records that must all be comparable.
@@ -207,6 +212,22 @@ impl Course {
         Course { left_out, ..self }
     }
 
+    /// The course of a patient whose affected leg was named but cannot be read, if that is so. A leg that was chosen
+    /// counts all the same.
+    pub fn with_affected_unreadable(self, is_unreadable: bool) -> Course {
+        let is_affected_unreadable = is_unreadable && self.choice.affected.is_none();
+        Course { is_affected_unreadable, ..self }
+    }
+
+    /// The word for the affected leg, also where none is known.
+    pub(crate) fn affected_word(&self) -> &'static str {
+        match self.choice.affected {
+            Some(affected) => affected.word(),
+            None if self.is_affected_unreadable => Affected::UNREADABLE,
+            None => Affected::NOT_NAMED,
+        }
+    }
+
     /// When a record that is left out was first seen, on the clock of the last visit's scanner.
     pub fn seen(&self, of: &LeftOut) -> Acquired {
         let last = self.visits.iter().rev().find_map(|visit| visit.acquired.as_ref());
@@ -219,11 +240,14 @@ impl Course {
         self.groups.iter().find(|group| group.visits.contains(&last))
     }
 
-    /// The volume of a leg at a visit, over the pieces that all visits of the group have, mL.
+    /// The volume of a leg at a visit, over the pieces that all visits of the group have, mL. Its ± is that of the
+    /// whole leg in the report of the visit's scan, so that the two never tell different ones.
     pub fn volume(&self, group: &Group, visit: usize, side: Side) -> Option<Quantity> {
         let pieces = group.pieces.get(side);
         let visit = &self.visits[visit];
-        visit.legs.get(side).as_ref()?.volume(group.volume, pieces, &visit.common)
+        let leg = visit.legs.get(side).as_ref()?;
+        let volume = leg.volume(group.volume, pieces, &visit.common)?;
+        Some(Quantity { sd: leg.volume_sd_ml.unwrap_or(volume.sd), ..volume })
     }
 
     fn fault_between(&self, one: &Group, another: &Group) -> CourseFault {

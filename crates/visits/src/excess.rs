@@ -166,7 +166,7 @@ mod tests {
     use crate::quantity::Parts;
 
     fn quantity(value: f64, random: f64) -> Quantity {
-        Quantity { value, parts: Parts { random, ..Parts::default() } }
+        Quantity::new(value, Parts { random, ..Parts::default() })
     }
 
     fn of(before: Quantity, after: Quantity, stance: f64) -> Result<Reduction, NoReduction> {

@@ -16,6 +16,9 @@ use super::stance::Stance;
 pub struct LegAtVisit {
     /// Girths at the places where there are any.
     pub places: BTreeMap<Step, Place>,
+    /// Standard error of the whole leg's volume as the report of its scan tells it, mL; `None` if the record states
+    /// none.
+    pub volume_sd_ml: Option<f64>,
     /// How it stood; `None` if the record does not say.
     pub stance: Option<Stance>,
 }
@@ -47,6 +50,7 @@ impl LegAtVisit {
     pub fn of(body: &BodyFigures, leg: &LegFigures) -> LegAtVisit {
         LegAtVisit {
             places: leg.along.iter().filter_map(place).collect(),
+            volume_sd_ml: leg.volume.sd_ml,
             stance: Stance::of(body, leg),
         }
     }
@@ -59,7 +63,7 @@ impl LegAtVisit {
             girths: common.girth_mm,
             floor: self.slope(step) * common.floor_mm,
         };
-        Some(Quantity { value: place.girth_mm, parts })
+        Some(Quantity::new(place.girth_mm, parts))
     }
 
     /// The pieces of the leg that its girths give, each by the number of its (lower) place.
@@ -79,17 +83,21 @@ impl LegAtVisit {
                 *ml_per_mm.entry(place).or_default() += growth;
             }
         }
-        let random = ml_per_mm.iter().filter_map(|(step, growth)| {
-            let place = self.places.get(step)?;
-            Some(growth * place.girth_sd_mm)
-        });
+        let errors = || {
+            ml_per_mm.iter().filter_map(|(step, growth)| {
+                let place = self.places.get(step)?;
+                Some(growth * place.girth_sd_mm)
+            })
+        };
         let parts = Parts {
-            random: random.fold(0.0, f64::hypot),
+            random: errors().fold(0.0, f64::hypot),
             girths: common.girth_mm * ml_per_mm.values().sum::<f64>(),
             floor: common.floor_mm
                 * ml_per_mm.iter().map(|(step, growth)| growth * self.slope(*step)).sum::<f64>(),
         };
-        (!of.is_empty()).then_some(Quantity { value: ml, parts })
+        // As the report of a scan has it, where the errors of all girths may be one.
+        let sd: f64 = errors().sum();
+        (!of.is_empty()).then_some(Quantity { value: ml, sd, parts })
     }
 
     fn piece(&self, by: VolumeBy, step: Step) -> Option<Piece> {
@@ -131,7 +139,7 @@ mod tests {
             let girth_mm = 200.0 + slope * along_mm(step);
             (step, Place { height_mm: None, girth_mm, girth_sd_mm, is_doubtful: false })
         };
-        LegAtVisit { places: (2..=16).map(place).collect(), stance: None }
+        LegAtVisit { places: (2..=16).map(place).collect(), volume_sd_ml: None, stance: None }
     }
 
     fn all(leg: &LegAtVisit) -> BTreeSet<Step> {

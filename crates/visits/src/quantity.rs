@@ -3,6 +3,9 @@
 //! What scatters from place to place is small on a scanner: many girths average it out. What shifts all
 //! girths of one scan together (the scanner's calibration, the height of the floor) does not average out, and
 //! limits what a comparison can show. So the two are kept apart.
+//!
+//! What is common to a scan cannot be seen in that scan: the ± of one visit is that of the report of its scan, and does
+//! not hold it. The ± of a change does.
 
 use gaiter_record::rounding::MARGIN_SDS;
 
@@ -39,26 +42,31 @@ impl Parts {
 pub struct Quantity {
     /// The figure.
     pub value: f64,
-    /// Its standard uncertainty.
+    /// Its standard uncertainty at its own visit, which its ± tells: of a leg's volume, that of the report of its scan.
+    pub sd: f64,
+    /// What counts of its uncertainty in a change.
     pub parts: Parts,
 }
 
 impl Quantity {
-    /// This figure minus another one of the same scan: what is common to both cancels as far as it can.
-    pub(crate) fn minus_within_scan(&self, other: &Quantity) -> Quantity {
-        Quantity {
-            value: self.value - other.value,
-            parts: Parts {
-                random: self.parts.random.hypot(other.parts.random),
-                girths: self.parts.girths - other.parts.girths,
-                floor: self.parts.floor - other.parts.floor,
-            },
-        }
+    /// A figure that is as uncertain at its own visit as all its parts together.
+    pub(crate) fn new(value: f64, parts: Parts) -> Quantity {
+        Quantity { value, sd: parts.total(), parts }
     }
 
-    /// Its expanded uncertainty: about 95 % of repeated scans lie within it.
+    /// This figure minus another one of the same scan: what is common to both cancels as far as it can.
+    pub(crate) fn minus_within_scan(&self, other: &Quantity) -> Quantity {
+        let parts = Parts {
+            random: self.parts.random.hypot(other.parts.random),
+            girths: self.parts.girths - other.parts.girths,
+            floor: self.parts.floor - other.parts.floor,
+        };
+        Quantity::new(self.value - other.value, parts)
+    }
+
+    /// Its expanded uncertainty at its own visit: about 95 % of repeated scans lie within it.
     pub fn expanded(&self) -> f64 {
-        MARGIN_SDS * self.parts.total()
+        MARGIN_SDS * self.sd
     }
 }
 
@@ -163,7 +171,7 @@ mod tests {
     use super::*;
 
     fn quantity(value: f64, [random, girths, floor]: [f64; 3]) -> Quantity {
-        Quantity { value, parts: Parts { random, girths, floor } }
+        Quantity::new(value, Parts { random, girths, floor })
     }
 
     #[test]

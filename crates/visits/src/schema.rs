@@ -30,6 +30,8 @@ pub struct CourseFigures {
     pub patient: Option<String>,
     /// The affected leg as a person named it: `left`, `right`, `both` or `none`; null if nobody did.
     pub affected: Option<&'static str>,
+    /// Whether a person named one that cannot be read, so that none counts.
+    pub is_affected_unreadable: bool,
     /// Standard error that all girths of a scan have in common.
     pub girth_common_sd_mm: f64,
     /// Length along the leg between two girths.
@@ -115,9 +117,11 @@ pub struct PlaceFigures {
 pub struct QuantityFigures {
     /// The figure.
     pub value: f64,
-    /// What is independent from place to place.
+    /// Its standard uncertainty at this visit; of a leg's volume, that of the report of its scan.
+    pub visit_sd: f64,
+    /// What counts in a change and is independent from place to place.
     pub random_sd: f64,
-    /// What is common to all girths of the scan.
+    /// What counts in a change and is common to all girths of the scan.
     pub common_sd: f64,
 }
 
@@ -269,6 +273,7 @@ pub fn figures(course: &Course, thresholds: &[Threshold]) -> CourseFigures {
         schema: VISITS,
         patient: course.visits.first().and_then(|visit| visit.patient.clone()),
         affected: course.choice.affected.map(Affected::word),
+        is_affected_unreadable: course.is_affected_unreadable,
         girth_common_sd_mm: course.choice.girth_common_mm,
         step_mm: PROFILE_STEP_MM,
         visits: (0..course.visits.len()).map(|at| visit(course, at)).collect(),
@@ -402,6 +407,7 @@ fn difference_change(of: &Change) -> ChangeFigures {
 fn quantity(of: &Quantity) -> QuantityFigures {
     QuantityFigures {
         value: ml(of.value),
+        visit_sd: ml(of.sd),
         random_sd: ml(of.parts.random),
         common_sd: ml(of.parts.common()),
     }

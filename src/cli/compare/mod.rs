@@ -120,7 +120,8 @@ pub fn compare(args: &CompareArgs) -> Exit {
     ended(&args.how, |_| {
         let found = records::at(&args.records)?;
         let make = Course::comparable;
-        Ok(Chosen { found, left_out: Vec::new(), affected: None, make })
+        let (left_out, affected) = (Vec::new(), None);
+        Ok(Chosen { found, left_out, affected, is_affected_unreadable: false, make })
     })
 }
 
@@ -142,7 +143,8 @@ pub fn visits(how: &CompareChoice) -> Exit {
             (1, true) => Err(Fault::OneVisit),
             _ => {
                 let affected = known.affected.as_deref().and_then(Affected::of_word);
-                Ok(Chosen { found, left_out, affected, make: Course::of })
+                let is_affected_unreadable = known.is_affected_unreadable;
+                Ok(Chosen { found, left_out, affected, is_affected_unreadable, make: Course::of })
             }
         }
     })
@@ -154,6 +156,8 @@ struct Chosen {
     left_out: Vec<LeftOut>,
     /// The affected leg, as it is kept with the patient.
     affected: Option<Affected>,
+    /// Whether what is kept cannot be read.
+    is_affected_unreadable: bool,
     /// Makes a course of records.
     make: fn(&[Record], Choice) -> Result<Course, CourseFault>,
 }
@@ -175,7 +179,7 @@ fn ended(how: &CompareChoice, chosen: impl FnOnce(&Configured) -> Result<Chosen,
 fn compared(
     how: &CompareChoice,
     configured: &Configured,
-    Chosen { found, left_out, affected, make }: Chosen,
+    Chosen { found, left_out, affected, is_affected_unreadable, make }: Chosen,
 ) -> Result<(), Fault> {
     let records: Vec<Record> = found.iter().map(|of| of.record.clone()).collect();
     let choice = Choice {
@@ -189,6 +193,7 @@ fn compared(
         Fault::Course { fault, names: named.collect::<Vec<_>>().join(", ") }
     })?;
     let course = course.with_left_out(left_out);
+    let course = course.with_affected_unreadable(is_affected_unreadable);
     let report = ReportOf {
         course: &course,
         records: &records,

@@ -1,7 +1,7 @@
 //! A report of blocks for a terminal.
 
 use gaiter_record::report::content::{Section, Table};
-use gaiter_record::report::document::{Block, Document};
+use gaiter_record::report::document::{Block, Document, VerdictPart};
 use gaiter_record::report::{Figure, Mark};
 
 use crate::cli::terminal::paint::{self, painted};
@@ -13,15 +13,26 @@ pub(super) fn of(document: &Document, columns: usize) -> String {
     let mut text = format!("{}: {} · {}\n", head.title, head.patient, head.taken);
     for block in &document.blocks {
         text += &match block {
-            Block::Verdict(sentences) => {
-                sentences.iter().map(|said| indented(said, "  ", columns)).collect()
+            Block::Verdict(parts) => {
+                let parts: Vec<String> = parts.iter().map(|of| part(of, columns)).collect();
+                parts.join("\n")
             }
             Block::Section(of) => section(of, columns),
-            Block::Table(of) => table(of, columns),
+            Block::Table(of) => {
+                let bold = document.head.language.text("visits.bold_in_text");
+                let bold = has_bold(of).then(|| indented(bold, "  ", columns));
+                table(of, columns) + &bold.unwrap_or_default()
+            }
             Block::Picture { .. } | Block::View(_) | Block::Turn => String::new(),
         };
     }
     text
+}
+
+fn part(of: &VerdictPart, columns: usize) -> String {
+    let heading = of.heading.as_ref().map(|heading| format!("{heading}\n"));
+    let said = of.sentences.iter().map(|said| indented(said, "  ", columns));
+    heading.into_iter().chain(said).collect()
 }
 
 fn section(of: &Section, columns: usize) -> String {
@@ -54,7 +65,13 @@ fn table(of: &Table, columns: usize) -> String {
             text += &line(row, &widths, &part);
         }
     }
+    text.extend(of.below.as_ref().map(|said| indented(said, "  ", columns)));
     text
+}
+
+/// Whether a change is shown in it, which the sheet has in bold.
+fn has_bold(of: &Table) -> bool {
+    of.rows.iter().flat_map(|row| &row.figures).any(|figure| figure.mark == Mark::Real)
 }
 
 /// The columns of each part of a table that fits into this many characters; every part begins with the

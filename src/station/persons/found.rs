@@ -7,16 +7,19 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::patient::naming::RecordName;
 use gaiter_flow::patient::person::{
-    HandedOver, KnownVisits, OnServer, Person, PersonAmendment, PersonDelivery, PersonRecord,
-    PersonScan, PersonStore, WhoseScan,
+    HandedOver, KnownVisits, NamedLeg, OnServer, Person, PersonAmendment, PersonDelivery,
+    PersonRecord, PersonScan, PersonStore, WhoseScan,
 };
 use gaiter_flow::{DeliveryState, Identity, NameSays, ScanId};
 use gaiter_record::RECORD;
+use gaiter_visits::Affected;
 use jiff::Timestamp;
+use tracing::warn;
 
 use crate::config::Config;
 use crate::station::custody::{Custody, CustodyFault, journals_naming, orders_naming};
 use crate::station::journal::Theirs;
+use crate::station::runtime::causes::chain;
 use crate::station::stores::Stores;
 use crate::store::brief::Brief;
 use crate::store::{FolderStore, PersonFolder, RecordStore, StoreFault};
@@ -83,17 +86,27 @@ pub(in crate::station) fn person(
     })
 }
 
-/// What a station knows of a patient whose visits are compared.
+/// What a station knows of a patient whose visits are compared. An affected leg that cannot be read is said to be so:
+/// without it, too, visits can be compared.
 ///
 /// # Errors
-/// If the journal or the state folder cannot be read.
+/// If the journal cannot be read.
 pub(in crate::station) fn visits(
     custody: &Custody,
     patient: &str,
 ) -> Result<KnownVisits, CustodyFault> {
     let delivered = custody.journal().delivered_for_person(patient, FolderStore::FIRST)?;
-    let affected = custody.affected_of(patient)?.map(|named| named.affected);
-    Ok(KnownVisits { delivered, affected })
+    let named = custody.affected_of(patient);
+    let is_leg = |named: &NamedLeg| Affected::of_word(&named.affected).is_some();
+    let is_affected_unreadable = match &named {
+        Ok(named) => !named.iter().all(is_leg),
+        Err(fault) => {
+            warn!(event = "affected-leg-unreadable", error = chain(fault));
+            true
+        }
+    };
+    let affected = named.ok().flatten().filter(is_leg).map(|named| named.affected);
+    Ok(KnownVisits { delivered, affected, is_affected_unreadable })
 }
 
 fn now() -> Timestamp {

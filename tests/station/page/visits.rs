@@ -33,12 +33,7 @@ fn the_affected_leg_is_named_once_and_holds_for_page_and_terminal() {
     let (booth, daemon, site, scan) = with_one_record();
     let path = format!("/scan/{scan}/visits.html");
     booth.wait_for("the record", || site.get(&path, &site.operator()).status != 404);
-    let mut folders = fs::read_dir(booth.path("records/4711")).unwrap();
-    let folder = folders.find_map(|entry| {
-        let path = entry.unwrap().path();
-        path.join("record.json").exists().then_some(path)
-    });
-    earlier_visit(&folder.unwrap(), "2026-01-08", "0");
+    earlier_visit(&record_folder(&booth), "2026-01-08", "0");
     // What names no leg, and nobody, changes nothing.
     assert_eq!(name_affected(&site, "4711", "head"), 409);
     assert_eq!(name_affected(&site, "not one", "left"), 409);
@@ -65,6 +60,53 @@ fn the_affected_leg_is_named_once_and_holds_for_page_and_terminal() {
     assert_eq!(code(&named), Some(0), "{}", stderr(&named));
     assert_eq!(affected(&[]), Value::Null);
     assert_eq!(daemon.stop().code(), Some(0));
+}
+
+/// The file of the leg that was named is cut short, as a full disk or a failing one leaves it.
+#[test]
+fn a_named_leg_that_cannot_be_read_keeps_no_visits_from_page_and_terminal() {
+    let (booth, daemon, site, scan) = with_one_record();
+    let path = format!("/scan/{scan}/visits.html");
+    booth.wait_for("the record", || site.get(&path, &site.operator()).status != 404);
+    earlier_visit(&record_folder(&booth), "2026-01-08", "0");
+    assert_eq!(name_affected(&site, "4711", "left"), 200);
+    let file = fs::read_dir(booth.path("state/affected")).unwrap().next().unwrap().unwrap().path();
+    for damaged in [
+        "{",
+        "{\"schema\": \"gaiter.affected/1\", \"affected\": \"head\", \"at\": \"2026-01-08T08:00:00Z\"}",
+    ] {
+        fs::write(&file, damaged).unwrap();
+        let page = site.get(&path, &site.operator());
+        assert_eq!(page.status, 200, "{}", page.body);
+        assert!(page.body.contains("cannot be read, so no excess volume"), "{}", page.body);
+        assert!(page.body.contains("Left minus right"), "{}", page.body);
+        let config = booth.path("station.toml");
+        let said = gaiter_told(&config, &["patient", "visits", "--language", "de"], "4711\n");
+        assert_eq!(code(&said), Some(0), "{}", stderr(&said));
+        let text = stdout(&said).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains("ist nicht lesbar, daher auch kein Mehrvolumen"), "{text}");
+        let said = gaiter_told(&config, &["patient", "visits", "--json"], "4711\n");
+        let json: Value = serde_json::from_str(&stdout(&said)).unwrap();
+        assert_eq!(
+            (&json["affected"], &json["is_affected_unreadable"]),
+            (&Value::Null, &true.into())
+        );
+    }
+    // It is named anew.
+    assert_eq!(name_affected(&site, "4711", "right"), 200);
+    let page = site.get(&path, &site.operator()).body;
+    assert!(page.contains("Affected leg, as named: right."), "{page}");
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+/// The folder of the patient's only record.
+fn record_folder(booth: &Booth) -> PathBuf {
+    let mut folders = fs::read_dir(booth.path("records/4711")).unwrap();
+    let folder = folders.find_map(|entry| {
+        let path = entry.unwrap().path();
+        path.join("record.json").exists().then_some(path)
+    });
+    folder.unwrap()
 }
 
 /// Puts a record of another day and scan beside one, as another visit of the patient has it.
@@ -94,12 +136,7 @@ fn the_visits_of_a_patient_are_compared_for_those_who_may_see_whose_scan_it_is()
     assert_eq!(alone.status, 409, "{}", alone.body);
     assert!(alone.body.contains("one day only"), "{}", alone.body);
 
-    let mut folders = fs::read_dir(booth.path("records/4711")).unwrap();
-    let folder = folders.find_map(|entry| {
-        let path = entry.unwrap().path();
-        path.join("record.json").exists().then_some(path)
-    });
-    let folder = folder.unwrap();
+    let folder = record_folder(&booth);
     let earlier = earlier_visit(&folder, "2026-01-08", "0");
     let page = site.get(&path("visits.html"), &operator);
     assert_eq!(page.status, 200, "{}", page.body);

@@ -50,6 +50,9 @@ pub struct KnownVisits {
     pub delivered: Vec<String>,
     /// The affected leg as a person named it: `left`, `right`, `both` or `none`; `None` if nobody did.
     pub affected: Option<String>,
+    /// Whether a leg was named but what is kept of it cannot be read.
+    #[serde(default)]
+    pub is_affected_unreadable: bool,
 }
 
 /// Which leg of a patient a person named as affected.

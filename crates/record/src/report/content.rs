@@ -205,6 +205,8 @@ pub struct Table {
     pub columns: Vec<String>,
     /// The rows.
     pub rows: Vec<TableRow>,
+    /// What is to be known of its figures, below them; `None` if nothing is.
+    pub below: Option<String>,
 }
 
 /// A row of a [`Table`].

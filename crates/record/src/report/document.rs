@@ -45,8 +45,8 @@ pub struct PaperLink {
 /// A part of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
-    /// What matters most, a sentence a line.
-    Verdict(Vec<String>),
+    /// What matters most.
+    Verdict(Vec<VerdictPart>),
     /// A heading with paragraphs.
     Section(Section),
     /// A table.
@@ -64,6 +64,15 @@ pub enum Block {
     View(Box<View>),
     /// What follows begins on a new page of paper.
     Turn,
+}
+
+/// A part of what matters most.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VerdictPart {
+    /// What it is about; `None` for the whole report.
+    pub heading: Option<String>,
+    /// What is said, a sentence a line.
+    pub sentences: Vec<String>,
 }
 
 /// Legs in the interactive 3D view.

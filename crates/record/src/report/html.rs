@@ -101,7 +101,7 @@ pub fn document_page(of: &Document, paper: Paper) -> Result<String, serde_json::
 fn block((index, of): (usize, &Block)) -> String {
     let id = format!("part-{index}");
     match of {
-        Block::Verdict(sentences) => parts::sentences(sentences),
+        Block::Verdict(said) => parts::verdict_of(said),
         Block::Section(section) => parts::entries(&id, section),
         Block::Table(table) => parts::whole_table(&id, table),
         Block::Picture { title, figure, caption } => parts::titled(&id, title, figure, caption),

@@ -5,6 +5,7 @@ pub mod content;
 pub mod document;
 mod figure;
 mod head;
+mod held;
 mod html;
 mod pdf;
 mod print;

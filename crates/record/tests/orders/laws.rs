@@ -358,8 +358,10 @@ proptest! {
             };
             prop_assert_eq!(text.as_str(), order_ref.as_str());
             let is_bare = !is_guarded && !told.starts_with("=\"");
+            // Numerals that are letters, as Ⅷ, are no digits to a spreadsheet.
+            let is_digit = |letter: char| letter.is_numeric() && !letter.is_alphabetic();
             let first = told.chars().find(|letter| letter.is_alphanumeric());
-            prop_assert!(!is_bare || !first.is_some_and(char::is_numeric), "{}", told);
+            prop_assert!(!is_bare || !first.is_some_and(is_digit), "{}", told);
             prop_assert!(!told.starts_with(['+', '-', '@']), "{}", told);
         }
     }

@@ -1,5 +1,6 @@
 //! The report of a patient's visits for people: its content as data, which record's report prints.
 
+mod legend;
 mod pictures;
 mod summary;
 mod tables;
@@ -65,8 +66,11 @@ impl ReportOf<'_> {
         if let Some(group) = group {
             blocks.extend(self.of_group(&words, group, &compared));
         }
-        let title = words.text("visits.legend");
-        blocks.push(Block::Section(Section { title, entries: self.legend(&words) }));
+        let entries = group.map(|group| legend::legend(&words, group, &compared));
+        let entries = entries.filter(|entries| !entries.is_empty());
+        blocks.extend(entries.map(|entries| {
+            Block::Section(Section { title: words.text("visits.legend"), entries })
+        }));
         Document { head: self.head(&words), origin: self.origin(), paper: None, blocks }
     }
 

@@ -1,11 +1,10 @@
 //! What a comparison of visits shows, in sentences.
 
-use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use gaiter_leg::Side;
-use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
-use gaiter_record::rounding::{number, shortest, tenths_words};
+use gaiter_record::report::document::VerdictPart;
+use gaiter_record::rounding::shortest;
 
 use super::ReportOf;
 use super::words::Words;
@@ -14,46 +13,70 @@ use crate::comparison::Comparison;
 use crate::course::{Affected, Group};
 use crate::excess::{ExcessChange, NoReduction};
 use crate::left_out::LeftOut;
-use crate::place::along_mm;
 use crate::quantity::{Change, Shown};
-use crate::threshold::{Reached, verdicts};
+use crate::threshold::{Limited, Reached, verdicts};
 
 impl ReportOf<'_> {
-    /// What the last visit shows, compared with the first and with the one before it.
-    pub(super) fn summary(&self, words: &Words) -> Vec<String> {
+    /// What the last visit shows, compared with the first and with the one before it: a part for each pair of days.
+    pub(super) fn summary(&self, words: &Words) -> Vec<VerdictPart> {
         let Some(group) = self.course.last_group() else { return Vec::new() };
         let compared = self.course.last_compared(group);
-        let mut said: Vec<String> =
-            compared.iter().flat_map(|of| self.of_comparison(words, group, of)).collect();
-        for of in &compared {
-            said.extend(stand_ins(words, of));
+        let affected = self.course.affected_word();
+        let affected = words.language.word("visits.affected", affected).to_owned();
+        // Where none is named, it is no news, and comes last.
+        let is_named = matches!(self.course.choice.affected, Some(Affected::One(_)))
+            || self.course.is_affected_unreadable;
+        let (mut before, mut last) = (Vec::new(), Vec::new());
+        // What both comparisons share: it is of the last visit.
+        if let Some(of) = compared.first() {
+            last.extend(self.of_thresholds(words, of, |limited| limited == Limited::Excess));
+            last.extend(stands_in_later(words, of));
         }
-        // What both comparisons share stands once.
-        let mut known = BTreeSet::new();
-        said.retain(|sentence| known.insert(sentence.clone()));
         if compared.is_empty() {
-            said.push(words.text("visits.alone"));
+            last.push(words.text("visits.alone"));
         }
-        let affected = self.course.choice.affected.map_or(Affected::NOT_NAMED, Affected::word);
-        said.push(words.language.word("visits.affected", affected).to_owned());
-        said.extend(self.age(words));
-        said
+        let place = if is_named { &mut before } else { &mut last };
+        place.push(affected);
+        last.extend(self.age(words));
+        let pairs = compared.iter().map(|of| VerdictPart {
+            heading: Some(between(words, of)),
+            sentences: self.of_comparison(words, group, of),
+        });
+        let alone = |sentences: Vec<String>| VerdictPart { heading: None, sentences };
+        let parts = [alone(before)].into_iter().chain(pairs).chain([alone(last)]);
+        parts.filter(|part| !part.sentences.is_empty()).collect()
     }
 
     fn of_comparison(&self, words: &Words, group: &Group, of: &Comparison) -> Vec<String> {
-        let volumes =
-            Side::FROM_FRONT.into_iter().filter_map(|side| volume(words, group, of, side));
-        let mut said: Vec<String> = volumes.collect();
+        let legs = words.affected_first().into_iter();
+        let mut said: Vec<String> = legs.filter_map(|side| volume(words, of, side)).collect();
         if of.is_of_other_posture() {
             let posture = words.caution(of, &Caution::Posture);
             said.push(format!("{}: {posture}", between(words, of)));
         }
-        said.extend(match &of.excess {
-            Some(change) => Some(excess(words, of, change)),
+        let apart = match &of.excess {
+            Some(change) => Some(excess(words, change)),
             None => difference(words, group, of),
-        });
-        let verdicts = verdicts(self.thresholds, of);
-        said.extend(verdicts.iter().map(|verdict| {
+        };
+        said.extend(apart.map(|apart| match cancelling(words, of) {
+            Some(why) => format!("{apart} {why}"),
+            None => apart,
+        }));
+        said.extend(self.of_thresholds(words, of, |limited| limited != Limited::Excess));
+        said.extend(stands_in_earlier(words, of));
+        said
+    }
+
+    /// What those of the clinic's thresholds say that limit such a figure.
+    fn of_thresholds(
+        &self,
+        words: &Words,
+        of: &Comparison,
+        is_such: impl Fn(Limited) -> bool,
+    ) -> Vec<String> {
+        let verdicts = verdicts(self.thresholds, of).into_iter();
+        let verdicts = verdicts.filter(|verdict| is_such(verdict.threshold.of));
+        let said = verdicts.map(|verdict| {
             let key = match verdict.reached() {
                 Reached::Yes => "visits.threshold.reached",
                 Reached::No => "visits.threshold.not_reached",
@@ -69,8 +92,8 @@ impl ReportOf<'_> {
                 ("value", &format!("{} {}", words.percent_change(verdict.value), of.of.unit())),
             ];
             words.filled(key, &values)
-        }));
-        said
+        });
+        said.collect()
     }
 
     /// The records that are left out, with the reason.
@@ -128,52 +151,6 @@ impl ReportOf<'_> {
         said.extend(all.into_iter().map(|(text, pairs)| format!("{}: {text}", pairs.join(", "))));
         said
     }
-
-    /// How to read the figures.
-    pub(super) fn legend(&self, words: &Words) -> Vec<String> {
-        let language = self.language;
-        let mut said = vec![words.text("visits.legend_girths")];
-        if let Some(group) = self.course.last_group() {
-            let method = language.word("visits.volume_by", group.volume.word());
-            let of = |side: Side| {
-                let pieces = group.pieces.get(side);
-                let (low, high) = (pieces.first()?, pieces.last()?);
-                let cm = |mm: f64| number(mm / 10.0, 0, language);
-                let values: [(&str, &dyn Display); 3] = [
-                    ("leg", &words.leg_in_sentence(side)),
-                    ("from", &cm(along_mm(*low))),
-                    ("to", &cm(along_mm(*high) + PROFILE_STEP_MM)),
-                ];
-                Some(words.filled("visits.legend_range", &values))
-            };
-            let ranges: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(of).collect();
-            let values: [(&str, &dyn Display); 2] =
-                [("method", &method), ("ranges", &ranges.join(", "))];
-            said.push(words.filled("visits.legend_volumes", &values));
-        }
-        said.push(words.text("visits.legend_percent"));
-        said.push(words.text("visits.legend_rounding"));
-        let mm = shortest(self.course.choice.girth_common_mm, language);
-        said.push(words.filled("visits.legend_uncertainty", &[("mm", &mm)]));
-        said.extend(self.bound(words));
-        said.push(words.text("visits.legend_limits"));
-        said
-    }
-}
-
-impl ReportOf<'_> {
-    /// What part of the last visit's volumes the errors are that all girths of a scan have in common.
-    fn bound(&self, words: &Words) -> Option<String> {
-        let (group, last) = (self.course.last_group()?, self.course.visits.len().checked_sub(1)?);
-        let share = |side: Side| {
-            let volume = self.course.volume(group, last, side)?;
-            let percent = number(100.0 * volume.parts.common() / volume.value, 2, words.language);
-            Some(format!("{} {percent} %", words.leg_in_sentence(side)))
-        };
-        let shares: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(share).collect();
-        let all = shares.join(", ");
-        (!shares.is_empty()).then(|| words.filled("visits.legend_bound", &[("shares", &all)]))
-    }
 }
 
 /// The days of a comparison.
@@ -182,27 +159,34 @@ pub(super) fn between(words: &Words, of: &Comparison) -> String {
     words.filled("visits.between", &[("earlier", &earlier), ("later", &later)])
 }
 
-/// What hangs on a visit that stands in the place of a record that is left out.
-fn stand_ins(words: &Words, of: &Comparison) -> Vec<String> {
-    let [earlier, later] = words.days(of);
-    let said = |is_stand_in: bool, key: &'static str, date: &String| {
-        is_stand_in.then(|| words.filled(key, &[("date", date)]))
-    };
-    let ends = [
-        said(of.stand_ins.earlier, "visits.stand_in_earlier", &earlier),
-        said(of.stand_ins.later, "visits.stand_in_later", &later),
-    ];
-    ends.into_iter().flatten().collect()
+/// What hangs on the earlier visit, where it stands in the place of a record that is left out.
+fn stands_in_earlier(words: &Words, of: &Comparison) -> Option<String> {
+    let [earlier, _] = words.days(of);
+    let is_stand_in = of.stand_ins.earlier;
+    is_stand_in.then(|| words.filled("visits.stand_in_earlier", &[("date", &earlier)]))
 }
 
-fn volume(words: &Words, group: &Group, of: &Comparison, side: Side) -> Option<String> {
+/// That the later visit is not the last one.
+fn stands_in_later(words: &Words, of: &Comparison) -> Option<String> {
+    let [_, later] = words.days(of);
+    let is_stand_in = of.stand_ins.later;
+    is_stand_in.then(|| words.filled("visits.stand_in_later", &[("date", &later)]))
+}
+
+/// Why what the legs differ by is told where no change of either leg is shown.
+pub(super) fn cancelling(words: &Words, of: &Comparison) -> Option<String> {
+    let volumes = Side::BOTH.map(|side| of.legs.get(side).as_ref().and_then(|leg| leg.volume));
+    let is_shown = volumes.into_iter().flatten().any(|of| of.shown() != Shown::NoChange);
+    let is_told = of.excess.is_some() || of.left_minus_right.is_some();
+    (is_told && !is_shown).then(|| words.text("visits.cancels"))
+}
+
+fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
     let change = of.legs.get(side).as_ref()?.volume?;
-    let at = |visit: usize| words.course.volume(group, visit, side);
-    let told = words.told([at(of.earlier)?.value, at(of.later)?.value], &change);
+    let told = words.told(&change);
     let [percent, detectable] = words.told_percent(&change);
-    let values: [(&str, &dyn Display); 5] = [
+    let values: [(&str, &dyn Display); 4] = [
         ("leg", &words.leg(side)),
-        ("between", &between(words, of)),
         ("ml", &told.change),
         ("percent", &percent),
         ("detectable", &detectable),
@@ -210,14 +194,13 @@ fn volume(words: &Words, group: &Group, of: &Comparison, side: Side) -> Option<S
     Some(words.of_code("visits.volume", change.shown().word(), &values))
 }
 
-fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
+fn excess(words: &Words, change: &ExcessChange) -> String {
     let only = |side: Side| words.language.word("leg.only", side.word());
+    let told = words.told(&change.change);
     let ends = [change.earlier.ml.value, change.later.ml.value];
-    let told = words.told(ends, &change.change);
-    let [before, after] = ends.map(|ml| words.ml_apart(ml, told.decimals));
-    let values: [(&str, &dyn Display); 7] = [
+    let [before, after] = ends.map(|ml| words.ml_change(ml));
+    let values: [(&str, &dyn Display); 6] = [
         ("side", &only(change.later.affected)),
-        ("between", &between(words, of)),
         ("ml", &told.change),
         ("before", &before),
         ("after", &after),
@@ -230,8 +213,7 @@ fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
     let shown = words.of_code("visits.excess", change.change.shown().word(), &values);
     let reduction = match &change.reduction {
         Ok(reduction) => {
-            let percent = words.unsigned_percent(reduction.percent);
-            let margin = tenths_words((10.0 * reduction.expanded).ceil() / 10.0, words.language);
+            let [percent, margin] = words.reduction(reduction);
             words.filled("visits.reduction", &[("percent", &percent), ("margin", &margin)])
         }
         // The sentence before it says so already.
@@ -245,11 +227,10 @@ fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
 fn difference(words: &Words, group: &Group, of: &Comparison) -> Option<String> {
     let change: Change = of.left_minus_right?;
     let at = |visit: usize| words.course.left_minus_right(group, visit);
-    let ends = [at(of.earlier)?.value, at(of.later)?.value];
-    let told = words.told(ends, &change);
-    let [before, after] = ends.map(|ml| words.ml_apart(ml, told.decimals));
-    let values: [(&str, &dyn Display); 5] = [
-        ("between", &between(words, of)),
+    let [before, after] =
+        [at(of.earlier)?, at(of.later)?].map(|volume| words.ml_change(volume.value));
+    let told = words.told(&change);
+    let values: [(&str, &dyn Display); 4] = [
         ("ml", &told.change),
         ("before", &before),
         ("after", &after),

@@ -1,5 +1,6 @@
 //! The tables of a report of visits.
 
+use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
@@ -8,7 +9,7 @@ use gaiter_record::report::content::{Table, TableRow};
 use gaiter_record::report::{Figure, Mark};
 use gaiter_record::rounding::{cm_words, ml_margin, number, signed, tenths_words};
 
-use super::summary::between;
+use super::summary::{between, cancelling};
 use super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
 use crate::course::{Affected, Group};
@@ -18,6 +19,9 @@ use crate::quantity::{Change, Quantity, Shown};
 /// Behind the time of a visit at another time of day than the last one.
 const OTHER_TIME: &str = " †";
 
+/// Behind a change beside a girth in doubt.
+const DOUBT: &str = " ?";
+
 /// All visits, newest first: conditions, volumes, excess or difference.
 pub(super) fn visits(words: &Words) -> Table {
     let legs = Side::FROM_FRONT
@@ -25,32 +29,51 @@ pub(super) fn visits(words: &Words) -> Table {
     let [right, left] = legs;
     let columns = ["visits.column.visit", "visits.column.posture", "visits.column.phantom"];
     let columns = columns.map(|key| words.text(key)).into_iter();
-    let course = words.course;
-    let row = |visit: usize| {
-        let of = &course.visits[visit];
-        let group = course.groups.iter().find(|group| group.visits.contains(&visit));
-        let phantom = of.phantom_mm.map_or_else(
-            || Figure { value: words.text("visits.no_phantom"), margin: None, mark: Mark::Missing },
-            |mm| plain(signed(mm, &tenths_words(mm, words.language))),
-        );
-        let volume = |side: Side| match group.and_then(|of| course.volume(of, visit, side)) {
-            Some(volume) => ml(words, &volume),
-            None => missing(words),
-        };
-        let [right, left] = Side::FROM_FRONT.map(volume);
-        let apart = group.and_then(|group| apart(words, group, visit));
-        let apart = apart.unwrap_or_else(|| missing(words));
-        let figures = vec![plain(words.posture(of)), phantom, right, left, apart];
-        let other_time = group.and_then(|group| course.other_time_of_day(group, visit));
-        let sign = if other_time.is_some() { OTHER_TIME } else { "" };
-        TableRow { head: words.time(of) + sign, figures }
-    };
+    let rows: Vec<TableRow> =
+        (0..words.course.visits.len()).rev().map(|visit| visit_row(words, visit)).collect();
     Table {
         title: words.text("visits.all"),
-        explanation: Some(words.text("visits.all_explained")),
+        explanation: Some(all_explained(words, &rows)),
         columns: columns.chain([right, left, words.text(apart_column(words))]).collect(),
-        rows: (0..course.visits.len()).rev().map(row).collect(),
+        rows,
+        below: Some(words.text("visits.rounded")),
     }
+}
+
+/// The conditions and volumes of a visit.
+fn visit_row(words: &Words, visit: usize) -> TableRow {
+    let course = words.course;
+    let of = &course.visits[visit];
+    let group = course.groups.iter().find(|group| group.visits.contains(&visit));
+    let phantom = of.phantom_mm.map_or_else(
+        || Figure { value: words.text("visits.no_phantom"), margin: None, mark: Mark::Missing },
+        |mm| plain(signed(mm, &tenths_words(mm, words.language))),
+    );
+    let volume = |side: Side| match group.and_then(|of| course.volume(of, visit, side)) {
+        Some(volume) => ml(words, &volume),
+        None => missing(words),
+    };
+    let [right, left] = Side::FROM_FRONT.map(volume);
+    let apart = group.and_then(|group| apart(words, group, visit));
+    let apart = apart.unwrap_or_else(|| missing(words));
+    let figures = vec![plain(words.posture(of)), phantom, right, left, apart];
+    let other_time = group.and_then(|group| course.other_time_of_day(group, visit));
+    let sign = if other_time.is_some() { OTHER_TIME } else { "" };
+    TableRow { head: words.time(of) + sign, figures }
+}
+
+/// How to read the table of all visits: what occurs in it.
+fn all_explained(words: &Words, rows: &[TableRow]) -> String {
+    let visits = &words.course.visits;
+    let is_checked = visits.iter().any(|visit| visit.phantom_mm.is_some());
+    let is_excess = matches!(words.course.choice.affected, Some(Affected::One(_)));
+    let is_other_time = rows.iter().any(|row| row.head.ends_with(OTHER_TIME));
+    words.said(&[
+        (is_checked, "visits.all_phantom"),
+        (true, "visits.all_volumes"),
+        (is_excess, "visits.all_excess"),
+        (is_other_time, "visits.other_time"),
+    ])
 }
 
 /// The heading of what the legs differ by.
@@ -81,63 +104,59 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
     let leg = |side: Side| {
         let change = of.legs.get(side).as_ref()?.volume?;
         let at = |visit: usize| words.course.volume(group, visit, side);
-        let figures = changed(words, [at(of.earlier)?, at(of.later)?], &change);
-        Some(TableRow { head: words.leg(side).to_owned(), figures })
+        let ends = [at(of.earlier)?, at(of.later)?].map(|of| ml(words, &of));
+        let [percent, percent_detectable] = words.told_percent(&change);
+        let percent = Figure { value: percent, margin: None, mark: mark(change.shown()) };
+        let beside = format!(" ({percent_detectable} %)");
+        let head = words.leg(side).to_owned();
+        Some(TableRow { head, figures: changed(words, ends, &change, (percent, &beside)) })
     };
-    let apart = || match &of.excess {
-        Some(excess) => {
-            let side = words.language.word("leg.only", excess.later.affected.word());
-            let head = words.filled("visits.excess_of", &[("side", &side)]);
-            let volumes = [excess.earlier.ml, excess.later.ml];
-            Some(TableRow { head, figures: changed_apart(words, volumes, &excess.change) })
-        }
-        None => {
-            let at = |visit: usize| words.course.left_minus_right(group, visit);
-            let volumes = [at(of.earlier)?, at(of.later)?];
-            let head = words.text("visits.difference_of");
-            let figures = changed_apart(words, volumes, of.left_minus_right.as_ref()?);
-            Some(TableRow { head, figures })
-        }
-    };
+    let apart = volumes_apart(words, group, of);
+    let rows: Vec<TableRow> = Side::FROM_FRONT.into_iter().filter_map(leg).chain(apart).collect();
+    let below = [Some(words.text("visits.rounded")), cancelling(words, of)];
     Table {
         title: words.filled("visits.volumes", &[("between", &between(words, of))]),
         explanation: None,
         columns,
-        rows: Side::FROM_FRONT.into_iter().filter_map(leg).chain(apart()).collect(),
+        rows,
+        below: Some(below.into_iter().flatten().collect::<Vec<_>>().join(" ")),
     }
 }
 
-fn changed(words: &Words, ends: [Quantity; 2], change: &Change) -> Vec<Figure> {
-    let mark = mark(change.shown());
-    let told = words.told(ends.map(|of| of.value), change);
-    let [percent, percent_detectable] = words.told_percent(change);
-    let [before, after] = ends.map(|of| Figure {
-        value: number(of.value, told.decimals, words.language),
-        ..ml(words, &of)
-    });
-    vec![
-        before,
-        after,
-        Figure { value: told.change, margin: None, mark },
-        Figure { value: percent, margin: None, mark },
-        plain(format!("{} ({percent_detectable} %)", told.detectable)),
-        plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
-    ]
+/// What the legs differ by at the two visits of a comparison. Its percent change is not told: that of an excess has a
+/// name of its own, and a difference may be nothing.
+fn volumes_apart(words: &Words, group: &Group, of: &Comparison) -> Option<TableRow> {
+    let (head, ends, change) = match &of.excess {
+        Some(excess) => {
+            let side = words.language.word("leg.only", excess.later.affected.word());
+            let head = words.filled("visits.excess_of", &[("side", &side)]);
+            (head, [excess.earlier.ml, excess.later.ml], excess.change)
+        }
+        None => {
+            let at = |visit: usize| words.course.left_minus_right(group, visit);
+            let ends = [at(of.earlier)?, at(of.later)?];
+            (words.text("visits.difference_of"), ends, of.left_minus_right?)
+        }
+    };
+    let ends = ends.map(|of| ml_apart(words, &of));
+    Some(TableRow { head, figures: changed(words, ends, &change, (missing(words), "")) })
 }
 
-/// The change of what the legs differ by. Its percent change is not told: that of an excess has a name of its own,
-/// and a difference may be nothing.
-fn changed_apart(words: &Words, ends: [Quantity; 2], change: &Change) -> Vec<Figure> {
-    let mark = mark(change.shown());
-    let told = words.told(ends.map(|of| of.value), change);
-    let [before, after] =
-        ends.map(|of| Figure { value: words.ml_apart(of.value, told.decimals), ..ml(words, &of) });
+/// The figures of a change: before, after, the change, its percentage, and from where on it can be shown with what
+/// stands behind that.
+fn changed(
+    words: &Words,
+    [before, after]: [Figure; 2],
+    change: &Change,
+    (percent, beside): (Figure, &str),
+) -> Vec<Figure> {
+    let told = words.told(change);
     vec![
         before,
         after,
-        Figure { value: told.change, margin: None, mark },
-        missing(words),
-        plain(told.detectable),
+        Figure { value: told.change, margin: None, mark: mark(change.shown()) },
+        percent,
+        plain(told.detectable + beside),
         plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
     ]
 }
@@ -149,25 +168,28 @@ pub(super) fn girths(
     shown: &[usize],
     compared: &[Comparison],
 ) -> Option<Table> {
-    let girth = |visit: usize, step: Step| {
+    let cell = |visit: usize, step: Step| {
         let leg = words.course.visits[visit].legs.get(side).as_ref()?;
         let place = leg.places.get(&step)?;
         let mark = if place.is_doubtful { Mark::Doubtful } else { Mark::Sure };
         Some(Figure { value: cm_words(place.girth_mm, words.language), margin: None, mark })
     };
-    let title = words.filled("visits.girths", &[("leg", &words.leg(side))]);
-    let cell = |visit, step| girth(visit, step);
     let change = |change: &Change| {
         let value = signed(change.by, &cm_words(change.by, words.language));
         Figure { value, margin: None, mark: mark(change.shown()) }
     };
-    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.girths.clone());
-    let changes: Vec<Vec<PlaceChange>> = compared.iter().filter_map(of).collect();
     let place = |step: Step| number(along_mm(step) / 10.0, 0, words.language);
-    places(words, title, shown, &changes, compared, (&cell, &change, &place))
+    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.girths.clone());
+    let changes: Vec<Vec<PlaceChange>> =
+        compared.iter().map(|comparison| of(comparison).unwrap_or_default()).collect();
+    let steps: BTreeSet<Step> = changes.iter().flatten().map(|of| of.step).collect();
+    let rows = places(words, &steps, shown, &changes, (&cell, &change, &place));
+    let title = words.filled("visits.girths", &[("leg", &words.leg(side))]);
+    (!steps.is_empty()).then(|| table_of_places(words, title, (shown, compared), rows))
 }
 
-/// The volumes of the pieces of a leg, highest first.
+/// The volumes of the pieces of a leg that count for its volume, highest first, and their sums: the volume and its
+/// changes.
 pub(super) fn slices(
     words: &Words,
     group: &Group,
@@ -183,19 +205,45 @@ pub(super) fn slices(
         let mark = if is_doubtful { Mark::Doubtful } else { Mark::Sure };
         Some(Figure { value: number(piece.ml, 0, words.language), margin: None, mark })
     };
-    let title = words.filled("visits.slices", &[("leg", &words.leg(side))]);
     let change = |change: &Change| Figure {
         value: words.ml_change(change.by),
         margin: None,
         mark: mark(change.shown()),
     };
-    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.pieces.clone());
-    let changes: Vec<Vec<PlaceChange>> = compared.iter().filter_map(of).collect();
     let place = |step: Step| {
         let cm = |mm: f64| number(mm / 10.0, 0, words.language);
         format!("{}–{}", cm(along_mm(step)), cm(along_mm(step) + PROFILE_STEP_MM))
     };
-    places(words, title, shown, &changes, compared, (&cell, &change, &place))
+    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.pieces.clone());
+    let changes: Vec<Vec<PlaceChange>> =
+        compared.iter().map(|comparison| of(comparison).unwrap_or_default()).collect();
+    let steps = group.pieces.get(side);
+    let mut rows = places(words, steps, shown, &changes, (&cell, &change, &place));
+    rows.push(sums(words, group, side, (shown, compared)));
+    let title = words.filled("visits.slices", &[("leg", &words.leg(side))]);
+    let is_compared = changes.iter().any(|of| !of.is_empty());
+    is_compared.then(|| table_of_places(words, title, (shown, compared), rows))
+}
+
+/// The sums of the slices of a leg, as the tables of volumes tell them. Slices that are not compared count.
+fn sums(
+    words: &Words,
+    group: &Group,
+    side: Side,
+    (shown, compared): (&[usize], &[Comparison]),
+) -> TableRow {
+    let of_visit = |visit: &usize| match words.course.volume(group, *visit, side) {
+        Some(volume) => plain(number(volume.value, 0, words.language)),
+        None => missing(words),
+    };
+    let of_change = |of: &Comparison| match of.legs.get(side).as_ref().and_then(|leg| leg.volume) {
+        Some(change) => {
+            Figure { value: words.told(&change).change, margin: None, mark: mark(change.shown()) }
+        }
+        None => missing(words),
+    };
+    let figures = shown.iter().map(of_visit).chain(compared.iter().map(of_change)).collect();
+    TableRow { head: words.text("visits.sum"), figures }
 }
 
 /// What a table of places shows: a figure of a visit, a change, the name of a place.
@@ -205,38 +253,47 @@ type Cells<'a> = (
     &'a dyn Fn(Step) -> String,
 );
 
-/// A table with a row for each place. `None` if no change can be told.
+/// A row for each place, highest first: the figures of the visits, and the changes of each comparison.
 fn places(
     words: &Words,
-    title: String,
+    steps: &BTreeSet<Step>,
     shown: &[usize],
     changes: &[Vec<PlaceChange>],
-    compared: &[Comparison],
     (cell, change, place): Cells<'_>,
-) -> Option<Table> {
-    let all = changes.iter().flatten().map(|of| of.step);
-    let steps: std::collections::BTreeSet<Step> = all.collect();
+) -> Vec<TableRow> {
+    let row = |step: &Step| {
+        let figures =
+            shown.iter().map(|visit| cell(*visit, *step).unwrap_or_else(|| missing(words)));
+        let changes = changes.iter().map(|of| {
+            let found = of.iter().find(|of| of.step == *step);
+            found.map_or_else(|| missing(words), |of| doubted(change(&of.change), of.is_doubtful))
+        });
+        TableRow { head: place(*step), figures: figures.chain(changes).collect() }
+    };
+    steps.iter().rev().map(row).collect()
+}
+
+/// A table with rows of places, and how to read what occurs in it.
+fn table_of_places(
+    words: &Words,
+    title: String,
+    (shown, compared): (&[usize], &[Comparison]),
+    rows: Vec<TableRow>,
+) -> Table {
     let mut columns = vec![words.text("visits.column.place")];
     columns.extend(shown.iter().map(|visit| words.day(*visit)));
     columns.extend(compared.iter().map(|of| {
         let [earlier, _] = words.days(of);
         words.filled("visits.column.since", &[("date", &earlier)])
     }));
-    let row = |step: Step| {
-        let figures =
-            shown.iter().map(|visit| cell(*visit, step).unwrap_or_else(|| missing(words)));
-        let changes = changes.iter().map(|of| {
-            let found = of.iter().find(|of| of.step == step);
-            found.map_or_else(|| missing(words), |of| doubted(change(&of.change), of.is_doubtful))
-        });
-        TableRow { head: place(step), figures: figures.chain(changes).collect() }
-    };
-    (!steps.is_empty()).then(|| Table {
-        title,
-        explanation: Some(words.text("visits.bold")),
-        columns,
-        rows: steps.into_iter().rev().map(row).collect(),
-    })
+    let explanation = words.said(&[
+        (true, "visits.lengths"),
+        (has(&rows, |of| of.mark == Mark::Real), "visits.bold"),
+        (has(&rows, is_doubtful), "visits.doubtful"),
+        (has(&rows, |of| of.mark == Mark::Missing), "visits.not_compared"),
+    ]);
+    let below = Some(words.text("visits.rounded"));
+    Table { title, explanation: Some(explanation), columns, rows, below }
 }
 
 /// The girths at the levels, which are found anew at each visit, of both legs beside each other.
@@ -268,18 +325,35 @@ pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
         .flat_map(|side| Level::ALL.into_iter().rev().map(move |level| (side, level)));
     let rows: Vec<TableRow> = all.filter_map(row).collect();
     let days = shown.iter().map(|visit| words.day(*visit));
+    let explanation = words.said(&[
+        (true, "visits.levels_explained"),
+        (has(&rows, is_doubtful), "visits.doubtful"),
+        (has(&rows, |of| of.mark == Mark::Estimated), "visits.estimated"),
+        (has(&rows, |of| of.mark == Mark::ByHand), "visits.by_hand"),
+        (has(&rows, |of| of.mark == Mark::Missing), "visits.not_found"),
+    ]);
     (!rows.is_empty()).then(|| Table {
         title: words.text("visits.levels"),
-        explanation: Some(words.text("visits.levels_explained")),
+        explanation: Some(explanation),
         columns: [words.text("visits.column.level")].into_iter().chain(days).collect(),
         rows,
+        below: None,
     })
+}
+
+/// Whether a figure of these rows is such a one.
+fn has(rows: &[TableRow], is_such: impl Fn(&Figure) -> bool) -> bool {
+    rows.iter().flat_map(|row| &row.figures).any(is_such)
+}
+
+fn is_doubtful(of: &Figure) -> bool {
+    of.mark == Mark::Doubtful || of.value.ends_with(DOUBT)
 }
 
 fn ml(words: &Words, of: &Quantity) -> Figure {
     Figure {
         value: number(of.value, 0, words.language),
-        margin: Some(number(ml_margin(of.parts.total()), 0, words.language)),
+        margin: Some(number(ml_margin(of.sd), 0, words.language)),
         mark: Mark::Sure,
     }
 }
@@ -298,7 +372,7 @@ fn mark(shown: Shown) -> Mark {
 
 /// A change with the sign of doubt beside what it shows.
 fn doubted(figure: Figure, is_doubtful: bool) -> Figure {
-    let sign = if is_doubtful { " ?" } else { "" };
+    let sign = if is_doubtful { DOUBT } else { "" };
     Figure { value: figure.value + sign, ..figure }
 }
 

@@ -9,7 +9,8 @@ use gaiter_record::shown;
 
 use crate::caution::Caution;
 use crate::comparison::Comparison;
-use crate::course::Course;
+use crate::course::{Affected, Course};
+use crate::excess::Reduction;
 use crate::left_out::StandIns;
 use crate::quantity::{Change, Shown};
 use crate::visit::Visit;
@@ -24,12 +25,10 @@ const PERCENT_DECIMALS: [(usize, f64); 2] = [(1, 10.0), (2, 100.0)];
 /// Behind the day of a visit that stands in the place of a record that is left out.
 const STAND_IN: &str = " #";
 
-/// A change of a volume in words, mL. Its figures and those beside it have as few decimals as make them agree: the
-/// earlier one and the change add up to the later one, and the change reaches what can be shown only if it is shown.
+/// A change of a volume in words, mL: whole ones, because a ± is one. Only where the change would be told as reaching
+/// what can be shown without being shown, or the other way round, have both as many decimals as tell them apart.
 #[derive(Debug)]
 pub(super) struct Told {
-    /// How many decimals they have.
-    pub decimals: usize,
     /// The change, with its sign.
     pub change: String,
     /// From which on it can be shown.
@@ -65,6 +64,12 @@ impl Words<'_> {
         self.language.text(key).to_owned()
     }
 
+    /// Those of some texts that hold here, in their order.
+    pub(super) fn said(&self, all: &[(bool, &'static str)]) -> String {
+        let texts = all.iter().filter(|(holds, _)| *holds);
+        texts.map(|&(_, key)| self.language.text(key)).collect::<Vec<_>>().join(" ")
+    }
+
     pub(super) fn filled(&self, key: &'static str, words: &[(&str, &dyn Display)]) -> String {
         self.language.filled(key, words)
     }
@@ -82,6 +87,14 @@ impl Words<'_> {
             Some(word.map_or_else(|| format!("{{{place}}}"), |(_, word)| word.to_string()))
         };
         gaiter_language::fill(text, words).unwrap_or_default()
+    }
+
+    /// Both legs, the affected one first; without one as a person who faces the patient sees them.
+    pub(super) fn affected_first(&self) -> [Side; 2] {
+        match self.course.choice.affected {
+            Some(Affected::One(side)) => [side, side.other()],
+            Some(Affected::Both | Affected::Neither) | None => Side::FROM_FRONT,
+        }
     }
 
     pub(super) fn leg(&self, side: Side) -> &'static str {
@@ -136,14 +149,13 @@ impl Words<'_> {
         signed(ml, &number(ml, 0, self.language))
     }
 
-    /// A volume by which the legs differ, mL, with its sign and so many decimals.
-    pub(super) fn ml_apart(&self, ml: f64, decimals: usize) -> String {
-        signed(ml, &number(ml, decimals, self.language))
-    }
-
-    /// A percentage that has a sign only if it is negative.
-    pub(super) fn unsigned_percent(&self, percent: f64) -> String {
-        self.percent_change(percent).trim_start_matches('+').to_owned()
+    /// A percent reduction and its uncertainty: without decimals where that is 10 % or more. Only a negative one has
+    /// a sign.
+    pub(super) fn reduction(&self, of: &Reduction) -> [String; 2] {
+        let (decimals, scale) = if of.expanded < 10.0 { (1, 10.0) } else { (0, 1.0) };
+        let words = |value: f64| number(value, decimals, self.language);
+        let percent = signed(of.percent, &words(of.percent));
+        [percent.trim_start_matches('+').to_owned(), words(up(of.expanded, scale))]
     }
 
     /// A percentage with its sign.
@@ -151,18 +163,14 @@ impl Words<'_> {
         signed(percent, &tenths_words(percent, self.language))
     }
 
-    /// A change of a volume with the volumes before and after it, which stand beside it.
-    pub(super) fn told(&self, ends: [f64; 2], change: &Change) -> Told {
-        let decimals = decimals(&ML_DECIMALS, |scale| {
-            let [before, after, by] = [ends[0], ends[1], change.by].map(|ml| (scale * ml).round());
-            after - before == by
-                && is_told_as_shown([change.by, change.detectable()], change.shown(), scale)
-        });
-        let detectable = up(change.detectable(), decimals.1);
+    /// A change of a volume, and from which on it can be shown.
+    pub(super) fn told(&self, change: &Change) -> Told {
+        let figures = [change.by, change.detectable()];
+        let is_told = |scale| is_told_as_shown(figures, change.shown(), scale);
+        let (decimals, scale) = decimals(&ML_DECIMALS, is_told);
         Told {
-            decimals: decimals.0,
-            change: signed(change.by, &number(change.by, decimals.0, self.language)),
-            detectable: number(detectable, decimals.0, self.language),
+            change: signed(change.by, &number(change.by, decimals, self.language)),
+            detectable: number(up(figures[1], scale), decimals, self.language),
         }
     }
 
@@ -206,36 +214,54 @@ mod tests {
     use crate::quantity::{Parts, Quantity};
 
     fn change([before, after]: [f64; 2], random: f64) -> Change {
-        let quantity = |value: f64| Quantity { value, parts: Parts { random, ..Parts::default() } };
+        let quantity = |value: f64| Quantity::new(value, Parts { random, ..Parts::default() });
         Change::between(&quantity(before), &quantity(after))
     }
 
-    fn told(ends: [f64; 2], random: f64) -> (usize, String, String) {
-        let course =
-            Course { visits: Vec::new(), groups: Vec::new(), choice: CHOICE, left_out: Vec::new() };
+    fn course() -> Course {
+        Course {
+            visits: Vec::new(),
+            groups: Vec::new(),
+            choice: CHOICE,
+            left_out: Vec::new(),
+            is_affected_unreadable: false,
+        }
+    }
+
+    fn told(ends: [f64; 2], random: f64) -> [String; 2] {
+        let course = course();
         let words = Words { course: &course, language: Language::En };
-        let told = words.told(ends, &change(ends, random));
-        (told.decimals, told.change, told.detectable)
+        let told = words.told(&change(ends, random));
+        [told.change, told.detectable]
     }
 
     const CHOICE: crate::course::Choice =
         crate::course::Choice { volume: None, affected: None, girth_common_mm: 1.0 };
 
     #[test]
-    fn figures_beside_each_other_add_up() {
+    fn a_change_is_told_in_whole_ml_also_where_the_rounded_volumes_differ_by_another_figure() {
         let of = |ends: [f64; 2]| told(ends, 1.0);
-        assert_eq!(of([175.0, 185.0]), (0, "+10".to_owned(), "3".to_owned()));
-        // 175 before, 185 after, +9.
-        assert_eq!(of([175.4, 184.7]), (1, "+9.3".to_owned(), "2.9".to_owned()));
-        assert_eq!(of([-184.7, -175.4]).1, "+9.3");
-        assert_eq!(of([184.7, 175.4]).1, "\u{2212}9.3");
+        assert_eq!(of([175.0, 185.0]), ["+10", "3"]);
+        // 175 before, 185 after.
+        assert_eq!(of([175.4, 184.7]), ["+9", "3"]);
+        assert_eq!(of([184.7, 175.4]), ["\u{2212}9", "3"]);
     }
 
     #[test]
     fn a_change_is_told_as_reaching_what_can_be_shown_only_if_it_is_shown() {
         // 2 √2 · 3.5 = 9.9.
-        assert_eq!(told([100.0, 109.7], 3.5), (1, "+9.7".to_owned(), "9.9".to_owned()));
-        assert_eq!(told([100.0, 110.2], 3.55), (1, "+10.2".to_owned(), "10.1".to_owned()));
-        assert_eq!(told([100.0, 112.0], 3.5), (0, "+12".to_owned(), "10".to_owned()));
+        assert_eq!(told([100.0, 109.7], 3.5), ["+9.7", "9.9"]);
+        assert_eq!(told([100.0, 110.2], 3.55), ["+10.2", "10.1"]);
+        assert_eq!(told([100.0, 112.0], 3.5), ["+12", "10"]);
+    }
+
+    #[test]
+    fn a_reduction_has_no_digits_that_its_uncertainty_hides() {
+        let course = course();
+        let words = Words { course: &course, language: Language::En };
+        let told = |percent: f64, expanded: f64| words.reduction(&Reduction { percent, expanded });
+        assert_eq!(told(61.83, 12.31), ["62", "13"]);
+        assert_eq!(told(61.83, 8.01), ["61.8", "8.1"]);
+        assert_eq!(told(-12.0, 4.0), ["\u{2212}12.0", "4.0"]);
     }
 }

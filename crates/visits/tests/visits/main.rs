@@ -4,6 +4,7 @@
 
 mod left_out;
 mod refusals;
+mod sheet;
 mod stance;
 mod swelling;
 mod words;

@@ -137,6 +137,7 @@ fn made(desk: &Desk, patient: &str, form: Form) -> Result<Vec<u8>, NoVisits> {
     let choice = Choice { volume: None, affected, girth_common_mm };
     let course = Course::of(&records, choice).map_err(|error| failed(&error))?;
     let course = course.with_left_out(left_out);
+    let course = course.with_affected_unreadable(known.is_affected_unreadable);
     let report = ReportOf {
         course: &course,
         records: &records,

@@ -29,6 +29,7 @@ impl Report<'_> {
             explanation: Some(self.text("report.landmarks.explanation")),
             columns: columns.map(|column| self.text(column)).into(),
             rows,
+            below: None,
         }
     }
 

@@ -102,6 +102,7 @@ impl Report<'_> {
             explanation: Some(legs.iter().map(together).collect::<Vec<_>>().join(" ")),
             columns: first.into_iter().chain(heads).collect(),
             rows,
+            below: None,
         })
     }
 
@@ -190,6 +191,7 @@ impl Report<'_> {
             explanation: Some(self.filled("sizes.form.explanation", &words)),
             columns: std::iter::once(self.text("sizes.form.box")).chain(legs).collect(),
             rows: garment.boxes().iter().map(row).collect(),
+            below: None,
         }
     }
 

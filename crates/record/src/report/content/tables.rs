@@ -40,6 +40,7 @@ impl Report<'_> {
             explanation: Some(self.ranges()),
             columns: self.columns(self.text("report.volumes.part"), &self.differences()),
             rows: vec![whole_row, between],
+            below: None,
         }
     }
 
@@ -103,6 +104,7 @@ impl Report<'_> {
             explanation: None,
             columns: self.columns(self.text("report.asked.height"), &[]),
             rows: heights.iter().enumerate().map(row).collect(),
+            below: None,
         })
     }
 
@@ -137,6 +139,7 @@ impl Report<'_> {
                 &[self.text("report.same_heights.difference")],
             ),
             rows: pairs.iter().rev().map(row).collect(),
+            below: None,
         })
     }
 
@@ -175,6 +178,7 @@ impl Report<'_> {
             explanation: Some(self.text("report.slices.explanation")),
             columns: self.columns(self.text("report.slices.from_to"), &self.differences()),
             rows: longest.iter().rev().map(row).collect(),
+            below: None,
         })
     }
 

@@ -1,5 +1,6 @@
 //! Elements of a page.
 
+use crate::report::held::held;
 use crate::report::{Figure, Mark};
 
 /// Escapes text for the content of elements and for attributes between `"`.
@@ -25,6 +26,11 @@ pub(super) fn element(name: &str, attributes: &str, inside: &str) -> String {
 /// An element around text, which is escaped.
 pub(super) fn words(name: &str, attributes: &str, words: &str) -> String {
     format!("<{name}{attributes}>{}</{name}>", escaped(words))
+}
+
+/// An element around running text, whose figures stay on one line with their units.
+pub(super) fn said(name: &str, attributes: &str, text: &str) -> String {
+    words(name, attributes, &held(text))
 }
 
 /// Text from outside, isolated so that it does not change the direction of the text around it.

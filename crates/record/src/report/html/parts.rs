@@ -2,12 +2,12 @@
 
 use gaiter_leg::Side;
 
-use super::markup::{element, escaped, figure, foreign, section, wide, words};
+use super::markup::{element, escaped, figure, foreign, said, section, wide, words};
 use crate::picture::figures::{Figure as Drawn, SHEET};
 use crate::picture::svg;
 use crate::report::age::Age;
 use crate::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
-use crate::report::document::PaperLink;
+use crate::report::document::{PaperLink, VerdictPart};
 use crate::report::{Figure, Head, Mark};
 
 /// The patient, and when the scan was taken.
@@ -32,22 +32,26 @@ pub(super) fn document_header(head: &Head, paper: Option<&PaperLink>) -> String 
     element("header", "", &[title, patient, taken, paper].join("\n"))
 }
 
-/// What matters most, a sentence a line.
-pub(super) fn sentences(sentences: &[String]) -> String {
-    let sentences: String = sentences.iter().map(|sentence| words("p", "", sentence)).collect();
-    element("div", " class=\"verdict\"", &sentences)
+/// What matters most, a sentence a line, below the headings of its parts.
+pub(super) fn verdict_of(parts: &[VerdictPart]) -> String {
+    let part = |part: &VerdictPart| {
+        let heading = part.heading.as_ref().map(|of| words("h2", "", of)).unwrap_or_default();
+        let sentences = part.sentences.iter().map(|sentence| said("p", "", sentence));
+        element("div", "", &(heading + &sentences.collect::<String>()))
+    };
+    element("div", " class=\"verdict\"", &parts.iter().map(part).collect::<String>())
 }
 
 /// A picture below a heading.
 pub(super) fn titled(id: &str, title: &str, drawn: &Drawn, caption: &str) -> String {
-    let inside = svg::embedded(drawn.name, &drawn.picture, &drawn.marks)
-        + &element("figcaption", "", &escaped(caption));
+    let inside =
+        svg::embedded(drawn.name, &drawn.picture, &drawn.marks) + &said("figcaption", "", caption);
     section(id, title, &element("figure", &format!(" class=\"{}\"", drawn.name), &inside))
 }
 
 /// The place of the interactive 3D view of a report of blocks.
 pub(super) fn view_of(title: &str, text: &str) -> String {
-    let text = words("p", " class=\"aside\"", text);
+    let text = said("p", " class=\"aside\"", text);
     let place = element("div", " id=\"view-place\"", "");
     let heading = words("h2", " id=\"view\"", title);
     let inside = element("section", " aria-labelledby=\"view\"", &(heading + &text + &place));
@@ -57,16 +61,16 @@ pub(super) fn view_of(title: &str, text: &str) -> String {
 /// What is to be done before the patient dresses.
 pub(super) fn verdict(content: &Content) -> String {
     let [first, rest @ ..] = content.verdict.sentences.as_slice() else { return String::new() };
-    let rest: String = rest.iter().map(|sentence| words("p", "", sentence)).collect();
+    let rest: String = rest.iter().map(|sentence| said("p", "", sentence)).collect();
     let class = format!(" class=\"verdict {}\"", content.verdict.kind.word());
-    element("div", &class, &(words("p", " class=\"first\"", first) + &rest))
+    element("div", &class, &(said("p", " class=\"first\"", first) + &rest))
 }
 
 /// Doubts and findings.
 pub(super) fn notes(content: &Content) -> String {
     let entries: String = content.notes.entries.iter().map(|entry| note(content, entry)).collect();
     let list = match entries.as_str() {
-        "" => words("p", "", &content.summary),
+        "" => said("p", "", &content.summary),
         entries => element("ul", " class=\"notes\"", entries),
     };
     section("notes", &content.notes.title, &list)
@@ -89,10 +93,10 @@ fn note(content: &Content, note: &Note) -> String {
     let lang = if is_foreign { " lang=\"en\"" } else { "" };
     let message = match note.message.as_str() {
         "" => String::new(),
-        message => words("p", &format!(" class=\"message\"{lang}"), message),
+        message => said("p", &format!(" class=\"message\"{lang}"), message),
     };
-    let meaning = note.meaning.as_ref().map(|meaning| words("p", "", meaning));
-    let action = note.action.as_ref().map(|action| words("p", " class=\"action\"", action));
+    let meaning = note.meaning.as_ref().map(|meaning| said("p", "", meaning));
+    let action = note.action.as_ref().map(|action| said("p", " class=\"action\"", action));
     let inside = [Some(heading), Some(message), meaning, action].into_iter().flatten();
     element("li", &format!(" class=\"{class}\""), &inside.collect::<Vec<_>>().join("\n"))
 }
@@ -125,7 +129,7 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let see_sizes = content.sizes.as_ref().and_then(|of| of.see.as_ref());
     let below =
         key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(see_sizes);
-    let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
+    let below: String = below.map(|text| said("p", " class=\"aside\"", text)).collect();
     let below = age(&content.age) + &below;
     let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
@@ -194,8 +198,7 @@ fn open_fields(content: &Content) -> String {
 
 /// The pictures for every reader, or why there are none.
 pub(super) fn pictures(content: &Content, drawn: &[&Drawn]) -> String {
-    let missing =
-        content.pictures.missing.as_ref().map(|text| words("p", " class=\"aside\"", text));
+    let missing = content.pictures.missing.as_ref().map(|text| said("p", " class=\"aside\"", text));
     let inside = missing.unwrap_or_default() + &captioned(content, drawn);
     section("pictures", &content.pictures.title, &inside)
 }
@@ -230,7 +233,7 @@ pub(super) fn tools(content: &Content) -> String {
 fn picture(content: &Content, drawn: &Drawn) -> String {
     let caption = content.pictures.captions.iter().find(|caption| caption.name == drawn.name);
     let caption = match caption {
-        Some(of) => words("b", "", &of.title) + " " + &words("span", "", &of.text),
+        Some(of) => words("b", "", &of.title) + " " + &said("span", "", &of.text),
         None => escaped(&drawn.picture.title),
     };
     let inside = svg::embedded(drawn.name, &drawn.picture, &drawn.marks)
@@ -257,7 +260,7 @@ pub(super) fn tables(content: &Content) -> String {
 /// The sizes of makers' tables.
 pub(super) fn sizes(content: &Content) -> String {
     let Some(of) = &content.sizes else { return String::new() };
-    let about: String = of.about.iter().map(|text| words("p", " class=\"aside\"", text)).collect();
+    let about: String = of.about.iter().map(|text| said("p", " class=\"aside\"", text)).collect();
     let part = |(index, of): (usize, &Table)| whole_table(&format!("sizes-{index}"), of);
     let tables: String = of.tables.iter().enumerate().map(part).collect();
     let calibre = of.calibre.as_ref().map(|of| entries("calibre", of)).unwrap_or_default();
@@ -288,13 +291,17 @@ fn table(id: &str, of: &Table, attributes: &str) -> String {
         element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &figures))
     };
     let body = element("tbody", "", &of.rows.iter().map(row).collect::<String>());
-    let explanation = of.explanation.as_ref().map(|text| words("p", " class=\"aside\"", text));
-    explanation.unwrap_or_default() + &wide(id, &element("table", attributes, &(head + &body)))
+    let aside = |text: &Option<String>, class: &str| {
+        let text = text.as_ref().map(|text| said("p", &format!(" class=\"{class}\""), text));
+        text.unwrap_or_default()
+    };
+    let table = wide(id, &element("table", attributes, &(head + &body)));
+    aside(&of.explanation, "aside") + &table + &aside(&of.below, "aside below")
 }
 
 /// A heading with paragraphs.
 pub(super) fn entries(id: &str, of: &Section) -> String {
-    let paragraphs: String = of.entries.iter().map(|text| words("li", "", text) + "\n").collect();
+    let paragraphs: String = of.entries.iter().map(|text| said("li", "", text) + "\n").collect();
     section(id, &of.title, &element("ul", " class=\"plain\"", &paragraphs))
 }
 

@@ -35,8 +35,11 @@ const SHRUNK_SCALE: f64 = 0.7;
 /// Space above a heading, pt.
 const HEADING_GAP: f64 = 15.0;
 
+/// Space below a heading, pt.
+const HEADING_BELOW: f64 = 4.0;
+
 /// Height of a heading of one line with the gaps around it, pt.
-pub(super) const HEADING_ROOM: f64 = HEADING_GAP + 12.5 * 1.32 + 4.0;
+pub(super) const HEADING_ROOM: f64 = HEADING_GAP + 12.5 * 1.32 + HEADING_BELOW;
 
 /// Space between a picture and its caption, pt.
 const CAPTION_GAP: f64 = 6.0;
@@ -88,7 +91,7 @@ impl<'a> Flow<'a> {
 
     /// Begins a new page if less than this height is left, pt. Returns whether it did.
     pub(super) fn need(&mut self, height: f64) -> bool {
-        let is_full = self.y + height > self.bottom() + ROUNDING && self.y > TOP;
+        let is_full = !self.has_room(height) && self.y > TOP;
         if is_full {
             self.turn();
         }
@@ -99,12 +102,32 @@ impl<'a> Flow<'a> {
         self.y += height;
     }
 
+    /// Whether this height is left on the page, pt.
+    pub(super) fn has_room(&self, height: f64) -> bool {
+        self.y + height <= self.bottom() + ROUNDING
+    }
+
+    /// Height of an empty page, pt.
+    pub(super) fn page_height(&self) -> f64 {
+        self.bottom() - TOP
+    }
+
     /// Writes a heading that stays on the same page as the first `follows` pt after it.
     pub(super) fn heading(&mut self, words: &str, follows: f64) {
-        self.space(if self.y > TOP { HEADING_GAP } else { 0.0 });
-        self.need(Flow::height_of(words, HEADING_TYPE) + 4.0 + follows);
+        self.space(self.heading_gap());
+        self.need(Flow::heading_height(words) + follows);
         self.text(words, StructRole::H2, HEADING_TYPE, Ink::Text);
-        self.space(4.0);
+        self.space(HEADING_BELOW);
+    }
+
+    /// Space above a heading at this place, pt.
+    pub(super) fn heading_gap(&self) -> f64 {
+        if self.y > TOP { HEADING_GAP } else { 0.0 }
+    }
+
+    /// Height of a heading with the space below it, pt.
+    pub(super) fn heading_height(words: &str) -> f64 {
+        Flow::height_of(words, HEADING_TYPE) + HEADING_BELOW
     }
 
     /// Height of a text over the whole column, pt.
@@ -150,7 +173,7 @@ impl<'a> Flow<'a> {
     /// page, pt. It is smaller if that saves a page.
     pub(super) fn share_height(&self, picture: &Picture, words: f64, share: f64) -> f64 {
         let own = Flow::drawn_height(picture, LARGEST_SCALE);
-        let most = own.min(share * (self.bottom() - TOP) - words);
+        let most = own.min(share * self.page_height() - words);
         let left = self.room() - words;
         if left >= SHRUNK_SCALE * most { most.min(left) } else { most }
     }

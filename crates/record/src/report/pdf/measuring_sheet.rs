@@ -7,7 +7,7 @@ use super::flow::{
     BODY_TYPE, BOLD_TYPE, COLUMN, Flow, HEADING_TYPE, SMALL_TYPE, TITLE_TYPE, WIDTH,
 };
 use super::parts::{fact, figure};
-use super::table::{Cell, Row, Table};
+use super::table::{Cell, PADDING, Row, Table};
 use super::wrap::Type;
 use crate::completeness::Kind;
 use crate::picture::figures::{Figure as Drawn, SHEET};
@@ -36,7 +36,7 @@ pub(super) fn write(flow: &mut Flow<'_>, content: &Content, figures: &[Drawn]) {
     flow.space(2.0);
     verdict(flow, &content.verdict);
     let rows = content.facts.iter().take(FACTS).map(fact).collect();
-    Table { heads: Vec::new(), rows, is_ruled: false }.write(flow);
+    Table { heads: Vec::new(), rows, is_ruled: false, padding: PADDING, follows: 0.0 }.write(flow);
     flow.space(4.0);
     let see = content.sizes.as_ref().and_then(|of| of.see.as_ref());
     levels(flow, &content.levels, &content.age.until, see);
@@ -88,7 +88,7 @@ fn levels(flow: &mut Flow<'_>, levels: &Levels, age: &String, see_sizes: Option<
     }
     let heads = [first, second].map(|cells| Row { cells, is_joined: false }).into();
     let rows = levels.rows.iter().map(level).chain(levels.lengths.iter().map(length)).collect();
-    let table = Table { heads, rows, is_ruled: true };
+    let table = Table { heads, rows, is_ruled: true, padding: PADDING, follows: 0.0 };
     flow.heading(&levels.title, table.first_height());
     table.write(flow);
     let key = [&levels.key, age].into_iter();

@@ -1,5 +1,6 @@
 //! `report.pdf`: the report on A4, with embedded fonts and with tags for screen readers.
 
+mod blocks;
 mod document;
 mod drawing;
 mod flow;
@@ -15,7 +16,7 @@ mod wrap;
 use thiserror::Error;
 
 use self::flow::Flow;
-use super::document::{Block, Document, Origin};
+use super::document::{Document, Origin};
 use super::print::parted;
 use super::{Content, Head, Paper, Print};
 use crate::Record;
@@ -83,96 +84,6 @@ pub fn paper(
 /// If a font cannot be subset, which the tests rule out.
 pub fn document_paper(of: &Document, paper: Paper) -> Result<Vec<u8>, PdfFault> {
     let mut flow = Flow::new(&of.head, paper);
-    write_blocks(&mut flow, of);
+    blocks::write(&mut flow, of);
     document::bytes(flow.finished(), &of.head, &of.origin)
-}
-
-fn write_blocks(flow: &mut Flow<'_>, of: &Document) {
-    parts::title(flow, &of.head.title);
-    let turn = of.blocks.iter().position(|block| matches!(block, Block::Turn)).unwrap_or(0);
-    let (first, others) = of.blocks.split_at(turn);
-    parts::first_page(flow, first);
-    for block in others {
-        match block {
-            Block::Verdict(sentences) => parts::sentences(flow, sentences),
-            Block::Section(section) => parts::section(flow, section),
-            Block::Table(table) => parts::tables(flow, std::slice::from_ref(table)),
-            Block::Picture { title, figure, caption } => {
-                parts::picture(flow, title, figure, caption);
-            }
-            Block::View(_) => {}
-            Block::Turn => flow.turn(),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use gaiter_language::Language;
-
-    use super::*;
-    use crate::picture::Picture;
-    use crate::report::content::Section;
-
-    fn picture(height: f64) -> Block {
-        let title = "a picture".to_owned();
-        let picture = Picture {
-            title: title.clone(),
-            size: [720.0, height],
-            cuts: Vec::new(),
-            marks: Vec::new(),
-        };
-        let figure = Figure { name: "picture", picture, marks: String::new() };
-        Block::Picture { title, figure, caption: "How to read it. ".repeat(12) }
-    }
-
-    /// The pages of a report, and how far the last of them is filled, pt.
-    fn filled(blocks: Vec<Block>, paper: Paper) -> (usize, f64) {
-        let text = "text".to_owned();
-        let head = Head {
-            language: Language::En,
-            title: text.clone(),
-            patient: text.clone(),
-            taken: text.clone(),
-        };
-        let origin = Origin { id: text.clone(), author: text.clone(), made_by: text, at: None };
-        let of = Document { head: head.clone(), origin, paper: None, blocks };
-        let mut flow = Flow::new(&head, paper);
-        write_blocks(&mut flow, &of);
-        (flow.sheets.pages.len(), flow.y)
-    }
-
-    #[test]
-    fn what_stands_before_the_turn_is_one_page_however_much_is_to_say() {
-        let sentence =
-            "Right leg, 12 Jan 2026 to 16 Nov 2026: no change of the volume shown. ".repeat(2);
-        for paper in [Paper::A4, Paper::Letter] {
-            for count in 0..=8 {
-                let said = vec![sentence.clone(); count];
-                let section = Section {
-                    title: "To consider".to_owned(),
-                    entries: said[..count / 2].to_vec(),
-                };
-                let first =
-                    [Block::Verdict(said), Block::Section(section), picture(242.0), picture(290.0)];
-                let alone = [first.as_slice(), &[Block::Turn]].concat();
-                // The turn itself begins the second page.
-                assert_eq!(filled(alone, paper).0, 2, "{count} sentences, {paper:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_picture_that_goes_to_the_next_page_leaves_less_than_half_of_one_empty() {
-        let [_, height] = Paper::A4.size_pt();
-        for size in [250.0, 520.0, 1400.0] {
-            for before in 0..45 {
-                let said = Block::Verdict(vec!["One line.".to_owned(); before]);
-                let (_, alone) = filled(vec![said.clone()], Paper::A4);
-                let (pages, _) = filled(vec![said, picture(size)], Paper::A4);
-                let is_half_full = alone > height / 2.0 + 10.0;
-                assert!(pages == 1 || is_half_full, "{size} px below {before} lines");
-            }
-        }
-    }
 }

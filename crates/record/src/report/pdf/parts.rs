@@ -3,12 +3,12 @@
 use pdf_writer::types::StructRole;
 
 use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE, TITLE_TYPE};
-use super::table::{Cell, Row, Table};
+use super::table::{Cell, DENSE_PADDING, PADDING, Row, Table};
 use super::wrap::Type;
 use crate::picture::figures::Figure as Drawn;
 use crate::picture::{Anchor, Ink, Picture};
 use crate::report::content::{self, Content, Note, PictureWords, Section, Sizes, Weight};
-use crate::report::document::Block;
+use crate::report::document::{Block, VerdictPart};
 use crate::report::{Figure, Mark};
 
 /// Letter size of the table of all figures, which has many columns, pt.
@@ -27,6 +27,12 @@ const READABLE: f64 = 0.35;
 /// than half of that page is filled.
 const PICTURE_SHARE: f64 = 0.48;
 
+/// Space between a table and the words above and below it, pt.
+const TABLE_GAP: f64 = 3.0;
+
+/// A table with more rows than this has many.
+const ROWS_MANY: usize = 12;
+
 /// A note or paragraph of up to this height stays on one page, pt.
 const WHOLE_MAX: f64 = 150.0;
 
@@ -36,12 +42,20 @@ pub(super) fn title(flow: &mut Flow<'_>, title: &str) {
     flow.space(6.0);
 }
 
-/// What matters most, a sentence a line.
-pub(super) fn sentences(flow: &mut Flow<'_>, sentences: &[String]) {
-    for sentence in sentences {
-        flow.need(Flow::height_of(sentence, BOLD_TYPE));
-        flow.text(sentence, StructRole::P, BOLD_TYPE, Ink::Text);
-        flow.space(3.0);
+/// What matters most, a sentence a line, below the headings of its parts.
+pub(super) fn verdict(flow: &mut Flow<'_>, parts: &[VerdictPart]) {
+    for (at, part) in parts.iter().enumerate() {
+        flow.space(if at > 0 { PART_GAP / 2.0 } else { 0.0 });
+        if let Some(heading) = &part.heading {
+            let first = part.sentences.first().map_or(0.0, |of| Flow::height_of(of, BODY_TYPE));
+            flow.need(Flow::height_of(heading, BOLD_TYPE) + first);
+            flow.text(heading, StructRole::H2, BOLD_TYPE, Ink::Text);
+        }
+        for sentence in &part.sentences {
+            flow.need(Flow::height_of(sentence, BODY_TYPE));
+            flow.text(sentence, StructRole::P, BODY_TYPE, Ink::Text);
+            flow.space(3.0);
+        }
     }
 }
 
@@ -51,7 +65,7 @@ pub(super) fn first_page(flow: &mut Flow<'_>, blocks: &[Block]) {
     let mut pictures: Vec<(&String, &Picture, &String)> = Vec::new();
     for block in blocks {
         match block {
-            Block::Verdict(said) => sentences(flow, said),
+            Block::Verdict(said) => verdict(flow, said),
             Block::Section(section) => small_section(flow, section),
             Block::Table(table) => tables(flow, std::slice::from_ref(table)),
             Block::Picture { title, figure, caption } => {
@@ -89,10 +103,21 @@ fn small_section(flow: &mut Flow<'_>, section: &Section) {
     }
 }
 
+/// Height of a picture below a heading at this place, and of what stands below it, pt.
+fn picture_heights(flow: &Flow<'_>, drawn: &Drawn, caption: &str) -> [f64; 2] {
+    let below = 2.0 * DRAWN_GAP + Flow::height_of(caption, SMALL_TYPE);
+    [flow.share_height(&drawn.picture, HEADING_ROOM + below, PICTURE_SHARE), below]
+}
+
+/// Whether a picture fits below what is on the page.
+pub(super) fn picture_fits(flow: &Flow<'_>, drawn: &Drawn, caption: &str) -> bool {
+    let [height, below] = picture_heights(flow, drawn, caption);
+    flow.has_room(HEADING_ROOM + height + below)
+}
+
 /// A picture below a heading.
 pub(super) fn picture(flow: &mut Flow<'_>, title: &str, drawn: &Drawn, caption: &str) {
-    let below = 2.0 * DRAWN_GAP + Flow::height_of(caption, SMALL_TYPE);
-    let height = flow.share_height(&drawn.picture, HEADING_ROOM + below, PICTURE_SHARE);
+    let [height, below] = picture_heights(flow, drawn, caption);
     flow.heading(title, height + below);
     flow.drawing(&drawn.picture, height);
     flow.space(DRAWN_GAP);
@@ -106,6 +131,8 @@ pub(super) fn facts(flow: &mut Flow<'_>, content: &Content) {
         heads: Vec::new(),
         rows: content.facts.iter().map(fact).collect(),
         is_ruled: false,
+        padding: PADDING,
+        follows: 0.0,
     };
     flow.heading(&content.origin, table.first_height());
     table.write(flow);
@@ -207,6 +234,63 @@ pub(super) fn landmarks(flow: &mut Flow<'_>, table: &content::Table) {
 
 /// A table. Cells with text are aligned as `words` says.
 fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: Anchor) {
+    let laid = laid(table, letters, words);
+    let explanation = table.explanation.as_ref().map_or(0.0, |_| 3.0 * SMALL_TYPE.leading());
+    flow.heading(&table.title, explanation + laid.first_height());
+    below_heading(flow, table, &laid);
+}
+
+/// A table of a report of blocks: whole on its page, if a page is high enough for it.
+pub(super) fn whole_table(flow: &mut Flow<'_>, table: &content::Table) {
+    let laid = laid_dense(table);
+    flow.heading(&table.title, unbroken_height(flow, table, &laid));
+    below_heading(flow, table, &laid);
+}
+
+/// Whether a table of a report of blocks fits below what is on the page; of one that is longer than a page, its
+/// beginning.
+pub(super) fn table_fits(flow: &Flow<'_>, table: &content::Table) -> bool {
+    let heading = flow.heading_gap() + Flow::heading_height(&table.title);
+    flow.has_room(heading + unbroken_height(flow, table, &laid_dense(table)))
+}
+
+/// Height of what of a table is not parted from its heading, pt.
+fn unbroken_height(flow: &Flow<'_>, table: &content::Table, laid: &Table) -> f64 {
+    let explanation = words_height(table.explanation.as_ref());
+    let whole = explanation + laid.height() + laid.follows;
+    let is_whole = Flow::heading_height(&table.title) + whole <= flow.page_height();
+    if is_whole { whole } else { explanation + laid.first_height() }
+}
+
+/// Height of words above or below a table, pt.
+fn words_height(words: Option<&String>) -> f64 {
+    words.map_or(0.0, |words| Flow::height_of(words, SMALL_TYPE) + TABLE_GAP)
+}
+
+/// What stands below the heading of a table.
+fn below_heading(flow: &mut Flow<'_>, table: &content::Table, laid: &Table) {
+    if let Some(explanation) = &table.explanation {
+        flow.text(explanation, StructRole::P, SMALL_TYPE, Ink::Muted);
+        flow.space(TABLE_GAP);
+    }
+    laid.write(flow);
+    if let Some(below) = &table.below {
+        flow.space(TABLE_GAP);
+        flow.text(below, StructRole::P, SMALL_TYPE, Ink::Muted);
+    }
+}
+
+/// A table as it is laid out in a report of blocks: closer where it has many rows, so that two such tables are on a
+/// page.
+fn laid_dense(table: &content::Table) -> Table {
+    match table.rows.len() > ROWS_MANY {
+        true => Table { padding: DENSE_PADDING, ..laid(table, SMALL_TYPE, Anchor::End) },
+        false => laid(table, BODY_TYPE, Anchor::End),
+    }
+}
+
+/// A table as it is laid out. Cells with text are aligned as `words` says.
+fn laid(table: &content::Table, letters: Type, words: Anchor) -> Table {
     let is_words = |column: usize| {
         let mut figures = table.rows.iter().filter_map(|row| row.figures.get(column));
         figures.any(|figure| !figure.is_missing() && !has_figure(&figure.value))
@@ -229,14 +313,8 @@ fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: An
         Row { cells, is_joined: false }
     };
     let rows = table.rows.iter().map(row).collect();
-    let laid = Table { heads: vec![head], rows, is_ruled: true };
-    let explanation = table.explanation.as_ref().map_or(0.0, |_| 3.0 * SMALL_TYPE.leading());
-    flow.heading(&table.title, explanation + laid.first_height());
-    if let Some(explanation) = &table.explanation {
-        flow.text(explanation, StructRole::P, SMALL_TYPE, Ink::Muted);
-        flow.space(3.0);
-    }
-    laid.write(flow);
+    let follows = words_height(table.below.as_ref());
+    Table { heads: vec![head], rows, is_ruled: true, padding: PADDING, follows }
 }
 
 /// Whether a text is a number: `12.3`, `+4`.

@@ -8,9 +8,12 @@ use super::wrap::{Type, lines};
 use crate::picture::font::writable;
 use crate::picture::{Anchor, Ink};
 
-/// Space between the text of two columns, and above and below a row, pt.
+/// Space between the text of two columns, pt.
 const GAP: f64 = 9.0;
-const PADDING: f64 = 2.2;
+
+/// Space above and below a row, and where a table has many rows, pt.
+pub(super) const PADDING: f64 = 2.2;
+pub(super) const DENSE_PADDING: f64 = 1.6;
 
 /// The largest width that a column gets for a single word, pt. A longer word is broken.
 const WORD_MAX: f64 = 110.0;
@@ -81,6 +84,10 @@ pub(super) struct Table {
     pub rows: Vec<Row>,
     /// Whether there are lines between its rows.
     pub is_ruled: bool,
+    /// Space above and below a row, pt.
+    pub padding: f64,
+    /// Height of what stands below it, on the page of its last row, pt.
+    pub follows: f64,
 }
 
 /// A table with the computed widths of its columns.
@@ -92,13 +99,27 @@ struct Laid<'t> {
 }
 
 impl Table {
-    /// Height of its headings and first row, which must be on the page of the table's heading, pt.
+    /// Height of its headings and of what stays with them, which must be on the page of the table's heading, pt.
     pub(super) fn first_height(&self) -> f64 {
         let laid = Laid::new(self);
-        self.heads.iter().chain(self.rows.first()).map(|row| laid.height(row)).sum()
+        let heads: f64 = self.heads.iter().map(|row| laid.height(row)).sum();
+        heads + self.together_height(&laid, &self.rows)
     }
 
-    /// Writes the table.
+    /// Height of all of it, pt.
+    pub(super) fn height(&self) -> f64 {
+        let laid = Laid::new(self);
+        self.heads.iter().chain(&self.rows).map(|row| laid.height(row)).sum()
+    }
+
+    /// Height of those of these last rows of it that stay on one page, and of what stands below them, pt.
+    fn together_height(&self, laid: &Laid<'_>, rows: &[Row]) -> f64 {
+        let count = together(rows);
+        let height: f64 = rows[..count].iter().map(|row| laid.height(row)).sum();
+        if count == rows.len() { height + self.follows } else { height }
+    }
+
+    /// Writes the table. The last row is never alone on a page.
     pub(super) fn write(&self, flow: &mut Flow<'_>) {
         let laid = Laid::new(self);
         let table = flow.sheets.tags.add(ROOT, StructRole::Table);
@@ -107,9 +128,8 @@ impl Table {
         laid.rule(flow, Ink::Muted);
         let mut rest = self.rows.as_slice();
         while let Some((first, others)) = rest.split_first() {
-            let joined = others.iter().take_while(|row| row.is_joined).count();
-            let height: f64 = rest[..=joined].iter().map(|row| laid.height(row)).sum();
-            if flow.need(height) {
+            let joined = joined(others);
+            if flow.need(self.together_height(&laid, rest)) {
                 self.heads.iter().for_each(|row| laid.write(flow, row, None));
                 laid.rule(flow, Ink::Muted);
             }
@@ -141,6 +161,20 @@ impl Table {
         let rows = self.heads.iter().chain(&self.rows);
         rows.filter_map(move |row| in_row(row).map(|index| &row.cells[index]))
     }
+}
+
+/// How many of these rows belong to the row before them.
+fn joined(rows: &[Row]) -> usize {
+    rows.iter().take_while(|row| row.is_joined).count()
+}
+
+/// How many of these rows stay on one page: the first with those that belong to it, and all where only one other would
+/// be left for the next page.
+fn together(rows: &[Row]) -> usize {
+    let Some((_, others)) = rows.split_first() else { return 0 };
+    let joined = joined(others);
+    let is_one_behind = others[joined..].iter().filter(|row| !row.is_joined).count() == 1;
+    if is_one_behind { rows.len() } else { joined + 1 }
 }
 
 impl<'t> Laid<'t> {
@@ -204,14 +238,14 @@ impl<'t> Laid<'t> {
         let heights = self.places(row).into_iter().map(|(cell, _, width)| {
             self.lines(cell, width).len() as f64 * self.letters(cell).leading()
         });
-        let padding = if row.is_joined { PADDING } else { 2.0 * PADDING };
+        let padding = self.table.padding * if row.is_joined { 1.0 } else { 2.0 };
         heights.fold(0.0, f64::max) + padding
     }
 
     /// Writes a row as part of a table, or as a decoration if it only repeats one.
     fn write(&self, flow: &mut Flow<'_>, row: &Row, part: Option<(ElementIndex, StructRole)>) {
         let row_element = part.map(|(table, _)| flow.sheets.tags.add(table, StructRole::TR));
-        let top = flow.y + if row.is_joined { 0.0 } else { PADDING };
+        let top = flow.y + if row.is_joined { 0.0 } else { self.table.padding };
         // Cells of different sizes share one baseline.
         let first_line =
             self.places(row).iter().map(|(cell, ..)| self.letters(cell).size).fold(0.0, f64::max);

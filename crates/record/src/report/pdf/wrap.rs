@@ -1,6 +1,7 @@
 //! Breaks text into lines that fit a width.
 
 use crate::picture::font::Font;
+use crate::report::held;
 
 /// A font size and weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,15 +27,19 @@ impl Type {
 /// Sums of widths in a different order differ by less than this, pt.
 const ROUNDING: f64 = 1e-6;
 
-/// Breaks writable text into lines at blanks. A word that is wider than a line, such as a long id, is
-/// broken between letters.
+/// Breaks writable text into lines at blanks, if it can be not between a figure and its unit. A word that is wider than a
+/// line, such as a long id, is broken between letters.
 pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
     let font = Font::of(letters.is_bold);
     let blank = font.units(" ");
     let mut lines = vec![String::new()];
     // Width of the last line, units of the font.
     let mut filled = 0;
-    for word in words.split(' ').filter(|word| !word.is_empty()) {
+    let parts = held::parts(words).into_iter().flat_map(|part| {
+        let is_whole = Font::of_units(font.units(part), letters.size) <= width + ROUNDING;
+        if is_whole { vec![part] } else { part.split(' ').collect() }
+    });
+    for word in parts.filter(|word| !word.is_empty()) {
         let own = font.units(word);
         let is_first = lines.last().is_none_or(String::is_empty);
         let longer = if is_first { own } else { filled + blank + own };
@@ -94,6 +99,12 @@ mod tests {
         assert_eq!(lines("11 22 33", 30.0, PLAIN), ["11 22", "33"]);
         assert_eq!(lines("1 22222222 3", 12.0, PLAIN), ["1", "22", "22", "22", "22", "3"]);
         assert_eq!(lines("", 30.0, PLAIN), [""]);
+    }
+
+    #[test]
+    fn a_figure_and_its_unit_are_on_one_line_if_that_is_wide_enough() {
+        assert_eq!(lines("a 11 22 mm", 34.0, PLAIN), ["a 11", "22 mm"]);
+        assert_eq!(lines("1 ± 2 mL", 20.0, PLAIN), ["1 ±", "2", "mL"]);
     }
 
     proptest! {

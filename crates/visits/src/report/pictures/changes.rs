@@ -65,15 +65,27 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
         for (place, of) in compared.iter().enumerate().rev() {
             marks.extend(curve(girths(of, side), &frame, look(place, side)));
         }
+        let drawn = compared.iter().enumerate().filter(|(_, of)| !girths(of, side).is_empty());
+        for (place, of) in drawn {
+            marks.extend(name(words, of, [px[0], below(place)], look(place, side)));
+        }
     }
     let length = words.text("visits.picture.length_cm");
     marks.push(label([4.0, ROWS_PX[1] - 8.0], Anchor::Start, SMALL, Ink::Muted, length));
-    for (place, of) in compared.iter().enumerate() {
-        marks.extend(name(words, of, place));
-    }
-    let height = ROWS_PX[0] + BELOW + LINE * compared.len() as f64;
+    let height = below(compared.len());
     let title = words.text("visits.picture.changes");
     Some(Picture { title, size: [WIDTH, height], cuts: vec![CUT_PX], marks })
+}
+
+/// How to read it: what occurs in it.
+pub(super) fn caption(words: &Words, compared: &[Comparison]) -> String {
+    let legs = compared.iter().flat_map(|of| Side::BOTH.map(|side| girths(of, side)));
+    let is_shown = legs.flatten().any(|of| of.change.shown() != Shown::NoChange);
+    words.said(&[
+        (true, "visits.caption.changes"),
+        (is_shown, "visits.caption.dot"),
+        (true, "visits.caption.dotted"),
+    ])
 }
 
 /// The changes of the girths of a leg.
@@ -134,11 +146,18 @@ fn curve(of: &[PlaceChange], frame: &Frame, (ink, width, dash): Look) -> Vec<Mar
     marks
 }
 
-/// The line of a comparison and its days, below the charts.
-fn name(words: &Words, of: &Comparison, place: usize) -> [Mark; 2] {
-    let (ink, width, dash) = look(place, Side::Left);
-    let left = LEGS_PX[0][0];
-    let y = ROWS_PX[0] + BELOW + LINE * place as f64;
+/// The baseline of the name of a comparison, px.
+fn below(place: usize) -> f64 {
+    ROWS_PX[0] + BELOW + LINE * place as f64
+}
+
+/// The line of a comparison as the chart above it has it, and its days.
+fn name(
+    words: &Words,
+    of: &Comparison,
+    [left, y]: [f64; 2],
+    (ink, width, dash): Look,
+) -> [Mark; 2] {
     let line = vec![vec![[left, y - 4.0], [left + 40.0, y - 4.0]]];
     let stroke = Some(Stroke { ink, width, dash });
     [

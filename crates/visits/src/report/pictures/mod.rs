@@ -25,10 +25,14 @@ const SCALES_MM: [f64; 5] = [2.0, 4.0, 8.0, 16.0, 32.0];
 
 /// The pictures of the first page: the curves of all visits, and where along the legs girths have changed.
 pub(super) fn first(words: &Words, compared: &[Comparison]) -> Vec<Block> {
-    let volumes = volumes::picture(words);
-    let volumes = volumes.map(|of| block(words, "volumes", "visits.picture.volumes", of));
-    let changes = changes::picture(words, compared);
-    let changes = changes.map(|of| block(words, "changes", "visits.picture.changes", of));
+    let volumes = volumes::picture(words).map(|picture| {
+        let caption = volumes::caption(words);
+        captioned("volumes", words.text("visits.picture.volumes"), picture, caption)
+    });
+    let changes = changes::picture(words, compared).map(|picture| {
+        let caption = changes::caption(words, compared);
+        captioned("changes", words.text("visits.picture.changes"), picture, caption)
+    });
     volumes.into_iter().chain(changes).collect()
 }
 
@@ -51,12 +55,12 @@ pub(super) fn slices(words: &Words, group: &Group, compared: &[Comparison]) -> V
 }
 
 fn block(words: &Words, name: &'static str, title: &'static str, picture: Picture) -> Block {
+    captioned(name, words.text(title), picture, words.of_code("visits.caption", name, &[]))
+}
+
+fn captioned(name: &'static str, title: String, picture: Picture, caption: String) -> Block {
     let marks = svg::marks(&picture);
-    Block::Picture {
-        title: words.text(title),
-        figure: Figure { name, picture, marks },
-        caption: words.of_code("visits.caption", name, &[]),
-    }
+    Block::Picture { title, figure: Figure { name, picture, marks }, caption }
 }
 
 /// The legs of two visits laid over each other.

@@ -49,7 +49,10 @@ pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
         marks.push(heading(title, Anchor::Middle, Ink::of(side), words.leg(side)));
         for (place, visit) in shown.iter().enumerate() {
             let Some(leg) = leg(*visit, side) else { continue };
-            marks.push(curve(leg, &frame, look(place, shown.len(), side)));
+            let pen = look(place, shown.len(), side);
+            marks.push(curve(leg, &frame, pen));
+            let at = [px[0], ROWS_PX[0] + BELOW + LINE * place as f64];
+            marks.extend(name(words.day(*visit), at, pen));
         }
     }
     marks.push(label(
@@ -62,14 +65,6 @@ pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
     let below = ROWS_PX[0] + 2.0 * LINE;
     let girth = words.text("picture.girth_cm");
     marks.push(label([WIDTH - 4.0, below], Anchor::End, SMALL, Ink::Muted, girth));
-    for (place, visit) in shown.iter().enumerate() {
-        let y = ROWS_PX[0] + BELOW + LINE * place as f64;
-        let stroke = look(place, shown.len(), Side::Left);
-        let line = vec![vec![[LEGS_PX[0][0], y - 4.0], [LEGS_PX[0][0] + 40.0, y - 4.0]]];
-        marks.push(Mark::Lines { lines: line, is_closed: false, fill: None, stroke });
-        let at = [LEGS_PX[0][0] + 48.0, y];
-        marks.push(label(at, Anchor::Start, SMALL, Ink::Text, words.day(*visit)));
-    }
     let height = ROWS_PX[0] + BELOW + LINE * shown.len() as f64;
     let title = words.text("visits.picture.profiles");
     Some(Picture { title, size: [WIDTH, height], cuts: Vec::new(), marks })
@@ -83,6 +78,15 @@ fn look(place: usize, visits: usize, side: Side) -> Option<Stroke> {
         1 if visits > 3 => Stroke::dashed(Ink::Scan, 1.0, 2.0),
         _ => Stroke::of(Ink::Muted, 1.0),
     }
+}
+
+/// The line of a visit as the chart above it has it, and its day.
+fn name(day: String, [left, y]: [f64; 2], stroke: Option<Stroke>) -> [Mark; 2] {
+    let line = vec![vec![[left, y - 4.0], [left + 40.0, y - 4.0]]];
+    [
+        Mark::Lines { lines: line, is_closed: false, fill: None, stroke },
+        label([left + 48.0, y], Anchor::Start, SMALL, Ink::Text, day),
+    ]
 }
 
 /// The curve of a leg, broken where a girth is missing.

@@ -65,8 +65,7 @@ pub(super) fn picture(words: &Words, group: &Group, of: &Comparison) -> Option<P
     for ((side, slices), px) in Side::FROM_FRONT.into_iter().zip(legs).zip(LEGS_PX) {
         let scale = Scale { range: [-end, end], px };
         marks.extend(grid(words, side, &scale, step, &rows));
-        let named = slices.iter().filter(|of| (low..=high).contains(&of.step));
-        marks.extend(named.flat_map(|of| bar(side, of, &scale, &rows)));
+        marks.extend(slices.iter().flat_map(|of| bar(side, of, &scale, &rows)));
     }
     let height = rows.px[0] + BELOW;
     let title = words.text("visits.picture.slices");

@@ -105,6 +105,30 @@ pub(super) fn picture(words: &Words) -> Option<Picture> {
     Some(Picture { title, size: [WIDTH, height], cuts: vec![CUT_PX], marks })
 }
 
+/// How to read it: what occurs in it.
+pub(super) fn caption(words: &Words) -> String {
+    let course = words.course;
+    let places = places(words);
+    let legs = Side::FROM_FRONT.map(|side| of_leg(words, side, &places));
+    let apart = of_both(words, &places);
+    let is_other_time = legs.iter().chain([&apart]).any(|of| {
+        let mut points = of.runs.iter().flatten();
+        points.any(|point| point.is_other_time)
+    });
+    let is_of_other_posture = course.groups.iter().any(|group| {
+        let mut pairs = group.visits.windows(2);
+        pairs.any(|pair| course.visits[pair[0]].is_of_other_posture(&course.visits[pair[1]]))
+    });
+    words.said(&[
+        (true, "visits.caption.volumes"),
+        (!apart.runs.is_empty(), "visits.caption.apart"),
+        (true, "visits.caption.bars"),
+        (is_other_time, "visits.caption.hollow"),
+        (course.groups.len() > 1, "visits.caption.break"),
+        (is_of_other_posture, "visits.caption.posture"),
+    ])
+}
+
 /// The scale of dates between two ends, px.
 fn dates([from, to]: [f64; 2]) -> Scale {
     Scale { range: [0.0, 1.0], px: [from + INSET_PX, to - INSET_PX] }
