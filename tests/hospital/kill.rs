@@ -8,6 +8,7 @@ use rig::faults::matrix::{Struck, faults, restarted, strike_everywhere, struck_a
 use rig::faults::tracer::{Answer, can_trace};
 use rig::invariants::Moment;
 
+use crate::server::{fhir, hl7};
 use crate::station::Place;
 
 /// Runs at a time: one waits while the other works.
@@ -33,6 +34,8 @@ fn killed(place: &mut Place, nth: usize) -> Struck {
 #[ignore = "needs ptrace, Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn a_station_killed_before_any_call_delivers_to_every_server_once() {
     assert!(can_trace());
+    // Here, because a hand that traces waits for all that it started itself.
+    (fhir(), hl7());
     let tally = strike_everywhere("kill -9 with servers", HANDS, 1, Place::new, killed);
     for (kind, times) in &tally.kinds {
         println!("  {times:4} {kind}");
