@@ -15,6 +15,7 @@ mod phantom;
 mod place;
 pub mod port;
 mod reader;
+mod removed;
 mod servers;
 pub mod sizes;
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use gaiter_leg::phantom::PhantomTextFault;
 
-use super::words::{COLUMNS, HEIGHTS_CM, ROWS};
+use super::words::HEIGHTS_CM;
 
 /// One fault in a configuration file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,6 +47,12 @@ pub enum What {
         similar: Option<String>,
         /// The keys that are valid here.
         known: Vec<String>,
+    },
+    /// A key that earlier versions had.
+    #[error("is no longer a key")]
+    Removed {
+        /// What to do.
+        instead: &'static str,
     },
     /// A key without a default is missing.
     #[error("must be set")]
@@ -95,9 +101,6 @@ pub enum What {
         /// The unit.
         unit: &'static str,
     },
-    /// Not a number of control points that a leg's surface can have.
-    #[error("\"{0}\" is not a number of control points")]
-    NotControlPoints(String),
     /// A duration, size, length or distance outside the allowed range.
     #[error("\"{text}\" is out of range")]
     OutOfRange {
@@ -253,12 +256,6 @@ pub enum What {
         /// `scanner.up`, as written or by default.
         up: String,
     },
-    /// An axis of the whole leg is chosen, but the tape does not lie square to one.
-    #[error("\"principal\" is an axis of the whole leg, but method.tape is {tape:?}")]
-    AxisOfNoLeg {
-        /// `method.tape`, as written or by default.
-        tape: String,
-    },
 }
 
 impl What {
@@ -269,6 +266,7 @@ impl What {
             What::NotUtf8 => "save the file as UTF-8".into(),
             What::Unknown { similar: Some(similar), .. } => format!("did you mean {similar}?"),
             What::Unknown { known, .. } => format!("known here: {}", known.join(", ")),
+            What::Removed { instead } => (*instead).into(),
             What::Missing { example } | What::Kind { example, .. } => format!("write {example}"),
             What::NotASection { name, .. } => {
                 format!("write [{name}] on a line of its own and the keys below it")
@@ -285,13 +283,6 @@ impl What {
             What::NotALimit { unit: "%", .. } => r#"write a number and %: "3%", "4.5%""#.into(),
             What::NotALimit { .. } => r#"write a number and mm: "20mm""#.into(),
             What::NotADistance(_) => r#"write a number and mm: "0.05mm", "1mm""#.into(),
-            What::NotControlPoints(_) => format!(
-                r#"write "auto" or their number along and around: "{}x{}" to "{}x{}""#,
-                ROWS.start(),
-                COLUMNS.start(),
-                ROWS.end(),
-                COLUMNS.end()
-            ),
             What::OutOfRange { least, most, .. } => {
                 format!("anything from \"{least}\" to \"{most}\"")
             }
@@ -354,9 +345,6 @@ impl What {
             What::PhantomIsPatient(_) => "choose a name that no patient's id can be".into(),
             What::FacesUpOrDown { .. } => {
                 "choose a horizontal axis, or \"auto\" to find it from the feet".into()
-            }
-            What::AxisOfNoLeg { .. } => {
-                "set tape = \"leg\" for the published method, or axis = \"centroids\"".into()
             }
         };
         Some(hint)

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gaiter_cad::Output;
 use gaiter_flow::retention::Retention;
 use gaiter_leg::Method;
-use gaiter_leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
+use gaiter_leg::method::{B1, LevelChoices};
 use gaiter_record::report::Print;
 use toml::de::DeTable;
 
@@ -17,8 +17,8 @@ use super::reader::{Absent, Found, Reader};
 use super::sizes::beside::Files;
 use super::visits;
 use super::words::{
-    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, PAPERS,
-    POSTURES, SCOPES, SURFACES, TAPES, UNITS, UPS, VOLUMES, WINDINGS, Words, faces_up_or_down,
+    ACCESSES, B1S, B1Word, CONFINES, FACINGS, FILES, LANGUAGES, PAPERS, POSTURES, SCOPES, TAPES,
+    UNITS, UPS, VOLUMES, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -62,7 +62,10 @@ fn sound(text: &str, notation: &[Finding], finding: &Finding) -> bool {
     let line = line_of(text, finding.at.start);
     let of_a_key = matches!(
         finding.what,
-        What::Missing { .. } | What::Unknown { .. } | What::NotASection { .. }
+        What::Missing { .. }
+            | What::Unknown { .. }
+            | What::Removed { .. }
+            | What::NotASection { .. }
     );
     !of_a_key && notation.iter().all(|fault| line_of(text, fault.at.start) != line)
 }
@@ -104,12 +107,10 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let trigger = trigger::config(reader);
     let patient = whose.as_ref().map(|(_, patient)| patient);
     let phantom = phantom::config(reader, patient);
-    let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
-    let tape = tape(reader);
+    let tape = reader.text("method.tape", Default("shank"), parse::word(TAPES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let levels = level_choices(reader);
     let volume = reader.text("method.volume", Default("cones"), parse::word(VOLUMES));
-    let surface = surface_method(reader);
     let output = output(reader);
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
     let mut beside = Vec::new();
@@ -184,12 +185,11 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
             facing: facing?.value,
             winding: winding?.value,
             posture: posture?.value,
-            fit: fit?.value,
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
             levels: levels?,
             volume: volume?.value,
-            tape: tape?,
-            surface: surface?,
+            tape: tape?.value,
+            ..Method::default()
         },
         output: output?,
         language: language?.value,
@@ -233,36 +233,8 @@ fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
     Some(LevelChoices { b1, g_below_crotch_mm: f64::from(below?.value) })
 }
 
-/// The keys of `[method]` that define how the surface is fitted.
-fn surface_method(reader: &mut Reader) -> Option<SurfaceMethod> {
-    use Absent::Default;
-    let from = reader.text("method.surface", Default("sections"), parse::word(SURFACES));
-    let knots = reader.text("method.surface_knots", Default("adaptive"), parse::word(KNOTS));
-    let key = "method.surface_control_points";
-    let control_points = reader.text(key, Default("auto"), parse::control_points);
-    let (from, knots) = (from?.value, knots?.value);
-    Some(SurfaceMethod { from, control_points: control_points?.value, knots })
-}
-
 fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {
     words.iter().filter(|(_, known)| *known == value).map(|(word, _)| *word).collect()
-}
-
-/// How the tape lies, and which axis the whole leg has, if it is square to that.
-fn tape(reader: &mut Reader) -> Option<Tape> {
-    use Absent::Default;
-    let tape = reader.text("method.tape", Default("shank"), parse::word(TAPES));
-    let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
-    let (tape, axis) = (tape?, axis?);
-    match (tape.value, axis.value) {
-        (Tape::Leg(_), axis) => Some(Tape::Leg(axis)),
-        (tape, AxisFit::Centroids) => Some(tape),
-        (other, AxisFit::Principal) => {
-            let what = What::AxisOfNoLeg { tape: spelt(TAPES, other) };
-            reader.note(axis.at, "method.axis", what);
-            None
-        }
-    }
 }
 
 /// The keys of `[output]`.

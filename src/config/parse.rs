@@ -7,7 +7,7 @@ use regex::Regex;
 
 use super::fault::What;
 use super::nearest::nearest;
-use super::words::{self, COLUMNS, ROWS, Words, meaning};
+use super::words::{self, Words, meaning};
 
 /// A number and one of the units; `None` for anything else, including a number that is too large.
 fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
@@ -95,19 +95,6 @@ pub(super) fn distance(text: &str) -> Result<f64, What> {
 /// A distance within bounds, in millimetres.
 pub(super) fn distance_in(bounds: Bounds) -> impl Fn(&str) -> Result<f64, What> {
     move |text| bounds.hold(text, distance(text)?, distance)
-}
-
-/// `"auto"` or the number of control points along and around, `"40x32"`, within their bounds.
-pub(super) fn control_points(text: &str) -> Result<Option<[usize; 2]>, What> {
-    if text == "auto" {
-        return Ok(None);
-    }
-    let found = text.split_once('x').and_then(|(along, around)| {
-        let [along, around] = [along, around].map(|count| count.parse::<usize>().ok());
-        Some([along?, around?])
-    });
-    let within = |[along, around]: &[usize; 2]| ROWS.contains(along) && COLUMNS.contains(around);
-    found.filter(within).map(Some).ok_or_else(|| What::NotControlPoints(text.into()))
 }
 
 /// One of the words of a choice.
@@ -236,15 +223,6 @@ mod tests {
         let within = distance_in(Bounds { least: "0.005mm", most: "5mm" });
         assert!(within("0.005mm").is_ok() && within("5mm").is_ok());
         assert!(within("0.004mm").is_err() && within("5.1mm").is_err() && within("0mm").is_err());
-    }
-
-    #[test]
-    fn control_points_are_two_numbers_or_auto() {
-        assert_eq!(control_points("auto"), Ok(None));
-        assert_eq!(control_points("40x32"), Ok(Some([40, 32])));
-        for text in ["", "40", "40x", "x32", "40 x 32", "4x32", "40x72", "-40x32", "40x32x3"] {
-            assert_eq!(control_points(text), Err(What::NotControlPoints(text.into())), "{text}");
-        }
     }
 
     #[test]

@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 use super::fault::What;
 use super::nearest::nearest;
 use super::place::Finding;
+use super::removed::instead;
 
 /// What stands between the defaults of a list, as in the shipped file.
 const BETWEEN_DEFAULTS: &str = "\", \"";
@@ -309,7 +310,10 @@ impl<'t> Reader<'t> {
                 continue;
             }
             if !self.keys.iter().any(|key| is_within(key.path, &path)) {
-                let what = self.unknown(prefix, name.get_ref());
+                let what = match instead(&path) {
+                    Some(instead) => What::Removed { instead },
+                    None => self.unknown(prefix, name.get_ref()),
+                };
                 self.note(name.span(), &path, what);
             } else if let DeValue::Table(inner) = value.get_ref() {
                 self.walk(inner, &path);

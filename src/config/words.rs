@@ -9,8 +9,7 @@ use gaiter_flow::patient::check_digit::CheckDigit;
 use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_leg::method::{
-    Axis, AxisFit, FacingChoice, Knots, Posture, Scope, SectionFit, SurfaceFrom, Tape, Unit,
-    UnitChoice, Up, VolumeBy, Winding,
+    Axis, AxisFit, FacingChoice, Posture, Scope, Tape, Unit, UnitChoice, Up, VolumeBy, Winding,
 };
 use gaiter_record::FigureFormat;
 use gaiter_record::order::OrderFile;
@@ -143,34 +142,16 @@ pub const LIMITED: Words<Limited> = &Limited::WORDS;
 /// `method.volume`
 pub const VOLUMES: Words<VolumeBy> = &[("cones", VolumeBy::Cones), ("discs", VolumeBy::Discs)];
 
-/// `method.fit`
-pub const FITS: Words<SectionFit> =
-    &[("skin", SectionFit::Skin), ("periodic", SectionFit::Periodic), ("paper", SectionFit::Paper)];
-
-/// `method.tape`; the axis of the whole leg is `method.axis`.
+/// `method.tape`
 pub const TAPES: Words<Tape> = &[
     ("shank", Tape::Shank),
     ("leg", Tape::Leg(AxisFit::Centroids)),
     ("horizontal", Tape::Horizontal),
 ];
 
-/// `method.axis`
+/// `made_by.method.axis` of records with `tape = "leg"`
 pub const AXES: Words<AxisFit> =
     &[("centroids", AxisFit::Centroids), ("principal", AxisFit::Principal)];
-
-/// Rows and columns of control points that can be requested: enough for a leg, and no more than its
-/// sections support.
-pub const ROWS: RangeInclusive<usize> = 8..=120;
-/// See [`ROWS`].
-pub const COLUMNS: RangeInclusive<usize> = 8..=60;
-
-/// `method.surface`
-pub const SURFACES: Words<SurfaceFrom> =
-    &[("sections", SurfaceFrom::Sections), ("points", SurfaceFrom::Points)];
-
-/// `method.surface_knots`
-pub const KNOTS: Words<Knots> =
-    &[("uniform", Knots::Uniform), ("adaptive", Knots::Adaptive), ("polished", Knots::Polished)];
 
 /// `method.b1`
 pub const B1S: Words<B1Word> = &[("steepest", B1Word::Steepest), ("above-b", B1Word::AboveB)];

@@ -326,9 +326,9 @@ fn a_station_knows_its_records_with_revisions_and_takes_them_back_whole() {
     booth.export("4711_a.obj", &bytes);
     booth.wait_for_records(1);
     // Beside the running station.
-    let config = booth.path("paper.toml");
+    let config = booth.path("other.toml");
     let text = fs::read_to_string(booth.path("station.toml")).unwrap();
-    fs::write(&config, text + "[method]\nfit = \"paper\"\n").unwrap();
+    fs::write(&config, text + "[method]\ntape = \"leg\"\n").unwrap();
     let (root, patient) = (booth.path("records"), booth.path("records/4711"));
     let output = reextract(&root, &["--config", config.to_str().unwrap()]);
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));

@@ -35,7 +35,8 @@ fn killed(place: &mut Place, nth: usize) -> Struck {
 fn a_station_killed_before_any_call_delivers_to_every_server_once() {
     assert!(can_trace());
     // Here, because a hand that traces waits for all that it started itself.
-    (fhir(), hl7());
+    fhir();
+    hl7();
     let tally = strike_everywhere("kill -9 with servers", HANDS, 1, Place::new, killed);
     for (kind, times) in &tally.kinds {
         println!("  {times:4} {kind}");

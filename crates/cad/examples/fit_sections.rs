@@ -61,12 +61,9 @@ fn run(wanted: &Wanted) -> Result<(), Box<dyn Error>> {
     let Wanted { path, control_points, out } = wanted;
     let table = fs::read_to_string(path).map_err(|fault| format!("{path}: {fault}"))?;
     let table = SectionTable::parse(&table).map_err(|fault| format!("{path}: {fault}"))?;
-    let grid = table.grid()?;
-    let method = GridMethod {
-        control_points: *control_points,
-        knots: Knots::Polished,
-        marks: [vec![], vec![]],
-    };
+    let grid = table.grid();
+    let knots = Knots::Adaptive;
+    let method = GridMethod { control_points: *control_points, knots, marks: Vec::new() };
     let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
     let fit = fit_grid_by(&grid.data(), &domain, &method)?;
     report(&grid, &fit);

@@ -9,7 +9,7 @@ use divan::Bencher;
 use flate2::read::GzDecoder;
 use gaiter_leg::frame::body::{Body, body};
 use gaiter_leg::levels::girth::girth_curve;
-use gaiter_leg::method::{SectionFit, SurfaceMethod, Tape};
+use gaiter_leg::method::{SectionFit, Tape};
 use gaiter_leg::parting::segment::{Leg, Legs, segment};
 use gaiter_leg::sections::axis_fit;
 use gaiter_leg::sections::equidistant::{Sections, sections};
@@ -112,9 +112,8 @@ fn g_girth_curve_of_one_leg(bencher: Bencher) {
 #[divan::bench]
 fn h_surface_of_one_leg_with_its_error(bencher: Bencher) {
     let (leg, _, sections) = left_sections();
-    let wanted = Wanted { height_mm: [95.0, 465.0], levels_mm: &[] };
-    let method = SurfaceMethod::default();
-    bencher.bench(|| nurbs::surface(&leg, &sections, &wanted, &method));
+    let wanted = Wanted { height_mm: [95.0, 465.0], levels_mm: &[], control_points: None };
+    bencher.bench(|| nurbs::surface(&leg, &sections, &wanted));
 }
 
 #[divan::bench]

@@ -1,15 +1,10 @@
 //! How far the surface of each leg lies from the true skin, over a folder of scans with truth:
-//! `cargo run --release --example skin -- FOLDER [sections|points] [uniform|adaptive|polished]
-//! [40x32] [floor]`.
+//! `cargo run --release --example skin -- FOLDER [40x32]`, with the number of control points.
 //!
 //! Beside each `NAME.obj` lies `NAME.skin.ply`, the skin without noise and holes in the export's
 //! frame and unit. Its vertices lie on the skin, its facets are chords; so vertices are compared,
 //! each for a third of its facets' area, from 20 mm below B to 20 mm above D (without D, to the
 //! knee).
-//!
-//! `floor` adds what is left where the smoothing is chosen with the truth in view: the best of 81
-//! pairs of lambdas for a fit to the same points. No choice without the truth can be expected to do
-//! better.
 
 #![allow(clippy::disallowed_methods, clippy::disallowed_types)]
 
@@ -22,8 +17,7 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::path::Path;
 
-use gaiter_leg::method::{Knots, SurfaceFrom, SurfaceMethod};
-use gaiter_leg::{Extraction, LegReport, Method, extract};
+use gaiter_leg::{LegReport, Method, extract};
 use gaiter_scan::Format;
 use skin::{Off, Skin, range_mm};
 use truth::{Case, cases};
@@ -37,43 +31,25 @@ const ALLOWED: [f64; 2] = [0.05, 0.15];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
-    let folder = words.next().ok_or("usage: skin FOLDER [sections|points] [KNOTS] [40x32]")?;
-    let words: Vec<String> = words.collect();
-    let surface = method(&words)?;
-    let with_floor = words.iter().any(|word| word == "floor");
+    let folder = words.next().ok_or("usage: skin FOLDER [40x32]")?;
+    let surface_control_points = words.next().map(|word| net(&word)).transpose()?;
     let mut out = io::stdout().lock();
     writeln!(out, "{HEADER}")?;
     for case in cases(Path::new(&folder))? {
-        let method = Method { up: case.up, surface, ..Method::default() };
+        let method = Method { up: case.up, surface_control_points, ..Method::default() };
         let extraction = extract(&case.bytes, Format::Obj, &method)?;
         let skin = Skin::read(Path::new(&folder), &case.name, &extraction)?;
         for leg in &extraction.legs {
             row(&mut out, &case, leg, &skin)?;
-            if with_floor {
-                floor(&mut out, &case, &extraction, leg, &skin)?;
-            }
         }
     }
     Ok(())
 }
 
-/// The method that the words ask for.
-fn method(words: &[String]) -> Result<SurfaceMethod, Box<dyn Error>> {
-    let mut method = SurfaceMethod::default();
-    for word in words.iter().filter(|word| *word != "floor") {
-        match word.as_str() {
-            "sections" => method.from = SurfaceFrom::Sections,
-            "points" => method.from = SurfaceFrom::Points,
-            "uniform" => method.knots = Knots::Uniform,
-            "adaptive" => method.knots = Knots::Adaptive,
-            "polished" => method.knots = Knots::Polished,
-            size => {
-                let (along, around) = size.split_once('x').ok_or(format!("what is {size:?}?"))?;
-                method.control_points = Some([along.parse()?, around.parse()?]);
-            }
-        }
-    }
-    Ok(method)
+/// The net that a word such as `40x32` asks for.
+fn net(word: &str) -> Result<[usize; 2], Box<dyn Error>> {
+    let (along, around) = word.split_once('x').ok_or(format!("what is {word:?}?"))?;
+    Ok([along.parse()?, around.parse()?])
 }
 
 fn row(out: &mut impl Write, case: &Case, leg: &LegReport, skin: &Skin) -> io::Result<()> {
@@ -101,19 +77,4 @@ fn row(out: &mut impl Write, case: &Case, leg: &LegReport, skin: &Skin) -> io::R
         100.0 * share,
         ALLOWED[0] + ALLOWED[1] * noise,
     )
-}
-
-/// What is left with the smoothing chosen by the truth.
-fn floor(
-    out: &mut impl Write,
-    case: &Case,
-    extraction: &Extraction,
-    leg: &LegReport,
-    skin: &Skin,
-) -> Result<(), Box<dyn Error>> {
-    let Some(found) = &leg.surface else { return Ok(()) };
-    let best = skin.floor(&case.bytes, extraction, leg, &found.surface)?;
-    let (name, side) = (&case.name, leg.side.word());
-    writeln!(out, "| {name} | {side} | | | | {:.4} % | with the truth in view |", 100.0 * best)?;
-    Ok(())
 }

@@ -3,7 +3,6 @@
 
 use super::side::Side;
 pub use crate::comparison::tape_volume::VolumeBy;
-pub use gaiter_spline::Knots;
 
 /// How to read and measure a scan. `Default` is the method without any choices by the user.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -24,8 +23,9 @@ pub struct Method {
     pub fit: SectionFit,
     /// How the tape lies around the leg.
     pub tape: Tape,
-    /// How the surface is fitted.
-    pub surface: SurfaceMethod,
+    /// Rows and columns of control points of the surface, along and around; `None` chooses them by the
+    /// leg's length.
+    pub surface_control_points: Option<[usize; 2]>,
     /// Additional heights above the floor at which girths are wanted, mm, in the order of the report.
     pub at_heights_mm: Vec<f64>,
     /// The chosen definitions of levels that have more than one.
@@ -77,43 +77,6 @@ impl Winding {
             Winding::Outward => "outward",
             Winding::Inward => "inward",
         }
-    }
-}
-
-/// How a leg's surface is fitted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceMethod {
-    /// The data it is fitted to.
-    pub from: SurfaceFrom,
-    /// Rows and columns of control points, along and around; `None` chooses them by the leg's length.
-    pub control_points: Option<[usize; 2]>,
-    /// The placement of its knots.
-    pub knots: Knots,
-}
-
-/// The data that a surface is fitted to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SurfaceFrom {
-    /// The grid of the sections.
-    #[default]
-    Sections,
-    /// All points of the leg.
-    Points,
-}
-
-impl SurfaceFrom {
-    /// The word used in the configuration and in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            SurfaceFrom::Sections => "sections",
-            SurfaceFrom::Points => "points",
-        }
-    }
-}
-
-impl Default for SurfaceMethod {
-    fn default() -> SurfaceMethod {
-        SurfaceMethod { from: SurfaceFrom::Sections, control_points: None, knots: Knots::Adaptive }
     }
 }
 

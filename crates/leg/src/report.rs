@@ -91,8 +91,12 @@ pub fn leg_report(
     let levels = found.chain(estimated).filter(|(level, _)| *level >= Level::B);
     let mut levels_mm: Vec<f64> = levels.map(|(_, along_mm)| along_mm).collect();
     levels_mm.sort_by(f64::total_cmp);
-    let wanted = Wanted { height_mm: wanted_mm, levels_mm: &levels_mm };
-    let surface = match surface(leg, sections, &wanted, &method.surface) {
+    let wanted = Wanted {
+        height_mm: wanted_mm,
+        levels_mm: &levels_mm,
+        control_points: method.surface_control_points,
+    };
+    let surface = match surface(leg, sections, &wanted) {
         Ok(surface) => Some(surface),
         Err(none) => {
             findings.add(None, What::NoSurface(none));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use gaiter_leg::doubt::Doubt;
 use gaiter_leg::frame::body::FacingFrom;
 use gaiter_leg::levels::girth::GirthCurve;
-use gaiter_leg::method::{B1, SurfaceMethod, Tape, UnitChoice};
+use gaiter_leg::method::{B1, Tape, UnitChoice};
 use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::sections::axis_length::AxisLength;
 use gaiter_leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
@@ -84,8 +84,7 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         Tape::Shank | Tape::Horizontal => None,
     };
     let words = words.into_iter().chain(axis).map(|(key, word)| (key.to_owned(), word.to_owned()));
-    let words = words.chain(at_words(method));
-    words.chain(level_words(method)).chain(surface_words(method)).collect()
+    words.chain(at_words(method)).chain(level_words(method)).collect()
 }
 
 /// The requested heights, if any.
@@ -106,20 +105,6 @@ fn level_words(method: &Method) -> Vec<(String, String)> {
         words.push(("b1_above_b".to_owned(), format!("{distance_mm}mm")));
     }
     words
-}
-
-/// How the surface was fitted.
-fn surface_words(method: &Method) -> [(String, String); 3] {
-    let SurfaceMethod { from, control_points, knots } = method.surface;
-    let control_points = match control_points {
-        Some([along, around]) => format!("{along}x{around}"),
-        None => "auto".to_owned(),
-    };
-    [
-        ("surface".to_owned(), from.word().to_owned()),
-        ("surface_knots".to_owned(), knots.word().to_owned()),
-        ("surface_control_points".to_owned(), control_points),
-    ]
 }
 
 fn leg(report: &LegReport, method: &Method) -> LegFigures {

@@ -19,7 +19,7 @@ pub struct SurfaceFigures {
     pub control_points: [usize; 2],
     /// Degree along and around the leg.
     pub degree: [usize; 2],
-    /// Where the knots lie along and around: `uniform`, `adaptive`, `polished`, …
+    /// Where the knots lie along and around: `adaptive`, `widened`, `uniform-instead`, …
     #[serde(default)]
     pub knots: Vec<String>,
     /// Height of the lower end's centre.

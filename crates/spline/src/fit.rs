@@ -104,38 +104,6 @@ pub enum FitFault {
         /// Number needed.
         needed: usize,
     },
-    /// Each point of a cloud needs its position around.
-    #[error("{points} points with {around} places around; they must be as many")]
-    PlacesDiffer {
-        /// Number of points.
-        points: usize,
-        /// Number of positions.
-        around: usize,
-    },
-    /// A cloud has fewer points than its surface has control points.
-    #[error("{points} points for {control_points} control points, which need at least as many")]
-    TooFewPoints {
-        /// Number of points.
-        points: usize,
-        /// Number of control points.
-        control_points: usize,
-    },
-    /// Too much of the surface has no points, so the rest would be invented.
-    #[error("{found} of {of} equal regions of the surface hold points, fewer than {needed}")]
-    TooLittleSeen {
-        /// Number of regions with a point.
-        found: usize,
-        /// Number of regions.
-        of: usize,
-        /// Number needed.
-        needed: usize,
-    },
-    /// All points of a section coincide, so it has no length.
-    #[error("all points of row {row} are the same")]
-    NoLength {
-        /// 0-based row.
-        row: usize,
-    },
     /// Two neighbouring rows or columns lie at the same parameter or have the same points.
     #[error("{lines} {first} and {second} are the same")]
     Coincident {
@@ -171,10 +139,8 @@ pub enum FitFault {
         functions: usize,
     },
     /// A mark, which must become a knot, lies outside the domain or is NaN.
-    #[error("the mark {mark} {direction} lies outside the domain {from} to {to}")]
+    #[error("the mark {mark} lies outside the domain {from} to {to}")]
     MarkOutside {
-        /// "along" or "around".
-        direction: &'static str,
         /// The mark.
         mark: f64,
         /// Start of the domain.

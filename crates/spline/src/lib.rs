@@ -18,12 +18,10 @@
 //! | [`tessellate`] | [`Facets`]: triangles that approximate a surface within a tolerance |
 //! | [`grid`] | the surface through a grid of points |
 //! | [`knots`] | the placement of its knots |
-//! | [`cloud`] | the surface through a cloud of points |
 //!
 //! All splines have degree 3. Nothing in this crate depends on the unit of the abscissa.
 
 pub mod basis;
-pub mod cloud;
 pub mod curvature;
 pub mod fit;
 pub mod foot;
@@ -41,11 +39,10 @@ pub mod tensor;
 pub mod tessellate;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
-pub use cloud::{CloudData, CloudFit, CloudMethod, CloudSmoothing, fit_cloud};
 pub use curvature::Curvatures;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
-pub use grid::{GridData, GridMethod, SurfaceFit, fit_grid, fit_grid_by, mean_chord_parameters};
+pub use grid::{GridData, GridMethod, SurfaceFit, fit_grid, fit_grid_by};
 pub use knots::{GridDomain, Knots, KnotsUsed, Undetermined, determines};
 pub use robust::{Robust, robust_fit};
 pub use surface::{Derivatives, Surface, SurfaceFault};

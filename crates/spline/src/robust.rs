@@ -9,7 +9,7 @@ use super::normal::{Design, NormalEquations};
 pub(super) const TUKEY: f64 = 4.685;
 
 /// Factor from median absolute deviation to standard deviation, for normal errors.
-pub(super) const MAD_TO_SD: f64 = 1.4826;
+const MAD_TO_SD: f64 = 1.4826;
 
 /// Maximum number of reweighting rounds.
 const ROUNDS_MAX: usize = 8;

@@ -35,7 +35,7 @@ pub struct Singular {
 }
 
 /// A pivot below this fraction of its diagonal entry consists of rounding errors.
-pub(super) const SMALLEST_RELATIVE_PIVOT: f64 = 16.0 * f64::EPSILON;
+const SMALLEST_RELATIVE_PIVOT: f64 = 16.0 * f64::EPSILON;
 
 impl Skyline {
     /// The zero matrix for the functions of `basis`.

@@ -3,7 +3,6 @@
 
 pub mod cases;
 pub mod chance;
-pub mod cloud;
 pub mod gdt_check;
 pub mod mesh;
 pub mod metric;

@@ -1,11 +1,7 @@
 //! How well a surface matches the closed-form test leg, and the parameters of its grid.
 
-// Each test crate uses its own part.
-
-#![allow(clippy::unwrap_used)]
-
-use gaiter_spline::{Surface, mean_chord_parameters};
-use nalgebra::{Point3, Vector3};
+use gaiter_spline::Surface;
+use nalgebra::{Point3, Vector3, distance};
 
 use crate::test_leg;
 
@@ -13,7 +9,26 @@ use crate::test_leg;
 pub fn parameters(points: &[Point3<f64>]) -> (Vec<f64>, Vec<f64>) {
     let rows = points.chunks_exact(test_leg::GRID_COLUMNS);
     let along = rows.map(|row| row[0].z / test_leg::HEIGHT_MM).collect();
-    (along, mean_chord_parameters(points, test_leg::GRID_COLUMNS).unwrap())
+    (along, mean_chord_parameters(points, test_leg::GRID_COLUMNS))
+}
+
+/// The parameter of each column of closed sections, 0 for the first, below 1, ascending: the share of
+/// the section's length up to the column, measured along the chords and averaged over the sections;
+/// NaN if a section has no length. `points` are row-major, whole rows of `columns`. Source: The NURBS
+/// Book, equations 9.5 and 9.8.
+pub fn mean_chord_parameters(points: &[Point3<f64>], columns: usize) -> Vec<f64> {
+    let rows = (points.len() / columns) as f64;
+    let mut shares = vec![0.0; columns];
+    for section in points.chunks_exact(columns) {
+        let chords = || section.iter().zip(section.iter().cycle().skip(1));
+        let length: f64 = chords().map(|(a, b)| distance(a, b)).sum();
+        let mut walked = 0.0;
+        for (share, (a, b)) in shares.iter_mut().zip(chords()) {
+            *share += walked / (length * rows);
+            walked += distance(a, b);
+        }
+    }
+    shares
 }
 
 /// The metric of the reference: area-weighted mean, RMS and largest distance to the true leg in mm,

@@ -1,7 +1,8 @@
 //! A table of sections as a grid with parameters.
 
-use gaiter_spline::{FitFault, GridData, mean_chord_parameters};
+use gaiter_spline::GridData;
 use nalgebra::{Point3, Vector3, distance};
+use support::metric::mean_chord_parameters;
 
 /// The points of a table, section by section.
 pub struct SectionTable {
@@ -90,11 +91,8 @@ impl SectionTable {
     }
 
     /// The points with parameters.
-    ///
-    /// # Errors
-    /// As [`mean_chord_parameters`].
-    pub fn grid(self) -> Result<Grid, FitFault> {
-        let around = mean_chord_parameters(&self.points, self.columns)?;
+    pub fn grid(self) -> Grid {
+        let around = mean_chord_parameters(&self.points, self.columns);
         let middle = |row: &[Point3<f64>]| {
             let sum = row.iter().map(|point| point.coords).sum::<Vector3<f64>>();
             Point3::from(sum / row.len() as f64)
@@ -107,7 +105,7 @@ impl SectionTable {
         // Sections that all lie in one place have no way between them; the fit calls them the same.
         let whole = walked[walked.len() - 1].max(f64::MIN_POSITIVE);
         let along = walked.iter().map(|length| length / whole).collect();
-        Ok(Grid { along, around, points: self.points })
+        Grid { along, around, points: self.points }
     }
 }
 

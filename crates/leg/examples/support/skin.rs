@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 use std::error::Error;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
@@ -13,7 +13,7 @@ use flate2::read::GzDecoder;
 use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::{Extraction, LegReport, Level};
 use gaiter_scan::{Format, read};
-use gaiter_spline::{Basis, CloudData, CloudMethod, CloudSmoothing, Surface, fit_cloud};
+use gaiter_spline::Surface;
 use nalgebra::{Point2, Point3, Vector2};
 use rayon::prelude::*;
 
@@ -27,13 +27,6 @@ const MARGIN_MM: f64 = 20.0;
 
 /// Places around that give the middle of a surface.
 const MIDDLE_PLACES: usize = 24;
-
-/// Intervals along, mm, and around, of the fits that the floor is looked for with.
-const FLOOR_ALONG_MM: f64 = 10.0;
-const FLOOR_AROUND: usize = 40;
-
-/// Exponents of ten of the lambdas that are tried for the floor.
-const FLOOR_EXPONENTS: std::ops::RangeInclusive<i32> = -3..=5;
 
 /// The true skin in the body frame.
 pub struct Skin {
@@ -114,49 +107,6 @@ impl Skin {
             (off.distance_mm < OWN_MM).then_some(off)
         };
         self.points.par_iter().zip(&self.areas).filter_map(near).collect()
-    }
-
-    /// The least mean relative error of a fit to the scan's points of a leg, over all pairs of
-    /// lambdas.
-    pub fn floor(
-        &self,
-        scan: &[u8],
-        extraction: &Extraction,
-        leg: &LegReport,
-        like: &Surface,
-    ) -> Result<f64, Box<dyn Error>> {
-        let range = range_mm(leg, like);
-        let [low, high] = range;
-        let (axis, to_body) = (&leg.axis, extraction.body.from_export);
-        let (mut upright, mut around) = (Vec::new(), Vec::new());
-        for point in &read(scan, Format::Obj)?.points {
-            let point = to_body.transform_point(point);
-            let along_mm = axis.along(&point);
-            if !(low..=high).contains(&along_mm) {
-                continue;
-            }
-            let arm = arm(like, axis, &point, along_mm);
-            let angle = arm.y.atan2(arm.x);
-            if like.closest(&point, along_mm, angle).distance_mm < OWN_MM {
-                let across = axis.place(&point).1;
-                upright.push(Point3::new(across.x, across.y, along_mm));
-                around.push(angle);
-            }
-        }
-        let data = CloudData { points: &upright, around: &around };
-        let intervals = ((high - low) / FLOOR_ALONG_MM) as usize;
-        let along = Basis::uniform_clamped(low, high, intervals)?;
-        let turn = Basis::uniform_periodic(-PI, TAU, FLOOR_AROUND)?;
-        let mut best = f64::INFINITY;
-        for pair in FLOOR_EXPONENTS.flat_map(|a| FLOOR_EXPONENTS.map(move |b| [a, b])) {
-            let smoothing = CloudSmoothing::Fixed(pair.map(|exponent| 10.0_f64.powi(exponent)));
-            let method = CloudMethod { smoothing, ..CloudMethod::default() };
-            let fit = fit_cloud(&data, along.clone(), turn.clone(), &method)?.surface;
-            let net = fit.control_points().iter().map(|p| axis.at(p.z, &p.xy())).collect();
-            let fit = Surface::new(along.clone(), turn.clone(), net)?;
-            best = best.min(Off::relative(&self.off(&fit, axis, range)));
-        }
-        Ok(best)
     }
 }
 

@@ -3,10 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use gaiter_spline::{
-    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, KnotsUsed, Surface,
-    SurfaceFit, fit_cloud, fit_grid, fit_grid_by,
+    DEGREE, FitFault, GridData, GridDomain, GridMethod, Knots, KnotsUsed, Surface, SurfaceFit,
+    fit_grid_by,
 };
-use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::cylindrical::Unrolled;
@@ -17,7 +16,6 @@ use super::grid::Grid;
 use super::hole::{Coverage, Hole};
 use super::ridge::ridges;
 use super::ridge_parametrization::Columns;
-use crate::method::{SurfaceFrom, SurfaceMethod};
 use crate::parting::segment::Leg;
 use crate::sections::axis::LegAxis;
 use crate::sections::equidistant::Sections;
@@ -45,9 +43,6 @@ const FOLD_PLACES: [usize; 2] = [96, 48];
 
 /// Points further than this from their section are not its skin, mm, and fill no hole.
 const STRAY_MM: f64 = 6.0;
-
-/// Grid places per control point of a surface that is bent: its error is then far below that of the fit.
-const BENT_PLACES: usize = 3;
 
 /// Points this far beyond the ends still show that the skin at the ends was seen, mm.
 const BEYOND_MM: f64 = 20.0;
@@ -109,13 +104,15 @@ impl From<FitFault> for NoSurface {
     }
 }
 
-/// The required extent of the surface.
+/// The required extent and net of the surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
     /// The heights that it must cover, mm; it continues upwards as far as the skin was seen.
     pub height_mm: [f64; 2],
     /// Distances along the axis of levels that must be rows of the grid, mm, ascending.
     pub levels_mm: &'a [f64],
+    /// Rows and columns of control points, along and around; `None` chooses them by the leg's length.
+    pub control_points: Option<[usize; 2]>,
 }
 
 /// Fits the surface from the highest section that is not above the lower height up to the groin, as
@@ -123,12 +120,7 @@ pub struct Wanted<'a> {
 ///
 /// # Errors
 /// [`NoSurface`] if too few sections were seen to determine it.
-pub fn surface(
-    leg: &Leg,
-    sections: &Sections,
-    wanted: &Wanted,
-    method: &SurfaceMethod,
-) -> Result<LegSurface, NoSurface> {
+pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSurface, NoSurface> {
     let axis = &sections.axis;
     let mut outlines = span(sections, wanted.height_mm);
     let [from_mm, to_mm] = wanted.height_mm;
@@ -155,11 +147,8 @@ pub fn surface(
     let columns = Columns::following(&ridges(&measured), low, high)?;
     let unrolled = Unrolled::new(axis, &outlines, &columns);
     let points = unrolled.points(leg, low - BEYOND_MM, high + BEYOND_MM);
-    let SurfaceFit { mut surface, knots, .. } =
-        fitted(&Grid::of(axis, &outlines, &columns), &levels, method)?;
-    if method.from == SurfaceFrom::Points {
-        surface = through_points(axis, &points, &surface)?;
-    }
+    let grid = Grid::of(axis, &outlines, &columns);
+    let SurfaceFit { surface, knots, .. } = fitted(&grid, levels, wanted.control_points)?;
     let surface = with_plane_ends(axis, &surface)?;
     if let Some(height_mm) = fold(&unrolled, &surface) {
         return Err(NoSurface::Folded { height_mm });
@@ -208,54 +197,23 @@ fn apart(levels_mm: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
 }
 
 /// The surface through a grid, with a row of knots at each level.
-fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<SurfaceFit, FitFault> {
+fn fitted(
+    grid: &Grid,
+    levels: Vec<f64>,
+    control_points: Option<[usize; 2]>,
+) -> Result<SurfaceFit, FitFault> {
     let along = &grid.along_mm;
     let (low, high) = (along[0], along[along.len() - 1]);
     let rows = ((high - low) / ROW_MM).round() as usize + DEGREE;
     let most = (along.len() as f64 / ROWS_PER_CONTROL_ROW) as usize;
     let method = GridMethod {
-        control_points: method.control_points.unwrap_or([rows.min(most), COLUMNS]),
-        knots: method.knots,
-        marks: [levels.to_vec(), Vec::new()],
+        control_points: control_points.unwrap_or([rows.min(most), COLUMNS]),
+        knots: Knots::Adaptive,
+        marks: levels,
     };
     let domain = GridDomain { along: [low, high], around_from: -PI, period: TAU };
     let data = GridData { along, around: &grid.columns, points: &grid.points };
     fit_grid_by(&data, &domain, &method)
-}
-
-/// The surface with the knots of another one, fitted to the scan's own points.
-fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Surface, FitFault> {
-    let (low, high) = like.along().domain();
-    let on_it = || points.iter().filter(|place| (low..=high).contains(&place.at.0));
-    let upright = on_it().map(|place| {
-        let (along_mm, across) = axis.place(&place.point);
-        Point3::new(across.x, across.y, along_mm)
-    });
-    let (upright, around): (Vec<_>, Vec<f64>) =
-        upright.zip(on_it().map(|place| place.at.1)).unzip();
-    let data = CloudData { points: &upright, around: &around };
-    let [basis_along, basis_around] = [like.along(), like.around()].map(Clone::clone);
-    let fit = fit_cloud(&data, basis_along, basis_around, &CloudMethod::default())?.surface;
-    if axis.bend.is_some() {
-        return bent(axis, &fit);
-    }
-    let net = fit.control_points().iter().map(|point| axis.at(point.z, &point.xy())).collect();
-    Ok(Surface::new(fit.along().clone(), fit.around().clone(), net)?)
-}
-
-/// A surface of the straightened leg as one of the leg itself, in the same bases: through a grid of its
-/// points, because bending does not keep splines.
-fn bent(axis: &LegAxis, straight: &Surface) -> Result<Surface, FitFault> {
-    let (low, high) = straight.along().domain();
-    let rows = BENT_PLACES * straight.along().count();
-    let columns = BENT_PLACES * straight.around().count();
-    let along: Vec<f64> = (0..=rows).map(|i| low + (high - low) * i as f64 / rows as f64).collect();
-    let around: Vec<f64> = (0..columns).map(|j| TAU * j as f64 / columns as f64 - PI).collect();
-    let place = |u: f64, v: f64| axis.at(u, &straight.point(u, v).xy());
-    let points: Vec<Point3<f64>> =
-        along.iter().flat_map(|u| around.iter().map(move |v| place(*u, *v))).collect();
-    let data = GridData { along: &along, around: &around, points: &points };
-    Ok(fit_grid(&data, straight.along().clone(), straight.around().clone())?.surface)
 }
 
 /// The surface with the control points of its ends moved into their planes, so that its ends are plane
@@ -340,7 +298,7 @@ impl LegSurface {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Point2, Vector3};
+    use nalgebra::{Point2, Point3, Vector3};
 
     use super::*;
     use crate::sections::section::Curve;

@@ -5,7 +5,7 @@
 use std::f64::consts::{PI, TAU};
 
 use gaiter_leg::features::feature::features;
-use gaiter_leg::method::{SectionFit, SurfaceMethod};
+use gaiter_leg::method::SectionFit;
 use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::sections::axis_fit::AxisFault;
 use gaiter_leg::sections::equidistant::{Source, sections};
@@ -113,8 +113,8 @@ fn the_girth_of_a_cone_grows_evenly_and_its_surface_is_the_cone() {
     }
 
     let sections = tube.sections(SectionFit::Periodic);
-    let wanted = Wanted { height_mm: [100.0, 450.0], levels_mm: &[203.0] };
-    let leg = surface(&tube.leg(), &sections, &wanted, &SurfaceMethod::default()).unwrap();
+    let wanted = Wanted { height_mm: [100.0, 450.0], levels_mm: &[203.0], control_points: None };
+    let leg = surface(&tube.leg(), &sections, &wanted).unwrap();
     near(leg.to_sections.max_mm, 0.0, 0.01, "to sections");
     near(leg.to_points.max_mm, 0.0, 0.01, "to points");
     near(leg.height_mm[0], 100.0, 1e-6, "lower end");

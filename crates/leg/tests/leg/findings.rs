@@ -5,7 +5,7 @@
 
 use gaiter_leg::doubt::Doubt;
 use gaiter_leg::finding::Severity;
-use gaiter_leg::method::{Axis, FacingChoice, SurfaceMethod};
+use gaiter_leg::method::{Axis, FacingChoice};
 use gaiter_leg::{Extraction, Finding, Level, Method, Side, What, extract};
 use gaiter_scan::Format;
 use support::chance::Chance;
@@ -132,8 +132,8 @@ fn a_surface_that_lacks_its_lower_end_is_short() {
 
 #[test]
 fn a_leg_whose_sections_make_no_surface_is_measured_and_says_so_as_an_error() {
-    let surface = SurfaceMethod { control_points: Some([300, 24]), ..SurfaceMethod::default() };
-    let found = measured(&Mesh::mannequin(), &Method { surface, ..Method::default() });
+    let method = Method { surface_control_points: Some([300, 24]), ..Method::default() };
+    let found = measured(&Mesh::mannequin(), &method);
     for (leg, side) in found.legs.iter().zip(Side::BOTH) {
         assert!(leg.surface.is_none() && leg.landmarks.len() > 3);
         let about = found.findings.iter().filter(|finding| finding.side == Some(side));

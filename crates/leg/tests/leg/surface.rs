@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gaiter_leg::method::{SectionFit, SurfaceFrom, SurfaceMethod};
+use gaiter_leg::method::SectionFit;
 use gaiter_leg::sections::section::Section;
 use gaiter_leg::surface::nurbs::{LegSurface, NoSurface, Wanted, surface};
 use gaiter_leg::surface::ridge::ridges;
@@ -23,9 +23,10 @@ fn crested(angle: f64, along_mm: f64) -> f64 {
     45.0 + 0.03 * along_mm + 2.0 * (2.0 * angle).cos() + ridge
 }
 
-fn wanted(tube: &Tube, method: &SurfaceMethod) -> Result<LegSurface, NoSurface> {
+fn fitted(tube: &Tube, control_points: Option<[usize; 2]>) -> Result<LegSurface, NoSurface> {
     let sections = tube.sections(SectionFit::Skin);
-    surface(&tube.leg(), &sections, &Wanted { height_mm: [100.0, 450.0], levels_mm: &[] }, method)
+    let wanted = Wanted { height_mm: [100.0, 450.0], levels_mm: &[], control_points };
+    surface(&tube.leg(), &sections, &wanted)
 }
 
 fn turned(angle: f64) -> f64 {
@@ -91,31 +92,28 @@ fn columns_of_a_round_leg_are_straight() {
 fn a_hole_is_bridged_and_told_with_its_place_and_size() {
     let hole = |angle: f64, along: f64| (along - 250.0).hypot(55.0 * turned(angle - 2.0)) < 22.0;
     let tube = Tube { hole: &hole, ..Tube::of(&crested) };
-    for from in [SurfaceFrom::Sections, SurfaceFrom::Points] {
-        let found = wanted(&tube, &SurfaceMethod { from, ..SurfaceMethod::default() }).unwrap();
-        let [at] = found.holes() else { panic!("{:?}", found.holes()) };
-        near(at.along_mm, 250.0, 3.0, "height of the hole");
-        let angle = found.columns.angle(at.along_mm, at.column);
-        near(turned(angle - 2.0).to_degrees(), 0.0, 4.0, "direction of the hole");
-        // 44 mm less the corners of cells whose points other triangles keep.
-        let about = 36.0..48.0;
-        assert!(about.contains(&at.length_mm) && about.contains(&at.width_mm), "{at:?}");
-        // The bridge is as smooth as the leg around it: within a millimetre of what nobody saw.
-        let middle = found.surface.point(at.along_mm, at.column);
-        let radius = middle.x.hypot(middle.y);
-        near(radius, crested(middle.x.atan2(-middle.y), middle.z), 1.0, "bridge");
-        assert!(found.in_holes.is_some());
-        assert!(found.coverage.is_in_hole(at.along_mm, at.column));
-        assert!(!found.coverage.is_in_hole(at.along_mm, at.column + PI));
-    }
+    let found = fitted(&tube, None).unwrap();
+    let [at] = found.holes() else { panic!("{:?}", found.holes()) };
+    near(at.along_mm, 250.0, 3.0, "height of the hole");
+    let angle = found.columns.angle(at.along_mm, at.column);
+    near(turned(angle - 2.0).to_degrees(), 0.0, 4.0, "direction of the hole");
+    // 44 mm less the corners of cells whose points other triangles keep.
+    let about = 36.0..48.0;
+    assert!(about.contains(&at.length_mm) && about.contains(&at.width_mm), "{at:?}");
+    // The bridge is as smooth as the leg around it: within a millimetre of what nobody saw.
+    let middle = found.surface.point(at.along_mm, at.column);
+    let radius = middle.x.hypot(middle.y);
+    near(radius, crested(middle.x.atan2(-middle.y), middle.z), 1.0, "bridge");
+    assert!(found.in_holes.is_some());
+    assert!(found.coverage.is_in_hole(at.along_mm, at.column));
+    assert!(!found.coverage.is_in_hole(at.along_mm, at.column + PI));
 }
 
 #[test]
 fn without_holes_none_are_told() {
     // A net too coarse for the crest lies off the skin, which was seen all the same.
     for control_points in [None, Some([8, 8])] {
-        let method = SurfaceMethod { control_points, ..SurfaceMethod::default() };
-        let found = wanted(&Tube::of(&crested), &method).unwrap();
+        let found = fitted(&Tube::of(&crested), control_points).unwrap();
         assert!(found.holes().is_empty() && found.in_holes.is_none());
     }
 }
@@ -124,12 +122,11 @@ fn without_holes_none_are_told() {
 fn a_narrow_band_is_bridged_and_a_wide_one_ends_the_surface() {
     let band = |to_mm: f64| move |_: f64, along: f64| (250.0..to_mm).contains(&along);
     let narrow = band(275.0);
-    let found = wanted(&Tube { hole: &narrow, ..Tube::of(&crested) }, &SurfaceMethod::default());
-    let found = found.unwrap();
+    let found = fitted(&Tube { hole: &narrow, ..Tube::of(&crested) }, None).unwrap();
     let [at] = found.holes() else { panic!("{:?}", found.holes()) };
     near(at.width_mm, found.surface.girth_mm(at.along_mm), 8.0, "all around");
     let wide = band(330.0);
-    let found = wanted(&Tube { hole: &wide, ..Tube::of(&crested) }, &SurfaceMethod::default());
+    let found = fitted(&Tube { hole: &wide, ..Tube::of(&crested) }, None);
     let (_, top_mm) = found.unwrap().surface.along().domain();
     assert!((230.0..=260.0).contains(&top_mm), "{top_mm}");
 }
@@ -141,8 +138,9 @@ fn a_level_may_lie_on_a_section_on_another_level_or_at_an_end() {
     let rows: Vec<f64> = all(&sections).iter().map(|section| section.along_mm).collect();
     let at = |index: usize| rows[index];
     for levels_mm in [vec![at(40)], vec![at(12)], vec![203.0, 203.0], vec![at(rows.len() - 1)]] {
-        let wanted = Wanted { height_mm: [100.0, 450.0], levels_mm: &levels_mm };
-        let found = surface(&tube.leg(), &sections, &wanted, &SurfaceMethod::default());
+        let height_mm = [100.0, 450.0];
+        let wanted = Wanted { height_mm, levels_mm: &levels_mm, control_points: None };
+        let found = surface(&tube.leg(), &sections, &wanted);
         assert!(found.is_ok(), "{levels_mm:?}: {:?}", found.unwrap_err());
     }
 }
@@ -164,8 +162,7 @@ fn a_bump_is_no_ridge() {
 fn half_a_leg_makes_no_surface() {
     let hole = |angle: f64, along: f64| along < 600.0 && turned(angle - 1.0).abs() < PI / 2.0;
     let tube = Tube { hole: &hole, ..Tube::of(&crested) };
-    let Err(NoSurface::TooFewRows { rows, needed, .. }) = wanted(&tube, &SurfaceMethod::default())
-    else {
+    let Err(NoSurface::TooFewRows { rows, needed, .. }) = fitted(&tube, None) else {
         panic!("a surface")
     };
     assert!(rows < needed, "{rows} of {needed}");
@@ -173,29 +170,26 @@ fn half_a_leg_makes_no_surface() {
 
 #[test]
 fn more_control_points_than_sections_are_refused_with_both_figures() {
-    let method = SurfaceMethod { control_points: Some([160, 24]), ..SurfaceMethod::default() };
-    let Err(NoSurface::Fit(refused)) = wanted(&Tube::of(&crested), &method) else {
+    let Err(NoSurface::Fit(refused)) = fitted(&Tube::of(&crested), Some([160, 24])) else {
         panic!("a surface")
     };
     assert!(refused.to_string().contains("160"), "{refused}");
 }
 
 #[test]
-fn points_and_sections_give_the_same_surface_within_the_noise() {
+fn a_surface_of_noisy_points_is_the_leg_within_the_noise() {
     let tube = Tube { noise_mm: 0.5, is_scattered: true, ..Tube::of(&crested) };
-    for from in [SurfaceFrom::Sections, SurfaceFrom::Points] {
-        let found = wanted(&tube, &SurfaceMethod { from, ..SurfaceMethod::default() }).unwrap();
-        let (low, high) = found.surface.along().domain();
-        let places = (0..60).flat_map(|i| (0..60).map(move |j| (f64::from(i), f64::from(j))));
-        let off = places.map(|(i, j)| {
-            let u = low + (high - low) * (i + 0.5) / 60.0;
-            let point = found.surface.point(u, TAU * j / 60.0);
-            let radius = point.x.hypot(point.y);
-            (radius - crested(point.x.atan2(-point.y), point.z)) / radius
-        });
-        let mean = off.map(f64::abs).sum::<f64>() / 3600.0;
-        // A third of the noise of 0.5 mm on 50 mm of radius.
-        assert!(mean < 0.003_5, "{from:?} {mean}");
-        near(found.to_points.rms_mm, 0.5, 0.05, "the noise is what is left");
-    }
+    let found = fitted(&tube, None).unwrap();
+    let (low, high) = found.surface.along().domain();
+    let places = (0..60).flat_map(|i| (0..60).map(move |j| (f64::from(i), f64::from(j))));
+    let off = places.map(|(i, j)| {
+        let u = low + (high - low) * (i + 0.5) / 60.0;
+        let point = found.surface.point(u, TAU * j / 60.0);
+        let radius = point.x.hypot(point.y);
+        (radius - crested(point.x.atan2(-point.y), point.z)) / radius
+    });
+    let mean = off.map(f64::abs).sum::<f64>() / 3600.0;
+    // A third of the noise of 0.5 mm on 50 mm of radius.
+    assert!(mean < 0.003_5, "{mean}");
+    near(found.to_points.rms_mm, 0.5, 0.05, "the noise is what is left");
 }

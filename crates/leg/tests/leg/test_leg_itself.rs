@@ -9,14 +9,13 @@ use gaiter_leg::Level;
 use gaiter_leg::levels::girth::{GirthCurve, girth_curve};
 use gaiter_leg::levels::landmark::Landmark;
 use gaiter_leg::levels::search;
-use gaiter_leg::method::{B1, SectionFit, SurfaceMethod};
+use gaiter_leg::method::{B1, SectionFit};
 use gaiter_leg::parting::segment::Leg;
 use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::sections::equidistant::{Sections, sections};
 use gaiter_leg::sections::slice::Mesh;
 use gaiter_leg::side::Side;
 use gaiter_leg::surface::nurbs::{LegSurface, Wanted, surface};
-use gaiter_spline::Knots;
 use nalgebra::{Point3, Vector3};
 use support::test_leg;
 
@@ -167,16 +166,17 @@ fn true_error(leg: &LegSurface) -> [f64; 3] {
 }
 
 /// The surface from 80 mm up.
-fn surface_by(method: &SurfaceMethod) -> LegSurface {
+fn surface_with(control_points: Option<[usize; 2]>) -> LegSurface {
     let leg = leg(180, 2.5);
     let sections = horizontal(&leg, SectionFit::Periodic);
-    let wanted = Wanted { height_mm: [40.0, 440.0], levels_mm: &[112.8, 308.8, 398.0] };
-    surface(&leg, &sections, &wanted, method).unwrap()
+    let levels_mm = &[112.8, 308.8, 398.0];
+    let wanted = Wanted { height_mm: [40.0, 440.0], levels_mm, control_points };
+    surface(&leg, &sections, &wanted).unwrap()
 }
 
 #[test]
 fn the_surface_of_the_whole_leg_meets_the_limits_of_the_reference() {
-    let found = surface_by(&SurfaceMethod::default());
+    let found = surface_with(None);
     // The limits of the reference for the clean test leg and the larger net.
     let [relative, _, max_mm] = true_error(&found);
     assert!(relative <= 0.000_05 && max_mm <= 0.15, "{relative} {max_mm}");
@@ -192,16 +192,10 @@ fn the_surface_of_the_whole_leg_meets_the_limits_of_the_reference() {
 
 #[test]
 fn a_surface_of_few_control_points_says_how_far_off_it_is() {
-    for (knots, most) in [(Knots::Uniform, 0.000_9), (Knots::Polished, 0.000_4)] {
-        let found = surface_by(&SurfaceMethod {
-            control_points: Some([30, 24]),
-            knots,
-            ..Default::default()
-        });
-        assert_eq!([found.surface.along().count(), found.surface.around().count()], [30, 24]);
-        let [relative, ..] = true_error(&found);
-        assert!(relative <= most, "{knots:?} {relative}");
-        // The error that the surface states of itself is the true one.
-        near(found.to_sections.mean_relative / relative, 1.0, 0.1, "stated over true error");
-    }
+    let found = surface_with(Some([30, 24]));
+    assert_eq!([found.surface.along().count(), found.surface.around().count()], [30, 24]);
+    let [relative, ..] = true_error(&found);
+    assert!(relative <= 0.000_9, "{relative}");
+    // The error that the surface states of itself is the true one.
+    near(found.to_sections.mean_relative / relative, 1.0, 0.1, "stated over true error");
 }

@@ -15,8 +15,8 @@ use skin::{Off, Skin, range_mm};
 /// The mean relative error that a surface may have on a scan without noise.
 const CLEAN: f64 = 0.000_5;
 
-/// What a millimetre of noise adds on the scans of 57 000 points. The wish was 0.0015; a fit whose
-/// smoothing is chosen with the truth in view leaves 0.0045 to 0.005 (`crates/leg/examples/skin.rs`, floor).
+/// What a millimetre of noise adds on the scans of 57 000 points. The wish was 0.0015; fits whose
+/// smoothing was chosen with the truth in view left 0.0045 to 0.005.
 const PER_MM_OF_NOISE: f64 = 0.005_5;
 
 #[test]

@@ -7,15 +7,16 @@ use crate::fit::FitFault;
 use crate::knots::choice::{check_gaps, chosen};
 use crate::knots::request::{GridDomain, Knots, requests};
 
-/// The method of a grid fit. Pairs are along and around.
+/// The method of a grid fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridMethod {
     /// Rows and columns of control points, at least 4 each and at most the number of the data's.
     pub control_points: [usize; 2],
     /// The placement of the knots.
     pub knots: Knots,
-    /// Parameters that must be knots, such as anatomical sections: the nearest knot is moved there.
-    pub marks: [Vec<f64>; 2],
+    /// Parameters along that must be knots, such as anatomical sections: the nearest knot is moved
+    /// there, unless a span would become too short.
+    pub marks: Vec<f64>,
 }
 
 /// Fits a surface by `method`. See [`crate::fit_grid`] for the equations.
@@ -47,7 +48,6 @@ pub fn fit_grid_by(
     let surface = surface(&solver, grid.points, along.basis, around.basis)?;
     Ok(SurfaceFit {
         knots: [along.used, around.used],
-        marks_missed: [along.missed, around.missed],
         gaps: whole.gaps.clone(),
         ..judged(surface, data, &solver)
     })

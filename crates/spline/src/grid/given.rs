@@ -50,8 +50,6 @@ pub struct SurfaceFit {
     pub smallest_pivot: f64,
     /// The origin of the knots along and around.
     pub knots: [KnotsUsed; 2],
-    /// Marks along and around that could not become knots, because another mark or an end is too close.
-    pub marks_missed: [Vec<f64>; 2],
     /// Ranges along and around without data that were bridged, each from the last position before
     /// it to the first one after it: the surface is a guess there.
     pub gaps: [Vec<[f64; 2]>; 2],
@@ -110,7 +108,6 @@ pub fn judged(surface: Surface, data: &GridData, solver: &[LeastSquares; 2]) -> 
         max_mm: squares.iter().copied().fold(0.0, f64::max).sqrt(),
         smallest_pivot: solver[0].smallest_pivot().min(solver[1].smallest_pivot()),
         knots: [KnotsUsed::Given; 2],
-        marks_missed: [Vec::new(), Vec::new()],
         gaps: [Vec::new(), Vec::new()],
     }
 }

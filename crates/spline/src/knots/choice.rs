@@ -1,10 +1,7 @@
 //! Chooses the breakpoints of a fit in one direction, and reports why they may differ from the request.
 
-use std::collections::BTreeSet;
-
 use super::adaptive::adaptive;
 use super::marks::{Marked, marked};
-use super::polish::polished;
 use super::profiles::{Domain, Profiles};
 use super::request::{KnotRequest, Knots};
 use super::schoenberg_whitney::{determines, undetermined};
@@ -22,8 +19,6 @@ pub enum KnotsUsed {
     Adaptive,
     /// Where the data bend, but shifted towards the data until each function had some.
     Widened,
-    /// Where the residual is smallest.
-    Polished,
     /// At equal distances although others were requested, because theirs left no smaller residual.
     UniformInstead,
 }
@@ -36,7 +31,6 @@ impl KnotsUsed {
             KnotsUsed::Uniform => "uniform",
             KnotsUsed::Adaptive => "adaptive",
             KnotsUsed::Widened => "widened",
-            KnotsUsed::Polished => "polished",
             KnotsUsed::UniformInstead => "uniform-instead",
         }
     }
@@ -49,8 +43,6 @@ pub struct Choice {
     pub basis: Basis,
     /// The origin of the knots.
     pub used: KnotsUsed,
-    /// Marks that could not become knots.
-    pub missed: Vec<f64>,
 }
 
 /// Maximum number of functions without a datum in a bridged gap; with one more, the surface there
@@ -85,35 +77,22 @@ pub fn check_gaps(places: &[f64], request: &KnotRequest) -> Result<(), FitFault>
 pub fn chosen(profiles: &Profiles, request: &KnotRequest) -> Result<Choice, FitFault> {
     let equal = marked(request.domain.equal(request.spans), &request.domain, request.marks);
     let uniform = request.domain.basis(&equal.breakpoints)?;
-    let instead = Choice { basis: uniform, used: KnotsUsed::Uniform, missed: equal.missed };
     if request.knots == Knots::Uniform {
-        return Ok(instead);
+        return Ok(Choice { basis: uniform, used: KnotsUsed::Uniform });
     }
-    let instead = Choice { used: KnotsUsed::UniformInstead, ..instead };
+    let instead = Choice { basis: uniform, used: KnotsUsed::UniformInstead };
     let found = adaptive(profiles, &request.domain, request.spans)?;
     let found = marked(found, &request.domain, request.marks);
-    let polish = if request.knots == Knots::Polished {
-        made_better(&found, request, profiles)
-    } else {
-        None
-    };
-    match polish.or_else(|| widened(found, &request.domain, &profiles.places)) {
+    match widened(&found, &request.domain, &profiles.places) {
         Some(choice) if profiles.rss(&choice.basis)? <= profiles.rss(&instead.basis)? => Ok(choice),
         _ => Ok(instead),
     }
 }
 
-/// The polished basis; `None` if it leaves a function without data.
-fn made_better(found: &Marked, request: &KnotRequest, profiles: &Profiles) -> Option<Choice> {
-    let basis = request.domain.basis(&polished(profiles, &request.domain, found)).ok()?;
-    determines(&basis, &profiles.places).ok()?;
-    Some(Choice { basis, used: KnotsUsed::Polished, missed: found.missed.clone() })
-}
-
 /// The basis of the breakpoints, shifted towards an even distribution of the data until each
 /// function has a datum; `None` if even that is not enough.
-fn widened(found: Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
-    let even = evenly_shared(&found, domain, places);
+fn widened(found: &Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
+    let even = evenly_shared(found, domain, places);
     (0..=WIDENINGS).find_map(|step| {
         let share = step as f64 / WIDENINGS as f64;
         let pairs = found.breakpoints.iter().zip(&even);
@@ -121,7 +100,7 @@ fn widened(found: Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
         let basis = domain.basis(&drawn).ok()?;
         determines(&basis, places).ok()?;
         let used = if step == 0 { KnotsUsed::Adaptive } else { KnotsUsed::Widened };
-        Some(Choice { basis, used, missed: found.missed.clone() })
+        Some(Choice { basis, used })
     })
 }
 
@@ -129,10 +108,8 @@ fn widened(found: Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
 /// many data.
 fn evenly_shared(found: &Marked, domain: &Domain, places: &[f64]) -> Vec<f64> {
     let mut even = found.breakpoints.clone();
-    let last = even.len() - 1;
     let places = domain.homed(places, even[0]);
-    let ends = found.fixed.iter().copied().chain([0, last]).collect::<BTreeSet<_>>();
-    for (low, high) in ends.iter().zip(ends.iter().skip(1)) {
+    for (low, high) in found.fixed.iter().zip(&found.fixed[1..]) {
         let (from, to) = (found.breakpoints[*low], found.breakpoints[*high]);
         let inside: Vec<f64> = places.iter().copied().filter(|x| (from..to).contains(x)).collect();
         for (i, free) in even[*low..*high].iter_mut().enumerate().skip(1) {

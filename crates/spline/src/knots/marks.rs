@@ -17,57 +17,30 @@ const ROUNDING: f64 = 1e-9;
 pub struct Marked {
     /// The breakpoints.
     pub breakpoints: Vec<f64>,
-    /// Indices of the fixed ones, ascending: the marks; for a clamped domain always the first and last
-    /// too; for a periodic domain with marks also the first and last, which are the same position.
+    /// Indices of the fixed ones, ascending: the marks, the first and the last.
     pub fixed: Vec<usize>,
-    /// Marks onto which no breakpoint could be moved.
-    pub missed: Vec<f64>,
 }
 
-/// Moves the nearest breakpoint onto each of `marks`. The breakpoints between two marks move in
-/// proportion. A closed domain is rotated so that it starts at its first mark.
+/// Moves the nearest breakpoint onto each of `marks`, unless a span would become too short. The
+/// breakpoints between two marks move in proportion.
 pub fn marked(breakpoints: Vec<f64>, domain: &Domain, marks: &[f64]) -> Marked {
-    let marks = domain.homed(marks, domain.from);
-    let mut found = Marked { breakpoints, fixed: Vec::new(), missed: Vec::new() };
-    if domain.periodic {
-        let Some(first) = marks.first() else { return found };
-        found.breakpoints = turned(&found.breakpoints, domain, *first);
-    }
-    let last = found.breakpoints.len() - 1;
-    found.fixed = vec![0, last];
+    let last = breakpoints.len() - 1;
+    let mut found = Marked { breakpoints, fixed: vec![0, last] };
     let shortest = SHORTEST * (domain.to - domain.from) / last as f64;
-    for mark in marks {
-        let mark = domain.home(mark, found.breakpoints[0]);
-        match moved(&found, mark, shortest) {
-            Some((place, breakpoints)) => {
-                found.breakpoints = breakpoints;
-                found.fixed.push(place);
-                found.fixed.sort_unstable();
-                found.fixed.dedup();
-            }
-            None => found.missed.push(mark),
+    for mark in domain.homed(marks, domain.from) {
+        if let Some((place, breakpoints)) = moved(&found, mark, shortest) {
+            found.breakpoints = breakpoints;
+            found.fixed.push(place);
+            found.fixed.sort_unstable();
+            found.fixed.dedup();
         }
     }
     found
 }
 
-/// Periodic breakpoints, shifted so that the one nearest to `mark` lies on it and comes first.
-fn turned(breakpoints: &[f64], domain: &Domain, mark: f64) -> Vec<f64> {
-    let period = domain.to - domain.from;
-    let spans = breakpoints.len() - 1;
-    let ahead = |place: f64| (place - mark + 0.5 * period).rem_euclid(period) - 0.5 * period;
-    let distance = |i: &usize| ahead(breakpoints[*i]).abs();
-    let nearest = (0..spans).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
-    let walked = |i: usize| {
-        let (turn, i) = ((nearest + i) / spans, (nearest + i) % spans);
-        breakpoints[i] + turn as f64 * period - breakpoints[nearest]
-    };
-    (0..=spans).map(|i| mark + walked(i)).collect()
-}
-
 /// The breakpoints with one moved onto `mark`, and its index; `None` if a span would become too short.
 fn moved(so_far: &Marked, mark: f64, shortest: f64) -> Option<(usize, Vec<f64>)> {
-    let Marked { breakpoints, fixed, .. } = so_far;
+    let Marked { breakpoints, fixed } = so_far;
     let rounding = ROUNDING * shortest;
     if let Some(place) = fixed.iter().find(|i| (breakpoints[**i] - mark).abs() <= rounding) {
         return Some((*place, breakpoints.clone()));

@@ -3,7 +3,6 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `adaptive` | placement where the data bend |
-//! | `polish`, `marquardt` | placement with the smallest residual, by variable projection |
 //! | `marks` | placement at positions requested by the caller |
 //! | `schoenberg_whitney` | [`determines`]: whether data determine a basis |
 //! | `choice` | [`KnotsUsed`]: which placement is used, and the fallback |
@@ -13,8 +12,6 @@
 mod adaptive;
 pub(super) mod choice;
 mod marks;
-mod marquardt;
-mod polish;
 pub(super) mod profiles;
 pub(super) mod request;
 mod schoenberg_whitney;

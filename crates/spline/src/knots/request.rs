@@ -1,6 +1,7 @@
 //! The caller's request for the knots along and around.
 
 use super::profiles::Domain;
+use crate::basis::DEGREE;
 use crate::fit::FitFault;
 
 /// The requested placement of a fit's knots.
@@ -10,19 +11,6 @@ pub enum Knots {
     Uniform,
     /// Denser where the data bend more (`knots/adaptive`).
     Adaptive,
-    /// Adaptive, then moved to minimise the residual (`knots/polish`).
-    Polished,
-}
-
-impl Knots {
-    /// The word used in configurations and records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Knots::Uniform => "uniform",
-            Knots::Adaptive => "adaptive",
-            Knots::Polished => "polished",
-        }
-    }
 }
 
 /// The domain of the surface's parameters.
@@ -30,7 +18,7 @@ impl Knots {
 pub struct GridDomain {
     /// First and last parameter along.
     pub along: [f64; 2],
-    /// The start of a turn around, unless knots are polished or marked; then the knots determine it.
+    /// The start of a turn around.
     pub around_from: f64,
     /// The period around.
     pub period: f64,
@@ -52,7 +40,7 @@ pub struct KnotRequest<'a> {
 }
 
 /// The requests along and around for a surface with these numbers of rows and columns of control
-/// points.
+/// points, and with knots at `marks` along.
 ///
 /// # Errors
 /// [`FitFault::MarkOutside`].
@@ -60,21 +48,19 @@ pub fn requests<'a>(
     domain: &GridDomain,
     control_points: [usize; 2],
     knots: Knots,
-    marks: &'a [Vec<f64>; 2],
+    marks: &'a [f64],
 ) -> Result<[KnotRequest<'a>; 2], FitFault> {
     let [from, to] = domain.along;
+    if let Some(&mark) = marks.iter().find(|mark| !(from..=to).contains(*mark)) {
+        return Err(FitFault::MarkOutside { mark, from, to });
+    }
     let along = Domain { from, to, periodic: false };
     let (from, to) = (domain.around_from, domain.around_from + domain.period);
     let around = Domain { from, to, periodic: true };
-    let request = |i: usize, direction, domain: Domain, spans: usize| {
-        let marks = marks[i].as_slice();
-        let Domain { from, to, periodic } = domain;
-        let outside = |mark: &&f64| !mark.is_finite() || !periodic && !(from..=to).contains(*mark);
-        match marks.iter().find(outside) {
-            Some(&mark) => Err(FitFault::MarkOutside { direction, mark, from, to }),
-            None => Ok(KnotRequest { direction, domain, spans, knots, marks }),
-        }
-    };
-    let spans = control_points[0].saturating_sub(3);
-    Ok([request(0, "along", along, spans)?, request(1, "around", around, control_points[1])?])
+    let [rows, columns] = control_points;
+    let spans = rows.saturating_sub(DEGREE);
+    Ok([
+        KnotRequest { direction: "along", domain: along, spans, knots, marks },
+        KnotRequest { direction: "around", domain: around, spans: columns, knots, marks: &[] },
+    ])
 }

@@ -3,7 +3,7 @@
 
 use gaiter_spline::{
     BasisFault, FitFault, GridData, GridDomain, GridMethod, Knots, KnotsUsed, SurfaceFit,
-    fit_grid_by, mean_chord_parameters,
+    fit_grid_by,
 };
 use nalgebra::Point3;
 use support::metric::parameters;
@@ -12,7 +12,7 @@ use support::test_leg;
 const WHOLE: GridDomain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
 
 fn plain(control_points: [usize; 2]) -> GridMethod {
-    GridMethod { control_points, knots: Knots::Adaptive, marks: [vec![], vec![]] }
+    GridMethod { control_points, knots: Knots::Adaptive, marks: Vec::new() }
 }
 
 /// Some rows and columns of the test leg.
@@ -111,8 +111,6 @@ fn lines_that_coincide_are_refused() {
 #[test]
 fn points_that_coincide_are_refused_where_they_leave_no_shape() {
     let mut part = Part::new(|_| true, |_| true);
-    part.points[7 * 72..8 * 72].fill(Point3::new(1.0, 2.0, 70.0));
-    assert_eq!(mean_chord_parameters(&part.points, 72), Err(FitFault::NoLength { row: 7 }));
     part.points.fill(Point3::origin());
     let refused = part.refused(&plain([30, 24]));
     assert_eq!(refused, FitFault::Coincident { lines: "rows", first: 0, second: 1 });
@@ -151,7 +149,7 @@ fn a_small_gap_is_bridged_and_told() {
     // Eight sections are missing, above the knee and below the calf.
     for (first, limit_mm) in [(52, 0.5), (20, 0.6)] {
         let part = Part::new(|i| !(first..first + 8).contains(&i), |_| true);
-        for knots in [Knots::Uniform, Knots::Adaptive, Knots::Polished] {
+        for knots in [Knots::Uniform, Knots::Adaptive] {
             let fit = part.fit(&GridMethod { knots, ..plain([30, 24]) }).unwrap();
             let middle = (first as f64 + 3.5) / 79.0;
             let there = (0..72).map(|j| fit.surface.point(middle, f64::from(j) / 72.0));
@@ -232,9 +230,9 @@ fn knots_are_widened_where_the_data_are_too_thin_for_them() {
 #[test]
 fn marks_outside_the_domain_are_refused() {
     let part = Part::new(|_| true, |_| true);
-    let marked = |along, around| GridMethod { marks: [along, around], ..plain([30, 24]) };
-    let outside = FitFault::MarkOutside { direction: "along", mark: 1.5, from: 0.0, to: 1.0 };
-    assert_eq!(part.refused(&marked(vec![0.5, 1.5], vec![])), outside);
-    let fault = part.refused(&marked(vec![], vec![f64::NAN]));
-    assert!(matches!(fault, FitFault::MarkOutside { direction: "around", .. }), "{fault}");
+    let marked = |marks| GridMethod { marks, ..plain([30, 24]) };
+    let outside = FitFault::MarkOutside { mark: 1.5, from: 0.0, to: 1.0 };
+    assert_eq!(part.refused(&marked(vec![0.5, 1.5])), outside);
+    let fault = part.refused(&marked(vec![f64::NAN]));
+    assert!(matches!(fault, FitFault::MarkOutside { .. }), "{fault}");
 }

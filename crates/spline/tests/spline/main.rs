@@ -3,8 +3,6 @@
 #![allow(clippy::disallowed_methods, clippy::disallowed_types)]
 
 mod basis;
-mod cloud;
-mod cloud_leg;
 mod fit;
 mod grid_refusals;
 mod knots;
