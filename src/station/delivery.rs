@@ -17,8 +17,9 @@ use std::sync::Arc;
 use std::thread::available_parallelism;
 use std::time::Duration;
 
-use gaiter_flow::Outbox;
 use gaiter_flow::outbox::{Ended, Key};
+use gaiter_flow::{Outbox, ScanId};
+use gaiter_record::Patient;
 use jiff::Timestamp;
 use tokio::task::{JoinError, JoinSet, spawn_blocking};
 use tokio::time::sleep;
@@ -38,12 +39,13 @@ const RECHECK: Duration = Duration::from_secs(5);
 /// At most this many scans at a time, however many cores there are.
 const MOST_HANDS: usize = 5;
 
-/// A step at a store that takes longer has stalled. A record has a few megabytes.
-const STALLED: Duration = Duration::from_secs(60);
-
 /// While a step at a store takes longer than this, nothing else is begun there, and it keeps no other store
 /// waiting: a server that hangs would otherwise take all hands.
 const SLOW: Duration = Duration::from_secs(5);
+
+/// So many measured scans are kept, the latest, until every store has their records: a store that is slow or away
+/// does not cause a second measurement. A record has a few megabytes.
+const KEPT_READY: usize = 4;
 
 /// The result of a job.
 enum Done {
@@ -52,11 +54,16 @@ enum Done {
     Ended { due: Due, ended: Ended },
 }
 
+/// A scan, and the patient for whom it is measured, with who named the patient.
+type ScanOf = (ScanId, Option<Patient>);
+
 #[derive(Default)]
 struct Bench {
     outbox: Outbox,
     dues: BTreeMap<Key, Due>,
     jobs: JoinSet<Done>,
+    /// Measured scans with a delivery that is still to be made, oldest first.
+    ready: Vec<(ScanOf, Arc<Ready>)>,
     /// The steps that are running at each store, and when they began.
     at_store: BTreeMap<(String, Option<Key>), Duration>,
 }
@@ -119,6 +126,10 @@ impl Bench {
                 return Ok(());
             }
         };
+        let deliver = pending.iter().filter(|due| due.task == Task::Deliver);
+        self.ready.retain(|((scan, patient), _)| {
+            deliver.clone().any(|due| due.scan == *scan && due.patient == *patient)
+        });
         let keys: Vec<Key> = pending.iter().map(key).collect();
         self.dues = keys.iter().cloned().zip(pending).collect();
         booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
@@ -159,11 +170,25 @@ impl Bench {
             }
         }
         let Some(first) = deliver.first().cloned() else { return };
+        let scan = scan_of(&first);
+        let ready =
+            self.ready.iter().find(|(of, _)| *of == scan).map(|(_, ready)| Arc::clone(ready));
+        if let Some(ready) = ready {
+            return self.put(booth, deliver, &ready);
+        }
         let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
             let ready = work::prepare(&booth, &first, threads).map(Arc::new);
             Done::Prepared { dues: deliver, ready }
         });
+    }
+
+    /// Begins to put the record of a measured scan into these stores.
+    fn put(&mut self, booth: &Arc<Booth>, dues: Vec<Due>, ready: &Arc<Ready>) {
+        for due in dues {
+            let ready = Arc::clone(ready);
+            self.at_store(booth, due, move |booth, due| work::put(booth, due, &ready));
+        }
     }
 
     /// Begins a step at a store.
@@ -188,10 +213,12 @@ impl Bench {
                 self.outbox.asked(&store, in_reach, booth.core().now(), jitter::unit());
             }
             Done::Prepared { dues, ready: Ok(ready) } => {
-                for due in dues {
-                    let ready = Arc::clone(&ready);
-                    self.at_store(booth, due, move |booth, due| work::put(booth, due, &ready));
+                if let Some(first) = dues.first() {
+                    self.ready.push((scan_of(first), Arc::clone(&ready)));
+                    let over = self.ready.len().saturating_sub(KEPT_READY);
+                    self.ready.drain(..over);
                 }
+                self.put(booth, dues, &ready);
             }
             Done::Prepared { dues, ready: Err(ended) } => {
                 for due in dues {
@@ -236,7 +263,9 @@ impl Bench {
             if lasts >= SLOW {
                 self.outbox.stalled(store);
             }
-            if lasts >= STALLED && store_reach::note_stalled(booth.core(), store) {
+            let most = booth.core().stores.named(store).map(|store| store.step_most());
+            let is_stalled = most.is_some_and(|most| lasts >= most);
+            if is_stalled && store_reach::note_stalled(booth.core(), store) {
                 info!(event = "store-stalled", store);
             }
         }
@@ -246,4 +275,8 @@ impl Bench {
 fn key(due: &Due) -> Key {
     let patient = due.patient.as_ref().map(|patient| patient.id.clone());
     Key { scan: due.scan.clone(), patient, store: due.store.clone() }
+}
+
+fn scan_of(due: &Due) -> ScanOf {
+    (due.scan.clone(), due.patient.clone())
 }

@@ -50,7 +50,8 @@ impl Overview {
             None => vec![Complaint::journal()],
             Some(tally) => {
                 let oldest = oldest(tally, &facts).map(|seen| seen.first_seen);
-                let backlog = Backlog { pending: pending(tally), oldest };
+                let revisions_refused = tally.revisions_refused;
+                let backlog = Backlog { pending: pending(tally), oldest, revisions_refused };
                 complaints(&facts, &backlog, core.config.status.overdue, now)
             }
         };

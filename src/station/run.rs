@@ -30,7 +30,8 @@ use crate::config::Config;
 const FIRST_LOOKS: Duration = Duration::from_secs(10);
 
 /// How long running work may take after a stop was requested. The next start resumes what is cut off.
-/// `TimeoutStopSec` of the unit is longer.
+/// `TimeoutStopSec` of the unit is longer. A step at a server may take longer still: it is cut off at a stop, which does
+/// no harm because it can be made again, and waited for before a reload.
 const GRACE: Duration = Duration::from_secs(20);
 
 /// How long answers that are being given may take after that.
@@ -210,6 +211,30 @@ async fn generation(
             }
         }
     };
+    wind_up(turn, station, &mut workers, &stopper, stop).await
+}
+
+/// Ends the workers of a generation, for this reason. Returns why it has ended.
+async fn wind_up(
+    turn: Result<Turn, StationError>,
+    station: &Station,
+    workers: &mut Workers,
+    stopper: &Stopper,
+    stop: &mut (impl Future<Output = ()> + Unpin),
+) -> Result<Turn, StationError> {
+    let turn = match turn {
+        Ok(next @ (Turn::Reload(_) | Turn::Ruin)) => {
+            if matches!(next, Turn::Ruin) {
+                // Nobody may work with that journal any longer.
+                stopper.request();
+            }
+            deliveries_over(station, workers, stop).await.map(|stops| match stops {
+                true => Turn::Stop,
+                false => next,
+            })
+        }
+        turn => turn,
+    };
     if matches!(turn, Ok(Turn::Stop) | Err(_)) {
         service::tell_stopping();
     }
@@ -227,6 +252,30 @@ async fn generation(
         // Work that still runs could meet the next generation on the same scan.
         (Ok(Turn::Reload(_) | Turn::Ruin), Err(_)) => Err(StationError::Stuck),
         (turn, _) => turn,
+    }
+}
+
+/// Ends the delivery before the next generation, and waits as long as a step at a server may take: one that runs on
+/// could meet the next generation on the same record. The booth is heard meanwhile, and files are taken in. Returns
+/// whether the station is to stop instead.
+async fn deliveries_over(
+    station: &Station,
+    workers: &mut Workers,
+    stop: &mut (impl Future<Output = ()> + Unpin),
+) -> Result<bool, StationError> {
+    let servers = station.core.stores.iter().filter(|store| store.is_server());
+    let longest = servers.map(|store| store.step_most()).max().unwrap_or_default();
+    let ended = timeout(longest, workers.end_delivery());
+    tokio::pin!(ended);
+    let mut pulse = interval(pulse());
+    loop {
+        tokio::select! {
+            () = &mut *stop => return Ok(true),
+            // What is not over by then has the grace of all work.
+            ended = &mut ended => return ended.unwrap_or(Ok(())).map(|()| false),
+            // The wait has an end.
+            _ = pulse.tick() => service::tell_alive(),
+        }
     }
 }
 

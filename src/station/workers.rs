@@ -33,6 +33,9 @@ pub struct Lasting {
 /// The workers, their names and their heartbeats.
 pub struct Workers {
     tasks: JoinSet<Result<(), JoinError>>,
+    /// The delivery: it may be ended while the others go on.
+    delivery: JoinSet<Result<(), JoinError>>,
+    delivery_stopper: Stopper,
     /// The workers that answer people and monitors: they continue until the others have ended.
     endpoints: JoinSet<Result<(), JoinError>>,
     endpoints_stopper: Stopper,
@@ -48,8 +51,11 @@ impl Workers {
         stop: &Stop,
     ) -> (Workers, mpsc::Receiver<()>) {
         let (endpoints_stopper, endpoints_stop) = Stopper::new();
+        let (delivery_stopper, delivery_stop) = Stopper::new();
         let mut workers = Workers {
             tasks: JoinSet::new(),
+            delivery: JoinSet::new(),
+            delivery_stopper,
             endpoints: JoinSet::new(),
             endpoints_stopper,
             names: BTreeMap::new(),
@@ -58,8 +64,11 @@ impl Workers {
         let first_looks = workers.start_intakes(station, lasting, stop);
         workers.start_booth(station, stop);
         let Station { core, booth, previews, .. } = station;
-        let task = |beat| delivery::worker(Arc::clone(booth), beat, stop.clone());
-        workers.start_one(Worker::Delivery, task);
+        let beat = Beat::default();
+        workers.beats.push((Worker::Delivery, beat.clone()));
+        let task = delivery::worker(Arc::clone(booth), beat, delivery_stop);
+        let id = workers.delivery.spawn(task).id();
+        workers.names.insert(id, Worker::Delivery);
         let task =
             |beat| preview::worker(Arc::clone(booth), Arc::clone(previews), beat, stop.clone());
         workers.start_one(Worker::Preview, task);
@@ -133,16 +142,26 @@ impl Workers {
     pub async fn one_ended(&mut self) -> StationError {
         let ended = tokio::select! {
             Some(ended) = self.tasks.join_next_with_id() => Some(ended),
+            Some(ended) = self.delivery.join_next_with_id() => Some(ended),
             Some(ended) = self.endpoints.join_next_with_id() => Some(ended),
             else => None,
         };
         match ended {
             Some(ended) => {
-                let worker = self.who(&ended);
+                let worker = who(&self.names, &ended);
                 judge(worker, ended).err().unwrap_or(StationError::WorkerStopped { worker })
             }
             None => StationError::WorkerStopped { worker: Worker::Delivery },
         }
+    }
+
+    /// Ends the delivery; completes when all that it has in hand is over.
+    ///
+    /// # Errors
+    /// Its failure.
+    pub async fn end_delivery(&mut self) -> Result<(), StationError> {
+        self.delivery_stopper.request();
+        all_ended(&mut self.delivery, &self.names).await
     }
 
     /// Completes when all workers except the endpoints have ended, as requested.
@@ -150,12 +169,9 @@ impl Workers {
     /// # Errors
     /// The first failure among them.
     pub async fn rest(&mut self) -> Result<(), StationError> {
-        let mut rest = Ok(());
-        while let Some(ended) = self.tasks.join_next_with_id().await {
-            let ended = judge(self.who(&ended), ended);
-            rest = rest.and(ended);
-        }
-        rest
+        let delivery = self.end_delivery().await;
+        let others = all_ended(&mut self.tasks, &self.names).await;
+        delivery.and(others)
     }
 
     /// Closes the endpoints; completes when they are closed.
@@ -164,28 +180,35 @@ impl Workers {
     /// The first failure among them.
     pub async fn close_endpoints(&mut self) -> Result<(), StationError> {
         self.endpoints_stopper.request();
-        let mut rest = Ok(());
-        while let Some(ended) = self.endpoints.join_next_with_id().await {
-            let ended = judge(self.who(&ended), ended);
-            rest = rest.and(ended);
-        }
-        rest
-    }
-
-    fn who(&self, ended: &Result<(Id, Result<(), JoinError>), JoinError>) -> Worker {
-        let id = match ended {
-            Ok((id, _)) => *id,
-            Err(panic) => panic.id(),
-        };
-        self.names.get(&id).copied().unwrap_or(Worker::Delivery)
+        all_ended(&mut self.endpoints, &self.names).await
     }
 }
 
-/// Adds the worker's name to the way it ended.
-fn judge(
-    worker: Worker,
-    ended: Result<(Id, Result<(), JoinError>), JoinError>,
+/// How a worker ended.
+type HasEnded = Result<(Id, Result<(), JoinError>), JoinError>;
+
+/// Completes when all of these have ended.
+async fn all_ended(
+    tasks: &mut JoinSet<Result<(), JoinError>>,
+    names: &BTreeMap<Id, Worker>,
 ) -> Result<(), StationError> {
+    let mut all = Ok(());
+    while let Some(ended) = tasks.join_next_with_id().await {
+        all = all.and(judge(who(names, &ended), ended));
+    }
+    all
+}
+
+fn who(names: &BTreeMap<Id, Worker>, ended: &HasEnded) -> Worker {
+    let id = match ended {
+        Ok((id, _)) => *id,
+        Err(panic) => panic.id(),
+    };
+    names.get(&id).copied().unwrap_or(Worker::Delivery)
+}
+
+/// Adds the worker's name to the way it ended.
+fn judge(worker: Worker, ended: HasEnded) -> Result<(), StationError> {
     match ended {
         Err(source) => Err(StationError::WorkerPanicked { worker, source }),
         Ok((_, Err(source))) => Err(StationError::WorkerFailed { worker, source }),

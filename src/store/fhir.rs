@@ -15,6 +15,7 @@ mod tests;
 
 use std::path::PathBuf;
 use std::sync::Mutex;
+use std::time::Duration;
 
 use gaiter_flow::ScanId;
 use gaiter_record::Record;
@@ -37,6 +38,10 @@ const JSON: HeaderValue = HeaderValue::from_static("application/fhir+json");
 
 /// The id of a patient whom no server knows.
 const TRIAL_PATIENT: &str = "gaiter-check";
+
+/// Requests of a long step: one for the patient, two that write, one for each resource that is there already, and two
+/// for a token, which may have to be had again.
+const REQUESTS_MOST: u32 = 16;
 
 /// A FHIR server as a store.
 #[derive(Debug)]
@@ -144,6 +149,11 @@ impl RecordStore for FhirStore {
 
     fn is_server(&self) -> bool {
         true
+    }
+
+    /// Each request has the limit for itself.
+    fn step_most(&self) -> Duration {
+        self.server.limit * REQUESTS_MOST
     }
 
     fn takes_unassigned(&self) -> bool {

@@ -21,6 +21,7 @@ pub mod sums;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use jiff::Timestamp;
 
@@ -32,6 +33,9 @@ use gaiter_record::RecordFile;
 pub use gdt::{GdtStore, Given};
 pub use hl7::Hl7Store;
 pub use server::ServerFault;
+
+/// A step at a store that waits for a disk or for one answer takes no longer. A record has a few megabytes.
+const STEP_MOST: Duration = Duration::from_secs(60);
 
 /// A store of records. A new kind is a file here, a section of `station.toml`, a page of the
 /// documentation and a line in `station/stores.rs`; everything else asks the store. All calls block.
@@ -52,6 +56,12 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     /// record, and an erasure removes nothing there.
     fn is_server(&self) -> bool {
         false
+    }
+
+    /// The longest time that a step here takes while the store still answers, such as one [`RecordStore::put`]. A
+    /// step that lasts longer has stalled.
+    fn step_most(&self) -> Duration {
+        STEP_MOST
     }
 
     /// Begins a new store: makes its folder if `make_folder` is set, then marks it.

@@ -18,6 +18,7 @@ mod orders;
 mod page;
 mod persons;
 mod phantom;
+mod servers;
 mod sizes;
 mod trigger_pty;
 mod trigger_scripts;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::disposition::{Disposition, Task};
 use super::facts::StoreFacts;
-use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
+use super::lifecycle::{HANDED_OVER, REVISION_REFUSED, SUPERSEDED, UNASSIGNED};
 use super::patient::erasure::ERASED;
 use super::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use super::round::AMBIGUOUS;
@@ -182,6 +182,12 @@ impl Whole {
     /// Whether a patient to whom it belongs has its record.
     pub fn has_record(&self) -> bool {
         self.deliveries.iter().any(|of| of.patient.is_some() && of.is_there())
+    }
+
+    /// Whether a store that has its record does not take what was set by hand since.
+    pub fn is_revision_refused(&self) -> bool {
+        let is_refused = |of: &Delivered| of.code.as_deref() == Some(REVISION_REFUSED);
+        self.deliveries.iter().any(|of| of.is_there() && is_refused(of))
     }
 
     /// What a person must do about it.

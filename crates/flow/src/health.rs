@@ -13,6 +13,7 @@ use super::Facts;
 use super::cause::Cause;
 use super::complaint::{Complaint, Figures, Severity};
 use super::facts::{IntakeState, SourceFacts, SourceState, StoreFacts, StoreRefusal, TriggerFacts};
+use super::lifecycle::REVISION_REFUSED;
 use super::trigger::PortState;
 use super::words::age;
 
@@ -29,13 +30,15 @@ const EXPORT_GONE: &str = "export-gone";
 /// Alarm: an export is awaited, and what came is not read. Its figure is `unread`.
 pub const EXPORT_PASSED_OVER: &str = "export-passed-over";
 
-/// What the journal knows about scans without a record.
+/// What the journal knows about deliveries that are not made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Backlog {
     /// Deliveries that are still to be made.
     pub pending: u64,
     /// When the oldest of their scans was first seen.
     pub oldest: Option<Timestamp>,
+    /// Scans of whose record a store takes no later revision.
+    pub revisions_refused: u64,
 }
 
 /// Everything that keeps the station from being ready, the worst first, then what a person should know. `overdue`
@@ -66,6 +69,7 @@ pub fn complaints(
         refused.map(|fault| Complaint::new("reload-refused", Figures::why(&Cause::said(fault)))),
     );
     complaints.extend(unfetched(facts, now));
+    complaints.extend(revisions_refused(backlog));
     complaints.extend(facts.views_apart());
     complaints
 }
@@ -150,6 +154,13 @@ fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complain
     let case = if waited.is_some() { "waits" } else { "set_back" };
     let figures = Figures::default().words("case", case).seconds("waited_s", waited);
     Some(Complaint::new("delivery-overdue", figures))
+}
+
+/// The records are kept, and stores still have earlier ones.
+fn revisions_refused(backlog: &Backlog) -> Option<Complaint> {
+    let count = usize::try_from(backlog.revisions_refused).unwrap_or(usize::MAX);
+    let complaint = Complaint::new(REVISION_REFUSED, Figures::counted(count));
+    (count > 0).then_some(Complaint { severity: Severity::Notice, ..complaint })
 }
 
 /// Whether something has lasted for `least`; a start in the future counts as long ago.

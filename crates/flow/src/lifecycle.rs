@@ -96,6 +96,9 @@ pub const SUPERSEDED: &str = "superseded";
 /// The code of a record that was to be taken back from a store that gives nothing back.
 pub const HANDED_OVER: &str = "result-handed-over";
 
+/// The code of a delivered record of which its store takes no later revision: it still has the earlier one.
+pub const REVISION_REFUSED: &str = "revision-refused";
+
 /// The possible steps of a delivery.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeliveryStep {

@@ -4,17 +4,23 @@ use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
+use jiff::{SignedDuration, Timestamp};
+
 use super::environment::writable;
 use super::row::{Row, Verdict};
 use crate::config::{Config, FhirStoreConfig, Hl7StoreConfig};
 use crate::station::stores::Stores;
 use crate::store::access::OTHERS;
-use crate::store::endpoint::{Secret, is_this_machine};
+use crate::store::endpoint::{Secret, TlsFiles, is_this_machine};
 use crate::store::hl7::Hl7Way;
+use crate::store::https::tls;
 use crate::store::secret::{self, SecretFault};
 use crate::store::{FhirStore, Hl7Store, RecordStore};
 
-/// A row for each server and each secret.
+/// A certificate of the station that ends sooner is told.
+const ENDS_SOON: SignedDuration = SignedDuration::from_hours(30 * 24);
+
+/// A row for each server, each secret and each certificate of the station.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
     let stores = Stores::of(config);
     let fhir = config.store.fhir.as_ref().zip(stores.named(FhirStore::NAME));
@@ -27,6 +33,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
 fn fhir_rows(config: &FhirStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
     let secrets = config.server.secrets();
     let mut rows: Vec<Row> = secrets.iter().map(|secret| of_secret(secret)).collect();
+    rows.extend(of_certificate(&config.server.tls, Timestamp::now()));
     let detail = "speaks R4, and lets the station look for patients";
     rows.push(tried("FHIR server", store, &secrets, detail));
     rows
@@ -39,6 +46,7 @@ fn hl7_rows(config: &Hl7StoreConfig, store: &dyn RecordStore) -> Vec<Row> {
     };
     let own = config.way.secret();
     let mut rows: Vec<Row> = own.map(of_secret).into_iter().collect();
+    rows.extend(tls.as_ref().and_then(|tls| of_certificate(tls, Timestamp::now())));
     rows.push(tried("HL7 receiver", store, own.as_slice(), "takes a connection"));
     if tls.is_none() && !is_this_machine(host) {
         let detail = "not encrypted: anyone in the network can read the results; \
@@ -84,6 +92,24 @@ fn of_secret(secret: &Secret) -> Row {
     }
 }
 
+/// How long the station's own certificate still holds, if it has one. One that cannot be read is told where the server
+/// is tried.
+fn of_certificate(tls: &TlsFiles, now: Timestamp) -> Option<Row> {
+    let (path, _) = tls.own.as_ref()?;
+    let left = tls::holds_until(path).ok()??.duration_since(now);
+    let days = left.as_hours() / 24;
+    let (verdict, detail) = match left {
+        left if left.is_negative() => {
+            (Verdict::Fail, "has ended: have a new one signed".to_owned())
+        }
+        left if left < ENDS_SOON => {
+            (Verdict::Warn, format!("ends in {days} days: have a new one signed"))
+        }
+        _ => (Verdict::Ok, format!("holds for {days} days")),
+    };
+    Some(Row::new("certificate", path, verdict, detail))
+}
+
 fn kept(check: &'static str, path: &Path) -> Row {
     match fs::metadata(path).map(|found| found.mode() & OTHERS) {
         Ok(0) => Row::ok(check, path, "can be read, by its owner only"),
@@ -92,5 +118,26 @@ fn kept(check: &'static str, path: &Path) -> Row {
             Row::new(check, path, Verdict::Warn, detail)
         }
         Err(error) => Row::new(check, path, Verdict::Fail, error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_certificate_of_the_station_is_told_before_it_ends() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/tls/localhost.pem");
+        let key = Secret::Credential("key".to_owned());
+        let tls = TlsFiles { authorities: None, own: Some((path, key)) };
+        for (now, verdict, detail) in [
+            ("2119-01-01T00:00:00Z", Verdict::Ok, "holds for 365 days"),
+            ("2119-12-03T00:00:00Z", Verdict::Warn, "ends in 29 days: have a new one signed"),
+            ("2120-01-02T00:00:00Z", Verdict::Fail, "has ended: have a new one signed"),
+        ] {
+            let row = of_certificate(&tls, now.parse().unwrap()).unwrap();
+            assert_eq!((row.verdict, row.detail.as_str()), (verdict, detail));
+        }
+        assert!(of_certificate(&TlsFiles::default(), Timestamp::now()).is_none());
     }
 }

@@ -40,23 +40,25 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), Setback> {
         // The revision that was begun was never written.
         return Ok(journal.handed_over(due, None)?);
     }
-    let receipt = store
-        .put(&Delivery {
-            scan: &due.scan,
-            patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
-            first_seen: row.first_seen,
-            revision: stored.record.revision,
-            files: &files,
-            scan_file: &folder.join(&stored.scan_file),
-            ending: &row.format,
-        })
-        .map_err(|fault| match (fault.code(), fault) {
-            // The scan's record is where it belongs: a store that refuses a later revision refuses no scan.
-            (code, StoreFault::Permanent(misfit)) => {
-                Setback::PutOff { code, error: misfit.to_string() }
-            }
-            (_, fault) => work::of_store(fault, &row),
-        })?;
+    let put = store.put(&Delivery {
+        scan: &due.scan,
+        patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
+        first_seen: row.first_seen,
+        revision: stored.record.revision,
+        files: &files,
+        scan_file: &folder.join(&stored.scan_file),
+        ending: &row.format,
+    });
+    let receipt = match put {
+        Ok(receipt) => receipt,
+        // The scan's record is where it belongs: a store that refuses a later revision refuses no scan.
+        Err(fault @ StoreFault::Permanent(_)) => {
+            let (code, error) = (fault.code(), fault.to_string());
+            journal.revision_refused(due, code)?;
+            return Err(Setback::PutOff { code, error });
+        }
+        Err(fault) => return Err(work::of_store(fault, &row)),
+    };
     store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
     journal.handed_over(due, Some((stored.record.revision, receipt.folder.as_path())))?;
     let (scan, store) = (short(&due.scan), &due.store);

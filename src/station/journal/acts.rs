@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::deliveries::{finish_if_done, has_served, owners};
 use super::delivery_row::{count, step};
 use super::scans::{insert_delivery, set_state, state_of};
+use super::withdrawal::UNWANTED;
 use super::{Due, Event, Journal, JournalError, Task, cell, history, json_cell, withdrawal};
 
 impl Journal {
@@ -233,9 +234,11 @@ pub(super) fn belongs_to(
 /// left out: it is withdrawn when a patient has the record, and until then it is the keeper for others.
 fn give_way(transaction: &Transaction<'_>, scan: &ScanId, ids: &str) -> Result<(), JournalError> {
     transaction.execute(
-        "UPDATE deliveries SET code = ?3
-         WHERE sha256 = ?1 AND patient NOT IN (SELECT value FROM json_each(?2)) AND patient <> ''
-               AND state = 'delivered' AND code IS NULL",
+        &format!(
+            "UPDATE deliveries SET code = ?3
+             WHERE sha256 = ?1 AND patient NOT IN (SELECT value FROM json_each(?2)) AND patient <> ''
+                   AND state = 'delivered' AND coalesce(code, '') NOT IN {UNWANTED}"
+        ),
         [scan.as_str(), ids, UNASSIGNED],
     )?;
     transaction.execute(

@@ -21,7 +21,7 @@ impl Journal {
     /// a backlog.
     pub fn pending(&self) -> Result<Vec<Due>, JournalError> {
         let connection = self.connection();
-        let mut query = connection.prepare_cached(
+        let mut query = connection.prepare_cached(&format!(
             "SELECT sha256, patient, sources, store, deliveries.state, first_seen, attempts,
                     deliveries.seal
              FROM deliveries JOIN scans USING (sha256)
@@ -31,9 +31,9 @@ impl Journal {
                     deliveries.seal
              FROM deliveries INDEXED BY deliveries_amended JOIN scans USING (sha256)
              WHERE amended = ?3 AND amended <> '' AND deliveries.state = ?4
-                   AND deliveries.code IS NULL
-             ORDER BY first_seen DESC, sha256",
-        )?;
+                   AND coalesce(deliveries.code, '') NOT IN {UNWANTED}
+             ORDER BY first_seen DESC, sha256"
+        ))?;
         let states = [DeliveryState::Pending, DeliveryState::Withdrawing, DeliveryState::Delivered];
         let [pending, withdrawing, delivered] = states.map(DeliveryState::word);
         let mut rows = query.query([pending, withdrawing, amended::DUE, delivered])?;

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::io;
 
 use gaiter_flow::account::{Delivered, Filter, Listed, Seen, Summary, Whole};
+use gaiter_flow::lifecycle::REVISION_REFUSED;
 use gaiter_flow::{Closed, DeliveryState, Disposition, ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Row, params};
@@ -29,6 +30,8 @@ pub struct Tally {
     pub closed: u64,
     /// Scans with a record that is, or may be, in a place from which it must be withdrawn.
     pub withdrawing: u64,
+    /// Scans of whose record a store takes no later revision.
+    pub revisions_refused: u64,
     /// Deliveries by store and the word of their state; only combinations that occur.
     pub deliveries: BTreeMap<(String, String), u64>,
     /// Of each store, the oldest scan whose record it waits for.
@@ -84,6 +87,7 @@ impl Journal {
             held,
             closed,
             withdrawing,
+            revisions_refused: revisions_refused(&connection)?,
             deliveries,
             oldest: oldest.collect::<Result<_, _>>()?,
             last,
@@ -196,6 +200,13 @@ fn of_filter(filter: Option<Filter>) -> String {
         Some(Filter::Held) => is_one_of(|found| found == Disposition::Held),
         Some(Filter::Unassigned) => is_one_of(Disposition::is_unassigned),
     }
+}
+
+/// Scans of whose record a store takes no later revision. The index holds the few that were amended.
+fn revisions_refused(connection: &Connection) -> rusqlite::Result<u64> {
+    let counted = "SELECT count(DISTINCT sha256) FROM deliveries INDEXED BY deliveries_amended
+                   WHERE amended <> '' AND state = 'delivered' AND code = ?1";
+    connection.prepare_cached(counted)?.query_row([REVISION_REFUSED], |row| count(row, 0))
 }
 
 /// What a word stands for that gaiter wrote.

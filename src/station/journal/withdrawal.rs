@@ -46,7 +46,8 @@ pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), 
             "UPDATE deliveries SET state = ?2, code = NULL, attempts = 0, next_at = NULL,
                     changed_at = ?3
              WHERE sha256 = ?1 AND state = 'delivered'
-                   AND (code IN (?4, ?5) OR patient = '' AND code IS NULL)
+                   AND (code IN (?4, ?5)
+                        OR patient = '' AND coalesce(code, '') NOT IN {UNWANTED})
                    AND (store IN (SELECT name FROM servers)
                         OR EXISTS (SELECT 1 FROM deliveries AS keeper
                                    WHERE keeper.sha256 = deliveries.sha256

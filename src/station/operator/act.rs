@@ -128,7 +128,9 @@ fn retry(core: &Core, row: ScanRow) -> Result<String, ActFault> {
         Acted::Nothing | Acted::Several | Acted::HasPatient => {
             let journal = core.custody.journal();
             let is_any = |state| journal.deliveries_in(&row.scan, state).map(|due| !due.is_empty());
-            if !is_any(DeliveryState::Pending)? && !is_any(DeliveryState::Withdrawing)? {
+            let is_owed = journal.owes_revision(&row.scan)?;
+            if !is_owed && !is_any(DeliveryState::Pending)? && !is_any(DeliveryState::Withdrawing)?
+            {
                 let why = "act.why.nothing_to_retry";
                 return Err(ActFault::NoOccasion { scan: row.scan, why });
             }

@@ -252,3 +252,12 @@ fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
     let fault = store.withdraw(&scan, Some("4711"), None).unwrap_err();
     assert_eq!(fault.code(), "store-unavailable");
 }
+
+#[test]
+fn a_step_that_makes_several_requests_has_not_stalled_while_each_is_answered_in_time() {
+    let (store, requests) = answered(vec![found(&[]), found(&[]), found(&[])]);
+    let scan: ScanId = ScanId::parse(&"ab".repeat(32)).unwrap();
+    store.withdraw(&scan, Some("4711"), None).unwrap();
+    let requests = u32::try_from(requests.try_iter().count()).unwrap();
+    assert!(requests > 2 && store.step_most() > Duration::from_secs(30) * requests);
+}

@@ -5,6 +5,7 @@ mod fault;
 #[cfg(test)]
 pub(in crate::store) mod tests;
 pub mod tls;
+mod validity;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};

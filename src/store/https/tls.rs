@@ -6,12 +6,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use jiff::Timestamp;
 use rustls::crypto::CryptoProvider;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{ClientConfig, RootCertStore};
 use ureq::tls::{Certificate, ClientCert, PrivateKey, RootCerts, TlsConfig};
 
+use super::validity;
 use crate::store::endpoint::{Secret, TlsFiles};
 use crate::store::secret::{self, SecretFault};
 
@@ -73,7 +75,16 @@ pub fn trust(files: &TlsFiles) -> Result<Arc<ClientConfig>, TlsFault> {
     Ok(Arc::new(config(files, &read(files)?)?))
 }
 
-/// The same for the HTTPS client.
+/// Until when the first certificate of a file holds; `None` if it does not say so as it should.
+///
+/// # Errors
+/// If the file cannot be read, or holds no certificate.
+pub fn holds_until(path: &Path) -> Result<Option<Timestamp>, TlsFault> {
+    let first = certificates(path)?.into_iter().next();
+    Ok(first.and_then(|first| validity::not_after(&first)))
+}
+
+/// What a connection of the HTTPS client trusts.
 pub(super) fn of_client(files: &TlsFiles) -> Result<TlsConfig, TlsFault> {
     let read = read(files)?;
     // The client panics on a certificate that does not fit its key; here that is a fault.

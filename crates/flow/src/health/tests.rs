@@ -14,7 +14,7 @@ use crate::settle::Wait;
 use crate::trigger::PortState;
 
 const OVERDUE: Duration = Duration::from_secs(600);
-const EMPTY: Backlog = Backlog { pending: 0, oldest: None };
+const EMPTY: Backlog = Backlog { pending: 0, oldest: None, revisions_refused: 0 };
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()
@@ -154,7 +154,7 @@ fn the_fault_of_a_delivery_stays_until_a_record_is_delivered_or_none_waits() {
 
 #[test]
 fn a_scan_is_overdue_only_after_the_time_and_whatever_the_reason() {
-    let backlog = Backlog { pending: 1, oldest: Some(at(0)) };
+    let backlog = Backlog { pending: 1, oldest: Some(at(0)), ..EMPTY };
     assert_eq!(codes(&facts(), &backlog, at(600)), [""; 0]);
     assert_eq!(codes(&facts(), &backlog, at(601)), ["delivery-overdue"]);
 }
@@ -163,7 +163,7 @@ fn a_scan_is_overdue_only_after_the_time_and_whatever_the_reason() {
 fn a_clock_that_was_set_back_hides_no_fault() {
     let stalled = source(SourceState::Stalled);
     assert_eq!(codes(&stalled, &EMPTY, at(-7200)), ["source-stalled"]);
-    let backlog = Backlog { pending: 1, oldest: Some(at(0)) };
+    let backlog = Backlog { pending: 1, oldest: Some(at(0)), ..EMPTY };
     assert_eq!(codes(&facts(), &backlog, at(-1)), ["delivery-overdue"]);
     assert_said(&complaints(&facts(), &backlog, OVERDUE, at(-1))[0]);
 }
@@ -172,7 +172,7 @@ proptest! {
     /// However old a backlog is, it is complained of from one moment on and ever after.
     #[test]
     fn a_backlog_once_overdue_stays_overdue(seen in 0_i64..10_000, a in 0_i64..20_000, b in 0_i64..20_000) {
-        let backlog = Backlog { pending: 1, oldest: Some(at(seen)) };
+        let backlog = Backlog { pending: 1, oldest: Some(at(seen)), ..EMPTY };
         let late = |now: i64| !codes(&facts(), &backlog, at(seen + now)).is_empty();
         prop_assert!(!late(a.min(b)) || late(a.max(b)));
     }
@@ -213,6 +213,18 @@ fn a_result_that_nobody_fetched_is_a_notice_of_a_station_that_is_ready() {
     assert_eq!((notice.code.as_str(), notice.is_fault()), ("result-not-fetched", false));
     assert_eq!(notice.subject.as_deref(), Some("gdt"));
     assert_said(notice);
+}
+
+#[test]
+fn a_revision_that_a_store_refuses_is_a_notice_until_none_is_left() {
+    for count in [1, 2] {
+        let backlog = Backlog { revisions_refused: count, ..EMPTY };
+        let found = complaints(&facts(), &backlog, OVERDUE, at(0));
+        let [notice] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((notice.code.as_str(), notice.is_fault()), ("revision-refused", false));
+        assert_said(notice);
+    }
+    assert_eq!(complaints(&facts(), &EMPTY, OVERDUE, at(0)), []);
 }
 
 #[test]

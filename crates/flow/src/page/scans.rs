@@ -11,6 +11,7 @@ use super::reasons::{Advice, of_held, of_refused};
 use super::rows::key;
 use super::{PatientShown, distinct};
 use crate::account::{Delivered, Whole};
+use crate::lifecycle::REVISION_REFUSED;
 use crate::patient::erasure::ERASED;
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::{Closed, Disposition, ScanState, Task, round};
@@ -29,7 +30,7 @@ pub struct ScanShown {
     pub state: &'static str,
     /// Its outcome, in a word or two.
     pub word: &'static str,
-    /// Why it is held or was refused.
+    /// Why it is held or was refused, or why a store does not take a later revision of its record.
     pub code: Option<String>,
     /// The same in words, and what to do.
     pub advice: Option<Advice>,
@@ -77,12 +78,13 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     let code = match is {
         Disposition::Refused | Disposition::Closed => whole.summary.code.clone(),
         Disposition::Held => whole.held_for().map(str::to_owned),
+        Disposition::Delivered => whole.is_revision_refused().then(|| REVISION_REFUSED.to_owned()),
         _ => None,
     };
     let held_as = |code| whole.held_as().unwrap_or(code);
     let unmeasured = told.unmeasured.as_deref().filter(|_| is == Disposition::Held);
     let advice = code.as_deref().and_then(|code| match (is, unmeasured) {
-        (Disposition::Refused, _) => Some(of_refused(code, language)),
+        (Disposition::Refused | Disposition::Delivered, _) => Some(of_refused(code, language)),
         // Whose it is does not matter where it cannot be used.
         (Disposition::Held, Some(why)) => {
             Some(of_refused(why, language).before(&of_held(held_as(code), language)))
@@ -166,6 +168,7 @@ fn acts(is: Disposition, code: Option<&str>, whole: &Whole) -> Vec<&'static str>
         Disposition::Spooled if was_tried => vec!["retry"],
         Disposition::Spooled | Disposition::Withdrawing => Vec::new(),
         Disposition::Unassigned => vec!["assign", "leave"],
+        Disposition::Delivered if code == Some(REVISION_REFUSED) => vec!["retry", "unassign"],
         Disposition::Delivered => vec!["unassign"],
     }
 }

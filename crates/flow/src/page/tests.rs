@@ -345,6 +345,20 @@ fn what_a_person_can_decide_follows_from_what_became_of_the_scan() {
 }
 
 #[test]
+fn what_a_store_does_not_take_of_a_corrected_record_is_told_and_can_be_tried_again() {
+    let told = scan(
+        "delivered",
+        None,
+        vec![
+            delivery(Some("1"), "delivered", None),
+            delivery(Some("1"), "delivered", Some("revision-refused")),
+        ],
+    );
+    assert_eq!((told.state, told.acts), ("delivered", vec!["retry", "unassign"]));
+    assert!(told.advice.is_some() && told.code.as_deref() == Some("revision-refused"));
+}
+
+#[test]
 fn a_patient_who_gave_a_record_back_is_not_named_any_more() {
     let back = vec![delivery(Some("1"), "withdrawn", None), delivery(None, "delivered", None)];
     let shown = scan("delivered", None, back);

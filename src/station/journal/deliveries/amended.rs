@@ -6,6 +6,7 @@
 
 use std::path::Path;
 
+use gaiter_flow::lifecycle::REVISION_REFUSED;
 use gaiter_flow::{DeliveryState, ScanId};
 use rusqlite::{OptionalExtension, params};
 use serde_json::json;
@@ -52,9 +53,9 @@ impl Journal {
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
             transaction.execute(
-                "UPDATE deliveries SET amended = ?3, attempts = 0, next_at = NULL
+                "UPDATE deliveries SET amended = ?3, attempts = 0, next_at = NULL, code = nullif(code, ?5)
                  WHERE sha256 = ?1 AND patient = ?2 AND amended = ?4",
-                [scan.as_str(), patient, DUE, BEGUN],
+                [scan.as_str(), patient, DUE, BEGUN, REVISION_REFUSED],
             )?;
             if measures.is_empty() {
                 return Ok(());
@@ -109,14 +110,43 @@ impl Journal {
         Ok(())
     }
 
+    /// Notes that a store does not take the latest revision, for this reason: a person must know that it has an
+    /// earlier one. It is offered again until it is taken.
+    pub fn revision_refused(&self, due: &Due, code: &str) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            let is_new = transaction.execute(
+                "UPDATE deliveries SET code = ?5
+                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND amended = ?4
+                       AND state = 'delivered' AND code IS NULL",
+                [due.scan.as_str(), due.patient_cell(), &due.store, DUE, REVISION_REFUSED],
+            )? > 0;
+            if !is_new {
+                return Ok(());
+            }
+            let mut detail = detail(due);
+            detail["code"] = code.into();
+            history::append(transaction, Some(&due.scan), Event::Refused, &detail)
+        })
+    }
+
+    /// Reports whether a store is still to be given the latest revision of the record of a scan.
+    pub fn owes_revision(&self, scan: &ScanId) -> Result<bool, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(&format!(
+            "SELECT EXISTS (SELECT 1 FROM deliveries WHERE sha256 = ?1 AND amended = ?2
+                            AND state = 'delivered' AND coalesce(code, '') NOT IN {UNWANTED})"
+        ))?;
+        Ok(query.query_row([scan.as_str(), DUE], |row| row.get(0))?)
+    }
+
     /// Notes that a store has the latest revision, and its receipt; `None` if there is none to hand over.
     pub fn handed_over(&self, due: &Due, given: Option<(u32, &Path)>) -> Result<(), JournalError> {
         self.change(|transaction| {
             // A revision that was begun meanwhile stays noted.
             transaction.execute(
-                "UPDATE deliveries SET amended = '', attempts = 0, next_at = NULL
+                "UPDATE deliveries SET amended = '', attempts = 0, next_at = NULL, code = nullif(code, ?5)
                  WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND amended = ?4",
-                [due.scan.as_str(), due.patient_cell(), &due.store, DUE],
+                [due.scan.as_str(), due.patient_cell(), &due.store, DUE, REVISION_REFUSED],
             )?;
             let Some((revision, place)) = given else { return Ok(()) };
             transaction.execute(

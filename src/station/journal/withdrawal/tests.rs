@@ -382,3 +382,47 @@ fn what_practice_software_was_handed_stays_and_is_nobodys_any_more() {
     world.assign("1");
     assert_eq!(world.journal.owners(&scan()).unwrap(), ["1"]);
 }
+
+/// A scan of patient 1 whose stores refuse what was set by hand in its record.
+fn with_refused_revision() -> World {
+    let mut world = World::new(Some("1"), true);
+    world.comes_to_rest();
+    world.journal.amend_begun(&scan(), "1", &["copy", "fhir"]).unwrap();
+    world.journal.amend_ended(&scan(), "1", &[]).unwrap();
+    for due in world.journal.pending().unwrap() {
+        assert_eq!(due.task, Task::HandOver);
+        world.journal.revision_refused(&due, "server-refused").unwrap();
+    }
+    assert_eq!(world.journal.tally().unwrap().revisions_refused, 1);
+    world
+}
+
+#[test]
+fn a_revision_that_was_refused_is_told_and_offered_until_it_is_taken() {
+    let world = with_refused_revision();
+    let whole = world.journal.whole(&scan()).unwrap().unwrap();
+    assert!(whole.is_revision_refused() && whole.has_record());
+    assert!(world.journal.owes_revision(&scan()).unwrap());
+    let [first, second]: [Due; 2] = world.journal.pending().unwrap().try_into().unwrap();
+    world.journal.handed_over(&first, None).unwrap();
+    assert_eq!(world.journal.tally().unwrap().revisions_refused, 1, "the other still refuses");
+    // The next revision may be taken.
+    world.journal.amend_begun(&scan(), "1", &[second.store.as_str()]).unwrap();
+    world.journal.amend_ended(&scan(), "1", &[]).unwrap();
+    assert_eq!(world.journal.tally().unwrap().revisions_refused, 0);
+    world.journal.handed_over(&second, None).unwrap();
+    assert!(!world.journal.owes_revision(&scan()).unwrap());
+    assert!(world.journal.pending().unwrap().is_empty());
+}
+
+#[test]
+fn a_record_of_which_a_revision_was_refused_is_taken_back_as_any_other() {
+    let mut world = with_refused_revision();
+    world.unassign();
+    world.assign("2");
+    world.comes_to_rest();
+    for (store, records) in &world.stores {
+        assert_eq!(*records, BTreeSet::from(["2".to_owned()]), "in {store}");
+    }
+    assert_eq!(world.journal.tally().unwrap().revisions_refused, 0);
+}
