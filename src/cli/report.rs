@@ -8,7 +8,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gaiter_record::report::Print;
-use gaiter_record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
+use gaiter_record::schema::{FindingNote, NOT_VOUCHED, SCHEMA};
 use gaiter_record::sizing::SizeChoice;
 use gaiter_record::{
     FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
@@ -223,7 +223,7 @@ fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
     };
     let schema = |source| Fault::NoRecord { path: path.clone(), source };
     let record: Record = serde_json::from_slice(&bytes).map_err(schema)?;
-    if ![SCHEMA, OLDER_SCHEMA].contains(&record.schema.as_str()) {
+    if record.schema != SCHEMA {
         return Err(Fault::OtherSchema { path, schema: record.schema });
     }
     let (folder, name) = (path.parent(), path.file_name().and_then(OsStr::to_str));

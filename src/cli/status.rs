@@ -254,7 +254,7 @@ fn around(status: &Status, now: Timestamp, language: Language) -> Vec<(String, S
         let time = ago(store.since, now, language);
         let why = match store.waits_for_fetch {
             true => Some(language.text("explain.not_fetched").to_owned()),
-            false => told(store.cause.as_ref(), store.fault.as_deref(), language),
+            false => store.cause.as_ref().map(|cause| cause.in_words(language)),
         };
         let key = if why.is_some() { "terminal.store.bad" } else { "terminal.store.good" };
         let words: [(&str, &dyn Display); 3] =
@@ -271,8 +271,8 @@ fn of_port(port: &str, trigger: &TriggerStatus, now: Timestamp, language: Langua
         ("state", &language.word("terminal.port_state", &trigger.state)),
         ("time", &ago(trigger.since, now, language)),
     ];
-    let why = told(trigger.cause.as_ref(), trigger.why.as_deref(), language);
-    let state = with_why(language.filled("terminal.port.state", &words), why);
+    let state = language.filled("terminal.port.state", &words);
+    let state = with_why(state, trigger.cause.as_ref(), language);
     let heard = match (trigger.presses, trigger.ids) {
         (presses, 0) => language.filled("terminal.port.presses", &[("count", &presses)]),
         (_, ids) => language.filled("terminal.port.ids", &[("count", &ids)]),
@@ -281,16 +281,10 @@ fn of_port(port: &str, trigger: &TriggerStatus, now: Timestamp, language: Langua
     [state, heard, garbage].join(", ")
 }
 
-/// Why something does not work, in the language. A station of an earlier version says it in English alone.
-fn told(cause: Option<&Cause>, english: Option<&str>, language: Language) -> Option<String> {
-    let own = cause.map(|cause| cause.in_words(language));
-    own.or_else(|| english.map(str::to_owned))
-}
-
 /// A state with the reason for it.
-fn with_why(state: String, why: Option<String>) -> String {
+fn with_why(state: String, why: Option<&Cause>, language: Language) -> String {
     match why {
-        Some(why) => format!("{state}: {why}"),
+        Some(why) => format!("{state}: {}", why.in_words(language)),
         None => state,
     }
 }
@@ -326,7 +320,7 @@ fn said_of(source: &SourceStatus, now: Timestamp, language: Language) -> String 
             let time = ago(source.since, now, language);
             let state =
                 language.filled("terminal.folder.since", &[("state", &state), ("time", &time)]);
-            with_why(state, told(source.cause.as_ref(), source.why.as_deref(), language))
+            with_why(state, source.cause.as_ref(), language)
         }
     };
     let last = source.last_look.map(|last| {

@@ -6,6 +6,8 @@ pub(super) fn instead(path: &str) -> Option<&'static str> {
 }
 
 const REMOVED: &[(&str, &str)] = &[
+    ("scanner.file_system", "remove it; name a file on the share with scanner.marker"),
+    ("scanner.mount_point", "remove it; name a file on the share with scanner.marker"),
     ("method.fit", "remove it; docs/method.md says how methods are compared"),
     ("method.axis", "remove it; with tape = \"leg\" the axis is that of the \"centroids\""),
     ("method.surface", "remove it; the surface is fitted to the \"sections\""),

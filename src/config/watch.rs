@@ -1,14 +1,10 @@
 //! The keys of `[scanner]` that control what is watched and when it is trusted.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
-use gaiter_flow::export::file_system::KINDS;
-use gaiter_flow::export::mount::Expected;
-use gaiter_flow::{DoneFile, FileSystem};
+use gaiter_flow::DoneFile;
 
 use super::fault::What;
-use super::nearest::nearest;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 
@@ -21,10 +17,8 @@ pub struct WatchConfig {
     pub done_file: Option<DoneFile>,
     /// How long a file may be kept from intake before this raises an alarm.
     pub overdue: Duration,
-    /// What must be true of an export folder for a look at it to be trusted.
-    pub expected: Expected,
-    /// A folder at which something must be mounted.
-    pub mount_point: Option<PathBuf>,
+    /// The file that an export folder must contain for a look at it to be trusted.
+    pub marker: Option<String>,
 }
 
 /// Reads the keys.
@@ -35,16 +29,11 @@ pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
     let bounds = Bounds { least: "1s", most: "24h" };
     let overdue = reader.text("scanner.overdue", Default("10m"), parse::duration_in(bounds));
     let marker = reader.text("scanner.marker", Default(""), parse::or_none(marker));
-    let file_systems = reader.list("scanner.file_system", Default(""), file_system);
-    let mount_point =
-        reader.text("scanner.mount_point", Default(""), parse::or_none(parse::full_path));
-    let file_systems = file_systems.into_iter().map(|kind| kind.value).collect();
     Some(WatchConfig {
         subfolders: subfolders?.value,
         done_file: done_file?.value,
         overdue: overdue?.value,
-        expected: Expected { marker: marker?.value, file_systems },
-        mount_point: mount_point?.value,
+        marker: marker?.value,
     })
 }
 
@@ -59,12 +48,4 @@ fn marker(text: &str) -> Result<String, What> {
     } else {
         Err(What::NotAMarker(text.into()))
     }
-}
-
-fn file_system(text: &str) -> Result<FileSystem, What> {
-    FileSystem::of_name(text).ok_or_else(|| {
-        let words: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
-        let similar = nearest(text, words.iter().copied());
-        What::NotAWord { text: text.into(), words, similar }
-    })
 }

@@ -149,10 +149,6 @@ pub const TAPES: Words<Tape> = &[
     ("horizontal", Tape::Horizontal),
 ];
 
-/// `made_by.method.axis` of records with `tape = "leg"`
-pub const AXES: Words<AxisFit> =
-    &[("centroids", AxisFit::Centroids), ("principal", AxisFit::Principal)];
-
 /// `method.b1`
 pub const B1S: Words<B1Word> = &[("steepest", B1Word::Steepest), ("above-b", B1Word::AboveB)];
 

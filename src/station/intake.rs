@@ -103,7 +103,7 @@ pub async fn worker(
         Some(_) => settling.awaiting_companions(patient.sidecar_wait),
         None => settling,
     };
-    let guard = MountGuard::new(scanner.watch.expected.clone());
+    let guard = MountGuard::default();
     let hint = Arc::new(Notify::new());
     let pressed = booth.look(place);
     let mut watch = Watch::new(folder.clone(), scanner.watch.subfolders, Arc::clone(&hint));

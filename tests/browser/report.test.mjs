@@ -286,17 +286,3 @@ test("hostile ids are shown as text, run nothing and break no layout", async () 
     }
   }
 });
-
-test("a record without shapes says so and shows no view", async () => {
-  const older = structuredClone(record);
-  for (const leg of older.legs) {
-    delete leg.shape;
-    delete leg.axis;
-    leg.sections.forEach((section) => delete section.outline);
-  }
-  await onPage(report("older", older, "en"), {}, async (page) => {
-    assert.match(await page.locator("main").textContent(), /does not hold the shape of the legs/);
-    assert.equal(await page.locator("canvas").count(), 0);
-    assert.match(await page.locator("#view-place").textContent(), /no shape/);
-  });
-});

@@ -74,6 +74,8 @@ function section(side, level) {
     height_mm,
     outline: {
       centre_mm: [sign * AXIS_X_MM, 0, height_mm],
+      front: [0, -1, 0],
+      lateral: [sign, 0, 0],
       radius_mm: angles.map((angle) => radiusMm(height_mm, angle)),
       curvature_per_mm: angles.map(() => 1 / radiusMm(height_mm, 0)),
       scan_angle_deg: angles,
@@ -124,5 +126,5 @@ export function leg(side, errorMm = () => 0, { rows = 60, columns = 72, widerMm 
 
 /** A record of both legs, or of the legs given. */
 export function record(legs = [leg("left"), leg("right")]) {
-  return { schema: "gaiter.leg-record/2", legs, findings: [] };
+  return { schema: "gaiter.leg-record/1", legs, findings: [] };
 }

@@ -124,7 +124,7 @@ test("a view that is taken down leaves nothing, and thirty in a row do no harm",
   await settled(page);
 }));
 
-test("an older record and one that is no record give a sentence in the reader's language", () => onPage(async (page) => {
+test("a record without shapes and one that is no record give a sentence in the reader's language", () => onPage(async (page) => {
   const bare = leg("left");
   delete bare.shape;
   for (const given of [record([bare]), record([]), {}, null, 7, "x", [], { legs: 5 }, { legs: [null, 3] }]) {

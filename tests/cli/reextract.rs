@@ -2,17 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::thread::yield_now;
 
-use flate2::read::GzDecoder;
 use gaiter::store::sums;
 use gaiter_leg::Method;
-use gaiter_leg::method::{SectionFit, Tape};
+use gaiter_leg::method::SectionFit;
 use rig::stored::{content, store};
 use rig::verb::{code, gaiter, program, stderr, stdout};
 use rig::{Booth, names, sha256};
@@ -116,78 +114,6 @@ fn what_changed_is_told_with_the_old_figure_and_the_new() {
     assert!(levels.iter().any(|level| level["girth_mm"]["old"] != level["girth_mm"]["new"]));
 }
 
-/// Writes the record of schema 1 beside its scan, as a store of its time holds them.
-fn store_schema_1(root: &Path) {
-    let fixture = |name: &str| {
-        let file = File::open(support::root().join("fixtures").join(name)).unwrap();
-        let mut bytes = Vec::new();
-        GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
-        bytes
-    };
-    let record = fixture("records/schema_1.json.gz");
-    let scan = fixture("coarse/f_average.obj.gz");
-    let folder = root.join("_unassigned").join(format!("{AT}_{}", &sha256(&scan)[..8]));
-    fs::create_dir_all(&folder).unwrap();
-    let mut sums = String::new();
-    for (name, bytes) in [("record.json", record), ("scan.obj", scan)] {
-        sums += &sums::line(&sums::scan_id(&bytes), name);
-        fs::write(folder.join(name), bytes).unwrap();
-    }
-    fs::write(folder.join("SHA256SUMS"), sums).unwrap();
-}
-
-#[test]
-fn what_the_plane_of_the_tape_changed_in_an_older_record_stands_apart_from_the_method() {
-    let dir = tempfile::tempdir().unwrap();
-    store_schema_1(dir.path());
-    let [line] = &told(dir.path(), &["--dry-run"])[..] else { panic!("one record") };
-    let changes = |level: &str| -> Vec<[f64; 2]> {
-        let levels = line["levels"].as_array().unwrap().iter();
-        let of_level = levels.filter(|of| of["level"] == level).map(|of| {
-            let girth = |which: &str| of["girth_mm"][which].as_f64().unwrap();
-            let plane = of["girth_by_definition_mm"].as_f64().unwrap();
-            [plane, girth("new") - girth("old") - plane]
-        });
-        of_level.collect()
-    };
-    // One axis for the whole leg leans away from the shank: B was read too large, and D too small.
-    for (level, plane_mm) in [("B", -3.0..-1.0), ("C", -0.5..0.5), ("D", 2.0..8.0)] {
-        let changes = changes(level);
-        assert_eq!(changes.len(), 2, "{level}");
-        for [plane, method] in changes {
-            assert!(plane_mm.contains(&plane), "{level}: {plane} by the plane");
-            assert!(method.abs() < 0.5, "{level}: {method} by the method");
-        }
-    }
-    let said = stdout(&reextract(dir.path(), &[]));
-    let rows = said.split("another plane of the tape, or the method\n").nth(1).expect(&said);
-    let row = rows.lines().nth(1).unwrap();
-    let [plane, method] = [0, 1].map(|part| {
-        let changes = changes("B");
-        changes.iter().map(|parts| parts[part]).sum::<f64>() / 2.0
-    });
-    let figures = [format!("{plane:+.2}"), format!("{method:+.2}")];
-    let expected = ["B", "2", &figures[0], &figures[1]];
-    assert_eq!(row.split_whitespace().collect::<Vec<_>>(), expected, "{said}");
-    // What was measured anew means the same as before.
-    assert_eq!(stdout(&reextract(dir.path(), &[])), "1 record: 1 unchanged\n");
-}
-
-#[test]
-fn a_record_in_other_planes_of_the_tape_than_asked_for_now_is_told_apart_as_well() {
-    let dir = tempfile::tempdir().unwrap();
-    let horizontal = Method { tape: Tape::Horizontal, ..Method::default() };
-    for (n, method) in [(1, horizontal), (2, paper())] {
-        store(dir.path(), "4711", AT, &coarse_body(n), &method);
-    }
-    for line in told(dir.path(), &["--dry-run"]) {
-        let is_other = line["scan"] == sha256(&coarse_body(1))[..8];
-        for level in line["levels"].as_array().unwrap() {
-            assert_eq!(level["girth_by_definition_mm"].is_number(), is_other, "{level}");
-        }
-    }
-}
-
 #[test]
 fn a_configuration_is_obeyed_and_without_one_what_was_asked_for_stays() {
     let booth = Booth::new();
@@ -244,7 +170,7 @@ fn what_an_older_gaiter_did_not_write_is_completed_only_where_that_is_asked_for(
     let before = fs::read(&path).unwrap();
     let mut older = record(&old);
     for leg in older["legs"].as_array_mut().unwrap() {
-        leg.as_object_mut().unwrap().remove("shape").unwrap();
+        leg.as_object_mut().unwrap().remove("axes").unwrap();
     }
     let after = serde_json::to_vec(&older).unwrap();
     fs::write(&path, &after).unwrap();

@@ -77,7 +77,7 @@ fn what_is_no_record_is_refused_with_the_code_of_its_kind() {
     let path = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
     fs::write(path("text.json"), "no record").unwrap();
     let mut later = RECORD.clone();
-    later.schema = "gaiter.leg-record/3".to_owned();
+    later.schema = "gaiter.leg-record/2".to_owned();
     fs::write(path("later.json"), serde_json::to_vec(&later).unwrap()).unwrap();
     for (name, exit) in [("text.json", 65), ("later.json", 65), ("missing.json", 66)] {
         let said = gaiter(&["report", &path(name), "--out", &path("out")]);

@@ -120,7 +120,7 @@ fn the_json_record_is_one_line_with_every_key_of_the_contract() {
     let top = [("schema", Text), ("revision", Number), ("station", Null), ("patient", Null)];
     assert_keys(&record, "record", &top);
     assert_keys(&record, "record", &[("acquired", Null)]);
-    assert_eq!(record["schema"], "gaiter.leg-record/2");
+    assert_eq!(record["schema"], "gaiter.leg-record/1");
     assert_eq!(record["made_by"]["gaiter"], env!("CARGO_PKG_VERSION"));
     assert!(record["made_by"]["method"].is_object());
     let scan = &record["scan"];

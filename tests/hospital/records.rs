@@ -11,6 +11,7 @@ use gaiter_cad::Output;
 use gaiter_flow::ScanId;
 use gaiter_leg::{Format, Method, Side};
 use gaiter_record::measure::amendment::{Amendment, Deed};
+use gaiter_record::shape::ShapeFigures;
 use gaiter_record::{
     Acquired, AcquiredFrom, Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile,
     Source, SourceKind, record_files, sha256,
@@ -47,7 +48,7 @@ pub static SMALL: LazyLock<Scan> = LazyLock::new(|| {
         leg.features.clear();
         leg.profile.clear();
         leg.along.clear();
-        leg.shape = None;
+        leg.shape = ShapeFigures::default();
     }
     SCANS[1].with(record, &["record.json"])
 });

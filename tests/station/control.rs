@@ -228,8 +228,8 @@ fn a_scan_is_named_by_digits_that_are_its_own() {
     let journal = rusqlite::Connection::open(booth.path("state/journal.db")).unwrap();
     for last in ["1", "2"] {
         let scan = format!("c0ffee{last:0>58}");
-        let insert = "INSERT INTO scans (sha256, format, size, first_seen, state)
-                      VALUES (?1, 'obj', 1, '2026-11-21T09:15:00Z', 'delivered')";
+        let insert = "INSERT INTO scans (sha256, format, size, first_seen, state, seal)
+                      VALUES (?1, 'obj', 1, '2026-11-21T09:15:00Z', 'delivered', '')";
         journal.execute(insert, [scan]).unwrap();
     }
     let output = gaiter(&booth, &["show", "c0ffee"]);

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs::{self, File, FileTimes, Permissions};
-use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
@@ -285,27 +285,4 @@ fn what_a_crash_left_under_a_hidden_name_is_heard_unless_it_was() {
     for id in ["4711", "4712", "4713", "4714"] {
         assert_eq!(named(&booth, id), 1, "{id}");
     }
-}
-
-#[test]
-fn an_order_that_an_older_gaiter_has_heard_is_not_heard_again() {
-    let booth = practice("keep");
-    let kept = put(&booth, "a.gdt", &order("4711"));
-    let daemon = start(&booth, "4711");
-    booth.wait_for_journal(KNOWN, 1);
-    stop(daemon);
-    let at = kept.symlink_metadata().unwrap();
-    let ns = |seconds: i64, part: i64| i128::from(seconds) * 1_000_000_000 + i128::from(part);
-    let (mtime, ctime) = (ns(at.mtime(), at.mtime_nsec()), ns(at.ctime(), at.ctime_nsec()));
-    let stamp = format!("{}:{}:{}:{mtime}:{ctime}", at.dev(), at.ino(), at.size());
-    let moved = "INSERT INTO sightings (path, stamp) SELECT path, ?1 FROM orders";
-    let journal = journal(&booth);
-    assert_eq!(journal.execute(moved, [stamp]).unwrap(), 1);
-    journal.execute("DELETE FROM orders", []).unwrap();
-    drop(journal);
-    let daemon = booth.start();
-    wait_for_another(&booth, "1");
-    assert_eq!(named(&booth, "4711"), 1);
-    assert_eq!(booth.journal("SELECT count(*) FROM sightings"), Some(0));
-    stop(daemon);
 }

@@ -55,10 +55,6 @@ pub struct LevelChange {
     pub girth_mm: Change,
     /// Height above the floor, mm.
     pub height_mm: Change,
-    /// How much of the girth's change comes from what the girth means, mm: another plane of the tape. The
-    /// rest comes from the method. Null if the meaning is the same, or if today's method does not find the
-    /// level in the earlier plane.
-    pub girth_by_definition_mm: Option<f64>,
 }
 
 /// A figure that is in both records.
@@ -129,20 +125,7 @@ fn level(place: &Place, old: &Record, new: &Record) -> Option<LevelChange> {
         place: place.clone(),
         girth_mm: Change { old: old.girth_tape_mm, new: new.girth_tape_mm },
         height_mm: Change { old: old.height_mm, new: new.height_mm },
-        girth_by_definition_mm: None,
     })
-}
-
-impl Changes {
-    /// Tells what a change of definition does from what the method does. `bridge` is made by the later
-    /// method with the earlier definition.
-    pub fn split_by_definition(&mut self, bridge: &Record) {
-        for change in &mut self.levels {
-            let leg = bridge.legs.iter().find(|leg| leg.side == change.place.leg);
-            let at = leg.and_then(|leg| leg.landmarks.get(&change.place.level));
-            change.girth_by_definition_mm = at.map(|at| mm(change.girth_mm.new - at.girth_tape_mm));
-        }
-    }
 }
 
 /// Whether two findings have the same meaning and place. Their figures may differ.
@@ -251,11 +234,12 @@ mod tests {
         let note = |leg: &&str| json!({"code": "gap", "severity": "warning", "leg": leg, "level": "C", "message": ""});
         let findings: Vec<Value> = doubts.iter().map(note).collect();
         let record = json!({
-            "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
+            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
             "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
             "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
                      "points": 0, "triangles": 0},
-            "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+            "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
+                     "facing_deg": 0.0,
                      "facing_from": "feet", "from_export": vec![0.0; 16]},
             "legs": [], "differences": null, "findings": findings,
         });

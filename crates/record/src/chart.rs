@@ -32,9 +32,7 @@ pub struct VolumeFigures {
     pub b_to_d_sd_ml: Option<f64>,
     /// Slices of 4 cm along the axis from the floor up.
     pub slices: Vec<SliceFigures>,
-    /// The volume as clinics compute it from girths every 4 cm along the leg; null if there are none, and in
-    /// records of older versions.
-    #[serde(default)]
+    /// The volume as clinics compute it from girths every 4 cm along the leg; null if there are none.
     pub by_tape: Option<TapeVolumeFigures>,
 }
 

@@ -115,16 +115,14 @@ impl Checked<'_> {
         }
         self.girth_curve(leg)?;
         for section in &leg.sections {
-            if let Some(outline) = &section.outline {
-                self.outline(&format!("outline of {}", section.level), outline)?;
-            }
+            self.outline(&format!("outline of {}", section.level), &section.outline)?;
         }
         for feature in &leg.features {
             let place = format!("{} of {}", feature.label, feature.level);
             self.all(&place, [feature.angle_deg], ANGLES_DEG)?;
             self.all(&place, [feature.curvature_per_mm], CURVATURES_PER_MM)?;
         }
-        leg.shape.as_ref().map_or(Ok(()), |shape| self.shape(shape))
+        self.shape(&leg.shape)
     }
 
     fn level(
@@ -147,12 +145,9 @@ impl Checked<'_> {
             ("girth_curve.along_axis_mm", curve.along_axis_mm.len()),
             ("girth_curve.tape_mm", curve.tape_mm.len()),
             ("girth_curve.contour_mm", curve.contour_mm.len()),
+            ("girth_curve.slope", curve.slope.len()),
         ] {
             self.count(place, found, needed)?;
-        }
-        // Records of older versions have no slopes.
-        if !curve.slope.is_empty() {
-            self.count("girth_curve.slope", curve.slope.len(), needed)?;
         }
         self.all("girth_curve.height_mm", curve.height_mm.iter().flatten().copied(), HEIGHTS_MM)?;
         self.all("girth_curve.tape_mm", curve.tape_mm.iter().flatten().copied(), LENGTHS_MM)?;

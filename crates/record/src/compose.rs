@@ -46,8 +46,8 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             stature_mm: body.stature_mm.map(mm),
             crotch_height_mm: crotch.is_seen().then(|| mm(crotch.height_mm)),
             crotch_sd_mm: crotch.is_seen().then(|| mm(crotch.sd_mm.hypot(body.floor_sd_mm))),
-            crotch_from: Some(crotch.from.word().to_owned()),
-            floor_sd_mm: Some(mm(body.floor_sd_mm)),
+            crotch_from: crotch.from.word().to_owned(),
+            floor_sd_mm: judged(body.floor_sd_mm),
             facing_deg: degrees(body.facing_deg),
             facing_from: match body.facing_from {
                 FacingFrom::Feet => "feet".to_owned(),
@@ -112,7 +112,7 @@ fn leg(report: &LegReport, method: &Method) -> LegFigures {
     LegFigures {
         side: report.side.word().to_owned(),
         tilt_deg: degrees(report.axis.tilt_deg()),
-        axis: Some(shape::axis(&report.axis)),
+        axis: shape::axis(&report.axis),
         axes: (method.tape == Tape::Shank).then(|| shape::axes(&report.axis)),
         landmarks: landmarks.map(|l| (l.level.name().to_owned(), landmark(report, l))).collect(),
         estimates: estimates(report),
@@ -128,7 +128,7 @@ fn leg(report: &LegReport, method: &Method) -> LegFigures {
         at: report.at.iter().map(|at| chart::at(at, &report.lengths)).collect(),
         profile: report.profile.iter().map(|at| chart::at(at, &report.lengths)).collect(),
         along: report.along.iter().map(chart::along).collect(),
-        shape: Some(shape::shape(report)),
+        shape: shape::shape(report),
     }
 }
 
@@ -137,7 +137,7 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
     let centre = own.map(|at| report.axis.at(at.section.along_mm, &at.section.centre));
     LandmarkFigures {
         by: Statement::from(&landmark.by).in_english(),
-        rule: Some(Statement::from(&landmark.by)),
+        rule: Statement::from(&landmark.by),
         height_mm: mm(landmark.height_mm),
         along_axis_mm: mm(report.lengths.at(landmark.along_mm)),
         centre_mm: centre.map(|centre| centre.coords.map(mm).into()),
@@ -155,7 +155,7 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
 fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
     let figures = |estimate: &Estimate| EstimateFigures {
         by: Statement::from(&estimate.by).in_english(),
-        rule: Some(Statement::from(&estimate.by)),
+        rule: Statement::from(&estimate.by),
         height_mm: mm(estimate.height_mm),
         along_axis_mm: mm(report.lengths.at(estimate.along_mm)),
         girth_tape_mm: mm(estimate.girth_tape_mm),
@@ -206,7 +206,7 @@ fn section(axis: &LegAxis, at: &LevelSection) -> SectionFigures {
         r2: share(at.section.r2),
         rms_mm: mm(at.section.rms_mm),
         largest_gap_deg: degrees(at.section.largest_gap_deg),
-        outline: Some(shape::outline(axis, at)),
+        outline: shape::outline(axis, at),
     }
 }
 

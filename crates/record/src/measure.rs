@@ -180,7 +180,7 @@ impl Measure<'_> {
     fn found(level: Level, of: &LandmarkFigures) -> Measure<'_> {
         Measure {
             girth: Length::scanned(of.girth_tape_mm, of.girth_sd_mm),
-            girth_of_level_sd_mm: of.girth_of_level_sd_mm.or(of.girth_sd_mm),
+            girth_of_level_sd_mm: of.girth_of_level_sd_mm,
             height: height(level, of.height_mm, of.height_sd_mm),
             is_estimate: false,
             doubts: of.doubts.iter().map(String::as_str).collect(),
@@ -192,7 +192,7 @@ impl Measure<'_> {
     fn estimated(level: Level, of: &EstimateFigures) -> Measure<'_> {
         Measure {
             girth: Length::scanned(of.girth_tape_mm, of.girth_sd_mm),
-            girth_of_level_sd_mm: of.girth_of_level_sd_mm.or(of.girth_sd_mm),
+            girth_of_level_sd_mm: of.girth_of_level_sd_mm,
             height: height(level, of.height_mm, of.height_sd_mm),
             is_estimate: true,
             doubts: of.doubts.iter().map(String::as_str).collect(),

@@ -23,12 +23,10 @@ pub struct Provenance {
     /// SHA-256 of the scan's bytes, lower-case hexadecimal.
     pub sha256: String,
     /// The last check with a phantom before the scan; `None` if there was none.
-    #[serde(default)]
     pub phantom_check: Option<LastCheck>,
     /// [`FIRST_REVISION`], or more if the scan is measured again.
     pub revision: u32,
     /// Measures that people set, oldest first; empty for a scan that is measured for the first time.
-    #[serde(default)]
     pub amendments: Vec<Amendment>,
 }
 
@@ -63,7 +61,7 @@ pub struct Patient {
 pub struct Source {
     /// The kind of source.
     pub kind: SourceKind,
-    /// How reliable it is; missing in older records.
+    /// How reliable it is; missing for a record that was found in its store.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<Confidence>,
 }

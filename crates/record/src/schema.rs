@@ -1,4 +1,4 @@
-//! The written form of the record: `record.json`, schema `gaiter.leg-record/2`.
+//! The written form of the record: `record.json`, schema `gaiter.leg-record/1`.
 //!
 //! Millimetres and degrees, in the body frame. Units are in the names. Fields may be added; the meaning
 //! of a field never changes without a new schema number.
@@ -22,10 +22,7 @@ use gaiter_leg::Side;
 use gaiter_leg::finding::Severity;
 
 /// Name and number of this schema.
-pub const SCHEMA: &str = "gaiter.leg-record/2";
-
-/// The schema before: its girths are square to one axis of the whole leg. Such records are still read.
-pub const OLDER_SCHEMA: &str = "gaiter.leg-record/1";
+pub const SCHEMA: &str = "gaiter.leg-record/1";
 
 /// The result for one scan and patient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,7 +42,6 @@ pub struct Record {
     /// Program and method.
     pub made_by: MadeBy,
     /// The last check of the scanner with a body of known girths; null if there was none.
-    #[serde(default)]
     pub phantom_check: Option<LastCheck>,
     /// The measured file.
     pub scan: ScanFile,
@@ -114,16 +110,12 @@ pub struct BodyFigures {
     pub stature_mm: Option<f64>,
     /// Height of the crotch above the floor; null if it is not in the scan.
     pub crotch_height_mm: Option<f64>,
-    /// Standard error of the crotch's height, that of the floor included; null with it, and in schema 1.
-    #[serde(default)]
+    /// Standard error of the crotch's height, that of the floor included; null with it.
     pub crotch_sd_mm: Option<f64>,
-    /// What shows the crotch, and so what G is measured from; null in schema 1.
-    #[serde(default)]
-    #[cfg_attr(test, schemars(extend("enum" = ["saddle", "border", "grown-together", "thighs", "notch", "one-leg", "proportion", null])))]
-    pub crotch_from: Option<String>,
-    /// Standard error of the floor's height, from which all heights are counted; null in records of older
-    /// versions.
-    #[serde(default)]
+    /// What shows the crotch, and so what G is measured from.
+    #[cfg_attr(test, schemars(extend("enum" = ["saddle", "border", "grown-together", "thighs", "notch", "one-leg", "proportion"])))]
+    pub crotch_from: String,
+    /// Standard error of the floor's height, from which all heights are counted; null if unknown.
     pub floor_sd_mm: Option<f64>,
     /// Direction of the toes in the export.
     pub facing_deg: f64,
@@ -141,22 +133,17 @@ pub struct LegFigures {
     /// The patient's `left` or `right`.
     #[cfg_attr(test, schemars(extend("enum" = ["left", "right"])))]
     pub side: String,
-    /// Angle between the axis of the shank and the vertical; in schema 1, of the whole leg.
+    /// Angle between the axis of the shank and the vertical.
     pub tilt_deg: f64,
-    /// The axis of the shank with the frame of its sections; in schema 1, of the whole leg. Null in
-    /// records of older versions.
-    #[serde(default)]
-    pub axis: Option<AxisFigures>,
-    /// The axes of shank and thigh; null in schema 1, and with another `tape` than `shank`.
-    #[serde(default)]
+    /// The axis of the shank with the frame of its sections.
+    pub axis: AxisFigures,
+    /// The axes of shank and thigh; null with another `tape` than `shank`.
     pub axes: Option<AxesFigures>,
     /// Levels found, by name; an absent level has no key.
     pub landmarks: BTreeMap<String, LandmarkFigures>,
     /// Levels estimated by a proportion only, by name. They are not landmarks.
-    #[serde(default)]
     pub estimates: BTreeMap<String, EstimateFigures>,
     /// The foot; null if it is not seen from heel to toes.
-    #[serde(default)]
     pub foot: Option<FootFigures>,
     /// Girth over height.
     pub girth_curve: GirthColumns,
@@ -167,22 +154,16 @@ pub struct LegFigures {
     /// The surface; null if there is none.
     pub surface: Option<SurfaceFigures>,
     /// Volumes.
-    #[serde(default)]
     pub volume: VolumeFigures,
     /// Girths at the requested heights.
-    #[serde(default)]
     pub at: Vec<AtFigures>,
-    /// Girths every 4 cm above the floor, lowest first, for comparing legs and scans at the same heights; empty
-    /// in records of older versions.
-    #[serde(default)]
+    /// Girths every 4 cm above the floor, lowest first, for comparing legs and scans at the same heights.
     pub profile: Vec<AtFigures>,
     /// Girths every 4 cm along the axis from the floor, lowest first, for comparing scans of different days:
-    /// these places do not depend on how the leg was held. Empty in records of older versions.
-    #[serde(default)]
+    /// these places do not depend on how the leg was held.
     pub along: Vec<AlongFigures>,
-    /// The shape from which pictures are drawn; null in records of older versions.
-    #[serde(default)]
-    pub shape: Option<ShapeFigures>,
+    /// The shape from which pictures are drawn.
+    pub shape: ShapeFigures,
 }
 
 /// Figures of one level.
@@ -190,20 +171,16 @@ pub struct LegFigures {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LandmarkFigures {
     /// The rule by which it was found, in English.
-    #[serde(default)]
     pub by: String,
-    /// The rule as data; missing in older records.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rule: Option<Statement>,
+    /// The rule as data.
+    pub rule: Statement,
     /// Vertical height of the section's centre above the floor.
     pub height_mm: f64,
     /// Distance along the leg's axis from the floor.
     pub along_axis_mm: f64,
-    /// The section's centre, body frame; null in schema 1 and on the foot.
-    #[serde(default)]
+    /// The section's centre, body frame; null on the foot.
     pub centre_mm: Option<[f64; 3]>,
     /// Length from the floor along the skin of the leg's medial side; null on the foot.
-    #[serde(default)]
     pub surface_length_mm: Option<f64>,
     /// Circumference of the convex hull, as a tape reads it.
     pub girth_tape_mm: f64,
@@ -211,14 +188,11 @@ pub struct LandmarkFigures {
     pub girth_contour_mm: f64,
     /// Standard error of the height; null if unknown.
     pub height_sd_mm: Option<f64>,
-    /// Standard error of the tape girth at this height; null if unknown. In older records that of the level.
+    /// Standard error of the tape girth at this height; null if unknown.
     pub girth_sd_mm: Option<f64>,
-    /// Standard error of the tape girth as that of the level: with what the uncertain height adds; null if unknown,
-    /// missing in older records.
-    #[serde(default)]
+    /// Standard error of the tape girth as that of the level: with what the uncertain height adds; null if unknown.
     pub girth_of_level_sd_mm: Option<f64>,
     /// How much the tape girth changes at most per degree by which the tape is tilted; null if unknown.
-    #[serde(default)]
     pub girth_per_deg_mm: Option<f64>,
     /// Codes of doubts.
     pub doubts: Vec<String>,
@@ -230,9 +204,8 @@ pub struct LandmarkFigures {
 pub struct EstimateFigures {
     /// The proportion by which it was estimated, in English.
     pub by: String,
-    /// The proportion as data; missing in older records.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rule: Option<Statement>,
+    /// The proportion as data.
+    pub rule: Statement,
     /// Vertical height of the section's centre above the floor.
     pub height_mm: f64,
     /// Distance along the leg's axis from the floor.
@@ -241,11 +214,9 @@ pub struct EstimateFigures {
     pub girth_tape_mm: f64,
     /// Standard error of the height, from the variation between people; null if unknown.
     pub height_sd_mm: Option<f64>,
-    /// Standard error of the girth at this height; null if unknown. In older records that of the level.
+    /// Standard error of the girth at this height; null if unknown.
     pub girth_sd_mm: Option<f64>,
-    /// Standard error of the girth as that of the level: with what the uncertain height adds; null if unknown, missing
-    /// in older records.
-    #[serde(default)]
+    /// Standard error of the girth as that of the level: with what the uncertain height adds; null if unknown.
     pub girth_of_level_sd_mm: Option<f64>,
     /// Codes of doubts.
     pub doubts: Vec<String>,
@@ -273,9 +244,7 @@ pub struct GirthColumns {
     pub tape_mm: Vec<Option<f64>>,
     /// Contour girths.
     pub contour_mm: Vec<Option<f64>>,
-    /// Growth of the continuous curve's tape girth per length along the axis, mm per mm; empty in
-    /// records of older versions.
-    #[serde(default)]
+    /// Growth of the continuous curve's tape girth per length along the axis, mm per mm.
     pub slope: Vec<Option<f64>>,
     /// Coefficient of determination of the continuous curve.
     pub r2: f64,
@@ -297,9 +266,8 @@ pub struct SectionFigures {
     pub rms_mm: f64,
     /// Widest gap in its points.
     pub largest_gap_deg: f64,
-    /// Its course; null in records of older versions.
-    #[serde(default)]
-    pub outline: Option<OutlineFigures>,
+    /// Its course.
+    pub outline: OutlineFigures,
 }
 
 /// One feature point.
@@ -340,7 +308,7 @@ pub struct FindingNote {
     pub level: Option<String>,
     /// The finding in English, with figures.
     pub message: String,
-    /// The finding as data; missing in older records and for findings with an English text only.
+    /// The finding as data; missing for findings with an English text only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub says: Option<Statement>,
 }

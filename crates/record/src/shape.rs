@@ -70,12 +70,10 @@ pub struct LineFigures {
 pub struct OutlineFigures {
     /// The section's centre, body frame.
     pub centre_mm: [f64; 3],
-    /// Unit vector in its plane to the front; null in schema 1, where it is that of the axis.
-    #[serde(default)]
-    pub front: Option<[f64; 3]>,
-    /// Unit vector in its plane to the lateral side; null like `front`.
-    #[serde(default)]
-    pub lateral: Option<[f64; 3]>,
+    /// Unit vector in its plane to the front.
+    pub front: [f64; 3],
+    /// Unit vector in its plane to the lateral side.
+    pub lateral: [f64; 3],
     /// The fitted radius at −180°, −177°, … 177°.
     pub radius_mm: Vec<f64>,
     /// The curvature by which feature points are found, at the same angles, positive where convex.
@@ -87,14 +85,12 @@ pub struct OutlineFigures {
 }
 
 /// A leg's shape in the body frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ShapeFigures {
     /// The measured skin.
     pub skin: GridFigures,
-    /// The skin of the foot, below the lowest row; null if the scan has no triangles there. Older records
-    /// lack it.
-    #[serde(default)]
+    /// The skin of the foot, below the lowest row; null if the scan has no triangles there.
     pub foot: Option<MeshFigures>,
     /// The surface with its error; null if there is none.
     pub surface: Option<SurfaceGridFigures>,
@@ -103,7 +99,7 @@ pub struct ShapeFigures {
 }
 
 /// Points in rows from the bottom up, at equal angles around the leg, −180° first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct GridFigures {
     /// Number of rows.
@@ -139,7 +135,7 @@ pub struct MeshFigures {
 }
 
 /// Points in no particular order.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CloudFigures {
     /// x, y, z of each in 0.1 mm.
@@ -262,8 +258,8 @@ pub(super) fn outline(leg: &LegAxis, at: &LevelSection) -> OutlineFigures {
     let plane = leg.plane(section.along_mm);
     OutlineFigures {
         centre_mm: plane.point(&section.centre).coords.map(mm).into(),
-        front: Some(direction(&plane.front)),
-        lateral: Some(direction(&plane.lateral)),
+        front: direction(&plane.front),
+        lateral: direction(&plane.lateral),
         radius_mm: radii(section, OUTLINE_ANGLES).into_iter().map(mm).collect(),
         curvature_per_mm: curvatures(section, OUTLINE_ANGLES).into_iter().map(per_mm).collect(),
         scan_angle_deg: at.scan.iter().map(|point| degrees(point.angle_deg)).collect(),

@@ -390,9 +390,6 @@ impl From<&LegsDiffer> for Statement {
     }
 }
 
-/// Rules that only older records hold. Their texts stay.
-pub const OLDER_RULES: [&str; 1] = ["crotch-share"];
-
 impl From<&By> for Statement {
     fn from(by: &By) -> Statement {
         match *by {

@@ -20,7 +20,6 @@ pub struct SurfaceFigures {
     /// Degree along and around the leg.
     pub degree: [usize; 2],
     /// Where the knots lie along and around: `adaptive`, `widened`, `uniform-instead`, …
-    #[serde(default)]
     pub knots: Vec<String>,
     /// Height of the lower end's centre.
     pub from_height_mm: f64,
@@ -29,15 +28,12 @@ pub struct SurfaceFigures {
     /// Distances of the measured sections, without holes.
     pub to_sections: ErrorFigures,
     /// Distances of the sections in holes, where both only bridge the hole; null without holes.
-    #[serde(default)]
     pub in_holes: Option<ErrorFigures>,
     /// Distances of the scan's own points.
     pub to_points: ErrorFigures,
     /// The surface's girth at the levels it covers, by name.
-    #[serde(default)]
     pub girths: BTreeMap<String, SurfaceGirth>,
     /// The holes it bridges, largest first.
-    #[serde(default)]
     pub holes: Vec<HoleFigures>,
 }
 
@@ -50,7 +46,6 @@ pub struct ErrorFigures {
     /// Root mean square.
     pub rms_mm: f64,
     /// 95 % of the area lies within this distance.
-    #[serde(default)]
     pub p95_mm: f64,
     /// The largest distance.
     pub max_mm: f64,

@@ -124,8 +124,8 @@ pub enum CourseFault {
     },
     /// A record has no girths at fixed places.
     #[error(
-        "record {at} has no girths at fixed places along the leg: it was made by an older version; measure \
-         its scan again with gaiter reextract"
+        "record {at} has no girths at fixed places along the leg: measure its scan again with gaiter \
+         reextract"
     )]
     NoPlaces {
         /// Counted from 1.

@@ -34,9 +34,8 @@ impl Overlay {
             };
             let Some(before) = earlier.leg(side) else { return false };
             let Some(registration) = Registration::of(later, before, leg) else { return false };
-            let Some(shape) = leg.shape.as_mut() else { return false };
-            let surface_before = before.shape.as_ref().and_then(|shape| shape.surface.as_ref());
-            let (Some(surface), Some(surface_before)) = (shape.surface.as_mut(), surface_before)
+            let (Some(surface), Some(surface_before)) =
+                (&mut leg.shape.surface, &before.shape.surface)
             else {
                 return false;
             };
@@ -49,7 +48,7 @@ impl Overlay {
                 .collect();
             all.extend(distances.iter().flatten().map(|mm| mm.abs()));
             surface.error = Packed::errors(&distances);
-            shape.scan = CloudFigures { points: Packed::points(laid.points().map(Some)) };
+            leg.shape.scan = CloudFigures { points: Packed::points(laid.points().map(Some)) };
             *error_mm.get_mut(side) = Some(registration.error_mm);
             true
         });

@@ -60,12 +60,12 @@ struct Ring {
 }
 
 impl Registration {
-    /// Lays the earlier leg over the later one. `None` if one of them has no axis or too little of the shank.
+    /// Lays the earlier leg over the later one. `None` if one of them has too little of the shank.
     pub fn of(record: &Record, earlier: &LegFigures, later: &LegFigures) -> Option<Registration> {
-        let (from, to) = (earlier.axis.as_ref()?, later.axis.as_ref()?);
+        let (from, to) = (&earlier.axis, &later.axis);
         let knee_mm = record.body.stature_mm.map_or(KNEE_UNKNOWN_MM, |mm| KNEE_SHARE * mm);
-        let skin = Rings::of_skin(&earlier.shape.as_ref()?.skin);
-        let target = Rings::of_skin(&later.shape.as_ref()?.skin);
+        let skin = Rings::of_skin(&earlier.shape.skin);
+        let target = Rings::of_skin(&later.shape.skin);
         let shank = SHANK_MM[0]..knee_mm - SHANK_MM[1];
         let shank: Vec<&Ring> =
             skin.rings.iter().filter(|ring| shank.contains(&ring.height_mm)).collect();

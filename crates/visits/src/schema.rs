@@ -57,7 +57,7 @@ pub struct VisitFigures {
     pub acquired: Option<Acquired>,
     /// The station; null for a bare `extract`.
     pub station: Option<String>,
-    /// How the patient held the legs; null in older records.
+    /// How the patient held the legs; null if the record does not say.
     pub posture: Option<String>,
     /// Mean error of the last phantom check before; null if there was none.
     pub phantom_bias_mm: Option<f64>,

@@ -52,9 +52,9 @@ pub struct StanceChange {
 }
 
 impl Stance {
-    /// The stance of a record's leg; `None` in records without the directions of its axes.
+    /// The stance of a record's leg; `None` if its sections are not square to shank and thigh.
     pub fn of(body: &BodyFigures, leg: &LegFigures) -> Option<Stance> {
-        let (axis, axes) = (leg.axis.as_ref()?, leg.axes.as_ref()?);
+        let (axis, axes) = (&leg.axis, leg.axes.as_ref()?);
         let shank = axes.shank.direction;
         let bend_deg = axes.thigh.as_ref().map(|thigh| {
             let to = |towards: [f64; 3]| dot(thigh.direction, towards);

@@ -38,7 +38,7 @@ pub struct Visit {
     pub station: Option<String>,
     /// What its figures mean.
     pub definition: Definition,
-    /// How the patient held the legs; `None` in records of older versions.
+    /// How the patient held the legs; `None` if the record does not say.
     pub posture: Option<String>,
     /// The phantom's mean error at the last check before, mm; `None` if there was none.
     pub phantom_mm: Option<f64>,

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::FileSystem;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::confinement::Confine;
-use gaiter_flow::export::mount::{Expected, MountGuard};
+use gaiter_flow::export::mount::MountGuard;
 
 use super::names;
 use super::row::{Row, Verdict};
@@ -60,12 +60,10 @@ fn readable(folder: &Path) -> io::Result<String> {
 /// Checks whether the station would trust what it sees in an export folder. If the folder cannot be
 /// read, the previous check reports that.
 fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
-    if config.expected == Expected::default() && config.mount_point.is_none() {
-        return None;
-    }
+    config.marker.as_ref()?;
     let seen = file_system::mount(folder, config).ok()?;
     let check = "export mounted";
-    Some(match MountGuard::new(config.expected.clone()).judge(seen) {
+    Some(match MountGuard::default().judge(seen) {
         Ok(()) => Row::ok(check, folder, format!("as configured, on {}", seen.file_system)),
         Err(why) => {
             let why = Cause::from(&why);

@@ -148,6 +148,8 @@ fn totals(rows: &[Row]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use gaiter_record::chart::VolumeFigures;
+    use gaiter_record::shape::ShapeFigures;
     use serde_json::json;
 
     use super::*;
@@ -164,20 +166,25 @@ mod tests {
         let leg = |side: &str, girth_mm: f64| {
             json!({
                 "side": side, "tilt_deg": 1.0,
-                "landmarks": {"C": {"by": "x", "height_mm": 300.0, "along_axis_mm": 301.0,
+                "axis": {"foot_mm": vec![0.0; 3], "direction": vec![0.0; 3],
+                    "front": vec![0.0; 3], "lateral": vec![0.0; 3]},
+                "landmarks": {"C": {"by": "x", "rule": {"is": "turning-point"}, "height_mm": 300.0, "along_axis_mm": 301.0,
                     "girth_tape_mm": girth_mm, "girth_contour_mm": 381.0, "height_sd_mm": null,
                     "girth_sd_mm": null, "doubts": []}},
+                "estimates": {},
                 "girth_curve": {"height_mm": [], "along_axis_mm": [], "tape_mm": [],
-                    "contour_mm": [], "r2": 1.0, "rms_mm": 0.0},
-                "sections": [], "features": [], "surface": null,
+                    "contour_mm": [], "slope": [], "r2": 1.0, "rms_mm": 0.0},
+                "sections": [], "features": [], "surface": null, "volume": VolumeFigures::default(),
+                "at": [], "profile": [], "along": [], "shape": ShapeFigures::default(),
             })
         };
         let record = json!({
-            "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
+            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
             "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
             "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
                      "points": 0, "triangles": 0},
-            "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+            "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
+                     "facing_deg": 0.0,
                      "facing_from": "feet", "from_export": vec![0.0; 16]},
             "legs": [leg("left", 412.0), leg("right", 380.0)], "differences": null,
             "findings": [],

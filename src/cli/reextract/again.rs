@@ -2,17 +2,14 @@
 
 use std::io;
 
-use gaiter_leg::method::{AxisFit, Tape};
-use gaiter_leg::{Method, Refusal, extract as measure};
+use gaiter_leg::{Refusal, extract as measure};
 use gaiter_record::change::{Changes, Sameness, changes};
-use gaiter_record::schema::OLDER_SCHEMA;
-use gaiter_record::{self as record, FilesFault, ORD, Provenance, Record, ScanFile};
+use gaiter_record::{self as record, FilesFault, ORD, Provenance, ScanFile};
 use gaiter_scan::Format;
 use serde::Serialize;
 
 use super::choices::Choices;
 use crate::cli::{Exit, ord};
-use crate::config::words::{AXES, TAPES, meaning};
 use crate::store::revision::stored::{Stored, StoredFault};
 use crate::store::revision::{Added, Family};
 
@@ -129,13 +126,7 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
     let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };
     let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
     let (new, files) = made?;
-    let mut changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
-    if let Some(earlier) = earlier_definition(&old, &method) {
-        // What cannot be measured by the earlier definition any more stays one change.
-        if let Ok(bridge) = measure(scan.bytes, format, &earlier) {
-            changes.split_by_definition(&record::record(&bridge, &provenance, &earlier));
-        }
-    }
+    let changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
     let written = match changes.sameness {
         Sameness::Same => false,
         Sameness::Gained => intent.complete,
@@ -151,19 +142,4 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
     };
     let revision = (outcome == Outcome::Revised).then_some(revision);
     Ok(Again { outcome, from_revision: old.revision, revision, changes })
-}
-
-/// The method with girths as the record means them, in its planes of the tape; `None` if both mean the
-/// same, or if the record does not say.
-fn earlier_definition(old: &Record, method: &Method) -> Option<Method> {
-    let said = |key: &str| old.made_by.method.get(key).map(String::as_str);
-    // Records of the first schema name no plane: all were square to one axis of the whole leg.
-    let by_schema = (old.schema == OLDER_SCHEMA).then_some(Tape::Leg(AxisFit::default()).word());
-    let tape = match meaning(TAPES, said("tape").or(by_schema)?)? {
-        Tape::Leg(axis) => {
-            Tape::Leg(said("axis").and_then(|word| meaning(AXES, word)).unwrap_or(axis))
-        }
-        tape => tape,
-    };
-    (tape != method.tape).then(|| Method { tape, ..method.clone() })
 }

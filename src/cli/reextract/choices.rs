@@ -42,8 +42,7 @@ impl Choices {
     }
 }
 
-/// The default method with the options that were requested when the record was made. Records of older
-/// versions do not contain the declared facing. For these it is found from the feet.
+/// The default method with the options that were requested when the record was made.
 fn as_asked(record: &Record) -> Method {
     let mut method = Method::default();
     let said = |key: &str| record.made_by.method.get(key).map(String::as_str);
@@ -81,7 +80,7 @@ mod tests {
     #[test]
     fn what_a_record_was_asked_for_is_asked_again() {
         let record = json!({
-            "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
+            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
             "acquired": null,
             "made_by": {"gaiter": "0.1.0", "method": {
                 "scope": "right leg", "unit": "cm", "up": "z", "facing": "-x",
@@ -90,7 +89,8 @@ mod tests {
             }},
             "scan": {"sha256": "0", "format": "obj", "unit": "cm", "unit_inferred": false,
                      "points": 0, "triangles": 0},
-            "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+            "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
+                     "facing_deg": 0.0,
                      "facing_from": "feet", "from_export": vec![0.0; 16]},
             "legs": [], "differences": null, "findings": [],
         });

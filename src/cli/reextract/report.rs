@@ -60,7 +60,6 @@ pub fn report(told: &[Told], failed: usize, left_out: usize) -> String {
     }
     let _ = writeln!(text, "\n{}", painted(paint::LABEL, "later minus earlier, mm"));
     text += &levels(told);
-    text += &definitions(told);
     text += &worst(changed);
     text += &findings(told);
     text
@@ -130,35 +129,6 @@ fn levels(told: &[Told]) -> String {
         );
     }
     text
-}
-
-/// What of the girths' mean changes comes from their definition, where that has changed; empty otherwise.
-fn definitions(told: &[Told]) -> String {
-    let changes = || told.iter().flat_map(|told| &told.again.changes.levels);
-    let mut text = String::new();
-    for level in Level::ALL.map(Level::name) {
-        let of_level = changes().filter(|change| change.place.level == level);
-        let split: Vec<[f64; 2]> = of_level
-            .filter_map(|change| {
-                let definition_mm = change.girth_by_definition_mm?;
-                Some([definition_mm, change.girth_mm.by() - definition_mm])
-            })
-            .collect();
-        if split.is_empty() {
-            continue;
-        }
-        let mean =
-            |which: usize| split.iter().map(|parts| parts[which]).sum::<f64>() / split.len() as f64;
-        let [definition, method] = [mean(0), mean(1)].map(signed);
-        let _ = writeln!(text, "{level:5}  {:>4}  {definition:>15}  {method:>11}", split.len());
-    }
-    if text.is_empty() {
-        return text;
-    }
-    format!(
-        "\nwhat caused the mean change of the girth: another plane of the tape, or the method\n\
-         level  legs  plane of the tape       method\n{text}"
-    )
 }
 
 /// The mean change, the largest change, and its record.
@@ -248,12 +218,8 @@ mod tests {
 
     fn level(place: Place, girth_by: f64, height_by: f64) -> LevelChange {
         let change = |old: f64, by: f64| Change { old, new: old + by };
-        LevelChange {
-            place,
-            girth_mm: change(200.0, girth_by),
-            height_mm: change(120.0, height_by),
-            girth_by_definition_mm: None,
-        }
+        let (girth_mm, height_mm) = (change(200.0, girth_by), change(120.0, height_by));
+        LevelChange { place, girth_mm, height_mm }
     }
 
     fn told(name: &str, levels: Vec<LevelChange>, came: Vec<Place>, revision: Option<u32>) -> Told {
@@ -286,18 +252,6 @@ deadbeef  1 > 3         0.00                0.00            +left D
 01234567  1 > 2        -0.60 left B         0.00
 ";
         assert!(said.ends_with(rows), "{said}");
-    }
-
-    #[test]
-    fn what_a_definition_changed_stands_apart_from_what_the_method_changed() {
-        let mut own = level(place("left", "B"), -2.5, 0.0);
-        own.girth_by_definition_mm = Some(-2.0);
-        let mut other = level(place("right", "B"), -1.5, 0.0);
-        other.girth_by_definition_mm = Some(-1.8);
-        let told = [told("01234567", vec![own, other], vec![], Some(2))];
-        let said = definitions(&told);
-        assert!(said.ends_with("B         2            -1.90        -0.10\n"), "{said}");
-        assert_eq!(definitions(&[]), "");
     }
 
     #[test]

@@ -60,7 +60,7 @@ pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<Strin
     candidates
 }
 
-/// Why a scan in the spool is held. Older intakes do not record the reason.
+/// Why a scan in the spool is held.
 pub(super) fn held_code(intake: &Intake) -> Option<&'static str> {
     let mut codes = Why::ALL.map(Why::code).into_iter().chain([NO_PRESS, PATIENTS_DIFFER]);
     let found = codes.find(|code| intake.findings.iter().any(|found| found == code));

@@ -48,19 +48,11 @@ pub struct Intake {
     /// Codes of findings the operator should know.
     pub findings: Vec<String>,
     /// The fingerprint of what was read in it; '' if nothing was.
-    #[serde(default)]
     pub geometry: String,
     /// The capture it answers.
-    #[serde(default = "unpressed")]
     pub judged: Judged,
     /// All patients it may belong to, if that is uncertain.
-    #[serde(default)]
     pub candidates: Vec<String>,
-}
-
-/// The default for early intakes, which lack this field.
-fn unpressed() -> Judged {
-    Judged::Unpressed
 }
 
 /// A file that came with a scan.
@@ -78,8 +70,6 @@ pub struct Companion {
 enum Versioned {
     #[serde(rename = "gaiter.intake/1")]
     V1(Intake),
-    #[serde(rename = "gaiter.intake/2")]
-    V2(Intake),
 }
 
 const INTAKE: &str = "intake.json";
@@ -150,7 +140,7 @@ impl Spool {
         for Companion { name_ending, bytes } in companions {
             written.push(write(&file_name(name_ending), bytes)?);
         }
-        let text = serde_json::to_vec_pretty(&Versioned::V2(intake))?;
+        let text = serde_json::to_vec_pretty(&Versioned::V1(intake))?;
         written.push(write(INTAKE, &text)?);
         written.iter().try_for_each(File::sync_all)?;
         durable::sync_folder(staged)?;
@@ -222,14 +212,14 @@ pub(in crate::station) fn entries(folder: &Path) -> io::Result<Vec<ScanId>> {
 /// The intake in a scan's folder.
 pub(in crate::station) fn read_intake(entry: &Path) -> io::Result<Intake> {
     let text = fs::read(entry.join(INTAKE))?;
-    let (Versioned::V1(intake) | Versioned::V2(intake)) = serde_json::from_slice(&text)
+    let Versioned::V1(intake) = serde_json::from_slice(&text)
         .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     Ok(intake)
 }
 
 /// Writes an intake in the place of the one in a scan's folder; durable on return.
 pub(in crate::station) fn replace_intake(entry: &Path, intake: Intake) -> io::Result<()> {
-    durable::replace_file(entry, INTAKE, &serde_json::to_vec_pretty(&Versioned::V2(intake))?)
+    durable::replace_file(entry, INTAKE, &serde_json::to_vec_pretty(&Versioned::V1(intake))?)
 }
 
 fn file_name(format: &str) -> String {
@@ -271,7 +261,7 @@ mod tests {
         assert_eq!(spool.intake(&scan).unwrap(), intake(&scan));
         assert_eq!(fs::read(spool.scan_file(&scan, "obj")).unwrap(), b"abc");
         let text = fs::read_to_string(spool.entry(&scan).join(INTAKE)).unwrap();
-        assert!(text.contains("\"schema\": \"gaiter.intake/2\""), "{text}");
+        assert!(text.contains("\"schema\": \"gaiter.intake/1\""), "{text}");
         spool.remove(&scan).unwrap();
         spool.remove(&scan).unwrap();
         assert!(spool.entries().unwrap().is_empty());

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, cell, history, json_cell};
 use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
-pub(super) use next::{clear as clear_names, names_patient, upgrade};
+pub(super) use next::{clear as clear_names, names_patient};
 
 /// The states of a capture that is over.
 const ANSWERED: &str = state_word(CaptureState::Taken);

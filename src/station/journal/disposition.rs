@@ -36,7 +36,7 @@ pub(super) fn decide_touched(transaction: &Transaction<'_>) -> Result<(), Journa
     Ok(())
 }
 
-/// Decides about all scans: an older gaiter may have decided otherwise, or not at all.
+/// Decides about all scans: another version of gaiter may have decided otherwise.
 pub(super) fn decide_all(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     decide(transaction, "SELECT sha256 FROM scans").map(drop)
 }

@@ -34,7 +34,9 @@ pub enum JournalError {
         wanted: &'static str,
     },
     /// The journal was written by another version of gaiter.
-    #[error("the journal has schema {found}, this gaiter knows {known}")]
+    #[error(
+        "the journal has schema {found}, this gaiter knows {known}: install the version that wrote it"
+    )]
     Schema {
         /// Schema of the file.
         found: i64,

@@ -22,7 +22,7 @@ use super::{Journal, JournalError};
 /// The events of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// The journal was created or converted to another schema.
+    /// The journal was created.
     Schema,
     /// A scan came in, with or without a patient.
     Entered,

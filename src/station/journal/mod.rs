@@ -143,7 +143,7 @@ impl Journal {
     pub fn check(&self) -> Result<(), JournalError> {
         let connection = self.connection();
         integrity::check::pages(&connection)?;
-        schema::check(&connection, schema::KNOWN)?;
+        schema::check(&connection)?;
         integrity::check::rows(&connection)?;
         integrity::check::head(&connection, &self.head)
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::OrderState;
 use gaiter_flow::orders::news::FolderId;
-use rusqlite::{OptionalExtension, Row, Transaction, params};
+use rusqlite::{Row, params};
 
 use super::{Journal, JournalError, cell};
 
@@ -26,29 +26,15 @@ impl Journal {
 
     /// Records that an order is about to be handled or was skipped: it is not handled again.
     pub fn order_heard(&self, path: &Path, state: &OrderState) -> Result<(), JournalError> {
-        self.change(|transaction| heard(transaction, path, state))
-    }
-
-    /// Takes over what an older gaiter knew about an order: whether it has handled this file. The old
-    /// entry is removed, so this works only once.
-    pub fn order_sighted(&self, path: &Path, state: &OrderState) -> Result<bool, JournalError> {
+        let OrderState { size, mtime_ns, digest } = state;
+        let size = i64::try_from(*size).unwrap_or(i64::MAX);
         self.change(|transaction| {
-            let stamp: Option<String> = transaction
-                .query_row("SELECT stamp FROM sightings WHERE path = ?1", [key(path)], |row| {
-                    row.get(0)
-                })
-                .optional()?;
-            let Some(stamp) = stamp else { return Ok(false) };
-            transaction.execute("DELETE FROM sightings WHERE path = ?1", [key(path)])?;
-            // Device, inode, size and the two times; what changes with the file's mode does not count.
-            let mut cells = stamp.split(':').skip(2);
-            let size = cells.next().and_then(|text| text.parse().ok());
-            let mtime_ns = cells.next().and_then(|text| text.parse().ok());
-            let is_heard = (size, mtime_ns) == (Some(state.size), Some(state.mtime_ns));
-            if is_heard {
-                heard(transaction, path, state)?;
-            }
-            Ok(is_heard)
+            transaction.execute(
+                "INSERT INTO orders (path, size, mtime_ns, digest) VALUES (?1, ?2, ?3, ?4)
+                 ON CONFLICT (path) DO UPDATE SET size = ?2, mtime_ns = ?3, digest = ?4",
+                params![key(path), size, mtime_ns.to_string(), digest],
+            )?;
+            Ok(())
         })
     }
 
@@ -114,21 +100,6 @@ fn state(row: &Row<'_>) -> Result<OrderState, JournalError> {
     Ok(OrderState { size: size.unsigned_abs(), mtime_ns, digest: row.get(2)? })
 }
 
-fn heard(
-    transaction: &Transaction<'_>,
-    path: &Path,
-    state: &OrderState,
-) -> Result<(), JournalError> {
-    let OrderState { size, mtime_ns, digest } = state;
-    let size = i64::try_from(*size).unwrap_or(i64::MAX);
-    transaction.execute(
-        "INSERT INTO orders (path, size, mtime_ns, digest) VALUES (?1, ?2, ?3, ?4)
-         ON CONFLICT (path) DO UPDATE SET size = ?2, mtime_ns = ?3, digest = ?4",
-        params![key(path), size, mtime_ns.to_string(), digest],
-    )?;
-    Ok(())
-}
-
 fn key(path: &Path) -> &[u8] {
     path.as_os_str().as_bytes()
 }
@@ -136,7 +107,6 @@ fn key(path: &Path) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gaiter_flow::Stamp;
 
     fn state(mtime_ns: i128) -> OrderState {
         OrderState { size: 3, mtime_ns, digest: "d".into() }
@@ -160,23 +130,5 @@ mod tests {
         assert_eq!(journal.orders_folder().unwrap(), None);
         journal.orders_seen_in((1, u64::MAX)).unwrap();
         assert_eq!(journal.orders_folder().unwrap(), Some((1, u64::MAX)));
-    }
-
-    #[test]
-    fn what_an_older_gaiter_heard_is_known_once_and_not_what_was_written_since() {
-        let dir = tempfile::tempdir().unwrap();
-        let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
-        let (same, other) = (Path::new("/orders/a.gdt"), Path::new("/orders/b.gdt"));
-        let stamp = Stamp { dev: 1, ino: 2, size: 3, mtime_ns: 4, ctime_ns: 5 };
-        for path in [same, other] {
-            journal.sighted(path, stamp, None).unwrap();
-        }
-        assert!(journal.order_sighted(same, &state(4)).unwrap());
-        assert_eq!(journal.order_known(same).unwrap(), Some(state(4)));
-        assert!(!journal.order_sighted(other, &state(6)).unwrap());
-        assert_eq!(journal.order_known(other).unwrap(), None);
-        // The old entry was used up: a later file is new.
-        assert!(!journal.order_sighted(same, &state(4)).unwrap());
-        assert!(!journal.order_sighted(other, &state(4)).unwrap());
     }
 }

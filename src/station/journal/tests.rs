@@ -34,7 +34,7 @@ fn a_journal_is_its_users_alone_wherever_it_lies() {
     let journal = Journal::open(&path).unwrap();
     assert_eq!(modes(), [0o600; 2]);
     drop(journal);
-    // As an older version made it.
+    // As a restored backup may have it.
     set_permissions(&path, Permissions::from_mode(0o644)).unwrap();
     let _journal = Journal::open(&path).unwrap();
     assert_eq!(modes(), [0o600; 2]);
@@ -151,7 +151,7 @@ fn a_sighting_holds_for_one_state_of_the_file() {
 }
 
 #[test]
-fn durability_is_set_and_a_foreign_schema_is_refused() {
+fn durability_is_set_and_the_journal_of_another_version_is_refused() {
     let (dir, journal) = journal();
     let pragma = |name| -> String {
         let read = |row: &rusqlite::Row<'_>| row.get::<_, rusqlite::types::Value>(0);
@@ -187,31 +187,13 @@ fn used() -> (tempfile::TempDir, std::path::PathBuf) {
 }
 
 #[test]
-fn an_older_journal_is_brought_to_this_schema_with_what_it_knows() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("journal.db");
-    let old = include_str!("../../../fixtures/journal/schema-1.sql");
-    edit(&path, old);
-    let journal = Journal::open(&path).unwrap();
-    let pending = journal.pending().unwrap();
-    assert_eq!(pending.len(), 1);
-    // What it was sure of was not said then.
-    let source = Source { confidence: None, ..Source::of(SourceKind::FileName) };
-    let expected = Patient { id: "4711".to_owned(), sources: vec![source] };
-    assert_eq!(pending[0].patient, Some(expected));
-    assert_eq!(journal.misjudged(), []);
-    drop(journal);
-    Journal::open(&path).unwrap();
-}
-
-#[test]
 fn what_became_of_a_scan_is_decided_anew_when_the_journal_is_opened() {
     let (_dir, journal) = journal();
     enter(&journal, &row('a'), None, DeliveryState::Pending);
     let due = journal.pending().unwrap();
     journal.delivered(&due[0], Path::new("/r/x")).unwrap();
     assert_eq!(journal.open_tasks(9, Timestamp::MAX).unwrap(), [row('a').scan]);
-    // As an older gaiter left it.
+    // As a gaiter left it that decides otherwise.
     let path = journal.path.clone();
     drop(journal);
     edit(&path, "UPDATE scans SET disposition = 'spooled'");

@@ -162,7 +162,7 @@ impl Journal {
     }
 
     /// Applies the rule to every scan that may have an unwanted record in a store: at a start no
-    /// delivery is running. An older version may have left such records.
+    /// delivery is running.
     pub fn take_back_unwanted(&self) -> Result<(), JournalError> {
         self.change(|transaction| {
             let mut query = transaction.prepare(

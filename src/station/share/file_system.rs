@@ -37,15 +37,6 @@ pub fn folder_id(folder: &Path) -> io::Result<(u64, u64)> {
 
 /// What can be found out about where an export folder lies.
 pub fn mount(folder: &Path, config: &WatchConfig) -> io::Result<Mount> {
-    let marker = config.expected.marker.as_ref();
-    let has_marker = marker.is_some_and(|name| folder.join(name).symlink_metadata().is_ok());
-    let is_mounted = config.mount_point.as_ref().is_none_or(|place| is_mount_point(place));
-    Ok(Mount { file_system: of(folder)?, has_marker, is_mounted })
-}
-
-/// Whether a folder is on another device than its parent; a missing folder is not mounted either.
-fn is_mount_point(place: &Path) -> bool {
-    let device = |place: &Path| folder_id(place).map(|(device, _)| device).ok();
-    let above = place.parent().and_then(device);
-    device(place).is_some_and(|device| above != Some(device))
+    let lacks = |name: &String| folder.join(name).symlink_metadata().is_err();
+    Ok(Mount { file_system: of(folder)?, lacks_marker: config.marker.as_ref().is_some_and(lacks) })
 }

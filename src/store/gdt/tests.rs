@@ -102,13 +102,14 @@ impl Case {
 fn files(patient: Option<&str>, scan: &ScanId) -> Vec<RecordFile> {
     let patient = patient.map(|id| json!({"id": id, "sources": [{"kind": "order"}]}));
     let record = json!({
-        "schema": "gaiter.leg-record/2", "revision": 1, "station": "booth-1",
+        "schema": "gaiter.leg-record/1", "revision": 1, "station": "booth-1",
         "patient": patient,
         "acquired": {"at": "2026-11-21T09:14:00Z", "from": "press"},
         "made_by": {"gaiter": "0.1.0", "method": {}},
         "scan": {"sha256": scan.as_str(), "format": "obj", "unit": "cm",
                  "unit_inferred": true, "points": 1, "triangles": 1},
-        "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+        "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
+                 "facing_deg": 0.0,
                  "facing_from": "feet", "from_export": vec![0.0; 16]},
         "legs": [], "differences": null, "findings": []
     });

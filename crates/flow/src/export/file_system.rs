@@ -13,7 +13,7 @@ pub enum FileSystem {
 /// A kind that gaiter has a name for.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// Its name, as spelt in the configuration and in messages.
+    /// Its name, as spelt in messages.
     pub name: &'static str,
     /// `f_type` of statfs(2); several if versions differ.
     magics: &'static [u32],
@@ -60,11 +60,6 @@ impl FileSystem {
         known.map_or(FileSystem::Other(magic), FileSystem::Known)
     }
 
-    /// The kind of this name, ignoring case.
-    pub fn of_name(name: &str) -> Option<FileSystem> {
-        KINDS.iter().find(|kind| kind.name.eq_ignore_ascii_case(name)).map(FileSystem::Known)
-    }
-
     /// Whether other machines may change files there without a watch noticing it.
     pub fn is_network(self) -> bool {
         matches!(self, FileSystem::Known(Kind { place: Place::Network, .. }))
@@ -90,20 +85,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_and_number_leads_to_one_kind() {
+    fn every_number_leads_to_one_kind() {
         for kind in &KINDS {
-            assert_eq!(FileSystem::of_name(kind.name), Some(FileSystem::Known(kind)));
             for magic in kind.magics {
                 assert_eq!(FileSystem::of_magic(*magic), FileSystem::Known(kind), "{magic:#x}");
             }
         }
-        assert_eq!(FileSystem::of_name("smb"), Some(FileSystem::of_magic(0xFF53_4D42)));
-        assert_eq!(FileSystem::of_name("floppy"), None);
     }
 
     #[test]
     fn shares_and_memory_are_told_from_disks() {
-        let of = |name| FileSystem::of_name(name).unwrap();
+        let of =
+            |name: &str| FileSystem::Known(KINDS.iter().find(|kind| kind.name == name).unwrap());
         assert!(of("SMB").is_network() && of("NFS").is_network() && of("FUSE").is_network());
         assert!(!of("ext4").is_network() && !of("tmpfs").is_network());
         assert!(of("tmpfs").is_memory() && !of("ext4").is_memory());

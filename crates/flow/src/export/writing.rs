@@ -81,10 +81,8 @@ pub struct Mark {
     /// The sum of its two ends.
     pub sum: String,
     /// The sum of what comes first behind its header; `None` if that is not written yet.
-    #[serde(default)]
     trunk: Option<String>,
     /// When it was written at the latest, if the times of its file say that it was written elsewhere.
-    #[serde(default)]
     pub written: Option<Duration>,
 }
 
@@ -167,13 +165,10 @@ pub struct Writing {
     marks: Vec<Mark>,
     /// When what it holds since part of it was last read was written at the latest, if its times say that it
     /// was written elsewhere.
-    #[serde(default)]
     written: Option<Duration>,
     /// Its lengths each time it was read whole, bytes.
-    #[serde(default)]
     read: Vec<u64>,
     /// The content that was dealt with last.
-    #[serde(default)]
     kept: Option<Kept>,
 }
 

@@ -61,7 +61,7 @@ pub struct Names {
     /// The names that wait for a press.
     pub next: Option<Next>,
     /// The recent presses without a certain name: an order or a card may be for one of them.
-    #[serde(default, rename = "unsure_presses", skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unsure: Vec<Unsure>,
 }
 

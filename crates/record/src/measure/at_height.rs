@@ -46,6 +46,8 @@ pub(super) fn girth_sd_mm_near(leg: &LegFigures, height_mm: f64) -> Option<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::VolumeFigures;
+    use crate::shape::ShapeFigures;
 
     /// A cone of sections 10 mm apart: the girth grows by 0.2 mm per mm.
     fn cone() -> LegFigures {
@@ -56,11 +58,15 @@ mod tests {
                 "girth_contour_mm": null, "girth_sd_mm": sd_mm, "doubts": []})
         };
         serde_json::from_value(serde_json::json!({
-            "side": "left", "tilt_deg": 0.0, "landmarks": {},
+            "side": "left", "tilt_deg": 0.0,
+            "axis": {"foot_mm": vec![0.0; 3], "direction": vec![0.0; 3],
+                "front": vec![0.0; 3], "lateral": vec![0.0; 3]},
+            "landmarks": {}, "estimates": {},
             "girth_curve": {"height_mm": heights, "along_axis_mm": heights, "tape_mm": girths,
-                "contour_mm": girths, "r2": 1.0, "rms_mm": 0.0},
-            "sections": [], "features": [], "surface": null,
-            "profile": [at(120.0, 0.3), at(160.0, 0.5)],
+                "contour_mm": girths, "slope": vec![0.2; heights.len()], "r2": 1.0, "rms_mm": 0.0},
+            "sections": [], "features": [], "surface": null, "volume": VolumeFigures::default(),
+            "at": [], "profile": [at(120.0, 0.3), at(160.0, 0.5)], "along": [],
+            "shape": ShapeFigures::default(),
         }))
         .unwrap()
     }

@@ -56,7 +56,7 @@ pub struct Order {
     /// The scan that was measured.
     pub scan: OrderedScan,
     /// The last day on which its measures hold for an order, by the station's greatest age of a scan; null if the
-    /// day of the scan is not known, and in older orders.
+    /// day of the scan is not known.
     pub holds_until: Option<Date>,
     /// The record that was read.
     pub record: OrderedRecord,
@@ -65,7 +65,7 @@ pub struct Order {
     /// Always `skin`: no tension is applied to the girths.
     #[cfg_attr(test, schemars(extend("const" = BASIS)))]
     pub basis: String,
-    /// How the patient held the legs: `both-legs`, `one-leg`, `sitting` or `lying`; null in older records.
+    /// How the patient held the legs: `both-legs`, `one-leg`, `sitting` or `lying`; null if the record does not say.
     pub posture: Option<String>,
     /// Whether the weight was on both legs, and so not on the measured one alone; null if it is not known.
     pub weight_on_both_legs: Option<bool>,

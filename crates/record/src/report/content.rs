@@ -261,8 +261,6 @@ pub struct PictureWords {
     pub appendix: String,
     /// What each figure of [`crate::picture::figures`] shows.
     pub captions: Vec<Caption>,
-    /// The text if a leg of the record has no shape; `None` if all have one.
-    pub missing: Option<String>,
     /// The heading of the interactive 3D view.
     pub view: String,
     /// The text if the page's script does not run.

@@ -64,7 +64,7 @@ fn what_is_no_order_is_told_so() {
     let fault = |bytes: &[u8]| read(bytes).unwrap_err();
     assert!(matches!(fault(b"{"), LastFault::NotJson(_)));
     assert!(matches!(fault(b"{}"), LastFault::Format { .. }));
-    assert!(matches!(fault(br#"{"schema": "gaiter.leg-record/2"}"#), LastFault::Format { .. }));
+    assert!(matches!(fault(br#"{"schema": "gaiter.leg-record/1"}"#), LastFault::Format { .. }));
     assert!(matches!(fault(br#"{"schema": "gaiter.order/1"}"#), LastFault::Shape(_)));
     assert!(matches!(fault(&vec![b' '; BYTES_MAX + 1]), LastFault::TooLong { .. }));
     // The row of the scan's girth, before the one that counts.

@@ -41,7 +41,7 @@ pub fn marked() -> Record {
     (c.girth_tape_mm, c.girth_sd_mm) = (223.5, Some(1.234_56));
     right.landmarks.remove("E");
     let estimate = json!({
-        "by": "proportion", "height_mm": 450.0, "along_axis_mm": 450.0, "girth_tape_mm": 380.0,
+        "by": "proportion", "rule": {"is": "stature-share"}, "height_mm": 450.0, "along_axis_mm": 450.0, "girth_tape_mm": 380.0,
         "height_sd_mm": 9.0, "girth_sd_mm": 6.0, "doubts": [],
     });
     right.estimates.insert("E".to_owned(), serde_json::from_value(estimate).unwrap());

@@ -136,7 +136,7 @@ fn a_feature_point_is_drawn_where_the_curvature_turns_and_a_peak_bulges_more_tha
                 let Some(section) = leg.sections.iter().find(|at| at.level == level) else {
                     continue;
                 };
-                let (line, told) = (own.next().unwrap(), section.outline.as_ref().unwrap());
+                let (line, told) = (own.next().unwrap(), &section.outline);
                 for (dot, is_peak) in dots.iter().filter(|(dot, _)| distance(line, *dot).1 < 0.6) {
                     let place = distance(line, *dot).0;
                     let angle = -180.0 + 3.0 * place as f64;
@@ -215,10 +215,8 @@ fn distance(line: &[[f64; 2]], [x, y]: [f64; 2]) -> (usize, f64) {
 #[test]
 fn the_sign_of_an_error_is_told_without_colour_and_what_was_not_seen_has_a_net() {
     let record = &measured("f_average_tc2").1;
-    let errors = record
-        .legs
-        .iter()
-        .flat_map(|leg| leg.shape.as_ref().unwrap().surface.as_ref().unwrap().error.as_errors_mm());
+    let errors =
+        record.legs.iter().flat_map(|leg| leg.shape.surface.as_ref().unwrap().error.as_errors_mm());
     let errors: Vec<Option<f64>> = errors.collect();
     let count = |is: fn(f64) -> bool| errors.iter().flatten().filter(|mm| is(**mm)).count();
     let (inside, outside) = (count(|mm| mm <= -0.5), count(|mm| mm >= 0.5));
@@ -281,7 +279,7 @@ fn the_front_view_tells_the_girth_of_every_section_that_it_shows() {
         let drawn = figure(record, "views");
         let words = words_of(&drawn);
         for leg in &record.legs {
-            for section in leg.sections.iter().filter(|at| at.outline.is_some()) {
+            for section in &leg.sections {
                 let Some(found) = leg.landmarks.get(&section.level) else { continue };
                 let label = format!("{} {:.1}", section.level, found.girth_tape_mm.round() / 10.0);
                 assert!(words.contains(&label.as_str()), "{body}: {label}");

@@ -121,7 +121,7 @@ fn what_lies_outside_on_the_lateral_side_is_drawn_there_in_the_colour_that_the_s
 fn a_record_tells_the_map_as_it_was_found_and_each_place_of_a_grid_on_its_side() {
     for (body, extraction, record) in bodies() {
         for (leg, figures) in extraction.legs.iter().zip(&record.legs) {
-            let shape = figures.shape.as_ref().unwrap();
+            let shape = &figures.shape;
             let told = shape.surface.as_ref().unwrap();
             let found = &leg.surface.as_ref().unwrap().error_map.outside_mm;
             for (told, found) in told.error.as_errors_mm().iter().zip(found) {
@@ -129,7 +129,7 @@ fn a_record_tells_the_map_as_it_was_found_and_each_place_of_a_grid_on_its_side()
                 let off = told.zip(*found).map_or(0.0, |(told, found)| told - found);
                 assert!(off.abs() <= 0.005 + 1e-9, "{body}: {told:?} {found:?}");
             }
-            let axis = figures.axis.as_ref().unwrap();
+            let axis = &figures.axis;
             let outward = if figures.side == "left" { 1.0 } else { -1.0 };
             assert!(axis.lateral[0] * outward > 0.5 && axis.front[1] < -0.5, "{body}: {axis:?}");
             for (points, columns) in
@@ -145,7 +145,7 @@ fn a_record_tells_the_map_as_it_was_found_and_each_place_of_a_grid_on_its_side()
                     assert!(front.y < back.y, "{body}: {front} {back}");
                 }
             }
-            for outline in figures.sections.iter().filter_map(|at| at.outline.as_ref()) {
+            for outline in figures.sections.iter().map(|at| &at.outline) {
                 assert!(outline.curvature_per_mm.iter().sum::<f64>() > 0.0, "{body}");
             }
         }
@@ -158,7 +158,7 @@ fn a_feature_on_the_front_is_not_seen_from_the_back() {
     for leg in &mut record.legs {
         for feature in &mut leg.features {
             let section = leg.sections.iter().find(|at| at.level == feature.level).unwrap();
-            let centre = section.outline.as_ref().unwrap().centre_mm;
+            let centre = section.outline.centre_mm;
             feature.position_mm = [centre[0], centre[1] - 30.0, centre[2]];
         }
     }

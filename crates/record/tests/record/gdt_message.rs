@@ -7,12 +7,14 @@ use std::collections::BTreeMap;
 
 use gaiter_leg::What;
 use gaiter_record::Record;
+use gaiter_record::chart::VolumeFigures;
 use gaiter_record::gdt::rules::{COUNTER_MOST, FileName};
 use gaiter_record::gdt::{
     Attachment, AttachmentFields, Charset, GdtRules, Product, ResultFault, WriteFault, message,
     result,
 };
 use gaiter_record::schema::{FindingNote, LandmarkFigures};
+use gaiter_record::shape::ShapeFigures;
 use gaiter_record::statement::Statement;
 use gaiter_sizes::Garment;
 use jiff::civil::{DateTime, date};
@@ -46,23 +48,28 @@ fn noon() -> DateTime {
 
 fn record(legs: serde_json::Value) -> Record {
     let columns = json!({"height_mm": [], "along_axis_mm": [], "tape_mm": [], "contour_mm": [],
-                         "r2": 1.0, "rms_mm": 0.0});
+                         "slope": [], "r2": 1.0, "rms_mm": 0.0});
+    let none = vec![0.0; 3];
+    let axis = json!({"foot_mm": none, "direction": none, "front": none, "lateral": none});
     let legs: Vec<serde_json::Value> = legs
         .as_object()
         .unwrap()
         .iter()
         .map(|(side, landmarks)| {
-            json!({"side": side, "tilt_deg": 0.0, "landmarks": landmarks, "girth_curve": columns,
-                   "sections": [], "features": [], "surface": null})
+            json!({"side": side, "tilt_deg": 0.0, "axis": axis, "landmarks": landmarks,
+                   "estimates": {}, "girth_curve": columns, "sections": [], "features": [],
+                   "surface": null, "volume": VolumeFigures::default(), "at": [], "profile": [],
+                   "along": [], "shape": ShapeFigures::default()})
         })
         .collect();
     serde_json::from_value(json!({
-        "schema": "gaiter.leg-record/2", "revision": 1, "station": "booth-1",
+        "schema": "gaiter.leg-record/1", "revision": 1, "station": "booth-1",
         "patient": {"id": "4711", "sources": [{"kind": "order"}]}, "acquired": null,
         "made_by": {"gaiter": "0.1.0", "method": {}},
         "scan": {"sha256": "0123456789abcdef", "format": "obj", "unit": "cm",
                  "unit_inferred": true, "points": 1, "triangles": 1},
-        "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+        "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
+                 "facing_deg": 0.0,
                  "facing_from": "feet", "from_export": vec![0.0; 16]},
         "legs": legs, "differences": null, "findings": []
     }))
@@ -71,6 +78,7 @@ fn record(legs: serde_json::Value) -> Record {
 
 fn landmark(height_mm: f64, girth_tape_mm: f64) -> LandmarkFigures {
     serde_json::from_value(json!({
+        "by": "turn", "rule": {"is": "turning-point"},
         "height_mm": height_mm, "along_axis_mm": height_mm, "girth_tape_mm": girth_tape_mm,
         "girth_contour_mm": girth_tape_mm, "height_sd_mm": null, "girth_sd_mm": null, "doubts": []
     }))

@@ -14,7 +14,6 @@ mod gdt_message;
 mod gdt_orders;
 mod hl7_message;
 mod levels;
-mod older_records;
 mod one_order;
 mod report_content;
 mod report_page;

@@ -209,16 +209,15 @@ fn what_is_missing_is_said_with_its_reason_and_never_left_blank() {
     for leg in &mut bare.legs {
         leg.landmarks.clear();
         leg.estimates.clear();
-        (leg.shape, leg.foot, leg.surface, leg.axis) = (None, None, None, None);
-        leg.sections.iter_mut().for_each(|section| section.outline = None);
-        leg.volume = Default::default();
-        leg.girth_curve.slope.clear();
+        leg.sections.clear();
+        (leg.foot, leg.surface) = (None, None);
+        (leg.shape, leg.volume) = Default::default();
     }
     let none = Record { legs: Vec::new(), differences: None, ..MADE.0.clone() };
     for (record, reason) in [
         (&lone, "leg not in the scan"),
         (&refused, "leg not measured"),
-        (&bare, "does not hold the shape of the legs"),
+        (&bare, "foot not seen"),
         (&none, "leg not in the scan"),
     ] {
         for language in LANGUAGES {

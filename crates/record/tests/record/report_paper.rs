@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 use gaiter_language::Language;
 use gaiter_record::picture::figures;
 use gaiter_record::report::{self, Content, Print};
+use gaiter_record::shape::ShapeFigures;
 use gaiter_record::{Patient, Record, Source, SourceKind};
 use gaiter_sizes::Garment;
 use support::records::measured;
@@ -237,9 +238,8 @@ fn records_without_legs_levels_or_shapes_have_a_paper_too() {
     for leg in &mut bare.legs {
         leg.landmarks.clear();
         leg.estimates.clear();
-        leg.shape = None;
-        leg.axis = None;
-        leg.sections.iter_mut().for_each(|section| section.outline = None);
+        leg.sections.clear();
+        leg.shape = ShapeFigures::default();
     }
     for record in [no_legs, bare] {
         for language in LANGUAGES {

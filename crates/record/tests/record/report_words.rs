@@ -11,8 +11,10 @@ use gaiter_leg::doubt::Doubt;
 use gaiter_leg::level::By;
 use gaiter_leg::{Finding, Level, Side, What};
 use gaiter_record::Record;
+use gaiter_record::chart::VolumeFigures;
 use gaiter_record::report::Content;
 use gaiter_record::schema::FindingNote;
+use gaiter_record::shape::ShapeFigures;
 use gaiter_record::statement::Statement;
 use gaiter_sizes::Garment;
 use gaiter_spline::tessellate::TessellationFault;
@@ -30,11 +32,12 @@ fn record(findings: &[(String, String, Option<Statement>)]) -> Record {
         ..FindingNote::not_vouched()
     };
     let record = json!({
-        "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
+        "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
         "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
         "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
                  "points": 0, "triangles": 0},
-        "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+        "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
+                 "facing_deg": 0.0,
                  "facing_from": "feet", "from_export": vec![0.0; 16]},
         "legs": [], "differences": null, "findings": findings.iter().map(note).collect::<Vec<_>>(),
     });
@@ -257,12 +260,16 @@ fn by_what_a_level_is_found_is_told_in_german() {
         let mut record = serde_json::to_value(record(&[])).unwrap();
         record["legs"] = json!([{
             "side": "left", "tilt_deg": 1.0,
+            "axis": {"foot_mm": vec![0.0; 3], "direction": vec![0.0; 3],
+                "front": vec![0.0; 3], "lateral": vec![0.0; 3]},
             "landmarks": {"C": {"by": english, "rule": Statement::from(&by), "height_mm": 300.0, "along_axis_mm": 301.0,
                 "girth_tape_mm": 380.0, "girth_contour_mm": 381.0, "height_sd_mm": null,
                 "girth_sd_mm": null, "doubts": []}},
+            "estimates": {},
             "girth_curve": {"height_mm": [], "along_axis_mm": [], "tape_mm": [], "contour_mm": [],
-                "r2": 1.0, "rms_mm": 0.0},
-            "sections": [], "features": [], "surface": null,
+                "slope": [], "r2": 1.0, "rms_mm": 0.0},
+            "sections": [], "features": [], "surface": null, "volume": VolumeFigures::default(),
+            "at": [], "profile": [], "along": [], "shape": ShapeFigures::default(),
         }]);
         let record: Record = serde_json::from_value(record).unwrap();
         let told = Language::ALL.map(|language| {

@@ -10,6 +10,7 @@ use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_leg::{Method, Side};
 use gaiter_record::report::AgeMax;
 use gaiter_record::report::document::Block;
+use gaiter_record::shape::ShapeFigures;
 use gaiter_record::{Acquired, AcquiredFrom, Patient, Record};
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::schema::figures;
@@ -24,7 +25,7 @@ use crate::stance::CHOICE;
 /// A body's record without its shape.
 pub static PLAIN: LazyLock<Record> = LazyLock::new(|| {
     let mut record = record_of(&export("m_average_clean"), &Method::default()).1;
-    record.legs.iter_mut().for_each(|leg| leg.shape = None);
+    record.legs.iter_mut().for_each(|leg| leg.shape = ShapeFigures::default());
     record
 });
 
@@ -145,10 +146,10 @@ fn a_comparison_of_another_posture_says_so_first_and_shows_no_volumes() {
 
 #[test]
 fn a_record_without_girths_at_fixed_lengths_is_refused_by_its_place() {
-    let mut older = at_day(&PLAIN, 0);
-    older.legs.iter_mut().for_each(|leg| leg.along.clear());
+    let mut bare = at_day(&PLAIN, 0);
+    bare.legs.iter_mut().for_each(|leg| leg.along.clear());
     // It is the second that is named, although it is the older visit.
-    assert_eq!(fault(&[at_day(&PLAIN, 30), older]), CourseFault::NoPlaces { at: 2 });
+    assert_eq!(fault(&[at_day(&PLAIN, 30), bare]), CourseFault::NoPlaces { at: 2 });
 }
 
 #[test]

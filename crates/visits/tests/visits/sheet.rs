@@ -144,7 +144,7 @@ fn a_slice_that_is_not_compared_counts_in_the_sums() {
     let mut records = [at_day(&PLAIN, 0), at_day(&PLAIN, 30)];
     // A knee that is bent more by 4° moves the skin around it.
     for leg in &mut records[1].legs {
-        let front = leg.axis.as_ref().unwrap().front;
+        let front = leg.axis.front;
         let thigh = &mut leg.axes.as_mut().unwrap().thigh.as_mut().unwrap().direction;
         let (sin, cos) = 4.0_f64.to_radians().sin_cos();
         thigh.iter_mut().zip(front).for_each(|(along, front)| *along = cos * *along + sin * front);

@@ -159,8 +159,7 @@ fn two_visits_laid_over_each_other_show_the_swelling_and_not_the_other_stance() 
     for side in Side::BOTH {
         let error_mm = overlay.error_mm.get(side).unwrap();
         assert!(error_mm < 0.6, "{side:?}: {error_mm}");
-        let surface =
-            overlay.record.leg(side).unwrap().shape.as_ref().unwrap().surface.as_ref().unwrap();
+        let surface = overlay.record.leg(side).unwrap().shape.surface.as_ref().unwrap();
         let points = surface.points.as_points();
         let off = points.iter().zip(surface.error.as_errors_mm());
         let mut seen = 0;

@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 
 use gaiter_leg::{Method, Side};
 use gaiter_record::schema::LegFigures;
+use gaiter_record::shape::ShapeFigures;
 use gaiter_record::{Acquired, AcquiredFrom, Record};
 use gaiter_visits::{Affected, Change, Comparison, Course, Shown};
 use jiff::ToSpan;
@@ -22,7 +23,7 @@ use support::recorded::obj;
 static BODY: LazyLock<Record> = LazyLock::new(|| {
     let scan = scan_of(Mesh::body("m_average_clean"));
     let mut record = record_of(&obj(&roughened(&scan, NOISE_MM, 1)), &Method::default()).1;
-    record.legs.iter_mut().for_each(|leg| leg.shape = None);
+    record.legs.iter_mut().for_each(|leg| leg.shape = ShapeFigures::default());
     record
 });
 
@@ -64,7 +65,7 @@ struct Plan {
 /// Bends the knee of a leg. Returns by what its girths change.
 fn bend(leg: &mut LegFigures, most_deg: f64, chance: &mut Chance) -> f64 {
     let bend_deg = chance.even(most_deg);
-    let front = leg.axis.as_ref().unwrap().front;
+    let front = leg.axis.front;
     let thigh = &mut leg.axes.as_mut().unwrap().thigh.as_mut().unwrap().direction;
     let (sin, cos) = bend_deg.to_radians().sin_cos();
     for (along, front) in thigh.iter_mut().zip(front) {

@@ -95,7 +95,7 @@ pub fn take(
     }
     let known = match before {
         Some(Before::Noted(known)) => known,
-        Some(Before::Unnoted) | None => taking.known()?,
+        Some(Before::Unnoted) | None => journal.order_known(taking.path())?,
     };
     match news::news(known.as_ref(), &taking.read.state) {
         // It is to stay, or it is not an order, or the last run ended before it was removed.
@@ -108,16 +108,6 @@ pub fn take(
 impl Taking<'_> {
     fn path(&self) -> &Path {
         &self.settled.path
-    }
-
-    /// What is known about the order that was heard under this name, by this gaiter or an older one.
-    fn known(&self) -> Result<Option<OrderState>, TakeFault> {
-        let journal = self.core.custody.journal();
-        let known = journal.order_known(self.path())?;
-        if known.is_none() && journal.order_sighted(self.path(), &self.read.state)? {
-            return Ok(Some(self.read.state.clone()));
-        }
-        Ok(known)
     }
 
     fn order(&self) -> Result<Order, OrderFault> {

@@ -4,7 +4,6 @@ use std::os::unix::fs::symlink;
 use std::os::unix::net::UnixListener;
 use std::time::Duration;
 
-use gaiter_flow::export::mount::Expected;
 use gaiter_language::Language;
 use rustix::fs::{CWD, Mode, mkfifoat};
 
@@ -15,8 +14,7 @@ fn config() -> WatchConfig {
         subfolders: false,
         done_file: None,
         overdue: Duration::from_secs(600),
-        expected: Expected::default(),
-        mount_point: None,
+        marker: None,
     }
 }
 
@@ -126,21 +124,13 @@ fn a_scan_s_done_file_is_found_and_counts_as_nothing_else() {
 }
 
 #[test]
-fn a_look_tells_what_the_folder_lies_on() {
+fn a_look_tells_whether_the_marker_is_missing() {
     let dir = tempfile::tempdir().unwrap();
-    let marker = Expected { marker: Some(".here".into()), ..Expected::default() };
-    let config = WatchConfig { expected: marker, ..config() };
-    assert!(!looked(dir.path(), &config).mount.has_marker);
+    assert!(!looked(dir.path(), &config()).mount.lacks_marker);
+    let config = WatchConfig { marker: Some(".here".into()), ..config() };
+    assert!(looked(dir.path(), &config).mount.lacks_marker);
     fs::write(dir.path().join(".here"), "").unwrap();
-    assert!(looked(dir.path(), &config).mount.has_marker);
-
-    let mounted_at = |place: &Path| {
-        let config = WatchConfig { mount_point: Some(place.to_owned()), ..config.clone() };
-        looked(dir.path(), &config).mount.is_mounted
-    };
-    assert!(mounted_at(Path::new("/proc")));
-    assert!(!mounted_at(dir.path()));
-    assert!(!mounted_at(&dir.path().join("nowhere")));
+    assert!(!looked(dir.path(), &config).mount.lacks_marker);
 }
 
 #[test]

@@ -1,9 +1,6 @@
 //! The names that wait for a press, in the table of facts.
 
-use std::time::Duration;
-
-use gaiter_flow::round::{Doubt, Named, Names, Next, Rounds};
-use gaiter_record::SourceKind;
+use gaiter_flow::round::{Names, Rounds};
 use rusqlite::{Connection, OptionalExtension, Transaction};
 use serde::{Deserialize, Serialize};
 
@@ -31,16 +28,6 @@ struct NamesCell {
     seal: String,
 }
 
-/// The content of this fact before schema 4.
-#[derive(Deserialize)]
-struct OneName {
-    id: String,
-    by: SourceKind,
-    boot: String,
-    at_ms: u64,
-    is_doubtful: bool,
-}
-
 impl Journal {
     /// The names that wait for a press.
     pub fn names(&self) -> Result<Option<NamesOfBoot>, JournalError> {
@@ -63,10 +50,7 @@ pub(super) fn save(
     if before.names() == after.names() {
         return Ok(());
     }
-    put(transaction, NamesOfBoot { names: after.names().clone(), boot: boot.to_owned() })
-}
-
-fn put(transaction: &Transaction<'_>, names: NamesOfBoot) -> Result<(), JournalError> {
+    let names = NamesOfBoot { names: after.names().clone(), boot: boot.to_owned() };
     let seal = seal::of_text(&json_text(&names)?);
     let text = json_text(&NamesCell { names, seal })?;
     transaction.execute(
@@ -92,17 +76,4 @@ pub fn names_patient(connection: &Connection, patient: &str) -> Result<bool, Jou
 pub fn clear(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     transaction.execute("DELETE FROM meta WHERE name = ?1", [NEXT])?;
     Ok(())
-}
-
-/// Converts the one name of schema 3 to the names of schema 4.
-pub fn upgrade(transaction: &Transaction<'_>) -> Result<(), JournalError> {
-    let text: Option<String> = transaction
-        .query_row("SELECT value FROM meta WHERE name = ?1", [NEXT], |row| row.get(0))
-        .optional()?;
-    let Some(text) = text else { return Ok(()) };
-    let OneName { id, by, boot, at_ms, is_doubtful } = json_cell("value", text)?;
-    let doubt = is_doubtful.then_some(Doubt::Shared);
-    let next = Next::one(Named { id, by }, Duration::from_millis(at_ms), doubt);
-    let names = Names { next: Some(next), ..Names::default() };
-    put(transaction, NamesOfBoot { names, boot })
 }

@@ -2,7 +2,7 @@
 //! cells that say whose a scan is and where its record goes carry a checksum.
 
 use gaiter_record::sha256;
-use rusqlite::{Connection, Transaction, params};
+use rusqlite::Connection;
 
 use crate::station::journal::JournalError;
 
@@ -37,12 +37,7 @@ pub(in crate::station::journal) fn of_capture(
     source: &str,
     others: &str,
 ) -> String {
-    let number = number.to_string();
-    match others {
-        // The form from before captures had others.
-        "[]" => seal(&["capture", &number, patient, source]),
-        others => seal(&["capture", &number, patient, source, others]),
-    }
+    seal(&["capture", &number.to_string(), patient, source, others])
 }
 
 /// The seal of a text.
@@ -56,64 +51,50 @@ fn seal(cells: &[&str]) -> String {
     digest
 }
 
-/// Seals the rows of a journal that had no seals.
-pub(in crate::station::journal) fn seal_all(
-    transaction: &Transaction<'_>,
-) -> Result<(), JournalError> {
-    for (scan, seal, _) in scans(transaction)? {
-        transaction.execute("UPDATE scans SET seal = ?2 WHERE sha256 = ?1", [scan, seal])?;
-    }
-    for (rowid, seal, _) in deliveries(transaction)? {
-        transaction
-            .execute("UPDATE deliveries SET seal = ?2 WHERE rowid = ?1", params![rowid, seal])?;
-    }
-    Ok(())
-}
-
 /// Checks every seal.
 pub(in crate::station::journal) fn check_all(connection: &Connection) -> Result<(), JournalError> {
-    let scans = scans(connection)?.into_iter().map(|(_, due, found)| ("scans", due, found));
-    let deliveries =
-        deliveries(connection)?.into_iter().map(|(_, due, found)| ("deliveries", due, found));
-    let captures = captures(connection)?.into_iter().map(|(due, found)| ("captures", due, found));
-    for (table, due, found) in scans.chain(deliveries).chain(captures) {
-        if due != found {
+    for (table, rows) in [
+        ("scans", scans(connection)?),
+        ("deliveries", deliveries(connection)?),
+        ("captures", captures(connection)?),
+    ] {
+        if rows.iter().any(|(due, found)| due != found) {
             return Err(JournalError::Seal { table });
         }
     }
     Ok(())
 }
 
-/// Every scan with its expected and its actual seal.
-fn scans(connection: &Connection) -> Result<Vec<(String, String, String)>, JournalError> {
+/// Every scan's expected and actual seal.
+fn scans(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
     let mut query = connection
         .prepare("SELECT sha256, format, size, first_seen, file_time, seal FROM scans")?;
     let rows = query.query_map([], |row| {
         let (scan, format): (String, String) = (row.get(0)?, row.get(1)?);
         let (first_seen, file_time): (String, Option<String>) = (row.get(3)?, row.get(4)?);
         let due = of_scan(&scan, &format, row.get(2)?, &first_seen, file_time.as_deref());
-        Ok((scan, due, row.get(5)?))
+        Ok((due, row.get(5)?))
     })?;
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
-/// The same for every delivery, by its row.
-fn deliveries(connection: &Connection) -> Result<Vec<(i64, String, String)>, JournalError> {
-    let mut query = connection
-        .prepare("SELECT rowid, sha256, patient, store, sources, seal FROM deliveries")?;
+/// The same for every delivery.
+fn deliveries(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
+    let mut query =
+        connection.prepare("SELECT sha256, patient, store, sources, seal FROM deliveries")?;
     let rows = query.query_map([], |row| {
         let cell = |at| row.get::<_, String>(at);
-        Ok((row.get(0)?, of_delivery(&cell(1)?, &cell(2)?, &cell(3)?, &cell(4)?), row.get(5)?))
+        Ok((of_delivery(&cell(0)?, &cell(1)?, &cell(2)?, &cell(3)?), row.get(4)?))
     })?;
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
-/// Every capture's expected and actual seal.
+/// The same for every capture.
 fn captures(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
     // Reads all columns, so that a damaged column name shows now and not at the first press.
     let mut query = connection.prepare(
         "SELECT number, patient, source, seal, candidates, at, boot, opened_ms, until_ms, opener, state,
-                shared, scan, refused, doubt
+                scan, refused, doubt
          FROM captures",
     )?;
     let rows = query.query_map([], |row| {

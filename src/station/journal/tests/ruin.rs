@@ -21,7 +21,6 @@ fn a_table_or_index_that_is_not_as_it_was_made_is_ruin_and_one_that_somebody_add
         "DROP TRIGGER history_is_not_cut",
         "ALTER TABLE looks RENAME COLUMN files TO filex",
         "DROP TABLE orders",
-        "PRAGMA user_version = 3",
         "PRAGMA user_version = 0",
     ] {
         let (_dir, path) = used();

@@ -3,13 +3,16 @@
 use serde_json::{Value, json};
 
 use super::*;
+use crate::chart::VolumeFigures;
 use crate::measure::Length;
 use crate::report::Mark;
+use crate::shape::ShapeFigures;
 
 /// A record of two legs with B, C and D; A is estimated. The girth grows by 0.5 mm per mm of height.
 fn record() -> Record {
     let landmark = |height_mm: f64, doubts: &[&str]| {
-        json!({"by": "rule", "height_mm": height_mm, "along_axis_mm": height_mm,
+        json!({"by": "rule", "rule": {"is": "turning-point"},
+            "height_mm": height_mm, "along_axis_mm": height_mm,
             "girth_tape_mm": 200.0 + height_mm / 2.0, "girth_contour_mm": 0.0,
             "height_sd_mm": 1.0, "girth_sd_mm": 0.5, "doubts": doubts})
     };
@@ -17,20 +20,24 @@ fn record() -> Record {
     let girths: Vec<f64> = heights.iter().map(|height| 200.0 + height / 2.0).collect();
     let leg = |side: &str| {
         json!({"side": side, "tilt_deg": 0.0,
+            "axis": {"foot_mm": vec![0.0; 3], "direction": vec![0.0; 3],
+                "front": vec![0.0; 3], "lateral": vec![0.0; 3]},
             "landmarks": {"B": landmark(100.0, &[]), "C": landmark(300.0, &["gap", "shallow"]),
                 "D": landmark(400.0, &[])},
-            "estimates": {"A": {"by": "share", "height_mm": 0.0, "along_axis_mm": 0.0,
+            "estimates": {"A": {"by": "share", "rule": {"is": "foot-shares"}, "height_mm": 0.0, "along_axis_mm": 0.0,
                 "girth_tape_mm": 230.0, "height_sd_mm": null, "girth_sd_mm": 3.0, "doubts": []}},
             "girth_curve": {"height_mm": heights, "along_axis_mm": heights, "tape_mm": girths,
-                "contour_mm": girths, "r2": 1.0, "rms_mm": 0.0},
-            "sections": [], "features": [], "surface": null})
+                "contour_mm": girths, "slope": vec![0.5; heights.len()], "r2": 1.0, "rms_mm": 0.0},
+            "sections": [], "features": [], "surface": null, "volume": VolumeFigures::default(),
+            "at": [], "profile": [], "along": [], "shape": ShapeFigures::default()})
     };
     from(json!({
-        "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
+        "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
         "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
         "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
                  "points": 0, "triangles": 0},
-        "body": {"stature_mm": null, "crotch_height_mm": 780.0, "facing_deg": 0.0,
+        "body": {"stature_mm": null, "crotch_height_mm": 780.0, "crotch_from": "saddle",
+                 "facing_deg": 0.0,
                  "facing_from": "feet", "from_export": vec![0.0; 16]},
         "legs": [leg("right"), leg("left")], "differences": null, "findings": [],
     }))

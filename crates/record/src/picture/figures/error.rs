@@ -61,14 +61,14 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     map_of(record, ERROR_SCALE, language.text("picture.error"), language)
 }
 
-/// A map of the distances at the surfaces of a record; `None` without shapes.
+/// A map of the distances at the surfaces of a record; `None` without surfaces.
 pub fn map_of(
     record: &Record,
     scale: MapScale,
     title: &str,
     language: Language,
 ) -> Option<Picture> {
-    let surfaces = || record.legs.iter().filter_map(|leg| leg.shape.as_ref()?.surface.as_ref());
+    let surfaces = || record.legs.iter().filter_map(|leg| leg.shape.surface.as_ref());
     surfaces().next()?;
     let heights = surfaces().flat_map(heights);
     let y = Scale { range: range(heights, 50.0)?, px: [ROWS_PX[1], ROWS_PX[0]] };
@@ -120,7 +120,7 @@ fn heights(surface: &SurfaceGridFigures) -> Vec<f64> {
 }
 
 fn map(leg: Option<&LegFigures>, frame: &Frame, scale: MapScale, language: Language) -> Vec<Mark> {
-    let surface = leg.and_then(|leg| leg.shape.as_ref()?.surface.as_ref());
+    let surface = leg.and_then(|leg| leg.shape.surface.as_ref());
     let Some((leg, surface)) = leg.zip(surface) else {
         let at =
             [f64::midpoint(frame.x.px[0], frame.x.px[1]), f64::midpoint(ROWS_PX[0], ROWS_PX[1])];

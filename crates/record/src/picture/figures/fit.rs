@@ -26,10 +26,9 @@ const HALF: f64 = WIDTH / 2.0;
 /// Left and right of a chart within its half, px.
 const CHART_X: [f64; 2] = [44.0, 340.0];
 
-/// The figure; `None` for a record without outlines.
+/// The figure; `None` for a record without sections.
 pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
-    let sections = record.legs.iter().flat_map(|leg| &leg.sections);
-    sections.filter_map(|section| section.outline.as_ref()).next()?;
+    record.legs.iter().flat_map(|leg| &leg.sections).next()?;
     let mut marks = Vec::new();
     for (half, side) in Side::FROM_FRONT.into_iter().enumerate() {
         let left = half as f64 * HALF;
@@ -69,8 +68,7 @@ fn cell(
 ) -> Vec<Mark> {
     let title = [left + CHART_X[0], top + 12.0];
     let mut marks = vec![heading(title, Anchor::Start, Ink::Text, level.name())];
-    let there = section.and_then(|section| Some((section, section.outline.as_ref()?)));
-    let Some((section, outline)) = there else {
+    let Some(section) = section else {
         let at = [left + f64::midpoint(CHART_X[0], CHART_X[1]), top + ROW / 2.0];
         marks.push(words(at, Anchor::Middle, TEXT, Ink::Muted, language.text("picture.absent")));
         return marks;
@@ -78,7 +76,7 @@ fn cell(
     let rms = format!("rms {} mm", rounding::number(section.rms_mm, 2, language));
     let end = [left + CHART_X[1], top + 12.0];
     marks.push(words(end, Anchor::End, SMALL, Ink::Muted, rms));
-    marks.extend(chart(outline, side, [left, top], language));
+    marks.extend(chart(&section.outline, side, [left, top], language));
     marks
 }
 

@@ -78,7 +78,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 
 fn outline(leg: &LegFigures, level: Level) -> Option<&OutlineFigures> {
     let at = leg.sections.iter().find(|section| section.level == level.name());
-    at.and_then(|section| section.outline.as_ref())
+    at.map(|section| &section.outline)
 }
 
 /// The values that all cells share.

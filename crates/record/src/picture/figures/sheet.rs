@@ -53,7 +53,7 @@ fn girths(view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
         .filter_map(|(level, outline)| {
             let (girth, mark) = leg.girth(level, language)?;
             let sign = if mark == HowToRead::Doubtful { " ?" } else { mark.by_hand_sign() };
-            let end = view.ends(&ring(leg.leg, outline)?)[usize::from(leg.side == Side::Left)];
+            let end = view.ends(&ring(outline))[usize::from(leg.side == Side::Left)];
             Some((format!("c{level} {girth}{sign}"), end))
         })
         .collect();

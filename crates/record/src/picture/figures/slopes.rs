@@ -18,7 +18,7 @@ const STEPS: [f64; 4] = [0.5, 1.0, 2.0, 5.0];
 /// So many labels fit beside each other.
 const LABELS_MAX: f64 = 6.0;
 
-/// The chart, at the heights of that of the girths; nothing for a record without slopes.
+/// The chart, at the heights of that of the girths.
 pub(super) fn chart(record: &Record, girths: &Frame, language: Language) -> Vec<Mark> {
     let legs = || Side::FROM_FRONT.into_iter().filter_map(|side| Some((side, record.leg(side)?)));
     let title = [SLOPES_PX[0], ROWS_PX[0] - 12.0];

@@ -144,10 +144,10 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 }
 
 impl<'a> Drawn<'a> {
-    /// The leg of a side; `None` without a shape.
+    /// The leg of a side; `None` without skin.
     pub fn of(record: &'a Record, side: Side) -> Option<Drawn<'a>> {
         let leg = record.leg(side)?;
-        let ShapeFigures { skin, scan, .. } = leg.shape.as_ref()?;
+        let ShapeFigures { skin, scan, .. } = &leg.shape;
         let points = skin.points.as_points();
         let rows = points.chunks(skin.columns.max(1));
         let rows: Vec<Vec<Point3<f64>>> =
@@ -210,7 +210,7 @@ impl View {
             lines(thin.map(|row| self.near_side(row)).collect(), Ink::Unseen, 0.6),
             lines(vec![up.collect(), down.collect()], ink, 1.25),
         ];
-        let at_levels = outlines(leg.leg).filter_map(|(_, outline)| ring(leg.leg, outline));
+        let at_levels = outlines(leg.leg).map(|(_, outline)| ring(outline));
         marks.push(lines(at_levels.map(|ring| self.near_side(&ring)).collect(), ink, 2.0));
         marks.extend(self.features(leg.leg));
         marks
@@ -266,8 +266,7 @@ impl View {
     fn features(&self, leg: &LegFigures) -> Vec<Mark> {
         let seen = leg.features.iter().filter(|feature| {
             let at = leg.sections.iter().find(|section| section.level == feature.level);
-            let centre = at.and_then(|section| section.outline.as_ref()).map(|o| o.centre_mm);
-            let centre = centre.unwrap_or(feature.position_mm);
+            let centre = at.map_or(feature.position_mm, |section| section.outline.centre_mm);
             let arm = Vector3::from(feature.position_mm) - Vector3::from(centre);
             arm.dot(&self.from.towards()) > 0.0
         });
@@ -309,9 +308,8 @@ impl View {
                 From::Back => leg.side == Side::Left,
                 From::Outside(_) => true,
             };
-            let found: Vec<(&str, Vec<Point3<f64>>)> = outlines(leg.leg)
-                .filter_map(|(name, outline)| Some((name, ring(leg.leg, outline)?)))
-                .collect();
+            let found: Vec<(&str, Vec<Point3<f64>>)> =
+                outlines(leg.leg).map(|(name, outline)| (name, ring(outline))).collect();
             let end = |ring: &[Point3<f64>]| self.ends(ring)[usize::from(!is_left)];
             let wished: Vec<f64> = found.iter().map(|(_, ring)| end(ring)[1]).collect();
             for ((name, ring), y) in found.iter().zip(kept_apart(&wished, LINE)) {
@@ -351,22 +349,20 @@ fn silhouette(places: impl Iterator<Item = [f64; 2]> + Clone) -> Vec<(f64, [f64;
     (0..=count).filter_map(span).collect()
 }
 
-/// The available outlines at the levels, with their names.
+/// The outlines at the levels, with their names.
 pub(super) fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&str, &OutlineFigures)> {
-    leg.sections.iter().filter_map(|at| Some((at.level.as_str(), at.outline.as_ref()?)))
+    leg.sections.iter().map(|at| (at.level.as_str(), &at.outline))
 }
 
-/// An outline in the body frame; `None` if the record contains neither its plane nor the leg's axis.
-pub(super) fn ring(leg: &LegFigures, outline: &OutlineFigures) -> Option<Vec<Point3<f64>>> {
-    let axis = leg.axis.as_ref();
-    let front = Vector3::from(outline.front.or(axis.map(|axis| axis.front))?);
-    let lateral = Vector3::from(outline.lateral.or(axis.map(|axis| axis.lateral))?);
+/// An outline in the body frame.
+pub(super) fn ring(outline: &OutlineFigures) -> Vec<Point3<f64>> {
+    let [front, lateral]: [Vector3<f64>; 2] = [outline.front, outline.lateral].map(Vector3::from);
     let count = outline.radius_mm.len();
     let point = |(index, radius): (usize, &f64)| {
         let (sin, cos) = (-180.0 + 360.0 * index as f64 / count as f64).to_radians().sin_cos();
         Point3::from(outline.centre_mm) + (front * cos + lateral * sin) * *radius
     };
-    Some(outline.radius_mm.iter().enumerate().map(point).collect())
+    outline.radius_mm.iter().enumerate().map(point).collect()
 }
 
 #[cfg(test)]

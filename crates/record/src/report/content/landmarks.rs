@@ -65,7 +65,7 @@ impl Report<'_> {
             self.digits(of.girth_of_level_sd_mm),
             self.digits(of.girth_per_deg_mm),
             self.digits(Some(of.girth_contour_mm)),
-            Figure::plain(told(of.rule.as_ref(), &of.by, self.language).0),
+            Figure::plain(told(Some(&of.rule), &of.by, self.language).0),
             self.doubts_in_words(&of.doubts),
         ]
     }
@@ -81,7 +81,7 @@ impl Report<'_> {
             self.digits(of.girth_of_level_sd_mm),
             self.digits(None),
             self.digits(None),
-            Figure::plain(told(of.rule.as_ref(), &of.by, self.language).0),
+            Figure::plain(told(Some(&of.rule), &of.by, self.language).0),
             self.doubts_in_words(&of.doubts),
         ]
     }

@@ -4,12 +4,10 @@ use super::{Caption, PictureWords, Report};
 
 impl Report<'_> {
     pub(super) fn picture_words(&self) -> PictureWords {
-        let is_any_missing = self.record.legs.iter().any(|leg| leg.shape.is_none());
         PictureWords {
             title: self.text("report.pictures.title"),
             appendix: self.text("report.pictures.appendix"),
             captions: self.captions(),
-            missing: is_any_missing.then(|| self.text("report.pictures.missing")),
             view: self.text("report.pictures.view"),
             no_script: self.text("report.pictures.no_script"),
         }

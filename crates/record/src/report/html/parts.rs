@@ -196,11 +196,9 @@ fn open_fields(content: &Content) -> String {
     element("div", " class=\"open print-only\"", &(title + &element("ul", "", &names)))
 }
 
-/// The pictures for every reader, or why there are none.
+/// The pictures for every reader.
 pub(super) fn pictures(content: &Content, drawn: &[&Drawn]) -> String {
-    let missing = content.pictures.missing.as_ref().map(|text| said("p", " class=\"aside\"", text));
-    let inside = missing.unwrap_or_default() + &captioned(content, drawn);
-    section("pictures", &content.pictures.title, &inside)
+    section("pictures", &content.pictures.title, &captioned(content, drawn))
 }
 
 /// The engineering figures, which few readers need: closed, and not printed while they are.

@@ -59,12 +59,13 @@ pub fn paper(
     measuring_sheet::write(&mut flow, content, figures);
     parts::sizes(&mut flow, content.sizes.as_ref());
     parts::notes(&mut flow, content);
-    parts::pictures(&mut flow, &content.pictures, &pictures);
+    let words = &content.pictures;
+    parts::pictures(&mut flow, &words.title, words, &pictures);
     parts::tables(&mut flow, &content.tables);
     parts::section(&mut flow, &content.legend);
     parts::facts(&mut flow, content);
     if print.has_appendix {
-        parts::appendix(&mut flow, &content.pictures, &appendix);
+        parts::pictures(&mut flow, &words.appendix, words, &appendix);
         parts::tables(&mut flow, content.slices.as_slice());
         parts::section(&mut flow, &content.surfaces);
         parts::landmarks(&mut flow, &content.landmarks);

@@ -334,32 +334,11 @@ pub(super) fn section(flow: &mut Flow<'_>, section: &Section) {
     }
 }
 
-/// The pictures for every reader, or why there are none.
-pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[&Drawn]) {
-    let missing = words.missing.as_ref();
-    let said = missing.map_or(0.0, |words| Flow::height_of(words, BODY_TYPE) + 3.0);
-    flow.heading(&words.title, said + first_height(flow, words, drawn, said));
-    if let Some(missing) = missing {
-        flow.text(missing, StructRole::P, BODY_TYPE, Ink::Text);
-        flow.space(3.0);
-    }
-    captioned(flow, words, drawn);
-}
-
-/// The pictures of the appendix, below its heading.
-pub(super) fn appendix(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[&Drawn]) {
-    flow.heading(&words.appendix, first_height(flow, words, drawn, 0.0));
-    captioned(flow, words, drawn);
-}
-
-/// Height of the first picture with its caption, below a heading and `said` pt of text, pt.
-fn first_height(flow: &Flow<'_>, words: &PictureWords, drawn: &[&Drawn], said: f64) -> f64 {
-    let above = HEADING_ROOM + said;
-    let height = |of: &&Drawn| flow.picture_height(&of.picture, captions(words, of), above);
-    drawn.first().map_or(0.0, height)
-}
-
-fn captioned(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[&Drawn]) {
+/// Pictures below a heading.
+pub(super) fn pictures(flow: &mut Flow<'_>, title: &str, words: &PictureWords, drawn: &[&Drawn]) {
+    let height = |of: &&Drawn| flow.picture_height(&of.picture, captions(words, of), HEADING_ROOM);
+    let first = drawn.first().map_or(0.0, height);
+    flow.heading(title, first);
     for drawn in drawn {
         let [title, text] = captions(words, drawn);
         flow.picture(&drawn.picture, title, text);

@@ -61,10 +61,8 @@
   }
 
   /** A section as a ring: its points, its centre and a thin tube to draw; or null. */
-  function readRing(section, axis) {
-    const { centre_mm: centre, radius_mm: radii } = section.outline;
-    const own = isObject(axis) ? axis : {};
-    const [front, lateral] = [section.outline.front || own.front, section.outline.lateral || own.lateral];
+  function readRing(section) {
+    const { centre_mm: centre, front, lateral, radius_mm: radii } = section.outline;
     if (!isName(section.level) || ![centre, front, lateral].every(isPoint)) return null;
     if (!Array.isArray(radii) || radii.length < 3 || radii.length > 720 || !radii.every(isPlace)) return null;
     const across = [0, 1, 2].map((k) => front[(k + 1) % 3] * lateral[(k + 2) % 3] - front[(k + 2) % 3] * lateral[(k + 1) % 3]);
@@ -121,7 +119,7 @@
     const shape = read(source.shape, (value) => value);
     if (!shape) return null;
     const rings = list(source.sections, (section) => section).map((section) =>
-      read(section.outline, () => readRing(section, source.axis))).filter((ring) => ring !== null);
+      read(section.outline, () => readRing(section))).filter((ring) => ring !== null);
     const centres = new Map(rings.map((ring) => [ring.level, ring.centre]));
     const features = list(source.features, (feature) => {
       const { level, label, kind, position_mm: place } = feature;
@@ -142,7 +140,7 @@
     };
     if (!leg.skin && !leg.surface && !leg.scan) return null;
     const tube = leg.skin || leg.surface;
-    // Scans without triangles and older records have no mesh of the foot; its points stand for it.
+    // Scans without triangles have no mesh of the foot; its points stand for it.
     const rows = leg.skin ? rowsOf(leg.skin) : [];
     const lowestMm = rows.length ? rows[0].heightMm : Infinity;
     const dots = leg.foot || !leg.scan ? [] : [...leg.scan].filter((_, at) => leg.scan[at - at % 3 + 2] < lowestMm);
