@@ -20,7 +20,7 @@ use std::time::Duration;
 use gaiter_flow::ScanId;
 use gaiter_record::Record;
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
-use http::header::{ACCEPT, AUTHORIZATION, CONTENT_TYPE, HeaderName, HeaderValue};
+use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
 use http::{Method, Uri};
 use jiff::Timestamp;
 use serde_json::Value;
@@ -35,6 +35,9 @@ pub use server::{FhirAccess, FhirServer, SmartAccess};
 
 /// The media type of FHIR as JSON.
 const JSON: HeaderValue = HeaderValue::from_static("application/fhir+json");
+
+/// Servers keep what a search has found, some for a minute: a patient who was registered since would not be found.
+const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
 
 /// The id of a patient whom no server knows.
 const TRIAL_PATIENT: &str = "gaiter-check";
@@ -123,7 +126,8 @@ impl FhirStore {
         body: &[u8],
         shown: Option<&HeaderValue>,
     ) -> Result<HttpAnswer, ServerFault> {
-        let mut headers: Vec<(HeaderName, HeaderValue)> = vec![(ACCEPT, JSON)];
+        let mut headers: Vec<(HeaderName, HeaderValue)> =
+            vec![(ACCEPT, JSON), (CACHE_CONTROL, ANEW)];
         if !body.is_empty() {
             headers.push((CONTENT_TYPE, JSON));
         }

@@ -1,8 +1,9 @@
 //! A receiver of HL7 v2 as a store: each record is a result (ORU^R01), over MLLP or as a file in a folder.
 //!
-//! A receiver has no place where the station could look what it has. What it has accepted is noted in the state
-//! folder, so that nothing is sent twice even if the journal is lost; a message whose answer was lost is sent again
-//! with the same control id, by which receivers know it.
+//! A receiver has no place where the station could look what it has. What it is sent is noted in the state folder
+//! before, and that it was accepted afterwards. So nothing is sent twice even if the journal is lost; a message whose
+//! answer was lost is sent again with the same control id, by which receivers know it, and is taken back like any
+//! other.
 
 mod folder;
 mod mllp;
@@ -66,8 +67,8 @@ impl Hl7Store {
         }
     }
 
-    /// Sends a message and notes that the receiver has it. A file is noted before it has its name: if it is not
-    /// there any more, it was fetched.
+    /// Sends a message and notes that the receiver has it. It is noted before: if the answer is lost, or cannot be
+    /// noted, the receiver may have the message, and a take-back must not leave it there.
     fn send(
         &self,
         key: &str,
@@ -75,11 +76,23 @@ impl Hl7Store {
         message: &[u8],
         sent: &Sent,
     ) -> Result<(), StoreFault> {
-        if let Some(receiver) = self.receiver() {
-            let answer = receiver.exchange(message).map_err(ServerFault::Http)?;
-            accepted(&answer, &sent.control, patient)?;
-            return self.sent.note(key, sent);
+        let Some(receiver) = self.receiver() else { return self.hand_out(key, message, sent) };
+        let connection = receiver.connected().map_err(ServerFault::Http)?;
+        let before = self.sent.of(key)?;
+        self.sent.note(key, &Sent { is_answered: false, ..sent.clone() })?;
+        let answer = receiver.exchange(connection, message).map_err(ServerFault::Http)?;
+        match accepted(&answer, &sent.control, patient) {
+            Ok(()) => self.sent.note(key, sent),
+            Err(fault @ (StoreFault::Permanent(_) | StoreFault::Server(ServerFault::Later(_)))) => {
+                self.sent.restore(key, before.as_ref())?;
+                Err(fault)
+            }
+            Err(fault) => Err(fault),
         }
+    }
+
+    /// Makes the file of a message. It is noted before it has its name: if it is not there any more, it was fetched.
+    fn hand_out(&self, key: &str, message: &[u8], sent: &Sent) -> Result<(), StoreFault> {
         let Some(folder) = self.folder() else { return Ok(()) };
         folder.reach()?;
         folder.stage(key, &sent.control, message)?;
@@ -149,29 +162,38 @@ impl RecordStore for Hl7Store {
         let (mut record, patient) = record_of(delivery)?;
         let (revision, key) = (record.revision, key(delivery.scan, patient));
         let known = self.sent.of(&key)?;
-        if let Some(known) =
-            known.as_ref().filter(|known| known.holds && known.revision >= revision)
-        {
+        let is_there =
+            |known: &&Sent| known.holds && known.is_answered && known.revision >= revision;
+        if let Some(known) = known.as_ref().filter(is_there) {
             self.settle(&key, known)?;
             return Ok(Receipt { folder: PathBuf::from(&known.control), already_there: true });
         }
-        // A result that comes after its withdrawal is a correction of that: under the control id of the first one,
-        // a receiver would not enter it.
-        let number = known.map_or(revision, |known| revision.max(known.number + 1));
+        let number = match &known {
+            None => revision,
+            // Its answer was lost: it is the same message.
+            Some(known) if known.holds && known.revision == revision => known.number,
+            // A result that comes after its withdrawal is a correction of that: under the control id of the first
+            // one, a receiver would not enter it.
+            Some(known) => revision.max(known.number + 1),
+        };
         record.revision = number;
         let pdf = file(delivery, "report.pdf").map(|file| file.bytes.as_slice());
         let now = Timestamp::now();
-        let message = hl7::result(&record, pdf, &self.rules, delivery.first_seen, now);
+        let mut codes = hl7::observed(&record, pdf.is_some() && self.rules.pdf != PdfForm::None);
+        let before = known.map(|known| known.codes).unwrap_or_default();
+        let gone: Vec<String> = before.into_iter().filter(|code| !codes.contains(code)).collect();
+        let first_seen = delivery.first_seen;
+        let message = hl7::result(&record, pdf, &gone, &self.rules, first_seen, now);
         let message = message.ok_or(StoreFault::Permanent(Misfit::Unassigned))?;
         let control = hl7::control_id(delivery.scan.as_str(), patient, number, false);
-        let codes = hl7::observed(&record, pdf.is_some() && self.rules.pdf != PdfForm::None);
+        codes.extend(gone);
         let folder = PathBuf::from(&control);
-        let sent = Sent { revision, number, control, holds: true, codes };
+        let sent = Sent { revision, number, control, holds: true, is_answered: true, codes };
         self.send(&key, patient, &message, &sent)?;
         Ok(Receipt { folder, already_there: false })
     }
 
-    /// All that a result held is marked as wrong.
+    /// All that results held is marked as wrong.
     fn withdraw(
         &self,
         scan: &ScanId,
@@ -181,14 +203,15 @@ impl RecordStore for Hl7Store {
         let Some(patient) = from else { return Ok(()) };
         let key = key(scan, patient);
         let Some(sent) = self.sent.of(&key)? else { return Ok(()) };
-        if !sent.holds {
+        if !sent.holds && sent.is_answered {
             return self.settle(&key, &sent);
         }
         let (id, number) = (scan.as_str(), sent.number);
         let control = hl7::control_id(id, patient, number, true);
         let now = Timestamp::now();
         let message = hl7::withdrawal(id, patient, number, &sent.codes, &self.rules, now);
-        self.send(&key, patient, &message, &Sent { control, holds: false, ..sent })
+        let withdrawn = Sent { control, holds: false, is_answered: true, ..sent };
+        self.send(&key, patient, &message, &withdrawn)
     }
 
     /// Forgets what was sent of these scans. The messages are the receiver's own; what is staged of them is removed

@@ -153,6 +153,26 @@ fn a_server_that_is_away_keeps_no_other_store_waiting_and_gets_the_record_later(
 
 #[test]
 #[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
+fn a_take_back_reaches_a_receiver_that_has_the_result_and_whose_answer_was_lost() {
+    let mut place = Place::new();
+    place.renew();
+    place.hl7.becomes("cut-after");
+    let daemon = place.booth.start();
+    place.booth.wait_for_records(1);
+    place.booth.wait_for("the message", || !place.hl7.messages().is_empty());
+    place.verb(&["unassign", &sha256(&coarse_body(1))[..12]], "");
+    place.hl7.becomes("");
+    let is_withdrawn = || {
+        let messages = place.hl7.messages();
+        let last = messages.last().map(|message| of(message, "OBX")).unwrap_or_default();
+        !last.is_empty() && last.iter().all(|obx| obx[11] == "W")
+    };
+    place.booth.wait_for("the withdrawal", is_withdrawn);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+#[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn a_record_of_a_patient_whom_the_server_does_not_know_waits_for_a_person() {
     let mut place = Place::new();
     place.renew();

@@ -92,18 +92,18 @@ fn left(person: &Person, language: Language) -> Vec<String> {
 }
 
 fn on_server(of: &OnServer, language: Language) -> String {
-    let key = match (&of.unfetched, of.is_withdrawn) {
-        (Some(_), _) => "erase.on_server_unfetched",
-        (None, true) => "erase.on_server_withdrawn",
-        (None, false) => "erase.on_server",
+    let key = match (&of.unfetched, of.is_withdrawn, &of.reference) {
+        (Some(_), _, _) => "erase.on_server_unfetched",
+        (None, _, None) => "erase.on_server_perhaps",
+        (None, true, Some(_)) => "erase.on_server_withdrawn",
+        (None, false, Some(_)) => "erase.on_server",
     };
     let at = of.at.map(|at| at.to_string()).unwrap_or_default();
     let file = of.unfetched.as_ref().map(|file| shown(file.display()).to_string());
     let file = file.unwrap_or_default();
     let place = shown(&of.place).to_string();
-    let unknown = language.text("person.unknown");
     let store = language.word("page.part.store", &of.store);
-    let reference = shown(of.reference.as_deref().unwrap_or(unknown)).to_string();
+    let reference = shown(of.reference.as_deref().unwrap_or_default()).to_string();
     let words: [(&str, &dyn Display); 5] = [
         ("store", &store),
         ("place", &place),
@@ -125,6 +125,24 @@ mod tests {
             "state": "spooled", "first_seen": "2026-11-21T09:15:00Z", "format": "obj", "size": 12,
             "deliveries": [], "kept": [],
         })
+    }
+
+    #[test]
+    fn a_server_that_may_have_a_record_without_a_receipt_is_named() {
+        let on_server = |reference: Option<&str>| {
+            json!({
+                "sha256": "0".repeat(64), "store": "fhir", "place": "https://fhir.clinic.example/r4",
+                "reference": reference, "at": "2026-11-21T09:15:00Z", "is_withdrawn": false,
+                "unfetched": null,
+            })
+        };
+        let of = |reference: Option<&str>| {
+            let of: OnServer = serde_json::from_value(on_server(reference)).unwrap();
+            super::on_server(&of, Language::En)
+        };
+        let unsure = of(None);
+        assert!(unsure.contains("(https://fhir.clinic.example/r4): may have a record"), "{unsure}");
+        assert!(of(Some("DiagnosticReport/17")).contains("DiagnosticReport/17, given on"));
     }
 
     #[test]

@@ -32,8 +32,11 @@ fn address(text: &str) -> Result<String, What> {
     let base = text.trim_end_matches('/');
     let example = "write \"https://fhir.clinic.example/r4\"";
     let uri: Uri = base.parse().map_err(|_| no_address(example))?;
-    if uri.query().is_some() || uri.authority().is_some_and(|of| of.as_str().contains('@')) {
-        let hint = "write it without ? and without user and password, which have keys of their own";
+    // What follows # is never sent: without it the address would be another one.
+    let is_more = uri.query().is_some() || text.contains('#');
+    if is_more || uri.authority().is_some_and(|of| of.as_str().contains('@')) {
+        let hint =
+            "write it without ? and #, and without user and password, which have keys of their own";
         return Err(no_address(hint));
     }
     match Endpoint::of(&uri) {
@@ -157,6 +160,7 @@ mod tests {
             "http://fhir.clinic.example/r4",
             "https://user:word@fhir.clinic.example",
             "https://fhir.clinic.example/r4?x=1",
+            "https://fhir.clinic.example/r4#x",
             "ftp://fhir.clinic.example",
             "https:///r4",
         ] {

@@ -206,10 +206,12 @@ fn given(store: &dyn RecordStore, patient: &str) -> Vec<HandedOver> {
     handed_over.collect()
 }
 
-/// What a server was given, or may have been. The journal knows it by its receipts.
+/// What a server was given, or may have been. The journal knows it by its receipts. It has none of what is still to
+/// be sent, or was taken back before an answer came: the server may have it all the same.
 fn on_server(store: &dyn RecordStore, scans: &[PersonScan]) -> Vec<OnServer> {
+    let nothing_sent = [DeliveryState::Held, DeliveryState::Refused].map(DeliveryState::word);
     let was_given =
-        |of: &PersonDelivery| of.folder.is_some() || of.state == DeliveryState::Delivered.word();
+        |of: &PersonDelivery| of.folder.is_some() || !nothing_sent.contains(&of.state.as_str());
     let all = scans.iter().flat_map(|scan| scan.deliveries.iter().map(move |of| (scan, of)));
     let given = all.filter(|&(_, of)| of.store == store.name() && was_given(of));
     let row = |(scan, of): (&PersonScan, &PersonDelivery)| OnServer {

@@ -20,8 +20,11 @@ impl FhirStore {
         let secret = [identifier.query(), id.to_owned()];
         let secret = secret.each_ref().map(String::as_str);
         let found = self.found("Patient", &identifier, PATIENTS_MOST, &secret)?;
-        match found.as_slice() {
-            [] => Err(StoreFault::Permanent(Misfit::NotRegistered)),
+        // A server keeps who was merged into another, often with the identifier that both have now.
+        let left: Vec<&Value> = found.iter().filter(|patient| !is_replaced(patient)).collect();
+        match left.as_slice() {
+            [] if found.is_empty() => Err(StoreFault::Permanent(Misfit::NotRegistered)),
+            [] => Err(StoreFault::Permanent(Misfit::PatientNotInUse)),
             [patient] if is_in_use(patient, &identifier) => reference(patient),
             [_] => Err(StoreFault::Permanent(Misfit::PatientNotInUse)),
             several => Err(StoreFault::Permanent(Misfit::RegisteredTwice(several.len()))),
@@ -29,7 +32,8 @@ impl FhirStore {
     }
 
     /// The resources of a kind that a search by an identifier finds. A server that answers with one that lacks the
-    /// identifier has ignored what was asked, and nothing of its answer is used.
+    /// identifier has ignored what was asked, and nothing of its answer is used. Of those that have it in other
+    /// capital and small letters none is meant.
     pub(super) fn found(
         &self,
         kind: &str,
@@ -44,14 +48,15 @@ impl FhirStore {
             return not_usable("a search gives no bundle");
         }
         let entries = answer["entry"].as_array_mut().map(std::mem::take).unwrap_or_default();
-        let found: Vec<Value> = entries
+        let mut found: Vec<Value> = entries
             .into_iter()
             .filter_map(|mut entry| Some(entry.get_mut("resource")?.take()))
             .filter(|resource| resource["resourceType"] == kind)
             .collect();
-        if !found.iter().all(|resource| identifier.is_of(resource)) {
+        if !found.iter().all(|resource| identifier.is_like(resource)) {
             return not_usable("a search by an identifier finds what does not have it");
         }
+        found.retain(|resource| identifier.is_of(resource));
         // What is not seen could not be marked as wrong. Two patients are enough to know that there are several.
         let is_enough = kind == "Patient" && found.len() > 1;
         let mut links = answer["link"].as_array().into_iter().flatten();
@@ -62,16 +67,21 @@ impl FhirStore {
     }
 }
 
+/// Whether a patient was merged into another.
+fn is_replaced(patient: &Value) -> bool {
+    let mut links = patient["link"].as_array().into_iter().flatten();
+    links.any(|link| link["type"] == "replaced-by")
+}
+
 /// Whether a patient's record is in use: not closed, not merged into another, and the id is still the patient's.
 fn is_in_use(patient: &Value, identifier: &Identifier) -> bool {
-    let list = |key: &str| patient[key].as_array().into_iter().flatten();
-    let is_replaced = list("link").any(|link| link["type"] == "replaced-by");
-    let is_old = list("identifier").any(|of| {
+    let mut own = patient["identifier"].as_array().into_iter().flatten();
+    let is_old = own.any(|of| {
         of["use"] == "old"
             && of["system"].as_str() == Some(&identifier.system)
             && of["value"].as_str() == Some(&identifier.value)
     });
-    patient["active"] != false && !is_replaced && !is_old
+    patient["active"] != false && !is_replaced(patient) && !is_old
 }
 
 #[cfg(test)]

@@ -179,6 +179,38 @@ fn a_patient_is_found_by_the_whole_identifier_or_not_at_all() {
 }
 
 #[test]
+fn a_patient_whose_id_differs_in_capital_letters_is_another_and_keeps_nobody_waiting() {
+    let of = |all: &[Value]| answered(vec![found(all)]).0.subject("P4711");
+    let (theirs, other) = (patient("17", "P4711"), patient("18", "p4711"));
+    assert_eq!(of(std::slice::from_ref(&other)).unwrap_err().code(), "patient-not-registered");
+    assert_eq!(of(&[theirs, other]).unwrap(), "Patient/17");
+}
+
+#[test]
+fn of_patients_who_were_merged_the_one_that_is_left_counts() {
+    let of = |all: &[Value]| answered(vec![found(all)]).0.subject("P4711");
+    let (left, mut merged) = (patient("17", "P4711"), patient("18", "P4711"));
+    merged["active"] = false.into();
+    merged["link"] = json!([{ "type": "replaced-by", "other": { "reference": "Patient/17" } }]);
+    assert_eq!(of(&[merged.clone(), left.clone()]).unwrap(), "Patient/17");
+    assert_eq!(of(std::slice::from_ref(&merged)).unwrap_err().code(), "patient-not-in-use");
+    // The id was the merged one's, and is not in use any more.
+    let mut old = left.clone();
+    old["identifier"][0]["use"] = "old".into();
+    assert_eq!(of(&[merged.clone(), old]).unwrap_err().code(), "patient-not-in-use");
+    let two = of(&[merged, left.clone(), patient("19", "P4711")]).unwrap_err();
+    assert!(matches!(two, StoreFault::Permanent(Misfit::RegisteredTwice(2))), "{two}");
+}
+
+#[test]
+fn no_answer_of_a_search_is_one_that_the_server_had_kept() {
+    let (store, requests) = answered(vec![found(&[patient("17", "4711")])]);
+    store.subject("4711").unwrap();
+    let request = requests.try_iter().next().unwrap();
+    assert!(request.lines().any(|line| line == "cache-control: no-cache"), "{request}");
+}
+
+#[test]
 fn a_server_that_ignores_what_was_searched_for_is_not_believed() {
     let more = json!({
         "resourceType": "Bundle", "type": "searchset", "link": [{ "relation": "next", "url": "x" }],

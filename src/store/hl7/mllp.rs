@@ -40,10 +40,13 @@ impl Receiver<'_> {
         self.connected().map(Connection::close)
     }
 
-    /// Sends a message and returns the answer without its frame.
-    pub fn exchange(&self, message: &[u8]) -> Result<Vec<u8>, HttpFault> {
+    /// Sends a message on a connection and returns the answer without its frame.
+    pub fn exchange(
+        &self,
+        mut connection: Connection,
+        message: &[u8],
+    ) -> Result<Vec<u8>, HttpFault> {
         let framed = [&[START][..], message, &END[..]].concat();
-        let mut connection = self.connected()?;
         let stream = connection.stream();
         let sent = stream.write_all(&framed).and_then(|()| stream.flush());
         let answer = sent.and_then(|()| read_answer(stream));
@@ -52,7 +55,8 @@ impl Receiver<'_> {
         answer.ok_or(HttpFault::TooLong { most: ANSWER_MOST })
     }
 
-    fn connected(&self) -> Result<Connection, HttpFault> {
+    /// A connection, on which nothing was sent yet.
+    pub fn connected(&self) -> Result<Connection, HttpFault> {
         let until = Instant::now() + self.limit;
         // Read first: without its certificates a connection is of no use.
         let config = self.tls.map(tls::trust).transpose()?;
@@ -157,7 +161,7 @@ fn read_answer(stream: &mut dyn Stream) -> io::Result<Option<Vec<u8>>> {
 }
 
 /// A connection to a receiver.
-enum Connection {
+pub(super) enum Connection {
     Plain(Timed),
     Encrypted(Box<StreamOwned<ClientConnection, Timed>>),
 }
@@ -184,7 +188,7 @@ trait Stream: Read + Write {}
 impl<S: Read + Write> Stream for S {}
 
 /// A connection on which nothing is waited for beyond a point in time.
-struct Timed {
+pub(super) struct Timed {
     stream: TcpStream,
     until: Instant,
 }

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::store::{StoreFault, durable, tried};
 
-/// What a receiver has of a scan of a patient.
+/// What a receiver has of a scan of a patient, or may have.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Sent {
-    /// The revision of the record that it has accepted last.
+    /// The revision of the record in the last message.
     pub revision: u32,
     /// The number of the last message: that revision, or more if a result was sent again after its withdrawal.
     pub number: u32,
@@ -20,7 +20,9 @@ pub(super) struct Sent {
     pub control: String,
     /// Whether the result holds; not if it was withdrawn.
     pub holds: bool,
-    /// The codes of the observations in it.
+    /// Whether the receiver has accepted the last message. If not, it may have it all the same.
+    pub is_answered: bool,
+    /// The codes of all observations that it was ever sent of the scan.
     pub codes: Vec<String>,
 }
 
@@ -43,7 +45,7 @@ impl SentMessages {
         SentMessages { folder: state_dir.join("hl7-sent") }
     }
 
-    /// What the receiver has; `None` if nothing was ever accepted.
+    /// What the receiver has; `None` if it can have nothing.
     pub fn of(&self, key: &str) -> Result<Option<Sent>, StoreFault> {
         let path = self.path(key);
         let read = match fs::read(&path) {
@@ -68,6 +70,11 @@ impl SentMessages {
             durable::replace_file(&self.folder, &file_name(key), &bytes)
         };
         tried("noting what was sent", &self.folder, write())
+    }
+
+    /// Notes what was known before a message that the receiver did not take; durable on return.
+    pub fn restore(&self, key: &str, before: Option<&Sent>) -> Result<(), StoreFault> {
+        before.map_or_else(|| self.forget(key), |sent| self.note(key, sent))
     }
 
     /// Removes a note; durable on return.

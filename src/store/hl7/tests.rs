@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::os::unix::fs::symlink;
 use std::sync::{Arc, Mutex};
 use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
@@ -70,11 +71,28 @@ impl Receiving {
         Hl7Store::new(way, rules(), state)
     }
 
+    /// The last message that it was sent.
+    fn last(&self) -> String {
+        self.messages.lock().unwrap().last().cloned().unwrap_or_default()
+    }
+
     /// The control ids of what it was sent, in order.
     fn controls(&self) -> Vec<String> {
         let messages = self.messages.lock().unwrap();
         messages.iter().map(|message| message.split('|').nth(9).unwrap().to_owned()).collect()
     }
+}
+
+/// OBX-3 and OBX-11 of each observation of a message: its code, and what the message says about it.
+fn observations(message: &str) -> Vec<(String, String)> {
+    let observations = message.split('\r').filter(|segment| segment.starts_with("OBX|"));
+    let fields = observations.map(|obx| obx.split('|').collect::<Vec<_>>());
+    let of = |obx: Vec<&str>| (obx[3].split('^').next().unwrap().to_owned(), obx[11].to_owned());
+    fields.map(of).collect()
+}
+
+fn pairs(all: &[(&str, &str)]) -> Vec<(String, String)> {
+    all.iter().map(|(code, status)| ((*code).to_owned(), (*status).to_owned())).collect()
 }
 
 fn receive(mut stream: TcpStream, mode: &Mutex<Mode>, messages: &Mutex<Vec<String>>) {
@@ -260,6 +278,58 @@ fn a_correction_a_withdrawal_and_a_result_after_it_are_messages_of_their_own() {
 }
 
 #[test]
+fn a_result_whose_answer_was_lost_is_taken_back_and_one_that_was_refused_is_not() {
+    let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
+    let store = receiver.store(state.path());
+    let hasty = receiver.store_that_waits(Duration::from_secs(1), state.path());
+    let withdraw = |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None);
+    receiver.becomes(Mode::Refuse);
+    assert!(put(&store, Some("4711"), 1).is_err());
+    receiver.becomes(Mode::Accept);
+    withdraw(&store).unwrap();
+    assert_eq!(receiver.controls().len(), 1, "the receiver has said that it has nothing");
+    // It has taken the result, and nobody knows.
+    receiver.becomes(Mode::Silent);
+    passing(&hasty);
+    assert!(withdraw(&hasty).is_err());
+    receiver.becomes(Mode::Accept);
+    withdraw(&receiver.store(state.path())).unwrap();
+    withdraw(&store).unwrap();
+    let controls = receiver.controls();
+    assert_eq!(controls.len(), 4, "{controls:?}");
+    assert_eq!(controls[0], controls[1], "the same result");
+    assert_eq!(controls[2], controls[3], "the same take-back, until it is accepted");
+    assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "W"), ("PDF", "W")]));
+    assert!(is_new(&store, 1), "it is this patient's after all");
+    assert!(!controls.contains(&receiver.controls()[4]));
+}
+
+#[test]
+fn what_a_correction_no_longer_holds_is_wrong_there_and_is_taken_back_with_it() {
+    let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
+    let store = receiver.store(state.path());
+    assert!(is_new(&store, 1));
+    let mut without = store.clone();
+    without.rules.pdf = PdfForm::None;
+    assert!(is_new(&without, 2));
+    assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "C"), ("PDF", "W")]));
+    without.withdraw(&scan(), Some("4711"), None).unwrap();
+    assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "W"), ("PDF", "W")]));
+}
+
+#[test]
+fn nothing_is_sent_that_cannot_be_noted() {
+    let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
+    // The folder of notes can neither be used nor made, as on a full disk.
+    symlink("/nowhere/at/all", state.path().join("hl7-sent")).unwrap();
+    let store = receiver.store(state.path());
+    assert!(matches!(put(&store, Some("4711"), 1), Err(StoreFault::Transient { .. })));
+    assert!(receiver.controls().is_empty());
+    fs::remove_file(state.path().join("hl7-sent")).unwrap();
+    assert!(is_new(&store, 1));
+}
+
+#[test]
 fn the_notes_of_what_was_sent_name_nobody_and_are_forgotten_with_a_person() {
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
@@ -321,7 +391,14 @@ fn a_message_file_that_a_crash_left_is_named_if_it_was_noted_and_made_again_if_n
     store.open().unwrap();
     assert_eq!((staged(), messages(root.path()).len()), (0, 0));
     // Behind it: by the next attempt, and by the next run.
-    let sent = Sent { revision: 1, number: 1, control: "0123".into(), holds: true, codes: vec![] };
+    let sent = Sent {
+        revision: 1,
+        number: 1,
+        control: "0123".into(),
+        holds: true,
+        is_answered: true,
+        codes: vec![],
+    };
     let attempt: fn(&Hl7Store) = |store| assert!(!is_new(store, 1));
     let run: fn(&Hl7Store) = |store| store.open().unwrap();
     for next in [attempt, run] {

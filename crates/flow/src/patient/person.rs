@@ -182,8 +182,8 @@ pub struct OnServer {
     pub store: String,
     /// The server, as configured.
     pub place: String,
-    /// By what it is found there: a report's address, or a message's control id; `None` if only a journal that
-    /// was lost knew it. The server may then have nothing.
+    /// By what it is found there: a report's address, or a message's control id; `None` if no answer
+    /// came yet, or if only a journal that was lost knew it. The server may then have nothing.
     pub reference: Option<String>,
     /// Since when.
     pub at: Option<Timestamp>,

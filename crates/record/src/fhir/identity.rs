@@ -63,6 +63,16 @@ impl Identifier {
             of["system"].as_str() == Some(&self.system) && of["value"].as_str() == Some(&self.value)
         })
     }
+
+    /// Whether a resource has it but for capital and small letters, which a search need not tell apart (R4, token).
+    pub fn is_like(&self, resource: &Value) -> bool {
+        let is_like = |of: &Value, text: &str| {
+            of.as_str().is_some_and(|of| of.to_lowercase() == text.to_lowercase())
+        };
+        let own = resource["identifier"].as_array().into_iter().flatten();
+        own.into_iter()
+            .any(|of| is_like(&of["system"], &self.system) && is_like(&of["value"], &self.value))
+    }
 }
 
 /// A text in which everything but unreserved letters (RFC 3986) is percent-encoded. A comma, dollar or bar of

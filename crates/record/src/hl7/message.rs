@@ -43,11 +43,14 @@ pub fn observed(record: &Record, has_pdf: bool) -> Vec<String> {
     codes.chain([VERDICT.to_owned()]).chain(pdf).collect()
 }
 
-/// The result of a record, for its patient. `first_seen` is the time of a record that does not say when it was
-/// taken, `now` that of the message. `None` if the record names no patient.
+/// The result of a record, for its patient. `gone` are the codes of what earlier results held and this one does not,
+/// such as a girth that cannot be measured after all: each is marked as wrong, because a receiver keeps what a
+/// correction does not name. `first_seen` is the time of a record that does not say when it was taken, `now` that of
+/// the message. `None` if the record names no patient.
 pub fn result(
     record: &Record,
     pdf: Option<&[u8]>,
+    gone: &[String],
     rules: &Hl7Rules,
     first_seen: Timestamp,
     now: Timestamp,
@@ -59,7 +62,7 @@ pub fn result(
         false => Status::Final,
     };
     let at = moment(&taken(record, first_seen));
-    let of = Message { rules, patient, status, at };
+    let of = Message { rules, patient, status, at: at.clone() };
     let mut segments = of.head(&control, &record.scan.sha256, now);
     let figures = export_figures(record);
     let station = record.station.as_deref().unwrap_or_default();
@@ -78,6 +81,8 @@ pub fn result(
         let pdf = Observation { code: PDF, words, value, station: "" };
         segments.push(of.observation(number + 1, &pdf));
     }
+    let count = observed(record, pdf.is_some() && kind_of(rules.pdf).is_some()).len();
+    segments.extend(Message { rules, patient, status: Status::Wrong, at }.wrong(count + 1, gone));
     Some(of.written(&segments))
 }
 
@@ -94,11 +99,7 @@ pub fn withdrawal(
     let at = moment(&now.to_zoned(TimeZone::UTC));
     let of = Message { rules, patient, status: Status::Wrong, at };
     let mut segments = of.head(&control, scan, now);
-    for (at, code) in codes.iter().enumerate() {
-        let value = Value { kind: "ST", text: String::new(), unit: "" };
-        let wrong = Observation { code, words: "", value, station: "" };
-        segments.push(of.observation(at + 1, &wrong));
-    }
+    segments.extend(of.wrong(1, codes));
     of.written(&segments)
 }
 
@@ -224,6 +225,15 @@ impl Message<'_> {
             segments.push(format!("NTE|{}|L|{}", at + 1, escaped(&note)));
         }
         segments
+    }
+
+    /// An OBX without a value for each of these codes, numbered from `first`.
+    fn wrong(&self, first: usize, codes: &[String]) -> Vec<String> {
+        let wrong = |(at, code): (usize, &String)| {
+            let value = Value { kind: "ST", text: String::new(), unit: "" };
+            self.observation(first + at, &Observation { code, words: "", value, station: "" })
+        };
+        codes.iter().enumerate().map(wrong).collect()
     }
 
     fn observation(&self, number: usize, of: &Observation<'_>) -> String {

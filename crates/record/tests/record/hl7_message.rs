@@ -45,7 +45,7 @@ fn now() -> Timestamp {
 }
 
 fn written(record: &Record, rules: &Hl7Rules) -> Vec<u8> {
-    result(record, Some(b"%PDF-1.7"), rules, first_seen(), now()).unwrap()
+    result(record, Some(b"%PDF-1.7"), &[], rules, first_seen(), now()).unwrap()
 }
 
 /// The fields of each segment.
@@ -132,7 +132,7 @@ fn the_pdf_is_sent_in_the_form_of_the_receiver_or_not_at_all() {
     assert_eq!(last(PdfForm::Plain), "^PDF^^Base64^JVBERi0xLjc=");
     let without = fields(&written(&record, &Hl7Rules { pdf: PdfForm::None, ..rules() }));
     assert_eq!(codes(&without), observed(&record, false));
-    let none = result(&record, None, &rules(), first_seen(), now()).unwrap();
+    let none = result(&record, None, &[], &rules(), first_seen(), now()).unwrap();
     assert_eq!(codes(&fields(&none)), observed(&record, false));
 }
 
@@ -141,7 +141,7 @@ fn a_message_that_is_sent_again_differs_in_its_time_alone() {
     let record = record_of("4711");
     let later = "2026-11-27T08:00:00Z".parse().unwrap();
     let [first, again] = [now(), later].map(|now| {
-        let bytes = result(&record, Some(b"%PDF-1.7"), &rules(), first_seen(), now).unwrap();
+        let bytes = result(&record, Some(b"%PDF-1.7"), &[], &rules(), first_seen(), now).unwrap();
         String::from_utf8(bytes).unwrap()
     });
     assert_ne!(first, again);
@@ -172,6 +172,22 @@ fn a_later_revision_is_a_correction_of_the_same_order() {
     assert_eq!(of(&later, "OBR")[0][25], "C");
     assert_eq!(of(&later, "OBR")[0][3], of(&first, "OBR")[0][3]);
     assert_ne!(of(&later, "MSH")[0][9], of(&first, "MSH")[0][9]);
+}
+
+#[test]
+fn what_a_correction_no_longer_holds_is_marked_as_wrong() {
+    let record = Record { revision: 2, ..record_of("4711") };
+    let gone = ["cC-R".to_owned(), "lY-L".to_owned()];
+    let bytes = result(&record, None, &gone, &rules(), first_seen(), now()).unwrap();
+    let message = fields(&bytes);
+    let observations = of(&message, "OBX");
+    let (kept, wrong) = observations.split_at(observations.len() - gone.len());
+    assert_eq!(codes(&message), [observed(&record, false), gone.to_vec()].concat());
+    assert!(kept.iter().all(|obx| obx[11] == "C" && !obx[5].is_empty()));
+    assert!(wrong.iter().all(|obx| obx[11] == "W" && obx[5].is_empty()));
+    for (number, obx) in observations.iter().enumerate() {
+        assert_eq!(obx[1], (number + 1).to_string());
+    }
 }
 
 #[test]
@@ -228,7 +244,7 @@ fn a_message_in_8859_1_is_so_but_for_a_patient_whose_id_it_cannot_write() {
 #[test]
 fn a_record_without_a_patient_is_no_result() {
     let record = Record { patient: None, ..record_of("4711") };
-    assert_eq!(result(&record, None, &rules(), first_seen(), now()), None);
+    assert_eq!(result(&record, None, &[], &rules(), first_seen(), now()), None);
 }
 
 proptest! {
