@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::fmt::{self, Display};
-use std::io::{self, BufRead, BufReader, IsTerminal, Read, Write};
+use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -16,14 +16,9 @@ use super::args::AskArgs;
 use super::{Exit, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, ConfigError, control_path};
 use crate::station::operator::control::protocol::{Answer, Fault, FaultKind, Request};
-use crate::store::polling::poll;
 
 /// The longest wait for an answer. The station's own time limits are shorter.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-/// The longest wait for the socket during a reload. A reload takes less, because it does not rebuild the
-/// journal.
-const BETWEEN_SOCKETS: Duration = Duration::from_secs(5);
 
 /// The longest answer that is read, bytes. The longest list of scans is far shorter.
 const ANSWER_MOST: u64 = 16 * 1024 * 1024;
@@ -172,49 +167,42 @@ impl From<serde_json::Error> for AskFault {
 /// # Errors
 /// See [`AskFault`].
 pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
-    let state_dir = state_dir(config)?;
-    let stream = connect(&state_dir, config)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let mut line = serde_json::to_vec(request)?;
-    line.push(b'\n');
-    (&stream).write_all(&line)?;
-    let mut answer = Vec::new();
-    BufReader::new(stream.take(ANSWER_MOST)).read_until(b'\n', &mut answer)?;
-    if answer.last() != Some(&b'\n') {
-        return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
-    }
-    match serde_json::from_slice(&answer)? {
+    let stream = connect(&state_dir(config)?, config)?;
+    let body = exchange(stream, &serde_json::to_vec(request)?)?;
+    match serde_json::from_slice(&body)? {
         Answer::Fault(fault) => Err(AskFault::Refused(fault)),
         answer => Ok(answer),
     }
 }
 
-/// Connects to the station's control socket. During a reload the socket is missing for a moment, so this
-/// tries again while the station's process lives.
-fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
-    let socket = control_path(state_dir);
-    let missing = |error: &io::Error| {
-        matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused)
-    };
-    let connected = poll(BETWEEN_SOCKETS, || match UnixStream::connect(&socket) {
-        Err(error) if missing(&error) && process_lives(state_dir) => None,
-        connected => Some(connected),
-    });
-    let no_station =
-        || AskFault::NoStation { state_dir: state_dir.to_owned(), config: config.to_owned() };
-    connected.ok_or_else(no_station)?.map_err(|error| match error.kind() {
-        io::ErrorKind::PermissionDenied => AskFault::Denied,
-        _ if missing(&error) => no_station(),
-        _ => AskFault::Io(error),
-    })
+/// Sends a request over HTTP, and reads the body of its answer. The station closes the connection after
+/// each.
+fn exchange(mut stream: UnixStream, body: &[u8]) -> io::Result<Vec<u8>> {
+    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let length = body.len();
+    let head = format!("POST /ask HTTP/1.1\r\nHost: station\r\nContent-Length: {length}\r\n\r\n");
+    stream.write_all(&[head.as_bytes(), body].concat())?;
+    let mut answer = Vec::new();
+    stream.take(ANSWER_MOST).read_to_end(&mut answer)?;
+    let end = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n");
+    let body = answer.split_off(end.ok_or(io::ErrorKind::UnexpectedEof)? + 4);
+    if answer.starts_with(b"HTTP/1.1 200 ") {
+        return Ok(body);
+    }
+    let status = String::from_utf8_lossy(&answer);
+    Err(io::Error::other(status.lines().next().unwrap_or_default().to_owned()))
 }
 
-/// Reports whether the process that wrote the state folder's lock is alive, as far as `/proc` shows.
-fn process_lives(state_dir: &Path) -> bool {
-    let pid = std::fs::read_to_string(state_dir.join("lock")).unwrap_or_default();
-    let pid = pid.trim();
-    pid.parse::<u32>().is_ok() && Path::new("/proc").join(pid).exists()
+fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
+    let connected = UnixStream::connect(control_path(state_dir));
+    connected.map_err(|error| match error.kind() {
+        io::ErrorKind::PermissionDenied => AskFault::Denied,
+        io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {
+            AskFault::NoStation { state_dir: state_dir.to_owned(), config: config.to_owned() }
+        }
+        _ => AskFault::Io(error),
+    })
 }
 
 /// The state folder. A configuration with faults elsewhere may still name it.

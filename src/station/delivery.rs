@@ -171,14 +171,17 @@ impl Bench {
         }
         let Some(first) = deliver.first().cloned() else { return };
         let scan = scan_of(&first);
-        let ready =
-            self.ready.iter().find(|(of, _)| *of == scan).map(|(_, ready)| Arc::clone(ready));
-        if let Some(ready) = ready {
-            return self.put(booth, deliver, &ready);
-        }
+        // Taken out until it is found to be of use.
+        let at = self.ready.iter().position(|(of, _)| *of == scan);
+        let measured = at.map(|at| self.ready.remove(at).1);
         let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
-            let ready = work::prepare(&booth, &first, threads).map(Arc::new);
+            // Whoever removed the spool took the scan from the record.
+            let is_there = booth.core().custody.spool().holds(&first.scan);
+            let ready = match measured.filter(|_| is_there) {
+                Some(ready) => Ok(ready),
+                None => work::prepare(&booth, &first, threads).map(Arc::new),
+            };
             Done::Prepared { dues: deliver, ready }
         });
     }

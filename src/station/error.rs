@@ -118,9 +118,7 @@ pub enum Worker {
     Booth,
     /// Removes what is no longer needed.
     Housekeeping,
-    /// Answers on the control socket.
-    Control,
-    /// Serves metrics and health.
+    /// Serves the page, metrics and health, and answers on the control socket.
     Http,
     /// Serves a port of the booth.
     Trigger {
@@ -138,9 +136,8 @@ impl fmt::Display for Worker {
             Worker::Preview => f.write_str("the previews"),
             Worker::Booth => f.write_str("the booth"),
             Worker::Housekeeping => f.write_str("the housekeeping"),
-            Worker::Http => f.write_str("the metrics and health"),
+            Worker::Http => f.write_str("the page and the control socket"),
             Worker::Trigger { port } => write!(f, "the {port} port"),
-            Worker::Control => f.write_str("the control socket"),
         }
     }
 }

@@ -17,6 +17,7 @@ use super::assembly::Station;
 use super::core::Core;
 use super::error::StationError;
 use super::event::{Observer, StationEvent};
+use super::operator::http::listeners::Way;
 use super::runtime::causes::chain;
 use super::runtime::jitter;
 use super::runtime::stop::Stopper;
@@ -96,6 +97,8 @@ pub async fn run(
     let mut first_start = lock.first_start;
     let (mut ruins, mut first_generation) = (0, true);
     let lasting = Lasting::default();
+    // From now on verbs wait for the station. If this fails, its worker says so and tries again.
+    let _ = lasting.listeners.open(&config, Way::Control).await;
     let stop = orders.stop;
     tokio::pin!(stop);
     let ended = loop {

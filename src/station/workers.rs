@@ -15,16 +15,16 @@ use super::error::{StationError, Worker};
 use super::housekeeping;
 use super::intake;
 use super::intake::export_locks::ExportLocks;
+use super::operator::http;
 use super::operator::http::listeners::Listeners;
-use super::operator::{control, http};
 use super::runtime::beat::Beat;
 use super::runtime::stop::{Stop, Stopper};
 
-/// What belongs to the process and outlives a reload: its export folders and the addresses on which it
-/// listens. No other process gets them while workers change.
+/// What belongs to the process and outlives a reload: its export folders, the addresses on which it listens
+/// and the control socket. No other process gets them while workers change.
 #[derive(Debug, Default)]
 pub struct Lasting {
-    /// The addresses of the page's endpoints.
+    /// The addresses of the page's endpoints, and the control socket.
     pub listeners: Arc<Listeners>,
     /// The export folders.
     pub export_locks: Arc<ExportLocks>,
@@ -117,9 +117,6 @@ impl Workers {
         let http = http::worker(Arc::clone(desk), listeners, stop.clone());
         let id = self.endpoints.spawn(http).id();
         self.names.insert(id, Worker::Http);
-        let control = control::worker(Arc::clone(desk), stop.clone());
-        let id = self.endpoints.spawn(control).id();
-        self.names.insert(id, Worker::Control);
     }
 
     fn start_one<T>(&mut self, worker: Worker, task: impl FnOnce(Beat) -> T)

@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::os::unix::fs::{FileTypeExt, PermissionsExt};
 use std::os::unix::net::UnixStream;
+use std::path::Path;
 use std::process::Output;
 use std::thread;
 
@@ -27,6 +28,16 @@ fn json(booth: &Booth, args: &[&str]) -> Value {
 fn configure(booth: &Booth, more: &str) {
     let mut config = File::options().append(true).open(booth.path("station.toml")).unwrap();
     config.write_all(more.as_bytes()).unwrap();
+}
+
+/// What the station answers at its socket.
+fn answer(socket: &Path, request: &str, body: &str) -> String {
+    let mut stream = UnixStream::connect(socket).unwrap();
+    let head = format!("{request} HTTP/1.1\r\nHost: station\r\nContent-Length: {}", body.len());
+    stream.write_all(format!("{head}\r\n\r\n{body}").as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
 }
 
 fn wait_until_ready(booth: &Booth) {
@@ -61,6 +72,7 @@ fn the_socket_is_for_the_station_s_user_only_and_goes_with_the_station() {
     let metadata = fs::symlink_metadata(&path).unwrap();
     assert!(metadata.file_type().is_socket());
     assert_eq!(metadata.permissions().mode() & 0o777, 0o600);
+    assert!(answer(&path, "GET /healthz", "").ends_with("\r\n\r\nready\n"));
     daemon.kill();
     assert!(path.exists(), "a killed station leaves its socket");
     assert_eq!(code(&gaiter(&booth, &["status"])), Some(74));
@@ -246,25 +258,19 @@ fn whoever_hangs_on_the_socket_or_floods_it_harms_nobody() {
     let daemon = booth.start();
     wait_until_ready(&booth);
     let path = booth.path("state/control.sock");
-    // More than are served at a time, and they never say a word.
-    let silent: Vec<UnixStream> = (0..20).map(|_| UnixStream::connect(&path).unwrap()).collect();
+    // More than may connect at a time, and they never say a word.
+    let silent: Vec<UnixStream> = (0..300).map(|_| UnixStream::connect(&path).unwrap()).collect();
     booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
-    // They are given up one after another; then there is room for one who asks.
+    // The oldest makes room for one who asks.
     assert_eq!(code(&gaiter(&booth, &["status"])), Some(0));
     drop(silent);
 
     let mut endless = UnixStream::connect(&path).unwrap();
     let flood = thread::spawn(move || while endless.write_all(&[b'x'; 4096]).is_ok() {});
-    let mut answer = String::new();
-    for request in
-        ["\n", "{}\n", "{\"ask\":\"fly\"}\n", "[[[[\n", "{\"ask\":\"show\",\"scan\":\"' OR\"}\n"]
-    {
-        let mut stream = UnixStream::connect(&path).unwrap();
-        stream.write_all(request.as_bytes()).unwrap();
-        answer.clear();
-        stream.read_to_string(&mut answer).unwrap();
-        assert!(answer.starts_with("{\"is\":\"fault\""), "{request}: {answer}");
+    for body in ["", "{}", "{\"ask\":\"fly\"}", "[[[[", "{\"ask\":\"show\",\"scan\":\"' OR\"}"] {
+        let answer = answer(&path, "POST /ask", body);
+        assert!(answer.contains("\r\n\r\n{\"is\":\"fault\""), "{body}: {answer}");
     }
     flood.join().unwrap();
     wait_until_ready(&booth);

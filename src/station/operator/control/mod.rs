@@ -1,13 +1,11 @@
-//! The control socket: how `gaiter status` and similar commands query a running station.
+//! What the station answers to `gaiter status` and similar commands, and to decisions on the page.
 //!
-//! A Unix socket in the state folder, for the station's user and root. Each connection carries one
-//! request, a line of JSON, and one answer, a line of JSON.
+//! The commands ask over HTTP at the control socket, a Unix socket in the state folder for the station's
+//! user and root.
 
 mod answer;
 mod persons;
 pub mod protocol;
-mod server;
 pub mod status;
 
 pub use answer::answer;
-pub use server::worker;

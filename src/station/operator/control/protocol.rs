@@ -10,9 +10,6 @@ use serde::{Deserialize, Serialize};
 use super::status::Status;
 use crate::station::operator::act::Setting;
 
-/// The longest request, bytes: a path and a patient's id fit many times over.
-pub const REQUEST_MOST: u64 = 64 * 1024;
-
 /// The longest list that is returned.
 pub const LIST_MOST: u32 = 1000;
 

@@ -1,18 +1,26 @@
-//! The listeners of the endpoints. They belong to the process and outlive a reload: while workers
-//! change, clients are told so, and no other program on this machine can take the address.
+//! The addresses at which the station listens, and its control socket. They belong to the process and
+//! outlive a reload: while workers change, clients are told so or wait, and no other program on this
+//! machine can take an address.
 
 use std::collections::BTreeMap;
+use std::fs::{self, Permissions};
 use std::io;
 use std::net::SocketAddr;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use listenfd::ListenFd;
 use rustix::io::{FdFlags, fcntl_setfd};
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, UnixListener};
+use tokio::sync::{Mutex, watch};
 use tokio::task::JoinHandle;
 
-use crate::config::Config;
-use crate::station::runtime::stop::{Stop, Stopper};
+use super::serve::{Answers, accept};
+use crate::config::{Config, control_path};
+
+/// The control socket is for the station's user and root only.
+const SOCKET_MODE: u32 = 0o600;
 
 /// The endpoint through which a client comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,6 +29,8 @@ pub enum Way {
     Local,
     /// From the local network: may read.
     Network,
+    /// By the control socket, as the station's user or root: may do what the verbs do.
+    Control,
 }
 
 impl Way {
@@ -29,111 +39,125 @@ impl Way {
         match self {
             Way::Local => "local",
             Way::Network => "network",
+            Way::Control => "control",
         }
     }
 }
 
-/// The listeners that the station itself has opened, and who answers at them between two generations.
+/// The endpoints that are open.
 #[derive(Debug, Default)]
-pub struct Listeners {
-    held: Mutex<BTreeMap<Way, Held>>,
-    changeovers: Mutex<BTreeMap<Way, Changeover>>,
+pub struct Listeners(Mutex<BTreeMap<Way, Listening>>);
+
+/// An endpoint that is open.
+#[derive(Debug, Clone)]
+pub struct Opened {
+    /// Its address; `None` for the control socket.
+    pub address: Option<SocketAddr>,
+    /// Who answers there.
+    pub answers: watch::Sender<Answers>,
 }
 
-/// The task that answers during a changeover.
+/// Where an endpoint is wanted.
+#[derive(Debug, PartialEq)]
+enum Place {
+    /// An address; if it is not the service manager's, its port may be 0.
+    Tcp(SocketAddr),
+    Socket(PathBuf),
+}
+
 #[derive(Debug)]
-struct Changeover {
-    stopper: Stopper,
+struct Listening {
+    place: Place,
+    opened: Opened,
     task: JoinHandle<()>,
 }
 
-#[derive(Debug)]
-struct Held {
-    /// The configured address; its port may be 0.
-    wanted: SocketAddr,
-    listener: std::net::TcpListener,
-}
-
 impl Listeners {
-    /// An endpoint's listener and its address; `None` if no such endpoint is configured.
+    /// Opens an endpoint, unless it is open already; any other of this way is closed. `None` if no such
+    /// endpoint is configured.
     ///
     /// # Errors
-    /// If the address is not available.
-    pub async fn take(
-        &self,
-        config: &Config,
-        way: Way,
-    ) -> io::Result<Option<(TcpListener, SocketAddr)>> {
-        let wanted = match way {
-            Way::Local => config.status.listen,
-            Way::Network => config.page.network,
+    /// If its place is not available.
+    pub async fn open(&self, config: &Config, way: Way) -> io::Result<Option<Opened>> {
+        let mut all = self.0.lock().await;
+        let last = all.remove(&way);
+        let passed = if way == Way::Control { None } else { passed(config, way)? };
+        let place = match (way, passed) {
+            (Way::Control, _) => Some(Place::Socket(control_path(&config.station.state_dir))),
+            (_, Some(passed)) => Some(Place::Tcp(passed.local_addr()?)),
+            (Way::Local, None) => config.status.listen.map(Place::Tcp),
+            (Way::Network, None) => config.page.network.map(Place::Tcp),
         };
-        let listener = match given(config, way)? {
-            Some(given) => Some(given),
-            None => {
-                if !self.is_held(way, wanted) {
-                    // Another address may need the port of the last one.
-                    self.end_changeover(way).await;
+        let listening = match (last, place) {
+            (Some(last), Some(place)) if last.place == place => last,
+            (last, place) => {
+                if let Some(last) = last {
+                    last.close().await;
                 }
-                self.held(way, wanted)?
+                let Some(place) = place else { return Ok(None) };
+                Listening::begin(place, passed, Answers::none(config.language))?
             }
         };
-        let Some(listener) = listener else { return Ok(None) };
-        listener.set_nonblocking(true)?;
-        let listener = TcpListener::from_std(listener)?;
-        let address = listener.local_addr()?;
-        Ok(Some((listener, address)))
+        let opened = listening.opened.clone();
+        all.insert(way, listening);
+        Ok(Some(opened))
     }
+}
 
-    /// Begins a changeover. `answers` runs until its request to stop.
-    pub fn begin_changeover<F>(&self, way: Way, answers: impl FnOnce(Stop) -> F)
-    where
-        F: Future<Output = ()> + Send + 'static,
-    {
-        let (stopper, stop) = Stopper::new();
-        let task = tokio::spawn(answers(stop));
-        self.changeovers().insert(way, Changeover { stopper, task });
-    }
-
-    /// Ends a changeover, if there is one. Its listener is closed on return.
-    pub async fn end_changeover(&self, way: Way) {
-        let ended = self.changeovers().remove(&way);
-        if let Some(Changeover { stopper, task }) = ended {
-            stopper.request();
-            // A panic has closed the listener, too.
-            let _ = task.await;
-        }
-    }
-
-    fn changeovers(&self) -> MutexGuard<'_, BTreeMap<Way, Changeover>> {
-        self.changeovers.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn is_held(&self, way: Way, wanted: Option<SocketAddr>) -> bool {
-        let all = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        wanted.is_some() && all.get(&way).map(|known| known.wanted) == wanted
-    }
-
-    /// The listener at this address, opened if necessary; any other of this endpoint is closed.
-    fn held(
-        &self,
-        way: Way,
-        wanted: Option<SocketAddr>,
-    ) -> io::Result<Option<std::net::TcpListener>> {
-        let mut all = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some(wanted) = wanted else {
-            all.remove(&way);
-            return Ok(None);
+impl Listening {
+    fn begin(
+        place: Place,
+        passed: Option<&std::net::TcpListener>,
+        answers: Answers,
+    ) -> io::Result<Listening> {
+        let (answers, asked) = watch::channel(answers);
+        let (address, task) = match &place {
+            Place::Socket(path) => {
+                let listener = control_socket(path)?;
+                (None, tokio::spawn(accept(listener, asked)))
+            }
+            Place::Tcp(address) => {
+                let listener = match passed {
+                    Some(passed) => passed.try_clone()?,
+                    None => std::net::TcpListener::bind(address)?,
+                };
+                listener.set_nonblocking(true)?;
+                let listener = TcpListener::from_std(listener)?;
+                let address = listener.local_addr()?;
+                (Some(address), tokio::spawn(accept(listener, asked)))
+            }
         };
-        if let Some(known) = all.get(&way).filter(|known| known.wanted == wanted) {
-            return known.listener.try_clone().map(Some);
-        }
-        all.remove(&way);
-        let listener = std::net::TcpListener::bind(wanted)?;
-        let listens = listener.try_clone()?;
-        all.insert(way, Held { wanted, listener });
-        Ok(Some(listens))
+        Ok(Listening { place, opened: Opened { address, answers }, task })
     }
+
+    /// Closes it before another one needs its port.
+    async fn close(mut self) {
+        self.task.abort();
+        let _ = (&mut self.task).await;
+    }
+}
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        self.task.abort();
+        if let Place::Socket(path) = &self.place {
+            // The next start creates it again in any case.
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// Creates the control socket in place of an old one; the state folder's lock proves that no one serves
+/// it.
+fn control_socket(path: &Path) -> io::Result<UnixListener> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let listener = UnixListener::bind(path)?;
+    // Until now, the state folder kept others out because only its owner can enter it.
+    fs::set_permissions(path, Permissions::from_mode(SOCKET_MODE))?;
+    Ok(listener)
 }
 
 /// The sockets that the service manager has passed to this process.
@@ -141,7 +165,7 @@ static PASSED: OnceLock<Vec<std::net::TcpListener>> = OnceLock::new();
 
 /// The passed socket that belongs to this endpoint, if any. An address that other machines can reach
 /// must be the configured one, so that it was chosen on purpose.
-fn given(config: &Config, way: Way) -> io::Result<Option<std::net::TcpListener>> {
+fn passed(config: &Config, way: Way) -> io::Result<Option<&'static std::net::TcpListener>> {
     let passed = PASSED.get_or_init(|| {
         let mut passed = ListenFd::from_env();
         (0..passed.len()).filter_map(|at| passed.take_tcp_listener(at).ok().flatten()).collect()
@@ -160,7 +184,7 @@ fn given(config: &Config, way: Way) -> io::Result<Option<std::net::TcpListener>>
             }
         };
         if its_way == way {
-            return listener.try_clone().map(Some);
+            return Ok(Some(listener));
         }
     }
     Ok(None)

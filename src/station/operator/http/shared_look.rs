@@ -1,10 +1,10 @@
-//! One look for all who ask at the same time. However many ask, at most one look is running and one is
-//! pending, and no caller gets a result from before its question.
+//! One look for all who ask at the same time. No caller gets a result from before its question, and while
+//! a look hangs on a disk no other begins.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use tokio::sync::watch;
+use tokio::sync::Mutex;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
@@ -12,115 +12,82 @@ use tokio::time::timeout;
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 /// A look that callers share.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct SharedLook<T> {
     patience: Duration,
-    turns: Mutex<Turns>,
-    /// The number of the last look that ended, and its result.
-    seen: watch::Sender<(u64, Option<T>)>,
-}
-
-#[derive(Debug, Default)]
-struct Turns {
-    begun: u64,
-    is_running: bool,
-    /// A caller asked after the running look had begun.
-    is_wanted: bool,
+    /// When the last look began, and its result. Locked while a look is running.
+    last: Arc<Mutex<Option<(Instant, T)>>>,
 }
 
 impl<T> Default for SharedLook<T> {
     fn default() -> SharedLook<T> {
-        SharedLook::with_patience(PATIENCE)
+        SharedLook { patience: PATIENCE, last: Arc::default() }
     }
 }
 
-impl<T> SharedLook<T> {
-    fn with_patience(patience: Duration) -> SharedLook<T> {
-        SharedLook { patience, turns: Mutex::default(), seen: watch::Sender::new((0, None)) }
-    }
-}
-
-impl<T: Clone + Send + Sync + 'static> SharedLook<T> {
+impl<T: Clone + Send + 'static> SharedLook<T> {
     /// The result of a look that begins now or later, on a thread that may block; `None` if it does not
     /// end in time or panics.
-    pub async fn of(self: &Arc<Self>, look: impl Fn() -> T + Send + Sync + 'static) -> Option<T> {
-        let (number, is_ours) = {
-            let mut turns = self.turns();
-            let is_ours = !turns.is_running;
-            turns.is_wanted |= turns.is_running;
-            turns.is_running = true;
-            (turns.begun + 1, is_ours)
-        };
-        let mut seen = self.seen.subscribe();
-        if is_ours {
-            tokio::spawn(Arc::clone(self).run(Arc::new(look)));
-        }
-        let seen = timeout(self.patience, seen.wait_for(|(last, _)| *last >= number)).await;
-        seen.ok()?.ok()?.1.clone()
-    }
-
-    /// Looks as long as a caller wants it.
-    async fn run(self: Arc<Self>, look: Arc<impl Fn() -> T + Send + Sync + 'static>) {
-        loop {
-            let number = {
-                let mut turns = self.turns();
-                turns.begun += 1;
-                turns.is_wanted = false;
-                turns.begun
-            };
-            let look = Arc::clone(&look);
-            let seen = spawn_blocking(move || look()).await.ok();
-            self.seen.send_replace((number, seen));
-            let mut turns = self.turns();
-            if !turns.is_wanted {
-                turns.is_running = false;
-                return;
+    pub async fn of(&self, look: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+        let asked = Instant::now();
+        let seen = async {
+            let mut last = Arc::clone(&self.last).lock_owned().await;
+            if let Some((begun, seen)) = &*last
+                && *begun >= asked
+            {
+                return Some(seen.clone());
             }
-        }
-    }
-
-    fn turns(&self) -> MutexGuard<'_, Turns> {
-        self.turns.lock().unwrap_or_else(PoisonError::into_inner)
+            let look = move || {
+                let begun = Instant::now();
+                let seen = look();
+                *last = Some((begun, seen.clone()));
+                seen
+            };
+            spawn_blocking(look).await.ok()
+        };
+        timeout(self.patience, seen).await.ok().flatten()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
-    use std::sync::mpsc;
+    use std::sync::{self, mpsc};
+
+    use tokio::task::yield_now;
 
     use super::*;
 
+    fn with_patience<T>(patience: Duration) -> SharedLook<T> {
+        SharedLook { patience, last: Arc::default() }
+    }
+
     #[tokio::test]
     async fn however_many_ask_at_once_two_looks_serve_them_and_none_is_older_than_its_question() {
-        let (shared, looks) = (Arc::new(SharedLook::default()), Arc::new(AtomicU64::new(0)));
+        let shared = with_patience(Duration::from_secs(60));
+        let (asked, looks) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
         let (go, gate) = mpsc::channel::<()>();
-        let gate = Mutex::new(gate);
-        let counted = Arc::clone(&looks);
-        let first = tokio::spawn({
-            let shared = Arc::clone(&shared);
-            async move {
+        let gate = Arc::new(sync::Mutex::new(gate));
+        let ask = || {
+            let (shared, asked, gate) = (shared.clone(), Arc::clone(&asked), Arc::clone(&gate));
+            let looks = Arc::clone(&looks);
+            tokio::spawn(async move {
+                asked.fetch_add(1, Ordering::SeqCst);
                 let look = move || {
-                    let number = counted.fetch_add(1, Ordering::SeqCst) + 1;
+                    let number = looks.fetch_add(1, Ordering::SeqCst) + 1;
                     gate.lock().unwrap().recv().unwrap();
                     number
                 };
                 shared.of(look).await
-            }
-        });
-        while looks.load(Ordering::SeqCst) == 0 {
-            tokio::task::yield_now().await;
-        }
-        let unused = || -> u64 { unreachable!("a look is under way") };
-        let others: Vec<_> = (0..100)
-            .map(|_| {
-                let shared = Arc::clone(&shared);
-                tokio::spawn(async move { shared.of(unused).await })
             })
-            .collect();
-        // Each caller has its number when it listens.
-        while shared.seen.receiver_count() < 101 {
-            tokio::task::yield_now().await;
+        };
+        let first = ask();
+        while looks.load(Ordering::SeqCst) == 0 {
+            yield_now().await;
+        }
+        let others: Vec<_> = (0..100).map(|_| ask()).collect();
+        while asked.load(Ordering::SeqCst) < 101 {
+            yield_now().await;
         }
         go.send(()).unwrap();
         assert_eq!(first.await.unwrap(), Some(1));
@@ -132,20 +99,12 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_look_that_hangs_is_not_waited_for_and_not_begun_twice() {
-        let shared = Arc::new(SharedLook::<u64>::with_patience(Duration::from_millis(10)));
-        let looks = Arc::new(AtomicU64::new(0));
+    async fn a_look_that_hangs_is_not_waited_for_and_no_other_begins_meanwhile() {
+        let shared = with_patience(Duration::from_millis(10));
         let (go, gate) = mpsc::channel::<()>();
-        let (gate, counted) = (Mutex::new(gate), Arc::clone(&looks));
-        let look = move || {
-            let _ = gate.lock().unwrap().recv();
-            counted.fetch_add(1, Ordering::SeqCst)
-        };
-        assert_eq!(shared.of(look).await, None);
+        assert_eq!(shared.of(move || gate.recv().is_ok()).await, None);
         assert_eq!(shared.of(|| unreachable!("one hangs already")).await, None);
         drop(go);
-        while looks.load(Ordering::SeqCst) < 2 {
-            tokio::task::yield_now().await;
-        }
+        while shared.of(|| true).await.is_none() {}
     }
 }

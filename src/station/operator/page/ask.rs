@@ -1,9 +1,9 @@
-//! What an operator decides on the page. The control socket's own answers carry it out, and only for
-//! clients that show the token from this endpoint's own page.
+//! What an operator decides on the page, for clients that show the token from this endpoint's own page;
+//! and what a verb of the command line asks at the control socket. The same answers carry it out.
 
 use std::sync::Arc;
 
-use axum::body::to_bytes;
+use axum::body::{Bytes, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -15,7 +15,7 @@ use tokio::task::spawn_blocking;
 use super::endpoint::HttpEndpoint;
 use super::{assets, guard};
 use crate::station::operator::control::answer;
-use crate::station::operator::control::protocol::{self, Answer, FaultKind};
+use crate::station::operator::control::protocol::{self, Answer, Fault, FaultKind};
 
 /// The longest decision, bytes; an id fits many times over.
 const MOST: usize = 16 * 1024;
@@ -50,6 +50,22 @@ pub async fn ask(State(endpoint): State<Arc<HttpEndpoint>>, request: Request) ->
     match answered.await {
         Ok(answered) => said(answered, verb, language),
         Err(_) => refused(StatusCode::INTERNAL_SERVER_ERROR, "panic", "the answer was interrupted"),
+    }
+}
+
+/// Answers a verb. Only the station's user and root get here.
+pub async fn answer_verb(State(endpoint): State<Arc<HttpEndpoint>>, body: Bytes) -> Response {
+    let answered =
+        spawn_blocking(move || match serde_json::from_slice::<protocol::Request>(&body) {
+            Ok(request) => answer(&endpoint.desk, &request),
+            Err(error) => {
+                let message = format!("the request cannot be read: {error}");
+                Answer::Fault(Fault::new(FaultKind::Request, "request-malformed", message))
+            }
+        });
+    match answered.await {
+        Ok(answer) => json(&answer),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
     }
 }
 
@@ -139,7 +155,7 @@ fn refused(status: StatusCode, code: &str, sentence: &str) -> Response {
     (status, json(&said)).into_response()
 }
 
-fn json(said: &Said) -> Response {
+fn json(said: &impl Serialize) -> Response {
     match serde_json::to_string(said) {
         Ok(text) => ([assets::JSON], text).into_response(),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),

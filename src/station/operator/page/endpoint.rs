@@ -24,34 +24,36 @@ pub struct HttpEndpoint {
     /// The desk behind it.
     pub desk: Arc<Desk>,
     pub(in crate::station::operator) way: Way,
-    pub(super) address: SocketAddr,
+    /// `None` at the control socket.
+    pub(super) address: Option<SocketAddr>,
     pub(super) streams: Arc<Semaphore>,
-    pub(super) state: Arc<SharedLook<Option<Texts>>>,
+    pub(super) state: SharedLook<Option<Texts>>,
     pub(super) stop: Stop,
 }
 
 impl HttpEndpoint {
-    /// Opens an endpoint at this address. If another program had the address, browsers may have sent it
-    /// the token, so the token is renewed. Blocks, on the local disk.
+    /// Opens an endpoint. If another program had its address, browsers may have sent it the token, so the
+    /// token is renewed. Blocks, on the local disk.
     pub fn open(
         desk: &Arc<Desk>,
         way: Way,
-        address: SocketAddr,
+        address: Option<SocketAddr>,
         was_lost: bool,
         stop: Stop,
     ) -> Arc<HttpEndpoint> {
-        if way == Way::Local {
+        if let (Way::Local, Some(address)) = (way, address) {
             desk.is_served_at(address, was_lost);
         }
         let streams = Arc::new(Semaphore::new(MOST_STREAMS));
-        let state = Arc::default();
+        let state = SharedLook::default();
         Arc::new(HttpEndpoint { desk: Arc::clone(desk), way, address, streams, state, stop })
     }
 
-    /// Whether a reader holds the station's token.
+    /// Whether a reader holds the station's token, or is let in by the control socket.
     fn is_operator(&self, headers: &HeaderMap) -> bool {
         let token = self.desk.token().filter(|_| self.way == Way::Local);
-        token.is_some_and(|token| token.is_shown_in(headers) || token.is_read_with(headers))
+        self.way == Way::Control
+            || token.is_some_and(|it| it.is_shown_in(headers) || it.is_read_with(headers))
     }
 
     /// Whether a reader may know whose scans these are. A kiosk does not count as an operator, even if

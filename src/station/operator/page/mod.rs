@@ -3,7 +3,7 @@
 //! ```text
 //! journal, board, booth ─ snapshot ─▶ publish ─▶ feed ─▶ /state, /stream ─▶ page.js
 //! record folders, previews ─ summaries ──┘
-//! page.js ─▶ /ask ─ guard, token ─▶ control::answer
+//! page.js ─▶ /ask ─ guard, token ─▶ control::answer ◀─ /ask ◀─ verbs, by the control socket
 //! page.js ─▶ /scan/ID/visits.html ─▶ visits: the patient's records, compared
 //! ```
 //!
@@ -58,6 +58,10 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
             read.merge(act).with_state(Arc::clone(endpoint)).merge(others)
         }
         Way::Network => read.with_state(Arc::clone(endpoint)),
+        Way::Control => {
+            let verb = read.route("/ask", post(ask::answer_verb));
+            verb.with_state(Arc::clone(endpoint)).merge(others)
+        }
     };
     let language = endpoint.desk.core.config.language;
     let none = async move || plain_page(StatusCode::NOT_FOUND, "page.plain.no_page", language);

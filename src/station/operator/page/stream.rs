@@ -5,7 +5,6 @@ use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::Extension;
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -16,7 +15,7 @@ use tokio::time::sleep;
 
 use super::body::Pieces;
 use super::endpoint::HttpEndpoint;
-use crate::station::operator::http::connections::Connection;
+use crate::station::operator::http::serve::EVENTS;
 
 /// How often a beat is sent: a browser that gets nothing for two beats asks by itself.
 const BEAT: Duration = Duration::from_secs(1);
@@ -27,21 +26,19 @@ const RETRY_MS: u32 = 1000;
 /// A stream, or 503 if there are too many: then the page polls `/state`.
 pub async fn stream(
     State(endpoint): State<Arc<HttpEndpoint>>,
-    Extension(connection): Extension<Arc<Connection>>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Response {
     let Ok(place) = Arc::clone(&endpoint.streams).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "too many readers\n").into_response();
     };
-    connection.becomes_stream();
     let shows_ids = endpoint.shows_ids(&headers, query.as_deref());
     let (sender, events) = mpsc::channel(1);
     tokio::spawn(async move {
         let _place = place;
         tell(&endpoint, shows_ids, &sender).await;
     });
-    let kind = [(header::CONTENT_TYPE, "text/event-stream")];
+    let kind = [(header::CONTENT_TYPE, EVENTS)];
     (kind, Body::new(Pieces(events))).into_response()
 }
 
