@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`gaiter_language`] | the texts that people read, one file per language |
 //! | [`gaiter_scan`] | bytes → points and triangles, one decoder per format |
-//! | [`gaiter_spline`] | bases, fits, solvers, curves and surfaces; no legs |
+//! | `gaiter_spline` | bases, fits, solvers, curves and surfaces; no legs |
 //! | [`gaiter_leg`] | scan → leg reports: the paper, a stage per file |
 //! | [`gaiter_cad`] | surface → CAD files and meshes |
 //! | [`gaiter_sizes`] | garments, size tables and what a table says about a leg; no records |
@@ -19,8 +19,8 @@
 //!
 //! All of them are pure: no files, clock, environment, threads of their own, async, logging, unseeded
 //! randomness or hash-map order. Bytes, numbers and `now` come in as arguments; findings come out as data.
-//! `rayon` is allowed in `gaiter_scan`, `gaiter_spline` and `gaiter_leg` where results do not depend on
-//! order. Their `Cargo.toml` and `crates/clippy.toml` hold these rules.
+//! `rayon` is allowed in `gaiter_leg` where results do not depend on order. Their `Cargo.toml` and
+//! `crates/clippy.toml` hold these rules.
 
 pub mod cli;
 pub mod config;

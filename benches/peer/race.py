@@ -38,8 +38,7 @@ def instructions(program, scan):
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "counts")
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}"]
-        # With settings of the allocator given, it does not start itself again, out of valgrind's sight.
-        environment = dict(os.environ, RAYON_NUM_THREADS="1", GLIBC_TUNABLES="")
+        environment = dict(os.environ, RAYON_NUM_THREADS="1")
         command += [program, "extract", "--json", scan]
         subprocess.run(command, env=environment, check=True, capture_output=True)
         table = ["callgrind_annotate", "--inclusive=yes", "--threshold=99.99", out]

@@ -25,7 +25,7 @@ use crate::config::words::{self, Words};
 use crate::station::measure::VERB;
 pub use amend::AmendArgs;
 pub use asking::{
-    AskArgs, AssignArgs, ExplainArgs, GdtOrderArgs, Named, OneArgs, ScansArgs, SetArgs, StatusArgs,
+    AskArgs, AssignArgs, ExplainArgs, GdtOrderArgs, Named, OneArgs, ScansArgs, SetArgs,
     UnassignArgs,
 };
 pub use calibrate::CalibrateArgs;
@@ -150,7 +150,7 @@ pub enum Verb {
     /// Shows the state of the running station and, if it is not ready, what is wrong. Exits with 0 when the
     /// station is ready and with 74 when it is not, or when no station runs. Shows no patient's id and no
     /// file name. Run it as root or as the station's user.
-    Status(StatusArgs),
+    Status(AskArgs),
     /// List the station's scans, newest first
     ///
     /// Shows no patient's id and no file name; `gaiter show ID` shows the id.

@@ -199,7 +199,7 @@ impl Choices {
         let report = ReportChoice {
             language: args.language.unwrap_or(configured.language),
             garment: args.garment.chosen(&garments, &configured.garment)?,
-            figures: args.figures.iter().flatten().copied().collect(),
+            figures: args.figures,
             ..configured
         };
         method.scope = args.scope.unwrap_or(method.scope);

@@ -1,7 +1,6 @@
 //! The command line: one file per verb.
 
 pub mod act;
-pub mod allocator;
 pub mod args;
 pub mod ask;
 pub mod calibrate;
@@ -44,9 +43,6 @@ pub fn main() -> ExitCode {
 }
 
 fn dispatch(verb: Verb) -> Exit {
-    if matches!(verb, Verb::Extract(_) | Verb::Reextract(_)) {
-        allocator::restart_with_settings();
-    }
     match verb {
         Verb::Demo(args) => demo::demo(&args),
         Verb::Run(args) => run::run(&args),

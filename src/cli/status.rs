@@ -2,7 +2,6 @@
 
 mod phantom;
 mod views;
-mod watch;
 
 use std::fmt::{Display, Write};
 use std::time::Duration;
@@ -15,7 +14,7 @@ use gaiter_flow::words::{ago, bytes, decimals, duration};
 use gaiter_language::Language;
 use jiff::Timestamp;
 
-use super::args::{AskArgs, StatusArgs};
+use super::args::AskArgs;
 use super::ask::{self, AskFault};
 use super::terminal::clock::local;
 use super::terminal::paint::{self, painted};
@@ -42,19 +41,16 @@ const LABEL_LEAST: usize = 9;
 const GAP: usize = 2;
 
 /// Queries and prints. Returns [`Exit::Io`] if the station is not ready, as `gaiter check` does.
-pub fn status(args: &StatusArgs) -> Exit {
-    if args.watch {
-        return watch::watch(&args.ask);
+pub fn status(args: &AskArgs) -> Exit {
+    if args.json {
+        return ask::told(args, &Request::Status, taken, |_, _| String::new(), exit);
     }
-    if args.ask.json {
-        return ask::told(&args.ask, &Request::Status, taken, |_, _| String::new(), exit);
-    }
-    let look = match Look::take(&args.ask) {
+    let look = match Look::take(args) {
         Ok(look) => look,
-        Err(fault) => return ask::refused(&args.ask, &fault),
+        Err(fault) => return ask::refused(args, &fault),
     };
-    let columns = screen::size().map(|size| size.columns);
-    match paint::print(table(&look, ask::language(&args.ask.config), columns)) {
+    let columns = screen::terminal_columns();
+    match paint::print(table(&look, ask::language(&args.config), columns)) {
         Ok(()) => exit(&look.status),
         Err(error) => {
             complain(format_args!("gaiter: cannot print the answer: {error}"));

@@ -11,7 +11,6 @@ use gaiter_leg::Side;
 use gaiter_leg::method::{
     Axis, AxisFit, FacingChoice, Posture, Scope, Tape, Unit, UnitChoice, Up, VolumeBy, Winding,
 };
-use gaiter_record::FigureFormat;
 use gaiter_record::order::OrderFile;
 use gaiter_record::report::Paper;
 use gaiter_visits::Affected;
@@ -70,9 +69,6 @@ pub const LANGUAGES: Words<Language> =
 /// `report.paper` and `--paper`
 pub const PAPERS: Words<Paper> =
     &[(Paper::A4.name(), Paper::A4), (Paper::Letter.name(), Paper::Letter)];
-
-/// `--figures`
-pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg), ("png", FigureFormat::Png)];
 
 /// `page.patient_ids`
 pub const IDS_SHOWN: Words<IdsShown> = &[

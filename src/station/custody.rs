@@ -17,7 +17,6 @@ pub mod quarantine;
 mod recover;
 pub mod spool;
 pub(in crate::station) mod state_folders;
-pub(in crate::station) mod wall_clock;
 
 use std::io;
 use std::path::Path;

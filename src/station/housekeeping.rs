@@ -8,7 +8,7 @@ use std::time::Duration;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
-use gaiter_flow::retention::before;
+use gaiter_flow::retention::{WallClock, before};
 use jiff::Timestamp;
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -16,7 +16,6 @@ use tracing::{error, info, warn};
 
 use super::core::Core;
 use super::custody::CustodyFault;
-use super::custody::wall_clock::Timekeeper;
 use super::overview::Overview;
 use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
@@ -29,7 +28,7 @@ const ROUND: Duration = Duration::from_secs(3600);
 /// Interval at which the service manager is told the station's state, if it has changed.
 const STATUS: Duration = Duration::from_secs(30);
 
-/// Interval of the worker's heartbeat and of its readings of the wall clock.
+/// Interval of the worker's heartbeat and of its looks at the wall clock.
 const BREATH: Duration = Duration::from_secs(1);
 
 /// Least time between checks of the journal: each reads the whole journal.
@@ -45,21 +44,17 @@ const REFUSES: &str = "journal-refuses";
 pub async fn worker(core: Arc<Core>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
     let mut next = core.now();
     let (mut next_status, mut said) = (core.now(), String::new());
-    let (mut next_check, mut timekeeper) = (Duration::ZERO, Timekeeper::default());
+    let (mut next_check, mut wall_clock) = (Duration::ZERO, WallClock::default());
     while !stop.is_requested() {
         beat.beat();
         let round_is_due = core.now() >= next;
         if round_is_due {
             next = core.now() + ROUND;
         }
+        let by_age = wall_clock.is_steady(Timestamp::now(), core.now());
         let round = Arc::clone(&core);
-        let kept = spawn_blocking(move || {
-            let kept = keep(&round, &mut timekeeper, round_is_due);
-            (kept, timekeeper)
-        });
-        let (kept, told) = kept.await?;
-        timekeeper = told;
-        if let Err(fault) = kept {
+        let kept = spawn_blocking(move || keep(&round, round_is_due, by_age));
+        if let Err(fault) = kept.await? {
             core.check_corruption(&fault);
             warn!(event = "housekeeping-failed", error = chain(&fault));
         }
@@ -85,25 +80,24 @@ pub async fn worker(core: Arc<Core>, beat: Beat, mut stop: Stop) -> Result<(), J
     Ok(())
 }
 
-fn keep(core: &Core, timekeeper: &mut Timekeeper, round_is_due: bool) -> Result<(), CustodyFault> {
-    let now = timekeeper.look(core.custody.journal(), &core.clock, round_is_due)?;
+fn keep(core: &Core, round_is_due: bool, by_age: bool) -> Result<(), CustodyFault> {
     core.custody.tidy()?;
-    if round_is_due { let_go(core, now) } else { Ok(()) }
+    if round_is_due { let_go(core, by_age) } else { Ok(()) }
 }
 
-/// Deletes what is past its retention at this time.
-fn let_go(core: &Core, now: Timestamp) -> Result<(), CustodyFault> {
+/// Deletes what is past its retention; without `by_age` only what is not kept at all.
+fn let_go(core: &Core, by_age: bool) -> Result<(), CustodyFault> {
     let (custody, kept) = (&core.custody, core.config.retention);
     let mut gone = [0; 3];
-    // With a retention of zero, the age does not matter.
-    let spool_now = if kept.spool.is_zero() { Timestamp::now() } else { now };
-    if let Some(before) = before(Some(kept.spool), spool_now) {
+    let now = Timestamp::now();
+    let before = |kept: Option<Duration>| before(kept.filter(|kept| by_age || kept.is_zero()), now);
+    if let Some(before) = before(Some(kept.spool)) {
         gone[0] = custody.let_go_spooled(before)?;
     }
-    if let Some(before) = before(kept.quarantine, now) {
+    if let Some(before) = before(kept.quarantine) {
         gone[1] = custody.let_go_quarantined(before)?;
     }
-    if let Some(before) = before(kept.journal, now) {
+    if let Some(before) = before(kept.journal) {
         gone[2] = custody.forget(before)?;
     }
     if gone != [0; 3] {

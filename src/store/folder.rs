@@ -340,9 +340,9 @@ fn stage(staged: &Path, delivery: &Delivery<'_>, access: Access) -> Result<(), S
         tried("clearing", staged, durable::remove_folder(staged))?;
         return Err(StoreFault::Permanent(Misfit::OtherBytes));
     }
+    written.push((scan, copy));
     written.extend(sums.map(write).transpose()?);
     // Only now: the disk writes down many new files at once sooner than one after the other.
-    tried("syncing", &scan, durable::sync_large(&copy))?;
     for (path, file) in &written {
         tried("syncing", path, file.sync_all())?;
     }

@@ -1,6 +1,5 @@
 //! `gaiter extract` as the real program, everything that it refuses, and the body of known girths.
 
-mod allocator;
 mod cad_files;
 mod chart;
 mod damaged;

@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rig::faults::mock_port::script;
 use rig::faults::player::{Player, parted};
 
 fn scripts() -> Vec<PathBuf> {
@@ -33,9 +34,7 @@ fn every_script_is_heard_as_it_says() {
 
 #[test]
 fn an_hour_without_the_port_takes_no_memory_one_line_and_a_try_every_three_seconds() {
-    let script = gaiter::station::booth::trigger::mock::script(
-        "+0ms unplug\n+3600s plug\n+5s expect state open",
-    );
+    let script = script("+0ms unplug\n+3600s plug\n+5s expect state open");
     let toml = "[trigger.serial]\nport = \"/p\"\ntokens = [\"PRESS\"]\n";
     let mut player = Player::new(toml, script.unwrap());
     // Nothing in it can grow: its size is that of the struct, the fault's text and empty buffers.
@@ -45,8 +44,8 @@ fn an_hour_without_the_port_takes_no_memory_one_line_and_a_try_every_three_secon
 
 #[test]
 fn a_loose_plug_for_an_hour_says_at_most_one_line_a_minute() {
-    let script: String = (0..1000).map(|_| "+1700ms unplug\n+1900ms plug\n").collect();
-    let script = gaiter::station::booth::trigger::mock::script(&script).unwrap();
+    let lines: String = (0..1000).map(|_| "+1700ms unplug\n+1900ms plug\n").collect();
+    let script = script(&lines).unwrap();
     let toml =
         "[trigger]\nsettle = \"0s\"\n[trigger.serial]\nport = \"/p\"\ntokens = [\"PRESS\"]\n";
     let mut player = Player::new(toml, script);

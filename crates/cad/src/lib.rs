@@ -13,14 +13,12 @@
 //! | [`iges`] | IGES 5.3: the tube as one B-spline surface, or a solid |
 //! | `iges/solid.rs`, `iges/notation.rs` | its faces and edges; the notation of IGES files |
 //! | [`mesh`] | STL, OBJ and glTF: triangles within a tolerance |
-//! | [`number`] | numbers as text, for these files and for drawings |
 
 pub mod ends;
 pub mod header;
 pub mod iges;
 pub mod kind;
 pub mod mesh;
-pub mod number;
 pub mod step;
 
 pub use ends::{End, EndNotPlane, Shape};

@@ -27,7 +27,6 @@ pub mod round;
 pub mod scan_id;
 pub mod settle;
 pub mod trigger;
-pub mod trusted_time;
 pub mod views;
 pub mod words;
 

@@ -1,4 +1,4 @@
-//! Writes what is printed of records: `report.pdf` and the figures as PNG, in every language.
+//! Writes what is printed of records: `report.pdf`, in every language.
 //!
 //! `cargo run --example report_paper -- OUT RECORD.json…`
 
@@ -11,7 +11,7 @@ use std::{env, fs};
 
 use gaiter_language::Language;
 use gaiter_record::Record;
-use gaiter_record::picture::{Theme, figures, png};
+use gaiter_record::picture::figures;
 use gaiter_record::report::{self, Content, Print};
 use gaiter_sizes::Garment;
 
@@ -41,10 +41,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             let stem = format!("{index}-{}", language.tag());
             println!("{stem} {path}: {} bytes in {milliseconds:.1} ms", paper.len());
             fs::write(Path::new(&out).join(format!("{stem}.pdf")), paper)?;
-            for figure in drawn {
-                let image = png::png(&figure.picture, Theme::Dark, 1.0)?;
-                fs::write(Path::new(&out).join(format!("{stem}-{}.png", figure.name)), image)?;
-            }
         }
     }
     Ok(())

@@ -48,7 +48,7 @@ pub struct ScanFile<'a> {
 /// CAD file or the PDF report cannot be made, the record gets a finding.
 ///
 /// # Errors
-/// If a figure cannot be written as JSON, or not drawn as a file of its own.
+/// If a figure cannot be written as JSON.
 pub fn record_files(
     extraction: &Extraction,
     provenance: &Provenance,
@@ -88,7 +88,9 @@ pub fn files_beside_scan(
     files.push(report_files::drawing(&figures, choice.language));
     files.push(report_files::page(&record, choice, &figures)?);
     files.extend(paper);
-    files.extend(report_files::figure_files(&figures, &choice.figures)?);
+    if choice.figures {
+        files.extend(report_files::figure_files(&figures));
+    }
     files.extend(surfaces);
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let mut sums = sums_of(&files);

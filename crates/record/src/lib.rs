@@ -40,6 +40,6 @@ pub use files::{
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };
-pub use report_files::{FigureFormat, FilesFault, ReportChoice, report_files};
+pub use report_files::{FilesFault, ReportChoice, report_files};
 pub use schema::Record;
 pub use summary::{RecordSummary, SheetLine, SummaryFigures, SummaryLevel, sheet};

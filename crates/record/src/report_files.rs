@@ -1,7 +1,5 @@
 //! The files of a record for people: its report as a page and as a PDF, and figures.
 
-use std::collections::BTreeSet;
-
 use gaiter_language::Language;
 use gaiter_sizes::Garment;
 
@@ -9,8 +7,7 @@ use super::Record;
 use super::file::{RecordFile, file};
 use super::order::OrderChoice;
 use super::picture::figures::{self, Figure};
-use super::picture::png::{PngFault, png};
-use super::picture::{Theme, svg};
+use super::picture::svg;
 use super::report::{self, AgeMax, Content, PdfFault, Print};
 use super::sizing::{SizeChoice, SizeVerdicts};
 
@@ -23,10 +20,6 @@ const PAPER: &str = "report.pdf";
 /// Both legs at a glance.
 const DRAWING: &str = "legs.svg";
 
-/// Pixels of a PNG per px of its picture: sharp on paper, with 250 per inch if a figure is as wide as an
-/// A4 page.
-const PNG_SCALE: f64 = 2.0;
-
 /// Which files for people are made of a record.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReportChoice {
@@ -36,23 +29,14 @@ pub struct ReportChoice {
     pub garment: Garment,
     /// What the report is printed on, and how much of it.
     pub print: Print,
-    /// The formats in which each figure also gets a file of its own. If empty, it is only in the report.
-    pub figures: BTreeSet<FigureFormat>,
+    /// Whether each figure also gets a file of its own.
+    pub figures: bool,
     /// How old the scan may be for an order.
     pub age_max: AgeMax,
     /// The size tables that the report shows, and the day on which it does.
     pub sizes: SizeChoice,
     /// The files of the order.
     pub orders: OrderChoice,
-}
-
-/// The format of a figure's file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FigureFormat {
-    /// Vector graphics, for pages and for editing.
-    Svg,
-    /// Pixels on white, for programs that do not show SVG.
-    Png,
 }
 
 /// Why a file cannot be made.
@@ -64,9 +48,6 @@ pub enum FilesFault {
     /// The PDF cannot be made.
     #[error(transparent)]
     Paper(#[from] PdfFault),
-    /// The PNG of a figure cannot be made.
-    #[error(transparent)]
-    Png(#[from] PngFault),
 }
 
 /// The report of a record. The same record with the same choice gives the same bytes, whether it was
@@ -79,13 +60,12 @@ pub fn report_files(record: &Record, choice: &ReportChoice) -> Result<Vec<Record
     Ok(vec![page(record, choice, &figures)?, paper(record, choice, &figures)?])
 }
 
-/// Every file for people with the record's measures: the report, the drawing, and each figure in every
-/// format.
+/// Every file for people with the record's measures: the report, the drawing, and each figure.
 pub(super) fn all(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, FilesFault> {
     let figures = figures::all(record, choice.language);
     let mut files = vec![page(record, choice, &figures)?, paper(record, choice, &figures)?];
     files.push(drawing(&figures, choice.language));
-    files.extend(figure_files(&figures, &choice.figures)?);
+    files.extend(figure_files(&figures));
     Ok(files)
 }
 
@@ -118,23 +98,11 @@ pub(super) fn drawing(figures: &[Figure], language: Language) -> RecordFile {
     file(DRAWING, figures::overview(figures, language).into_bytes())
 }
 
-fn svg_file(figure: &Figure) -> String {
-    svg::file(&figure.picture.title, figure.picture.size, &figure.marks)
-}
-
-/// The figures as files of their own, in the requested formats.
-pub(super) fn figure_files(
-    figures: &[Figure],
-    formats: &BTreeSet<FigureFormat>,
-) -> Result<Vec<RecordFile>, PngFault> {
-    let files = figures.iter().flat_map(|figure| {
-        formats.iter().map(move |format| {
-            let (ending, bytes) = match format {
-                FigureFormat::Svg => ("svg", svg_file(figure).into_bytes()),
-                FigureFormat::Png => ("png", png(&figure.picture, Theme::Light, PNG_SCALE)?),
-            };
-            Ok(file(&format!("figure-{}.{ending}", figure.name), bytes))
-        })
-    });
-    files.collect()
+/// The figures as files of their own.
+pub(super) fn figure_files(figures: &[Figure]) -> Vec<RecordFile> {
+    let svg = |figure: &Figure| {
+        let drawn = svg::file(&figure.picture.title, figure.picture.size, &figure.marks);
+        file(&format!("figure-{}.svg", figure.name), drawn.into_bytes())
+    };
+    figures.iter().map(svg).collect()
 }

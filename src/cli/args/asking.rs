@@ -20,17 +20,6 @@ pub struct AskArgs {
     pub json: bool,
 }
 
-/// `gaiter status`
-#[derive(Debug, clap::Args)]
-pub struct StatusArgs {
-    /// Keep showing the state, updated every second, until Ctrl-C; with --json one object per line
-    #[arg(long)]
-    pub watch: bool,
-    /// The station to query, and the output format.
-    #[command(flatten)]
-    pub ask: AskArgs,
-}
-
 /// `gaiter scans`
 #[derive(Debug, clap::Args)]
 pub struct ScansArgs {

@@ -120,13 +120,7 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     of("run", &[["gaiter run --config station.toml", "runs a station until Ctrl-C"]]),
-    of(
-        "status",
-        &[
-            ["gaiter status", "shows one screen"],
-            ["gaiter status --watch", "keeps showing it, until Ctrl-C"],
-        ],
-    ),
+    of("status", &[["gaiter status", "shows one screen"]]),
     of("pause", &[["gaiter pause", "leaves new scans at the scanner"]]),
     of("resume", &[["gaiter resume", "takes them in"]]),
     of(

@@ -7,11 +7,10 @@ use std::path::PathBuf;
 use gaiter_cad::FileKind;
 use gaiter_language::Language;
 use gaiter_leg::method::{FacingChoice, Posture, Scope, UnitChoice, Up, Winding};
-use gaiter_record::FigureFormat;
 
 use super::{GarmentArgs, of_words};
 use crate::config::words::{
-    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, POSTURES, SCOPES, UNITS, UPS, WINDINGS,
+    self, FACINGS, FILES, HEIGHTS_CM, LANGUAGES, POSTURES, SCOPES, UNITS, UPS, WINDINGS,
 };
 
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
@@ -42,15 +41,9 @@ pub struct ExtractArgs {
         requires = "out"
     )]
     pub files: Option<Vec<FileKind>>,
-    /// Also write each figure of the report as a file of its own, with --out
-    #[arg(
-        long,
-        value_name = "FORMAT,…",
-        value_delimiter = ',',
-        value_parser = of_words(FIGURES),
-        requires = "out"
-    )]
-    pub figures: Option<Vec<FigureFormat>>,
+    /// Also write each figure of the report as an SVG file of its own, with --out
+    #[arg(long, requires = "out")]
+    pub figures: bool,
     /// The language of the report, with --out [default: en, or that of --config]
     #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
     pub language: Option<Language>,

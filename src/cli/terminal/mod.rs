@@ -1,4 +1,4 @@
-//! Terminal output: local time, colours, tables, progress, and a screen that is redrawn.
+//! Terminal output: local time, colours, tables, progress, and text that fits it.
 
 pub mod clock;
 pub mod paint;

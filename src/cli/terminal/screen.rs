@@ -5,42 +5,23 @@ use std::io::{self, IsTerminal};
 
 use rustix::termios::tcgetwinsize;
 
-/// The assumed size of a terminal that does not report one.
-const USUAL: Size = Size { columns: 80, lines: 24 };
+/// The assumed width of a terminal that does not report one, characters.
+const USUAL: usize = 80;
 
-/// Size of a terminal in characters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Size {
-    /// Width.
-    pub columns: usize,
-    /// Height.
-    pub lines: usize,
-}
-
-/// The size of the terminal on standard output. `None` if it is not a terminal.
-pub fn size() -> Option<Size> {
+/// The width of the terminal on standard output, characters. `None` if it is not a terminal.
+pub fn terminal_columns() -> Option<usize> {
     let out = io::stdout();
     if !out.is_terminal() {
         return None;
     }
-    let told = tcgetwinsize(&out).ok().filter(|told| told.ws_col > 0 && told.ws_row > 0);
-    let size = |told: rustix::termios::Winsize| Size {
-        columns: usize::from(told.ws_col),
-        lines: usize::from(told.ws_row),
-    };
-    Some(told.map_or(USUAL, size))
+    let size = tcgetwinsize(&out).ok().filter(|size| size.ws_col > 0);
+    Some(size.map_or(USUAL, |size| usize::from(size.ws_col)))
 }
 
 /// The width of what standard output shows: that of the terminal, else `COLUMNS`, else the usual one.
 pub fn columns() -> usize {
     let told = || env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);
-    size().map(|size| size.columns).or_else(told).unwrap_or(USUAL.columns)
-}
-
-/// Whether standard output is a terminal on which text can be redrawn in place.
-pub fn can_renew() -> bool {
-    let term = env::var_os("TERM");
-    io::stdout().is_terminal() && term.is_some_and(|term| !term.is_empty() && term != "dumb")
+    terminal_columns().or_else(told).unwrap_or(USUAL)
 }
 
 /// Wraps a text into lines of at most this many characters, at spaces only. A longer word, such as an

@@ -1,6 +1,5 @@
 //! What the station must remember about itself.
 
-use gaiter_flow::trusted_time::TrustedTime;
 use gaiter_flow::views::ViewsSeries;
 use rusqlite::{OptionalExtension, Transaction};
 use serde_json::json;
@@ -21,9 +20,6 @@ const TO_FILL: &str = "to-fill";
 /// Prefix for the place where each store was begun: from then on its mark must be found there.
 const BEGUN: &str = "begun:";
 
-/// The last readings of the clocks, and how far the wall clock is trusted.
-const TIME: &str = "time";
-
 /// What the last scans said of the scanner's cameras.
 const VIEWS: &str = "views";
 
@@ -43,19 +39,6 @@ impl Journal {
     pub fn filled(&self) -> Result<(), JournalError> {
         self.connection().execute("DELETE FROM meta WHERE name = ?1", [TO_FILL])?;
         Ok(())
-    }
-
-    /// How far the wall clock was last trusted.
-    pub fn trusted_time(&self) -> Result<TrustedTime, JournalError> {
-        match self.fact(TIME)? {
-            Some(text) => json_cell("value", text),
-            None => Ok(TrustedTime::default()),
-        }
-    }
-
-    /// Saves how far the wall clock is trusted.
-    pub fn keep_time(&self, time: &TrustedTime) -> Result<(), JournalError> {
-        self.set_fact(TIME, &json!(time).to_string())
     }
 
     /// What the last scans said of the scanner's cameras.

@@ -14,7 +14,7 @@ mod trouble;
 
 pub use confine::{ConfineFault, enough, tried};
 pub use job::{Answer, Job, Limits, Subject};
-pub use parent::{ALLOCATOR, MeasureFault, Measured, answers, measure, measure_bytes};
+pub use parent::{MeasureFault, Measured, answers, measure, measure_bytes};
 pub use trouble::{Blame, Trouble};
 
 /// The hidden verb with which the binary runs again.

@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::cause::Cause;
 use gaiter_record::measure::amendment::{AmendFault, Amendment};
 use gaiter_record::schema::SCHEMA;
-use gaiter_record::{
-    FigureFormat, FilesFault, RECORD, Record, RecordFile, ReportChoice, amended_files,
-};
+use gaiter_record::{FilesFault, RECORD, Record, RecordFile, ReportChoice, amended_files};
 use serde_json::Value;
 
 use super::stored::{Stored, StoredFault};
@@ -122,8 +120,7 @@ pub fn amend(
         Ok(RecordFile { name: name.clone(), bytes })
     });
     let before = before.collect::<io::Result<Vec<RecordFile>>>()?;
-    let choice = ReportChoice { figures: formats(&stored.listed), ..choice.clone() };
-    let files = amended_files(&record, &choice, before)?;
+    let files = amended_files(&record, choice, before)?;
     match revisions.add(record.revision, &files) {
         Ok(Added::There(folder)) => Ok(Amended { folder, record }),
         Ok(Added::Withdrawn) => Err(Fault::Withdrawn),
@@ -217,13 +214,4 @@ fn holds(now: &Value, before: &Value) -> bool {
         }
         (now, before) => now == before,
     }
-}
-
-/// The formats in which a record has its figures as files of their own.
-fn formats(listed: &[String]) -> std::collections::BTreeSet<FigureFormat> {
-    let has = |ending: &str| {
-        listed.iter().any(|name| name.starts_with("figure-") && name.ends_with(ending))
-    };
-    let formats = [(".svg", FigureFormat::Svg), (".png", FigureFormat::Png)];
-    formats.into_iter().filter(|(ending, _)| has(ending)).map(|(_, format)| format).collect()
 }

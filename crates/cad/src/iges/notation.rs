@@ -1,7 +1,5 @@
 //! The fixed format of IGES files: lines of 80 columns in five sections (IGES 5.3, chapter 2).
 
-use crate::number::{push_shortest, push_whole};
-
 /// Columns for parameters in a line; the rest points back to the entity.
 const PARAMETER_COLUMNS: usize = 64;
 
@@ -10,9 +8,6 @@ const TEXT_COLUMNS: usize = 72;
 
 /// Columns for the number of a line, behind the letter of its section.
 const NUMBER_COLUMNS: usize = 7;
-
-/// Room for the digits of a real, its comma or semicolon included, so that it need not grow.
-const REAL_BYTES: usize = 26;
 
 /// The number of an entity's first line in the directory; always odd.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,9 +86,9 @@ impl Entities {
             format!("{number:8}{first:8}{0:8}{0:8}{0:8}{0:8}{0:8}{0:8}{status:8}", 0),
             format!("{number:8}{0:8}{0:8}{count:8}{form:8}{0:8}{0:8}{label:>8}{1:8}", "", 0),
         ]);
-        let back = format!(" {:7}", pointer.0);
-        self.parameters
-            .extend(lines.into_iter().map(|line| padded(line, PARAMETER_COLUMNS) + &back));
+        let back = pointer.0;
+        let padded = |line: String| format!("{line:PARAMETER_COLUMNS$} {back:7}");
+        self.parameters.extend(lines.into_iter().map(padded));
         pointer
     }
 
@@ -108,11 +103,8 @@ impl Entities {
         let sections = [start, global, self.directory, self.parameters, end];
         let mut text = String::new();
         for (letter, lines) in "SGDPT".chars().zip(sections) {
-            for (number, line) in (1_u64..).zip(lines) {
-                text.push_str(&padded(line, TEXT_COLUMNS));
-                text.push(letter);
-                push_right(&mut text, number);
-                text.push('\n');
+            for (number, line) in (1..).zip(lines) {
+                text.push_str(&format!("{line:TEXT_COLUMNS$}{letter}{number:NUMBER_COLUMNS$}\n"));
             }
         }
         text.into_bytes()
@@ -146,24 +138,10 @@ fn wrapped(parameters: impl Iterator<Item = String>, columns: usize) -> Vec<Stri
     lines
 }
 
-/// The line with blanks up to its width.
-fn padded(mut line: String, columns: usize) -> String {
-    line.extend(std::iter::repeat_n(' ', columns.saturating_sub(line.len())));
-    line
-}
-
-/// Appends a line's number, at the right of its seven columns.
-fn push_right(text: &mut String, number: u64) {
-    let digits = number.max(1).ilog10() as usize + 1;
-    text.extend(std::iter::repeat_n(' ', NUMBER_COLUMNS.saturating_sub(digits)));
-    push_whole(text, number);
-}
-
 /// A real with its decimal point, in the fewest digits that read back as `value`; the exponent
 /// letter D means double precision. `value` must be finite.
 pub fn real(value: f64) -> String {
-    let mut shortest = String::with_capacity(REAL_BYTES);
-    push_shortest(&mut shortest, value);
+    let shortest = format!("{value:?}");
     match shortest.split_once('e') {
         None => shortest,
         Some((mantissa, exponent)) if mantissa.contains('.') => format!("{mantissa}D{exponent}"),

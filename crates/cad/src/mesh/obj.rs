@@ -1,10 +1,11 @@
 //! Wavefront OBJ with smooth normals: text that nearly every program reads. Millimetres by
 //! convention, because the format has no unit.
 
+use std::fmt::Write;
+
 use gaiter_spline::Facets;
 
 use crate::header::{FileHeader, SYSTEM};
-use crate::number::{push_fixed, push_whole};
 
 /// Decimals of a coordinate: a nanometre, and 1e-6 of a normal.
 const PLACES: usize = 6;
@@ -30,11 +31,9 @@ pub fn write(facets: &Facets, header: &FileHeader) -> Vec<u8> {
     for triangle in &facets.triangles {
         text.push('f');
         for corner in triangle {
-            // Indices count from 1.
-            text.push(' ');
-            push_whole(&mut text, u64::from(corner.point) + 1);
-            text.push_str("//");
-            push_whole(&mut text, u64::from(corner.normal) + 1);
+            // Indices count from 1. Writing to memory never fails.
+            let (point, normal) = (u64::from(corner.point) + 1, u64::from(corner.normal) + 1);
+            let _ = write!(text, " {point}//{normal}");
         }
         text.push('\n');
     }
@@ -44,8 +43,7 @@ pub fn write(facets: &Facets, header: &FileHeader) -> Vec<u8> {
 fn push_line(text: &mut String, kind: &str, xyz: [f64; 3]) {
     text.push_str(kind);
     for value in xyz {
-        text.push(' ');
-        push_fixed(text, value, PLACES);
+        let _ = write!(text, " {value:.PLACES$}");
     }
     text.push('\n');
 }

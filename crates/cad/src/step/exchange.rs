@@ -1,8 +1,6 @@
 //! The clear text of STEP files, ISO 10303-21: numbered instances, reals, lists, strings.
 
-use std::fmt;
-
-use crate::number::{push_shortest, push_whole};
+use std::fmt::{self, Write};
 
 /// The number of an instance; displayed as a reference, `#12`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,14 +21,14 @@ pub trait Item {
 
 impl Item for Id {
     fn push(self, text: &mut String) {
-        text.push('#');
-        push_whole(text, self.0 as u64);
+        // Writing to memory never fails, here and below.
+        let _ = write!(text, "{self}");
     }
 }
 
 impl Item for usize {
     fn push(self, text: &mut String) {
-        push_whole(text, self as u64);
+        let _ = write!(text, "{self}");
     }
 }
 
@@ -39,7 +37,7 @@ impl Item for usize {
 impl Item for f64 {
     fn push(self, text: &mut String) {
         let from = text.len();
-        push_shortest(text, self);
+        let _ = write!(text, "{self:?}");
         if let Some(exponent) = text[from..].find('e') {
             let point = if text[from..].contains('.') { "" } else { "." };
             text.replace_range(from + exponent..=from + exponent, &format!("{point}E"));

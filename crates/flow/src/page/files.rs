@@ -54,7 +54,6 @@ pub fn served(name: &str) -> Served {
     match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
         "pdf" => opened("application/pdf", PAPER),
         "svg" => opened("image/svg+xml", DRAWING),
-        "png" => opened("image/png", DATA),
         "json" => opened("application/json", DATA),
         "csv" => saved("text/csv; charset=utf-8"),
         "step" => saved("model/step"),

@@ -9,13 +9,12 @@ use super::bundle::Entry;
 use crate::file::RecordFile;
 
 /// The media type of a file by the ending of its name.
-const TYPES: [(&str, &str); 12] = [
+const TYPES: [(&str, &str); 11] = [
     ("pdf", "application/pdf"),
     ("json", "application/json"),
     ("csv", "text/csv"),
     ("html", "text/html"),
     ("svg", "image/svg+xml"),
-    ("png", "image/png"),
     ("step", "model/step"),
     ("igs", "model/iges"),
     ("stl", "model/stl"),

@@ -1,12 +1,10 @@
 //! The letters of pictures and of the PDF: two fonts within the program, parsed once.
 //!
-//! The fonts are TrueType files made by `fonts/make.py`: one `cmap` of format 4, an advance for every
-//! glyph, short offsets, no composite glyphs. Only these features are read.
-//! Source: OpenType 1.9.1, `cmap`, `head`, `hmtx`, `loca`, `glyf`.
+//! The fonts are TrueType files made by `fonts/make.py`: one `cmap` of format 4 and an advance for every
+//! glyph. Only these are read.
+//! Source: OpenType 1.9.1, `cmap`, `maxp`, `hmtx`.
 
 use std::sync::LazyLock;
-
-use super::outline::{Segment, segments};
 
 /// Noto Sans, regular and bold.
 const FILES: [&[u8]; 2] =
@@ -26,7 +24,6 @@ pub struct Font {
     /// thousands of letters, and the last one of the fonts has a small code point.
     glyphs: Vec<u16>,
     advances: Vec<u16>,
-    outlines: Vec<&'static [u8]>,
 }
 
 impl Font {
@@ -66,25 +63,15 @@ impl Font {
         f64::from(units) / UNITS_PER_EM * size
     }
 
-    /// The outline of a glyph, 1/[`UNITS_PER_EM`], y up from the baseline.
-    pub fn outline(&self, glyph: u16) -> Vec<Segment> {
-        let outline = self.outlines.get(usize::from(glyph));
-        outline.and_then(|bytes| segments(bytes)).unwrap_or_default()
-    }
-
     fn read(file: &'static [u8]) -> Option<Font> {
         let count = word(table(file, b"maxp")?, 4)?;
-        let (hmtx, loca) = (table(file, b"hmtx")?, table(file, b"loca")?);
-        let glyf = table(file, b"glyf")?;
-        let at = |glyph: u16| Some(2 * usize::from(word(loca, 2 * usize::from(glyph))?));
-        let outline = |glyph: u16| glyf.get(at(glyph)?..at(glyph + 1)?);
+        let hmtx = table(file, b"hmtx")?;
         Some(Font {
             file,
             glyphs: glyphs(table(file, b"cmap")?)?,
             advances: (0..count)
                 .map(|glyph| word(hmtx, 4 * usize::from(glyph)))
                 .collect::<Option<_>>()?,
-            outlines: (0..count).map(outline).collect::<Option<_>>()?,
         })
     }
 }
@@ -182,21 +169,5 @@ mod tests {
     #[test]
     fn letters_that_cannot_be_written_stand_as_their_code_points() {
         assert_eq!(writable("a\u{5E9}\u{202E}1\u{AD}\n漢"), "a[U+05E9][U+202E]1[U+00AD] [U+6F22]");
-    }
-
-    #[test]
-    fn every_glyph_can_be_drawn_and_every_letter_but_blanks_is() {
-        for bold in [false, true] {
-            let font = Font::of(bold);
-            let letters = '\0'..=char::MAX;
-            let found: Vec<(char, u16)> =
-                letters.filter_map(|letter| Some((letter, font.glyph(letter)?))).collect();
-            assert!(found.len() > 600);
-            for (letter, glyph) in found {
-                let segments = segments(font.outlines[usize::from(glyph)]);
-                let is_drawn = segments.is_some_and(|segments| !segments.is_empty());
-                assert_eq!(is_drawn, !letter.is_whitespace(), "{letter:?}");
-            }
-        }
     }
 }

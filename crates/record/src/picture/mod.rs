@@ -1,14 +1,11 @@
-//! Pictures of a record as data: lines, dots and text in inks, from which SVG, PDF and PNG are made.
+//! Pictures of a record as data: lines, dots and text in inks, from which SVG and PDF are made.
 
 pub mod figures;
 pub(super) mod font;
 mod ink;
-mod outline;
-pub mod png;
 pub mod svg;
 
 pub use ink::{Colour, Ink, Theme};
-pub use outline::Segment;
 
 /// A drawing; x to the right, y down, px.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 mod looks;
 
-use gaiter_cad::number::push_tenths;
+use std::fmt::Write;
 
 use self::looks::{FILL, push_escaped, push_looks, push_number, push_painted, push_px};
 use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
@@ -192,6 +192,17 @@ fn push_path(path: &mut String, points: &[[f64; 2]]) {
     }
 }
 
+/// Appends a number of tenths as a decimal, without a decimal point if it is whole.
+fn push_tenths(path: &mut String, tenths: i64) {
+    let (whole, rest) = (tenths.unsigned_abs() / 10, tenths.unsigned_abs() % 10);
+    path.push_str(if tenths < 0 { "-" } else { "" });
+    // Writing to memory never fails.
+    let _ = write!(path, "{whole}");
+    if rest != 0 {
+        let _ = write!(path, ".{rest}");
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,6 +230,7 @@ mod tests {
             .collect();
         assert!((numbers.iter().sum::<f64>() - 16.0).abs() < 1e-9, "{text}");
         assert_eq!(path(&[[1.0, -2.0], [0.0, 3.5]]), "M1-2l-1 5.5");
+        assert_eq!(path(&[[-0.04, -0.7], [30.4, -1.0]]), "M0-0.7l30.4-0.3");
     }
 
     #[test]

@@ -2,7 +2,6 @@
 //! Each port has its own thread, because each may hang in its driver.
 
 pub mod attend;
-pub mod mock;
 pub mod port;
 
 mod keys;

@@ -2,6 +2,7 @@
 
 pub mod disk;
 pub mod matrix;
+pub mod mock_port;
 pub mod player;
 pub mod share;
 pub mod tracer;

@@ -8,9 +8,10 @@ use std::time::Duration;
 
 use gaiter::config;
 use gaiter::config::port::escaped;
-use gaiter::station::booth::trigger::mock::{Script, Stage, script};
 use gaiter::station::booth::trigger::{Attendant, of_config};
 use gaiter_flow::booth::{Heard, Press, Signal};
+
+use super::mock_port::{Script, Stage, script};
 
 /// Turns that a port may take in a second of its script; more would be spinning.
 const TURNS_A_SECOND: u32 = 250;

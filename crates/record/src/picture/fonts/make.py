@@ -4,7 +4,7 @@
 
 What a report and its figures need stays: Latin, Greek, Cyrillic, punctuation, superscripts. Arrows
 and signs that Noto Sans lacks come from Noto Sans Math and Noto Sans Symbols 2. Every glyph is
-drawn by itself, without parts, hints or layout tables, so that a small reader can draw it.
+drawn by itself, without parts, hints or layout tables.
 """
 
 import sys

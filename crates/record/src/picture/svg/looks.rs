@@ -1,6 +1,6 @@
 //! The looks of a mark in SVG: inks, pens, numbers and text.
 
-use gaiter_cad::number::push_fixed;
+use std::fmt::Write;
 
 use crate::picture::{Ink, Stroke, Theme};
 
@@ -74,7 +74,8 @@ pub(super) fn push_px(svg: &mut String, name: &str, px: f64) {
 /// A number of px to a hundredth, without trailing zeros.
 pub(super) fn push_number(svg: &mut String, px: f64) {
     let from = svg.len();
-    push_fixed(svg, px, 2);
+    // Writing to memory never fails.
+    let _ = write!(svg, "{px:.2}");
     let kept = svg[from..].trim_end_matches('0').trim_end_matches('.').len();
     svg.truncate(from + kept);
     if &svg[from..] == "-0" {

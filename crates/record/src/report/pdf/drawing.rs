@@ -1,18 +1,11 @@
 //! Draws pictures in the PDF as lines and letters.
 
-use gaiter_cad::number::push_tenths;
 use pdf_writer::Content;
 
 use super::sheet::{Pen, SIZE, short};
 use super::wrap::Type;
 use crate::picture::font::writable;
 use crate::picture::{Ink, Mark, Picture, Stroke};
-
-/// Tenths of px from here on may need more than the six digits of a 32-bit float.
-const TENTHS_MAX: f64 = 1e6;
-
-/// Room for the operator of a point, bytes, so that the text of a path rarely has to grow.
-const POINT_BYTES: usize = 14;
 
 /// Draws a picture with its upper left corner at this place, pt. `scale` is in pt per px.
 pub(super) fn draw(pen: &mut Pen<'_>, picture: &Picture, [left, top]: [f64; 2], scale: f64) {
@@ -59,54 +52,17 @@ fn draw_mark(pen: &mut Pen<'_>, mark: &Mark) {
 
 /// Lines through their points, to a tenth of px.
 fn path<L: AsRef<[[f64; 2]]>>(content: &mut Content, lines: &[L], is_closed: bool) {
-    let lines = || lines.iter().map(L::as_ref);
-    let points: usize = lines().map(<[_]>::len).sum();
-    let mut written = String::with_capacity(POINT_BYTES * points);
-    match lines().try_for_each(|line| push_line(&mut written, line, is_closed)) {
-        Some(()) if written.is_empty() => {}
-        // The operators of the whole path as if they were one, because its points are most of a report.
-        Some(()) => drop(content.op(&written)),
-        None => lines().for_each(|line| slow_line(content, line, is_closed)),
-    }
-}
-
-/// Appends the operators of a line, in the notation of `pdf_writer`; `None` if a number is too large
-/// for it to be sure.
-fn push_line(path: &mut String, line: &[[f64; 2]], is_closed: bool) -> Option<()> {
-    for (index, point) in line.iter().enumerate() {
-        if !path.is_empty() {
-            path.push('\n');
+    for line in lines.iter().map(L::as_ref) {
+        for (index, [x, y]) in line.iter().map(|point| point.map(tenth)).enumerate() {
+            if index == 0 {
+                content.move_to(x, y)
+            } else {
+                content.line_to(x, y)
+            };
         }
-        for px in point {
-            push_tenths(path, tenths(*px)?);
-            path.push(' ');
+        if is_closed && !line.is_empty() {
+            content.close_path();
         }
-        path.push(if index == 0 { 'm' } else { 'l' });
-    }
-    if is_closed && !line.is_empty() {
-        path.push_str("\nh");
-    }
-    Some(())
-}
-
-/// A number of px in tenths. `None` if it is too large: a 32-bit float tells six digits apart, and up to
-/// there the shortest ones for it are those of the tenths.
-fn tenths(px: f64) -> Option<i64> {
-    let tenths = (px * 10.0).round();
-    (tenths.abs() < TENTHS_MAX).then_some(tenths as i64)
-}
-
-/// Writes a line as `pdf_writer` does, whatever its numbers are.
-fn slow_line(content: &mut Content, line: &[[f64; 2]], is_closed: bool) {
-    for (index, [x, y]) in line.iter().map(|point| point.map(tenth)).enumerate() {
-        if index == 0 {
-            content.move_to(x, y)
-        } else {
-            content.line_to(x, y)
-        };
-    }
-    if is_closed && !line.is_empty() {
-        content.close_path();
     }
 }
 
@@ -147,57 +103,4 @@ fn paint(pen: &mut Pen<'_>, fill: Option<Ink>, stroke: Option<Stroke>) {
 /// A number of px to a tenth, as in the SVG drawings.
 fn tenth(px: f64) -> f32 {
     ((px * 10.0).round() / 10.0) as f32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn fast(lines: &[Vec<[f64; 2]>], is_closed: bool) -> Vec<u8> {
-        let mut content = Content::new();
-        path(&mut content, lines, is_closed);
-        content.stroke();
-        content.finish().into_vec()
-    }
-
-    fn slow(lines: &[Vec<[f64; 2]>], is_closed: bool) -> Vec<u8> {
-        let mut content = Content::new();
-        lines.iter().for_each(|line| slow_line(&mut content, line, is_closed));
-        content.stroke();
-        content.finish().into_vec()
-    }
-
-    #[test]
-    fn every_tenth_is_written_as_the_shortest_digits_of_its_float() {
-        let place = |tenths: i32| [f64::from(tenths) / 10.0, -f64::from(tenths) / 10.0];
-        let line: Vec<[f64; 2]> = (0..1_000_100).map(place).collect();
-        for line in line.chunks(1000) {
-            let lines = [line.to_vec()];
-            assert!(fast(&lines, false) == slow(&lines, false), "from {:?}", line[0]);
-        }
-    }
-
-    #[test]
-    fn lines_of_any_kind_are_written_alike() {
-        let odd = [
-            -0.04,
-            -0.0,
-            0.05,
-            99_999.94,
-            99_999.95,
-            1e5,
-            16_777_217.0,
-            3e9,
-            f64::NAN,
-            f64::INFINITY,
-        ];
-        for px in odd {
-            let line = vec![[px, 1.0], [2.0, px]];
-            for lines in [vec![line.clone()], vec![vec![], line, vec![]], vec![], vec![vec![]]] {
-                for is_closed in [false, true] {
-                    assert_eq!(fast(&lines, is_closed), slow(&lines, is_closed), "{px}");
-                }
-            }
-        }
-    }
 }

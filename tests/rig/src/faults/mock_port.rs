@@ -15,10 +15,9 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use gaiter::config::port::escaped;
+use gaiter::station::booth::trigger::port::{Port, PortOpener, fault};
 use gaiter_flow::trigger::{FaultKind, Input, KeyAction, PortFault};
-
-use super::port::{Port, PortOpener, fault};
-use crate::config::port::escaped;
 
 /// What a line of a script does.
 #[derive(Debug, Clone, PartialEq, Eq)]
