@@ -102,7 +102,7 @@ pub const UNITS: Words<UnitChoice> = &[
 ];
 
 /// `scanner.up`, `--up`
-pub const UPS: Words<Up> = &[("y", Up::Y), ("z", Up::Z), ("x", Up::X)];
+pub const UPS: Words<Up> = &Up::WORDS;
 
 /// `scanner.facing`, `--facing`
 pub const FACINGS: Words<FacingChoice> = &[
@@ -116,15 +116,10 @@ pub const FACINGS: Words<FacingChoice> = &[
 ];
 
 /// `scanner.winding`, `--winding`
-pub const WINDINGS: Words<Winding> = &[("outward", Winding::Outward), ("inward", Winding::Inward)];
+pub const WINDINGS: Words<Winding> = &Winding::WORDS;
 
 /// `scanner.posture`
-pub const POSTURES: Words<Posture> = &[
-    ("both-legs", Posture::BothLegs),
-    ("one-leg", Posture::OneLeg),
-    ("sitting", Posture::Sitting),
-    ("lying", Posture::Lying),
-];
+pub const POSTURES: Words<Posture> = &Posture::WORDS;
 
 /// `--affected`
 pub const AFFECTED: Words<Affected> = &Affected::WORDS;
@@ -136,7 +131,7 @@ pub const LIMBS: Words<()> = &[("leg", ())];
 pub const LIMITED: Words<Limited> = &Limited::WORDS;
 
 /// `method.volume`
-pub const VOLUMES: Words<VolumeBy> = &[("cones", VolumeBy::Cones), ("discs", VolumeBy::Discs)];
+pub const VOLUMES: Words<VolumeBy> = &VolumeBy::WORDS;
 
 /// `method.tape`
 pub const TAPES: Words<Tape> = &[

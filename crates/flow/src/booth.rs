@@ -49,47 +49,23 @@ pub enum Press {
     Long,
 }
 
-/// What the light at the booth shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Signal {
-    /// The next press will be heard.
-    Ready,
-    /// A press was heard; the station waits for its export.
-    Armed,
-    /// Its export is arriving, or is being measured.
-    Receiving,
-    /// Its record is in every store.
-    Done,
-    /// Operator action is needed: a scan is held or refused, or the station is not ready.
-    Attention,
-    /// No export arrived after a press.
-    NoExport,
-    /// The operator has paused the station: exports stay where they are.
-    Paused,
-}
-
-impl Signal {
-    /// All of them, in the order in which they are documented.
-    pub const ALL: [Signal; 7] = [
-        Signal::Ready,
-        Signal::Armed,
-        Signal::Receiving,
-        Signal::Done,
-        Signal::Attention,
-        Signal::NoExport,
-        Signal::Paused,
-    ];
-
-    /// Its stable word, in the configuration and in `status --json`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Signal::Ready => "ready",
-            Signal::Armed => "armed",
-            Signal::Receiving => "receiving",
-            Signal::Done => "done",
-            Signal::Attention => "attention",
-            Signal::NoExport => "no_export",
-            Signal::Paused => "paused",
-        }
+gaiter_record::word_enum! {
+    /// What the light at the booth shows.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Signal {
+        /// The next press will be heard.
+        Ready => "ready",
+        /// A press was heard; the station waits for its export.
+        Armed => "armed",
+        /// Its export is arriving, or is being measured.
+        Receiving => "receiving",
+        /// Its record is in every store.
+        Done => "done",
+        /// Operator action is needed: a scan is held or refused, or the station is not ready.
+        Attention => "attention",
+        /// No export arrived after a press.
+        NoExport => "no_export",
+        /// The operator has paused the station: exports stay where they are.
+        Paused => "paused",
     }
 }

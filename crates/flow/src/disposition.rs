@@ -5,42 +5,31 @@ use serde::{Deserialize, Serialize};
 
 use crate::lifecycle::{DeliveryState, ScanState};
 
-/// What matters most about a scan: a decision that is needed, then what is still to be done, then where its
-/// record is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Disposition {
-    /// It cannot be measured, or its record cannot be stored: it lies in quarantine until a person decides.
-    Refused,
-    /// A person must say whose it is.
-    Held,
-    /// Its record is still to be made, or waits for a store.
-    Spooled,
-    /// It was taken back, and its record is not removed from every store yet.
-    Withdrawing,
-    /// A patient has its record.
-    Delivered,
-    /// It was refused or held, and needs no decision any more.
-    Closed,
-    /// Its record is stored without a patient: a person must say whose it is.
-    Unassigned,
-    /// Its record is stored without a patient, and a person left it there.
-    Left,
+gaiter_record::word_enum! {
+    /// What matters most about a scan: a decision that is needed, then what is still to be done, then where its
+    /// record is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Disposition as serde {
+        /// It cannot be measured, or its record cannot be stored: it lies in quarantine until a person decides.
+        Refused => "refused",
+        /// A person must say whose it is.
+        Held => "held",
+        /// Its record is still to be made, or waits for a store.
+        Spooled => "spooled",
+        /// It was taken back, and its record is not removed from every store yet.
+        Withdrawing => "withdrawing",
+        /// A patient has its record.
+        Delivered => "delivered",
+        /// It was refused or held, and needs no decision any more.
+        Closed => "closed",
+        /// Its record is stored without a patient: a person must say whose it is.
+        Unassigned => "unassigned",
+        /// Its record is stored without a patient, and a person left it there.
+        Left => "left",
+    }
 }
 
 impl Disposition {
-    /// All of them.
-    pub const ALL: [Disposition; 8] = [
-        Disposition::Refused,
-        Disposition::Held,
-        Disposition::Spooled,
-        Disposition::Withdrawing,
-        Disposition::Delivered,
-        Disposition::Closed,
-        Disposition::Unassigned,
-        Disposition::Left,
-    ];
-
     /// That of a scan with these deliveries: of each its state, and whether its record lies with a patient to whom
     /// the scan belongs. `is_closed`: it needs no decision any more.
     pub fn of(
@@ -61,25 +50,6 @@ impl Disposition {
             (_, true) => Disposition::Left,
             (_, false) => Disposition::Unassigned,
         }
-    }
-
-    /// The word for it in the journal, on the page and in the terminal; on the page it decides colour and sign.
-    pub fn word(self) -> &'static str {
-        match self {
-            Disposition::Refused => "refused",
-            Disposition::Held => "held",
-            Disposition::Spooled => "spooled",
-            Disposition::Withdrawing => "withdrawing",
-            Disposition::Delivered => "delivered",
-            Disposition::Closed => "closed",
-            Disposition::Unassigned => "unassigned",
-            Disposition::Left => "left",
-        }
-    }
-
-    /// That of a word in the journal.
-    pub fn of_word(word: &str) -> Option<Disposition> {
-        Disposition::ALL.into_iter().find(|found| found.word() == word)
     }
 
     /// Whether measures that its record lacks are asked for, if a patient has it: also while another store, or the

@@ -14,16 +14,17 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where a scan is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ScanState {
-    /// Its bytes are in the spool; at least one delivery is to be made.
-    Spooled,
-    /// Nothing is left to be delivered without operator action.
-    Delivered,
-    /// It cannot be measured, or its record cannot be stored; it is in quarantine.
-    Refused,
+gaiter_record::word_enum! {
+    /// Where a scan is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum ScanState as serde {
+        /// Its bytes are in the spool; at least one delivery is to be made.
+        Spooled => "spooled",
+        /// Nothing is left to be delivered without operator action.
+        Delivered => "delivered",
+        /// It cannot be measured, or its record cannot be stored; it is in quarantine.
+        Refused => "refused",
+    }
 }
 
 /// The possible steps of a scan.
@@ -37,53 +38,36 @@ pub enum ScanStep {
     Reopen,
 }
 
-/// Where a delivery is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DeliveryState {
-    /// To be made.
-    Pending,
-    /// The store has given its receipt.
-    Delivered,
-    /// The operator must say whose scan this is.
-    Held,
-    /// It will not be made, because the scan was refused.
-    Refused,
-    /// It was made, or may have been, without a patient or for the wrong one; now the right patient has
-    /// the record, and this one is to be taken back.
-    Withdrawing,
-    /// It was taken back.
-    Withdrawn,
-}
-
-/// Why a scan that was refused or held, or is stored without a patient, needs no decision any more.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Closed {
-    /// A person gave it up.
-    GivenUp,
-    /// The same patient's next scan was measured.
-    Superseded,
-    /// Nobody decided before its time in quarantine was over; its bytes are gone.
-    LetGo,
-}
-
-impl Closed {
-    /// All reasons.
-    pub const ALL: [Closed; 3] = [Closed::GivenUp, Closed::Superseded, Closed::LetGo];
-
-    /// The word in the journal.
-    pub fn word(self) -> &'static str {
-        match self {
-            Closed::GivenUp => "given-up",
-            Closed::Superseded => "superseded",
-            Closed::LetGo => "let-go",
-        }
+gaiter_record::word_enum! {
+    /// Where a delivery is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum DeliveryState as serde {
+        /// To be made.
+        Pending => "pending",
+        /// The store has given its receipt.
+        Delivered => "delivered",
+        /// The operator must say whose scan this is.
+        Held => "held",
+        /// It will not be made, because the scan was refused.
+        Refused => "refused",
+        /// It was made, or may have been, without a patient or for the wrong one; now the right patient has
+        /// the record, and this one is to be taken back.
+        Withdrawing => "withdrawing",
+        /// It was taken back.
+        Withdrawn => "withdrawn",
     }
+}
 
-    /// The reason of a word in the journal.
-    pub fn of_word(word: &str) -> Option<Closed> {
-        Closed::ALL.into_iter().find(|why| why.word() == word)
+gaiter_record::word_enum! {
+    /// Why a scan that was refused or held, or is stored without a patient, needs no decision any more.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Closed as serde {
+        /// A person gave it up.
+        GivenUp => "given-up",
+        /// The same patient's next scan was measured.
+        Superseded => "superseded",
+        /// Nobody decided before its time in quarantine was over; its bytes are gone.
+        LetGo => "let-go",
     }
 }
 
@@ -129,23 +113,6 @@ pub struct IllegalStep {
 }
 
 impl ScanState {
-    /// All states.
-    pub const ALL: [ScanState; 3] = [ScanState::Spooled, ScanState::Delivered, ScanState::Refused];
-
-    /// The word in the journal.
-    pub fn word(self) -> &'static str {
-        match self {
-            ScanState::Spooled => "spooled",
-            ScanState::Delivered => "delivered",
-            ScanState::Refused => "refused",
-        }
-    }
-
-    /// The state of a word in the journal.
-    pub fn of_word(word: &str) -> Option<ScanState> {
-        ScanState::ALL.into_iter().find(|state| state.word() == word)
-    }
-
     /// The state after a step.
     ///
     /// # Errors
@@ -162,33 +129,6 @@ impl ScanState {
 }
 
 impl DeliveryState {
-    /// All states.
-    pub const ALL: [DeliveryState; 6] = [
-        DeliveryState::Pending,
-        DeliveryState::Delivered,
-        DeliveryState::Held,
-        DeliveryState::Refused,
-        DeliveryState::Withdrawing,
-        DeliveryState::Withdrawn,
-    ];
-
-    /// The word in the journal.
-    pub fn word(self) -> &'static str {
-        match self {
-            DeliveryState::Pending => "pending",
-            DeliveryState::Delivered => "delivered",
-            DeliveryState::Held => "held",
-            DeliveryState::Refused => "refused",
-            DeliveryState::Withdrawing => "withdrawing",
-            DeliveryState::Withdrawn => "withdrawn",
-        }
-    }
-
-    /// The state of a word in the journal.
-    pub fn of_word(word: &str) -> Option<DeliveryState> {
-        DeliveryState::ALL.into_iter().find(|state| state.word() == word)
-    }
-
     /// The state after a step.
     ///
     /// # Errors
@@ -244,16 +184,5 @@ mod tests {
     fn a_held_delivery_is_never_made_without_a_person() {
         let illegal = IllegalStep { state: "held", step: "deliver" };
         assert_eq!(DeliveryState::Held.after(DeliveryStep::Deliver), Err(illegal));
-    }
-
-    #[test]
-    fn every_word_reads_back_as_its_state() {
-        for state in ScanState::ALL {
-            assert_eq!(ScanState::of_word(state.word()), Some(state));
-        }
-        for state in DeliveryState::ALL {
-            assert_eq!(DeliveryState::of_word(state.word()), Some(state));
-        }
-        assert_eq!(ScanState::of_word("pending"), None);
     }
 }

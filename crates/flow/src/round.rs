@@ -45,10 +45,10 @@ pub use names::{Names, Next, Said, Unsure};
 pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 
 /// Finding: the export could belong to captures of different patients.
-pub(crate) const AMBIGUOUS: &str = Why::Ambiguous.code();
+pub(crate) const AMBIGUOUS: &str = Why::Ambiguous.word();
 
 /// Finding: another export lay beside it.
-pub(crate) const BESIDE: &str = Why::Beside.code();
+pub(crate) const BESIDE: &str = Why::Beside.word();
 
 /// The captures that have not ended, and who may be next.
 #[derive(Debug, Clone, PartialEq, Eq)]

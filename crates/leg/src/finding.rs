@@ -12,25 +12,16 @@ use crate::levels::extremum::Absence;
 use crate::sections::axis_fit::{AxisFault, NoThigh};
 use crate::surface::nurbs::NoSurface;
 
-/// How much a finding matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// Worth knowing.
-    Info,
-    /// Check before you use the record.
-    Warning,
-    /// Something was not measured.
-    Error,
-}
-
-impl Severity {
-    /// The word used in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Severity::Info => "info",
-            Severity::Warning => "warning",
-            Severity::Error => "error",
-        }
+word_enum! {
+    /// How much a finding matters.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Severity {
+        /// Worth knowing.
+        Info => "info",
+        /// Check before you use the record.
+        Warning => "warning",
+        /// Something was not measured.
+        Error => "error",
     }
 }
 

@@ -17,6 +17,9 @@
 //! [`mod@sectioned_leg`] calls them up to the girth curve, [`report`] all after it; between them both legs are compared for
 //! what a [`disturbance`] is. The results are in [`measured`], [`finding`] and [`doubt`].
 
+#[macro_use]
+mod words;
+
 pub mod comparison;
 pub mod disturbance;
 pub mod doubt;

@@ -34,49 +34,31 @@ pub struct Method {
     pub volume: VolumeBy,
 }
 
-/// How the patient holds the legs while they are scanned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Posture {
-    /// Standing, with the weight on both legs, as in a booth.
-    #[default]
-    BothLegs,
-    /// Standing, with the weight on the leg that is measured, as rules for the tape ask for.
-    OneLeg,
-    /// Sitting.
-    Sitting,
-    /// Lying.
-    Lying,
-}
-
-impl Posture {
-    /// The word used in the configuration and in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Posture::BothLegs => "both-legs",
-            Posture::OneLeg => "one-leg",
-            Posture::Sitting => "sitting",
-            Posture::Lying => "lying",
-        }
+word_enum! {
+    /// How the patient holds the legs while they are scanned.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum Posture {
+        /// Standing, with the weight on both legs, as in a booth.
+        #[default]
+        BothLegs => "both-legs",
+        /// Standing, with the weight on the leg that is measured, as rules for the tape ask for.
+        OneLeg => "one-leg",
+        /// Sitting.
+        Sitting => "sitting",
+        /// Lying.
+        Lying => "lying",
     }
 }
 
-/// Which way round triangles are wound: their corners run counter-clockwise as seen from …
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Winding {
-    /// … outside the body.
-    #[default]
-    Outward,
-    /// … inside it.
-    Inward,
-}
-
-impl Winding {
-    /// The word used in the configuration and in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Winding::Outward => "outward",
-            Winding::Inward => "inward",
-        }
+word_enum! {
+    /// Which way round triangles are wound: their corners run counter-clockwise as seen from …
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum Winding {
+        /// … outside the body.
+        #[default]
+        Outward => "outward",
+        /// … inside it.
+        Inward => "inward",
     }
 }
 
@@ -152,23 +134,22 @@ pub enum UnitChoice {
     Declared(Unit),
 }
 
-/// A unit of length that scanners export in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
-    /// Millimetre.
-    Mm,
-    /// Centimetre.
-    Cm,
-    /// Metre.
-    M,
-    /// Inch, 25.4 mm.
-    In,
+word_enum! {
+    /// A unit of length that scanners export in, smallest first.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Unit {
+        /// Millimetre.
+        Mm => "mm",
+        /// Centimetre.
+        Cm => "cm",
+        /// Inch, 25.4 mm.
+        In => "in",
+        /// Metre.
+        M => "m",
+    }
 }
 
 impl Unit {
-    /// All units, smallest first.
-    pub const ALL: [Unit; 4] = [Unit::Mm, Unit::Cm, Unit::In, Unit::M];
-
     /// Millimetres in one of this unit.
     pub fn in_mm(self) -> f64 {
         match self {
@@ -178,38 +159,19 @@ impl Unit {
             Unit::M => 1000.0,
         }
     }
-
-    /// The word used on the command line, in the configuration and in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Unit::Mm => "mm",
-            Unit::Cm => "cm",
-            Unit::In => "in",
-            Unit::M => "m",
-        }
-    }
 }
 
-/// The export's axis that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Up {
-    /// +y, as \[TC\]2 exports it.
-    #[default]
-    Y,
-    /// +z.
-    Z,
-    /// +x.
-    X,
-}
-
-impl Up {
-    /// The word used in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Up::X => "x",
-            Up::Y => "y",
-            Up::Z => "z",
-        }
+word_enum! {
+    /// The export's axis that points up.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum Up {
+        /// +y, as \[TC\]2 exports it.
+        #[default]
+        Y => "y",
+        /// +z.
+        Z => "z",
+        /// +x.
+        X => "x",
     }
 }
 
@@ -228,56 +190,44 @@ impl FacingChoice {
     pub fn word(self) -> &'static str {
         match self {
             FacingChoice::Auto => "auto",
-            FacingChoice::Declared(Axis::PlusX) => "+x",
-            FacingChoice::Declared(Axis::MinusX) => "-x",
-            FacingChoice::Declared(Axis::PlusY) => "+y",
-            FacingChoice::Declared(Axis::MinusY) => "-y",
-            FacingChoice::Declared(Axis::PlusZ) => "+z",
-            FacingChoice::Declared(Axis::MinusZ) => "-z",
+            FacingChoice::Declared(axis) => axis.word(),
         }
     }
 }
 
-/// A signed axis of the export.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axis {
-    /// +x.
-    PlusX,
-    /// −x.
-    MinusX,
-    /// +y.
-    PlusY,
-    /// −y.
-    MinusY,
-    /// +z.
-    PlusZ,
-    /// −z.
-    MinusZ,
+word_enum! {
+    /// A signed axis of the export.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Axis {
+        /// +x.
+        PlusX => "+x",
+        /// −x.
+        MinusX => "-x",
+        /// +y.
+        PlusY => "+y",
+        /// −y.
+        MinusY => "-y",
+        /// +z.
+        PlusZ => "+z",
+        /// −z.
+        MinusZ => "-z",
+    }
 }
 
-/// The source of a leg's sections and the curve that each of them is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SectionFit {
-    /// The section through the leg's skin as one smooth function of angle and height, fitted to all
-    /// points at once.
-    #[default]
-    Skin,
-    /// Radius over angle as a periodic smoothing spline, C2 across the seam, through the crossings
-    /// of the mesh with the plane.
-    Periodic,
-    /// The paper's method: radius over angle in (−π, π] as a polynomial of order 15, through the
-    /// points where the lines between nearest points on both sides of the plane intersect it.
-    Paper,
-}
-
-impl SectionFit {
-    /// The word used in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            SectionFit::Skin => "skin",
-            SectionFit::Periodic => "periodic",
-            SectionFit::Paper => "paper",
-        }
+word_enum! {
+    /// The source of a leg's sections and the curve that each of them is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum SectionFit {
+        /// The section through the leg's skin as one smooth function of angle and height, fitted to all
+        /// points at once.
+        #[default]
+        Skin => "skin",
+        /// Radius over angle as a periodic smoothing spline, C2 across the seam, through the crossings
+        /// of the mesh with the plane.
+        Periodic => "periodic",
+        /// The paper's method: radius over angle in (−π, π] as a polynomial of order 15, through the
+        /// points where the lines between nearest points on both sides of the plane intersect it.
+        Paper => "paper",
     }
 }
 
@@ -305,22 +255,14 @@ impl Tape {
     }
 }
 
-/// The line used as the axis of a whole leg.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum AxisFit {
-    /// Through the centroids of its sections between ankle and groin, all with equal weight.
-    #[default]
-    Centroids,
-    /// The paper's method: the first principal component of its points from the floor to the crotch.
-    Principal,
-}
-
-impl AxisFit {
-    /// The word used in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            AxisFit::Centroids => "centroids",
-            AxisFit::Principal => "principal",
-        }
+word_enum! {
+    /// The line used as the axis of a whole leg.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum AxisFit {
+        /// Through the centroids of its sections between ankle and groin, all with equal weight.
+        #[default]
+        Centroids => "centroids",
+        /// The paper's method: the first principal component of its points from the floor to the crotch.
+        Principal => "principal",
     }
 }

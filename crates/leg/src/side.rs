@@ -1,12 +1,14 @@
 //! The patient's two sides.
 
-/// The patient's own side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Side {
-    /// Left.
-    Left,
-    /// Right.
-    Right,
+word_enum! {
+    /// The patient's own side.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Side {
+        /// Left.
+        Left => "left",
+        /// Right.
+        Right => "right",
+    }
 }
 
 impl Side {
@@ -16,14 +18,6 @@ impl Side {
     /// Both sides in the order of text and drawings: seen from the front, the patient's right is on
     /// the left.
     pub const FROM_FRONT: [Side; 2] = [Side::Right, Side::Left];
-
-    /// `left` or `right`.
-    pub fn word(self) -> &'static str {
-        match self {
-            Side::Left => "left",
-            Side::Right => "right",
-        }
-    }
 
     /// +1 for the left, whose lateral side is +X; −1 for the right.
     pub fn lateral_sign(self) -> f64 {

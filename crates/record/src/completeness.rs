@@ -27,28 +27,18 @@ pub struct Completeness {
     pub checks: Vec<Check>,
 }
 
-/// What is to be done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
-    /// Every measure was taken without a doubt, or set by a person.
-    Complete,
-    /// There is nothing left to measure: a person noted that the rest cannot be measured.
-    NotMeasurable,
-    /// Some measures must be taken or made sure of by hand.
-    ByHand,
-    /// The patient should be scanned again before dressing.
-    ScanAgain,
-}
-
-impl Kind {
-    /// The stable word, for pages and programs.
-    pub fn word(self) -> &'static str {
-        match self {
-            Kind::Complete => "complete",
-            Kind::NotMeasurable => "not-measurable",
-            Kind::ByHand => "by-hand",
-            Kind::ScanAgain => "scan-again",
-        }
+gaiter_leg::word_enum! {
+    /// What is to be done.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Kind {
+        /// Every measure was taken without a doubt, or set by a person.
+        Complete => "complete",
+        /// There is nothing left to measure: a person noted that the rest cannot be measured.
+        NotMeasurable => "not-measurable",
+        /// Some measures must be taken or made sure of by hand.
+        ByHand => "by-hand",
+        /// The patient should be scanned again before dressing.
+        ScanAgain => "scan-again",
     }
 }
 
@@ -93,81 +83,45 @@ pub enum Part {
     Height,
 }
 
-/// What is to be different in another scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Again {
-    /// Both legs must be in view, whole.
-    WholeLegs,
-    /// The legs must be bare.
-    BareLegs,
-    /// The patient must stand still.
-    Still,
-    /// The legs must stand apart.
-    LegsApart,
-    /// The knees must be straight.
-    StraightKnees,
-    /// Both feet must stand flat on the floor.
-    FeetFlat,
-    /// The patient must be barefoot.
-    Barefoot,
-    /// A girth was found that no leg has.
-    Implausible,
-}
-
-/// What a person must make sure of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Check {
-    /// Which leg is the left one.
-    Sides,
-    /// The unit of the scan.
-    Unit,
-    /// That head and feet are whole in the scan, so that heights are right.
-    WholeBody,
-    /// Why the scanner's own measures differ.
-    ScannerMeasures,
-    /// That the export was not cut short.
-    Export,
-    /// Where the record comes from: nothing vouches for its figures.
-    Source,
-}
-
-impl Again {
-    fn key(self) -> &'static str {
-        match self {
-            Again::WholeLegs => "whole_legs",
-            Again::BareLegs => "bare_legs",
-            Again::Still => "still",
-            Again::LegsApart => "legs_apart",
-            Again::StraightKnees => "straight_knees",
-            Again::FeetFlat => "feet_flat",
-            Again::Barefoot => "barefoot",
-            Again::Implausible => "implausible",
-        }
+gaiter_leg::word_enum! {
+    /// What is to be different in another scan.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Again {
+        /// Both legs must be in view, whole.
+        WholeLegs => "whole_legs",
+        /// The legs must be bare.
+        BareLegs => "bare_legs",
+        /// The patient must stand still.
+        Still => "still",
+        /// The legs must stand apart.
+        LegsApart => "legs_apart",
+        /// The knees must be straight.
+        StraightKnees => "straight_knees",
+        /// Both feet must stand flat on the floor.
+        FeetFlat => "feet_flat",
+        /// The patient must be barefoot.
+        Barefoot => "barefoot",
+        /// A girth was found that no leg has.
+        Implausible => "implausible",
     }
 }
 
-impl Check {
-    /// The stable word, for programs.
-    pub fn word(self) -> &'static str {
-        match self {
-            Check::Sides => "sides",
-            Check::Unit => "unit",
-            Check::WholeBody => "whole-body",
-            Check::ScannerMeasures => "scanner-measures",
-            Check::Export => "export",
-            Check::Source => "source",
-        }
-    }
-
-    fn key(self) -> &'static str {
-        match self {
-            Check::Sides => "sides",
-            Check::Unit => "unit",
-            Check::WholeBody => "whole_body",
-            Check::ScannerMeasures => "scanner_measures",
-            Check::Export => "export",
-            Check::Source => "source",
-        }
+gaiter_leg::word_enum! {
+    /// What a person must make sure of.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Check {
+        /// Which leg is the left one.
+        Sides => "sides",
+        /// The unit of the scan.
+        Unit => "unit",
+        /// That head and feet are whole in the scan, so that heights are right.
+        WholeBody => "whole-body",
+        /// Why the scanner's own measures differ.
+        ScannerMeasures => "scanner-measures",
+        /// That the export was not cut short.
+        Export => "export",
+        /// Where the record comes from: nothing vouches for its figures.
+        Source => "source",
     }
 }
 

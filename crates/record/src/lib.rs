@@ -37,6 +37,7 @@ pub use files::{
     ORD, RECORD, SUMS, ScanFile, add_scan, amended_files, files_beside_scan, hex, json,
     record_files, sha256,
 };
+pub use gaiter_leg::word_enum;
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };

@@ -23,32 +23,18 @@ pub enum Point {
     Beyond(Beyond),
 }
 
-/// The points above the thigh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Beyond {
-    /// Girth of the hip: `cH`.
-    HipGirth,
-    /// Girth of the waist: `cT`.
-    WaistGirth,
-    /// Length to the hip: `lH`.
-    HipLength,
-    /// Length to the waist: `lT`.
-    WaistLength,
-}
-
-impl Beyond {
-    /// All of them.
-    const ALL: [Beyond; 4] =
-        [Beyond::HipGirth, Beyond::WaistGirth, Beyond::HipLength, Beyond::WaistLength];
-
-    /// The name on order forms.
-    fn name(self) -> &'static str {
-        match self {
-            Beyond::HipGirth => "cH",
-            Beyond::WaistGirth => "cT",
-            Beyond::HipLength => "lH",
-            Beyond::WaistLength => "lT",
-        }
+gaiter_leg::word_enum! {
+    /// The points above the thigh.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Beyond {
+        /// Girth of the hip: `cH`.
+        HipGirth => "cH",
+        /// Girth of the waist: `cT`.
+        WaistGirth => "cT",
+        /// Length to the hip: `lH`.
+        HipLength => "lH",
+        /// Length to the waist: `lT`.
+        WaistLength => "lT",
     }
 }
 
@@ -66,7 +52,7 @@ impl Point {
             INSIDE_LEG => return Some(Point::InsideLeg),
             _ => {}
         }
-        if let Some(beyond) = Beyond::ALL.into_iter().find(|beyond| beyond.name() == name) {
+        if let Some(beyond) = Beyond::of_word(name) {
             return Some(Point::Beyond(beyond));
         }
         if let Some(level) = name.strip_prefix('c') {
@@ -118,7 +104,7 @@ impl fmt::Display for Point {
             Point::Between(low, high) => write!(f, "l{}{}", low.name(), high.name()),
             Point::Foot => f.write_str(FOOT),
             Point::InsideLeg => f.write_str(INSIDE_LEG),
-            Point::Beyond(beyond) => f.write_str(beyond.name()),
+            Point::Beyond(beyond) => f.write_str(beyond.word()),
         }
     }
 }

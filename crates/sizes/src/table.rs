@@ -53,16 +53,17 @@ pub struct SizeTable {
     pub sha256: String,
 }
 
-/// What a table may be used for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Status {
-    /// Only to try the program.
-    TestOnly,
-    /// Not released yet.
-    Draft,
-    /// Two persons vouch for it.
-    Released,
+gaiter_leg::word_enum! {
+    /// What a table may be used for.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    pub enum Status as serde {
+        /// Only to try the program.
+        TestOnly => "test-only",
+        /// Not released yet.
+        Draft => "draft",
+        /// Two persons vouch for it.
+        Released => "released",
+    }
 }
 
 /// Whether a limit belongs to its range.
@@ -149,17 +150,6 @@ pub struct Ranged {
     pub point: Point,
     /// Lower and upper limit, mm.
     pub mm: [f64; 2],
-}
-
-impl Status {
-    /// The word in files.
-    pub fn word(self) -> &'static str {
-        match self {
-            Status::TestOnly => "test-only",
-            Status::Draft => "draft",
-            Status::Released => "released",
-        }
-    }
 }
 
 impl Limits {

@@ -37,34 +37,36 @@ pub struct Given {
     pub is_by_hand: bool,
 }
 
-/// Why a point has no value to judge by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NotGiven {
-    /// The scan does not show it, and no person measured it.
-    NotFound,
-    /// A person noted that it cannot be measured.
-    NotMeasurable,
-    /// It is estimated by a proportion of the body.
-    Estimated,
-    /// There is a doubt about it.
-    Doubtful,
-    /// No scan of the legs gives it.
-    Beyond,
+gaiter_leg::word_enum! {
+    /// Why a point has no value to judge by.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    pub enum NotGiven as serde {
+        /// The scan does not show it, and no person measured it.
+        NotFound => "not-found",
+        /// A person noted that it cannot be measured.
+        NotMeasurable => "not-measurable",
+        /// It is estimated by a proportion of the body.
+        Estimated => "estimated",
+        /// There is a doubt about it.
+        Doubtful => "doubtful",
+        /// No scan of the legs gives it.
+        Beyond => "beyond",
+    }
 }
 
-/// How a value or a size fits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Fit {
-    /// At least one point does not.
-    DoesNotFit,
-    /// A required point is not given.
-    NotDecided,
-    /// Nothing speaks against it but a value near a limit.
-    FitsWithinUncertainty,
-    /// Every required point does, surely.
-    Fits,
+gaiter_leg::word_enum! {
+    /// How a value or a size fits.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+    pub enum Fit as serde {
+        /// At least one point does not.
+        DoesNotFit => "does-not-fit",
+        /// A required point is not given.
+        NotDecided => "not-decided",
+        /// Nothing speaks against it but a value near a limit.
+        FitsWithinUncertainty => "fits-within-uncertainty",
+        /// Every required point does, surely.
+        Fits => "fits",
+    }
 }
 
 /// How a point lies to its range.
@@ -129,16 +131,17 @@ pub struct LegVerdict {
     pub lengths: Vec<LengthVerdict>,
 }
 
-/// Why a table says nothing about a garment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NotComparable {
-    /// Its girths are under tension, the measures are of skin. Nothing is converted.
-    Tension,
-    /// It does not say whether its girths are of skin.
-    BasisUnknown,
-    /// It is not for this garment, or has none of its points.
-    OtherGarment,
+gaiter_leg::word_enum! {
+    /// Why a table says nothing about a garment.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    pub enum NotComparable as serde {
+        /// Its girths are under tension, the measures are of skin. Nothing is converted.
+        Tension => "tension",
+        /// It does not say whether its girths are of skin.
+        BasisUnknown => "basis-unknown",
+        /// It is not for this garment, or has none of its points.
+        OtherGarment => "other-garment",
+    }
 }
 
 /// Judges a leg by a table.
@@ -283,42 +286,6 @@ fn together(points: &[PointVerdict]) -> (Fit, Vec<Point>) {
     let missing = required().filter(|of| of.margins_mm.is_none()).map(|of| of.point).collect();
     let fit = required().map(|of| of.fit).min().unwrap_or(Fit::NotDecided);
     (fit, missing)
-}
-
-impl Fit {
-    /// The stable word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Fit::DoesNotFit => "does-not-fit",
-            Fit::NotDecided => "not-decided",
-            Fit::FitsWithinUncertainty => "fits-within-uncertainty",
-            Fit::Fits => "fits",
-        }
-    }
-}
-
-impl NotComparable {
-    /// The stable word.
-    pub fn word(self) -> &'static str {
-        match self {
-            NotComparable::Tension => "tension",
-            NotComparable::BasisUnknown => "basis-unknown",
-            NotComparable::OtherGarment => "other-garment",
-        }
-    }
-}
-
-impl NotGiven {
-    /// The stable word.
-    pub fn word(self) -> &'static str {
-        match self {
-            NotGiven::NotFound => "not-found",
-            NotGiven::NotMeasurable => "not-measurable",
-            NotGiven::Estimated => "estimated",
-            NotGiven::Doubtful => "doubtful",
-            NotGiven::Beyond => "beyond",
-        }
-    }
 }
 
 impl PointVerdict {

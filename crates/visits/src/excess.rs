@@ -49,25 +49,16 @@ pub struct Reduction {
     pub expanded: f64,
 }
 
-/// Why no percent reduction is told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoReduction {
-    /// No change of the excess is shown, so no share of it is either.
-    NoChange,
-    /// The earlier excess is within its uncertainty.
-    WithinUncertainty,
-    /// The affected leg was the smaller one at the earlier visit.
-    SmallerLeg,
-}
-
-impl NoReduction {
-    /// The word used in the JSON form.
-    pub fn word(self) -> &'static str {
-        match self {
-            NoReduction::NoChange => "no-change-shown",
-            NoReduction::WithinUncertainty => "within-uncertainty",
-            NoReduction::SmallerLeg => "smaller-leg",
-        }
+gaiter_leg::word_enum! {
+    /// Why no percent reduction is told.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum NoReduction {
+        /// No change of the excess is shown, so no share of it is either.
+        NoChange => "no-change-shown",
+        /// The earlier excess is within its uncertainty.
+        WithinUncertainty => "within-uncertainty",
+        /// The affected leg was the smaller one at the earlier visit.
+        SmallerLeg => "smaller-leg",
     }
 }
 

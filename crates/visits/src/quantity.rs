@@ -70,25 +70,16 @@ impl Quantity {
     }
 }
 
-/// What a comparison shows. It never says better or worse.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shown {
-    /// The later figure is larger, by more than the detectable change.
-    Larger,
-    /// The later figure is smaller, by more than the detectable change.
-    Smaller,
-    /// The difference is within the detectable change.
-    NoChange,
-}
-
-impl Shown {
-    /// The word used in the JSON form.
-    pub fn word(self) -> &'static str {
-        match self {
-            Shown::Larger => "larger",
-            Shown::Smaller => "smaller",
-            Shown::NoChange => "no-change-shown",
-        }
+gaiter_leg::word_enum! {
+    /// What a comparison shows. It never says better or worse.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Shown {
+        /// The later figure is larger, by more than the detectable change.
+        Larger => "larger",
+        /// The later figure is smaller, by more than the detectable change.
+        Smaller => "smaller",
+        /// The difference is within the detectable change.
+        NoChange => "no-change-shown",
     }
 }
 

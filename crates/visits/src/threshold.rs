@@ -17,28 +17,32 @@ pub struct Threshold {
     pub limit: f64,
 }
 
-/// What a threshold limits. There is no limit in mL: 200 mL is a threshold for arms, and the legs of healthy
-/// persons differ by more.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Limited {
-    /// The percent change of a leg's volume, %.
-    LegChange,
-    /// The excess volume of the affected leg at the later visit, % of the other leg. A leg that is smaller than the
-    /// other one has none.
-    Excess,
-    /// The largest change of a girth at a fixed place, mm.
-    GirthChange,
+gaiter_leg::word_enum! {
+    /// What a threshold limits. There is no limit in mL: 200 mL is a threshold for arms, and the legs of healthy
+    /// persons differ by more.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Limited {
+        /// The percent change of a leg's volume, %.
+        LegChange => "leg-change",
+        /// The excess volume of the affected leg at the later visit, % of the other leg. A leg that is smaller than the
+        /// other one has none.
+        Excess => "excess",
+        /// The largest change of a girth at a fixed place, mm.
+        GirthChange => "girth-change",
+    }
 }
 
-/// What a figure says about a threshold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reached {
-    /// It is reached, also less the uncertainty.
-    Yes,
-    /// It is not reached, also with the uncertainty.
-    No,
-    /// The uncertainty does not let it be told.
-    Open,
+gaiter_leg::word_enum! {
+    /// What a figure says about a threshold.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Reached {
+        /// It is reached, also less the uncertainty.
+        Yes => "reached",
+        /// It is not reached, also with the uncertainty.
+        No => "not-reached",
+        /// The uncertainty does not let it be told.
+        Open => "open",
+    }
 }
 
 /// A threshold and the figure that it is for.
@@ -55,38 +59,11 @@ pub struct ThresholdVerdict<'a> {
 }
 
 impl Limited {
-    /// Everything that can be limited, with the word used in the configuration and in the JSON form.
-    pub const WORDS: [(&str, Limited); 3] = [
-        ("leg-change", Limited::LegChange),
-        ("excess", Limited::Excess),
-        ("girth-change", Limited::GirthChange),
-    ];
-
-    /// The word used in the configuration and in the JSON form.
-    pub fn word(self) -> &'static str {
-        match self {
-            Limited::LegChange => "leg-change",
-            Limited::Excess => "excess",
-            Limited::GirthChange => "girth-change",
-        }
-    }
-
     /// The unit of its limits.
     pub fn unit(self) -> &'static str {
         match self {
             Limited::LegChange | Limited::Excess => "%",
             Limited::GirthChange => "mm",
-        }
-    }
-}
-
-impl Reached {
-    /// The word used in the JSON form.
-    pub fn word(self) -> &'static str {
-        match self {
-            Reached::Yes => "reached",
-            Reached::No => "not-reached",
-            Reached::Open => "open",
         }
     }
 }

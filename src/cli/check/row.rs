@@ -6,26 +6,16 @@ use std::path::Path;
 
 use serde::Serialize;
 
-/// The result of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Verdict {
-    /// Everything is fine.
-    Ok,
-    /// The station works, but the operator should look at this.
-    Warn,
-    /// The station cannot work this way.
-    Fail,
-}
-
-impl Verdict {
-    /// The word for it in the table and in the JSON.
-    pub fn word(self) -> &'static str {
-        match self {
-            Verdict::Ok => "ok",
-            Verdict::Warn => "warn",
-            Verdict::Fail => "fail",
-        }
+gaiter_leg::word_enum! {
+    /// The result of a check.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    pub(super) enum Verdict as serde {
+        /// Everything is fine.
+        Ok => "ok",
+        /// The station works, but the operator should look at this.
+        Warn => "warn",
+        /// The station cannot work this way.
+        Fail => "fail",
     }
 }
 

@@ -62,7 +62,7 @@ pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<Strin
 
 /// Why a scan in the spool is held.
 pub(super) fn held_code(intake: &Intake) -> Option<&'static str> {
-    let mut codes = Why::ALL.map(Why::code).into_iter().chain([NO_PRESS, PATIENTS_DIFFER]);
+    let mut codes = Why::ALL.map(Why::word).into_iter().chain([NO_PRESS, PATIENTS_DIFFER]);
     let found = codes.find(|code| intake.findings.iter().any(|found| found == code));
     intake.held.then_some(found.unwrap_or(SAME_SCAN_OTHER_PATIENT))
 }

@@ -8,7 +8,7 @@ mod next;
 use std::time::Duration;
 
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
-use gaiter_flow::round::{Capture, CaptureState, Judged, Named, Rounds};
+use gaiter_flow::round::{Capture, CaptureState, Judged, Named, Opener, Rounds};
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Row, Transaction, params};
@@ -16,12 +16,12 @@ use serde_json::{Value, json};
 
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, cell, history, json_cell};
-use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
+use cells::{json_text, milliseconds, word_of};
 pub(super) use next::{clear as clear_names, names_patient};
 
 /// The states of a capture that is over.
-const ANSWERED: &str = state_word(CaptureState::Taken);
-const HELD: &str = state_word(CaptureState::Held);
+const ANSWERED: &str = CaptureState::Taken.word();
+const HELD: &str = CaptureState::Held.word();
 
 /// SQL: the states of captures whose exports were taken in.
 const TAKEN: &str = "('answered', 'held')";
@@ -274,10 +274,10 @@ fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
         number,
         opened: time(2)?,
         until: time(3)?,
-        by: cell("opener", text(4)?, opener_of)?,
+        by: cell("opener", text(4)?, Opener::of_word)?,
         patient,
         others: json_cell("candidates", others)?,
-        state: cell("state", text(7)?, state_of)?,
+        state: cell("state", text(7)?, CaptureState::of_word)?,
         is_refused: row.get(9)?,
         doubt,
     };
@@ -305,10 +305,10 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
             boot,
             milliseconds(capture.opened),
             milliseconds(capture.until),
-            opener_word(capture.by),
+            capture.by.word(),
             id,
             source,
-            state_word(capture.state),
+            capture.state.word(),
             others,
             capture.is_refused,
             doubt.trim_matches('"'),

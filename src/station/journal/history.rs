@@ -19,109 +19,72 @@ use serde_json::Value;
 
 use super::{Journal, JournalError};
 
-/// The events of the history.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Event {
-    /// The journal was created.
-    Schema,
-    /// A scan came in, with or without a patient.
-    Entered,
-    /// The same bytes came in for another patient.
-    Held,
-    /// A record reached a store.
-    Delivered,
-    /// A record was found in a store when a lost journal was rebuilt.
-    Found,
-    /// A scan was refused.
-    Refused,
-    /// An operator retried it.
-    Retried,
-    /// An operator released a held scan to this patient.
-    Released,
-    /// An operator assigned the scan to a patient.
-    Assigned,
-    /// A record was withdrawn, because the scan's record is now where it belongs.
-    Withdrawn,
-    /// An operator took a scan back from a patient.
-    Unassigned,
-    /// The button was pressed.
-    Pressed,
-    /// The patient of the next scan was named.
-    Named,
-    /// An export came for a press.
-    Answered,
-    /// No export came for a press, or no press came for a name.
-    Expired,
-    /// An operator cancelled what was waiting.
-    CalledOff,
-    /// An operator paused the station.
-    Paused,
-    /// An operator resumed it.
-    Resumed,
-    /// The journal was rebuilt from spool, quarantine and stores.
-    Rebuilt,
-    /// Rows past their retention were removed; the chain continues from here.
-    Pruned,
-    /// A person set measures of its record.
-    Amended,
-    /// A person named the affected leg of a patient, or took that back.
-    AffectedNamed,
-    /// An operator gave it up: it needs no further decision.
-    GivenUp,
-    /// The same patient's next scan was delivered: it needs no further decision.
-    Superseded,
-    /// Retention deleted the bytes of a refused scan.
-    LetGo,
-    /// Lost bytes came in again.
-    TakenAgain,
-    /// An earlier decision was carried out by a journal that did not know it.
-    CarriedOut,
-    /// All that the station holds of a person was disclosed.
-    Disclosed,
-    /// All that the station holds of a person is to be erased.
-    Erasing,
-    /// The station's own folder holds nothing of a person any more.
-    Erased,
-    /// Nothing is left to be erased of a person, in the stores neither.
-    ErasureEnded,
-}
-
-impl Event {
-    /// The word in the journal.
-    pub fn word(self) -> &'static str {
-        match self {
-            Event::Schema => "schema",
-            Event::Entered => "entered",
-            Event::Held => "held",
-            Event::Delivered => "delivered",
-            Event::Found => "found",
-            Event::Refused => "refused",
-            Event::Retried => "retried",
-            Event::Released => "released",
-            Event::Assigned => "assigned",
-            Event::Withdrawn => "withdrawn",
-            Event::Unassigned => "unassigned",
-            Event::Pressed => "pressed",
-            Event::Named => "named",
-            Event::Answered => "answered",
-            Event::Expired => "expired",
-            Event::CalledOff => "called-off",
-            Event::Paused => "paused",
-            Event::Resumed => "resumed",
-            Event::Rebuilt => "rebuilt",
-            Event::Pruned => "pruned",
-            Event::Amended => "amended",
-            Event::AffectedNamed => "affected-named",
-            Event::GivenUp => "given-up",
-            Event::Superseded => "superseded",
-            Event::LetGo => "let-go",
-            Event::TakenAgain => "taken-again",
-            Event::CarriedOut => "carried-out",
-            Event::Disclosed => "disclosed",
-            Event::Erasing => "erasing",
-            Event::Erased => "erased",
-            Event::ErasureEnded => "erasure-ended",
-        }
+gaiter_leg::word_enum! {
+    /// The events of the history.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Event {
+        /// The journal was created.
+        Schema => "schema",
+        /// A scan came in, with or without a patient.
+        Entered => "entered",
+        /// The same bytes came in for another patient.
+        Held => "held",
+        /// A record reached a store.
+        Delivered => "delivered",
+        /// A record was found in a store when a lost journal was rebuilt.
+        Found => "found",
+        /// A scan was refused.
+        Refused => "refused",
+        /// An operator retried it.
+        Retried => "retried",
+        /// An operator released a held scan to this patient.
+        Released => "released",
+        /// An operator assigned the scan to a patient.
+        Assigned => "assigned",
+        /// A record was withdrawn, because the scan's record is now where it belongs.
+        Withdrawn => "withdrawn",
+        /// An operator took a scan back from a patient.
+        Unassigned => "unassigned",
+        /// The button was pressed.
+        Pressed => "pressed",
+        /// The patient of the next scan was named.
+        Named => "named",
+        /// An export came for a press.
+        Answered => "answered",
+        /// No export came for a press, or no press came for a name.
+        Expired => "expired",
+        /// An operator cancelled what was waiting.
+        CalledOff => "called-off",
+        /// An operator paused the station.
+        Paused => "paused",
+        /// An operator resumed it.
+        Resumed => "resumed",
+        /// The journal was rebuilt from spool, quarantine and stores.
+        Rebuilt => "rebuilt",
+        /// Rows past their retention were removed; the chain continues from here.
+        Pruned => "pruned",
+        /// A person set measures of its record.
+        Amended => "amended",
+        /// A person named the affected leg of a patient, or took that back.
+        AffectedNamed => "affected-named",
+        /// An operator gave it up: it needs no further decision.
+        GivenUp => "given-up",
+        /// The same patient's next scan was delivered: it needs no further decision.
+        Superseded => "superseded",
+        /// Retention deleted the bytes of a refused scan.
+        LetGo => "let-go",
+        /// Lost bytes came in again.
+        TakenAgain => "taken-again",
+        /// An earlier decision was carried out by a journal that did not know it.
+        CarriedOut => "carried-out",
+        /// All that the station holds of a person was disclosed.
+        Disclosed => "disclosed",
+        /// All that the station holds of a person is to be erased.
+        Erasing => "erasing",
+        /// The station's own folder holds nothing of a person any more.
+        Erased => "erased",
+        /// Nothing is left to be erased of a person, in the stores neither.
+        ErasureEnded => "erasure-ended",
     }
 }
 

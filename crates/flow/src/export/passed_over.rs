@@ -16,32 +16,33 @@ const PACKED: [&str; 7] = [".gz", ".zip", ".7z", ".rar", ".bz2", ".xz", ".zst"];
 /// copy may come beside the export itself.
 const STAYS: Duration = Duration::from_secs(5);
 
-/// Why something in an export folder is passed over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PassedOver {
-    /// A folder, where sub-folders are not searched.
-    SubFolder,
-    /// A folder that is nested too deep.
-    TooDeep,
-    /// A folder that the station may not read.
-    NoAccess,
-    /// A link.
-    Link,
-    /// A packed scan.
-    Packed,
-    /// A hidden file.
-    Hidden,
-    /// A file with the name of an unfinished one.
-    Unfinished,
-    /// A file without the ending of a scan.
-    NoScan,
-    /// A pipe.
-    Pipe,
-    /// A socket.
-    Socket,
-    /// Whatever else is no regular file.
-    Device,
+gaiter_record::word_enum! {
+    /// Why something in an export folder is passed over.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    pub enum PassedOver as serde {
+        /// A folder, where sub-folders are not searched.
+        SubFolder => "sub_folder",
+        /// A folder that is nested too deep.
+        TooDeep => "too_deep",
+        /// A folder that the station may not read.
+        NoAccess => "no_access",
+        /// A link.
+        Link => "link",
+        /// A packed scan.
+        Packed => "packed",
+        /// A hidden file.
+        Hidden => "hidden",
+        /// A file with the name of an unfinished one.
+        Unfinished => "unfinished",
+        /// A file without the ending of a scan.
+        NoScan => "no_scan",
+        /// A pipe.
+        Pipe => "pipe",
+        /// A socket.
+        Socket => "socket",
+        /// Whatever else is no regular file.
+        Device => "device",
+    }
 }
 
 /// Something in an export folder that is passed over.
@@ -111,23 +112,6 @@ impl PassedOver {
     /// Whether only its name tells that it is passed over.
     pub fn is_of_name(self) -> bool {
         matches!(self, PassedOver::Hidden | PassedOver::Unfinished)
-    }
-
-    /// Its stable word.
-    pub const fn word(self) -> &'static str {
-        match self {
-            PassedOver::SubFolder => "sub_folder",
-            PassedOver::TooDeep => "too_deep",
-            PassedOver::NoAccess => "no_access",
-            PassedOver::Link => "link",
-            PassedOver::Packed => "packed",
-            PassedOver::Hidden => "hidden",
-            PassedOver::Unfinished => "unfinished",
-            PassedOver::NoScan => "no_scan",
-            PassedOver::Pipe => "pipe",
-            PassedOver::Socket => "socket",
-            PassedOver::Device => "device",
-        }
     }
 
     /// Why, in words that follow the file.

@@ -138,7 +138,7 @@ pub fn of_judged(judged: &Judged, hold_unpressed: bool, says: [NameSays; 2]) -> 
         Judged::Held { why, patient, candidates, .. } => {
             let is_settled = matches!(&says[0], NameSays::Patient(said)
                 if candidates.iter().all(|named| named.id == said.id));
-            (patient.as_ref(), (!is_settled).then_some(why.code()))
+            (patient.as_ref(), (!is_settled).then_some(why.word()))
         }
         Judged::Unpressed => (None, hold_unpressed.then_some(NO_PRESS)),
         Judged::Known => (None, None),

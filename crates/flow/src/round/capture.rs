@@ -145,49 +145,25 @@ pub struct Content {
     pub completes: Option<Vec<Named>>,
 }
 
-/// Why an export that may be a capture's is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Why {
-    /// It could belong to captures of different patients.
-    Ambiguous,
-    /// Another content lay beside it since the press.
-    Beside,
-    /// It may have been written before the press.
-    Unclear,
-    /// It arrived after the window of the press it must belong to.
-    Late,
-    /// The station could not hear for a while, and a missed press may have made this export.
-    Unheard,
-    /// An attempt to name a patient before it could not be read.
-    Unread,
-    /// The order that names its patient repeats an earlier one, with a newer time.
-    Repeated,
-}
-
-impl Why {
-    /// All of them.
-    pub const ALL: [Why; 7] = [
-        Why::Ambiguous,
-        Why::Beside,
-        Why::Unclear,
-        Why::Late,
-        Why::Unheard,
-        Why::Unread,
-        Why::Repeated,
-    ];
-
-    /// The finding's code.
-    pub const fn code(self) -> &'static str {
-        match self {
-            Why::Ambiguous => "capture-ambiguous",
-            Why::Beside => "capture-beside",
-            Why::Unclear => "capture-unclear",
-            Why::Late => "export-late",
-            Why::Unheard => "press-unheard",
-            Why::Unread => "name-unread",
-            Why::Repeated => "order-repeated",
-        }
+gaiter_record::word_enum! {
+    /// Why an export that may be a capture's is held; its word is the code of the finding.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Why {
+        /// It could belong to captures of different patients.
+        Ambiguous => "capture-ambiguous",
+        /// Another content lay beside it since the press.
+        Beside => "capture-beside",
+        /// It may have been written before the press.
+        Unclear => "capture-unclear",
+        /// It arrived after the window of the press it must belong to.
+        Late => "export-late",
+        /// The station could not hear for a while, and a missed press may have made this export.
+        Unheard => "press-unheard",
+        /// An attempt to name a patient before it could not be read.
+        Unread => "name-unread",
+        /// The order that names its patient repeats an earlier one, with a newer time.
+        Repeated => "order-repeated",
     }
 }
 
@@ -219,26 +195,29 @@ impl Doubt {
     }
 }
 
-/// What opened a capture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Opener {
-    /// The button.
-    Press,
-    /// The patient's name, where there is no button.
-    Name,
+gaiter_record::word_enum! {
+    /// What opened a capture.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Opener as serde {
+        /// The button.
+        Press => "press",
+        /// The patient's name, where there is no button.
+        Name => "name",
+    }
 }
 
-/// The states of a capture that has not ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CaptureState {
-    /// The station waits for its export.
-    Open,
-    /// Its window is over.
-    Expired,
-    /// Its export is being measured.
-    Taken,
-    /// An export that may be its own is held.
-    Held,
+gaiter_record::word_enum! {
+    /// The states of a capture that has not ended, with their words in the journal.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum CaptureState {
+        /// The station waits for its export.
+        Open => "open",
+        /// Its window is over.
+        Expired => "expired",
+        /// Its export is being measured.
+        Taken => "answered",
+        /// An export that may be its own is held.
+        Held => "held",
+    }
 }

@@ -5,11 +5,11 @@ use gaiter_record::SourceKind;
 use super::*;
 use crate::settle::Sights;
 
-const UNCLEAR: &str = Why::Unclear.code();
-const LATE: &str = Why::Late.code();
-const UNHEARD: &str = Why::Unheard.code();
-const UNREAD: &str = Why::Unread.code();
-const REPEATED: &str = Why::Repeated.code();
+const UNCLEAR: &str = Why::Unclear.word();
+const LATE: &str = Why::Late.word();
+const UNHEARD: &str = Why::Unheard.word();
+const UNREAD: &str = Why::Unread.word();
+const REPEATED: &str = Why::Repeated.word();
 
 const SECOND: Duration = Duration::from_secs(1);
 
@@ -100,7 +100,7 @@ fn refuse(captures: &mut Rounds, judged: &Judged, now: Duration) {
 
 fn code(judged: &Judged) -> &'static str {
     match judged {
-        Judged::Held { why, .. } => why.code(),
+        Judged::Held { why, .. } => why.word(),
         other => panic!("{other:?}"),
     }
 }

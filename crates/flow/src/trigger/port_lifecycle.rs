@@ -7,62 +7,35 @@ use serde::Serialize;
 
 use crate::cause::Cause;
 
-/// The state of a port.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PortState {
-    /// It has not been looked for yet.
-    NotLooked,
-    /// It is not there.
-    Absent,
-    /// Another program uses it.
-    Busy,
-    /// The station's user may not open it.
-    Denied,
-    /// It is there but does not work.
-    Failed,
-    /// It has just been opened, and its input is not trusted yet.
-    Settling,
-    /// It is listened to.
-    Open,
-    /// It is listened to, but its contact is closed for longer than anyone presses a button.
-    Stuck,
-    /// Its driver does not return.
-    Hung,
+gaiter_record::word_enum! {
+    /// The state of a port.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+    pub enum PortState as serde {
+        /// It has not been looked for yet.
+        NotLooked => "not_looked",
+        /// It is not there.
+        Absent => "absent",
+        /// Another program uses it.
+        Busy => "busy",
+        /// The station's user may not open it.
+        Denied => "denied",
+        /// It is there but does not work.
+        Failed => "failed",
+        /// It has just been opened, and its input is not trusted yet.
+        Settling => "settling",
+        /// It is listened to.
+        Open => "open",
+        /// It is listened to, but its contact is closed for longer than anyone presses a button.
+        Stuck => "stuck",
+        /// Its driver does not return.
+        Hung => "hung",
+    }
 }
 
 impl PortState {
-    /// All of them.
-    pub const ALL: [PortState; 9] = [
-        PortState::NotLooked,
-        PortState::Absent,
-        PortState::Busy,
-        PortState::Denied,
-        PortState::Failed,
-        PortState::Settling,
-        PortState::Open,
-        PortState::Stuck,
-        PortState::Hung,
-    ];
-
     /// Whether it is not listened to, and will not be in a moment.
     pub fn is_fault(self) -> bool {
         !matches!(self, PortState::NotLooked | PortState::Settling | PortState::Open)
-    }
-
-    /// Its stable word in `status` and metrics.
-    pub const fn word(self) -> &'static str {
-        match self {
-            PortState::NotLooked => "not_looked",
-            PortState::Absent => "absent",
-            PortState::Busy => "busy",
-            PortState::Denied => "denied",
-            PortState::Failed => "failed",
-            PortState::Settling => "settling",
-            PortState::Open => "open",
-            PortState::Stuck => "stuck",
-            PortState::Hung => "hung",
-        }
     }
 }
 

@@ -9,14 +9,16 @@ use std::f64::consts::PI;
 /// Cubic millimetres in a millilitre.
 const MM3_PER_ML: f64 = 1000.0;
 
-/// How a volume is made of girths at fixed places.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum VolumeBy {
-    /// Truncated cones between neighbouring places: h / 12π · (C₁² + C₁C₂ + C₂²).
-    #[default]
-    Cones,
-    /// Discs, each with its place in the middle: h / 4π · C². With h = 4 cm, the sum of C² / π (Kuhnke).
-    Discs,
+word_enum! {
+    /// How a volume is made of girths at fixed places.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum VolumeBy {
+        /// Truncated cones between neighbouring places: h / 12π · (C₁² + C₁C₂ + C₂²).
+        #[default]
+        Cones => "cones",
+        /// Discs, each with its place in the middle: h / 4π · C². With h = 4 cm, the sum of C² / π (Kuhnke).
+        Discs => "discs",
+    }
 }
 
 /// A part of the leg whose volume follows from one girth or two.
@@ -34,14 +36,6 @@ pub struct Piece {
 }
 
 impl VolumeBy {
-    /// The word used in the configuration and in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            VolumeBy::Cones => "cones",
-            VolumeBy::Discs => "discs",
-        }
-    }
-
     /// The piece that begins at a place, mm along the axis, or has it in its middle. `girths_mm` are the
     /// girths there and one step above. `None` if the method needs a girth that is missing.
     pub fn piece(self, at_mm: f64, step_mm: f64, girths_mm: [Option<f64>; 2]) -> Option<Piece> {

@@ -34,22 +34,14 @@ const PROMINENCE_MIN_SD: f64 = 2.0;
 /// a valley.
 const SAME_SHARE: f64 = 0.01;
 
-/// The kind of a feature point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Locally most curved: a corner, such as the tibial crest or the Achilles tendon.
-    Peak,
-    /// Locally flattest or most hollow.
-    Valley,
-}
-
-impl Kind {
-    /// The word used in records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Kind::Peak => "peak",
-            Kind::Valley => "valley",
-        }
+word_enum! {
+    /// The kind of a feature point.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Kind {
+        /// Locally most curved: a corner, such as the tibial crest or the Achilles tendon.
+        Peak => "peak",
+        /// Locally flattest or most hollow.
+        Valley => "valley",
     }
 }
 

@@ -43,37 +43,24 @@ pub struct Crotch {
     pub touching_from_mm: Option<f64>,
 }
 
-/// The source of the crotch's height.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CrotchFrom {
-    /// The skin between the legs, seen.
-    Saddle,
-    /// The border of what was seen there.
-    Border,
-    /// The end of the fold between thighs whose skins are one in the scan.
-    GrownTogether,
-    /// The thighs, seen separate up to it; of a cloud or a torn skin.
-    Thighs,
-    /// The end of the notch in front, because the thighs touch; of a cloud or a torn skin.
-    Notch,
-    /// The height at which one leg reaches the trunk, because the other is missing.
-    OneLeg,
-    /// No observation: the usual height for a body of this size.
-    Proportion,
-}
-
-impl CrotchFrom {
-    /// The word in the record.
-    pub fn word(self) -> &'static str {
-        match self {
-            CrotchFrom::Saddle => "saddle",
-            CrotchFrom::Border => "border",
-            CrotchFrom::GrownTogether => "grown-together",
-            CrotchFrom::Thighs => "thighs",
-            CrotchFrom::Notch => "notch",
-            CrotchFrom::OneLeg => "one-leg",
-            CrotchFrom::Proportion => "proportion",
-        }
+word_enum! {
+    /// The source of the crotch's height.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum CrotchFrom {
+        /// The skin between the legs, seen.
+        Saddle => "saddle",
+        /// The border of what was seen there.
+        Border => "border",
+        /// The end of the fold between thighs whose skins are one in the scan.
+        GrownTogether => "grown-together",
+        /// The thighs, seen separate up to it; of a cloud or a torn skin.
+        Thighs => "thighs",
+        /// The end of the notch in front, because the thighs touch; of a cloud or a torn skin.
+        Notch => "notch",
+        /// The height at which one leg reaches the trunk, because the other is missing.
+        OneLeg => "one-leg",
+        /// No observation: the usual height for a body of this size.
+        Proportion => "proportion",
     }
 }
 

@@ -5,40 +5,30 @@ use std::fmt;
 /// Within so many degrees of the front, the back or a side, a place lies there and not between two of them.
 const STRAIGHT_DEG: f64 = 15.0;
 
-/// One of eight parts of the way around a leg. Inner is medial, outer lateral.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Around {
-    /// On the shin.
-    Front,
-    /// Between front and outer side.
-    FrontOuter,
-    /// On the lateral side.
-    Outer,
-    /// Between back and outer side.
-    BackOuter,
-    /// Behind.
-    Back,
-    /// Between back and inner side.
-    BackInner,
-    /// On the medial side.
-    Inner,
-    /// Between front and inner side.
-    FrontInner,
+word_enum! {
+    /// One of eight parts of the way around a leg, from the front by the outer side. Inner is medial, outer lateral.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Around {
+        /// On the shin.
+        Front => "front",
+        /// Between front and outer side.
+        FrontOuter => "front-outer",
+        /// On the lateral side.
+        Outer => "outer",
+        /// Between back and outer side.
+        BackOuter => "back-outer",
+        /// Behind.
+        Back => "back",
+        /// Between back and inner side.
+        BackInner => "back-inner",
+        /// On the medial side.
+        Inner => "inner",
+        /// Between front and inner side.
+        FrontInner => "front-inner",
+    }
 }
 
 impl Around {
-    /// All of them, from the front by the outer side.
-    pub const ALL: [Around; 8] = [
-        Around::Front,
-        Around::FrontOuter,
-        Around::Outer,
-        Around::BackOuter,
-        Around::Back,
-        Around::BackInner,
-        Around::Inner,
-        Around::FrontInner,
-    ];
-
     /// The part in which an angle lies, degrees: 0 front, 90 lateral.
     pub fn at(angle_deg: f64) -> Around {
         let turned_deg = angle_deg.rem_euclid(360.0);
@@ -55,20 +45,6 @@ impl Around {
             eighth + parts - 1
         };
         Around::ALL[index % parts]
-    }
-
-    /// The key of its text in each language.
-    pub fn word(self) -> &'static str {
-        match self {
-            Around::Front => "front",
-            Around::FrontOuter => "front-outer",
-            Around::Outer => "outer",
-            Around::BackOuter => "back-outer",
-            Around::Back => "back",
-            Around::BackInner => "back-inner",
-            Around::Inner => "inner",
-            Around::FrontInner => "front-inner",
-        }
     }
 }
 

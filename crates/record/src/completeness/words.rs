@@ -19,7 +19,7 @@ impl Completeness {
             let why: Vec<&str> = self
                 .again
                 .iter()
-                .map(|why| language.word("completeness.again", why.key()))
+                .map(|why| language.word("completeness.again", why.word()))
                 .collect();
             said.push(language.filled("completeness.scan_again", &[("why", &why.join(", "))]));
         }
@@ -40,7 +40,7 @@ impl Completeness {
         }
         let checks = self.checks.iter();
         said.extend(
-            checks.map(|check| language.word("completeness.check", check.key()).to_owned()),
+            checks.map(|check| language.word("completeness.check", check.word()).to_owned()),
         );
         said
     }

@@ -174,27 +174,17 @@ pub struct Row {
     pub last: Option<LastRow>,
 }
 
-/// Where a point lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum OrderSide {
-    /// On the right leg.
-    Right,
-    /// On the left leg.
-    Left,
-    /// On neither.
-    Body,
-}
-
-impl OrderSide {
-    /// The word of the file.
-    pub fn word(self) -> &'static str {
-        match self {
-            OrderSide::Right => "right",
-            OrderSide::Left => "left",
-            OrderSide::Body => "body",
-        }
+gaiter_leg::word_enum! {
+    /// Where a point lies.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema))]
+    pub enum OrderSide as serde {
+        /// On the right leg.
+        Right => "right",
+        /// On the left leg.
+        Left => "left",
+        /// On neither.
+        Body => "body",
     }
 }
 
@@ -218,25 +208,26 @@ pub struct Figure {
     pub printed_cm: Option<f64>,
 }
 
-/// How sure a figure is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum State {
-    /// The scan shows it without a doubt that matters.
-    Measured,
-    /// A person set it.
-    ByHand,
-    /// It is estimated by a proportion of the body.
-    Estimated,
-    /// There is a doubt about it.
-    Doubtful,
-    /// The scan does not show it, and nobody measured it.
-    NotMeasured,
-    /// A person noted that it cannot be measured.
-    NotMeasurable,
-    /// No scan of the legs gives it.
-    NotByScan,
+gaiter_leg::word_enum! {
+    /// How sure a figure is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema))]
+    pub enum State as serde {
+        /// The scan shows it without a doubt that matters.
+        Measured => "measured",
+        /// A person set it.
+        ByHand => "by-hand",
+        /// It is estimated by a proportion of the body.
+        Estimated => "estimated",
+        /// There is a doubt about it.
+        Doubtful => "doubtful",
+        /// The scan does not show it, and nobody measured it.
+        NotMeasured => "not-measured",
+        /// A person noted that it cannot be measured.
+        NotMeasurable => "not-measurable",
+        /// No scan of the legs gives it.
+        NotByScan => "not-by-scan",
+    }
 }
 
 impl State {
@@ -244,42 +235,19 @@ impl State {
     pub fn is_sure(self) -> bool {
         matches!(self, State::Measured | State::ByHand)
     }
-
-    /// The word of the file.
-    pub fn word(self) -> &'static str {
-        match self {
-            State::Measured => "measured",
-            State::ByHand => "by-hand",
-            State::Estimated => "estimated",
-            State::Doubtful => "doubtful",
-            State::NotMeasured => "not-measured",
-            State::NotMeasurable => "not-measurable",
-            State::NotByScan => "not-by-scan",
-        }
-    }
 }
 
-/// How a figure was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Way {
-    /// By the scanner.
-    Scan,
-    /// By a person with a tape: a girth.
-    Tape,
-    /// By a person: a height or a length.
-    ByHand,
-}
-
-impl Way {
-    /// The word of the file.
-    pub fn word(self) -> &'static str {
-        match self {
-            Way::Scan => "scan",
-            Way::Tape => "tape",
-            Way::ByHand => "by-hand",
-        }
+gaiter_leg::word_enum! {
+    /// How a figure was taken.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema))]
+    pub enum Way as serde {
+        /// By the scanner.
+        Scan => "scan",
+        /// By a person with a tape: a girth.
+        Tape => "tape",
+        /// By a person: a height or a length.
+        ByHand => "by-hand",
     }
 }
 
@@ -312,24 +280,15 @@ pub struct Reorder {
     pub taken_otherwise: Vec<String>,
 }
 
-/// How an order repeats another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Again {
-    /// With its figures.
-    Exact,
-    /// With the figures of another scan.
-    Changes,
-}
-
-impl Again {
-    /// The word of the file.
-    pub fn word(self) -> &'static str {
-        match self {
-            Again::Exact => "exact",
-            Again::Changes => "changes",
-        }
+gaiter_leg::word_enum! {
+    /// How an order repeats another.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema))]
+    pub enum Again as serde {
+        /// With its figures.
+        Exact => "exact",
+        /// With the figures of another scan.
+        Changes => "changes",
     }
 }
 

@@ -81,28 +81,18 @@ pub enum Encoding {
     Cp1252,
 }
 
-/// What a row is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rows {
-    /// The whole order: there is one row.
-    Order,
-    /// A leg.
-    Leg,
-    /// A level of a leg, with girth and length.
-    Level,
-    /// A box of a leg: a girth or a length.
-    Point,
-}
-
-impl Rows {
-    /// The word of the file.
-    pub fn word(self) -> &'static str {
-        match self {
-            Rows::Order => "order",
-            Rows::Leg => "leg",
-            Rows::Level => "level",
-            Rows::Point => "point",
-        }
+gaiter_leg::word_enum! {
+    /// What a row is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Rows {
+        /// The whole order: there is one row.
+        Order => "order",
+        /// A leg.
+        Leg => "leg",
+        /// A level of a leg, with girth and length.
+        Level => "level",
+        /// A box of a leg: a girth or a length.
+        Point => "point",
     }
 }
 

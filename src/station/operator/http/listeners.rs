@@ -22,25 +22,16 @@ use crate::config::{Config, control_path};
 /// The control socket is for the station's user and root only.
 const SOCKET_MODE: u32 = 0o600;
 
-/// The endpoint through which a client comes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Way {
-    /// From this machine: may read, and may decide with the token.
-    Local,
-    /// From the local network: may read.
-    Network,
-    /// By the control socket, as the station's user or root: may do what the verbs do.
-    Control,
-}
-
-impl Way {
-    /// Its word in the log.
-    pub fn word(self) -> &'static str {
-        match self {
-            Way::Local => "local",
-            Way::Network => "network",
-            Way::Control => "control",
-        }
+gaiter_leg::word_enum! {
+    /// The endpoint through which a client comes.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Way {
+        /// From this machine: may read, and may decide with the token.
+        Local => "local",
+        /// From the local network: may read.
+        Network => "network",
+        /// By the control socket, as the station's user or root: may do what the verbs do.
+        Control => "control",
     }
 }
 
