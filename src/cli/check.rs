@@ -19,7 +19,7 @@ use super::terminal::paint::{self, painted};
 use super::{Exit, ask, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::operator::control::protocol::{Answer, Request};
-use crate::station::operator::control::status::Status;
+use crate::station::operator::control::status::{ComplaintStatus, Status};
 use row::{Example, Row, Verdict};
 
 /// Checks the configuration, then the environment, and prints both.
@@ -69,8 +69,19 @@ fn around(file: &Path, config: &Config) -> Vec<Row> {
     rows.extend(servers::rows(config));
     rows.extend(unit::rows(file, config));
     rows.extend(booth::rows(config, running.as_deref()));
+    rows.extend(running.iter().flat_map(|status| moved(status)));
     rows.extend(running.and_then(|status| habit(config, &status)));
     rows
+}
+
+/// Records that the running station is to take back from a server at an earlier address.
+fn moved(status: &Status) -> Vec<Row> {
+    let moved = status.complaints.iter().filter(|of| of.complaint.code == "store-moved");
+    let row = |of: &ComplaintStatus| {
+        let place = of.complaint.subject.as_deref().unwrap_or_default();
+        Row::at("take-backs", place, Verdict::Warn, format!("{}: {}", of.message, of.remedy))
+    };
+    moved.map(row).collect()
 }
 
 /// The running station's advice if the configuration does not fit the orders it has seen from the practice.

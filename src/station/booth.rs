@@ -347,6 +347,16 @@ impl Booth {
         }
     }
 
+    /// What is to be done with the patient of a scan, as far as this run knows.
+    pub fn to_do(&self, of: &ScanId) -> Vec<String> {
+        let inner = self.inner();
+        match (inner.in_work.get(of), &inner.last) {
+            (Some(to_do), _) => to_do.clone(),
+            (None, Some((Last::Scan { scan, to_do }, _))) if scan == of => to_do.clone(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Notes that a step of a scan has ended, and what is to be done with the patient. If the station does not work
     /// on the scan any more, the light shows how it ended. Blocks.
     pub fn ended(&self, scan: &ScanId, to_do: &[String]) {

@@ -10,6 +10,7 @@ pub(in crate::station) mod measuring;
 pub mod preview;
 mod store_reach;
 mod store_search;
+mod stored_record;
 pub(in crate::station) mod work;
 
 use std::collections::BTreeMap;
@@ -17,6 +18,8 @@ use std::sync::Arc;
 use std::thread::available_parallelism;
 use std::time::Duration;
 
+use gaiter_flow::cause::Cause;
+use gaiter_flow::facts::{StoreAttempt, StoreRefusal};
 use gaiter_flow::outbox::{Ended, Key};
 use gaiter_flow::{Outbox, ScanId};
 use gaiter_record::Patient;
@@ -174,13 +177,19 @@ impl Bench {
         // Taken out until it is found to be of use.
         let at = self.ready.iter().position(|(of, _)| *of == scan);
         let measured = at.map(|at| self.ready.remove(at).1);
+        let is_server = |due: &Due| {
+            booth.core().stores.named(&due.store).is_some_and(|store| store.is_server())
+        };
+        let only_servers = deliver.iter().all(is_server);
         let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
             // Whoever removed the spool took the scan from the record.
             let is_there = booth.core().custody.spool().holds(&first.scan);
             let ready = match measured.filter(|_| is_there) {
                 Some(ready) => Ok(ready),
-                None => work::prepare(&booth, &first, threads).map(Arc::new),
+                None => {
+                    work::prepare(&booth, &first, threads, only_servers && is_there).map(Arc::new)
+                }
             };
             Done::Prepared { dues: deliver, ready }
         });
@@ -239,11 +248,16 @@ impl Bench {
     async fn end(&mut self, booth: &Arc<Booth>, due: Due, ended: Ended) -> Result<(), JoinError> {
         let pause = self.outbox.ended(&key(&due), ended, booth.core().now(), jitter::unit());
         let Some(pause) = pause else { return Ok(()) };
+        if ended == Ended::NotTaken && self.outbox.is_failing(&due.store) {
+            let refusal = StoreRefusal::Fault(Cause::known("several-not-taken", []));
+            store_reach::note(booth.core(), &due.store, StoreAttempt::Delivery(Some(refusal)));
+        }
         let booth = Arc::clone(booth);
         let noted = spawn_blocking(move || {
             let next_at = Timestamp::now().checked_add(pause).unwrap_or(Timestamp::MAX);
             let code = match ended {
                 Ended::StoreFailed => "store-unavailable",
+                Ended::NotTaken => work::NOT_TAKEN,
                 Ended::Kept => KEPT,
                 Ended::PutOff | Ended::ForGood => "put-off",
             };

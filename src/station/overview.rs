@@ -50,8 +50,12 @@ impl Overview {
             None => vec![Complaint::journal()],
             Some(tally) => {
                 let oldest = oldest(tally, &facts).map(|seen| seen.first_seen);
-                let revisions_refused = tally.revisions_refused;
-                let backlog = Backlog { pending: pending(tally), oldest, revisions_refused };
+                let backlog = Backlog {
+                    pending: pending(tally),
+                    oldest,
+                    revisions_refused: tally.revisions_refused,
+                    moved: tally.moved.clone(),
+                };
                 complaints(&facts, &backlog, core.config.status.overdue, now)
             }
         };

@@ -123,7 +123,7 @@ fn fhir_store(config: &Config, fhir: &FhirStoreConfig) -> FhirStore {
         garment: config.garment.clone(),
         attach: fhir.attach.clone(),
     };
-    FhirStore::new(fhir.server.clone(), rules)
+    FhirStore::new(fhir.server.clone(), rules).of_station(&config.station.id)
 }
 
 /// The store of a receiver of HL7 v2. A station without a name for its facility has its own.

@@ -63,6 +63,7 @@ impl StoreFault {
             StoreFault::Permanent(Misfit::NotRegistered) => "patient-not-registered",
             StoreFault::Permanent(Misfit::RegisteredTwice(_)) => "patient-registered-twice",
             StoreFault::Permanent(Misfit::PatientNotInUse) => "patient-not-in-use",
+            StoreFault::Permanent(Misfit::TakenBackThere) => "taken-back-there",
             StoreFault::Permanent(Misfit::ServerRefused { .. }) => "server-refused",
             StoreFault::Permanent(Misfit::ReceiverRefused { .. }) => "server-refused",
             StoreFault::Permanent(_) => "store-misfit",
@@ -131,6 +132,12 @@ pub enum Misfit {
          there whose the id is, then try again"
     )]
     PatientNotInUse,
+    /// The record is entered in error on the server, and not by this station.
+    #[error(
+        "on the server the record is marked as entered in error, and not by this station: have it \
+         clarified whose it is; if it is this patient's, take the scan back and assign it again"
+    )]
+    TakenBackThere,
     /// The server does not take what was sent. The words are without the patient's id.
     #[error("the server does not take the record ({status}): {why}")]
     ServerRefused {
@@ -164,6 +171,7 @@ impl Misfit {
                 Cause::known("patient-registered-twice", [("count", count.to_string())])
             }
             Misfit::PatientNotInUse => Cause::known("patient-not-in-use", []),
+            Misfit::TakenBackThere => Cause::known("taken-back-there", []),
             Misfit::ServerRefused { status, why } => {
                 let names = [("status", status.to_string()), ("why", why.clone())];
                 Cause::known("server-refuses", names)
@@ -190,6 +198,7 @@ mod tests {
             Misfit::NotRegistered,
             Misfit::RegisteredTwice(2),
             Misfit::PatientNotInUse,
+            Misfit::TakenBackThere,
             Misfit::ServerRefused { status: 422, why: why.clone() },
             Misfit::ReceiverRefused { code: "AR".to_owned(), why },
         ] {

@@ -2,7 +2,8 @@
 //! identifier yet, so that the same record can be sent again at any time.
 //!
 //! The server itself is the register. A resource that is there already is compared with what was sent: one of an
-//! earlier revision, or one that was withdrawn, is replaced; one of a later revision stays.
+//! earlier revision, or one that this station withdrew, is replaced; one of a later revision stays, and so does a
+//! record that another withdrew.
 
 mod access;
 mod answers;
@@ -27,6 +28,7 @@ use serde_json::Value;
 
 use self::access::{Token, secret_words};
 use self::answers::{Asked, of_replacing, outcome_of};
+use self::existing::REPORT;
 use super::endpoint::EndpointFault;
 use super::https::{HttpAnswer, HttpFault, HttpRequest, HttpsClient};
 use super::server::ServerFault;
@@ -54,6 +56,8 @@ pub struct FhirStore {
     client: HttpsClient,
     /// The token in use.
     token: Mutex<Option<Token>>,
+    /// The station's name: a withdrawal says whose it is.
+    station: String,
 }
 
 impl FhirStore {
@@ -63,7 +67,12 @@ impl FhirStore {
     /// Resources as `rules` says, for this server.
     pub fn new(server: FhirServer, rules: FhirRules) -> FhirStore {
         let client = HttpsClient::new(server.tls.clone(), server.proxy.clone(), server.limit);
-        FhirStore { server, rules, client, token: Mutex::default() }
+        FhirStore { server, rules, client, token: Mutex::default(), station: String::new() }
+    }
+
+    /// The store of a station beside others that send records of the same scans.
+    pub fn of_station(self, station: &str) -> FhirStore {
+        FhirStore { station: station.to_owned(), ..self }
     }
 
     /// Creates what the server has not yet. Returns each entry with what became of it.
@@ -224,26 +233,36 @@ impl RecordStore for FhirStore {
             key: &key,
         };
         let created = self.create(fhir::entries(&sent, &self.rules), patient)?;
-        let stale = self.stale(&created, &key, record.revision, patient)?;
+        let stale = self.stale(&created, &key, record.revision, patient);
+        if matches!(stale, Err(StoreFault::Permanent(Misfit::TakenBackThere))) {
+            // Nothing that was created beside the report holds.
+            let there = self.of_record(&key, patient)?;
+            self.replace(&FhirStore::in_error(&there, None)?, &[], patient)?;
+        }
+        let stale = stale?;
         let known: Vec<(String, String)> =
             created.iter().map(|(entry, of)| (entry.reference(), of.reference.clone())).collect();
         self.replace(&stale, &known, patient)?;
-        let report = created.iter().find(|(entry, _)| entry.kind() == "DiagnosticReport");
+        let report = created.iter().find(|(entry, _)| entry.kind() == REPORT);
         let place = report.map(|(_, of)| of.reference.clone()).unwrap_or_default();
         let already_there = created.iter().all(|(_, of)| !of.is_new) && stale.is_empty();
         Ok(Receipt { folder: PathBuf::from(place), already_there })
     }
 
-    /// Marks what was made of the scan for the patient as entered in error. Nothing is deleted.
+    /// Marks what was made of the scan for the patient as entered in error, by this station. Nothing is deleted.
     fn withdraw(
         &self,
         scan: &ScanId,
         from: Option<&str>,
         _keeper: Option<&str>,
+        receipt: Option<&str>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let key = FhirKey::of(scan.as_str(), patient);
-        self.replace(&self.marked_in_error(&key, patient)?, &[], patient)
+        let mark = self.identifier(key.withdrawal(&self.station));
+        let there = self.of_record(&key, patient)?;
+        self.replace(&FhirStore::in_error(&there, Some(&mark))?, &[], patient)?;
+        self.all_found(&there, receipt, patient)
     }
 
     /// Removes nothing: what a server was given is the house's own, and is listed for the person who erases.

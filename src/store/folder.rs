@@ -251,6 +251,7 @@ impl RecordStore for FolderStore {
         scan: &ScanId,
         from: Option<&str>,
         keeper: Option<&str>,
+        _receipt: Option<&str>,
     ) -> Result<(), StoreFault> {
         self.withdraw_record(scan, from, keeper)
     }

@@ -35,7 +35,7 @@ pub struct Hl7Store {
     way: Hl7Way,
     rules: Hl7Rules,
     sent: SentMessages,
-    /// The station's name: its folder among message files is its own.
+    /// The station's name: its folder among message files and its control ids are its own.
     station: String,
 }
 
@@ -49,7 +49,7 @@ impl Hl7Store {
         Hl7Store { way, rules, sent, station: String::new() }
     }
 
-    /// The store of a station that may have its folder of messages together with others.
+    /// The store of a station that may have its receiver or folder of messages together with others.
     pub fn of_station(self, station: &str) -> Hl7Store {
         Hl7Store { station: station.to_owned(), ..self }
     }
@@ -162,15 +162,18 @@ impl RecordStore for Hl7Store {
         let (mut record, patient) = record_of(delivery)?;
         let (revision, key) = (record.revision, key(delivery.scan, patient));
         let known = self.sent.of(&key)?;
-        let is_there =
-            |known: &&Sent| known.holds && known.is_answered && known.revision >= revision;
+        let place = self.place();
+        let is_there = |known: &&Sent| {
+            let is_here = known.is_answered && known.place == place;
+            known.holds && is_here && known.revision >= revision
+        };
         if let Some(known) = known.as_ref().filter(is_there) {
             self.settle(&key, known)?;
             return Ok(Receipt { folder: PathBuf::from(&known.control), already_there: true });
         }
         let number = match &known {
             None => revision,
-            // Its answer was lost: it is the same message.
+            // Its answer was lost, or another receiver has it: it is the same message.
             Some(known) if known.holds && known.revision == revision => known.number,
             // A result that comes after its withdrawal is a correction of that: under the control id of the first
             // one, a receiver would not enter it.
@@ -183,12 +186,13 @@ impl RecordStore for Hl7Store {
         let before = known.map(|known| known.codes).unwrap_or_default();
         let gone: Vec<String> = before.into_iter().filter(|code| !codes.contains(code)).collect();
         let first_seen = delivery.first_seen;
-        let message = hl7::result(&record, pdf, &gone, &self.rules, first_seen, now);
+        let control =
+            hl7::control_id(&self.station, delivery.scan.as_str(), patient, number, false);
+        let message = hl7::result(&control, &record, pdf, &gone, &self.rules, first_seen, now);
         let message = message.ok_or(StoreFault::Permanent(Misfit::Unassigned))?;
-        let control = hl7::control_id(delivery.scan.as_str(), patient, number, false);
         codes.extend(gone);
         let folder = PathBuf::from(&control);
-        let sent = Sent { revision, number, control, holds: true, is_answered: true, codes };
+        let sent = Sent { revision, number, control, place, holds: true, is_answered: true, codes };
         self.send(&key, patient, &message, &sent)?;
         Ok(Receipt { folder, already_there: false })
     }
@@ -199,18 +203,20 @@ impl RecordStore for Hl7Store {
         scan: &ScanId,
         from: Option<&str>,
         _keeper: Option<&str>,
+        _receipt: Option<&str>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let key = key(scan, patient);
         let Some(sent) = self.sent.of(&key)? else { return Ok(()) };
-        if !sent.holds && sent.is_answered {
+        let place = self.place();
+        if !sent.holds && sent.is_answered && sent.place == place {
             return self.settle(&key, &sent);
         }
         let (id, number) = (scan.as_str(), sent.number);
-        let control = hl7::control_id(id, patient, number, true);
+        let control = hl7::control_id(&self.station, id, patient, number, true);
         let now = Timestamp::now();
-        let message = hl7::withdrawal(id, patient, number, &sent.codes, &self.rules, now);
-        let withdrawn = Sent { control, holds: false, is_answered: true, ..sent };
+        let message = hl7::withdrawal(&control, id, patient, &sent.codes, &self.rules, now);
+        let withdrawn = Sent { control, place, holds: false, is_answered: true, ..sent };
         self.send(&key, patient, &message, &withdrawn)
     }
 

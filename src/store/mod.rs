@@ -111,8 +111,8 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     fn erase(&self, patient: &str, before: Timestamp, scans: &[ScanId]) -> Result<(), StoreFault>;
 
     /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
-    /// `keeper` has it. Files that a person added to it move to the keeper's record. A repeated call
-    /// does nothing.
+    /// `keeper` has it. Files that a person added to it move to the keeper's record. `receipt` is what a server has
+    /// confirmed the record by: a server that does not show it has not withdrawn it. A repeated call does nothing.
     ///
     /// # Errors
     /// See [`StoreFault`]; a permanent one if the store gives nothing back, or if the record was changed
@@ -122,6 +122,7 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
         _scan: &ScanId,
         _from: Option<&str>,
         _keeper: Option<&str>,
+        _receipt: Option<&str>,
     ) -> Result<(), StoreFault> {
         Err(StoreFault::Permanent(Misfit::HandedOver))
     }

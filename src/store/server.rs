@@ -79,6 +79,18 @@ pub enum TokenFault {
 }
 
 impl ServerFault {
+    /// Whether a server that works may say so of one record, such as one that is locked there.
+    pub fn is_of_a_record(&self) -> bool {
+        match self {
+            ServerFault::Later(_) | ServerFault::Answer(_) => true,
+            ServerFault::Http(fault) => matches!(fault, HttpFault::TooLong { .. }),
+            ServerFault::Busy { status, .. } => matches!(status, 409 | 412 | 423),
+            ServerFault::Secret(_) | ServerFault::Forbidden { .. } | ServerFault::NoToken(_) => {
+                false
+            }
+        }
+    }
+
     /// Why, for people.
     pub fn cause(&self) -> Cause {
         let told =

@@ -128,7 +128,7 @@ fn what_was_sent_for_the_wrong_patient_is_entered_in_error_and_can_come_back() {
     put(&store, &SMALL.of_patient("4712"));
     assert_eq!(house.counts(), [1, 4, 2, 2]);
     for _ in 0..2 {
-        store.withdraw(&SMALL.id, Some(PATIENT), Some("4712")).unwrap();
+        store.withdraw(&SMALL.id, Some(PATIENT), Some("4712"), None).unwrap();
     }
     for kind in ["Observation", "DiagnosticReport", "DocumentReference"] {
         let (wrong, right) = (house.statuses(kind, PATIENT), house.statuses(kind, "4712"));
@@ -140,7 +140,34 @@ fn what_was_sent_for_the_wrong_patient_is_entered_in_error_and_can_come_back() {
     assert_eq!(house.statuses("Observation", PATIENT), ["final", "final"]);
     assert_eq!(house.counts(), [1, 4, 2, 2], "nothing is deleted, and nothing is there twice");
     // Nothing is there of a scan that was never sent.
-    store.withdraw(&ScanId::parse(&"1".repeat(64)).unwrap(), Some(PATIENT), None).unwrap();
+    store.withdraw(&ScanId::parse(&"1".repeat(64)).unwrap(), Some(PATIENT), None, None).unwrap();
+}
+
+#[test]
+#[ignore = "needs Medplum's FHIR router (npm --prefix tests/hospital ci), run by .ci/run"]
+fn what_one_station_took_back_another_brings_back_only_after_a_decision_of_its_own() {
+    let house = House::with_patient();
+    let [first, second] = ["booth-1", "booth-2"].map(|name| -> Store {
+        let rules = rules(&["report.pdf", "record.json"]);
+        Box::new(FhirStore::new(server_at(house.base()), rules).of_station(name))
+    });
+    let receipt = put(&first, &SMALL).folder;
+    let withdraw = |store: &Store| {
+        store.withdraw(&SMALL.id, Some(PATIENT), None, receipt.to_str()).unwrap();
+    };
+    withdraw(&first);
+    let later = SMALL.amended(391.0);
+    for _ in 0..2 {
+        assert_eq!(misfit(&second, &later), Misfit::TakenBackThere);
+        for kind in ["Observation", "DiagnosticReport", "DocumentReference"] {
+            let found = house.statuses(kind, PATIENT);
+            assert!(found.iter().all(|of| of == "entered-in-error"), "{kind}: {found:?}");
+        }
+    }
+    withdraw(&second);
+    put(&second, &later);
+    assert_eq!(house.statuses("DiagnosticReport", PATIENT), ["amended"]);
+    assert!(put(&first, &later).already_there);
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn every_deed_survives(faults: &[&str], made: Made) {
         let amended = has("DiagnosticReport", "amended");
         let correction =
             struck_everywhere((fault, made), &[&SMALL], &|store| sent(store, &later), amended);
-        let withdrawn = |store: &Store| store.withdraw(&SMALL.id, Some(PATIENT), None);
+        let withdrawn = |store: &Store| store.withdraw(&SMALL.id, Some(PATIENT), None, None);
         let in_error = has("DocumentReference", "entered-in-error");
         let take_back = struck_everywhere((fault, made), &[&SMALL], &withdrawn, in_error);
         // A search and a transaction; a look at each resource; a search for each kind.

@@ -59,7 +59,7 @@ fn a_take_back_whose_answer_is_lost_is_sent_again_with_the_same_control_id() {
     let house = House::of_hl7();
     let sender = house.sender(LONG);
     put(&sender.store, &SMALL);
-    let withdraw = || sender.store.withdraw(&SMALL.id, Some(PATIENT), None);
+    let withdraw = || sender.store.withdraw(&SMALL.id, Some(PATIENT), None, None);
     for fault in ["cut-after", "half", "full"] {
         house.becomes(fault);
         assert!(matches!(withdraw(), Err(StoreFault::Server(_))), "{fault}");

@@ -18,8 +18,11 @@ type Says = Arc<Mutex<Option<&'static str>>>;
 const ACCEPTED: Option<&str> = Some("AA");
 const REFUSED: Option<&str> = Some("AR");
 
-/// A booth whose records also go to a receiver that is waited for so long, and what the receiver says.
-fn booth_with_receiver(timeout: &str) -> (Booth, Says) {
+/// Not now: the record is locked.
+const LOCKED: Option<&str> = Some("AE");
+
+/// A receiver: its port, and what it says.
+fn receiver() -> (u16, Says) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     let says: Says = Arc::new(Mutex::new(ACCEPTED));
@@ -30,6 +33,17 @@ fn booth_with_receiver(timeout: &str) -> (Booth, Says) {
             thread::spawn(move || receive(stream, &says));
         }
     });
+    (port, says)
+}
+
+/// A booth whose records also go to a receiver that is waited for so long, and what the receiver says.
+fn booth_with_receiver(timeout: &str) -> (Booth, Says) {
+    let (port, says) = receiver();
+    (booth_with(port, timeout), says)
+}
+
+/// A booth whose records also go to this port.
+fn booth_with(port: u16, timeout: &str) -> Booth {
     let booth = Booth::new();
     booth.reconfigure(|text| {
         format!(
@@ -37,7 +51,7 @@ fn booth_with_receiver(timeout: &str) -> (Booth, Says) {
              timeout = \"{timeout}\"\n"
         )
     });
-    (booth, says)
+    booth
 }
 
 /// Reads a message and answers it, or holds the connection until the station gives up.
@@ -56,9 +70,10 @@ fn receive(mut stream: TcpStream, says: &Says) {
     };
     let message = String::from_utf8_lossy(&message);
     let control = message.split('|').nth(9).unwrap();
+    let error = if Some(said) == LOCKED { "ERR|||206^Application record locked\r" } else { "" };
     let answer = format!(
         "\x0bMSH|^~\\&|R|H|GAITER|booth-1|20260101000000||ACK^R01|1|P|2.5\r\
-         MSA|{said}|{control}|not today\r\x1c\r"
+         MSA|{said}|{control}|not today\r{error}\x1c\r"
     );
     let _ = stream.write_all(answer.as_bytes());
 }
@@ -90,6 +105,8 @@ fn a_scan_whose_server_is_slow_is_measured_once() {
     booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     booth.wait_for("the fault", || booth.log().contains("store-unavailable"));
+    let fault = &booth.status()["stores"]["hl7"]["fault"];
+    assert_eq!(fault, "no whole answer within 2 s", "a sentence for people, without a code");
     becomes(&says, ACCEPTED);
     booth.wait_for_journal(DELIVERED, 1);
     assert_eq!(booth.status()["measured"], 1);
@@ -117,6 +134,74 @@ fn a_revision_that_a_server_refuses_is_a_notice_until_a_person_has_it_sent_again
     told(&booth, &["retry", id]);
     booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE amended <> ''", 0);
     assert_eq!(complaints(&booth), Vec::<String>::new());
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_record_that_is_locked_at_a_server_is_no_fault_of_the_server_until_several_are() {
+    let (booth, says) = booth_with_receiver("10s");
+    becomes(&says, LOCKED);
+    let daemon = booth.start();
+    booth.export("4711_a.obj", &coarse_body(1));
+    booth.wait_for("two tries", || booth.log().matches("not-taken-now").count() > 1);
+    assert!(booth.status()["stores"]["hl7"]["fault"].is_null(), "{}", booth.status());
+    for n in 2..=3 {
+        booth.export(&format!("471{n}_a.obj"), &coarse_body(n));
+    }
+    let fault = || booth.status()["stores"]["hl7"]["fault"].as_str().map(str::to_owned);
+    booth.wait_for("the fault", || fault().is_some_and(|fault| fault.contains("several records")));
+    becomes(&says, ACCEPTED);
+    booth.wait_for_journal(DELIVERED, 3);
+    assert_eq!(fault(), None);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn after_a_restart_a_server_is_given_the_record_of_the_folder_and_nothing_is_measured_again() {
+    let (booth, says) = booth_with_receiver("10s");
+    becomes(&says, LOCKED);
+    let daemon = booth.start();
+    booth.export("4711_a.obj", &coarse_body(1));
+    booth.wait_for_records(1);
+    booth.wait_for("a try", || booth.log().contains("not-taken-now"));
+    assert_eq!(daemon.stop().code(), Some(0));
+    becomes(&says, ACCEPTED);
+    let daemon = booth.start();
+    booth.wait_for_journal(DELIVERED, 1);
+    assert_eq!(booth.status()["measured"], 0);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_take_back_at_a_server_whose_address_was_changed_is_done_there_and_nowhere_else() {
+    let ((port, says), (other, _)) = (receiver(), receiver());
+    let booth = booth_with(port, "10s");
+    let daemon = booth.start();
+    let scan = coarse_body(1);
+    booth.export("4711_a.obj", &scan);
+    booth.wait_for_journal(DELIVERED, 1);
+    becomes(&says, REFUSED);
+    told(&booth, &["unassign", &sha256(&scan)[..8]]);
+    booth.wait_for("the fault", || complaints(&booth).contains(&"record-kept".to_owned()));
+    let moves = |from: u16, to: u16| {
+        booth.reconfigure(|text| text.replace(&from.to_string(), &to.to_string()));
+        let starts = || booth.log().matches("station-ready").count();
+        let before = starts();
+        kill_process(Pid::from_raw(daemon.id().cast_signed()).unwrap(), Signal::HUP).unwrap();
+        booth.wait_for("the next generation", || starts() > before);
+    };
+    moves(port, other);
+    booth.wait_for("the notice", || complaints(&booth).contains(&"store-moved".to_owned()));
+    let moved = || booth.log().contains("an earlier address of the store");
+    booth.wait_for("a try at the other address", moved);
+    let check = stdout(&booth.gaiter(&["check"]));
+    assert!(check.contains("earlier address"), "{check}");
+    let withdrawn = "SELECT count(*) FROM deliveries WHERE store = 'hl7' AND state = 'withdrawn'";
+    booth.wait_for_journal(withdrawn, 0);
+    becomes(&says, ACCEPTED);
+    moves(other, port);
+    booth.wait_for_journal(withdrawn, 1);
+    assert!(!complaints(&booth).contains(&"store-moved".to_owned()));
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

@@ -15,6 +15,9 @@ const OF_SYSTEM: &str = "of-system";
 /// The texts of the errors of the operating system, by their numbers (errno of Linux).
 const SYSTEM: &str = "system";
 
+/// The errors that disks and folders have: not there, no rights, broken, full, not writable, gone with its share.
+const OF_DISK: [&str; 9] = ["2", "5", "13", "20", "21", "28", "30", "116", "122"];
+
 /// Why something does not work.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cause {
@@ -64,6 +67,12 @@ impl Cause {
     /// Whether another language may have words for it.
     pub fn is_known(&self) -> bool {
         self.is.is_some()
+    }
+
+    /// Whether it is an error that disks and folders have, not one of a network.
+    pub(crate) fn is_of_disk(&self) -> bool {
+        let number = self.names.get("number").filter(|_| self.is.as_deref() == Some(OF_SYSTEM));
+        number.is_some_and(|number| OF_DISK.contains(&number.as_str()))
     }
 
     /// In a language.

@@ -20,6 +20,9 @@ const WHY: &str = "why";
 /// The end of the name under which a cause stands as data beside its English words.
 const AS_DATA: &str = "_is";
 
+/// What a fault of a disk is about.
+const DISK: &str = "disk";
+
 /// Whether a complaint keeps the station from being ready.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -169,11 +172,20 @@ impl Complaint {
         own.unwrap_or_else(|| language.text("complaint.other.remedy").to_owned())
     }
 
+    /// Its code with what it is about, under which it may have texts of its own; `None` if it is about nothing. The
+    /// advice of a server is about the network: with a fault of the disk, that of disks counts.
+    pub(crate) fn own_code(&self) -> Option<String> {
+        let own = format!("{}-{}", self.code, self.subject.as_ref()?);
+        let why = self.figures.0.get(&format!("{WHY}{AS_DATA}"));
+        let is_of_disk = matches!(why, Some(Figure::Cause(why)) if why.is_of_disk());
+        let has_advice = Language::En.find(&format!("complaint.{own}.remedy")).is_some();
+        Some(if is_of_disk && has_advice { format!("{}-{DISK}", self.code) } else { own })
+    }
+
     /// One of its texts with its figures; `None` if there is none.
     fn text(&self, which: &str, language: Language) -> Option<String> {
         let of = |code: &str| language.find(&format!("complaint.{code}.{which}"));
-        let about = self.subject.as_ref().map(|subject| format!("{}-{subject}", self.code));
-        let template = about.and_then(|code| of(&code)).or_else(|| of(&self.code))?;
+        let template = self.own_code().and_then(|code| of(&code)).or_else(|| of(&self.code))?;
         fill(template, |name, form| Some(self.word(name, form, language)))
     }
 

@@ -4,6 +4,7 @@
 //! the fault has lasted for `BLIP`. Times are wall-clock times, because they must outlast a restart;
 //! if the clock was set back and a time is in the future, the state counts as old.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use jiff::Timestamp;
@@ -31,7 +32,7 @@ const EXPORT_GONE: &str = "export-gone";
 pub const EXPORT_PASSED_OVER: &str = "export-passed-over";
 
 /// What the journal knows about deliveries that are not made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Backlog {
     /// Deliveries that are still to be made.
     pub pending: u64,
@@ -39,6 +40,8 @@ pub struct Backlog {
     pub oldest: Option<Timestamp>,
     /// Scans of whose record a store takes no later revision.
     pub revisions_refused: u64,
+    /// By store, records that are to be withdrawn, and are at an earlier address of it.
+    pub moved: BTreeMap<String, u64>,
 }
 
 /// Everything that keeps the station from being ready, the worst first, then what a person should know. `overdue`
@@ -70,6 +73,7 @@ pub fn complaints(
     );
     complaints.extend(unfetched(facts, now));
     complaints.extend(revisions_refused(backlog));
+    complaints.extend(moved(backlog));
     complaints.extend(facts.views_apart());
     complaints
 }
@@ -161,6 +165,15 @@ fn revisions_refused(backlog: &Backlog) -> Option<Complaint> {
     let count = usize::try_from(backlog.revisions_refused).unwrap_or(usize::MAX);
     let complaint = Complaint::new(REVISION_REFUSED, Figures::counted(count));
     (count > 0).then_some(Complaint { severity: Severity::Notice, ..complaint })
+}
+
+/// Records for the wrong patient are at a server whose address is no longer the store's.
+fn moved(backlog: &Backlog) -> impl Iterator<Item = Complaint> {
+    backlog.moved.iter().map(|(store, count)| {
+        let figures = Figures::counted(usize::try_from(*count).unwrap_or(usize::MAX));
+        let complaint = Complaint::new("store-moved", figures).about(store);
+        Complaint { severity: Severity::Notice, ..complaint }
+    })
 }
 
 /// Whether something has lasted for `least`; a start in the future counts as long ago.

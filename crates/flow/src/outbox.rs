@@ -9,6 +9,9 @@ use std::time::Duration;
 
 use super::{ScanId, backoff};
 
+/// A store at which so many different scans have failed one after the other rests, and is tried with one at a time.
+const SEVERAL: usize = 3;
+
 /// Identifies one delivery.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
@@ -32,6 +35,8 @@ pub enum Ended {
     Kept,
     /// It will be tried again, and the store is asked whether it is in reach.
     StoreFailed,
+    /// The same, but the store may have something against this record alone, such as one that is locked there.
+    NotTaken,
 }
 
 /// What to start now.
@@ -66,10 +71,13 @@ enum Reach {
     Stalled,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Store {
     reach: Reach,
+    /// How often in a row it did not answer, or did not take a record while it fails.
     failures: u32,
+    /// The scans that failed there since the last that did not, at most [`SEVERAL`].
+    failed: BTreeSet<ScanId>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -108,7 +116,13 @@ impl Outbox {
                         && other.patient != key.patient
                         && other.store == key.store
                 });
-            if is_behind {
+            let is_tried = store.is_failing()
+                && self
+                    .in_hand
+                    .iter()
+                    .chain(plan.attempts.iter().flatten())
+                    .any(|other| other.store == key.store);
+            if is_behind || is_tried {
                 continue;
             }
             if let Some(group) = plan.attempts.iter_mut().find(same) {
@@ -156,12 +170,19 @@ impl Outbox {
     /// A store was asked. `chance` is uniform in [0, 1).
     pub fn asked(&mut self, store: &str, in_reach: bool, now: Duration, chance: f64) {
         let store = self.stores.entry(store.to_owned()).or_insert(Store::NEW);
-        *store = if in_reach {
-            Store { reach: Reach::Answers, failures: 0 }
-        } else {
-            let failures = store.failures.saturating_add(1);
-            Store { reach: Reach::Away { until: now + backoff::pause(failures, chance) }, failures }
-        };
+        if !in_reach {
+            store.rest(now, chance);
+            return;
+        }
+        store.reach = Reach::Answers;
+        if !store.is_failing() {
+            store.failures = 0;
+        }
+    }
+
+    /// Whether different scans have failed at a store, one after the other.
+    pub fn is_failing(&self, store: &str) -> bool {
+        self.stores.get(store).is_some_and(Store::is_failing)
     }
 
     /// An operation started at a store does not return: nothing else is started there until it does.
@@ -179,10 +200,15 @@ impl Outbox {
     ) -> Option<Duration> {
         self.in_hand.remove(key);
         let store = self.stores.entry(key.store.clone()).or_insert(Store::NEW);
-        if ended == Ended::StoreFailed || store.reach == Reach::Stalled {
+        let has_failed = matches!(ended, Ended::StoreFailed | Ended::NotTaken);
+        if has_failed || store.reach == Reach::Stalled {
             store.reach = Reach::Unknown;
         }
+        if has_failed {
+            store.has_failed(&key.scan, now, chance);
+        }
         if ended == Ended::ForGood {
+            (store.failures, store.failed) = (0, BTreeSet::new());
             self.pauses.remove(key);
             return None;
         }
@@ -192,8 +218,15 @@ impl Outbox {
         Some(pause)
     }
 
-    /// The operator wants a scan tried now.
+    /// The operator wants a scan tried now. Stores that rest are asked for it.
     pub fn retry_now(&mut self, scan: &ScanId) {
+        for key in self.pauses.keys().filter(|key| key.scan == *scan) {
+            if let Some(store) = self.stores.get_mut(&key.store)
+                && matches!(store.reach, Reach::Away { .. })
+            {
+                store.reach = Reach::Unknown;
+            }
+        }
         self.pauses.retain(|key, _| key.scan != *scan);
     }
 
@@ -221,7 +254,25 @@ impl Outbox {
 }
 
 impl Store {
-    const NEW: Store = Store { reach: Reach::Unknown, failures: 0 };
+    const NEW: Store = Store { reach: Reach::Unknown, failures: 0, failed: BTreeSet::new() };
+
+    fn is_failing(&self) -> bool {
+        self.failed.len() >= SEVERAL
+    }
+
+    fn has_failed(&mut self, scan: &ScanId, now: Duration, chance: f64) {
+        if !self.is_failing() {
+            self.failed.insert(scan.clone());
+        }
+        if self.is_failing() {
+            self.rest(now, chance);
+        }
+    }
+
+    fn rest(&mut self, now: Duration, chance: f64) {
+        self.failures = self.failures.saturating_add(1);
+        self.reach = Reach::Away { until: now + backoff::pause(self.failures, chance) };
+    }
 
     fn wants_asking(&self, now: Duration) -> bool {
         match self.reach {
@@ -309,6 +360,53 @@ mod tests {
         assert_eq!(outbox.plan(&due, NOW, 1).ask, ["a"]);
         outbox.asked("a", true, NOW, 0.5);
         assert_eq!(outbox.plan(&due, NOW, 1).attempts, [[key(2, "a")]]);
+    }
+
+    /// What a store is asked and tried within a time, if it answers and takes nothing.
+    fn tries(outbox: &mut Outbox, due: &[Key], ended: Ended, end: Duration) -> (usize, usize) {
+        let (mut now, mut asked, mut tried) = (NOW, 0, 0);
+        while now < end {
+            let plan = outbox.plan(due, now, 3);
+            for store in &plan.ask {
+                asked += 1;
+                outbox.asked(store, true, now, 0.5);
+            }
+            for key in plan.attempts.iter().flatten() {
+                tried += 1;
+                outbox.ended(key, ended, now, 0.5);
+            }
+            now += Duration::from_millis(100);
+        }
+        (asked, tried)
+    }
+
+    #[test]
+    fn a_store_that_answers_and_takes_none_of_many_records_rests_and_is_tried_with_one() {
+        let due: Vec<Key> = (1..=20).map(|n| key(n, "a")).collect();
+        for ended in [Ended::StoreFailed, Ended::NotTaken] {
+            let mut outbox = outbox(&["a"]);
+            let end = NOW + Duration::from_secs(60);
+            let (asked, tried) = tries(&mut outbox, &due, ended, end);
+            assert!(outbox.is_failing("a"));
+            assert!((4..=16).contains(&tried) && asked <= 16, "{ended:?}: {asked}, {tried}");
+            // A person does not wait for that.
+            outbox.retry_now(&due[0].scan);
+            assert_eq!(outbox.plan(&due, end, 3).ask, ["a"]);
+            outbox.asked("a", true, end, 0.5);
+            let plan = outbox.plan(&due, end, 3);
+            assert_eq!(plan.attempts.len(), 1, "one at a time");
+            outbox.ended(&plan.attempts[0][0], Ended::ForGood, end, 0.5);
+            assert!(!outbox.is_failing("a"));
+            let later = end + backoff::CEILING;
+            assert_eq!(outbox.plan(&due[10..], later, 3).attempts.len(), 3);
+        }
+    }
+
+    #[test]
+    fn one_record_that_a_store_does_not_take_keeps_no_other_waiting() {
+        let mut outbox = outbox(&["a"]);
+        let (_, tried) = tries(&mut outbox, &[key(1, "a")], Ended::NotTaken, NOW * 2);
+        assert!(tried > 1 && !outbox.is_failing("a"), "{tried}");
     }
 
     #[test]

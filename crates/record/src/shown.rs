@@ -3,6 +3,9 @@
 /// The longest line of another program, characters.
 const LINE_MOST: usize = 200;
 
+/// So much of what another program says is looked at, characters.
+const READ_MOST: usize = 100 * LINE_MOST;
+
 /// An id with nothing hidden in it. Characters that are invisible, or that change the text direction,
 /// are replaced by their code points, so that no id is mistaken for another.
 pub fn id(text: &str) -> String {
@@ -18,13 +21,39 @@ pub fn id(text: &str) -> String {
 }
 
 /// A text of another program as part of a line for people and logs: without what nobody sees or what turns the
-/// direction of letters, without these words, which must not get into a log, and at most 200 characters long.
+/// direction of letters, without these words in capital or small letters, which must not get into a log, and at most
+/// 200 characters long.
 pub fn in_a_line(text: &str, without: &[&str]) -> String {
-    let mut line = seen(text);
+    let mut line: String = seen(text).chars().take(READ_MOST).collect();
     for word in without.iter().map(|word| seen(word)).filter(|word| !word.is_empty()) {
-        line = line.replace(&word, "…");
+        line = masked(&line, &word);
     }
     line.chars().take(LINE_MOST).collect()
+}
+
+/// A text with a sign in the place of each of these words, in whatever capital and small letters.
+fn masked(text: &str, word: &str) -> String {
+    let small = |letters: &str| letters.chars().flat_map(char::to_lowercase).collect::<String>();
+    let (word, letters) = (small(word), text.chars().collect::<Vec<char>>());
+    let (mut masked, mut at) = (String::new(), 0);
+    while at < letters.len() {
+        let (mut found, mut end) = (String::new(), at);
+        while end < letters.len() && found.len() < word.len() {
+            found.extend(letters[end].to_lowercase());
+            end += 1;
+        }
+        match found == word {
+            true => {
+                masked.push('…');
+                at = end;
+            }
+            false => {
+                masked.push(letters[at]);
+                at += 1;
+            }
+        }
+    }
+    masked
 }
 
 /// What people see of a text, with single blanks.
@@ -63,6 +92,8 @@ mod tests {
         assert_eq!(line("47\u{200B}11 47\u{0}11 4\u{202E}711 47111"), "… … … …1");
         assert_eq!(line(&"4711".repeat(300)), "…".repeat(200));
         assert_eq!(in_a_line("of P\u{A0}17", &["P 17"]), "of …");
+        assert_eq!(in_a_line("no ÄB1, äb1 or Äb12", &["äB1"]), "no …, … or …2");
+        assert_eq!(in_a_line("İ/p4711 and P471", &["P4711"]), "İ/… and P471");
         assert_eq!(line(""), "");
     }
 

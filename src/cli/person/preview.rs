@@ -96,6 +96,7 @@ fn on_server(of: &OnServer, language: Language) -> String {
         (Some(_), _, _) => "erase.on_server_unfetched",
         (None, _, None) => "erase.on_server_perhaps",
         (None, true, Some(_)) => "erase.on_server_withdrawn",
+        (None, false, Some(_)) if of.is_withdrawing => "erase.on_server_withdrawing",
         (None, false, Some(_)) => "erase.on_server",
     };
     let at = of.at.map(|at| at.to_string()).unwrap_or_default();
@@ -143,6 +144,10 @@ mod tests {
         let unsure = of(None);
         assert!(unsure.contains("(https://fhir.clinic.example/r4): may have a record"), "{unsure}");
         assert!(of(Some("DiagnosticReport/17")).contains("DiagnosticReport/17, given on"));
+        let mut waits = on_server(Some("DiagnosticReport/17"));
+        waits["is_withdrawing"] = true.into();
+        let waits: OnServer = serde_json::from_value(waits).unwrap();
+        assert!(super::on_server(&waits, Language::En).contains("is to be taken back"));
     }
 
     #[test]

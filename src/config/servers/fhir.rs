@@ -1,6 +1,6 @@
 //! `[store.fhir]`: a FHIR R4 server.
 
-use super::{TlsKeys, address, file_name, host_and_port, line, secret, system, tls};
+use super::{TlsKeys, address, file_name, host_and_port, line, secret, system, tls, user};
 use crate::config::fault::What;
 use crate::config::parse::{self, Bounds, or_none};
 use crate::config::reader::{Absent, Found, Reader};
@@ -80,7 +80,7 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreCon
 fn access(reader: &mut Reader) -> Option<FhirAccess> {
     use Absent::Default;
     let kind = reader.text("store.fhir.access", Default("open"), parse::word(KINDS));
-    let user = reader.text("store.fhir.user", Default(""), or_none(line));
+    let user = reader.text("store.fhir.user", Default(""), or_none(user));
     let secret = reader.text("store.fhir.secret", Default(""), or_none(secret));
     let client = reader.text("store.fhir.client", Default(""), or_none(line));
     let key_id = reader.text("store.fhir.key_id", Default(""), line);
@@ -124,7 +124,7 @@ fn proxy(reader: &mut Reader) -> Option<Option<Proxy>> {
     const USER: &str = "store.fhir.proxy_user";
     const SECRET: &str = "store.fhir.proxy_secret";
     let found = reader.text("store.fhir.proxy", Default(""), or_none(endpoint));
-    let user = reader.text(USER, Default(""), or_none(line));
+    let user = reader.text(USER, Default(""), or_none(user));
     let password = reader.text(SECRET, Default(""), or_none(secret));
     let (user, password) = (user?, password?);
     let user = match (user.value, password.value) {

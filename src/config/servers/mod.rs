@@ -116,6 +116,15 @@ fn line(text: &str) -> Result<String, What> {
     Ok(text.to_owned())
 }
 
+/// A user whose password is sent with the name: a colon ends the name (RFC 7617).
+fn user(text: &str) -> Result<String, What> {
+    if text.contains(':') {
+        let hint = "write a name without a colon, which the password follows";
+        return Err(invalid(text, "user", hint));
+    }
+    line(text)
+}
+
 /// The keys of the certificates of a store, in their order.
 struct TlsKeys {
     authorities: &'static str,

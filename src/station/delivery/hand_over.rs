@@ -1,21 +1,17 @@
 //! Hands over the latest revision of a record that was amended after a store got it.
 
-use std::io;
 use std::path::Path;
 
 use gaiter_flow::facts::StoreAttempt;
 use gaiter_flow::outbox::Ended;
-use gaiter_record::{RecordFile, SUMS};
 use tracing::info;
 
-use super::store_reach;
 use super::work::{self, Setback};
+use super::{store_reach, stored_record};
 use crate::station::booth::Booth;
 use crate::station::event::short;
 use crate::station::journal::Due;
-use crate::store::revision::stored::{Stored, StoredFault};
-use crate::store::revision::{self, families};
-use crate::store::{Delivery, StoreFault};
+use crate::store::{Delivery, StoreFault, revision};
 
 /// Puts the latest revision of a record into a store that keeps its own copy.
 pub fn hand_over(booth: &Booth, due: &Due) -> Ended {
@@ -35,11 +31,13 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), Setback> {
         return Err(put_off("the record is in no folder that can be read".to_owned()));
     };
     let folder = revision::latest(Path::new(&folder));
-    let (stored, files) = read(&folder).map_err(|fault| put_off(fault.to_string()))?;
+    let (stored, files) =
+        stored_record::latest(&folder).map_err(|fault| put_off(fault.to_string()))?;
     if stored.record.amendments.is_empty() {
         // The revision that was begun was never written.
         return Ok(journal.handed_over(due, None)?);
     }
+    work::note_place(core, due, store, None)?;
     let put = store.put(&Delivery {
         scan: &due.scan,
         patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
@@ -60,25 +58,10 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), Setback> {
         Err(fault) => return Err(work::of_store(fault, &row)),
     };
     store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
+    work::note_place(core, due, store, Some(&receipt.folder))?;
     journal.handed_over(due, Some((stored.record.revision, receipt.folder.as_path())))?;
     let (scan, store) = (short(&due.scan), &due.store);
     let already_there = receipt.already_there;
     info!(event = "amendment-handed-over", scan, store, already_there);
     Ok(())
-}
-
-/// The revision in a folder, and its files except the scan, `SHA256SUMS` last.
-fn read(folder: &Path) -> Result<(Stored, Vec<RecordFile>), StoredFault> {
-    let family = families(folder).map_err(io::Error::other)?.pop();
-    let stored = match &family {
-        Some(family) => Stored::of(family)?,
-        None => Stored::in_folder(folder)?,
-    };
-    let names = stored.listed.iter().filter(|name| **name != stored.scan_file);
-    let files = names
-        .map(String::as_str)
-        .chain([SUMS])
-        .map(|name| Ok(RecordFile { name: name.to_owned(), bytes: stored.listed_file(name)? }));
-    let files = files.collect::<io::Result<Vec<RecordFile>>>()?;
-    Ok((stored, files))
 }

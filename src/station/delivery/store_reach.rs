@@ -73,7 +73,13 @@ fn begin(core: &Core, store: &dyn RecordStore) -> Result<(), Cause> {
     }
     // Created only if the station never had it: otherwise a missing folder is an unmounted share.
     store.begin(begun.is_none()).map_err(|fault| fault.cause())?;
-    journal.begun(store.name(), &place).map_err(of_journal)
+    journal.begun(store.name(), &place).map_err(of_journal)?;
+    if begun.is_some() && store.is_server() {
+        let moved = journal.tally().map_err(of_journal)?.moved;
+        let to_withdraw = moved.get(store.name()).copied().unwrap_or_default();
+        info!(event = "store-moved", store = store.name(), to_withdraw);
+    }
+    Ok(())
 }
 
 /// Notes what an attempt at a store came to. Logs a change.

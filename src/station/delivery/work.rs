@@ -1,6 +1,7 @@
 //! The work on one scan: measure it in its own process, put its record into a store or take it back,
 //! and update the journal. All of it blocks.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use gaiter_flow::Facts;
@@ -14,7 +15,7 @@ use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::measuring::{self, Outcome};
-use super::store_reach;
+use super::{store_reach, stored_record};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::custody::CustodyFault;
@@ -22,9 +23,12 @@ use crate::station::custody::quarantine::{Reason, Stage};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::{Due, JournalError, KEPT, ScanRow};
 use crate::station::runtime::causes::chain;
-use crate::store::{Delivery, Misfit, StoreFault};
+use crate::store::{Delivery, Misfit, RecordStore, StoreFault};
 
-/// A scan that has been measured for a patient.
+/// The code of a delivery that a server does not take now, while it may take others.
+pub const NOT_TAKEN: &str = "not-taken-now";
+
+/// A scan that has been measured for a patient, now or before.
 #[derive(Debug)]
 pub struct Ready {
     row: ScanRow,
@@ -43,16 +47,31 @@ pub(super) enum Setback {
     Kept(Misfit),
     /// It may finish later.
     PutOff { code: &'static str, error: String },
+    /// It may finish later; the store may have something against this record alone.
+    NotTaken { error: String },
     /// It may finish when the store is in reach.
     StoreFailed { code: &'static str, refusal: StoreRefusal },
     /// It may finish when custody works again.
     Custody(CustodyFault),
 }
 
-/// Measures the scan of a delivery on `threads` threads. If there is nothing to put into a store,
-/// returns how the work ended.
-pub fn prepare(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Ended> {
-    measured(booth, due, threads).map_err(|setback| set_back(booth, due, setback))
+/// Measures the scan of a delivery on `threads` threads; for servers alone, takes its record from the first store if
+/// that has it. If there is nothing to put into a store, returns how the work ended.
+pub fn prepare(
+    booth: &Booth,
+    due: &Due,
+    threads: usize,
+    only_servers: bool,
+) -> Result<Ready, Ended> {
+    let stored = if only_servers { stored(booth, due).transpose() } else { None };
+    let ready = stored.unwrap_or_else(|| measured(booth, due, threads));
+    ready.map_err(|setback| set_back(booth, due, setback))
+}
+
+fn stored(booth: &Booth, due: &Due) -> Result<Option<Ready>, Setback> {
+    let Some(files) = stored_record::first(booth.core(), due)? else { return Ok(None) };
+    let row = row(booth.core(), due)?;
+    Ok(Some(Ready { row, files, to_do: booth.to_do(&due.scan) }))
 }
 
 fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Setback> {
@@ -110,6 +129,8 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
         if let Some(head) = core.custody.journal().head_line()? {
             store.keep_head(&head).map_err(|fault| of_store(fault, row))?;
         }
+        // Noted before: if the answer is lost, the server may have it.
+        note_place(core, due, store, None)?;
         let receipt = store
             .put(&Delivery {
                 scan: &due.scan,
@@ -122,6 +143,7 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
             })
             .map_err(|fault| of_store(fault, row))?;
         store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
+        note_place(core, due, store, Some(&receipt.folder))?;
         core.custody.delivered(due, &receipt.folder)?;
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
@@ -136,6 +158,49 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
     ended
 }
 
+/// Notes where a server has the record of a delivery, or may have it: its address may be changed since.
+pub(super) fn note_place(
+    core: &Core,
+    due: &Due,
+    store: &dyn RecordStore,
+    receipt: Option<&Path>,
+) -> Result<(), Setback> {
+    if store.is_server() {
+        core.custody.journal().put_at(due, &store.place(), receipt)?;
+    }
+    Ok(())
+}
+
+/// The receipt of a server for the record that is to be withdrawn from it, if it gave one.
+fn receipt_here(
+    core: &Core,
+    due: &Due,
+    store: &dyn RecordStore,
+) -> Result<Option<String>, Setback> {
+    let places = core.custody.journal().places(due)?;
+    match places.get(&store.place()) {
+        Some(receipt) => Ok(Some(receipt.clone()).filter(|receipt| !receipt.is_empty())),
+        None if places.is_empty() => Ok(None),
+        None => Err(moved()),
+    }
+}
+
+/// The record is, or may be, at an earlier address of the store.
+fn moved() -> Setback {
+    let error = "the record is to be withdrawn at an earlier address of the store".to_owned();
+    Setback::PutOff { code: "store-moved", error }
+}
+
+/// Who keeps the record of a scan that is withdrawn from a folder.
+fn keeper(core: &Core, due: &Due, from: Option<&str>) -> Result<Option<String>, Setback> {
+    let keeper = core.custody.journal().keeper(&due.scan, &due.store)?;
+    let early = || {
+        let error = "nobody else has the record yet".to_owned();
+        Setback::PutOff { code: "withdrawal-early", error }
+    };
+    keeper.filter(|keeper| keeper.as_deref() != from).ok_or_else(early)
+}
+
 /// Takes back the record of a scan that now belongs to another patient.
 pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
     let core = booth.core();
@@ -144,19 +209,12 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         let journal = core.custody.journal();
         let store = core.stores.named(&due.store).ok_or_else(|| no_store(due))?;
         let from = due.patient.as_ref().map(|patient| patient.id.as_str());
-        let keeper = match store.is_server() {
-            true => None,
-            false => {
-                let keeper = journal.keeper(&due.scan, &due.store)?;
-                let early = || {
-                    let error = "nobody else has the record yet".to_owned();
-                    Setback::PutOff { code: "withdrawal-early", error }
-                };
-                keeper.filter(|keeper| keeper.as_deref() != from).ok_or_else(early)?
-            }
+        let (keeper, receipt) = match store.is_server() {
+            true => (None, receipt_here(core, due, store)?),
+            false => (keeper(core, due, from)?, None),
         };
         let scan = short(&due.scan);
-        match store.withdraw(&due.scan, from, keeper.as_deref()) {
+        match store.withdraw(&due.scan, from, keeper.as_deref(), receipt.as_deref()) {
             Err(StoreFault::Permanent(Misfit::HandedOver)) => {
                 warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);
                 journal.left_there(due)?;
@@ -164,6 +222,9 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
             }
             Err(StoreFault::Permanent(misfit)) => return Err(Setback::Kept(misfit)),
             other => other.map_err(|fault| of_store(fault, &row))?,
+        }
+        if store.is_server() && journal.gone_from(due, &store.place())? {
+            return Err(moved());
         }
         journal.withdrawn(due)?;
         // A fault that an earlier attempt met there is over.
@@ -220,6 +281,7 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
             store_reach::note(core, &due.store, StoreAttempt::Delivery(Some(refusal)));
             (code, error, Ended::StoreFailed)
         }
+        Setback::NotTaken { error } => (NOT_TAKEN, error, Ended::NotTaken),
         Setback::PutOff { code, error } => (code, error, Ended::PutOff),
         Setback::Custody(fault) => custody_failed(fault),
     };
@@ -243,10 +305,10 @@ pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
             let message = misfit.to_string();
             Setback::Refused(Reason::new(code, message, Stage::Store, row.first_seen))
         }
-        passing => {
-            let refusal = StoreRefusal::Fault(passing.cause().after(code));
-            Setback::StoreFailed { code, refusal }
+        StoreFault::Server(fault) if fault.is_of_a_record() => {
+            Setback::NotTaken { error: fault.to_string() }
         }
+        passing => Setback::StoreFailed { code, refusal: StoreRefusal::Fault(passing.cause()) },
     }
 }
 

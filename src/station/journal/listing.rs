@@ -14,6 +14,7 @@ use rusqlite::{Connection, OptionalExtension, Row, params};
 
 use super::disposition::is_one_of;
 use super::withdrawal::UNWANTED;
+use super::withdrawal::places::elsewhere;
 use super::{Journal, JournalError, cell};
 
 /// The numbers of scans and deliveries, and the two scans asked for most often.
@@ -32,6 +33,8 @@ pub struct Tally {
     pub withdrawing: u64,
     /// Scans of whose record a store takes no later revision.
     pub revisions_refused: u64,
+    /// By store, records that are to be withdrawn, and are at an earlier address of it.
+    pub moved: BTreeMap<String, u64>,
     /// Deliveries by store and the word of their state; only combinations that occur.
     pub deliveries: BTreeMap<(String, String), u64>,
     /// Of each store, the oldest scan whose record it waits for.
@@ -88,6 +91,7 @@ impl Journal {
             closed,
             withdrawing,
             revisions_refused: revisions_refused(&connection)?,
+            moved: elsewhere(&connection)?,
             deliveries,
             oldest: oldest.collect::<Result<_, _>>()?,
             last,

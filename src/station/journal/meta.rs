@@ -18,7 +18,7 @@ const TO_SEARCH: &str = "to-search:";
 const TO_FILL: &str = "to-fill";
 
 /// Prefix for the place where each store was begun: from then on its mark must be found there.
-const BEGUN: &str = "begun:";
+pub(super) const BEGUN: &str = "begun:";
 
 /// What the last scans said of the scanner's cameras.
 const VIEWS: &str = "views";

@@ -21,7 +21,8 @@ pub(super) const KNOWN: i64 = 1;
 ///
 /// Deliveries: `patient` is '' if no patient was named. `sources` is JSON. `next_at` tells operators when the
 /// next attempt is due; the station itself uses its monotonic clock. `amended` of a delivery that was made:
-/// whether a later revision is to be handed over; '' if not.
+/// whether a later revision is to be handed over; '' if not. `places` are those where a server has the record, or
+/// may have it, each with its receipt, as JSON.
 ///
 /// Sightings: `same_as` is the earlier scan whose points and triangles the file has in other bytes.
 ///
@@ -71,6 +72,7 @@ CREATE TABLE deliveries (
     next_at    TEXT,
     folder     TEXT,
     amended    TEXT NOT NULL DEFAULT '',
+    places     TEXT NOT NULL DEFAULT '{}',
     seal       TEXT NOT NULL,
     PRIMARY KEY (sha256, patient, store)
 ) STRICT;

@@ -8,6 +8,8 @@
 //! record that is wanted, so that a folder always has one of the scan; at a server at once, because others
 //! treat the wrong patient by it. Withdrawing a record that is not there does nothing.
 
+pub(super) mod places;
+
 use std::path::Path;
 
 use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};

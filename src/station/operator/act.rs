@@ -127,6 +127,7 @@ fn retry(core: &Core, row: ScanRow) -> Result<String, ActFault> {
         Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
         Acted::Nothing | Acted::Several | Acted::HasPatient => {
             let journal = core.custody.journal();
+            journal.withdraw_here(&row.scan)?;
             let is_any = |state| journal.deliveries_in(&row.scan, state).map(|due| !due.is_empty());
             let is_owed = journal.owes_revision(&row.scan)?;
             if !is_owed && !is_any(DeliveryState::Pending)? && !is_any(DeliveryState::Withdrawing)?

@@ -214,14 +214,26 @@ fn on_server(store: &dyn RecordStore, scans: &[PersonScan]) -> Vec<OnServer> {
         |of: &PersonDelivery| of.folder.is_some() || !nothing_sent.contains(&of.state.as_str());
     let all = scans.iter().flat_map(|scan| scan.deliveries.iter().map(move |of| (scan, of)));
     let given = all.filter(|&(_, of)| of.store == store.name() && was_given(of));
-    let row = |(scan, of): (&PersonScan, &PersonDelivery)| OnServer {
-        sha256: scan.sha256.clone(),
-        store: of.store.clone(),
-        place: store.place(),
-        reference: of.folder.clone(),
-        at: of.at,
-        is_withdrawn: of.state == DeliveryState::Withdrawn.word(),
-        unfetched: of.folder.as_deref().and_then(|reference| store.unfetched(reference)),
+    let row = |scan: &PersonScan, of: &PersonDelivery, place: String, reference: Option<String>| {
+        let unfetched = reference.as_deref().filter(|_| place == store.place());
+        OnServer {
+            sha256: scan.sha256.clone(),
+            store: of.store.clone(),
+            unfetched: unfetched.and_then(|reference| store.unfetched(reference)),
+            place,
+            reference,
+            at: of.at,
+            is_withdrawn: of.state == DeliveryState::Withdrawn.word(),
+            is_withdrawing: of.state == DeliveryState::Withdrawing.word(),
+        }
     };
-    given.map(row).collect()
+    let rows = given.flat_map(|(scan, of)| {
+        if of.places.is_empty() {
+            return vec![row(scan, of, store.place(), of.folder.clone())];
+        }
+        let places = of.places.iter();
+        let reference = |receipt: &String| Some(receipt.clone()).filter(|text| !text.is_empty());
+        places.map(|(at, receipt)| row(scan, of, at.clone(), reference(receipt))).collect()
+    });
+    rows.collect()
 }

@@ -6,10 +6,11 @@ use std::time::Duration;
 
 use gaiter_flow::ScanId;
 use gaiter_language::Language;
-use gaiter_record::fhir::{FhirKey, FhirRules};
+use gaiter_record::fhir::{Entry, FhirKey, FhirRules, Identifier};
 use gaiter_sizes::Garment;
 use serde_json::{Value, json};
 
+use super::answers::Asked;
 use super::{FhirAccess, FhirServer, FhirStore, SmartAccess};
 use crate::store::endpoint::{Secret, TlsFiles};
 use crate::store::https::tests::{answer, serve_answers};
@@ -263,7 +264,7 @@ fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
     let holds = found(&[observation(&key, "final")]);
     let done = answer("200 OK", &replaced.to_string());
     let (store, requests) = answered(vec![holds.clone(), found(&[]), found(&[]), done]);
-    store.withdraw(&scan, Some("4711"), None).unwrap();
+    store.withdraw(&scan, Some("4711"), None, None).unwrap();
     let request = requests.try_iter().last().unwrap();
     let (_, body) = request.split_once("\r\n\r\n").unwrap();
     let sent: Value = serde_json::from_str(body).unwrap();
@@ -273,23 +274,88 @@ fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
     assert_eq!(entry["request"]["url"], "Observation/7");
     assert_eq!(entry["request"]["ifMatch"], "W/\"3\"");
 
-    let marked = found(&[observation(&key, "entered-in-error")]);
+    let mut marked = observation(&key, "entered-in-error");
+    let mark = json!({ "system": RECORDS, "value": key.withdrawal("") });
+    assert_eq!(entry["resource"]["identifier"][1], mark);
+    marked["identifier"].as_array_mut().unwrap().push(mark);
+    let marked = found(&[marked]);
     let (store, requests) = answered(vec![marked, found(&[]), found(&[])]);
-    store.withdraw(&scan, Some("4711"), None).unwrap();
+    store.withdraw(&scan, Some("4711"), None, None).unwrap();
     assert_eq!(requests.try_iter().count(), 3);
 
     // Another changed it between the search and the transaction: the next try reads it anew.
     let changed = outcome("412 Precondition Failed", "version");
     let (store, _requests) = answered(vec![holds, found(&[]), found(&[]), changed]);
-    let fault = store.withdraw(&scan, Some("4711"), None).unwrap_err();
+    let fault = store.withdraw(&scan, Some("4711"), None, None).unwrap_err();
     assert_eq!(fault.code(), "store-unavailable");
+}
+
+#[test]
+fn a_take_back_that_does_not_find_what_the_server_has_confirmed_is_not_done() {
+    let scan: ScanId = ScanId::parse(&"ab".repeat(32)).unwrap();
+    let key = FhirKey::of(scan.as_str(), "4711");
+    let mark = json!({ "system": RECORDS, "value": key.withdrawal("") });
+    let marked = |kind: &str, id: &str| {
+        json!({
+            "resourceType": kind, "id": id, "status": "entered-in-error",
+            "identifier": [{ "system": RECORDS, "value": key.record() }, mark],
+            "result": [{ "reference": "Observation/7/_history/1" }],
+        })
+    };
+    let (report, leg) = (marked("DiagnosticReport", "5"), marked("Observation", "7"));
+    let take_back = |leg: &[Value], report: &[Value], read: Option<String>| {
+        let searches = [found(leg), found(report), found(&[])];
+        let (store, requests) = answered(searches.into_iter().chain(read).collect());
+        let done = store.withdraw(&scan, Some("4711"), None, Some("DiagnosticReport/5"));
+        (done, requests.try_iter().count())
+    };
+    let (all, none): ([Value; 2], &[Value]) = ([leg, report], &[]);
+    let [leg, report] = all.each_ref().map(std::slice::from_ref);
+    let (done, requests) = take_back(leg, report, None);
+    done.unwrap();
+    assert_eq!(requests, 3, "all of it was found");
+    // Its index is late, it hides what is there, or it has lost it.
+    let there = answer("200 OK", &report[0].to_string());
+    let lost = outcome("404 Not Found", "no such report");
+    for (leg, report, read) in
+        [(none, none, Some(there)), (none, none, Some(lost)), (none, report, None)]
+    {
+        let (done, _) = take_back(leg, report, read);
+        let fault = done.unwrap_err();
+        assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
+    }
+    take_back(none, none, Some(outcome("410 Gone", "deleted"))).0.unwrap();
+}
+
+#[test]
+fn what_another_took_back_is_not_brought_back_by_a_later_revision() {
+    let of = |station: Option<&str>| {
+        let key = FhirKey::of("ab", "4711");
+        let identifier = |value: String| json!({ "system": RECORDS, "value": value });
+        let mark = station.map(|station| identifier(key.withdrawal(station)));
+        let own = identifier(key.part("report"));
+        let resource = json!({ "resourceType": "DiagnosticReport", "status": "amended" });
+        let mut there = resource.clone();
+        there["id"] = "5".into();
+        there["status"] = "entered-in-error".into();
+        there["identifier"] = [own].into_iter().chain(mark).collect();
+        let (store, _requests) = answered(vec![answer("200 OK", &there.to_string())]);
+        let value = key.part("report");
+        let entry = Entry::new(Identifier { system: RECORDS.to_owned(), value }, resource);
+        let asked = Asked { reference: "DiagnosticReport/5".to_owned(), is_new: false };
+        store.of_station("booth-2").stale(&[(entry, asked)], &key, 2, "4711")
+    };
+    for other in [Some("booth-1"), None] {
+        assert_eq!(of(other).unwrap_err().code(), "taken-back-there", "{other:?}");
+    }
+    assert_eq!(of(Some("booth-2")).unwrap().len(), 1, "it decided otherwise since");
 }
 
 #[test]
 fn a_step_that_makes_several_requests_has_not_stalled_while_each_is_answered_in_time() {
     let (store, requests) = answered(vec![found(&[]), found(&[]), found(&[])]);
     let scan: ScanId = ScanId::parse(&"ab".repeat(32)).unwrap();
-    store.withdraw(&scan, Some("4711"), None).unwrap();
+    store.withdraw(&scan, Some("4711"), None, None).unwrap();
     let requests = u32::try_from(requests.try_iter().count()).unwrap();
     assert!(requests > 2 && store.step_most() > Duration::from_secs(30) * requests);
 }

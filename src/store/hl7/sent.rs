@@ -18,6 +18,8 @@ pub(super) struct Sent {
     pub number: u32,
     /// The control id of the last message.
     pub control: String,
+    /// Where it was sent: another receiver has none of it.
+    pub place: String,
     /// Whether the result holds; not if it was withdrawn.
     pub holds: bool,
     /// Whether the receiver has accepted the last message. If not, it may have it all the same.

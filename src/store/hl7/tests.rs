@@ -259,7 +259,7 @@ fn what_names_nobody_or_somebody_else_is_not_sent() {
 fn a_correction_a_withdrawal_and_a_result_after_it_are_messages_of_their_own() {
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
-    let withdraw = || store.withdraw(&scan(), Some("4711"), None).unwrap();
+    let withdraw = || store.withdraw(&scan(), Some("4711"), None, None).unwrap();
     withdraw();
     assert!(receiver.controls().is_empty(), "nothing was sent that could be withdrawn");
     assert!(is_new(&store, 1) && is_new(&store, 2));
@@ -282,7 +282,7 @@ fn a_result_whose_answer_was_lost_is_taken_back_and_one_that_was_refused_is_not(
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
     let hasty = receiver.store_that_waits(Duration::from_secs(1), state.path());
-    let withdraw = |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None);
+    let withdraw = |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None, None);
     receiver.becomes(Mode::Refuse);
     assert!(put(&store, Some("4711"), 1).is_err());
     receiver.becomes(Mode::Accept);
@@ -313,8 +313,33 @@ fn what_a_correction_no_longer_holds_is_wrong_there_and_is_taken_back_with_it() 
     without.rules.pdf = PdfForm::None;
     assert!(is_new(&without, 2));
     assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "C"), ("PDF", "W")]));
-    without.withdraw(&scan(), Some("4711"), None).unwrap();
+    without.withdraw(&scan(), Some("4711"), None, None).unwrap();
     assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "W"), ("PDF", "W")]));
+}
+
+#[test]
+fn another_receiver_has_neither_the_result_nor_its_withdrawal() {
+    let (first, second, state) = (Receiving::new(), Receiving::new(), TempDir::new().unwrap());
+    let stores = [&first, &second].map(|receiver| receiver.store(state.path()));
+    let withdraw = |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None, None).unwrap();
+    assert!(stores.iter().all(|store| is_new(store, 1)));
+    assert_eq!(first.controls(), second.controls(), "it is the same message");
+    stores.iter().for_each(withdraw);
+    let controls = first.controls();
+    assert_eq!((controls.len(), &controls), (2, &second.controls()));
+}
+
+#[test]
+fn stations_beside_each_other_have_control_ids_of_their_own() {
+    let receiver = Receiving::new();
+    let states = [TempDir::new().unwrap(), TempDir::new().unwrap()];
+    for (state, name) in states.iter().zip(["booth-1", "booth-2"]) {
+        let store = receiver.store(state.path()).of_station(name);
+        assert!(is_new(&store, 1) && !is_new(&store, 1));
+    }
+    let controls = receiver.controls();
+    assert_eq!(controls.len(), 2);
+    assert_ne!(controls[0], controls[1]);
 }
 
 #[test]
@@ -395,6 +420,7 @@ fn a_message_file_that_a_crash_left_is_named_if_it_was_noted_and_made_again_if_n
         revision: 1,
         number: 1,
         control: "0123".into(),
+        place: store.place(),
         holds: true,
         is_answered: true,
         codes: vec![],

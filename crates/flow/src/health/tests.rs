@@ -14,7 +14,8 @@ use crate::settle::Wait;
 use crate::trigger::PortState;
 
 const OVERDUE: Duration = Duration::from_secs(600);
-const EMPTY: Backlog = Backlog { pending: 0, oldest: None, revisions_refused: 0 };
+const EMPTY: Backlog =
+    Backlog { pending: 0, oldest: None, revisions_refused: 0, moved: BTreeMap::new() };
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()
@@ -225,6 +226,36 @@ fn a_revision_that_a_store_refuses_is_a_notice_until_none_is_left() {
         assert_said(notice);
     }
     assert_eq!(complaints(&facts(), &EMPTY, OVERDUE, at(0)), []);
+}
+
+#[test]
+fn the_advice_for_a_server_is_that_of_disks_while_the_disk_is_full() {
+    let of = |number: i32, store: &str| {
+        let why = Cause::of_system(&std::io::Error::from_raw_os_error(number));
+        Complaint::new("store-fault", Figures::why(&why.after("noting failed"))).about(store)
+    };
+    for language in Language::ALL {
+        for store in ["fhir", "hl7"] {
+            let [full, refused] = [28, 111].map(|number| of(number, store));
+            assert_ne!(full.remedy(language), refused.remedy(language));
+            assert!(full.message(language).contains(store), "{full:?}");
+            let next = |of: &Complaint| crate::page::of_complaint(of, language).next;
+            assert_ne!(next(&full), next(&refused));
+        }
+        assert_eq!(of(28, "folder").remedy(language), of(111, "folder").remedy(language));
+    }
+}
+
+#[test]
+fn a_take_back_at_an_earlier_address_of_a_server_is_a_notice() {
+    for count in [1, 2] {
+        let backlog = Backlog { moved: BTreeMap::from([("fhir".to_owned(), count)]), ..EMPTY };
+        let found = complaints(&facts(), &backlog, OVERDUE, at(0));
+        let [notice] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((notice.code.as_str(), notice.is_fault()), ("store-moved", false));
+        assert_eq!(notice.subject.as_deref(), Some("fhir"));
+        assert_said(notice);
+    }
 }
 
 #[test]

@@ -72,7 +72,7 @@ pub(super) fn of_button_away(language: Language) -> String {
 pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let code = complaint.code.as_str();
     let found = |of: &str| Advice::of("page.complaint", of, language);
-    let about = complaint.subject.as_ref().and_then(|subject| found(&format!("{code}-{subject}")));
+    let about = complaint.own_code().and_then(|own| found(&own));
     let any = || code.starts_with(OF_PORT).then(|| found("trigger-any")).flatten();
     let is_reader = complaint.subject.as_deref() == Some(READER);
     let of_reader = || is_reader.then(|| found("trigger-any-reader")).flatten();

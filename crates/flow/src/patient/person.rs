@@ -1,6 +1,7 @@
 //! All that a station knows of one person, as it is disclosed, and shown before it is erased. Of other
 //! patients it says nothing but that there are some.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use gaiter_record::{Acquired, SourceKind};
@@ -110,6 +111,10 @@ pub struct PersonDelivery {
     pub folder: Option<String>,
     /// Who named the patient.
     pub sources: Vec<SourceKind>,
+    /// Where a server has the record, or may have it, each place with its receipt, '' for none. Told by
+    /// [`OnServer`].
+    #[serde(skip)]
+    pub places: BTreeMap<String, String>,
 }
 
 /// What a folder store holds of a person.
@@ -180,7 +185,7 @@ pub struct OnServer {
     pub sha256: String,
     /// The store.
     pub store: String,
-    /// The server, as configured.
+    /// The server, as it was configured when it was given that.
     pub place: String,
     /// By what it is found there: a report's address, or a message's control id; `None` if no answer
     /// came yet, or if only a journal that was lost knew it. The server may then have nothing.
@@ -189,6 +194,9 @@ pub struct OnServer {
     pub at: Option<Timestamp>,
     /// It was taken back: the server may keep it, marked as wrong.
     pub is_withdrawn: bool,
+    /// It is to be taken back, and still counts there.
+    #[serde(default)]
+    pub is_withdrawing: bool,
     /// The message's file, while the receiver has not fetched it.
     pub unfetched: Option<PathBuf>,
 }

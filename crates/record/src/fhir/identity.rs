@@ -30,6 +30,11 @@ impl FhirKey {
         format!("{}/{part}", self.0)
     }
 
+    /// The value that resources have which a station withdrew.
+    pub fn withdrawal(&self, station: &str) -> String {
+        format!("{}/w/{station}", self.0)
+    }
+
     /// The value that all resources of a revision have.
     pub fn revision(&self, revision: u32) -> String {
         format!("{}/r{revision}", self.0)

@@ -28,9 +28,17 @@ const VERDICT: &str = "VERDICT";
 /// The version before OBX-18, the station, was added.
 const WITHOUT_STATION: &str = "2.3.1";
 
-/// Identifies a message: the same one is sent again under the same id.
-pub fn control_id(scan: &str, patient: &str, revision: u32, is_withdrawal: bool) -> String {
-    let mut digits = sha256(format!("{scan}\0{patient}\0{revision}\0{is_withdrawal}").as_bytes());
+/// Identifies a message: the same one is sent again under the same id. Two stations that have the same scan send
+/// different messages.
+pub fn control_id(
+    station: &str,
+    scan: &str,
+    patient: &str,
+    revision: u32,
+    is_withdrawal: bool,
+) -> String {
+    let of = format!("{station}\0{scan}\0{patient}\0{revision}\0{is_withdrawal}");
+    let mut digits = sha256(of.as_bytes());
     digits.truncate(CONTROL_DIGITS);
     digits
 }
@@ -45,9 +53,10 @@ pub fn observed(record: &Record, has_pdf: bool) -> Vec<String> {
 
 /// The result of a record, for its patient. `gone` are the codes of what earlier results held and this one does not,
 /// such as a girth that cannot be measured after all: each is marked as wrong, because a receiver keeps what a
-/// correction does not name. `first_seen` is the time of a record that does not say when it was taken, `now` that of
-/// the message. `None` if the record names no patient.
+/// correction does not name. `control` is its [`control_id`], `first_seen` the time of a record that does not say when
+/// it was taken, `now` that of the message. `None` if the record names no patient.
 pub fn result(
+    control: &str,
     record: &Record,
     pdf: Option<&[u8]>,
     gone: &[String],
@@ -56,14 +65,13 @@ pub fn result(
     now: Timestamp,
 ) -> Option<Vec<u8>> {
     let patient = record.patient.as_ref()?.id.as_str();
-    let control = control_id(&record.scan.sha256, patient, record.revision, false);
     let status = match record.revision > FIRST_REVISION {
         true => Status::Corrected,
         false => Status::Final,
     };
     let at = moment(&taken(record, first_seen));
     let of = Message { rules, patient, status, at: at.clone() };
-    let mut segments = of.head(&control, &record.scan.sha256, now);
+    let mut segments = of.head(control, &record.scan.sha256, now);
     let figures = export_figures(record);
     let station = record.station.as_deref().unwrap_or_default();
     for (at, figure) in figures.iter().enumerate() {
@@ -87,18 +95,18 @@ pub fn result(
 }
 
 /// The withdrawal of a result that was sent for the wrong patient: each of these codes as wrong, without a value.
+/// `control` is its [`control_id`].
 pub fn withdrawal(
+    control: &str,
     scan: &str,
     patient: &str,
-    revision: u32,
     codes: &[String],
     rules: &Hl7Rules,
     now: Timestamp,
 ) -> Vec<u8> {
-    let control = control_id(scan, patient, revision, true);
     let at = moment(&now.to_zoned(TimeZone::UTC));
     let of = Message { rules, patient, status: Status::Wrong, at };
-    let mut segments = of.head(&control, scan, now);
+    let mut segments = of.head(control, scan, now);
     segments.extend(of.wrong(1, codes));
     of.written(&segments)
 }

@@ -44,8 +44,13 @@ fn now() -> Timestamp {
     "2026-11-26T19:21:05Z".parse().unwrap()
 }
 
+fn control_of(record: &Record) -> String {
+    control_id("booth-1", &record.scan.sha256, "4711", record.revision, false)
+}
+
 fn written(record: &Record, rules: &Hl7Rules) -> Vec<u8> {
-    result(record, Some(b"%PDF-1.7"), &[], rules, first_seen(), now()).unwrap()
+    let control = control_of(record);
+    result(&control, record, Some(b"%PDF-1.7"), &[], rules, first_seen(), now()).unwrap()
 }
 
 /// The fields of each segment.
@@ -70,7 +75,7 @@ fn head_patient_and_order_are_those_of_the_documented_message() {
     let record = record_of("4711");
     let text = String::from_utf8(written(&record, &rules())).unwrap();
     let segments: Vec<&str> = text.split('\r').collect();
-    let control = control_id(&record.scan.sha256, "4711", 1, false);
+    let control = control_of(&record);
     let filler = &record.scan.sha256[..20];
     assert_eq!(
         segments[0],
@@ -132,7 +137,7 @@ fn the_pdf_is_sent_in_the_form_of_the_receiver_or_not_at_all() {
     assert_eq!(last(PdfForm::Plain), "^PDF^^Base64^JVBERi0xLjc=");
     let without = fields(&written(&record, &Hl7Rules { pdf: PdfForm::None, ..rules() }));
     assert_eq!(codes(&without), observed(&record, false));
-    let none = result(&record, None, &[], &rules(), first_seen(), now()).unwrap();
+    let none = result("id", &record, None, &[], &rules(), first_seen(), now()).unwrap();
     assert_eq!(codes(&fields(&none)), observed(&record, false));
 }
 
@@ -141,7 +146,8 @@ fn a_message_that_is_sent_again_differs_in_its_time_alone() {
     let record = record_of("4711");
     let later = "2026-11-27T08:00:00Z".parse().unwrap();
     let [first, again] = [now(), later].map(|now| {
-        let bytes = result(&record, Some(b"%PDF-1.7"), &[], &rules(), first_seen(), now).unwrap();
+        let pdf = Some(&b"%PDF-1.7"[..]);
+        let bytes = result("id", &record, pdf, &[], &rules(), first_seen(), now).unwrap();
         String::from_utf8(bytes).unwrap()
     });
     assert_ne!(first, again);
@@ -150,14 +156,15 @@ fn a_message_that_is_sent_again_differs_in_its_time_alone() {
 
 #[test]
 fn a_control_id_is_that_of_one_message_alone_and_has_room() {
-    let first = control_id("ab", "4711", 1, false);
+    let first = control_id("booth-1", "ab", "4711", 1, false);
     assert_eq!((first.len(), first.contains("4711")), (20, false));
-    assert_eq!(first, control_id("ab", "4711", 1, false));
+    assert_eq!(first, control_id("booth-1", "ab", "4711", 1, false));
     for other in [
-        control_id("ac", "4711", 1, false),
-        control_id("ab", "4712", 1, false),
-        control_id("ab", "4711", 2, false),
-        control_id("ab", "4711", 1, true),
+        control_id("booth-2", "ab", "4711", 1, false),
+        control_id("booth-1", "ac", "4711", 1, false),
+        control_id("booth-1", "ab", "4712", 1, false),
+        control_id("booth-1", "ab", "4711", 2, false),
+        control_id("booth-1", "ab", "4711", 1, true),
     ] {
         assert_ne!(first, other);
     }
@@ -178,7 +185,7 @@ fn a_later_revision_is_a_correction_of_the_same_order() {
 fn what_a_correction_no_longer_holds_is_marked_as_wrong() {
     let record = Record { revision: 2, ..record_of("4711") };
     let gone = ["cC-R".to_owned(), "lY-L".to_owned()];
-    let bytes = result(&record, None, &gone, &rules(), first_seen(), now()).unwrap();
+    let bytes = result("id", &record, None, &gone, &rules(), first_seen(), now()).unwrap();
     let message = fields(&bytes);
     let observations = of(&message, "OBX");
     let (kept, wrong) = observations.split_at(observations.len() - gone.len());
@@ -196,7 +203,7 @@ fn a_withdrawal_marks_all_that_was_sent_as_wrong_and_has_no_value() {
     let first = fields(&written(&record, &rules()));
     let observed = observed(&record, true);
     let scan = &record.scan.sha256;
-    let bytes = withdrawal(scan, "4711", record.revision, &observed, &rules(), now());
+    let bytes = withdrawal("id", scan, "4711", &observed, &rules(), now());
     let withdrawn = fields(&bytes);
     assert_eq!(codes(&withdrawn), codes(&first));
     assert!(of(&withdrawn, "OBX").iter().all(|obx| obx[11] == "W" && obx[5].is_empty()));
@@ -208,7 +215,7 @@ fn a_withdrawal_marks_all_that_was_sent_as_wrong_and_has_no_value() {
     assert_eq!(of(&withdrawn, "OBR")[0][25], "C");
     assert_eq!(of(&withdrawn, "OBR")[0][3], of(&first, "OBR")[0][3]);
     assert_eq!(of(&withdrawn, "PID"), of(&first, "PID"));
-    assert_eq!(of(&withdrawn, "MSH")[0][9], control_id(scan, "4711", 1, true));
+    assert_eq!(of(&withdrawn, "MSH")[0][9], "id");
 }
 
 #[test]
@@ -244,7 +251,7 @@ fn a_message_in_8859_1_is_so_but_for_a_patient_whose_id_it_cannot_write() {
 #[test]
 fn a_record_without_a_patient_is_no_result() {
     let record = Record { patient: None, ..record_of("4711") };
-    assert_eq!(result(&record, None, &[], &rules(), first_seen(), now()), None);
+    assert_eq!(result("id", &record, None, &[], &rules(), first_seen(), now()), None);
 }
 
 proptest! {

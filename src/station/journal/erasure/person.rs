@@ -55,7 +55,7 @@ impl Journal {
     ) -> Result<Vec<PersonDelivery>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
-            "SELECT store, state, changed_at, folder, sources FROM deliveries
+            "SELECT store, state, changed_at, folder, sources, places FROM deliveries
              WHERE sha256 = ?1 AND patient = ?2 ORDER BY store",
         )?;
         let mut rows = query.query([scan.as_str(), patient])?;
@@ -69,6 +69,7 @@ impl Journal {
                 at: at.map(|at| cell("changed_at", at, |at| at.parse().ok())).transpose()?,
                 folder: row.get(3)?,
                 sources: sources.iter().map(|source| source.kind).collect(),
+                places: json_cell("places", row.get(5)?)?,
             });
         }
         Ok(found)

@@ -426,3 +426,33 @@ fn a_record_of_which_a_revision_was_refused_is_taken_back_as_any_other() {
     }
     assert_eq!(world.journal.tally().unwrap().revisions_refused, 0);
 }
+
+#[test]
+fn a_record_at_an_earlier_address_of_a_server_is_withdrawn_only_there_or_where_a_person_says() {
+    let mut world = World::new(Some("1"), true);
+    let [server] = SERVERS;
+    let due_at = |world: &World| {
+        let mut pending = world.journal.pending().unwrap().into_iter();
+        pending.find(|due| due.store == server).unwrap()
+    };
+    let moved = |world: &World| world.journal.tally().unwrap().moved.get(server).copied();
+    world.journal.begun(server, "a").unwrap();
+    let due = due_at(&world);
+    assert!(world.journal.places(&due).unwrap().is_empty());
+    world.journal.put_at(&due, "a", Some(Path::new("DiagnosticReport/1"))).unwrap();
+    // Sent once more, and no answer yet.
+    world.journal.put_at(&due, "a", None).unwrap();
+    world.comes_to_rest();
+    world.unassign();
+    assert_eq!(moved(&world), None);
+    world.journal.begun(server, "b").unwrap();
+    assert_eq!(moved(&world), Some(1));
+    let due = due_at(&world);
+    let places = world.journal.places(&due).unwrap();
+    assert_eq!(places.get("a").map(String::as_str), Some("DiagnosticReport/1"));
+    assert!(world.journal.gone_from(&due, "b").unwrap(), "it is still at the other");
+    assert!(world.journal.withdraw_here(&scan()).unwrap());
+    assert!(!world.journal.withdraw_here(&scan()).unwrap());
+    assert_eq!(moved(&world), None);
+    assert!(!world.journal.gone_from(&due, "b").unwrap());
+}
