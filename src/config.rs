@@ -57,7 +57,7 @@ pub use sizes::beside::{Beside, Files};
 pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;
 pub use watch::WatchConfig;
-pub use words::{LogFormat, WithoutTrigger};
+pub use words::WithoutTrigger;
 
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]
@@ -88,11 +88,11 @@ pub struct Config {
     pub age_max: AgeMax,
     /// `[sizes]`: the size tables that reports are made with, in the order of the configuration.
     pub tables: Vec<SizeTable>,
-    /// `[orders]`: the files of the order that each record gets.
+    /// `[orders]`: the mappings by which each record gets its order, too.
     pub orders: OrderChoice,
     /// The files that garments, tables and mappings were read from, passed on to the measuring process.
     pub beside: Vec<Beside>,
-    /// `[report]`: the paper, and how much of the report is printed.
+    /// `[report]`: the paper.
     pub print: Print,
     /// `[visits]`: how the visits of a patient are compared.
     pub visits: VisitsConfig,
@@ -106,8 +106,6 @@ pub struct Config {
     pub status: StatusConfig,
     /// `[page]`: the operator's page.
     pub page: PageConfig,
-    /// `[log]`
-    pub log: LogConfig,
     /// The source text, passed on to the measuring process.
     pub text: String,
 }
@@ -144,8 +142,6 @@ impl Config {
 pub struct MeasureConfig {
     /// Address space, bytes.
     pub memory_bytes: u64,
-    /// CPU time.
-    pub cpu: Duration,
     /// Wall-clock time.
     pub wall: Duration,
     /// What to do where the kernel cannot confine the measuring process.
@@ -211,17 +207,11 @@ pub struct FolderStoreConfig {
 /// `[status]`: what the station reports about itself, and where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StatusConfig {
-    /// A scan without a record for longer than this makes the station not ready.
+    /// A scan without a record for longer than this makes the station not ready; a file that is kept from intake
+    /// for longer raises an alarm.
     pub overdue: Duration,
     /// Address for metrics, health and the operator's page, on this machine only; `None` if off.
     pub listen: Option<SocketAddr>,
-}
-
-/// `[log]`: what the log looks like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LogConfig {
-    /// How an event is written.
-    pub format: LogFormat,
 }
 
 /// Why a file yields no configuration.

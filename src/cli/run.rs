@@ -12,11 +12,11 @@ use tokio::task::spawn_blocking;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
-use tracing_subscriber::{Layer, fmt, registry};
+use tracing_subscriber::{fmt, registry};
 
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
-use crate::config::{self, ConfigError, LogFormat};
+use crate::config::{self, ConfigError};
 use crate::station::runtime::causes::chain;
 use crate::station::{self, Orders, Reload, StationError};
 use crate::store::access::Access;
@@ -36,7 +36,7 @@ pub fn run(args: &RunArgs) -> Exit {
         Ok(config) => config,
         Err(error) => return explain_config(&error),
     };
-    log_to_stderr(config.log.format);
+    log_to_stderr();
     Access::open_umask();
     let started = Runtime::new().and_then(|runtime| {
         let path = args.config.clone();
@@ -102,7 +102,7 @@ fn faults(error: &ConfigError) -> String {
 }
 
 /// Log lines go to standard error, where the service manager collects them.
-fn log_to_stderr(format: LogFormat) {
+fn log_to_stderr() {
     let chosen = match env::var(LOG_FILTER).map(|text| text.parse::<Targets>()) {
         Ok(Ok(chosen)) => chosen,
         Ok(Err(error)) => {
@@ -114,10 +114,6 @@ fn log_to_stderr(format: LogFormat) {
     let silent =
         Targets::new().with_default(LevelFilter::TRACE).with_target(SILENT, LevelFilter::OFF);
     let lines = fmt::layer().with_writer(io::stderr).with_ansi(false).with_target(false);
-    let lines = match format {
-        LogFormat::Text => lines.boxed(),
-        LogFormat::Json => lines.json().flatten_event(true).boxed(),
-    };
     // An existing subscriber stays in place.
     let _ = registry().with(lines).with(chosen).with(silent).try_init();
 }

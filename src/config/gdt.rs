@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use gaiter_flow::{Mask, OrdersWhen};
 use gaiter_record::gdt::rules::FileName;
-use gaiter_record::gdt::{AttachmentFields, Charset, GdtRules, Product, Reference};
+use gaiter_record::gdt::{Charset, GdtRules, Product, Reference};
 
 use super::fault::What;
 use super::parse::{self, Bounds, or_none};
@@ -29,8 +29,6 @@ pub struct GdtStoreConfig {
     pub attach_as: Reference,
     /// The exchange folder as the practice software sees it; empty if it is as the station sees it.
     pub attach_root: String,
-    /// Times are in UTC instead of local time.
-    pub utc: bool,
 }
 
 /// `[patient.orders]`: where orders from practice software arrive.
@@ -48,9 +46,7 @@ pub struct OrdersConfig {
     pub charset: Charset,
     /// Lengths are not checked.
     pub lenient: bool,
-    /// How often the folder is checked.
-    pub rescan: Duration,
-    /// A file unchanged this long is complete.
+    /// A file unchanged this long is complete; the folder is looked through as often.
     pub quiet: Duration,
     /// An order older than this no longer names a patient.
     pub max_age: Duration,
@@ -70,6 +66,7 @@ const PROFILES: Words<Product> = &[
     ("medistar", Product::Medistar),
     ("turbomed", Product::Turbomed),
     ("tomedo", Product::Tomedo),
+    ("format-first", Product::FormatFirst),
 ];
 
 const CHARSETS: Words<Charset> = &[
@@ -88,9 +85,6 @@ const AFTERS: Words<AfterOrder> = &[("delete", AfterOrder::Delete), ("keep", Aft
 const WHENS: Words<OrdersWhen> =
     &[("before-press", OrdersWhen::BeforePress), ("after-press", OrdersWhen::AfterPress)];
 
-/// `store.gdt.time`: whether times are in UTC.
-const TIMES: Words<bool> = &[("local", false), ("utc", true)];
-
 /// The folder as written, and the settings of its section. Without a folder the section is off.
 type Section<T> = (Option<Found<PathBuf>>, Option<Option<T>>);
 
@@ -104,18 +98,9 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
     let procedure = reader.text("store.gdt.procedure", Default("ALLG00"), short_name);
     let key = "store.gdt.file_name";
     let file_name = reader.text(key, Default(""), |text| Ok(text.to_owned()));
-    let version = reader.text("store.gdt.version", Default(""), or_none(version));
-    let charset = reader.text("store.gdt.charset", Default(""), or_none(parse::word(CHARSETS)));
     let attach = reader.list("store.gdt.attach", Default(""), plain_name);
     let folder = reader.text("store.gdt.attach_folder", Default(""), or_none(plain_name));
-    let attach_as = reader.text("store.gdt.attach_as", Default("full"), parse::word(REFERENCES));
-    let root = reader.text("store.gdt.attach_root", Default(""), printable);
-    let name = reader.text("store.gdt.attachment_name", Default("6302"), or_none(field));
-    let format = reader.text("store.gdt.attachment_format", Default("6303"), or_none(field));
-    let key_of_text = "store.gdt.attachment_description";
-    let description = reader.text(key_of_text, Default("6304"), or_none(field));
-    let place = reader.text("store.gdt.attachment_path", Default("6305"), or_none(field));
-    let time = reader.text("store.gdt.time", Default("local"), parse::word(TIMES));
+    let attach_as = reader.text("store.gdt.attach_as", Default("full"), reference);
 
     let file_name = file_name.and_then(|found| {
         // A fault in a short name is reported at its own key.
@@ -137,29 +122,23 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
         let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
         let (product, receiver, sender) = (profile?.value, receiver?.value, sender?.value);
         let file_name = file_name?;
-        let attachment_fields = AttachmentFields {
-            name: name?.value,
-            format: format?.value,
-            description: description?.value,
-            path: place?.value,
-        };
         let rules = GdtRules {
             receiver,
             sender,
-            version: version?.value.unwrap_or_else(|| product.version().to_owned()),
-            charset: charset?.value.unwrap_or(product.charset()),
+            version: product.version().to_owned(),
+            charset: product.charset(),
             procedure: procedure?.value,
-            attachment_fields,
+            attachment_fields: product.attachment_fields(),
         };
+        let (attach_as, attach_root) = attach_as?.value;
         Some(Some(GdtStoreConfig {
             path,
             rules,
             file_name,
             attach: attach.into_iter().map(|found| found.value).collect(),
             attach_folder: folder?.value.unwrap_or_default(),
-            attach_as: attach_as?.value,
-            attach_root: root?.value,
-            utc: time?.value,
+            attach_as,
+            attach_root,
         }))
     })();
     (path.and_then(named), config)
@@ -174,8 +153,6 @@ pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
     let after = reader.text("patient.orders.after", Default("delete"), parse::word(AFTERS));
     let charset = reader.text("patient.orders.charset", Default("cp1252"), parse::word(CHARSETS));
     let lenient = reader.flag("patient.orders.lenient", "false");
-    let bounds = Bounds { least: "100ms", most: "10m" };
-    let rescan = reader.text("patient.orders.rescan", Default("2s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "50ms", most: "1m" };
     let quiet = reader.text("patient.orders.quiet", Default("1s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "1m", most: "168h" };
@@ -189,7 +166,6 @@ pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
             after: after?.value,
             charset: charset?.value,
             lenient: lenient?.value,
-            rescan: rescan?.value,
             quiet: quiet?.value,
             max_age: max_age?.value,
         }))
@@ -214,23 +190,6 @@ fn short_name(text: &str) -> Result<String, What> {
     Err(not_gdt(text, "short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
 }
 
-fn version(text: &str) -> Result<String, What> {
-    let is_one = text.len() == 5
-        && text.bytes().enumerate().all(|(at, b)| match at {
-            2 => b == b'.',
-            _ => b.is_ascii_digit(),
-        });
-    let hint = "write \"02.10\", or \"02.00\" for programs that know GDT 2.0 only";
-    if is_one { Ok(text.into()) } else { Err(not_gdt(text, "version of GDT", hint)) }
-}
-
-fn field(text: &str) -> Result<u16, What> {
-    let is_one = text.len() == 4 && text.bytes().all(|b| b.is_ascii_digit());
-    let hint = "four digits, \"6305\" say, or \"\" to leave it out";
-    let field = text.parse().ok().filter(|_| is_one);
-    field.ok_or_else(|| not_gdt(text, "field of GDT", hint))
-}
-
 /// The bare name of a file or folder.
 fn plain_name(text: &str) -> Result<String, What> {
     let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
@@ -240,11 +199,15 @@ fn plain_name(text: &str) -> Result<String, What> {
     Err(not_gdt(text, "bare name", "letters, digits, -, _ and ., as in \"legs.svg\""))
 }
 
-fn printable(text: &str) -> Result<String, What> {
+/// A word of [`REFERENCES`], or the path of the exchange folder as the practice software sees it.
+fn reference(text: &str) -> Result<(Reference, String), What> {
+    if !text.contains(['/', '\\']) {
+        return parse::word(REFERENCES)(text).map(|reference| (reference, String::new()));
+    }
     if text.contains(char::is_control) {
         return Err(What::ControlInPath(text.into()));
     }
-    Ok(text.into())
+    Ok((Reference::Full, text.into()))
 }
 
 fn mask(text: &str) -> Result<Mask, What> {

@@ -117,7 +117,6 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let garments = sizes::garments(reader, files, &mut beside);
     let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
     let age_max = visits::age_max(reader);
-    let appendix = reader.flag("report.appendix", "false");
     let tables = sizes::tables(reader, files, &mut beside);
     let orders_of_records = sizes::orders(reader, files, &mut beside);
     let visits = visits::config(reader);
@@ -132,7 +131,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let (hl7_path, hl7) = servers::hl7(reader);
     let retention = retention(reader);
     let status = observability::status(reader);
-    let (page, log) = (page::config(reader), observability::log(reader));
+    let page = page::config(reader);
 
     observability::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
@@ -191,7 +190,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
             tape: tape?.value,
             ..Method::default()
         },
-        output: output?,
+        output,
         language: language?.value,
         garment: garments.usual?,
         garments: garments.all,
@@ -200,7 +199,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         beside,
         visits,
         age_max: age_max?,
-        print: Print { paper: paper?.value, has_appendix: appendix?.value },
+        print: Print { paper: paper?.value, ..Print::default() },
         measure: measure?,
         store: StoreConfig {
             folder: FolderStoreConfig { path: store?.value, access: store_mode?.value },
@@ -212,7 +211,6 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         retention: retention?,
         status: status?,
         page: page?,
-        log: log?,
         text: String::new(),
     })
 }
@@ -238,15 +236,10 @@ fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {
 }
 
 /// The keys of `[output]`.
-fn output(reader: &mut Reader) -> Option<Output> {
-    use Absent::Default;
-    let files = reader.list("output.files", Default("step"), parse::word(FILES));
+fn output(reader: &mut Reader) -> Output {
+    let files = reader.list("output.files", Absent::Default("step"), parse::word(FILES));
     twice(reader, "output.files", &files, |kind| spelt(FILES, *kind));
-    let bounds = Bounds { least: "0.005mm", most: "5mm" };
-    let key = "output.mesh_tolerance";
-    let tolerance = reader.text(key, Default("0.05mm"), parse::distance_in(bounds));
-    let files = files.into_iter().map(|kind| kind.value).collect();
-    Some(Output { files, mesh_tolerance_mm: tolerance?.value })
+    Output { files: files.into_iter().map(|kind| kind.value).collect(), ..Output::default() }
 }
 
 /// The keys of `[measure]`.
@@ -255,15 +248,9 @@ fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
     let bounds = Bounds { least: "256MB", most: "64GB" };
     let memory = reader.text("measure.memory", Default("2GB"), parse::size_in(bounds));
     let bounds = Bounds { least: "1s", most: "1h" };
-    let cpu = reader.text("measure.cpu", Default("60s"), parse::duration_in(bounds));
     let wall = reader.text("measure.wall", Default("120s"), parse::duration_in(bounds));
     let confine = reader.text("measure.confine", Default("where-possible"), parse::word(CONFINES));
-    Some(MeasureConfig {
-        memory_bytes: memory?.value,
-        cpu: cpu?.value,
-        wall: wall?.value,
-        confine: confine?.value,
-    })
+    Some(MeasureConfig { memory_bytes: memory?.value, wall: wall?.value, confine: confine?.value })
 }
 
 /// The keys of `[retention]`.

@@ -1,4 +1,4 @@
-//! The keys of `[status]` and `[log]`: how the station is observed.
+//! The keys of `[status]`: how the station is observed.
 
 use std::net::SocketAddr;
 use std::os::unix::ffi::OsStrExt;
@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
+use super::StatusConfig;
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Found, Reader};
-use super::words::LOG_FORMATS;
-use super::{LogConfig, StatusConfig};
 
 /// The name of the control socket in the state folder.
 pub const CONTROL_SOCKET: &str = "control.sock";
@@ -25,12 +24,6 @@ pub(super) fn status(reader: &mut Reader) -> Option<StatusConfig> {
     let overdue = reader.text("status.overdue", Default("10m"), parse::duration_in(bounds));
     let listen = reader.text("status.listen", Default("off"), loopback);
     Some(StatusConfig { overdue: overdue?.value, listen: listen?.value })
-}
-
-/// The keys of `[log]`.
-pub(super) fn log(reader: &mut Reader) -> Option<LogConfig> {
-    let format = reader.text("log.format", Absent::Default("text"), parse::word(LOG_FORMATS));
-    Some(LogConfig { format: format?.value })
 }
 
 /// Notes a state folder whose path is too long for the socket in it.

@@ -69,21 +69,6 @@ pub struct Settings {
     pub stop_bits: u8,
 }
 
-/// Flow control on a serial line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Flow {
-    /// None.
-    None,
-    /// RTS and CTS.
-    Hardware,
-    /// XON and XOFF.
-    Software,
-}
-
-/// `trigger.serial.flow`
-pub const FLOWS: Words<Flow> =
-    &[("none", Flow::None), ("hardware", Flow::Hardware), ("software", Flow::Software)];
-
 /// A modem line that a contact can switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModemLine {
@@ -97,19 +82,20 @@ pub enum ModemLine {
     Ri,
 }
 
-/// `trigger.serial.contact`
-pub const CONTACTS: Words<Option<ModemLine>> = &[
+/// `trigger.serial.contact`: the line, and whether it is high while the contact is closed.
+pub const CONTACTS: Words<Option<(ModemLine, bool)>> = &[
     ("none", None),
-    ("cts", Some(ModemLine::Cts)),
-    ("dsr", Some(ModemLine::Dsr)),
-    ("dcd", Some(ModemLine::Dcd)),
-    ("ri", Some(ModemLine::Ri)),
+    ("cts", Some((ModemLine::Cts, true))),
+    ("dsr", Some((ModemLine::Dsr, true))),
+    ("dcd", Some((ModemLine::Dcd, true))),
+    ("ri", Some((ModemLine::Ri, true))),
+    ("cts-low", Some((ModemLine::Cts, false))),
+    ("dsr-low", Some((ModemLine::Dsr, false))),
+    ("dcd-low", Some((ModemLine::Dcd, false))),
+    ("ri-low", Some((ModemLine::Ri, false))),
 ];
 
-/// `trigger.serial.active`: whether the line is high while the contact is closed.
-pub const ACTIVES: Words<bool> = &[("high", true), ("low", false)];
-
-/// `trigger.serial.dtr` and `rts`: `None` leaves the wire as the system sets it.
+/// `trigger.serial.dtr`: `None` leaves the wire as the system sets it.
 pub const WIRES: Words<Option<bool>> = &[("leave", None), ("on", Some(true)), ("off", Some(false))];
 
 /// Speeds that serial adapters support, bits per second.
@@ -246,21 +232,6 @@ fn hex_byte(digits: &str) -> Option<u8> {
     two.then(|| u8::from_str_radix(digits, 16).ok()).flatten()
 }
 
-/// The number of an interface.
-pub(super) fn interface(text: &str) -> Result<u8, What> {
-    text.parse()
-        .ok()
-        .filter(|number| *number < 32)
-        .ok_or_else(|| misspelt(text, "interface", r#""0""#))
-}
-
-/// The address of an endpoint into the computer.
-pub(super) fn endpoint(text: &str) -> Result<u8, What> {
-    let address = text.strip_prefix("0x").and_then(hex_byte);
-    let inward = address.filter(|address| address & 0x80 != 0 && address & 0x0f != 0);
-    inward.ok_or_else(|| misspelt(text, "endpoint into the computer", r#""0x81""#))
-}
-
 /// A key by its Linux name or by its number.
 pub(super) fn key(text: &str) -> Result<u16, What> {
     let number = text.parse::<evdev::KeyCode>().map(|key| key.0).or_else(|_| text.parse());
@@ -335,11 +306,9 @@ mod tests {
     }
 
     #[test]
-    fn reports_endpoints_and_keys() {
+    fn reports_and_keys() {
         assert_eq!(report("00 fF").unwrap(), [0, 255]);
         assert!(["", "0", "00  01", "001", "+1"].iter().all(|text| report(text).is_err()));
-        assert_eq!(endpoint("0x82").unwrap(), 0x82);
-        assert!(["82", "0x02", "0x80", ""].iter().all(|text| endpoint(text).is_err()));
         assert_eq!((key("KEY_B").unwrap(), key("48").unwrap()), (48, 48));
         assert!(key("KEY_FOOT").is_err());
     }

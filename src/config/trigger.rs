@@ -4,27 +4,24 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use gaiter_flow::booth::Signal;
-use gaiter_flow::trigger::button::Times;
 use gaiter_flow::trigger::code::Codes;
-use gaiter_flow::trigger::input_decoder::Hearing;
 use gaiter_flow::trigger::report::Pattern;
 use gaiter_flow::trigger::token::Tokens;
 
 use super::fault::What;
 use super::parse::{self, Bounds};
-use super::port::{
-    self, ACTIVES, CONTACTS, FLOWS, Flow, InputPlace, ModemLine, SerialPlace, Settings, UsbName,
-    WIRES,
-};
+use super::port::{self, CONTACTS, InputPlace, ModemLine, SerialPlace, Settings, UsbName, WIRES};
 use super::reader::{Absent, Found, Reader};
 
 /// The devices on the ports of the booth; none unless the configuration names them.
 #[derive(Debug, Clone)]
 pub struct TriggerConfig {
-    /// How button signals are interpreted.
-    pub hearing: Hearing,
+    /// After a press, no other press counts for this time.
+    pub lock_out: Duration,
     /// Input within this time after a port is opened is ignored.
     pub settle: Duration,
+    /// What is sent to the button's box: to the serial port, without one to the USB device.
+    pub say: Say,
     /// A button at a serial port.
     pub serial: Option<SerialTrigger>,
     /// A button that is a USB device of its own.
@@ -42,12 +39,8 @@ pub struct SerialLine {
     pub place: SerialPlace,
     /// Speed and frame.
     pub settings: Settings,
-    /// Flow control.
-    pub flow: Flow,
     /// What DTR is set to.
     pub dtr: Option<bool>,
-    /// What RTS is set to.
-    pub rts: Option<bool>,
     /// The modem line that is sampled, and whether it is high while the contact is closed.
     pub contact: Option<(ModemLine, bool)>,
 }
@@ -62,8 +55,6 @@ pub struct SerialTrigger {
     pub line: SerialLine,
     /// The lines of text that count as presses.
     pub tokens: Tokens,
-    /// What is sent back.
-    pub say: Say,
 }
 
 /// `[trigger.usb]`
@@ -71,14 +62,8 @@ pub struct SerialTrigger {
 pub struct UsbTrigger {
     /// The device.
     pub device: UsbName,
-    /// Its interface.
-    pub interface: u8,
-    /// Its interrupt endpoint into the computer.
-    pub endpoint: u8,
     /// What its reports contain while the button is down.
     pub pattern: Pattern,
-    /// The output reports that are sent back.
-    pub say: Say,
 }
 
 /// `[trigger.keys]`
@@ -108,24 +93,15 @@ pub enum ReaderPlace {
     Keys(InputPlace),
 }
 
-const SERIAL_SAY: [&str; 7] = [
-    "trigger.serial.say.ready",
-    "trigger.serial.say.armed",
-    "trigger.serial.say.receiving",
-    "trigger.serial.say.done",
-    "trigger.serial.say.attention",
-    "trigger.serial.say.no_export",
-    "trigger.serial.say.paused",
-];
-
-const USB_SAY: [&str; 7] = [
-    "trigger.usb.say.ready",
-    "trigger.usb.say.armed",
-    "trigger.usb.say.receiving",
-    "trigger.usb.say.done",
-    "trigger.usb.say.attention",
-    "trigger.usb.say.no_export",
-    "trigger.usb.say.paused",
+/// What is sent for each signal, in the order of [`Signal::ALL`].
+const SAY: [&str; 7] = [
+    "trigger.say.ready",
+    "trigger.say.armed",
+    "trigger.say.receiving",
+    "trigger.say.done",
+    "trigger.say.attention",
+    "trigger.say.no_export",
+    "trigger.say.paused",
 ];
 
 /// A place that may be omitted.
@@ -135,26 +111,21 @@ type Optional<T> = Option<Found<Option<T>>>;
 pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
     use Absent::Default;
     let (ids, ids_at) = reader_config(reader);
-    let bounds = Bounds { least: "0ms", most: "1s" };
-    let debounce = reader.text("trigger.debounce", Default("30ms"), parse::duration_in(bounds));
     let bounds = Bounds { least: "0s", most: "1m" };
     let lock_out = reader.text("trigger.lock_out", Default("1s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "500ms", most: "10s" };
-    let long_press = reader.text("trigger.long_press", Default("3s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "15s", most: "1h" };
-    let stuck = reader.text("trigger.stuck", Default("30s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "0s", most: "10s" };
     let settle = reader.text("trigger.settle", Default("500ms"), parse::duration_in(bounds));
+    let say = say(reader);
     let (serial, serial_at) = serial(reader);
     let usb = usb(reader);
     let (keys, keys_at) = keys(reader);
     let [(ids_port, ids_keys), (port, device)] = [ids_at, (serial_at, keys_at)];
     twice(reader, "trigger.serial.port", port, ids_port);
     twice(reader, "trigger.keys.device", device, ids_keys);
-    let times = Times { lock_out: lock_out?.value, long_press: long_press?.value };
     Some(TriggerConfig {
-        hearing: Hearing { debounce: debounce?.value, times, stuck: stuck?.value },
+        lock_out: lock_out?.value,
         settle: settle?.value,
+        say: say?,
         serial: serial?,
         usb: usb?,
         keys: keys?,
@@ -197,17 +168,8 @@ fn reader_config(reader: &mut Reader) -> Reads<ReaderConfig> {
         let codes = Codes { prefix: prefix?.value, suffix: suffix?.value };
         let (place, keys) = (port.clone()?.value, keys.clone()?.value);
         let settings = settings?.value;
-        let at = place.map(|place| {
-            let line = SerialLine {
-                place,
-                settings,
-                flow: Flow::None,
-                dtr: None,
-                rts: None,
-                contact: None,
-            };
-            ReaderPlace::Serial(line)
-        });
+        let line = |place| SerialLine { place, settings, dtr: None, contact: None };
+        let at = place.map(|place| ReaderPlace::Serial(line(place)));
         let at = at.or_else(|| keys.map(ReaderPlace::Keys));
         Some(at.map(|at| ReaderConfig { at, codes }))
     };
@@ -220,14 +182,10 @@ fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<Seria
     let key = "trigger.serial.port";
     let place = reader.text(key, Default(""), or_none(port::serial_place));
     let settings = reader.text("trigger.serial.settings", Default("9600 8N1"), port::settings);
-    let flow = reader.text("trigger.serial.flow", Default("none"), parse::word(FLOWS));
     let short = reader.list("trigger.serial.tokens", Default(""), port::token);
     let long = reader.list("trigger.serial.long_tokens", Default(""), port::token);
     let contact = reader.text("trigger.serial.contact", Default("none"), parse::word(CONTACTS));
-    let active = reader.text("trigger.serial.active", Default("high"), parse::word(ACTIVES));
     let dtr = reader.text("trigger.serial.dtr", Default("leave"), parse::word(WIRES));
-    let rts = reader.text("trigger.serial.rts", Default("leave"), parse::word(WIRES));
-    let say = say(reader, SERIAL_SAY);
     let deaf = short.is_empty() && matches!(&contact, Some(Found { value: None, .. }));
     if let Some(Found { value: Some(_), at }) = &place
         && deaf
@@ -237,14 +195,9 @@ fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<Seria
     let texts = |tokens: Vec<Found<String>>| tokens.into_iter().map(|token| token.value).collect();
     let tokens = Tokens { short: texts(short), long: texts(long) };
     let made = || {
-        let (settings, flow) = (settings?.value, flow?.value);
-        let (dtr, rts, active) = (dtr?.value, rts?.value, active?.value);
-        let contact = contact?.value.map(|line| (line, active));
-        let (place, say) = (place.clone()?.value, say?);
-        Some(place.map(|place| {
-            let line = SerialLine { place, settings, flow, dtr, rts, contact };
-            SerialTrigger { line, tokens, say }
-        }))
+        let (settings, contact, dtr) = (settings?.value, contact?.value, dtr?.value);
+        let line = |place| SerialLine { place, settings, dtr, contact };
+        Some(place.clone()?.value.map(|place| SerialTrigger { line: line(place), tokens }))
     };
     let made = made();
     (made, place)
@@ -253,12 +206,9 @@ fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<Seria
 fn usb(reader: &mut Reader) -> Option<Option<UsbTrigger>> {
     use Absent::Default;
     let device = reader.text("trigger.usb.device", Default(""), or_none(port::usb_name));
-    let interface = reader.text("trigger.usb.interface", Default("0"), port::interface);
-    let endpoint = reader.text("trigger.usb.endpoint", Default("0x81"), port::endpoint);
     let mask = reader.text("trigger.usb.mask", Default("01"), port::report);
     let key = "trigger.usb.value";
     let value = reader.text(key, Default("01"), port::report);
-    let say = say(reader, USB_SAY);
     let (mask, value) = (mask?.value, value?);
     let fits = mask.len() == value.value.len()
         && value.value.iter().zip(&mask).all(|(value, mask)| value & !mask == 0);
@@ -267,9 +217,7 @@ fn usb(reader: &mut Reader) -> Option<Option<UsbTrigger>> {
         return None;
     }
     let pattern = Pattern { mask, value: value.value };
-    let (interface, endpoint, say) = (interface?.value, endpoint?.value, say?);
-    let made = |device| UsbTrigger { device, interface, endpoint, pattern, say };
-    Some(device?.value.map(made))
+    Some(device?.value.map(|device| UsbTrigger { device, pattern }))
 }
 
 fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlace>) {
@@ -285,9 +233,8 @@ fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlac
 
 /// What is sent for each signal; signals without a text are left out. A pause without a text is told as
 /// attention: a light must not stay green through it.
-fn say(reader: &mut Reader, keys: [&'static str; 7]) -> Option<Say> {
-    let mut ask = |key| reader.text(key, Absent::Default(""), port::bytes);
-    let said = keys.map(&mut ask);
+fn say(reader: &mut Reader) -> Option<Say> {
+    let said = SAY.map(|key| reader.text(key, Absent::Default(""), port::bytes));
     let mut say = Say::new();
     for (signal, said) in Signal::ALL.into_iter().zip(said) {
         let bytes = said?.value;

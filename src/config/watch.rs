@@ -1,11 +1,9 @@
 //! The keys of `[scanner]` that control what is watched and when it is trusted.
 
-use std::time::Duration;
-
 use gaiter_flow::DoneFile;
 
 use super::fault::What;
-use super::parse::{self, Bounds};
+use super::parse;
 use super::reader::{Absent, Reader};
 
 /// How export folders are watched.
@@ -15,8 +13,6 @@ pub struct WatchConfig {
     pub subfolders: bool,
     /// A scan is taken in only while the file that this names exists.
     pub done_file: Option<DoneFile>,
-    /// How long a file may be kept from intake before this raises an alarm.
-    pub overdue: Duration,
     /// The file that an export folder must contain for a look at it to be trusted.
     pub marker: Option<String>,
 }
@@ -26,13 +22,10 @@ pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
     use Absent::Default;
     let subfolders = reader.flag("scanner.subfolders", "false");
     let done_file = reader.text("scanner.done_file", Default(""), parse::or_none(done_file));
-    let bounds = Bounds { least: "1s", most: "24h" };
-    let overdue = reader.text("scanner.overdue", Default("10m"), parse::duration_in(bounds));
     let marker = reader.text("scanner.marker", Default(""), parse::or_none(marker));
     Some(WatchConfig {
         subfolders: subfolders?.value,
         done_file: done_file?.value,
-        overdue: overdue?.value,
         marker: marker?.value,
     })
 }

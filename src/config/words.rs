@@ -11,7 +11,6 @@ use gaiter_leg::Side;
 use gaiter_leg::method::{
     Axis, AxisFit, FacingChoice, Posture, Scope, Tape, Unit, UnitChoice, Up, VolumeBy, Winding,
 };
-use gaiter_record::order::OrderFile;
 use gaiter_record::report::Paper;
 use gaiter_visits::Affected;
 use gaiter_visits::threshold::Limited;
@@ -36,20 +35,8 @@ pub enum WithoutTrigger {
     Hold,
 }
 
-/// How a log event is written, one per line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LogFormat {
-    /// For people.
-    Text,
-    /// For programs.
-    Json,
-}
-
 /// The words of one choice and their meanings, in the order they are shown.
 pub type Words<T> = &'static [(&'static str, T)];
-
-/// `log.format`
-pub const LOG_FORMATS: Words<LogFormat> = &[("text", LogFormat::Text), ("json", LogFormat::Json)];
 
 /// `capture.without_trigger`
 pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
@@ -166,10 +153,6 @@ pub const FILES: Words<FileKind> = &[
     ("glb", tube(FileFormat::Glb)),
     ("glb-solid", solid(FileFormat::Glb)),
 ];
-
-/// `orders.files`
-pub const ORDER_FILES: Words<OrderFile> =
-    &[("csv", OrderFile::Csv), ("spreadsheet", OrderFile::Spreadsheet), ("json", OrderFile::Json)];
 
 /// What a word means; `None` for an unknown word.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {

@@ -95,7 +95,7 @@ pub async fn worker(
 ) -> Result<(), JoinError> {
     let core = Arc::clone(booth.core());
     let scanner = &core.config.scanner;
-    let settling = Settling::new(scanner.quiet, scanner.short_wait, scanner.watch.overdue);
+    let settling = Settling::new(scanner.quiet, scanner.short_wait, core.config.status.overdue);
     let memory = memory::recall(&core, &folder).await?;
     let settling = settling.remembering(memory);
     let patient = &core.config.patient;

@@ -316,8 +316,6 @@ fn only_with_restart(core: &Core, next: &Config) -> Option<&'static str> {
     };
     if now.state_dir != then.state_dir || now.id != then.id {
         Some("station.id and station.state_dir can only change with a restart")
-    } else if core.config.log.format != next.log.format {
-        Some("log.format can only change with a restart")
     } else if !is_confined {
         Some(
             "measure.confine is \"required\", and this machine cannot confine processes: \

@@ -109,9 +109,9 @@ fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> GdtStore {
     };
     let rules = (gdt.rules.clone(), config.garment.clone(), attach);
     let station = (config.station.id.as_str(), config.station.state_dir.clone());
-    let zone = if gdt.utc { TimeZone::UTC } else { TimeZone::system() };
     let names = gdt.file_name.clone();
-    GdtStore::new(gdt.path.clone(), names, rules, station, zone)
+    // Practices expect the time of their clock.
+    GdtStore::new(gdt.path.clone(), names, rules, station, TimeZone::system())
 }
 
 /// The store of a FHIR server.

@@ -77,7 +77,7 @@ fn orders_by_the_ten_thousand() {
     let orders = booth.path("orders");
     fs::create_dir(&orders).unwrap();
     let folder = orders.display();
-    let lines = format!("[patient.orders]\npath = \"{folder}\"\nrescan = \"1s\"\nquiet = \"1s\"\n");
+    let lines = format!("[patient.orders]\npath = \"{folder}\"\nquiet = \"1s\"\n");
     booth.reconfigure(|config| config + &lines);
     for n in 0..FLOOD {
         let fields = [

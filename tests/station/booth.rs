@@ -13,7 +13,7 @@ use serde_json::Value;
 use support::{body, coarse_body};
 
 /// The light in letters, one a signal.
-const SAY: &str = "[trigger.serial.say]\nready = 'g'\narmed = 'a'\nreceiving = 'r'\ndone = 'd'\n\
+const SAY: &str = "[trigger.say]\nready = 'g'\narmed = 'a'\nreceiving = 'r'\ndone = 'd'\n\
                    attention = '!'\nno_export = 'n'\n";
 
 /// A booth with a button, whose scans' names say nothing.

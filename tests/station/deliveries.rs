@@ -365,8 +365,6 @@ fn the_log_names_no_patient_no_file_and_no_folder() {
 fn the_record_holds_the_files_that_the_configuration_asks_for() {
     let files = r#"["iges-solid", "stl"]"#;
     let booth = Booth::set(&Setting { files, ..Setting::default() });
-    let mut config = File::options().append(true).open(booth.path("station.toml")).unwrap();
-    config.write_all(b"mesh_tolerance = \"1mm\"\n").unwrap();
     let daemon = booth.start();
     let bytes = body(1);
     booth.export("4711_a.obj", &bytes);

@@ -247,22 +247,3 @@ fn a_socket_of_the_service_manager_is_served_although_the_station_listens_nowher
     child.wait().unwrap();
     assert_eq!(answer, (200, "ready\n".to_owned()), "log:\n{}", booth.log());
 }
-
-#[test]
-fn a_log_for_programs_has_an_object_a_line_with_the_event_s_code() {
-    let booth = booth("[log]\nformat = \"json\"\n");
-    let daemon = booth.start();
-    booth.export("4711_a.obj", &coarse());
-    booth.wait_for_records(1);
-    booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'delivered'", 1);
-    assert_eq!(daemon.stop().code(), Some(0));
-    let log = booth.log();
-    let events = log.lines().map(|line| {
-        let object: serde_json::Value = serde_json::from_str(line).unwrap();
-        object["event"].as_str().unwrap_or_else(|| panic!("no code: {line}")).to_owned()
-    });
-    let events: Vec<String> = events.collect();
-    for event in ["station-ready", "scan-spooled", "scan-delivered", "station-ended"] {
-        assert!(events.iter().any(|found| found == event), "no {event} in {events:?}");
-    }
-}

@@ -19,7 +19,7 @@ fn practice(after: &str) -> Booth {
     let orders = booth.path("orders");
     booth.reconfigure(|text| {
         format!(
-            "{text}[patient.orders]\npath = \"{}\"\nrescan = \"100ms\"\nquiet = \"100ms\"\n\
+            "{text}[patient.orders]\npath = \"{}\"\nquiet = \"100ms\"\n\
              after = \"{after}\"\n",
             orders.display()
         )

@@ -49,7 +49,7 @@ fn listening(booth: &Booth) -> Daemon {
 
 #[test]
 fn a_press_is_heard_through_garbage_and_the_light_is_told() {
-    let booth = booth(&format!("{TOKENS}[trigger.serial.say]\nready = 'G\\r\\n'\n"));
+    let booth = booth(&format!("{TOKENS}[trigger.say]\nready = 'G\\r\\n'\n"));
     let mut button = pty::Box::behind(&booth.path("button"));
     let daemon = listening(&booth);
     let mut told = Vec::new();
@@ -111,7 +111,7 @@ fn a_port_that_another_program_has_is_busy_until_it_is_let_go() {
 
 #[test]
 fn wires_that_a_port_lacks_cost_no_press_and_a_contact_on_them_is_told() {
-    let with_wires = booth(&format!("{TOKENS}dtr = \"on\"\nrts = \"off\"\n"));
+    let with_wires = booth(&format!("{TOKENS}dtr = \"on\"\n"));
     let mut button = pty::Box::behind(&with_wires.path("button"));
     let daemon = listening(&with_wires);
     button.sends(b"PRESS\r\n");

@@ -68,7 +68,8 @@ fn a_sub_folder_that_is_made_and_written_into_at_once_is_looked_through() {
 
 #[test]
 fn a_scan_is_taken_once_its_done_file_is_there_and_waiting_for_it_is_told_once() {
-    let booth = booth_with("[scanner]", "done_file = \"{name}.done\"\noverdue = \"1s\"");
+    let booth = booth_with("[scanner]", "done_file = \"{name}.done\"");
+    configure(&booth, "[scanner]", "[status]\noverdue = \"1s\"\n[scanner]");
     let daemon = booth.start();
     booth.export("4711_b.obj", &body(2));
     beside(&booth, "4711_b.obj.done");

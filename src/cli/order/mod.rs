@@ -157,10 +157,7 @@ fn files(
 ) -> Result<Vec<RecordFile>, serde_json::Error> {
     let own = |kind: OrderFile| kind.of(order, language);
     let Some(mapping) = mapping else {
-        return [OrderFile::Csv, OrderFile::Spreadsheet, OrderFile::Json]
-            .map(own)
-            .into_iter()
-            .collect();
+        return OrderFile::ALL.into_iter().map(own).collect();
     };
     let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
     let name = mapped_name(order, mapping);

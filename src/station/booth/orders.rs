@@ -251,7 +251,7 @@ impl Orders {
 /// after it.
 async fn rest(config: &OrdersConfig, booth: &Booth, beat: &Beat, stop: &mut Stop) {
     let core = booth.core();
-    let (until, pressed) = (core.now() + config.rescan, booth.orders_look());
+    let (until, pressed) = (core.now() + config.quiet, booth.orders_look());
     loop {
         beat.beat();
         let left = until.saturating_sub(core.now()).min(LOOK_UP);

@@ -18,9 +18,6 @@ use super::Limits;
 /// The newest landlock interface whose rights are given up; older kernels give up the rights they know.
 const NEWEST: ABI = ABI::V6;
 
-/// Seconds from SIGXCPU, when the processor time is used up, to SIGKILL.
-const CPU_LEEWAY_S: u64 = 2;
-
 /// Why a process could not be confined.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfineFault {
@@ -112,11 +109,10 @@ pub fn confine(limits: &Limits, confine: Confine) -> Result<(), ConfineFault> {
     // The unit's limit is meant for the station, not for this process.
     let data = getrlimit(Resource::Data).maximum;
     setrlimit(Resource::Data, Rlimit { current: data, maximum: data })?;
-    limit(Resource::As, limits.memory_bytes, 0)?;
-    limit(Resource::Cpu, limits.cpu.as_secs().max(1), CPU_LEEWAY_S)?;
+    limit(Resource::As, limits.memory_bytes)?;
     // A core dump holds a patient's body.
-    limit(Resource::Core, 0, 0)?;
-    limit(Resource::Fsize, 0, 0)?;
+    limit(Resource::Core, 0)?;
+    limit(Resource::Fsize, 0)?;
     guarded().and_then(|found| enough(found, confine))
 }
 
@@ -146,9 +142,8 @@ fn guarded() -> Result<Confinement, ConfineFault> {
     Ok(Confinement { landlock, seccomp: no_other_calls()? })
 }
 
-fn limit(resource: Resource, most: u64, leeway: u64) -> Result<(), ConfineFault> {
-    let maximum = Some(most.saturating_add(leeway));
-    Ok(setrlimit(resource, Rlimit { current: Some(most), maximum })?)
+fn limit(resource: Resource, most: u64) -> Result<(), ConfineFault> {
+    Ok(setrlimit(resource, Rlimit { current: Some(most), maximum: Some(most) })?)
 }
 
 /// Gives up every right that landlock controls.

@@ -26,8 +26,6 @@ const RESERVED_MAX_BYTES: u64 = 4 << 20;
 pub struct Limits {
     /// Address space, bytes.
     pub memory_bytes: u64,
-    /// Processor time of all threads together.
-    pub cpu: Duration,
     /// Time from its start to its answer.
     pub wall: Duration,
 }
@@ -102,7 +100,7 @@ enum Header {
 impl Job {
     /// The job for a patient's scan without measures of the scanner's own, on one thread.
     pub fn new(config: &Config, provenance: Provenance, ending: &str, scan_bytes: u64) -> Job {
-        let MeasureConfig { memory_bytes, cpu, wall, confine } = config.measure;
+        let MeasureConfig { memory_bytes, wall, confine } = config.measure;
         Job {
             config: config.text.clone(),
             beside: config.beside.clone(),
@@ -114,7 +112,7 @@ impl Job {
             ord_files: 0,
             ord_bytes: 0,
             threads: 1,
-            limits: Limits { memory_bytes, cpu, wall },
+            limits: Limits { memory_bytes, wall },
             confine,
         }
     }

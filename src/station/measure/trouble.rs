@@ -17,9 +17,6 @@ pub enum Trouble {
         /// The processor time that it used; `None` if unknown.
         cpu: Option<Duration>,
     },
-    /// It used too much processor time.
-    #[error("measuring took more than {} s of processor time", .0.as_secs())]
-    Cpu(Duration),
     /// It needed too much memory.
     #[error("measuring needs more than {} MB of memory", .0 / 1_000_000)]
     Memory(u64),
@@ -77,7 +74,6 @@ impl Trouble {
         }
         let said = if complaint.is_empty() { String::new() } else { format!(": {complaint}") };
         match (status.signal(), status.code()) {
-            (Some(libc::SIGXCPU), _) => Trouble::Cpu(limits.cpu),
             _ if complaint.contains("memory allocation of") => Trouble::Memory(limits.memory_bytes),
             (Some(signal), _) if FROM_OUTSIDE.contains(&signal) => Trouble::Killed { signal },
             (Some(signal), _) => Trouble::Crashed { signal, complaint: said },
@@ -88,7 +84,7 @@ impl Trouble {
     /// The stable code.
     pub fn code(&self) -> &'static str {
         match self {
-            Trouble::Wall { .. } | Trouble::Cpu(_) => "measuring-too-long",
+            Trouble::Wall { .. } => "measuring-too-long",
             Trouble::Memory(_) => "measuring-too-large",
             Trouble::Killed { .. } => "measuring-killed",
             Trouble::NotReady { .. } => "measuring-not-started",
@@ -99,7 +95,6 @@ impl Trouble {
     /// What is to blame.
     pub fn blame(&self) -> Blame {
         match self {
-            Trouble::Cpu(_) => Blame::Scan,
             // A machine that sleeps or stalls lets the time pass without computing.
             Trouble::Wall { limit, cpu } => match cpu.is_some_and(|cpu| cpu >= *limit / 2) {
                 true => Blame::Scan,
@@ -117,16 +112,11 @@ mod tests {
 
     #[test]
     fn every_end_without_an_answer_has_its_name_and_who_is_to_blame() {
-        let limits = Limits {
-            memory_bytes: 256_000_000,
-            cpu: Duration::from_secs(5),
-            wall: Duration::from_secs(10),
-        };
+        let limits = Limits { memory_bytes: 256_000_000, wall: Duration::from_secs(10) };
         let end = |status: i32, complaint: &str| {
             let trouble = Trouble::of(ExitStatus::from_raw(status), None, &limits, complaint);
             (trouble.code(), trouble.blame())
         };
-        assert_eq!(end(libc::SIGXCPU, ""), ("measuring-too-long", Blame::Scan));
         let no_memory = "memory allocation of 4096 bytes failed";
         assert_eq!(end(libc::SIGABRT, no_memory), ("measuring-too-large", Blame::Either));
         assert_eq!(end(libc::SIGSEGV, ""), ("measuring-crashed", Blame::Either));

@@ -28,7 +28,7 @@ impl At {
     /// A folder of orders.
     pub fn orders(when: &str) -> String {
         format!(
-            "[patient.orders]\npath = \"AT/orders\"\nrescan = \"100ms\"\nquiet = \"100ms\"\n\
+            "[patient.orders]\npath = \"AT/orders\"\nquiet = \"100ms\"\n\
              when = \"{when}\"\n"
         )
     }

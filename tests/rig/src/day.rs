@@ -89,7 +89,7 @@ impl Day {
         let at = at.to_str().unwrap().trim_end_matches('/');
         fs::create_dir(booth.path("orders")).unwrap();
         let mut further = format!(
-            "[patient.orders]\npath = \"{at}/orders\"\nrescan = \"100ms\"\nquiet = \"50ms\"\n\
+            "[patient.orders]\npath = \"{at}/orders\"\nquiet = \"50ms\"\n\
              [capture]\nwindow = \"5s\"\nlate = \"0s\"\n"
         );
         let button = has_button.then(|| {

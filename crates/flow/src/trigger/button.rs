@@ -5,19 +5,14 @@ use std::time::Duration;
 use super::edge::Change;
 use crate::booth::Press;
 
-/// The times that apply to a button.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Times {
-    /// How long after a press no other press counts: people press twice when nothing seems to happen.
-    pub lock_out: Duration,
-    /// A button that is held this long is a long press.
-    pub long_press: Duration,
-}
+/// A button that is held this long is a long press. Nobody holds a button this long by mistake.
+const LONG_PRESS: Duration = Duration::from_secs(3);
 
 /// A button.
 #[derive(Debug, Clone)]
 pub(super) struct Button {
-    times: Times,
+    /// How long after a press no other press counts: people press twice when nothing seems to happen.
+    lock_out: Duration,
     /// Since when it is down; `None` if this is not a press, or has already been counted as one.
     down_since: Option<Duration>,
     locked_until: Duration,
@@ -25,8 +20,8 @@ pub(super) struct Button {
 
 impl Button {
     /// A button that is up.
-    pub fn new(times: Times) -> Button {
-        Button { times, down_since: None, locked_until: Duration::ZERO }
+    pub fn new(lock_out: Duration) -> Button {
+        Button { lock_out, down_since: None, locked_until: Duration::ZERO }
     }
 
     /// Processes a change of the button's contact.
@@ -57,13 +52,13 @@ impl Button {
         if now < self.locked_until {
             return None;
         }
-        self.locked_until = now + self.times.lock_out;
+        self.locked_until = now + self.lock_out;
         Some(press)
     }
 
     /// When a held button becomes a long press.
     pub fn due(&self) -> Option<Duration> {
-        self.down_since.map(|since| since + self.times.long_press)
+        self.down_since.map(|since| since + LONG_PRESS)
     }
 
     /// Whatever is down now does not count as a press; the lock-out stays.
@@ -81,7 +76,7 @@ mod tests {
     }
 
     fn button() -> Button {
-        Button::new(Times { lock_out: ms(1000), long_press: ms(3000) })
+        Button::new(ms(1000))
     }
 
     #[test]

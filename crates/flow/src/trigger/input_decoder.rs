@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use gaiter_record::SourceKind;
 
-use super::button::{Button, Times};
+use super::button::Button;
 use super::code::{Codes, Said};
 use super::edge::Contact;
 use super::lines::{Line, Lines};
@@ -51,21 +51,17 @@ pub enum Shows {
     Key(u16),
 }
 
-/// How button signals are interpreted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Hearing {
-    /// How long a contact must be stable before its state is accepted.
-    pub debounce: Duration,
-    /// Lock-out and long press.
-    pub times: Times,
-    /// A contact that is closed for this long is stuck.
-    pub stuck: Duration,
-}
+/// How long a contact must be stable before its state is accepted. Contacts bounce for 1 to 20 ms; a longer
+/// time misses quick presses.
+const DEBOUNCE: Duration = Duration::from_millis(30);
+
+/// A contact that is closed for this long is stuck: nobody holds a button for as long.
+const STUCK: Duration = Duration::from_secs(30);
 
 /// What is listened for.
 #[derive(Debug, Clone)]
 enum Sense {
-    Button { shows: Shows, hearing: Hearing, lines: Lines, contact: Contact, button: Button },
+    Button { shows: Shows, lines: Lines, contact: Contact, button: Button },
     Reader { codes: Codes, lines: Lines, typed: Typed },
 }
 
@@ -79,11 +75,11 @@ pub struct InputDecoder {
 }
 
 impl InputDecoder {
-    /// Listens for a button.
-    pub fn for_button(shows: Shows, hearing: Hearing) -> InputDecoder {
-        let contact = contact(&shows, hearing);
-        let (lines, button) = (Lines::default(), Button::new(hearing.times));
-        let sense = Sense::Button { shows, hearing, lines, contact, button };
+    /// Listens for a button. After a press, no other press counts for the time of the lock-out.
+    pub fn for_button(shows: Shows, lock_out: Duration) -> InputDecoder {
+        let contact = contact(&shows);
+        let (lines, button) = (Lines::default(), Button::new(lock_out));
+        let sense = Sense::Button { shows, lines, contact, button };
         InputDecoder { sense, closed: false, garbage: 0 }
     }
 
@@ -97,8 +93,8 @@ impl InputDecoder {
     pub fn begin(&mut self) {
         self.closed = false;
         match &mut self.sense {
-            Sense::Button { shows, hearing, contact: known, lines, button, .. } => {
-                *known = contact(shows, *hearing);
+            Sense::Button { shows, contact: known, lines, button } => {
+                *known = contact(shows);
                 lines.clear();
                 button.let_go();
             }
@@ -203,8 +199,8 @@ impl InputDecoder {
 
     /// Whether the contact is closed for longer than anyone holds a button.
     pub fn is_stuck(&self, now: Duration) -> bool {
-        let Sense::Button { hearing, contact, .. } = &self.sense else { return false };
-        contact.closed_since().is_some_and(|since| now.saturating_sub(since) >= hearing.stuck)
+        let Sense::Button { contact, .. } = &self.sense else { return false };
+        contact.closed_since().is_some_and(|since| now.saturating_sub(since) >= STUCK)
     }
 
     /// How many bytes or keys without a meaning arrived since the last call.
@@ -214,10 +210,10 @@ impl InputDecoder {
 }
 
 /// A contact that has not reported anything yet. One that is sampled may be closed already.
-fn contact(shows: &Shows, hearing: Hearing) -> Contact {
+fn contact(shows: &Shows) -> Contact {
     match shows {
-        Shows::Serial { .. } => Contact::unknown(hearing.debounce),
-        Shows::Report(_) | Shows::Key(_) => Contact::open(hearing.debounce),
+        Shows::Serial { .. } => Contact::unknown(DEBOUNCE),
+        Shows::Report(_) | Shows::Key(_) => Contact::open(DEBOUNCE),
     }
 }
 

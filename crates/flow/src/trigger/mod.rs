@@ -10,7 +10,7 @@
 //! `now` is the station's monotonic clock. No input from a port can make anything here grow: buffers are
 //! bounded, and what they cannot hold is counted and dropped.
 
-pub mod button;
+mod button;
 pub mod code;
 mod edge;
 pub mod input_decoder;

@@ -5,9 +5,8 @@
 use std::time::Duration;
 
 use gaiter_flow::booth::{Heard, Press};
-use gaiter_flow::trigger::button::Times;
 use gaiter_flow::trigger::code::Codes;
-use gaiter_flow::trigger::input_decoder::{Hearing, Shows};
+use gaiter_flow::trigger::input_decoder::Shows;
 use gaiter_flow::trigger::report::Pattern;
 use gaiter_flow::trigger::token::Tokens;
 use gaiter_flow::trigger::{Input, InputDecoder};
@@ -20,14 +19,12 @@ fn ms(time: u64) -> Duration {
     Duration::from_millis(time)
 }
 
-fn hearing() -> Hearing {
-    let times = Times { lock_out: ms(1000), long_press: ms(3000) };
-    Hearing { debounce: ms(30), times, stuck: ms(30_000) }
-}
+/// How long after a press no other counts.
+const LOCK_OUT: Duration = Duration::from_secs(1);
 
 fn serial() -> InputDecoder {
     let [short, long] = TOKENS.map(|token| vec![token.to_owned()]);
-    InputDecoder::for_button(Shows::Serial { tokens: Tokens { short, long } }, hearing())
+    InputDecoder::for_button(Shows::Serial { tokens: Tokens { short, long } }, LOCK_OUT)
 }
 
 /// Bytes that are mostly pieces of what a press is made of.
@@ -155,7 +152,7 @@ proptest! {
         closing in vec(1..20_u64, 0..12), held in 60..2500_u64, opening in vec(1..20_u64, 0..12),
     ) {
         let pattern = Pattern { mask: vec![1], value: vec![1] };
-        let mut decoder = InputDecoder::for_button(Shows::Report(pattern), hearing());
+        let mut decoder = InputDecoder::for_button(Shows::Report(pattern), LOCK_OUT);
         let (mut presses, mut now) = (Vec::new(), ms(0));
         for (at, closed) in press(&closing, held, &opening) {
             while let Some(due) = decoder.due().filter(|due| *due < ms(at)) {

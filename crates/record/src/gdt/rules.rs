@@ -3,7 +3,7 @@
 
 use super::charset::Charset;
 
-/// A practice software with known settings. Each of these settings can also be set on its own.
+/// A practice software with known settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Product {
     /// GDT 2.1 as specified.
@@ -14,6 +14,8 @@ pub enum Product {
     Turbomed,
     /// tomedo: uses UTF-8.
     Tomedo,
+    /// Software that reads an attachment's format first, as GDT2DICOM writes it.
+    FormatFirst,
 }
 
 impl Product {
@@ -21,7 +23,9 @@ impl Product {
     pub const fn version(self) -> &'static str {
         match self {
             Product::Turbomed => "02.00",
-            Product::Default | Product::Medistar | Product::Tomedo => "02.10",
+            Product::Default | Product::Medistar | Product::Tomedo | Product::FormatFirst => {
+                "02.10"
+            }
         }
     }
 
@@ -30,7 +34,7 @@ impl Product {
         match self {
             // It fetches numbered files only if it is set to.
             Product::Turbomed => "{receiver}{sender}.GDT",
-            Product::Default | Product::Medistar | Product::Tomedo => {
+            Product::Default | Product::Medistar | Product::Tomedo | Product::FormatFirst => {
                 "{receiver}{sender}.{counter}"
             }
         }
@@ -40,7 +44,24 @@ impl Product {
     pub const fn charset(self) -> Charset {
         match self {
             Product::Tomedo => Charset::Utf8,
-            Product::Default | Product::Medistar | Product::Turbomed => Charset::Cp1252,
+            Product::Default | Product::Medistar | Product::Turbomed | Product::FormatFirst => {
+                Charset::Cp1252
+            }
+        }
+    }
+
+    /// The fields in which it looks for an attachment.
+    pub fn attachment_fields(self) -> AttachmentFields {
+        match self {
+            Product::FormatFirst => AttachmentFields {
+                name: None,
+                format: Some(6302),
+                description: Some(6304),
+                path: Some(6303),
+            },
+            Product::Default | Product::Medistar | Product::Turbomed | Product::Tomedo => {
+                AttachmentFields::default()
+            }
         }
     }
 }

@@ -1,7 +1,5 @@
 //! The files of an order in the folder of a record.
 
-use std::collections::BTreeSet;
-
 use gaiter_language::Language;
 use gaiter_sizes::Mapping;
 
@@ -12,7 +10,7 @@ use crate::file::{RecordFile, file};
 const BEGIN: &str = "order";
 
 /// An order as a file of gaiter's own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OrderFile {
     /// As the exact table for programs, `order.csv`.
     Csv,
@@ -23,6 +21,9 @@ pub enum OrderFile {
 }
 
 impl OrderFile {
+    /// Every file: each record has all of them.
+    pub const ALL: [OrderFile; 3] = [OrderFile::Csv, OrderFile::Spreadsheet, OrderFile::Json];
+
     /// The name of the file.
     pub fn name(self) -> &'static str {
         match self {
@@ -46,21 +47,11 @@ impl OrderFile {
     }
 }
 
-/// Which files of an order are made of a record.
-#[derive(Debug, Clone, PartialEq)]
+/// Which files of an order are made of a record besides gaiter's own.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct OrderChoice {
-    /// Those of gaiter's own.
-    pub files: BTreeSet<OrderFile>,
     /// Those for makers and shop systems, in their order.
     pub mappings: Vec<Mapping>,
-}
-
-impl Default for OrderChoice {
-    /// All files of gaiter's own.
-    fn default() -> OrderChoice {
-        let files = [OrderFile::Csv, OrderFile::Spreadsheet, OrderFile::Json];
-        OrderChoice { files: files.into(), mappings: Vec::new() }
-    }
 }
 
 /// Whether a file of a record is one of its order.
@@ -88,7 +79,7 @@ pub fn order_files(
     language: Language,
     patient: Option<&str>,
 ) -> Result<Vec<RecordFile>, serde_json::Error> {
-    let own = choice.files.iter().map(|kind| kind.of(order, language));
+    let own = OrderFile::ALL.into_iter().map(|kind| kind.of(order, language));
     let mut files = own.collect::<Result<Vec<RecordFile>, _>>()?;
     for mapping in &choice.mappings {
         let name = own_name(mapped_name(order, mapping), &files);

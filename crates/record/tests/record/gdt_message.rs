@@ -211,7 +211,7 @@ fn doubts_and_findings_are_told_and_what_is_only_information_is_not() {
 }
 
 #[test]
-fn fields_of_attachments_are_the_configured_ones_in_the_order_of_their_numbers() {
+fn fields_of_attachments_are_the_product_s_in_the_order_of_their_numbers() {
     let attachment = Attachment {
         name: "n".into(),
         format: "SVG".into(),
@@ -219,12 +219,7 @@ fn fields_of_attachments_are_the_configured_ones_in_the_order_of_their_numbers()
         path: "p".into(),
     };
     let mut rules = rules(Charset::Cp1252);
-    rules.attachment_fields = AttachmentFields {
-        name: None,
-        format: Some(6302),
-        description: Some(6304),
-        path: Some(6303),
-    };
+    rules.attachment_fields = Product::FormatFirst.attachment_fields();
     let lines = checked(
         &result(&record(json!({})), &Garment::default(), &rules, noon(), &[attachment]).unwrap(),
     );
@@ -257,6 +252,7 @@ fn profiles_differ_in_version_and_character_set() {
     assert_eq!(of(Product::Medistar), ("02.10", Charset::Cp1252));
     assert_eq!(of(Product::Turbomed), ("02.00", Charset::Cp1252));
     assert_eq!(of(Product::Tomedo), ("02.10", Charset::Utf8));
+    assert_eq!(of(Product::FormatFirst), ("02.10", Charset::Cp1252));
 }
 
 #[test]

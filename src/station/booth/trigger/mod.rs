@@ -44,10 +44,10 @@ pub fn of_config(config: &TriggerConfig) -> Vec<Attended> {
         let shows = Shows::Serial { tokens: serial.tokens.clone() };
         ports.push(Attended {
             name: "serial",
-            decoder: InputDecoder::for_button(shows, config.hearing),
+            decoder: InputDecoder::for_button(shows, config.lock_out),
             manner: Manner {
                 sampled: serial.line.contact.is_some(),
-                say: serial.say.clone(),
+                say: config.say.clone(),
                 ..silent.clone()
             },
             opener: Box::new(SerialOpener(serial.line.clone())),
@@ -55,17 +55,19 @@ pub fn of_config(config: &TriggerConfig) -> Vec<Attended> {
     }
     if let Some(usb) = &config.usb {
         let shows = Shows::Report(usb.pattern.clone());
+        // A box at the serial port has the light: its bytes are no reports.
+        let say = if config.serial.is_none() { config.say.clone() } else { BTreeMap::new() };
         ports.push(Attended {
             name: "usb",
-            decoder: InputDecoder::for_button(shows, config.hearing),
-            manner: Manner { say: usb.say.clone(), ..silent.clone() },
+            decoder: InputDecoder::for_button(shows, config.lock_out),
+            manner: Manner { say, ..silent.clone() },
             opener: Box::new(UsbOpener(usb.clone())),
         });
     }
     if let Some(keys) = &config.keys {
         ports.push(Attended {
             name: "keys",
-            decoder: InputDecoder::for_button(Shows::Key(keys.key), config.hearing),
+            decoder: InputDecoder::for_button(Shows::Key(keys.key), config.lock_out),
             manner: silent.clone(),
             opener: Box::new(KeysOpener(keys.device.clone())),
         });

@@ -11,8 +11,8 @@ use gaiter_flow::trigger::{FaultKind, Input, PortFault};
 use rustix::fs::OFlags;
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 use serialport::{
-    ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, SerialPortType, StopBits,
-    TTYPort, available_ports,
+    ClearBuffer, DataBits, ErrorKind, Parity, SerialPort, SerialPortType, StopBits, TTYPort,
+    available_ports,
 };
 
 use super::port::{Port, PortOpener, fault, of_io};
@@ -72,17 +72,11 @@ fn open(device: &Path, line: &SerialLine) -> Result<TTYPort, PortFault> {
             written::Parity::Odd => Parity::Odd,
         })
         .stop_bits(if settings.stop_bits == 2 { StopBits::Two } else { StopBits::One })
-        .flow_control(match line.flow {
-            written::Flow::None => FlowControl::None,
-            written::Flow::Hardware => FlowControl::Hardware,
-            written::Flow::Software => FlowControl::Software,
-        })
         .timeout(WRITING);
     let mut port = TTYPort::open(&builder).map_err(|error| of_serial(&error))?;
     // All best effort: a pseudo-terminal has no such wires.
     let _ = stay_up(&file);
     let _ = line.dtr.map(|on| port.write_data_terminal_ready(on));
-    let _ = line.rts.map(|on| port.write_request_to_send(on));
     let _ = port.clear(ClearBuffer::Input);
     Ok(port)
 }

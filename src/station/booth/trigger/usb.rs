@@ -4,7 +4,10 @@ use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
 use gaiter_flow::trigger::{FaultKind, Input, PortFault};
-use rusb::{Context, DeviceHandle, Direction, Error, Recipient, RequestType, UsbContext};
+use rusb::{
+    ConfigDescriptor, Context, DeviceHandle, Direction, Error, Recipient, RequestType,
+    TransferType, UsbContext,
+};
 
 use super::port::{Port, PortOpener, fault};
 use crate::config::port::UsbName;
@@ -35,7 +38,9 @@ impl PortOpener for UsbOpener {
             fault(FaultKind::Absent, format!("this machine shows no USB bus: {error}"))
         })?;
         let handle = find(&context, &self.0.device)?;
-        let UsbTrigger { interface, endpoint, .. } = self.0;
+        let described = handle.device().active_config_descriptor().map_err(of_usb)?;
+        let silent = || fault(FaultKind::Failed, "it has no interrupt endpoint into the computer");
+        let (interface, endpoint) = reports(&described).ok_or_else(silent)?;
         // The kernel's driver gets the interface back when it is released.
         match handle.set_auto_detach_kernel_driver(true) {
             Ok(()) | Err(Error::NotSupported) => {}
@@ -67,6 +72,19 @@ fn find(context: &Context, name: &UsbName) -> Result<DeviceHandle<Context>, Port
     }
     let absent = || fault(FaultKind::Absent, Cause::known("no-usb-device", []));
     Err(refused.unwrap_or_else(absent))
+}
+
+/// The interface that sends the input reports, and its endpoint: the first interrupt endpoint into the computer.
+fn reports(described: &ConfigDescriptor) -> Option<(u8, u8)> {
+    // An interface begins with the setting that it is in; nothing here sets another.
+    let mut interfaces = described.interfaces().filter_map(|known| known.descriptors().next());
+    interfaces.find_map(|interface| {
+        let endpoint = interface.endpoint_descriptors().find(|endpoint| {
+            endpoint.direction() == Direction::In
+                && endpoint.transfer_type() == TransferType::Interrupt
+        })?;
+        Some((interface.interface_number(), endpoint.address()))
+    })
 }
 
 /// An open device with its interface claimed.

@@ -10,12 +10,7 @@ use rustix::fs::{CWD, Mode, mkfifoat};
 use crate::station::intake::scan_dir::*;
 
 fn config() -> WatchConfig {
-    WatchConfig {
-        subfolders: false,
-        done_file: None,
-        overdue: Duration::from_secs(600),
-        marker: None,
-    }
+    WatchConfig { subfolders: false, done_file: None, marker: None }
 }
 
 fn looked(folder: &Path, config: &WatchConfig) -> Found {
