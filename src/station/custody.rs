@@ -143,7 +143,7 @@ impl Custody {
         Custody { named_only, ..self }
     }
 
-    /// The same, with the names of the stores that are servers; the journal is told them, too.
+    /// The same, with the names of the stores that are servers, for the journal, too.
     ///
     /// # Errors
     /// If the journal fails.

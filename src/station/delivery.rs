@@ -183,7 +183,7 @@ impl Bench {
         let only_servers = deliver.iter().all(is_server);
         let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
-            // Whoever removed the spool took the scan from the record.
+            // If the spool was removed, the scan of this record is gone.
             let is_there = booth.core().custody.spool().holds(&first.scan);
             let ready = match measured.filter(|_| is_there) {
                 Some(ready) => Ok(ready),

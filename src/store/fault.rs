@@ -163,7 +163,7 @@ pub enum Misfit {
 }
 
 impl Misfit {
-    /// Why, for people. What only an expert can do something about is told in English.
+    /// Why, for people. What only an expert can mend is in English.
     pub fn cause(&self) -> Cause {
         match self {
             Misfit::NotRegistered => Cause::known("patient-not-registered", []),

@@ -19,7 +19,6 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use gaiter_flow::ScanId;
-use gaiter_record::Record;
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
 use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
 use http::{Method, Uri};
@@ -215,15 +214,7 @@ impl RecordStore for FhirStore {
     }
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
-        let misfit = |misfit| StoreFault::Permanent(misfit);
-        let patient = delivery.patient.ok_or(misfit(Misfit::Unassigned))?;
-        let json = delivery.files.iter().find(|file| file.name == "record.json");
-        let record = json.and_then(|file| serde_json::from_slice::<Record>(&file.bytes).ok());
-        let record = record.ok_or(misfit(Misfit::NoRecord))?;
-        // The record must match the delivery: another patient's figures must never go out under this id.
-        if record.patient.as_ref().map(|patient| patient.id.as_str()) != Some(patient) {
-            return Err(misfit(Misfit::OtherPatient));
-        }
+        let (record, patient) = delivery.named_record().map_err(StoreFault::Permanent)?;
         let (subject, key) = (self.subject(patient)?, FhirKey::of(delivery.scan.as_str(), patient));
         let sent = Sent {
             record: &record,

@@ -30,7 +30,7 @@ pub use attach::Attach;
 use gaiter_flow::ScanId;
 use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{self, GdtRules};
-use gaiter_record::{FIRST_REVISION, Record, hex};
+use gaiter_record::{FIRST_REVISION, hex};
 use gaiter_sizes::Garment;
 pub use person::Given;
 use place::Place;
@@ -70,13 +70,7 @@ impl GdtStore {
     /// Writes attachments and message, synced; the message goes to the staging folder.
     fn stage(&self, key: &str, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
         let misfit = |misfit| StoreFault::Permanent(misfit);
-        let json = delivery.files.iter().find(|file| file.name == "record.json");
-        let record = json.and_then(|file| serde_json::from_slice::<Record>(&file.bytes).ok());
-        let record = record.ok_or(misfit(Misfit::NoRecord))?;
-        // The record must match the delivery: another patient's figures must never go out under this id.
-        if record.patient.as_ref().map(|patient| patient.id.as_str()) != delivery.patient {
-            return Err(misfit(Misfit::OtherPatient));
-        }
+        let (record, _) = delivery.named_record().map_err(misfit)?;
         let acquired = record.acquired.as_ref().map_or(delivery.first_seen, |acquired| acquired.at);
         let taken = self.zone.to_datetime(acquired);
         let attachments = self.attach.attachments(key, delivery.files, self.place.folder());

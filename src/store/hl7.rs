@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
 use gaiter_record::hl7::{self, Answer, Hl7Rules, PdfForm};
-use gaiter_record::{Record, RecordFile, sha256};
+use gaiter_record::sha256;
 use jiff::Timestamp;
 
 use self::folder::MessageFolder;
@@ -159,7 +159,7 @@ impl RecordStore for Hl7Store {
     }
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
-        let (mut record, patient) = record_of(delivery)?;
+        let (mut record, patient) = delivery.named_record().map_err(StoreFault::Permanent)?;
         let (revision, key) = (record.revision, key(delivery.scan, patient));
         let known = self.sent.of(&key)?;
         let place = self.place();
@@ -180,7 +180,7 @@ impl RecordStore for Hl7Store {
             Some(known) => revision.max(known.number + 1),
         };
         record.revision = number;
-        let pdf = file(delivery, "report.pdf").map(|file| file.bytes.as_slice());
+        let pdf = delivery.file("report.pdf").map(|file| file.bytes.as_slice());
         let now = Timestamp::now();
         let mut codes = hl7::observed(&record, pdf.is_some() && self.rules.pdf != PdfForm::None);
         let before = known.map(|known| known.codes).unwrap_or_default();
@@ -231,25 +231,7 @@ impl RecordStore for Hl7Store {
     }
 }
 
-/// The record of a delivery, and its patient. It must be that patient's: another one's figures must never go out
-/// under this id.
-fn record_of<'a>(delivery: &Delivery<'a>) -> Result<(Record, &'a str), StoreFault> {
-    let misfit = |misfit| StoreFault::Permanent(misfit);
-    let patient = delivery.patient.ok_or(misfit(Misfit::Unassigned))?;
-    let json = file(delivery, "record.json");
-    let record = json.and_then(|file| serde_json::from_slice::<Record>(&file.bytes).ok());
-    let record = record.ok_or(misfit(Misfit::NoRecord))?;
-    match record.patient.as_ref().is_some_and(|named| named.id == patient) {
-        true => Ok((record, patient)),
-        false => Err(misfit(Misfit::OtherPatient)),
-    }
-}
-
-fn file<'a>(delivery: &Delivery<'a>, name: &str) -> Option<&'a RecordFile> {
-    delivery.files.iter().find(|file| file.name == name)
-}
-
-/// Whether a receiver has the message of this control id, by its answer, which is told without the patient's id.
+/// Whether a receiver has the message of this control id, by its answer. A refusal is reported without the patient's id.
 fn accepted(answer: &[u8], control: &str, patient: &str) -> Result<(), StoreFault> {
     let answer = hl7::answer(answer, control, &[patient]);
     match answer.map_err(|fault| ServerFault::Answer(fault.to_string()))? {

@@ -29,7 +29,7 @@ pub use fault::{Misfit, StoreFault};
 pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
-use gaiter_record::RecordFile;
+use gaiter_record::{RECORD, Record, RecordFile};
 pub use gdt::{GdtStore, Given};
 pub use hl7::Hl7Store;
 pub use server::ServerFault;
@@ -205,6 +205,27 @@ pub struct Delivery<'a> {
     pub scan_file: &'a Path,
     /// The ending of their format.
     pub ending: &'a str,
+}
+
+impl<'a> Delivery<'a> {
+    /// A file of the record, by its name.
+    pub fn file(&self, name: &str) -> Option<&'a RecordFile> {
+        self.files.iter().find(|file| file.name == name)
+    }
+
+    /// The record, and the patient whom it names: another one's figures must never go out under this id.
+    ///
+    /// # Errors
+    /// [`Misfit::Unassigned`], [`Misfit::NoRecord`], [`Misfit::OtherPatient`].
+    pub fn named_record(&self) -> Result<(Record, &'a str), Misfit> {
+        let patient = self.patient.ok_or(Misfit::Unassigned)?;
+        let json = self.file(RECORD).ok_or(Misfit::NoRecord)?;
+        let record: Record = serde_json::from_slice(&json.bytes).map_err(|_| Misfit::NoRecord)?;
+        match record.patient.as_ref().is_some_and(|named| named.id == patient) {
+            true => Ok((record, patient)),
+            false => Err(Misfit::OtherPatient),
+        }
+    }
 }
 
 /// A record in a store, as far as its place tells.

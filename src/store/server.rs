@@ -8,7 +8,7 @@ use super::secret::SecretFault;
 
 /// Why a server does not take a record now. It may later, so it is asked again.
 ///
-/// What a server says is told in a line, without the patient's id and what the station shows to be let in.
+/// What a server says is reported in one line, without the patient's id and the station's credentials.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerFault {
     /// It gave no answer.

@@ -1,6 +1,6 @@
 //! The stores of hospitals against real servers: Medplum's FHIR router, and a receiver of HL7 v2 by hl7apy.
 //!
-//! What is told to fail is the front of each server; what validates, searches and keeps is theirs. `.ci/run`
+//! Faults are injected in front of each server; what validates, searches and keeps is its own. `.ci/run`
 //! installs them. By hand:
 //!
 //! ```text

@@ -17,7 +17,7 @@ use crate::store::https::tls;
 use crate::store::secret::{self, SecretFault};
 use crate::store::{FhirStore, Hl7Store, RecordStore};
 
-/// A certificate of the station that ends sooner is told.
+/// A certificate of the station that expires sooner is reported.
 const ENDS_SOON: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// A row for each server, each secret and each certificate of the station.
@@ -92,7 +92,7 @@ fn of_secret(secret: &Secret) -> Row {
     }
 }
 
-/// How long the station's own certificate still holds, if it has one. One that cannot be read is told where the server
+/// How long the station's own certificate still holds, if it has one. One that cannot be read is reported where the server
 /// is tried.
 fn of_certificate(tls: &TlsFiles, now: Timestamp) -> Option<Row> {
     let (path, _) = tls.own.as_ref()?;

@@ -76,7 +76,7 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreCon
     }))
 }
 
-/// How the station shows that it may.
+/// How the station authenticates.
 fn access(reader: &mut Reader) -> Option<FhirAccess> {
     use Absent::Default;
     let kind = reader.text("store.fhir.access", Default("open"), parse::word(KINDS));
@@ -92,7 +92,7 @@ fn access(reader: &mut Reader) -> Option<FhirAccess> {
     let Found { value: kind, at } = kind?;
     let (user, secret, client) = (user?.value, secret?.value, client?.value);
     let (key_id, scope, token_address) = (key_id?.value, scope?.value, token_address?.value);
-    // All that lacks is told at once.
+    // All missing keys are reported at once.
     let (has_user, has_client) = (user.is_some(), client.is_some());
     let of_secret = ("store.fhir.secret", secret.is_some());
     let needed = match kind {

@@ -1,4 +1,4 @@
-//! A FHIR server: where it is, and how the station shows that it may.
+//! A FHIR server: where it is, and how the station authenticates.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use crate::store::endpoint::{Proxy, Secret, TlsFiles};
 pub struct FhirServer {
     /// The base address, without a slash at its end.
     pub base: String,
-    /// How the station shows that it may.
+    /// How the station authenticates.
     pub access: FhirAccess,
     /// What connections trust.
     pub tls: TlsFiles,
@@ -21,7 +21,7 @@ pub struct FhirServer {
     pub patients: String,
 }
 
-/// How the station shows that it may. A certificate of its own is part of the connection.
+/// How the station authenticates. A certificate of its own is part of the connection.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FhirAccess {
     /// It does not.

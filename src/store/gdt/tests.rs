@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use gaiter_record::gdt::{AttachmentFields, Charset, Reference};
 use gaiter_record::{FIRST_REVISION, RecordFile};
 use gaiter_sizes::Garment;
-use serde_json::json;
+use support::records::without_legs;
 
 use super::*;
 use crate::store::sums;
@@ -100,25 +100,9 @@ impl Case {
 }
 
 fn files(patient: Option<&str>, scan: &ScanId) -> Vec<RecordFile> {
-    let patient = patient.map(|id| json!({"id": id, "sources": [{"kind": "order"}]}));
-    let record = json!({
-        "schema": "gaiter.leg-record/1", "revision": 1, "station": "booth-1",
-        "patient": patient,
-        "acquired": {"at": "2026-11-21T09:14:00Z", "from": "press"},
-        "made_by": {"gaiter": "0.1.0", "method": {}},
-        "scan": {"sha256": scan.as_str(), "format": "obj", "unit": "cm",
-                 "unit_inferred": true, "points": 1, "triangles": 1},
-        "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
-                 "facing_deg": 0.0,
-                 "facing_from": "feet", "from_export": vec![0.0; 16]},
-        "legs": [], "differences": null, "findings": []
-    });
+    let record = without_legs(scan.as_str(), patient, FIRST_REVISION);
     let file = |name: &str, bytes: &[u8]| RecordFile { name: name.into(), bytes: bytes.into() };
-    vec![
-        file("record.json", record.to_string().as_bytes()),
-        file("legs.svg", b"<svg/>"),
-        file(sums::SUMS, b""),
-    ]
+    vec![file("record.json", &record), file("legs.svg", b"<svg/>"), file(sums::SUMS, b"")]
 }
 
 fn visible(folder: &Path) -> Vec<String> {

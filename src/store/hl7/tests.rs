@@ -8,10 +8,8 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
-use gaiter_language::Language;
-use gaiter_record::hl7::Charset;
-use gaiter_sizes::Garment;
-use serde_json::json;
+use gaiter_record::RecordFile;
+use support::records::{hl7_rules, without_legs};
 use tempfile::TempDir;
 
 use super::*;
@@ -68,7 +66,7 @@ impl Receiving {
     fn store_that_waits(&self, limit: Duration, state: &Path) -> Hl7Store {
         let host = "localhost".to_owned();
         let way = Hl7Way::Mllp { host, port: self.port, tls: None, limit };
-        Hl7Store::new(way, rules(), state)
+        Hl7Store::new(way, hl7_rules("KIS"), state)
     }
 
     /// The last message that it was sent.
@@ -125,41 +123,15 @@ fn receive(mut stream: TcpStream, mode: &Mutex<Mode>, messages: &Mutex<Vec<Strin
     };
 }
 
-fn rules() -> Hl7Rules {
-    Hl7Rules {
-        sender: ["GAITER".to_owned(), "booth-1".to_owned()],
-        receiver: ["KIS".to_owned(), "HOUSE".to_owned()],
-        processing: 'P',
-        version: "2.5".to_owned(),
-        authority: "KIS".to_owned(),
-        coding: "99GTR".to_owned(),
-        pdf: PdfForm::MediaType,
-        charset: Charset::Utf8,
-        language: Language::En,
-        garment: Garment::default(),
-    }
-}
-
 fn scan() -> ScanId {
     sums::scan_id(b"v 0 0 0\n")
 }
 
 /// The files of a record of this revision.
 fn files(revision: u32) -> Vec<RecordFile> {
-    let record = json!({
-        "schema": "gaiter.leg-record/1", "revision": revision, "station": "booth-1",
-        "patient": {"id": "4711", "sources": [{"kind": "order"}]},
-        "acquired": {"at": "2026-11-21T09:14:00Z", "from": "press"},
-        "made_by": {"gaiter": "0.1.0", "method": {}},
-        "scan": {"sha256": scan().as_str(), "format": "obj", "unit": "cm",
-                 "unit_inferred": true, "points": 1, "triangles": 1},
-        "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
-                 "facing_deg": 0.0,
-                 "facing_from": "feet", "from_export": vec![0.0; 16]},
-        "legs": [], "differences": null, "findings": []
-    });
+    let record = without_legs(scan().as_str(), Some("4711"), revision);
     let file = |name: &str, bytes: &[u8]| RecordFile { name: name.into(), bytes: bytes.into() };
-    vec![file("record.json", record.to_string().as_bytes()), file("report.pdf", b"%PDF-1.7")]
+    vec![file("record.json", &record), file("report.pdf", b"%PDF-1.7")]
 }
 
 fn put(store: &Hl7Store, patient: Option<&str>, revision: u32) -> Result<Receipt, StoreFault> {
@@ -221,7 +193,7 @@ fn a_receiver_that_is_not_there_is_out_of_reach() {
     for host in ["127.0.0.1", "localhost"] {
         let limit = Duration::from_secs(20);
         let way = Hl7Way::Mllp { host: host.to_owned(), port, tls: None, limit };
-        let fault = Hl7Store::new(way, rules(), state.path()).reach().unwrap_err();
+        let fault = Hl7Store::new(way, hl7_rules("KIS"), state.path()).reach().unwrap_err();
         assert!(matches!(fault, StoreFault::Server(_)), "{host}: {fault}");
     }
 }
@@ -383,7 +355,7 @@ fn messages(folder: &Path) -> Vec<String> {
 
 /// A store of message files in `folder`, with its state folder.
 fn of_files(folder: &Path, state: &Path) -> Hl7Store {
-    Hl7Store::new(Hl7Way::Files(folder.to_owned()), rules(), state).of_station("booth-1")
+    Hl7Store::new(Hl7Way::Files(folder.to_owned()), hl7_rules("KIS"), state).of_station("booth-1")
 }
 
 #[test]

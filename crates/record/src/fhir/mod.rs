@@ -1,7 +1,7 @@
 //! A record as FHIR R4: an observation per leg, a report with its PDF, and documents, as one transaction; and what a
 //! server says about a fault.
 //!
-//! Nothing here knows a server: whoever sends this finds the patient there, and reads the answers.
+//! Nothing here talks to a server: the store looks up the patient, sends the resources and reads the answers.
 
 mod bundle;
 mod codes;
