@@ -13,8 +13,9 @@ use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::fhir::{FhirKey, FhirRules, Sent, created, entries};
 use serde_json::{Value, json};
+use support::records::fhir_rules;
 
-use crate::fhir_house::{ONE, PATIENTS, Store, put, rules, server_at};
+use crate::fhir_house::{ONE, PATIENTS, Store, put, server_at};
 use crate::records::{PATIENT, SCANS, SMALL, Scan};
 use crate::server::{House, fhir, python, script};
 
@@ -80,7 +81,7 @@ fn a_record_is_there_once_however_often_it_is_sent_with_all_figures_of_the_sheet
 #[ignore = "needs Medplum's FHIR router and a thousand deliveries, run by .ci/run"]
 fn a_replay_of_a_thousand_deliveries_creates_nothing_twice() {
     let house = House::with_patient();
-    let store: Store = Box::new(FhirStore::new(server_at(house.base()), rules(&[])));
+    let store: Store = Box::new(FhirStore::new(server_at(house.base()), fhir_rules(&[])));
     let scans: Vec<Scan> = (0..1000).map(|number| SMALL.numbered(number)).collect();
     for round in 0..2 {
         for scan in &scans {
@@ -148,7 +149,7 @@ fn what_was_sent_for_the_wrong_patient_is_entered_in_error_and_can_come_back() {
 fn what_one_station_took_back_another_brings_back_only_after_a_decision_of_its_own() {
     let house = House::with_patient();
     let [first, second] = ["booth-1", "booth-2"].map(|name| -> Store {
-        let rules = rules(&["report.pdf", "record.json"]);
+        let rules = fhir_rules(&["report.pdf", "record.json"]);
         Box::new(FhirStore::new(server_at(house.base()), rules).of_station(name))
     });
     let receipt = put(&first, &SMALL).folder;
@@ -219,7 +220,7 @@ fn every_resource_keeps_to_the_schema_of_r4() {
     for (number, scan) in all {
         for language in [Language::En, Language::De] {
             let attach = ["report.pdf", "record.json", "left.step", "order.csv", "not-there.txt"];
-            let rules = FhirRules { language, ..rules(&attach) };
+            let rules = FhirRules { language, ..fhir_rules(&attach) };
             let sent = Sent {
                 record: &scan.record,
                 files: &scan.files,

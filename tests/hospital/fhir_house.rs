@@ -7,11 +7,9 @@ use std::time::Duration;
 use gaiter::store::endpoint::TlsFiles;
 use gaiter::store::fhir::{FhirAccess, FhirServer, FhirStore};
 use gaiter::store::{Receipt, RecordStore, StoreFault};
-use gaiter_language::Language;
-use gaiter_record::fhir::FhirRules;
-use gaiter_sizes::Garment;
 use rig::web::Site;
 use serde_json::{Value, json};
+use support::records::fhir_rules;
 
 use crate::records::{PATIENT, Scan};
 use crate::server::{House, fhir};
@@ -29,17 +27,6 @@ const KINDS: [&str; 4] = ["Device", "Observation", "DiagnosticReport", "Document
 /// A store, as the station has it.
 pub type Store = Box<dyn RecordStore>;
 
-/// How records are written, with these files as they are.
-pub fn rules(attach: &[&str]) -> FhirRules {
-    FhirRules {
-        identifiers: "urn:gaiter:record".to_owned(),
-        codes: "urn:gaiter:measure".to_owned(),
-        language: Language::En,
-        garment: Garment::default(),
-        attach: attach.iter().map(|name| (*name).to_owned()).collect(),
-    }
-}
-
 /// The server at this base address, which lets everybody in.
 pub fn server_at(base: String) -> FhirServer {
     FhirServer {
@@ -54,7 +41,7 @@ pub fn server_at(base: String) -> FhirServer {
 
 /// A store that sends report and record.
 pub fn store_of(server: FhirServer) -> Store {
-    Box::new(FhirStore::new(server, rules(&["report.pdf", "record.json"])))
+    Box::new(FhirStore::new(server, fhir_rules(&["report.pdf", "record.json"])))
 }
 
 #[track_caller]

@@ -9,8 +9,8 @@ use std::time::Duration;
 use gaiter::store::endpoint::TlsFiles;
 use gaiter::store::hl7::{Hl7Store, Hl7Way};
 use gaiter_language::Language;
-use gaiter_record::hl7::{Charset, Hl7Rules, PdfForm};
-use gaiter_sizes::Garment;
+use gaiter_record::hl7::Hl7Rules;
+use support::records::hl7_rules;
 use tempfile::TempDir;
 
 use crate::fhir_house::Store;
@@ -25,20 +25,9 @@ pub const SHORT: Duration = Duration::from_secs(4);
 /// The fields of each segment of a message.
 pub type Message = Vec<Vec<String>>;
 
-/// How messages are written for the receiver of this name.
+/// How messages are written for the receiver of this name, in German.
 pub fn rules(receiver: &str) -> Hl7Rules {
-    Hl7Rules {
-        sender: ["GAITER".to_owned(), "booth-1".to_owned()],
-        receiver: [receiver.to_owned(), "House & Co".to_owned()],
-        processing: 'P',
-        version: "2.5".to_owned(),
-        authority: "KIS".to_owned(),
-        coding: "99GTR".to_owned(),
-        pdf: PdfForm::MediaType,
-        charset: Charset::Utf8,
-        language: Language::De,
-        garment: Garment::default(),
-    }
+    Hl7Rules { language: Language::De, ..hl7_rules(receiver) }
 }
 
 /// A store with a state folder of its own, which goes with it.

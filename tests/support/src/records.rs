@@ -5,8 +5,11 @@
 use std::sync::OnceLock;
 
 use gaiter_leg::{Extraction, Method, extract};
+use gaiter_record::fhir::FhirRules;
+use gaiter_record::hl7::{Charset, Hl7Rules, PdfForm};
 use gaiter_record::{Provenance, Record, record, sha256};
 use gaiter_scan::Format;
+use serde_json::json;
 
 use crate::recorded::export;
 
@@ -34,4 +37,49 @@ pub fn record_of(bytes: &[u8], method: &Method) -> (Extraction, Record) {
     let provenance = Provenance::of_scan(sha256(bytes));
     let record = record(&extraction, &provenance, method);
     (extraction, record)
+}
+
+/// A `record.json` that names a patient, or none, and has no legs.
+pub fn without_legs(scan: &str, patient: Option<&str>, revision: u32) -> Vec<u8> {
+    let patient = patient.map(|id| json!({"id": id, "sources": [{"kind": "order"}]}));
+    let record = json!({
+        "schema": "gaiter.leg-record/1", "revision": revision, "station": "booth-1",
+        "patient": patient,
+        "acquired": {"at": "2026-11-21T09:14:00Z", "from": "press"},
+        "made_by": {"gaiter": "0.1.0", "method": {}},
+        "scan": {"sha256": scan, "format": "obj", "unit": "cm",
+                 "unit_inferred": true, "points": 1, "triangles": 1},
+        "body": {"stature_mm": null, "crotch_height_mm": null, "crotch_from": "saddle",
+                 "facing_deg": 0.0,
+                 "facing_from": "feet", "from_export": vec![0.0; 16]},
+        "legs": [], "differences": null, "findings": []
+    });
+    record.to_string().into_bytes()
+}
+
+/// How resources are written for a FHIR server, in English, with these files as they are.
+pub fn fhir_rules(attach: &[&str]) -> FhirRules {
+    FhirRules {
+        identifiers: "urn:gaiter:record".to_owned(),
+        codes: "urn:gaiter:measure".to_owned(),
+        language: Default::default(),
+        garment: Default::default(),
+        attach: attach.iter().map(|name| (*name).to_owned()).collect(),
+    }
+}
+
+/// How messages are written for a receiver of this name, in English.
+pub fn hl7_rules(receiver: &str) -> Hl7Rules {
+    Hl7Rules {
+        sender: ["GAITER".to_owned(), "booth-1".to_owned()],
+        receiver: [receiver.to_owned(), "House & Co".to_owned()],
+        processing: 'P',
+        version: "2.5".to_owned(),
+        authority: "KIS".to_owned(),
+        coding: "99GTR".to_owned(),
+        pdf: PdfForm::MediaType,
+        charset: Charset::Utf8,
+        language: Default::default(),
+        garment: Default::default(),
+    }
 }

@@ -11,23 +11,12 @@ use gaiter_language::Language;
 use gaiter_record::export::export_figures;
 use gaiter_record::fhir::{Entry, FhirKey, FhirRules, Sent, created, entries};
 use gaiter_record::{Acquired, AcquiredFrom, Record, RecordFile};
-use gaiter_sizes::Garment;
 use serde_json::{Value, json};
-use support::records::measured;
+use support::records::{fhir_rules as rules, measured};
 
 use crate::export_figures::marked;
 
 const SUBJECT: &str = "Patient/17";
-
-fn rules(attach: &[&str]) -> FhirRules {
-    FhirRules {
-        identifiers: "urn:gaiter:record".to_owned(),
-        codes: "urn:gaiter:measure".to_owned(),
-        language: Language::En,
-        garment: Garment::default(),
-        attach: attach.iter().map(|name| (*name).to_owned()).collect(),
-    }
-}
 
 /// The resources of a record with these files, each of which holds its own name.
 fn sent(record: &Record, rules: &FhirRules, files: &[&str]) -> Vec<Entry> {

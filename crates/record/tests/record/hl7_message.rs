@@ -6,25 +6,15 @@ use gaiter_language::Language;
 use gaiter_record::export::export_figures;
 use gaiter_record::hl7::{Charset, Hl7Rules, PdfForm, control_id, observed, result, withdrawal};
 use gaiter_record::{Patient, Record, Source, SourceKind};
-use gaiter_sizes::Garment;
 use jiff::Timestamp;
 use proptest::prelude::*;
+
+use support::records::hl7_rules;
 
 use crate::export_figures::marked;
 
 fn rules() -> Hl7Rules {
-    Hl7Rules {
-        sender: ["GAITER".to_owned(), "booth-1".to_owned()],
-        receiver: ["KIS".to_owned(), "House & Co".to_owned()],
-        processing: 'P',
-        version: "2.5".to_owned(),
-        authority: "KIS".to_owned(),
-        coding: "99GTR".to_owned(),
-        pdf: PdfForm::MediaType,
-        charset: Charset::Utf8,
-        language: Language::En,
-        garment: Garment::default(),
-    }
+    hl7_rules("KIS")
 }
 
 /// A record with every mark, for this patient.
