@@ -43,6 +43,7 @@ use gaiter_flow::retention::Retention;
 use gaiter_language::Language;
 use gaiter_leg::Method;
 use gaiter_record::ReportChoice;
+use gaiter_record::gdt::Product;
 use gaiter_record::order::OrderChoice;
 use gaiter_record::report::{AgeMax, Print};
 use gaiter_record::sizing::SizeChoice;
@@ -187,6 +188,8 @@ pub struct StoreConfig {
     pub folder: FolderStoreConfig,
     /// `[store.copy]`: a second folder that receives every record too, if configured.
     pub copy: Option<FolderStoreConfig>,
+    /// `store.gdt.profile`: the practice software. Orders that name no character set are in its own.
+    pub gdt_product: Product,
     /// `[store.gdt]`: practice software that is notified of every named record, if configured.
     pub gdt: Option<GdtStoreConfig>,
     /// `[store.fhir]`: a FHIR server that gets every named record, if configured.

@@ -217,12 +217,6 @@ pub enum What {
     /// The button and the id reader use the same port.
     #[error("is also the port of patient.reader")]
     SamePort,
-    /// The id reader is configured on two ports.
-    #[error("is set together with patient.reader.port")]
-    TwoPorts,
-    /// A report value that its mask can never produce.
-    #[error("is longer or shorter than trigger.usb.mask, or has bits that it leaves out")]
-    OutsideMask,
     /// Not a value that a format or protocol allows here.
     #[error("\"{text}\" is not a valid {what}")]
     Invalid {
@@ -332,10 +326,7 @@ impl What {
             What::NotAMarker(_) => "a bare name, without a folder: \".mounted\"".into(),
             What::Misspelt { example, .. } => format!("write {example}"),
             What::NothingToHear => r#"write tokens = ["PRESS"] or contact = "cts""#.into(),
-            What::SamePort | What::TwoPorts => "a port can have only one use: remove one".into(),
-            What::OutsideMask => {
-                r#"write as many bytes in both: mask = "00 01", value = "00 01""#.into()
-            }
+            What::SamePort => "a port can have only one use: remove one".into(),
             What::Invalid { hint, .. } => (*hint).into(),
             What::Without(key) => format!("set {key} too"),
             What::PhantomGirths(_) => {

@@ -5,12 +5,13 @@ use std::time::Duration;
 
 use gaiter_flow::{Mask, OrdersWhen};
 use gaiter_record::gdt::rules::FileName;
-use gaiter_record::gdt::{Charset, GdtRules, Product, Reference};
+use gaiter_record::gdt::{GdtRules, Product, Reference};
 
 use super::fault::What;
-use super::parse::{self, Bounds, or_none};
+use super::parse::{self, Bounds};
 use super::reader::{Absent, Found, Reader};
 use super::words::Words;
+use crate::store::gdt::Attached;
 
 /// `[store.gdt]`: practice software that is notified of every named record.
 #[derive(Debug, Clone)]
@@ -22,9 +23,7 @@ pub struct GdtStoreConfig {
     /// How result files are named.
     pub file_name: FileName,
     /// Files of the record that are attached to each result.
-    pub attach: Vec<String>,
-    /// The folder for attachments inside the exchange folder; empty for none.
-    pub attach_folder: String,
+    pub attach: Vec<Attached>,
     /// How a result refers to its attachments.
     pub attach_as: Reference,
     /// The exchange folder as the practice software sees it; empty if it is as the station sees it.
@@ -42,8 +41,6 @@ pub struct OrdersConfig {
     pub when: OrdersWhen,
     /// What happens to an order after it is read.
     pub after: AfterOrder,
-    /// The character set of an order that does not name one.
-    pub charset: Charset,
     /// Lengths are not checked.
     pub lenient: bool,
     /// A file unchanged this long is complete; the folder is looked through as often.
@@ -69,13 +66,6 @@ const PROFILES: Words<Product> = &[
     ("format-first", Product::FormatFirst),
 ];
 
-const CHARSETS: Words<Charset> = &[
-    ("7bit", Charset::Ascii),
-    ("cp437", Charset::Cp437),
-    ("cp1252", Charset::Cp1252),
-    ("utf-8", Charset::Utf8),
-];
-
 const REFERENCES: Words<Reference> =
     &[("full", Reference::Full), ("relative", Reference::Relative), ("name", Reference::Name)];
 
@@ -88,18 +78,19 @@ const WHENS: Words<OrdersWhen> =
 /// The folder as written, and the settings of its section. Without a folder the section is off.
 type Section<T> = (Option<Found<PathBuf>>, Option<Option<T>>);
 
-/// Reads the keys of `[store.gdt]`.
-pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
+/// Reads the keys of `[store.gdt]`. The practice software is known without a folder, too: it also writes
+/// orders.
+pub(super) fn store(reader: &mut Reader) -> (Option<Product>, Section<GdtStoreConfig>) {
     use Absent::Default;
     let path = reader.text("store.gdt.path", Default(""), parse::full_path_or_none);
     let profile = reader.text("store.gdt.profile", Default("default"), parse::word(PROFILES));
+    let product = profile.map(|profile| profile.value);
     let receiver = reader.text("store.gdt.receiver", Default("PRAX_EDV"), short_name);
     let sender = reader.text("store.gdt.sender", Default("LEGSCAN1"), short_name);
     let procedure = reader.text("store.gdt.procedure", Default("ALLG00"), short_name);
     let key = "store.gdt.file_name";
     let file_name = reader.text(key, Default(""), |text| Ok(text.to_owned()));
-    let attach = reader.list("store.gdt.attach", Default(""), plain_name);
-    let folder = reader.text("store.gdt.attach_folder", Default(""), or_none(plain_name));
+    let attach = reader.list("store.gdt.attach", Default(""), attached);
     let attach_as = reader.text("store.gdt.attach_as", Default("full"), reference);
 
     let file_name = file_name.and_then(|found| {
@@ -107,7 +98,7 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
         let short = |name: &Option<Found<String>>| {
             name.as_ref().map_or("X".to_owned(), |name| name.value.clone())
         };
-        let of_profile = profile.as_ref().map_or(Product::Default, |product| product.value);
+        let of_profile = product.unwrap_or(Product::Default);
         let text = Some(found.value.as_str()).filter(|text| !text.is_empty());
         let text = text.unwrap_or(of_profile.file_name());
         let name = FileName::new(text, &short(&receiver), &short(&sender));
@@ -120,7 +111,7 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
     });
     let config = (|| {
         let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
-        let (product, receiver, sender) = (profile?.value, receiver?.value, sender?.value);
+        let (product, receiver, sender) = (product?, receiver?.value, sender?.value);
         let file_name = file_name?;
         let rules = GdtRules {
             receiver,
@@ -136,12 +127,11 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
             rules,
             file_name,
             attach: attach.into_iter().map(|found| found.value).collect(),
-            attach_folder: folder?.value.unwrap_or_default(),
             attach_as,
             attach_root,
         }))
     })();
-    (path.and_then(named), config)
+    (product, (path.and_then(named), config))
 }
 
 /// Reads the keys of `[patient.orders]`.
@@ -151,7 +141,6 @@ pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
     let files = reader.text("patient.orders.files", Default("*.gdt"), mask);
     let when = reader.text("patient.orders.when", Default("before-press"), parse::word(WHENS));
     let after = reader.text("patient.orders.after", Default("delete"), parse::word(AFTERS));
-    let charset = reader.text("patient.orders.charset", Default("cp1252"), parse::word(CHARSETS));
     let lenient = reader.flag("patient.orders.lenient", "false");
     let bounds = Bounds { least: "50ms", most: "1m" };
     let quiet = reader.text("patient.orders.quiet", Default("1s"), parse::duration_in(bounds));
@@ -164,7 +153,6 @@ pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
             files: files?.value,
             when: when?.value,
             after: after?.value,
-            charset: charset?.value,
             lenient: lenient?.value,
             quiet: quiet?.value,
             max_age: max_age?.value,
@@ -190,13 +178,21 @@ fn short_name(text: &str) -> Result<String, What> {
     Err(not_gdt(text, "short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
 }
 
-/// The bare name of a file or folder.
-fn plain_name(text: &str) -> Result<String, What> {
-    let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
-    if plain && !text.is_empty() && !text.starts_with('.') {
-        return Ok(text.into());
+/// The bare name of a file, or that of a folder before it.
+fn attached(text: &str) -> Result<Attached, What> {
+    let is_plain = |name: &str| {
+        let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+        plain && !name.is_empty() && !name.starts_with('.')
+    };
+    let (folder, name) = match text.split_once('/') {
+        Some((folder, name)) => (Some(folder), name),
+        None => (None, text),
+    };
+    if is_plain(name) && folder.is_none_or(is_plain) {
+        return Ok(Attached { folder: folder.unwrap_or_default().into(), name: name.into() });
     }
-    Err(not_gdt(text, "bare name", "letters, digits, -, _ and ., as in \"legs.svg\""))
+    let hint = "letters, digits, -, _ and ., as in \"legs.svg\" or \"legs/legs.svg\"";
+    Err(not_gdt(text, "name of a file", hint))
 }
 
 /// A word of [`REFERENCES`], or the path of the exchange folder as the practice software sees it.

@@ -17,8 +17,8 @@ use super::reader::{Absent, Found, Reader};
 use super::sizes::beside::Files;
 use super::visits;
 use super::words::{
-    ACCESSES, B1S, B1Word, CONFINES, FACINGS, FILES, LANGUAGES, PAPERS, POSTURES, SCOPES, TAPES,
-    UNITS, UPS, VOLUMES, WINDINGS, Words, faces_up_or_down,
+    ACCESSES, CONFINES, FACINGS, FILES, LANGUAGES, PAPERS, POSTURES, SCOPES, TAPES, UNITS, UPS,
+    VOLUMES, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -124,9 +124,8 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
-    let copy_mode = reader.text("store.copy.mode", Default("private"), parse::word(ACCESSES));
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
-    let (gdt_path, gdt) = gdt::store(reader);
+    let (gdt_product, (gdt_path, gdt)) = gdt::store(reader);
     let fhir = servers::fhir(reader);
     let (hl7_path, hl7) = servers::hl7(reader);
     let retention = retention(reader);
@@ -156,7 +155,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     }
 
     let (capture, patient) = whose?;
-    let copy_access = copy_mode?.value;
+    let access = store_mode?.value;
     Some(Config {
         station: StationConfig {
             id: id?.value,
@@ -202,8 +201,9 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         print: Print { paper: paper?.value, ..Print::default() },
         measure: measure?,
         store: StoreConfig {
-            folder: FolderStoreConfig { path: store?.value, access: store_mode?.value },
-            copy: copy.map(|found| FolderStoreConfig { path: found.value, access: copy_access }),
+            folder: FolderStoreConfig { path: store?.value, access },
+            copy: copy.map(|found| FolderStoreConfig { path: found.value, access }),
+            gdt_product: gdt_product?,
             gdt: gdt?,
             fhir: fhir?,
             hl7: hl7?,
@@ -218,17 +218,25 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
 /// The keys of `[method]` that define where levels are.
 fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
     use Absent::Default;
-    let b1 = reader.text("method.b1", Default("steepest"), parse::word(B1S));
-    let bounds = Bounds { least: "2cm", most: "20cm" };
-    let above_b = reader.text("method.b1_above_b", Default("8cm"), parse::length_in(bounds));
+    let b1 = reader.text("method.b1", Default("steepest"), b1);
     let bounds = Bounds { least: "2cm", most: "10cm" };
     let below = reader.text("method.g_below_crotch", Default("5cm"), parse::length_in(bounds));
-    let distance_mm = f64::from(above_b?.value);
-    let b1 = match b1?.value {
-        B1Word::Steepest => B1::Steepest,
-        B1Word::AboveB => B1::AboveB { distance_mm },
-    };
-    Some(LevelChoices { b1, g_below_crotch_mm: f64::from(below?.value) })
+    Some(LevelChoices { b1: b1?.value, g_below_crotch_mm: f64::from(below?.value) })
+}
+
+/// `"steepest"`, or the distance of B1 above B.
+fn b1(text: &str) -> Result<B1, What> {
+    if text == B1::Steepest.word() {
+        return Ok(B1::Steepest);
+    }
+    match parse::length_in(Bounds { least: "2cm", most: "20cm" })(text) {
+        Ok(distance_mm) => Ok(B1::AboveB { distance_mm: f64::from(distance_mm) }),
+        Err(What::NotALength(text)) => {
+            let hint = "write \"steepest\", or how far B1 is above B: \"8cm\"";
+            Err(What::Invalid { text, what: "place of B1", hint })
+        }
+        Err(what) => Err(what),
+    }
 }
 
 fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {

@@ -1,13 +1,21 @@
 //! How ports are written in the configuration: their names, line settings and data.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use gaiter_flow::trigger::code::Codes;
 use gaiter_flow::trigger::lines::LINE_MOST;
+use gaiter_flow::trigger::report::Pattern;
 
 use super::fault::What;
 use super::parse;
 use super::words::Words;
+
+/// Where Linux has keyboards: a path in this folder is no serial port.
+const INPUT_DEVICES: &str = "/dev/input";
+
+/// What stands for the id in the code of a reader.
+const ID: &str = "{id}";
 
 /// A USB device by the ids that it reports.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,6 +51,15 @@ pub enum InputPlace {
     Path(PathBuf),
     /// By the name that it reports.
     Name(String),
+}
+
+/// Where a reader is found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ReaderPort {
+    /// At a serial port.
+    Serial(SerialPlace),
+    /// As a keyboard.
+    Keys(InputPlace),
 }
 
 /// The parity bit.
@@ -140,6 +157,14 @@ pub(super) fn input_place(text: &str) -> Result<InputPlace, What> {
     }
 }
 
+/// A keyboard if it is `"name:…"` or in the folder of input devices, else a serial port.
+pub(super) fn reader_port(text: &str) -> Result<ReaderPort, What> {
+    if text.starts_with("name:") || Path::new(text).starts_with(INPUT_DEVICES) {
+        return input_place(text).map(ReaderPort::Keys);
+    }
+    serial_place(text).map(ReaderPort::Serial)
+}
+
 /// `"9600 8N1"`.
 pub(super) fn settings(text: &str) -> Result<Settings, What> {
     let wrong = || misspelt(text, "setting of a serial line", r#""9600 8N1", "115200 7E2""#);
@@ -174,19 +199,26 @@ pub(super) fn token(text: &str) -> Result<String, What> {
     }
 }
 
-/// The characters and control signs before or after an id, with the escapes of [`bytes`]. A carriage
-/// return or line feed cannot be among them: it ends the line.
-pub(super) fn affix(text: &str) -> Result<String, What> {
-    let is_part = |byte: &u8| byte.is_ascii() && !matches!(byte, b'\r' | b'\n');
-    let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST && bytes.iter().all(is_part));
-    let affix = bytes.and_then(|bytes| String::from_utf8(bytes).ok());
-    affix.ok_or_else(|| {
+/// A code as a reader sends it, with `{id}` for the id.
+pub(super) fn code(text: &str) -> Result<Codes, What> {
+    let around = text.split_once(ID).filter(|(_, after)| !after.contains(ID));
+    let codes = around
+        .and_then(|(before, after)| Some(Codes { prefix: affix(before)?, suffix: affix(after)? }));
+    codes.ok_or_else(|| {
         misspelt(
             text,
-            "text around an id",
-            r#"at most 64 plain characters and control signs, without the line end: "]C1", '\x02'"#,
+            "code of a reader",
+            r#"{id} and around it at most 64 plain characters and control signs, without the line end: "]C1{id}", '\x02{id}\x03'"#,
         )
     })
+}
+
+/// The characters and control signs before or after an id, with the escapes of [`bytes`]. A carriage
+/// return or line feed cannot be among them: it ends the line.
+fn affix(text: &str) -> Option<String> {
+    let is_part = |byte: &u8| byte.is_ascii() && !matches!(byte, b'\r' | b'\n');
+    let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST && bytes.iter().all(is_part));
+    bytes.and_then(|bytes| String::from_utf8(bytes).ok())
 }
 
 /// Bytes to send, with `\r`, `\n`, `\t`, `\\` and `\xNN` for those that are not characters.
@@ -218,12 +250,24 @@ pub fn escaped(text: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// `"00 01"`: bytes of a report, 1 to 64.
-pub(super) fn report(text: &str) -> Result<Vec<u8>, What> {
-    let bytes: Option<Vec<u8>> = text.split(' ').map(hex_byte).collect();
-    let bytes = bytes.filter(|bytes| (1..=LINE_MOST).contains(&bytes.len()));
-    bytes.ok_or_else(|| {
-        misspelt(text, "part of a report", r#"bytes with two hexadecimal digits each: "00 01""#)
+/// `"00 01"`: the bits of a report that are set while the button is down, in 1 to 64 bytes. In
+/// `"00 01/00 0f"` the second part has the bits that count.
+pub(super) fn pattern(text: &str) -> Result<Pattern, What> {
+    let (value, mask) = text.split_once('/').unwrap_or((text, text));
+    let bytes = |part: &str| part.split(' ').map(hex_byte).collect::<Option<Vec<u8>>>();
+    let pattern = bytes(value).zip(bytes(mask)).map(|(value, mask)| Pattern { mask, value });
+    let shows_a_button = |Pattern { mask, value }: &Pattern| {
+        mask.len() == value.len()
+            && mask.len() <= LINE_MOST
+            && mask.iter().any(|byte| *byte != 0)
+            && value.iter().zip(mask).all(|(value, mask)| value & !mask == 0)
+    };
+    pattern.filter(shows_a_button).ok_or_else(|| {
+        misspelt(
+            text,
+            "value of a report",
+            r#"bytes with two hexadecimal digits each: "00 01", or "00 01/00 0f" with the bits that count"#,
+        )
     })
 }
 
@@ -291,24 +335,50 @@ mod tests {
 
     #[test]
     fn around_an_id_stand_characters_and_control_signs() {
-        for (text, affix_of) in [
-            ("", ""),
-            ("]C1 ", "]C1 "),
-            (r"\x02", "\u{2}"),
-            ("\u{2}", "\u{2}"),
-            (r"\t\\%", "\t\\%"),
+        for (text, prefix, suffix) in [
+            ("{id}", "", ""),
+            ("]C1 {id}", "]C1 ", ""),
+            (r"\x02{id}\x03", "\u{2}", "\u{3}"),
+            ("\u{2}{id}", "\u{2}", ""),
+            (r"{id}\t\\%", "", "\t\\%"),
         ] {
-            assert_eq!(affix(text).unwrap(), affix_of, "{text:?}");
+            let codes = Codes { prefix: prefix.into(), suffix: suffix.into() };
+            assert_eq!(code(text).unwrap(), codes, "{text:?}");
+        }
+        for text in ["", "id", "{id}{id}", "]C1"] {
+            assert!(code(text).is_err(), "{text:?}");
         }
         for text in [r"\r", "\n", r"\", r"\x2", r"\x80", "ä", &"x".repeat(65)] {
-            assert!(affix(text).is_err(), "{text:?}");
+            assert!(code(&format!("{text}{{id}}")).is_err(), "{text:?}");
+            assert!(code(&format!("{{id}}{text}")).is_err(), "{text:?}");
         }
     }
 
     #[test]
-    fn reports_and_keys() {
-        assert_eq!(report("00 fF").unwrap(), [0, 255]);
-        assert!(["", "0", "00  01", "001", "+1"].iter().all(|text| report(text).is_err()));
+    fn a_reader_is_a_keyboard_by_its_name_or_among_input_devices_and_else_at_a_serial_port() {
+        for text in ["name:Honeywell 1900", "/dev/input/by-id/usb-reader-event-kbd"] {
+            assert!(matches!(reader_port(text), Ok(ReaderPort::Keys(_))), "{text}");
+        }
+        for text in ["usb:0c2e:0200", "/dev/gaiter/A50285BI", "/dev/inputs"] {
+            assert!(matches!(reader_port(text), Ok(ReaderPort::Serial(_))), "{text}");
+        }
+        for text in ["", "name:", "usb:0c2e", "event3"] {
+            assert!(reader_port(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_report_shows_a_button_by_bits_that_are_set_or_by_a_value_of_those_that_count() {
+        let of = |value: &[u8], mask: &[u8]| Pattern { mask: mask.into(), value: value.into() };
+        assert_eq!(pattern("00 fF"), Ok(of(&[0, 255], &[0, 255])));
+        assert_eq!(pattern("02 00/0f 01"), Ok(of(&[2, 0], &[15, 1])));
+        for text in ["", "0", "00  01", "001", "+1", "00", "01/", "01/00", "01/01 00", "10/0f"] {
+            assert!(pattern(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_key_is_a_name_or_a_number() {
         assert_eq!((key("KEY_B").unwrap(), key("48").unwrap()), (48, 48));
         assert!(key("KEY_FOOT").is_err());
     }

@@ -1,5 +1,6 @@
 //! The shipped `config/station.toml` against the reader, so that neither can drift from the other.
 
+use gaiter_leg::method::B1;
 use toml::de::DeTable;
 
 use super::Config;
@@ -120,6 +121,25 @@ fn every_tape_loads_as_the_word_that_records_show() {
         let text = SHIPPED.replace("\ntape = \"shank\"\n", &format!("\ntape = \"{tape}\"\n"));
         assert_eq!(load(&text).unwrap().method.tape.word(), *tape);
     }
+}
+
+#[test]
+fn b1_is_the_steepest_place_or_a_distance_above_b() {
+    let line = "\nb1 = \"steepest\"\n";
+    let with = |b1: &str| load(&SHIPPED.replace(line, &format!("\nb1 = \"{b1}\"\n")));
+    assert_eq!(with("8cm").unwrap().method.levels.b1, B1::AboveB { distance_mm: 80.0 });
+    for b1 in ["above-b", "8", "19mm", "201mm"] {
+        let faults = with(b1).unwrap_err();
+        assert_eq!(faults[0].key, "method.b1", "{b1}");
+    }
+}
+
+#[test]
+fn a_technician_has_at_most_95_keys_besides_those_of_servers() {
+    let of_a_server =
+        |key: &&Key| ["store.fhir.", "store.hl7."].iter().any(|of| key.path.starts_with(of));
+    let all = keys();
+    assert!(all.len() - all.iter().filter(of_a_server).count() <= 95);
 }
 
 #[test]

@@ -10,7 +10,9 @@ use gaiter_flow::trigger::token::Tokens;
 
 use super::fault::What;
 use super::parse::{self, Bounds};
-use super::port::{self, CONTACTS, InputPlace, ModemLine, SerialPlace, Settings, UsbName, WIRES};
+use super::port::{
+    self, CONTACTS, InputPlace, ModemLine, ReaderPort, SerialPlace, Settings, UsbName, WIRES,
+};
 use super::reader::{Absent, Found, Reader};
 
 /// The devices on the ports of the booth; none unless the configuration names them.
@@ -119,9 +121,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
     let (serial, serial_at) = serial(reader);
     let usb = usb(reader);
     let (keys, keys_at) = keys(reader);
-    let [(ids_port, ids_keys), (port, device)] = [ids_at, (serial_at, keys_at)];
-    twice(reader, "trigger.serial.port", port, ids_port);
-    twice(reader, "trigger.keys.device", device, ids_keys);
+    twice(reader, "trigger.serial.port", serial_at, ids_at.as_ref(), ReaderPort::Serial);
+    twice(reader, "trigger.keys.device", keys_at, ids_at.as_ref(), ReaderPort::Keys);
     Some(TriggerConfig {
         lock_out: lock_out?.value,
         settle: settle?.value,
@@ -138,43 +139,38 @@ fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Resul
     move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 
-/// Notes a port that is used for two things.
-fn twice<T: PartialEq + std::fmt::Debug>(
+/// Notes a port of a trigger that is that of the reader, too.
+fn twice<T>(
     reader: &mut Reader,
     key: &'static str,
     trigger: Optional<T>,
-    ids: Optional<T>,
+    ids: Option<&ReaderPort>,
+    port: impl FnOnce(T) -> ReaderPort,
 ) {
-    let (Some(trigger), Some(ids)) = (trigger, ids) else { return };
-    if trigger.value.is_some() && trigger.value == ids.value {
-        reader.note(trigger.at, key, What::SamePort);
+    let Some(Found { value: Some(place), at }) = trigger else { return };
+    if ids == Some(&port(place)) {
+        reader.note(at, key, What::SamePort);
     }
 }
 
-type Reads<T> = (Option<Option<T>>, (Optional<SerialPlace>, Optional<InputPlace>));
-
-fn reader_config(reader: &mut Reader) -> Reads<ReaderConfig> {
+/// The reader of ids, and where it is.
+fn reader_config(reader: &mut Reader) -> (Option<Option<ReaderConfig>>, Option<ReaderPort>) {
     use Absent::Default;
-    let port = reader.text("patient.reader.port", Default(""), or_none(port::serial_place));
+    let port = reader.text("patient.reader.port", Default(""), or_none(port::reader_port));
     let settings = reader.text("patient.reader.settings", Default("9600 8N1"), port::settings);
-    let keys = reader.text("patient.reader.keys", Default(""), or_none(port::input_place));
-    let prefix = reader.text("patient.reader.prefix", Default(""), port::affix);
-    let suffix = reader.text("patient.reader.suffix", Default(""), port::affix);
-    if let (Some(Found { value: Some(_), .. }), Some(Found { value: Some(_), at })) = (&port, &keys)
-    {
-        reader.note(at.clone(), "patient.reader.keys", What::TwoPorts);
-    }
+    let codes = reader.text("patient.reader.code", Default("{id}"), port::code);
+    let place = port.as_ref().and_then(|found| found.value.clone());
     let made = || {
-        let codes = Codes { prefix: prefix?.value, suffix: suffix?.value };
-        let (place, keys) = (port.clone()?.value, keys.clone()?.value);
-        let settings = settings?.value;
-        let line = |place| SerialLine { place, settings, dtr: None, contact: None };
-        let at = place.map(|place| ReaderPlace::Serial(line(place)));
-        let at = at.or_else(|| keys.map(ReaderPlace::Keys));
+        let (settings, codes) = (settings?.value, codes?.value);
+        let at = port?.value.map(|port| match port {
+            ReaderPort::Serial(place) => {
+                ReaderPlace::Serial(SerialLine { place, settings, dtr: None, contact: None })
+            }
+            ReaderPort::Keys(place) => ReaderPlace::Keys(place),
+        });
         Some(at.map(|at| ReaderConfig { at, codes }))
     };
-    let made = made();
-    (made, (port, keys))
+    (made(), place)
 }
 
 fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<SerialPlace>) {
@@ -206,17 +202,8 @@ fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<Seria
 fn usb(reader: &mut Reader) -> Option<Option<UsbTrigger>> {
     use Absent::Default;
     let device = reader.text("trigger.usb.device", Default(""), or_none(port::usb_name));
-    let mask = reader.text("trigger.usb.mask", Default("01"), port::report);
-    let key = "trigger.usb.value";
-    let value = reader.text(key, Default("01"), port::report);
-    let (mask, value) = (mask?.value, value?);
-    let fits = mask.len() == value.value.len()
-        && value.value.iter().zip(&mask).all(|(value, mask)| value & !mask == 0);
-    if !fits {
-        reader.note(value.at, key, What::OutsideMask);
-        return None;
-    }
-    let pattern = Pattern { mask, value: value.value };
+    let pattern = reader.text("trigger.usb.value", Default("01"), port::pattern);
+    let pattern = pattern?.value;
     Some(device?.value.map(|device| UsbTrigger { device, pattern }))
 }
 

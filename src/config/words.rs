@@ -17,15 +17,6 @@ use gaiter_visits::threshold::Limited;
 
 use crate::store::access::Access;
 
-/// The choices for `method.b1`; the distance for the second has a key of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum B1Word {
-    /// Where the girth grows most.
-    Steepest,
-    /// At `method.b1_above_b`.
-    AboveB,
-}
-
 /// What happens to an export for which nobody pressed the button or named a patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WithoutTrigger {
@@ -46,7 +37,7 @@ pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
 pub const CONFINES: Words<Confine> =
     &[("where-possible", Confine::WherePossible), ("required", Confine::Required)];
 
-/// `store.folder.mode`, `store.copy.mode`
+/// `store.folder.mode`
 pub const ACCESSES: Words<Access> = &[("private", Access::Private), ("group", Access::Group)];
 
 /// `report.language`, `--language`
@@ -126,9 +117,6 @@ pub const TAPES: Words<Tape> = &[
     ("leg", Tape::Leg(AxisFit::Centroids)),
     ("horizontal", Tape::Horizontal),
 ];
-
-/// `method.b1`
-pub const B1S: Words<B1Word> = &[("steepest", B1Word::Steepest), ("above-b", B1Word::AboveB)];
 
 const fn tube(format: FileFormat) -> FileKind {
     FileKind { format, shape: Shape::Tube }

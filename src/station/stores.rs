@@ -103,7 +103,6 @@ fn boxed(store: impl RecordStore + 'static) -> Box<dyn RecordStore> {
 fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> GdtStore {
     let attach = Attach {
         files: gdt.attach.clone(),
-        folder: gdt.attach_folder.clone(),
         reference: gdt.attach_as,
         root: gdt.attach_root.clone(),
     };

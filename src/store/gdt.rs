@@ -26,7 +26,7 @@ use jiff::tz::TimeZone;
 use sha2::{Digest, Sha256};
 
 use super::{Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault};
-pub use attach::Attach;
+pub use attach::{Attach, Attached};
 use gaiter_flow::ScanId;
 use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{self, GdtRules};

@@ -326,6 +326,29 @@ fn a_group_that_may_read_records_needs_a_folder_that_hands_itself_on() {
 }
 
 #[test]
+fn of_two_folders_of_records_one_may_keep_them_to_the_station() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    let (records, copy) = (root.path().join("records"), root.path().join("copy"));
+    let more = format!("mode = \"group\"\n[store.copy]\npath = \"{}\"\n", copy.display());
+    fs::write(&file, fs::read_to_string(&file).unwrap() + &more).unwrap();
+    let told = |mode: u32, copy_mode: u32| {
+        for (folder, mode) in [(&records, mode), (&copy, copy_mode)] {
+            fs::create_dir_all(folder).unwrap();
+            fs::set_permissions(folder, fs::Permissions::from_mode(mode)).unwrap();
+        }
+        let report = json(&check(&file, &["--json"]));
+        let rows = report["checks"].as_array().unwrap().clone();
+        let rows = rows.into_iter().filter(|row| row["check"] == "readers");
+        rows.map(|row| row["verdict"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(told(0o2750, 0o700), ["ok"]);
+    assert_eq!(told(0o750, 0o2750), ["ok"]);
+    assert_eq!(told(0o2750, 0o2750), ["ok", "ok"]);
+    assert_eq!(told(0o750, 0o700), ["warn"]);
+}
+
+#[test]
 fn a_button_that_is_not_there_and_an_address_that_is_taken_are_told_without_a_station() {
     let dir = TempDir::new().unwrap();
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();

@@ -121,7 +121,7 @@ fn a_configuration_is_obeyed_and_without_one_what_was_asked_for_stays() {
     let asked = Method { at_heights_mm: vec![300.0], ..Method::default() };
     let old = store(&root, "4711", AT, &coarse_body(1), &asked);
     assert_eq!(stdout(&reextract(&root, &[])), "1 record: 1 unchanged\n");
-    booth.reconfigure(|text| text + "[method]\nb1 = \"above-b\"\nb1_above_b = \"80mm\"\n");
+    booth.reconfigure(|text| text + "[method]\nb1 = \"80mm\"\n");
     let config = booth.path("station.toml");
     let output = reextract(&root, &["--config", config.to_str().unwrap()]);
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));

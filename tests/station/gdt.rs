@@ -185,8 +185,7 @@ fn an_order_is_brought_by_the_program_that_the_practice_software_starts() {
 
 #[test]
 fn every_named_record_is_handed_over_once_across_restarts_and_a_lost_journal() {
-    let booth =
-        practice("attach = [\"legs.svg\"]\nattach_as = '\\\\srv\\gdt'\nattach_folder = \"svg\"");
+    let booth = practice("attach = [\"svg/legs.svg\"]\nattach_as = '\\\\srv\\gdt'");
     let daemon = booth.start();
     booth.export("4711_a.obj", &coarse_body(1));
     // Nobody's goes into the folder alone.

@@ -71,8 +71,7 @@ fn a_table_that_becomes_bad_is_refused_with_its_place_and_the_old_one_holds_unti
 
 /// A practice with a second folder of records, which gets a mapping's file as an attachment.
 fn practice_with_orders() -> Booth {
-    let attach = "attach = [\"order-example-points.csv\"]\nattach_folder = \"files\"\n";
-    let booth = practice(&format!("{attach}attach_as = \"name\""));
+    let booth = practice("attach = [\"files/order-example-points.csv\"]\nattach_as = \"name\"");
     let mapping = booth.path("mapping.toml");
     fs::write(&mapping, include_str!("../../config/orders/example-points.toml")).unwrap();
     fs::create_dir(booth.path("copy")).unwrap();

@@ -40,9 +40,12 @@ fn ports(config: &Config) -> Vec<Row> {
     let serial =
         trigger.serial.as_ref().map(|of| ("trigger.serial.port", path_of_serial(&of.line.place)));
     let keys = trigger.keys.as_ref().map(|of| ("trigger.keys.device", path_of_input(&of.device)));
-    let reader = trigger.reader.as_ref().map(|of| match &of.at {
-        ReaderPlace::Serial(line) => ("patient.reader.port", path_of_serial(&line.place)),
-        ReaderPlace::Keys(device) => ("patient.reader.keys", path_of_input(device)),
+    let reader = trigger.reader.as_ref().map(|of| {
+        let path = match &of.at {
+            ReaderPlace::Serial(line) => path_of_serial(&line.place),
+            ReaderPlace::Keys(device) => path_of_input(device),
+        };
+        ("patient.reader.port", path)
     });
     let ports = [serial, keys, reader].into_iter().flatten();
     let ports = ports.filter_map(|(key, path)| Some((key, path?)));

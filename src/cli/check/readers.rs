@@ -1,4 +1,4 @@
-//! Whether the group that may read records gets to them: `store.folder.mode` and `store.copy.mode`.
+//! Whether the group that may read records gets to them: `store.folder.mode`.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -7,39 +7,49 @@ use std::path::Path;
 use rustix::io::Errno;
 
 use super::row::{Row, Verdict};
-use crate::config::{Config, FolderStoreConfig};
+use crate::config::Config;
 use crate::store::access::Access;
+
+/// The name of the check.
+const CHECK: &str = "readers";
 
 /// The bit that hands a folder's group on to what is made in it.
 const SET_GROUP_ID: u32 = 0o2000;
 
-/// A row for each store whose records a group may read, if its folder exists.
+/// If a group may read records: a row for each folder that hands its group on. At least one must; a folder
+/// that does not, such as that of a backup, keeps its records to the station's own group.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
-    let stores = [Some(&config.store.folder), config.store.copy.as_ref()];
-    stores.into_iter().flatten().filter_map(readers).collect()
+    let (folder, copy) = (&config.store.folder, config.store.copy.as_ref());
+    if folder.access == Access::Private {
+        return Vec::new();
+    }
+    let places = [Some(folder), copy].into_iter().flatten().map(|store| &*store.path);
+    let rows: Vec<Row> = places.filter_map(handed_on).collect();
+    match rows.is_empty() && folder.path.exists() {
+        true => vec![nobody(&folder.path)],
+        false => rows,
+    }
 }
 
-fn readers(store: &FolderStoreConfig) -> Option<Row> {
-    if store.access == Access::Private {
-        return None;
-    }
-    let found = fs::metadata(&store.path).ok()?;
-    let (check, place) = ("readers", &*store.path);
+/// The row of a folder whose records its group can read; `None` for any other folder.
+fn handed_on(place: &Path) -> Option<Row> {
+    let found = fs::metadata(place).ok()?;
     if has_default_acl(place) {
-        return Some(Row::ok(check, place, "new records follow the folder's default ACL"));
+        return Some(Row::ok(CHECK, place, "new records follow the folder's default ACL"));
     }
-    let gid = found.gid();
-    Some(match found.mode() & SET_GROUP_ID {
-        0 => {
-            let detail = format!(
-                "mode is \"group\", but new records get the station's own group: chgrp GROUP {0} && \
-                 chmod g+s {0}",
-                place.display()
-            );
-            Row::new(check, place, Verdict::Warn, detail)
-        }
-        _ => Row::ok(check, place, format!("new records can be read by group {gid}")),
-    })
+    let is_handed_on = found.mode() & SET_GROUP_ID != 0;
+    let detail = format!("new records can be read by group {}", found.gid());
+    is_handed_on.then(|| Row::ok(CHECK, place, detail))
+}
+
+/// The row where no folder hands its group on.
+fn nobody(place: &Path) -> Row {
+    let detail = format!(
+        "mode is \"group\", but new records get the station's own group: chgrp GROUP {0} && \
+         chmod g+s {0}",
+        place.display()
+    );
+    Row::new(CHECK, place, Verdict::Warn, detail)
 }
 
 /// Whether the folder gives what is made in it an access list of its own.

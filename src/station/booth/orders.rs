@@ -24,7 +24,7 @@ use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
-use gaiter_record::gdt::{Charset, Order, OrderFault, order};
+use gaiter_record::gdt::{Order, OrderFault, order};
 use jiff::Timestamp;
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -334,10 +334,9 @@ fn alarm(core: &Core, code: &'static str, figures: Figures) {
 /// # Errors
 /// Why the bytes are not an order.
 pub fn brought(booth: &Booth, bytes: &[u8]) -> Result<Order, OrderFault> {
-    let config = booth.core().config.patient.orders.as_ref();
-    let (charset, lenient) =
-        config.map_or((Charset::Cp1252, false), |config| (config.charset, config.lenient));
-    let order = order::read(bytes, charset, lenient);
+    let config = &booth.core().config;
+    let lenient = config.patient.orders.as_ref().is_some_and(|orders| orders.lenient);
+    let order = order::read(bytes, config.store.gdt_product.charset(), lenient);
     match &order {
         Ok(_) => take::tell_taken(booth.core()),
         // It is meant for another program.

@@ -20,12 +20,7 @@ struct Case {
 
 impl Case {
     fn new(names: &'static str) -> Case {
-        let attach = Attach {
-            files: Vec::new(),
-            folder: String::new(),
-            reference: Reference::Full,
-            root: String::new(),
-        };
+        let attach = Attach { files: Vec::new(), reference: Reference::Full, root: String::new() };
         let case = Case { dir: tempfile::tempdir().unwrap(), names, attach };
         fs::create_dir(case.dir.path().join("state")).unwrap();
         fs::write(case.scan_file(), "v 0 0 0\n").unwrap();
@@ -298,8 +293,9 @@ fn attachments_lie_there_before_the_result_and_are_told_as_the_practice_sees_the
         ("anhang", Reference::Name, "", "KEY_legs.svg"),
     ] {
         let mut case = Case::new(FIXED);
-        let files = vec!["legs.svg".into(), "not-there.pdf".into()];
-        case.attach = Attach { files, folder: folder.into(), reference, root: root.into() };
+        let file = |name: &str| Attached { folder: folder.into(), name: name.into() };
+        let files = vec![file("legs.svg"), file("not-there.pdf")];
+        case.attach = Attach { files, reference, root: root.into() };
         case.put(Some("4711"), b"a").unwrap();
         let key = key(&sums::scan_id(b"a"), "4711", FIRST_REVISION);
         let file = case.exchange().join(folder).join(format!("{key}_legs.svg"));
@@ -316,7 +312,7 @@ fn attachments_lie_there_before_the_result_and_are_told_as_the_practice_sees_the
 #[test]
 fn no_file_or_folder_is_called_after_the_patient() {
     let mut case = Case::new(COUNTED);
-    case.attach.files = vec!["legs.svg".into()];
+    case.attach.files = vec![Attached { folder: String::new(), name: "legs.svg".into() }];
     case.put(Some("987654"), b"a").unwrap();
     let handed_over = case.dir.path().join("state/handed-over");
     for name in visible(&case.exchange()).into_iter().chain(visible(&handed_over)) {

@@ -114,7 +114,8 @@ impl Taking<'_> {
         if self.read.is_too_large() {
             return Err(OrderFault::TooLarge { bytes: self.read.state.size });
         }
-        order::read(&self.read.bytes, self.config.charset, self.config.lenient)
+        let charset = self.core.config.store.gdt_product.charset();
+        order::read(&self.read.bytes, charset, self.config.lenient)
     }
 
     /// Whether it is an order or was set aside as one, and not a file of another program.
