@@ -6,13 +6,10 @@ mod capture;
 mod fault;
 mod gdt;
 mod load;
-mod nearest;
-mod notation;
 mod observability;
 mod page;
 mod parse;
 mod phantom;
-mod place;
 pub mod port;
 mod reader;
 mod removed;
@@ -249,9 +246,9 @@ fn counted(faults: usize) -> String {
 pub fn read(path: &Path) -> Result<Config, ConfigError> {
     let bytes = std::fs::read(path)
         .map_err(|source| ConfigError::Unreadable { path: path.into(), source })?;
-    let loaded = match str::from_utf8(&bytes) {
+    let loaded = match gaiter_toml::utf8(&bytes) {
         Ok(text) => load_with(text, Files::Disk),
-        Err(error) => Err(vec![place::not_utf8(&bytes, error.valid_up_to())]),
+        Err(fault) => Err(vec![fault]),
     };
     loaded.map_err(|mut faults| {
         for fault in &mut faults {

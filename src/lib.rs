@@ -12,6 +12,7 @@
 //! | `gaiter_spline` | bases, fits, solvers, curves and surfaces; no legs |
 //! | [`gaiter_leg`] | scan → leg reports: the paper, a stage per file |
 //! | [`gaiter_cad`] | surface → CAD files and meshes |
+//! | [`gaiter_toml`] | what people write in TOML → values, or every fault with its place |
 //! | [`gaiter_sizes`] | garments, size tables and what a table says about a leg; no records |
 //! | [`gaiter_record`] | reports → record: JSON, CSV, pictures, the report that people read |
 //! | [`gaiter_visits`] | records of one patient → what changed between visits |

@@ -139,33 +139,9 @@ struct Report {
     /// Why the file could not be read, if it could not.
     unreadable: Option<String>,
     /// The faults of the configuration.
-    faults: Vec<Fault>,
+    faults: Vec<ConfigFault>,
     /// The checks of the environment; empty if the configuration has faults.
     checks: Vec<Row>,
-}
-
-/// A fault as JSON, for programs.
-#[derive(Debug, Serialize)]
-struct Fault {
-    line: usize,
-    column: usize,
-    key: String,
-    message: String,
-    hint: Option<String>,
-    source: String,
-}
-
-impl From<&ConfigFault> for Fault {
-    fn from(fault: &ConfigFault) -> Fault {
-        Fault {
-            line: fault.line,
-            column: fault.column,
-            key: fault.key.clone(),
-            message: fault.what.to_string(),
-            hint: fault.what.hint(),
-            source: fault.source_line.clone(),
-        }
-    }
 }
 
 fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
@@ -179,7 +155,7 @@ fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
             match error {
                 ConfigError::Unreadable { source, .. } => unreadable = Some(source.to_string()),
                 ConfigError::Faults { faults: found, .. } => {
-                    faults = found.iter().map(Fault::from).collect();
+                    faults.clone_from(found);
                 }
             }
             exit_of(error)

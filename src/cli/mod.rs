@@ -146,7 +146,7 @@ pub fn explain_config(error: &ConfigError) -> Exit {
             });
         }
         ConfigError::Faults { faults, .. } => {
-            faults.iter().for_each(complain);
+            faults.iter().for_each(|fault| complain(format_args!("{fault:#}")));
             complain(format_args!("gaiter: {}", shown(error)));
         }
     }

@@ -96,7 +96,7 @@ fn faults(error: &ConfigError) -> String {
     match error {
         ConfigError::Unreadable { source, .. } => format!("{error}: {source}"),
         ConfigError::Faults { faults, .. } => {
-            faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+            faults.iter().map(|fault| format!("{fault:#}")).collect::<Vec<_>>().join("\n")
         }
     }
 }

@@ -8,7 +8,7 @@ use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{GdtRules, Product, Reference};
 
 use super::fault::What;
-use super::parse::{self, Bounds};
+use super::parse::{self, Bounds, invalid};
 use super::reader::{Absent, Found, Reader};
 use super::words::Words;
 use crate::store::gdt::Attached;
@@ -105,7 +105,7 @@ pub(super) fn store(reader: &mut Reader) -> (Option<Product>, Section<GdtStoreCo
         if name.is_none() {
             let what = "name of a file that GDT exchanges";
             let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";
-            reader.note(found.at, key, not_gdt(&found.value, what, hint));
+            reader.note(found.at, key, invalid(&found.value, what, hint));
         }
         name
     });
@@ -165,17 +165,13 @@ fn named(found: Found<Option<PathBuf>>) -> Option<Found<PathBuf>> {
     Some(Found { value: found.value?, at: found.at })
 }
 
-fn not_gdt(text: &str, what: &'static str, hint: &'static str) -> What {
-    What::Invalid { text: text.into(), what, hint }
-}
-
 /// Short names of programs and examinations: only what every character set and file system accepts.
 fn short_name(text: &str) -> Result<String, What> {
     let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if plain && (1..=8).contains(&text.len()) {
         return Ok(text.into());
     }
-    Err(not_gdt(text, "short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
+    Err(invalid(text, "short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
 }
 
 /// The bare name of a file, or that of a folder before it.
@@ -192,7 +188,7 @@ fn attached(text: &str) -> Result<Attached, What> {
         return Ok(Attached { folder: folder.unwrap_or_default().into(), name: name.into() });
     }
     let hint = "letters, digits, -, _ and ., as in \"legs.svg\" or \"legs/legs.svg\"";
-    Err(not_gdt(text, "name of a file", hint))
+    Err(invalid(text, "name of a file", hint))
 }
 
 /// A word of [`REFERENCES`], or the path of the exchange folder as the practice software sees it.
@@ -208,5 +204,5 @@ fn reference(text: &str) -> Result<(Reference, String), What> {
 
 fn mask(text: &str) -> Result<Mask, What> {
     let hint = "a file name in which * stands for anything and ? for one character: \"*.gdt\"";
-    Mask::new(text).ok_or_else(|| not_gdt(text, "mask of file names", hint))
+    Mask::new(text).ok_or_else(|| invalid(text, "mask of file names", hint))
 }

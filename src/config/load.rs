@@ -8,12 +8,13 @@ use gaiter_flow::retention::Retention;
 use gaiter_leg::Method;
 use gaiter_leg::method::{B1, LevelChoices};
 use gaiter_record::report::Print;
+use gaiter_toml::What::Twice;
 use toml::de::DeTable;
 
 use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
-use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
+use super::removed::REMOVED;
 use super::sizes::beside::Files;
 use super::visits;
 use super::words::{
@@ -22,8 +23,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, notation, observability, page, phantom, servers, sizes, trigger,
-    watch,
+    StoreConfig, capture, gdt, observability, page, phantom, servers, sizes, trigger, watch,
 };
 
 /// Reads the text of a configuration that names no other files.
@@ -40,34 +40,16 @@ pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
 /// Every fault of the text and of these files, in the order of its lines.
 pub fn load_with(text: &str, files: Files<'_>) -> Result<Config, Vec<ConfigFault>> {
     let (root, errors) = DeTable::parse_recoverable(text);
-    let mut reader = Reader::new(root.get_ref(), text.len());
+    let mut reader = Reader::new(text, root.get_ref(), &errors, REMOVED);
     let config = config(&mut reader, files);
-    let mut findings = reader.finish();
-    if !errors.is_empty() {
-        let (notation, sound_until) = notation::findings(text, &errors);
-        findings
-            .retain(|finding| finding.at.start < sound_until && sound(text, &notation, finding));
-        findings.extend(notation);
-        findings.sort_by_key(|finding| finding.at.start);
-    }
+    let mut faults = reader.finish();
     match config {
-        Some(config) if findings.is_empty() => Ok(Config { text: text.to_owned(), ..config }),
-        _ => Err(findings.into_iter().map(|finding| fault(text, finding)).collect()),
+        Some(config) if faults.is_empty() => Ok(Config { text: text.to_owned(), ..config }),
+        _ => {
+            faults.iter_mut().for_each(|fault| fault.file = "station.toml".into());
+            Err(faults)
+        }
     }
-}
-
-/// Whether a finding is reliable although the notation has faults: it concerns a value on a line without
-/// syntax faults. A key that seems missing or unknown may only have lost its section.
-fn sound(text: &str, notation: &[Finding], finding: &Finding) -> bool {
-    let line = line_of(text, finding.at.start);
-    let of_a_key = matches!(
-        finding.what,
-        What::Missing { .. }
-            | What::Unknown { .. }
-            | What::Removed { .. }
-            | What::NotASection { .. }
-    );
-    !of_a_key && notation.iter().all(|fault| line_of(text, fault.at.start) != line)
 }
 
 /// Reads all keys, each with what applies if it is absent.
@@ -231,7 +213,7 @@ fn b1(text: &str) -> Result<B1, What> {
     }
     match parse::length_in(Bounds { least: "2cm", most: "20cm" })(text) {
         Ok(distance_mm) => Ok(B1::AboveB { distance_mm: f64::from(distance_mm) }),
-        Err(What::NotALength(text)) => {
+        Err(What::NotA { text, .. }) => {
             let hint = "write \"steepest\", or how far B1 is above B: \"8cm\"";
             Err(What::Invalid { text, what: "place of B1", hint })
         }
@@ -280,7 +262,7 @@ fn twice<T: PartialEq>(
 ) {
     for (i, entry) in entries.iter().enumerate() {
         if entries[..i].iter().any(|earlier| earlier.value == entry.value) {
-            reader.note(entry.at.clone(), key, What::Twice(spelt(&entry.value)));
+            reader.note(entry.at.clone(), key, Twice(spelt(&entry.value)));
         }
     }
 }

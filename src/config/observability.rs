@@ -10,6 +10,7 @@ use super::StatusConfig;
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Found, Reader};
+use super::removed::REMOVED;
 
 /// The name of the control socket in the state folder.
 pub const CONTROL_SOCKET: &str = "control.sock";
@@ -46,7 +47,7 @@ pub fn control_path(state_dir: &Path) -> PathBuf {
 /// configuration continues with the old one, and must still be found.
 pub fn state_dir(text: &str) -> Option<PathBuf> {
     let (root, _) = DeTable::parse_recoverable(text);
-    let mut reader = Reader::new(root.get_ref(), text.len());
+    let mut reader = Reader::new(text, root.get_ref(), &[], REMOVED);
     let required = Absent::Required("/var/lib/gaiter");
     reader.text("station.state_dir", required, parse::full_path).map(|found| found.value)
 }
@@ -56,7 +57,9 @@ fn loopback(text: &str) -> Result<Option<SocketAddr>, What> {
     if text == "off" {
         return Ok(None);
     }
-    let address: SocketAddr = text.parse().map_err(|_| What::NotAnAddress(text.into()))?;
+    let hint = r#"write "off", or an address of this machine and a port: "127.0.0.1:9184""#;
+    let wrong = |_| parse::not_a(text, "an address and port", hint);
+    let address: SocketAddr = text.parse().map_err(wrong)?;
     if !address.ip().is_loopback() {
         return Err(What::NotLoopback(text.into()));
     }
@@ -87,7 +90,7 @@ mod tests {
             assert_eq!(loopback(text), Err(What::NotLoopback(text.into())), "{text}");
         }
         for text in ["", "on", "9184", ":9184", "127.0.0.1", "localhost:9184", "127.0.0.1:99999"] {
-            assert_eq!(loopback(text), Err(What::NotAnAddress(text.into())), "{text}");
+            assert!(matches!(loopback(text), Err(What::NotA { .. })), "{text}");
         }
     }
 }

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use gaiter_flow::page::IdsShown;
 
-use super::fault::What;
+use super::fault::{ADDRESS, What};
 use super::parse;
 use super::reader::{Absent, Reader};
 use super::words::IDS_SHOWN;
@@ -31,7 +31,8 @@ fn reachable(text: &str) -> Result<Option<SocketAddr>, What> {
     if text == "off" {
         return Ok(None);
     }
-    let address: SocketAddr = text.parse().map_err(|_| What::NotANetworkAddress(text.into()))?;
+    let wrong = |_| parse::not_a(text, "an address and port", ADDRESS);
+    let address: SocketAddr = text.parse().map_err(wrong)?;
     if address.ip().is_loopback() {
         return Err(What::OnlyLoopback(text.into()));
     }
@@ -52,7 +53,7 @@ mod tests {
             assert_eq!(reachable(text), Err(What::OnlyLoopback(text.into())), "{text}");
         }
         for text in ["", "on", "192.168.1.20", "booth:9180"] {
-            assert_eq!(reachable(text), Err(What::NotANetworkAddress(text.into())), "{text}");
+            assert!(matches!(reachable(text), Err(What::NotA { .. })), "{text}");
         }
     }
 }

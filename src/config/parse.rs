@@ -6,8 +6,8 @@ use std::time::Duration;
 use regex::Regex;
 
 use super::fault::What;
-use super::nearest::nearest;
-use super::words::{self, Words, meaning};
+use super::words;
+pub(super) use gaiter_toml::word;
 
 /// A number and one of the units; `None` for anything else, including a number that is too large.
 fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
@@ -15,6 +15,16 @@ fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
     let (number, unit) = text.split_at(digits);
     let (_, factor) = units.iter().find(|(name, _)| *name == unit)?;
     number.parse::<u64>().ok()?.checked_mul(*factor)
+}
+
+/// The fault of a text that is nothing of this kind.
+pub(super) fn not_a(text: &str, what: &'static str, hint: &'static str) -> What {
+    What::NotA { text: text.into(), what, hint }
+}
+
+/// The fault of a text that a format or protocol does not allow here.
+pub(super) fn invalid(text: &str, what: &'static str, hint: &'static str) -> What {
+    What::Invalid { text: text.into(), what, hint }
 }
 
 /// The bounds of a value, as written in the file.
@@ -45,7 +55,9 @@ impl Bounds {
 pub(super) fn duration(text: &str) -> Result<Duration, What> {
     quantity(text, &[("ms", 1), ("s", 1000), ("m", 60_000), ("h", 3_600_000)])
         .map(Duration::from_millis)
-        .ok_or_else(|| What::NotADuration(text.into()))
+        .ok_or_else(|| {
+            not_a(text, "a duration", r#"write a number and a unit: "2s", "500ms", "10m""#)
+        })
 }
 
 /// A duration within bounds.
@@ -62,7 +74,8 @@ pub(super) fn duration_or_off(bounds: Bounds) -> impl Fn(&str) -> Result<Option<
 /// `"200MB"` in bytes; decimal units, as disks and file managers count.
 pub(super) fn size(text: &str) -> Result<u64, What> {
     let units = [("B", 1), ("kB", 1000), ("KB", 1000), ("MB", 1_000_000), ("GB", 1_000_000_000)];
-    quantity(text, &units).ok_or_else(|| What::NotASize(text.into()))
+    let hint = r#"write a number and a unit: "200MB", "1GB""#;
+    quantity(text, &units).ok_or_else(|| not_a(text, "a size", hint))
 }
 
 /// A size within bounds, in bytes.
@@ -75,7 +88,7 @@ pub(super) fn length(text: &str) -> Result<u32, What> {
     let millimetres = quantity(text, &[("mm", 1), ("cm", 10)]);
     millimetres
         .and_then(|length| length.try_into().ok())
-        .ok_or_else(|| What::NotALength(text.into()))
+        .ok_or_else(|| not_a(text, "a length", r#"write a number and a unit: "5cm", "80mm""#))
 }
 
 /// A length within bounds, in millimetres.
@@ -89,23 +102,13 @@ pub(super) fn distance(text: &str) -> Result<f64, What> {
         number.starts_with(|c: char| c.is_ascii_digit())
             && number.chars().all(|c| c.is_ascii_digit() || c == '.')
     });
-    number.and_then(|number| number.parse().ok()).ok_or_else(|| What::NotADistance(text.into()))
+    let hint = r#"write a number and mm: "0.05mm", "1mm""#;
+    number.and_then(|number| number.parse().ok()).ok_or_else(|| not_a(text, "a distance", hint))
 }
 
 /// A distance within bounds, in millimetres.
 pub(super) fn distance_in(bounds: Bounds) -> impl Fn(&str) -> Result<f64, What> {
     move |text| bounds.hold(text, distance(text)?, distance)
-}
-
-/// One of the words of a choice.
-pub(super) fn word<T: Copy>(words: Words<T>) -> impl Fn(&str) -> Result<T, What> {
-    move |text| {
-        meaning(words, text).ok_or_else(|| {
-            let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-            let similar = nearest(text, words.iter().copied());
-            What::NotAWord { text: text.into(), words, similar }
-        })
-    }
 }
 
 /// A height above the floor in cm, in mm.
@@ -191,7 +194,7 @@ mod tests {
         assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
         assert_eq!(duration("10m"), Ok(Duration::from_secs(600)));
         for text in ["", "2", "s", "2 s", "-2s", "1.5s", "2sec", "99999999999999999999s", "²s"] {
-            assert_eq!(duration(text), Err(What::NotADuration(text.into())), "{text}");
+            assert!(matches!(duration(text), Err(What::NotA { .. })), "{text}");
         }
         assert!(duration("18446744073709551615h").is_err(), "the product overflows");
     }
@@ -208,7 +211,7 @@ mod tests {
         assert_eq!(length("5cm"), length("50mm"));
         assert_eq!(length("80mm"), Ok(80));
         for text in ["5", "5 cm", "0.5cm", "-5cm", "5m", "2in", "99999999999mm"] {
-            assert_eq!(length(text), Err(What::NotALength(text.into())), "{text}");
+            assert!(matches!(length(text), Err(What::NotA { .. })), "{text}");
         }
     }
 
@@ -218,7 +221,7 @@ mod tests {
         assert_eq!(distance("2mm"), Ok(2.0));
         for text in ["", "mm", "0.05", "0.05 mm", "-1mm", "+1mm", ".5mm", "1e3mm", "1.2.3mm", "5cm"]
         {
-            assert_eq!(distance(text), Err(What::NotADistance(text.into())), "{text}");
+            assert!(matches!(distance(text), Err(What::NotA { .. })), "{text}");
         }
         let within = distance_in(Bounds { least: "0.005mm", most: "5mm" });
         assert!(within("0.005mm").is_ok() && within("5mm").is_ok());

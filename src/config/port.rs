@@ -8,7 +8,7 @@ use gaiter_flow::trigger::lines::LINE_MOST;
 use gaiter_flow::trigger::report::Pattern;
 
 use super::fault::What;
-use super::parse;
+use super::parse::{self, invalid};
 use super::words::Words;
 
 /// Where Linux has keyboards: a path in this folder is no serial port.
@@ -118,10 +118,6 @@ pub const WIRES: Words<Option<bool>> = &[("leave", None), ("on", Some(true)), ("
 /// Speeds that serial adapters support, bits per second.
 const BAUDS: std::ops::RangeInclusive<u32> = 300..=921_600;
 
-fn misspelt(text: &str, thing: &'static str, example: &'static str) -> What {
-    What::Misspelt { text: text.into(), thing, example }
-}
-
 /// `"vendor:product"` or `"vendor:product:serial"`, the numbers as four hexadecimal digits.
 pub(super) fn usb_name(text: &str) -> Result<UsbName, What> {
     let mut parts = text.splitn(3, ':');
@@ -136,7 +132,7 @@ pub(super) fn usb_name(text: &str) -> Result<UsbName, What> {
         !serial.is_empty() && serial.bytes().all(|byte| byte.is_ascii_graphic())
     });
     ids.filter(|_| plain).map(|(vendor, product)| UsbName { vendor, product, serial }).ok_or_else(
-        || misspelt(text, "name of a USB device", r#""0403:6001" or "0403:6001:A50285BI""#),
+        || invalid(text, "name of a USB device", r#"write "0403:6001" or "0403:6001:A50285BI""#),
     )
 }
 
@@ -151,7 +147,9 @@ pub(super) fn serial_place(text: &str) -> Result<SerialPlace, What> {
 /// A full path, or `"name:…"`.
 pub(super) fn input_place(text: &str) -> Result<InputPlace, What> {
     match text.strip_prefix("name:") {
-        Some("") => Err(misspelt(text, "name of an input device", r#""name:PCsensor FootSwitch""#)),
+        Some("") => {
+            Err(invalid(text, "name of an input device", r#"write "name:PCsensor FootSwitch""#))
+        }
         Some(name) => Ok(InputPlace::Name(name.to_owned())),
         None => parse::full_path(text).map(InputPlace::Path),
     }
@@ -167,7 +165,7 @@ pub(super) fn reader_port(text: &str) -> Result<ReaderPort, What> {
 
 /// `"9600 8N1"`.
 pub(super) fn settings(text: &str) -> Result<Settings, What> {
-    let wrong = || misspelt(text, "setting of a serial line", r#""9600 8N1", "115200 7E2""#);
+    let wrong = || invalid(text, "setting of a serial line", r#"write "9600 8N1", "115200 7E2""#);
     let (baud, frame) = text.split_once(' ').ok_or_else(wrong)?;
     let baud: u32 = baud.parse().ok().filter(|baud| BAUDS.contains(baud)).ok_or_else(wrong)?;
     let &[data, parity, stop] = frame.as_bytes() else { return Err(wrong()) };
@@ -191,10 +189,10 @@ pub(super) fn token(text: &str) -> Result<String, What> {
     if plain && (1..=LINE_MOST).contains(&text.len()) {
         Ok(text.to_owned())
     } else {
-        Err(misspelt(
+        Err(invalid(
             text,
             "line of a button",
-            r#"1 to 64 plain characters, without the line end: "PRESS""#,
+            r#"write 1 to 64 plain characters, without the line end: "PRESS""#,
         ))
     }
 }
@@ -205,10 +203,10 @@ pub(super) fn code(text: &str) -> Result<Codes, What> {
     let codes = around
         .and_then(|(before, after)| Some(Codes { prefix: affix(before)?, suffix: affix(after)? }));
     codes.ok_or_else(|| {
-        misspelt(
+        invalid(
             text,
             "code of a reader",
-            r#"{id} and around it at most 64 plain characters and control signs, without the line end: "]C1{id}", '\x02{id}\x03'"#,
+            r#"write {id} and around it at most 64 plain characters and control signs, without the line end: "]C1{id}", '\x02{id}\x03'"#,
         )
     })
 }
@@ -224,7 +222,7 @@ fn affix(text: &str) -> Option<String> {
 /// Bytes to send, with `\r`, `\n`, `\t`, `\\` and `\xNN` for those that are not characters.
 pub(super) fn bytes(text: &str) -> Result<Vec<u8>, What> {
     let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST);
-    bytes.ok_or_else(|| misspelt(text, "text for a port", r#"'OK\r\n'; \xNN is the byte NN"#))
+    bytes.ok_or_else(|| invalid(text, "text for a port", r#"write 'OK\r\n'; \xNN is the byte NN"#))
 }
 
 /// The bytes of a text with escapes; `None` if an escape is invalid.
@@ -263,10 +261,10 @@ pub(super) fn pattern(text: &str) -> Result<Pattern, What> {
             && value.iter().zip(mask).all(|(value, mask)| value & !mask == 0)
     };
     pattern.filter(shows_a_button).ok_or_else(|| {
-        misspelt(
+        invalid(
             text,
             "value of a report",
-            r#"bytes with two hexadecimal digits each: "00 01", or "00 01/00 0f" with the bits that count"#,
+            r#"write bytes with two hexadecimal digits each: "00 01", or "00 01/00 0f" with the bits that count"#,
         )
     })
 }
@@ -279,7 +277,7 @@ fn hex_byte(digits: &str) -> Option<u8> {
 /// A key by its Linux name or by its number.
 pub(super) fn key(text: &str) -> Result<u16, What> {
     let number = text.parse::<evdev::KeyCode>().map(|key| key.0).or_else(|_| text.parse());
-    number.map_err(|_| misspelt(text, "key", r#""KEY_B" or "BTN_LEFT", as evtest shows it"#))
+    number.map_err(|_| invalid(text, "key", r#"write "KEY_B" or "BTN_LEFT", as evtest shows it"#))
 }
 
 #[cfg(test)]

@@ -1,11 +1,9 @@
 //! Keys that earlier versions had, each with what to do about it.
 
-/// What to do about a key that was removed; `None` for one that never was.
-pub(super) fn instead(path: &str) -> Option<&'static str> {
-    REMOVED.iter().find(|(key, _)| *key == path).map(|(_, instead)| *instead)
-}
+use gaiter_toml::Removed;
 
-const REMOVED: &[(&str, &str)] = &[
+/// The keys, each with what to do.
+pub(super) const REMOVED: Removed = &[
     ("scanner.file_system", "remove it; name a file on the share with scanner.marker"),
     ("scanner.mount_point", "remove it; name a file on the share with scanner.marker"),
     ("method.b1_above_b", "write the distance as method.b1: \"8cm\"; with \"steepest\" remove it"),

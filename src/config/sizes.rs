@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use gaiter_sizes::{Fault, Garment, SizeTable};
+use gaiter_toml::What::{NotAWord, Twice};
 
 use self::beside::{Beside, Files, TextFile};
 pub(super) use self::orders::orders;
@@ -34,7 +35,7 @@ pub(super) fn garments(reader: &mut Reader, files: Files<'_>, read: &mut Vec<Bes
         match Garment::read(text.as_bytes()) {
             Err(faults) => note(reader, key, &at, &path, &faults),
             Ok(garment) if own.iter().any(|name| name == garment.name()) => {
-                reader.note(at, key, What::Twice(garment.name().to_owned()));
+                reader.note(at, key, Twice(garment.name().to_owned()));
             }
             Ok(garment) => {
                 own.push(garment.name().to_owned());
@@ -48,7 +49,7 @@ pub(super) fn garments(reader: &mut Reader, files: Files<'_>, read: &mut Vec<Bes
             let known: Vec<String> = all.iter().map(|of| of.name().to_owned()).collect();
             let similar = all.iter().map(Garment::name).find(|of| of.eq_ignore_ascii_case(&name));
             let similar = similar.map(str::to_owned);
-            reader.note(at, "report.garment", What::NotAGarment { text: name, known, similar });
+            reader.note(at, "report.garment", NotAWord { text: name, words: known, similar });
         }
         usual
     });
@@ -66,7 +67,7 @@ pub(super) fn tables(
         match gaiter_sizes::parse(text.as_bytes()) {
             Err(faults) => note(reader, key, &at, &path, &faults),
             Ok(table) if tables.iter().any(|of| of.id == table.id) => {
-                reader.note(at, key, What::Twice(table.id));
+                reader.note(at, key, Twice(table.id));
             }
             Ok(table) => tables.push(table),
         }

@@ -31,7 +31,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
 }
 
 fn done_file(text: &str) -> Result<DoneFile, What> {
-    DoneFile::new(text).ok_or_else(|| What::NotADoneFile(text.into()))
+    let hint = "use {name} or {stem}, no folder, and no ending of a scan: \"{name}.done\"";
+    DoneFile::new(text).ok_or_else(|| parse::not_a(text, "a valid name for done files", hint))
 }
 
 fn marker(text: &str) -> Result<String, What> {
@@ -39,6 +40,6 @@ fn marker(text: &str) -> Result<String, What> {
     if is_a_name && text != "." && text != ".." {
         Ok(text.into())
     } else {
-        Err(What::NotAMarker(text.into()))
+        Err(parse::not_a(text, "the name of a file", "a bare name, without a folder: \".mounted\""))
     }
 }

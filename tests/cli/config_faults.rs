@@ -37,7 +37,7 @@ fn said(case: &Path) -> String {
     };
     match loaded {
         Ok(config) => format!("{config:#?}\n"),
-        Err(faults) => faults.iter().map(|fault| format!("{fault}\n")).collect(),
+        Err(faults) => faults.iter().map(|fault| format!("{fault:#}\n")).collect(),
     }
 }
 
@@ -94,7 +94,7 @@ proptest! {
             prop_assert!((1..=lines).contains(&fault.line), "{fault}");
             let end = fault.source_line.chars().count() + 2;
             prop_assert!(fault.column >= 1 && fault.column + fault.width <= end, "{fault}");
-            prop_assert!(!fault.to_string().contains('\u{1b}'), "{fault}");
+            prop_assert!(!format!("{fault:#}").contains('\u{1b}'), "{fault}");
         }
     }
 }

@@ -294,7 +294,7 @@ fn check_names_each_fault_of_a_table_with_its_place_and_warns_of_what_is_old_or_
     let twice = format!("[sizes]\ntables = [\"{old}\", \"{}/./old.toml\"]\n", dir.path().display());
     let output = checked(&station(dir.path(), &twice));
     let said = stderr(&output) + &stdout(&output);
-    assert!(said.contains("\"example-invented\" is listed twice"), "{said}");
+    assert!(said.contains("\"example-invented\" stands twice"), "{said}");
     let none = format!("[sizes]\ntables = [\"{}/none.toml\"]\n", dir.path().display());
     let output = checked(&station(dir.path(), &none));
     assert_eq!(code(&output), Some(78));

@@ -13,10 +13,11 @@ mod probability;
 pub mod table;
 pub mod verdict;
 
+pub use document::BYTES_MAX;
 pub use fault::{Fault, What};
 pub use garment::Garment;
 pub use mapping::Mapping;
-pub use parse::{BYTES_MAX, parse};
+pub use parse::parse;
 pub use point::{Beyond, Point};
 pub use probability::within;
 pub use table::SizeTable;

@@ -103,13 +103,8 @@ impl Checked {
     }
 
     fn json(&self) -> Value {
-        let faults = self.found.as_ref().err().into_iter().flatten().map(|fault| {
-            json!({
-                "line": fault.line, "column": fault.column, "key": fault.key,
-                "message": fault.what.to_string(), "hint": fault.what.hint(),
-            })
-        });
+        let faults: &[Fault] = self.found.as_ref().err().map_or(&[], Vec::as_slice);
         let id = self.found.as_ref().ok().map(|mapping| &mapping.id);
-        json!({ "path": self.path, "id": id, "faults": faults.collect::<Vec<Value>>() })
+        json!({ "path": self.path, "id": id, "faults": faults })
     }
 }

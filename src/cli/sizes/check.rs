@@ -206,17 +206,8 @@ struct JsonFile<'a> {
     id: Option<&'a str>,
     edition: Option<&'a str>,
     sha256: Option<&'a str>,
-    faults: Vec<JsonFault<'a>>,
+    faults: &'a [Fault],
     remarks: Vec<JsonRemark<'a>>,
-}
-
-#[derive(Serialize)]
-struct JsonFault<'a> {
-    line: usize,
-    column: usize,
-    key: &'a str,
-    message: String,
-    hint: String,
 }
 
 #[derive(Serialize)]
@@ -236,13 +227,6 @@ fn json(checked: &[Checked], language: Language) -> Result<String, serde_json::E
             Ok(Sound::Garment(garment)) => Some(garment.name()),
             _ => None,
         };
-        let faults = of.found.as_ref().err().into_iter().flatten().map(|fault| JsonFault {
-            line: fault.line,
-            column: fault.column,
-            key: &fault.key,
-            message: fault.what.to_string(),
-            hint: fault.what.hint(),
-        });
         let remarks = of
             .remarks
             .iter()
@@ -253,7 +237,7 @@ fn json(checked: &[Checked], language: Language) -> Result<String, serde_json::E
             id: table.map(|table| table.id.as_str()),
             edition: table.map(|table| table.edition.as_str()),
             sha256: table.map(|table| table.sha256.as_str()),
-            faults: faults.collect(),
+            faults: of.found.as_ref().err().map_or(&[], Vec::as_slice),
             remarks: remarks.collect(),
         }
     });

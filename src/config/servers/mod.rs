@@ -8,7 +8,7 @@ use std::net::Ipv6Addr;
 use http::Uri;
 
 use super::fault::What;
-use super::parse::{self, or_none};
+use super::parse::{self, invalid, or_none};
 use super::reader::{Absent, Reader};
 use crate::store::endpoint::{Endpoint, EndpointFault, Secret, TlsFiles};
 pub use fhir::FhirStoreConfig;
@@ -21,10 +21,6 @@ const CREDENTIAL: &str = "credential:";
 
 /// The longest text in a message or header, characters.
 const LINE_MOST: usize = 200;
-
-fn invalid(text: &str, what: &'static str, hint: &'static str) -> What {
-    What::Invalid { text: text.into(), what, hint }
-}
 
 /// The address of a server, without a slash at its end.
 fn address(text: &str) -> Result<String, What> {

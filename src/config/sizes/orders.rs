@@ -3,10 +3,10 @@
 use gaiter_record::order::OrderChoice;
 use gaiter_sizes::Mapping;
 use gaiter_sizes::mapping;
+use gaiter_toml::What::Twice;
 
 use super::beside::{Beside, Files};
 use super::{NamedFile, named_files, note};
-use crate::config::fault::What;
 use crate::config::reader::Reader;
 
 /// Reads `orders.mappings`.
@@ -20,7 +20,7 @@ pub(in crate::config) fn orders(
         match mapping::parse(text.as_bytes()) {
             Err(faults) => note(reader, key, &at, &path, &faults),
             Ok(mapping) if mappings.iter().any(|of| of.id == mapping.id) => {
-                reader.note(at, key, What::Twice(mapping.id));
+                reader.note(at, key, Twice(mapping.id));
             }
             Ok(mapping) => mappings.push(mapping),
         }

@@ -1,12 +1,11 @@
 //! The file of a garment → [`Profile`], or every fault of it.
 
 use gaiter_leg::Level;
-use toml::de::{DeTable, DeValue};
 
 use super::Words;
-use crate::document::{Faults, Known, Section, number};
-use crate::fault::{Fault, Form, What};
-use crate::parse::{is_of_format, points, readable};
+use crate::document::{Known, Section, number, read};
+use crate::fault::{Fault, What};
+use crate::parse::points;
 use crate::point::Point;
 
 /// Name and number of the format of the files.
@@ -77,43 +76,28 @@ struct Notation {
 
 /// Reads the file of a garment.
 pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<Fault>> {
-    let text = readable(bytes)?;
-    let (root, errors) = DeTable::parse_recoverable(text);
-    let mut faults = Faults::new(text);
-    if !errors.is_empty() {
-        faults.note_notation(&errors);
-        return Err(faults.in_order());
-    }
-    let at = 0..0;
-    let profile = profile(Section::whole(root.get_ref(), &at), &mut faults);
-    match (profile, faults.is_empty()) {
-        (Some(profile), true) => Ok(profile),
-        _ => Err(faults.in_order()),
-    }
+    read(bytes, (FORMAT, "format = \"gaiter-garment/1\""), profile)
 }
 
-fn profile(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Profile> {
-    if !is_of_format(whole, (FORMAT, "format = \"gaiter-garment/1\""), faults) {
-        return None;
-    }
+fn profile(whole: Section<'_, '_>) -> Option<Profile> {
     let is_known = |name: &str| KEYS.split_whitespace().any(|known| known == name);
-    whole.only(Known::here(KEYS), is_known, faults);
-    let name = whole.required_text("name", "name = \"AD\"", faults);
+    Known::here(KEYS).only(whole, is_known);
+    let name = whole.required_text("name", "name = \"AD\"");
     let units = [("cm", FormUnit::Cm), ("mm", FormUnit::Mm)];
-    let unit = whole.choice("unit", &units, "cm, mm", faults).unwrap_or_default();
-    let roundings = ["round_girths_mm", "round_lengths_mm"].map(|key| rounding(whole, key, faults));
-    let notation = notation(whole, faults);
-    let boxes = boxes(whole, &notation, faults);
-    let titles = words(whole, "title", faults);
+    let unit = whole.choice("unit", &units).unwrap_or_default();
+    let roundings = ["round_girths_mm", "round_lengths_mm"].map(|key| rounding(whole, key));
+    let notation = notation(whole);
+    let boxes = boxes(whole, &notation);
+    let titles = words(whole, "title");
     if titles.0.is_empty() {
-        whole.miss("title.en", "[title] and en = \"calf stocking (AD)\"", faults);
+        whole.must_have("title.en", "[title] and en = \"calf stocking (AD)\"");
     }
     let is_needed = |level: &Level| {
         let mut needed = boxes.iter().filter(|of| !of.is_optional);
         needed.any(|of| of.point.levels().any(|its| its == *level))
     };
     let levels = Level::ALL.into_iter().rev().filter(is_needed).collect();
-    let in_sentence = words(whole, "in_sentence", faults);
+    let in_sentence = words(whole, "in_sentence");
     let [round_girths_mm, round_lengths_mm] = roundings;
     Some(Profile {
         name: name?,
@@ -128,16 +112,16 @@ fn profile(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Profile> {
 }
 
 /// The boxes of the form: those of `boxes`, of which `optional` may stay empty.
-fn boxes(whole: Section<'_, '_>, notation: &Notation, faults: &mut Faults<'_>) -> Vec<FormBox> {
+fn boxes(whole: Section<'_, '_>, notation: &Notation) -> Vec<FormBox> {
     let Some(value) = whole.get("boxes") else {
-        whole.miss("boxes", "boxes = [\"cB\", \"lB\", \"cC\", \"lC\"]", faults);
+        whole.must_have("boxes", "boxes = [\"cB\", \"lB\", \"cC\", \"lC\"]");
         return Vec::new();
     };
-    let all = points(value, "boxes", faults);
-    let optional = whole.get("optional").map(|value| (points(value, "optional", faults), value));
+    let all = points(whole, value, "boxes");
+    let optional = whole.get("optional").map(|value| (points(whole, value, "optional"), value));
     let optional = optional.map_or(Vec::new(), |(points, value)| {
         for point in points.iter().filter(|point| !all.contains(point)) {
-            faults.note(&value.span(), "optional", What::NotABox(point.to_string()));
+            whole.note(&value.span(), "optional", What::NotABox(point.to_string()));
         }
         points
     });
@@ -165,26 +149,24 @@ impl Notation {
 }
 
 /// `[notation]`: how the form names its boxes.
-fn notation(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Notation {
+fn notation(whole: Section<'_, '_>) -> Notation {
     let usual = || Notation {
         girth: format!("c{LETTER}"),
         length: format!("l{LETTER}"),
         foot: None,
         inside_leg: None,
     };
-    let Some(value) = whole.get("notation") else { return usual() };
-    let DeValue::Table(table) = value.get_ref() else {
-        faults.note_form(value, "notation", Form::NOTATION);
+    let example = "[notation] and below it girth = \"c{level}\"";
+    let Some(section) = whole.section("notation", "notation", "a section", example) else {
         return usual();
     };
-    let at = value.span();
-    let section = Section::within(table, &at, "notation");
     let is_known = |name: &str| ["girth", "length", "foot", "inside_leg"].contains(&name);
-    section.only(Known { here: "girth length foot inside_leg", above: KEYS }, is_known, faults);
-    let mut of_level = |name: &str| {
-        let found = section.text(name, faults)?;
+    let known = Known { here: "girth length foot inside_leg", above: KEYS };
+    known.only(section, is_known);
+    let of_level = |name: &str| {
+        let found = section.text(name)?;
         if !found.contains(LETTER) {
-            faults.note(&at, section.key(name), What::NoPlace(found.clone()));
+            section.note(&section.at(), section.key(name), What::NoPlace(found.clone()));
         }
         Some(found)
     };
@@ -193,39 +175,37 @@ fn notation(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Notation {
     Notation {
         girth: girth.unwrap_or(usual.girth),
         length: length.unwrap_or(usual.length),
-        foot: section.text("foot", faults),
-        inside_leg: section.text("inside_leg", faults),
+        foot: section.text("foot"),
+        inside_leg: section.text("inside_leg"),
     }
 }
 
 /// A rounding for print, mm.
-fn rounding(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> f64 {
+fn rounding(whole: Section<'_, '_>, name: &str) -> f64 {
     let Some(value) = whole.get(name) else { return ROUNDING_MM };
     match number(value.get_ref()) {
         Some((_, mm)) if (ROUNDINGS_MM[0]..=ROUNDINGS_MM[1]).contains(&mm) => mm,
         Some((written, _)) => {
-            faults.note(&value.span(), name, What::Rounding(written));
+            whole.note(&value.span(), name, What::Rounding(written));
             ROUNDING_MM
         }
         None => {
-            faults.note_form(value, name, Form::ROUNDING);
+            whole.note_kind(value, name, "a number of mm", "a number without quotes: 1");
             ROUNDING_MM
         }
     }
 }
 
 /// A section with words by language.
-fn words(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> Words {
-    let Some(value) = whole.get(name) else { return Words::default() };
-    let DeValue::Table(table) = value.get_ref() else {
-        faults.note_form(value, name, Form::WORDS);
+fn words(whole: Section<'_, '_>, name: &str) -> Words {
+    let (expected, example) =
+        ("a section with a text per language", "[title] and below it en = \"calf stocking (AD)\"");
+    let Some(section) = whole.section(name, name, expected, example) else {
         return Words::default();
     };
-    let at = value.span();
-    let section = Section::within(table, &at, name);
     let mut words = Vec::new();
     for (tag, _) in section.pairs() {
-        let text = section.text(tag.get_ref(), faults);
+        let text = section.text(tag.get_ref());
         words.extend(text.map(|text| (tag.get_ref().to_string(), text)));
     }
     Words(words)

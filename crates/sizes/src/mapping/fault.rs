@@ -1,29 +1,8 @@
 //! What a file can have wrong only as the mapping of an order.
 
-use super::FORMAT;
-
 /// What is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MappingWhat {
-    /// The text is not valid TOML.
-    #[error("{0}")]
-    Notation(String),
-    /// The file is longer than any mapping.
-    #[error("the file has {found} bytes; a file of this kind has at most {most}")]
-    TooLong {
-        /// Its length, bytes.
-        found: usize,
-        /// The greatest length that is read, bytes.
-        most: usize,
-    },
-    /// A value of the wrong kind.
-    #[error("must be {expected}, not {found}")]
-    Kind {
-        /// The required kind.
-        expected: &'static str,
-        /// The kind that was found.
-        found: &'static str,
-    },
     /// A column with neither or both of `value` and `text`.
     #[error("a column has either a value or a text")]
     NeitherOrBoth,
@@ -94,9 +73,6 @@ impl MappingWhat {
     /// What to do.
     pub fn hint(&self) -> String {
         match self {
-            MappingWhat::Notation(_) => "docs/orders.md shows a whole file".to_owned(),
-            MappingWhat::TooLong { .. } => format!("name a mapping file, {FORMAT}"),
-            MappingWhat::Kind { .. } => "docs/orders.md shows every key".to_owned(),
             MappingWhat::NeitherOrBoth => {
                 "write value = \"right.cB\" or text = \"…\"".to_owned()
             }

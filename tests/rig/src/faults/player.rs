@@ -40,7 +40,7 @@ impl Player {
     /// The port of this configuration, with a script.
     pub fn new(toml: &str, script: Script) -> Player {
         let config = config::load(&format!("{STATION}{toml}")).unwrap_or_else(|faults| {
-            panic!("{}", faults.iter().map(|fault| format!("{fault}\n")).collect::<String>())
+            panic!("{}", faults.iter().map(|fault| format!("{fault:#}\n")).collect::<String>())
         });
         let mut ports = of_config(&config.trigger);
         assert_eq!(ports.len(), 1, "a script is about one port");

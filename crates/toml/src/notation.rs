@@ -2,8 +2,16 @@
 
 use toml::de::Error;
 
-use super::fault::What;
-use super::place::{Finding, line_of};
+use crate::fault::What;
+use crate::place::{Finding, line_at, line_of};
+
+/// What a faulty line was probably meant to be, and what to do: of files with values of their own.
+pub type Guess = fn(&str) -> Option<(&'static str, &'static str)>;
+
+/// A file without values of its own.
+pub(crate) fn no_guess(_: &str) -> Option<(&'static str, &'static str)> {
+    None
+}
 
 /// The parser's errors, without those that only follow from earlier ones.
 ///
@@ -11,16 +19,22 @@ use super::place::{Finding, line_of};
 /// list or section it misreads everything. So only the first fault of each line counts, and the first
 /// one that is not known to end with its line is the last. Also returns up to which byte the text was
 /// read correctly, apart from the lines with faults.
-pub(super) fn findings(text: &str, errors: &[Error]) -> (Vec<Finding>, usize) {
-    let mut found: Vec<Finding> = Vec::new();
+pub(crate) fn findings(text: &str, errors: &[Error], guess: Guess) -> (Vec<Finding<What>>, usize) {
+    let mut found: Vec<Finding<What>> = Vec::new();
     for error in errors {
         let at = error.span().unwrap_or(text.len()..text.len());
         let line = line_of(text, at.start);
         if found.iter().any(|earlier| line_of(text, earlier.at.start) == line) {
             continue;
         }
-        let (what, ends_with_its_line) =
-            in_words(error.message(), text.get(at.clone()).unwrap_or_default());
+        let guessed = match error.message().starts_with(TWICE) {
+            true => None,
+            false => guess(&text[line_at(text, at.start)]),
+        };
+        let (what, ends_with_its_line) = match guessed {
+            Some((said, hint)) => (notation(said, hint), true),
+            None => in_words(error.message(), text.get(at.clone()).unwrap_or_default()),
+        };
         let start = at.start;
         found.push(Finding { at, key: String::new(), what });
         if !ends_with_its_line {
@@ -30,6 +44,13 @@ pub(super) fn findings(text: &str, errors: &[Error]) -> (Vec<Finding>, usize) {
     (found, text.len())
 }
 
+fn notation(said: &str, hint: &str) -> What {
+    What::Notation { said: said.into(), hint: Some(hint.into()) }
+}
+
+/// What the parser says of a key that stands twice.
+const TWICE: &str = "duplicate key";
+
 /// The parser's message in plainer words, with a hint, and whether the lines below are still read
 /// correctly. Covers the messages of toml 1.2; an unknown message is passed on unchanged.
 fn in_words(message: &str, found: &str) -> (What, bool) {
@@ -38,9 +59,10 @@ fn in_words(message: &str, found: &str) -> (What, bool) {
         ("too few unicode value digits", "\\ begins a special character here", true),
         ("invalid basic string", "the text has no closing quote", true),
         ("invalid literal string", "the text has no closing quote", true),
-        ("duplicate key", "this name is used twice", true),
+        (TWICE, "this name is used twice", true),
         ("key with no value", "a key must be followed by = and its value", true),
         ("unexpected key or value", "unexpected text after the value", true),
+        ("unclosed array table", "the section's name has no closing brackets", true),
         ("unclosed table", "the section's name has no closing bracket", true),
         ("missing comma between array elements", "the list goes on without a comma", false),
         ("unclosed array", "the list has no closing ]", false),
@@ -56,24 +78,25 @@ fn in_words(message: &str, found: &str) -> (What, bool) {
         "missing escaped value" | "too few unicode value digits" => {
             r"write the text in single quotes: 'C:\scans'"
         }
-        "duplicate key" => "remove one of the two",
+        TWICE => "remove one of the two",
         "key with no value" => r#"write: name = "value""#,
         "unexpected key or value" => "begin a new line for a new key, and a comment with #",
+        "unclosed array table" => "write the section's name as [[name]]",
         "unclosed table" => "write the section's name as [name]",
         "missing comma between array elements" | "unclosed array" => {
             r#"write a list as ["one", "two"]; is its closing ] there?"#
         }
         _ => "end the text with the quote it began with",
     };
-    (What::Notation { said: (*said).into(), hint: Some(hint.into()) }, *ends)
+    (notation(said, hint), *ends)
 }
 
 fn unquoted(found: &str) -> (What, bool) {
     let bare = found.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
     let (said, hint) = if bare.is_empty() {
-        ("a value is missing after the =".into(), r#"write: name = "value""#.into())
+        ("a value is missing after the =".to_owned(), r#"write: name = "value""#.to_owned())
     } else {
         (format!("{bare} must be in straight quotes"), format!("write \"{bare}\""))
     };
-    (What::Notation { said, hint: Some(hint) }, true)
+    (notation(&said, &hint), true)
 }
