@@ -12,7 +12,7 @@ use std::time::Instant;
 use gaiter::store::revision::visits::of_patient;
 use gaiter_language::Language;
 use gaiter_leg::Method;
-use gaiter_record::report::{AgeMax, document_page};
+use gaiter_record::report::{self, AgeMax, Paper};
 use gaiter_record::{Acquired, AcquiredFrom, Patient, Record, sha256};
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::{Choice, Course, GIRTH_COMMON_MM, last_of_days};
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let document = report.document();
         compared.push(begin.elapsed());
-        document_page(&document, gaiter_record::report::Paper::A4)?;
+        report::page(&document, Paper::A4)?;
         page.push(begin.elapsed());
     }
     for (what, mut times) in [

@@ -35,9 +35,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         for language in Language::ALL {
             let drawn = figures::all(&record, language);
             let content = Content::of(&record, language, &Garment::default());
-            let paper = report::paper(&record, &content, &drawn, Print::default())?;
-            let milliseconds =
-                fastest_ms(|| report::paper(&record, &content, &drawn, Print::default()));
+            let document = content.document(&record, &drawn);
+            let paper = report::paper(&document, Print::default())?;
+            let milliseconds = fastest_ms(|| report::paper(&document, Print::default()));
             let stem = format!("{index}-{}", language.tag());
             println!("{stem} {path}: {} bytes in {milliseconds:.1} ms", paper.len());
             fs::write(Path::new(&out).join(format!("{stem}.pdf")), paper)?;

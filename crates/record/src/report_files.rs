@@ -8,7 +8,7 @@ use super::file::{RecordFile, file};
 use super::order::OrderChoice;
 use super::picture::figures::{self, Figure};
 use super::picture::svg;
-use super::report::{self, AgeMax, Content, PdfFault, Print};
+use super::report::{self, AgeMax, Content, Document, PdfFault, Print};
 use super::sizing::{SizeChoice, SizeVerdicts};
 
 /// The report as an HTML page.
@@ -76,7 +76,7 @@ pub(super) fn page(
 ) -> Result<RecordFile, serde_json::Error> {
     Ok(file(
         PAGE,
-        report::page(record, &content(record, choice), figures, choice.print.paper)?.into_bytes(),
+        report::page(&document(record, choice, figures), choice.print.paper)?.into_bytes(),
     ))
 }
 
@@ -85,12 +85,14 @@ pub(super) fn paper(
     choice: &ReportChoice,
     figures: &[Figure],
 ) -> Result<RecordFile, PdfFault> {
-    Ok(file(PAPER, report::paper(record, &content(record, choice), figures, choice.print)?))
+    Ok(file(PAPER, report::paper(&document(record, choice, figures), choice.print)?))
 }
 
-fn content(record: &Record, choice: &ReportChoice) -> Content {
-    let sizes = SizeVerdicts::of(record, &choice.garment, &choice.sizes);
-    Content::with_sizes(record, choice.language, &choice.garment, &sizes, choice.age_max)
+fn document(record: &Record, choice: &ReportChoice, figures: &[Figure]) -> Document {
+    let ReportChoice { language, garment, sizes, age_max, .. } = choice;
+    let sizes = SizeVerdicts::of(record, garment, sizes);
+    let content = Content::with_sizes(record, *language, garment, &sizes, *age_max);
+    content.document(record, figures)
 }
 
 /// Both legs and their girths as one drawing, shown by practice software and pages.

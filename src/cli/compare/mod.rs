@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gaiter_language::Language;
-use gaiter_record::report::{AgeMax, Paper, PdfFault, document_page, document_paper};
+use gaiter_record::report::{self, AgeMax, Paper, PdfFault, Print};
 use gaiter_record::{Record, RecordFile, SUMS};
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::schema::figures;
@@ -245,11 +245,11 @@ const PAPER_NAME: &str = "visits.pdf";
 /// The page, the PDF and the figures.
 fn files(report: &ReportOf, paper: Paper, json: String) -> Result<[RecordFile; 3], Fault> {
     let document = report.document_beside(PAPER_NAME);
-    let page = document_page(&document, paper)?;
+    let page = report::page(&document, paper)?;
     let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };
     Ok([
         file("visits.html", page.into_bytes()),
-        file(PAPER_NAME, document_paper(&document, paper)?),
+        file(PAPER_NAME, report::paper(&document, Print { paper, has_appendix: false })?),
         file("visits.json", json.into_bytes()),
     ])
 }

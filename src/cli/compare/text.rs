@@ -1,20 +1,20 @@
-//! A report of blocks for a terminal.
+//! A report of visits for a terminal.
 
-use gaiter_record::report::content::{Section, Table};
-use gaiter_record::report::document::{Block, Document, VerdictPart};
+use gaiter_record::report::content::{Section, Table, VerdictPart};
+use gaiter_record::report::document::{Block, Document};
 use gaiter_record::report::{Figure, Mark};
 
 use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::indented;
 
-/// The report in lines of at most this many characters; pictures are left out.
+/// The report in lines of at most this many characters; pictures and what reports of visits do not have are left out.
 pub(super) fn of(document: &Document, columns: usize) -> String {
     let head = &document.head;
     let mut text = format!("{}: {} · {}\n", head.title, head.patient, head.taken);
     for block in &document.blocks {
         text += &match block {
-            Block::Verdict(parts) => {
-                let parts: Vec<String> = parts.iter().map(|of| part(of, columns)).collect();
+            Block::Verdict(of) => {
+                let parts: Vec<String> = of.parts.iter().map(|of| part(of, columns)).collect();
                 parts.join("\n")
             }
             Block::Section(of) => section(of, columns),
@@ -23,7 +23,7 @@ pub(super) fn of(document: &Document, columns: usize) -> String {
                 let bold = has_bold(of).then(|| indented(bold, "  ", columns));
                 table(of, columns) + &bold.unwrap_or_default()
             }
-            Block::Picture { .. } | Block::View(_) | Block::Turn => String::new(),
+            _ => String::new(),
         };
     }
     text

@@ -8,7 +8,6 @@ mod facts;
 mod landmarks;
 mod levels;
 mod notes;
-mod pictures;
 mod sizes;
 mod surfaces;
 mod tables;
@@ -22,6 +21,7 @@ use gaiter_sizes::Garment;
 
 use super::Figure;
 use super::age::{Age, AgeMax};
+use super::head::Head;
 use crate::Record;
 use crate::completeness::{Completeness, Kind};
 use crate::schema::NOT_VOUCHED;
@@ -30,28 +30,18 @@ use crate::sizing::{SizeChoice, SizeVerdicts};
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Content {
-    /// The language of the texts.
-    pub language: Language,
-    /// The kind of document; whether its figures can be trusted, if not.
-    pub title: String,
-    /// Whether something vouches for the figures.
-    pub is_vouched: bool,
-    /// The patient's id with nothing hidden in it, or that there is none.
-    pub patient: String,
-    /// When and where the scan was taken, in one line, for the head of a page.
-    pub taken: String,
+    /// What stands on every page.
+    pub head: Head,
     /// The origin: patient, time, station, scan, program.
     pub facts: Vec<Fact>,
-    /// The heading of these facts.
-    pub origin: String,
     /// What is to be done before the patient dresses.
     pub verdict: Verdict,
     /// The measuring sheet.
     pub levels: Levels,
     /// How old the scan is.
     pub age: Age,
-    /// What a person fills in beside it.
-    pub open: OpenFields,
+    /// The names of what a person fills in beside it: the fields of an order that a scan cannot give.
+    pub open: Section,
     /// The sizes of makers' tables; `None` if there are no tables.
     pub sizes: Option<Sizes>,
     /// The tables that follow: both legs at the same heights, requested heights, volumes.
@@ -68,8 +58,6 @@ pub struct Content {
     pub legend: Section,
     /// Every figure of every level in mm, with the exact digits of `record.json`.
     pub landmarks: Table,
-    /// Headings of the pictures, and the text for a record without any.
-    pub pictures: PictureWords,
 }
 
 /// A heading and the content below it.
@@ -159,21 +147,21 @@ pub struct SheetRow {
     pub figures: [Figure; 2],
 }
 
-/// The fields of an order that a scan cannot give, left open on paper.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OpenFields {
-    /// The heading.
-    pub title: String,
-    /// Their names.
-    pub names: Vec<String>,
-}
-
-/// What is to be done before the patient dresses.
+/// What matters most.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
-    /// What it is.
-    pub kind: Kind,
-    /// It in sentences, the most important first; at least one.
+    /// What is to be done before the patient dresses; `None` where nothing is.
+    pub kind: Option<Kind>,
+    /// It in words, the most important first.
+    pub parts: Vec<VerdictPart>,
+}
+
+/// A part of what matters most.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VerdictPart {
+    /// What it is about; `None` for the whole report.
+    pub heading: Option<String>,
+    /// What is said, a sentence a line.
     pub sentences: Vec<String>,
 }
 
@@ -208,6 +196,16 @@ pub struct Table {
     /// What is to be known of its figures, below them; `None` if nothing is.
     pub below: Option<String>,
 }
+
+impl Table {
+    /// Whether it has so many columns that its letters are smaller.
+    pub(super) fn is_dense(&self) -> bool {
+        self.columns.len() > COLUMNS_MANY
+    }
+}
+
+/// A table with more columns than this has many: the columns of one with fewer fit on a page in plain letters.
+const COLUMNS_MANY: usize = 10;
 
 /// A row of a [`Table`].
 #[derive(Debug, Clone, PartialEq)]
@@ -252,32 +250,6 @@ pub enum Weight {
     Info,
 }
 
-/// The texts around the pictures.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PictureWords {
-    /// The heading.
-    pub title: String,
-    /// The heading of the appendix.
-    pub appendix: String,
-    /// What each figure of [`crate::picture::figures`] shows.
-    pub captions: Vec<Caption>,
-    /// The heading of the interactive 3D view.
-    pub view: String,
-    /// The text if the page's script does not run.
-    pub no_script: String,
-}
-
-/// The caption of a figure.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Caption {
-    /// The figure's name.
-    pub name: &'static str,
-    /// What it shows, in a few words.
-    pub title: String,
-    /// How to read it.
-    pub text: String,
-}
-
 impl Content {
     /// The content of a report of this record in this language, for an order of this garment, without sizes.
     pub fn of(record: &Record, language: Language, garment: &Garment) -> Content {
@@ -299,16 +271,20 @@ impl Content {
         let is_vouched = !record.has_finding(NOT_VOUCHED);
         let title = if is_vouched { "report.title" } else { "report.title_not_vouched" };
         Content {
-            language,
-            title: report.text(title),
-            is_vouched,
-            patient: report.patient(),
-            taken: report.taken(),
+            head: Head {
+                language,
+                title: report.text(title),
+                is_vouched,
+                patient: report.patient(),
+                taken: report.taken(),
+            },
             facts: report.facts(),
-            origin: report.text("report.origin"),
             verdict: Verdict {
-                kind: completeness.kind(),
-                sentences: completeness.sentences(language),
+                kind: Some(completeness.kind()),
+                parts: vec![VerdictPart {
+                    heading: None,
+                    sentences: completeness.sentences(language),
+                }],
             },
             levels: report.levels(),
             age: Age::of(record, age_max, language),
@@ -321,7 +297,6 @@ impl Content {
             notes,
             legend: report.legend(),
             landmarks: report.landmarks(),
-            pictures: report.picture_words(),
         }
     }
 }
@@ -374,9 +349,9 @@ impl Report<'_> {
         self.language.filled(key, words)
     }
 
-    fn open_fields(&self) -> OpenFields {
+    fn open_fields(&self) -> Section {
         let name = |field| self.language.word("report.open.field", field).to_owned();
-        OpenFields { title: self.text("report.open.title"), names: OPEN_FIELDS.map(name).into() }
+        Section { title: self.text("report.open.title"), entries: OPEN_FIELDS.map(name).into() }
     }
 
     /// The name of a leg.

@@ -1,8 +1,9 @@
-//! A report that is not of a single record: a head and blocks in reading order, as data for a page and a PDF.
+//! A report as data for a page and a PDF: a head and blocks in reading order.
 
 use jiff::Timestamp;
 
-use super::content::{Section, Table};
+use super::age::Age;
+use super::content::{Fact, Levels, Note, Section, Table, Verdict};
 use super::head::Head;
 use crate::Record;
 use crate::picture::figures::Figure;
@@ -31,6 +32,17 @@ pub struct Document {
     pub paper: Option<PaperLink>,
     /// Its content, in reading order. What stands before the first [`Block::Turn`] is one page of paper.
     pub blocks: Vec<Block>,
+    /// What few readers need; `None` if there is nothing of that kind.
+    pub appendix: Option<Appendix>,
+}
+
+/// What few readers need: closed on a page, and on paper only if it is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Appendix {
+    /// The heading.
+    pub title: String,
+    /// Its content, in reading order.
+    pub blocks: Vec<Block>,
 }
 
 /// A link from a page to the same report as a PDF.
@@ -46,9 +58,20 @@ pub struct PaperLink {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
     /// What matters most.
-    Verdict(Vec<VerdictPart>),
+    Verdict(Verdict),
+    /// The measuring sheet.
+    Sheet(Box<Sheet>),
+    /// Doubts and findings.
+    Notes {
+        /// The notes below their heading, most important first.
+        notes: Section<Note>,
+        /// The number of notes of each weight in one line, or that there are none.
+        summary: String,
+    },
     /// A heading with paragraphs.
     Section(Section),
+    /// A heading with facts.
+    Facts(Section<Fact>),
     /// A table.
     Table(Table),
     /// A picture below a heading, and how to read it.
@@ -59,6 +82,8 @@ pub enum Block {
         figure: Figure,
         /// How to read it.
         caption: String,
+        /// How much of a page of paper it may take.
+        room: Room,
     },
     /// Legs in the interactive 3D view of a page; nothing on paper.
     View(Box<View>),
@@ -66,13 +91,30 @@ pub enum Block {
     Turn,
 }
 
-/// A part of what matters most.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct VerdictPart {
-    /// What it is about; `None` for the whole report.
-    pub heading: Option<String>,
-    /// What is said, a sentence a line.
-    pub sentences: Vec<String>,
+/// How much of a page of paper a picture takes at most, with its words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Room {
+    /// Less than half: where it does not fit below what is before it, more than half of that page is filled.
+    HalfPage,
+    /// All of it, for pictures with much to read in them.
+    Page,
+}
+
+/// The measuring sheet, with both legs and with what a person fills in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// What tells it from all other sheets: for paper, where the other facts are on another page.
+    pub facts: Vec<Fact>,
+    /// The figures of an order.
+    pub levels: Levels,
+    /// How old the scan is.
+    pub age: Age,
+    /// Where the sizes are; `None` without tables of sizes.
+    pub see_sizes: Option<String>,
+    /// Both legs with their girths; `None` for a record without shapes.
+    pub legs: Option<Figure>,
+    /// The names of what a person fills in.
+    pub open: Section,
 }
 
 /// Legs in the interactive 3D view.
@@ -80,8 +122,10 @@ pub struct VerdictPart {
 pub struct View {
     /// The heading.
     pub title: String,
-    /// How to read it.
-    pub text: String,
+    /// Whose legs they are, behind the heading; `None` where that is plain.
+    pub whose: Option<String>,
+    /// How to read it; `None` if it needs no explanation.
+    pub text: Option<String>,
     /// The legs as those of a record.
     pub record: Record,
     /// Words of the view, by their keys in the table `viewer`, that are others than for a record.

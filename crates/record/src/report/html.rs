@@ -5,107 +5,85 @@ mod parts;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gaiter_language::{Piece, pieces};
+use gaiter_language::{Language, Piece, pieces};
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
+use super::Paper;
 use super::document::{Block, Document};
 use super::head::Head;
-use super::print::parted;
-use super::viewer::viewer_with;
-use super::{Content, Paper, viewer};
-use crate::Record;
-use crate::picture::figures::Figure;
+use super::viewer;
 use crate::picture::svg;
 
 /// The style sheet of the page.
 const STYLE: &str = include_str!("report.css");
 
-/// Starts the view when the page is loaded. The record is embedded in the page.
+/// What works on the page once it is loaded: its buttons, the age of the scan, the view.
 const BEGIN: &str = include_str!("begin.js");
 
-/// The same for a view that is not of a record's own page.
-const BEGIN_VIEW: &str = "gaiterViewer.mount(document.getElementById(\"view-place\"), \
-     JSON.parse(document.getElementById(\"record\").textContent), {});\n";
-
-/// Makes the page of a record with its content and with figures in the same language. The same record gives
-/// the same bytes.
-///
-/// # Errors
-/// If a figure of the record cannot be written as JSON.
-pub fn page(
-    record: &Record,
-    content: &Content,
-    figures: &[Figure],
-    paper: Paper,
-) -> Result<String, serde_json::Error> {
-    // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
-    let json = serde_json::to_string(record)?.replace('<', "\\u003c");
-    let style =
-        format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(&Head::of(content), paper));
-    let script = format!("{}\n{BEGIN}", viewer(content.language)?);
-    Ok(format!(
-        "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}\
-         <script type=\"application/json\" id=\"record\">{json}</script>\n\
-         <script>{script}</script>\n</body>\n</html>\n",
-        content.language.tag(),
-        head(&Head::of(content), &policy(&style, &script)),
-        body(content, figures),
-    ))
-}
-
-/// Makes the page of a report of blocks. The same report gives the same bytes.
+/// Makes the page of a report. The same report gives the same bytes.
 ///
 /// # Errors
 /// If a figure of a view cannot be written as JSON.
-pub fn document_page(of: &Document, paper: Paper) -> Result<String, serde_json::Error> {
-    let language = of.head.language;
-    let style = format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(&of.head, paper));
+pub fn page(of: &Document, paper: Paper) -> Result<String, serde_json::Error> {
+    let head = &of.head;
+    let style = format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(head, paper));
     let view = of.blocks.iter().find_map(|block| match block {
         Block::View(view) => Some(view),
         _ => None,
     });
-    let (json, script) = match view {
+    let (record, viewer) = match view {
         None => (String::new(), String::new()),
         Some(view) => {
+            // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
             let json = serde_json::to_string(&view.record)?.replace('<', "\\u003c");
-            let script = format!("{}\n{BEGIN_VIEW}", viewer_with(language, &view.words)?);
-            (json, script)
+            let record =
+                format!("<script type=\"application/json\" id=\"record\">{json}</script>\n");
+            (record, viewer(head.language, &view.words)?)
         }
     };
-    let scripts = match view {
-        None => String::new(),
-        Some(_) => format!(
-            "<script type=\"application/json\" id=\"record\">{json}</script>\n\
-             <script>{script}</script>\n"
-        ),
-    };
-    let blocks: Vec<String> = of.blocks.iter().enumerate().map(block).collect();
+    let script = format!("{viewer}\n{BEGIN}");
+    Ok(format!(
+        "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}{}\
+         {record}<script>{script}</script>\n</body>\n</html>\n",
+        head.language.tag(),
+        self::head(head, &policy(&style, &script)),
+        parts::header(head, of.paper.as_ref()),
+        element("main", "", &body(of)),
+    ))
+}
+
+/// The blocks of a report. What stands before its turn is the first page on paper.
+fn body(of: &Document) -> String {
+    let language = of.head.language;
+    let appended = of.appendix.iter().flat_map(|of| &of.blocks);
+    let all = of.blocks.iter().chain(appended).enumerate();
+    let all: Vec<String> = all.map(|(index, of)| block(index, of, language)).collect();
+    let (blocks, appended) = all.split_at(of.blocks.len());
     let turn = of.blocks.iter().position(|block| matches!(block, Block::Turn)).unwrap_or(0);
     let (first, others) = blocks.split_at(turn);
     let first = match first {
         [] => String::new(),
-        first => element("div", " class=\"first-page summary\"", &first.concat()),
+        first => parts::tools(language) + &element("div", " class=\"first-page\"", &first.concat()),
     };
-    Ok(format!(
-        "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}{}\
-         {scripts}</body>\n</html>\n",
-        language.tag(),
-        head(&of.head, &policy(&style, &script)),
-        parts::document_header(&of.head, of.paper.as_ref()),
-        element("main", "", &(first + &others.concat())),
-    ))
+    let appendix = of.appendix.as_ref().map(|of| parts::appendix(&of.title, &appended.concat()));
+    first + &others.concat() + &appendix.unwrap_or_default()
 }
 
 /// A part of a report, with its place among all of them.
-fn block((index, of): (usize, &Block)) -> String {
+fn block(index: usize, of: &Block, language: Language) -> String {
     let id = format!("part-{index}");
     match of {
-        Block::Verdict(said) => parts::verdict_of(said),
+        Block::Verdict(said) => parts::verdict(said),
+        Block::Sheet(sheet) => parts::sheet(&id, sheet),
+        Block::Notes { notes, summary } => parts::notes(&id, notes, summary, language),
         Block::Section(section) => parts::entries(&id, section),
-        Block::Table(table) => parts::whole_table(&id, table),
-        Block::Picture { title, figure, caption } => parts::titled(&id, title, figure, caption),
-        Block::View(view) => parts::view_of(&view.title, &view.text),
+        Block::Facts(facts) => parts::facts(&id, facts),
+        Block::Table(table) => parts::table(&id, table),
+        Block::Picture { title, figure, caption, .. } => {
+            parts::picture(&id, title, figure, caption)
+        }
+        Block::View(view) => parts::view(&id, view, language),
         Block::Turn => String::new(),
     }
 }
@@ -161,27 +139,6 @@ fn policy(style: &str, script: &str) -> String {
         hash(style),
         hash(script)
     )
-}
-
-fn body(content: &Content, figures: &[Figure]) -> String {
-    let (pictures, appendix) = parted(figures);
-    let parts = [
-        parts::tools(content),
-        element(
-            "div",
-            " class=\"first-page\"",
-            &(parts::verdict(content) + &parts::levels(content, figures)),
-        ),
-        parts::sizes(content),
-        parts::view(content),
-        parts::notes(content),
-        parts::pictures(content, &pictures),
-        parts::tables(content),
-        parts::entries("legend", &content.legend),
-        parts::facts(content),
-        parts::appendix(content, &appendix),
-    ];
-    format!("{}{}", parts::header(content), element("main", "", &parts.concat()))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
-//! The report of a record for people: its content as data, and the pages it is printed on.
+//! Reports for people: their content as blocks, a page and a PDF.
 
 pub mod age;
+mod blocks;
 pub mod content;
 pub mod document;
 mod figure;
@@ -17,7 +18,7 @@ pub use content::Content;
 pub use document::Document;
 pub use figure::{Figure, Mark};
 pub use head::Head;
-pub use html::{document_page, page};
-pub use pdf::{PdfFault, document_paper, paper};
+pub use html::page;
+pub use pdf::{PdfFault, paper};
 pub use print::{Paper, Print};
 pub use viewer::{VIEWER, viewer};

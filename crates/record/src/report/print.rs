@@ -1,7 +1,5 @@
 //! What the report is printed on, and how much of it.
 
-use crate::picture::figures::{Figure, SHEET};
-
 /// How the report is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Print {
@@ -37,13 +35,4 @@ impl Paper {
             Paper::Letter => [612.0, 792.0],
         }
     }
-}
-
-/// The figures of the appendix, by their names.
-const APPENDIX: [&str; 3] = ["sections", "fit", "error"];
-
-/// The figures for every reader, and those of the appendix; that of the measuring sheet is in neither.
-pub(super) fn parted(figures: &[Figure]) -> (Vec<&Figure>, Vec<&Figure>) {
-    let others = figures.iter().filter(|figure| figure.name != SHEET);
-    others.partition(|figure| !APPENDIX.contains(&figure.name))
 }

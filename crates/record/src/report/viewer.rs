@@ -19,16 +19,11 @@ pub const VIEWER: &str = concat!(
     include_str!("viewer/9_page.js"),
 );
 
-/// The script with the words of a language.
+/// The script with the words of a language, some of which are replaced by others.
 ///
 /// # Errors
 /// If the words cannot be written as JSON.
-pub fn viewer(language: Language) -> Result<String, serde_json::Error> {
-    viewer_with(language, &[])
-}
-
-/// The script with the words of a language, some of which are replaced.
-pub(super) fn viewer_with(
+pub fn viewer(
     language: Language,
     others: &[(&'static str, String)],
 ) -> Result<String, serde_json::Error> {

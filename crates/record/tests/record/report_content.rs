@@ -213,8 +213,8 @@ fn findings_of_one_code_are_one_note_that_keeps_every_message() {
 fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
     let record = doubted();
     let content = Content::of(&record, Language::En, &Garment::default());
-    let page =
-        report::page(&record, &content, &figures::all(&record, Language::En), Paper::A4).unwrap();
+    let document = content.clone().document(&record, &figures::all(&record, Language::En));
+    let page = report::page(&document, Paper::A4).unwrap();
     let words = words(&page);
     assert_eq!(words.matches("20.0 ± 0.2 ?").count(), 1, "the measuring sheet");
     assert!(words.contains("~19.0 ± 0.4 ~25.0 ± 1.4"));

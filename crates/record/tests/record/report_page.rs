@@ -47,7 +47,7 @@ fn german() -> ReportChoice {
 
 fn made_page(record: &Record, language: Language) -> String {
     let content = Content::of(record, language, &Garment::default());
-    report::page(record, &content, &figures::all(record, language), Paper::A4).unwrap()
+    report::page(&content.document(record, &figures::all(record, language)), Paper::A4).unwrap()
 }
 
 fn file(name: &str) -> String {

@@ -149,7 +149,7 @@ fn paper(record: &Record, language: Language) -> Vec<u8> {
 
 fn printed(record: &Record, language: Language, print: Print) -> Vec<u8> {
     let content = Content::of(record, language, &Garment::default());
-    report::paper(record, &content, &figures::all(record, language), print).unwrap()
+    report::paper(&content.document(record, &figures::all(record, language)), print).unwrap()
 }
 
 /// The words of a paper on all its pages, lines joined.
@@ -299,7 +299,7 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
     assert!(words.contains("~19.0 ± 0.4\n") && words.contains("~38.0 ± 0.8\n"), "{words}");
     let words = words.replace('\n', " ");
     let content = Content::of(&record, Language::En, &Garment::default());
-    assert_eq!(content.verdict.sentences, ["Measure by hand: right leg: C."]);
+    assert_eq!(content.verdict.parts[0].sentences, ["Measure by hand: right leg: C."]);
     assert!(words.contains("Measure by hand: right leg: C."), "{words}");
     let tilted = content.levels.tilted.unwrap();
     assert!(words.contains(&tilted), "{tilted:?} in {words}");

@@ -32,8 +32,8 @@ fn content(record: &Record, language: Language, garment: &Garment, sizes: &SizeC
 
 fn pages(record: &Record, language: Language, sizes: &SizeChoice) -> Vec<String> {
     let content = content(record, language, &Garment::default(), sizes);
-    let figures = figures::all(record, language);
-    Paper::of(&report::paper(record, &content, &figures, Print::default()).unwrap()).pages()
+    let document = content.document(record, &figures::all(record, language));
+    Paper::of(&report::paper(&document, Print::default()).unwrap()).pages()
 }
 
 fn html(record: &Record, language: Language, sizes: &SizeChoice) -> String {
@@ -49,7 +49,8 @@ fn without_tables_nothing_is_said_of_sizes() {
     assert_eq!(of.sizes, None);
     let none = SizeChoice::default();
     assert_eq!(content(&RECORD, Language::En, &Garment::default(), &none), of);
-    assert!(!html(&RECORD, Language::En, &none).contains("id=\"sizes\""));
+    assert!(!html(&RECORD, Language::En, &none).contains(">Sizes</h2>"));
+    assert!(html(&RECORD, Language::En, &example()).contains(">Sizes</h2>"));
 }
 
 #[test]
@@ -149,7 +150,8 @@ fn a_form_of_one_s_own_is_printed_in_its_order_names_and_steps_and_exports_keep_
     let page = report_files(&RECORD, &choice).unwrap().swap_remove(0);
     let page = String::from_utf8(page.bytes).unwrap();
     assert!(page.contains(&format!("\"girth_tape_mm\":{mm}")), "the record has all digits");
-    assert!(page.contains("id=\"form\"") && !page.contains("id=\"sizes\""), "only the form");
+    let is_there = |title: &str| page.contains(&format!(">{title}</h2>"));
+    assert!(is_there(&of.form.title) && !is_there(&of.title), "only the form");
 }
 
 #[test]

@@ -40,13 +40,8 @@ fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_tol
                   anzeigen: rechtes Bein D 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
     assert_eq!(told(&record), [english, german].map(|said| Some(said.to_owned())));
     for (language, sentence) in [(Language::En, english), (Language::De, german)] {
-        let page = report::page(
-            &record,
-            &Content::of(&record, language, &Garment::default()),
-            &[],
-            Paper::A4,
-        )
-        .unwrap();
+        let content = Content::of(&record, language, &Garment::default());
+        let page = report::page(&content.document(&record, &[]), Paper::A4).unwrap();
         assert!(words(&page).contains(sentence), "{language:?}");
     }
 }

@@ -9,7 +9,7 @@ mod words;
 use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::Record;
-use gaiter_record::report::content::Section;
+use gaiter_record::report::content::{Section, Verdict};
 use gaiter_record::report::document::{Block, Document, Origin, PaperLink};
 use gaiter_record::report::{AgeMax, Head};
 use jiff::civil::Date;
@@ -44,7 +44,8 @@ impl ReportOf<'_> {
     /// The report.
     pub fn document(&self) -> Document {
         let words = Words { course: self.course, language: self.language };
-        let mut blocks = vec![Block::Verdict(self.summary(&words))];
+        let verdict = Verdict { kind: None, parts: self.summary(&words) };
+        let mut blocks = vec![Block::Verdict(verdict)];
         let left_out = self.left_out(&words);
         if !left_out.is_empty() {
             let title = words.text("visits.missing_records");
@@ -71,7 +72,8 @@ impl ReportOf<'_> {
         blocks.extend(entries.map(|entries| {
             Block::Section(Section { title: words.text("visits.legend"), entries })
         }));
-        Document { head: self.head(&words), origin: self.origin(), paper: None, blocks }
+        let (head, origin) = (self.head(&words), self.origin());
+        Document { head, origin, paper: None, blocks, appendix: None }
     }
 
     /// The report for a page that has the PDF of it beside it, under this name.
@@ -121,6 +123,7 @@ impl ReportOf<'_> {
         Head {
             language: self.language,
             title: words.text("visits.title"),
+            is_vouched: true,
             patient: words.patient(),
             taken,
         }

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use gaiter_leg::Side;
-use gaiter_record::report::document::VerdictPart;
+use gaiter_record::report::content::VerdictPart;
 use gaiter_record::rounding::shortest;
 
 use super::ReportOf;

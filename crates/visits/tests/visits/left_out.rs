@@ -5,7 +5,8 @@
 use gaiter_language::Language;
 use gaiter_record::Record;
 use gaiter_record::report::AgeMax;
-use gaiter_record::report::document::{Block, VerdictPart};
+use gaiter_record::report::content::VerdictPart;
+use gaiter_record::report::document::Block;
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::schema::figures;
 use gaiter_visits::{Course, LeftOut};
@@ -106,7 +107,7 @@ fn what_is_left_out_is_told_in_the_report_and_in_the_json_beside_what_hangs_on_i
             let is_headed = of.heading.as_ref().is_some_and(|heading| heading.contains(day));
             is_headed && of.sentences.iter().any(|said| said.starts_with(day))
         };
-        let signed: Vec<bool> = said.iter().map(is_signed).collect();
+        let signed: Vec<bool> = said.parts.iter().map(is_signed).collect();
         assert_eq!(signed, [true, false, false], "{said:?}");
         let headed = blocks.iter().any(|block| match block {
             Block::Table(table) => table.columns.iter().any(|head| head == day),

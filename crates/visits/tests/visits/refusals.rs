@@ -134,7 +134,7 @@ fn a_comparison_of_another_posture_says_so_first_and_shows_no_volumes() {
     };
     let blocks = report.document().blocks;
     let Block::Verdict(said) = &blocks[0] else { panic!("{:?}", blocks[0]) };
-    let said: Vec<&String> = said.iter().flat_map(|part| &part.sentences).collect();
+    let said: Vec<&String> = said.parts.iter().flat_map(|part| &part.sentences).collect();
     assert!(said[0].contains("neither girths nor volumes are compared"), "{said:?}");
     assert!(!said.iter().any(|said| said.contains("Percent change")), "{said:?}");
     let mut tables = blocks.iter().filter_map(|block| match block {

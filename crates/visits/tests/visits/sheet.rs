@@ -9,7 +9,7 @@ use gaiter_record::Record;
 use gaiter_record::picture::{Ink, Mark};
 use gaiter_record::report::content::Table;
 use gaiter_record::report::document::{Block, Document};
-use gaiter_record::report::{self, Paper, document_page};
+use gaiter_record::report::{self, Paper};
 use gaiter_record::rounding::ml_margin;
 use gaiter_visits::schema::figures;
 use gaiter_visits::{Affected, Choice, Course};
@@ -283,7 +283,7 @@ fn no_figure_of_running_text_can_be_parted_from_its_unit_at_a_line_end() {
     let records = [cylinders([400.0, 420.0], 0), cylinders([400.0, 410.0], 30)];
     let course = Course::comparable(&records, named(Affected::One(Side::Left))).unwrap();
     for language in Language::ALL {
-        let page = document_page(&document(&course, &records, language), Paper::A4).unwrap();
+        let page = report::page(&document(&course, &records, language), Paper::A4).unwrap();
         let mut held = 0;
         for part in page.split('<') {
             let Some((tag, text)) = part.split_once('>') else { continue };

@@ -6,8 +6,8 @@ use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::picture::Mark;
 use gaiter_record::report::AgeMax;
-use gaiter_record::report::content::Table;
-use gaiter_record::report::document::{Block, Document, VerdictPart};
+use gaiter_record::report::content::{Table, VerdictPart};
+use gaiter_record::report::document::{Block, Document};
 use gaiter_record::{Acquired, AcquiredFrom, Record};
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::schema::figures;
@@ -31,7 +31,7 @@ pub fn document(course: &Course, records: &[Record], language: Language) -> Docu
 /// What matters most, in its parts.
 pub fn verdict(document: &Document) -> &[VerdictPart] {
     let said = document.blocks.iter().find_map(|block| match block {
-        Block::Verdict(said) => Some(said.as_slice()),
+        Block::Verdict(said) => Some(said.parts.as_slice()),
         _ => None,
     });
     said.unwrap()
@@ -46,7 +46,9 @@ pub fn sentences(document: &Document) -> Vec<&str> {
 pub fn texts(document: &Document) -> Vec<String> {
     let of = |block: &Block| -> Vec<String> {
         match block {
-            Block::Verdict(said) => said.iter().flat_map(|part| part.sentences.clone()).collect(),
+            Block::Verdict(said) => {
+                said.parts.iter().flat_map(|part| part.sentences.clone()).collect()
+            }
             Block::Section(of) => of.entries.clone(),
             Block::Table(of) => {
                 let figures = of.rows.iter().flat_map(|row| &row.figures);
@@ -61,7 +63,7 @@ pub fn texts(document: &Document) -> Vec<String> {
                 });
                 words.chain([caption.clone()]).collect()
             }
-            Block::View(_) | Block::Turn => Vec::new(),
+            _ => Vec::new(),
         }
     };
     document.blocks.iter().flat_map(of).collect()
@@ -171,6 +173,7 @@ fn the_first_page_holds_words_the_curves_and_where_girths_changed_and_no_table()
         Block::Picture { figure, .. } => figure.name,
         Block::View(_) => "view",
         Block::Turn => "turn",
+        _ => "of a record",
     };
     let names: Vec<&str> = first.iter().map(name).collect();
     assert_eq!(names, ["verdict", "section", "volumes", "changes"]);

@@ -37,7 +37,7 @@ pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
     let (page, kiosk) = (html(PAGE), html(KIOSK));
     let script = |text: &'static str| ([(CONTENT_TYPE, JAVASCRIPT)], text);
     // Without its words the view says nothing, and the page shows everything else.
-    let with_words = ([(CONTENT_TYPE, JAVASCRIPT)], viewer(language).unwrap_or_default());
+    let with_words = ([(CONTENT_TYPE, JAVASCRIPT)], viewer(language, &[]).unwrap_or_default());
     let style = ([(CONTENT_TYPE, "text/css; charset=utf-8")], STYLE);
     Router::new()
         .route("/", get(async move || page.clone()))
@@ -57,7 +57,7 @@ pub fn version(language: Language) -> &'static str {
 }
 
 fn computed_version(language: Language) -> String {
-    let (labels, viewer) = (labels(language), viewer(language).unwrap_or_default());
+    let (labels, viewer) = (labels(language), viewer(language, &[]).unwrap_or_default());
     let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, &viewer, &labels];
     let hash = sha256(parts.join("\0").as_bytes());
     hash.chars().take(16).collect()

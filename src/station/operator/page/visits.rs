@@ -10,7 +10,7 @@ use gaiter_flow::ScanId;
 use gaiter_flow::page;
 use gaiter_flow::page::files::served;
 use gaiter_record::Record;
-use gaiter_record::report::{document_page, document_paper};
+use gaiter_record::report;
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::{Affected, Choice, Course, last_of_days};
 use jiff::Zoned;
@@ -147,11 +147,10 @@ fn made(desk: &Desk, patient: &str, form: Form) -> Result<Vec<u8>, NoVisits> {
         language: config.language,
     };
     let document = report.document();
-    let paper = config.print.paper;
     match form {
-        Form::Page => {
-            document_page(&document, paper).map(String::into_bytes).map_err(|error| failed(&error))
-        }
-        Form::Paper => document_paper(&document, paper).map_err(|error| failed(&error)),
+        Form::Page => report::page(&document, config.print.paper)
+            .map(String::into_bytes)
+            .map_err(|error| failed(&error)),
+        Form::Paper => report::paper(&document, config.print).map_err(|error| failed(&error)),
     }
 }

@@ -51,8 +51,8 @@ pub(super) fn wide(named_by: &str, table: &str) -> String {
     element("div", &attributes, table)
 }
 
-/// A figure in a cell.
-pub(super) fn figure(figure: &Figure) -> String {
+/// A figure in a cell with these attributes besides its class.
+pub(super) fn figure(figure: &Figure, attributes: &str) -> String {
     let (class, before, behind) = match figure.mark {
         Mark::Sure => ("", "", ""),
         Mark::Doubtful => (" class=\"doubtful\"", "", "<span class=\"mark\"> ?</span>"),
@@ -67,5 +67,7 @@ pub(super) fn figure(figure: &Figure) -> String {
         .as_ref()
         .map(|margin| format!(" <span class=\"margin\">±&nbsp;{}</span>", escaped(margin)));
     let margin = margin.unwrap_or_default();
-    format!("<td{class}><span class=\"value\">{before}{value}</span>{margin}{behind}</td>")
+    format!(
+        "<td{attributes}{class}><span class=\"value\">{before}{value}</span>{margin}{behind}</td>"
+    )
 }

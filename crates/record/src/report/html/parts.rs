@@ -1,27 +1,22 @@
 //! The parts of the page, from the most important figures to the origin of the record.
 
+use gaiter_language::Language;
 use gaiter_leg::Side;
 
 use super::markup::{element, escaped, figure, foreign, said, section, wide, words};
-use crate::picture::figures::{Figure as Drawn, SHEET};
+use crate::picture::figures::Figure as Drawn;
 use crate::picture::svg;
 use crate::report::age::Age;
-use crate::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
-use crate::report::document::{PaperLink, VerdictPart};
-use crate::report::{Figure, Head, Mark};
+use crate::report::content::{
+    Fact, LevelRow, Note, Section, SheetRow, Table, TableRow, Verdict, VerdictPart, Weight,
+};
+use crate::report::document::{PaperLink, Sheet, View};
+use crate::report::{Figure, Head};
 
 /// The patient, and when the scan was taken.
-pub(super) fn header(content: &Content) -> String {
-    let class = if content.is_vouched { " class=\"kind\"" } else { " class=\"kind alarm\"" };
-    let title = words("p", class, &content.title);
-    let patient = format!("<h1>{}</h1>", foreign(&content.patient));
-    let taken = format!("<p class=\"taken\">{}</p>", foreign(&content.taken));
-    element("header", "", &[title, patient, taken].join("\n"))
-}
-
-/// The head of a report of blocks.
-pub(super) fn document_header(head: &Head, paper: Option<&PaperLink>) -> String {
-    let title = words("p", " class=\"kind\"", &head.title);
+pub(super) fn header(head: &Head, paper: Option<&PaperLink>) -> String {
+    let class = if head.is_vouched { " class=\"kind\"" } else { " class=\"kind alarm\"" };
+    let title = words("p", class, &head.title);
     let patient = format!("<h1>{}</h1>", foreign(&head.patient));
     let taken = format!("<p class=\"taken\">{}</p>", foreign(&head.taken));
     let link = |paper: &PaperLink| {
@@ -32,51 +27,51 @@ pub(super) fn document_header(head: &Head, paper: Option<&PaperLink>) -> String 
     element("header", "", &[title, patient, taken, paper].join("\n"))
 }
 
-/// What matters most, a sentence a line, below the headings of its parts.
-pub(super) fn verdict_of(parts: &[VerdictPart]) -> String {
+/// What matters most, a sentence a line, below the headings of its parts. What is to be done comes first.
+pub(super) fn verdict(of: &Verdict) -> String {
+    let mut first = of.kind.map(|_| " class=\"first\"");
     let part = |part: &VerdictPart| {
         let heading = part.heading.as_ref().map(|of| words("h2", "", of)).unwrap_or_default();
-        let sentences = part.sentences.iter().map(|sentence| said("p", "", sentence));
+        let sentences = part.sentences.iter();
+        let sentences = sentences.map(|of| said("p", first.take().unwrap_or_default(), of));
         element("div", "", &(heading + &sentences.collect::<String>()))
     };
-    element("div", " class=\"verdict\"", &parts.iter().map(part).collect::<String>())
+    let parts: String = of.parts.iter().map(part).collect();
+    let kind = of.kind.map(|kind| format!(" {}", kind.word())).unwrap_or_default();
+    element("div", &format!(" class=\"verdict{kind}\""), &parts)
 }
 
 /// A picture below a heading.
-pub(super) fn titled(id: &str, title: &str, drawn: &Drawn, caption: &str) -> String {
+pub(super) fn picture(id: &str, title: &str, drawn: &Drawn, caption: &str) -> String {
     let inside =
         svg::embedded(drawn.name, &drawn.picture, &drawn.marks) + &said("figcaption", "", caption);
     section(id, title, &element("figure", &format!(" class=\"{}\"", drawn.name), &inside))
 }
 
-/// The place of the interactive 3D view of a report of blocks.
-pub(super) fn view_of(title: &str, text: &str) -> String {
-    let text = said("p", " class=\"aside\"", text);
-    let place = element("div", " id=\"view-place\"", "");
-    let heading = words("h2", " id=\"view\"", title);
-    let inside = element("section", " aria-labelledby=\"view\"", &(heading + &text + &place));
+/// The place of the interactive 3D view.
+pub(super) fn view(id: &str, of: &View, language: Language) -> String {
+    let whose = of.whose.as_ref().map(|whose| format!(" – {}", foreign(whose)));
+    let title = escaped(&of.title) + &whose.unwrap_or_default();
+    let heading = element("h2", &format!(" id=\"{id}\""), &title);
+    let text = of.text.as_ref().map(|text| said("p", " class=\"aside\"", text));
+    let no_script = words("p", "", language.text("report.pictures.no_script"));
+    let place = element("div", " id=\"view-place\"", &no_script);
+    let inside = heading + &text.unwrap_or_default() + &place;
+    let inside = element("section", &format!(" aria-labelledby=\"{id}\""), &inside);
     element("div", " class=\"screen-only\"", &inside)
 }
 
-/// What is to be done before the patient dresses.
-pub(super) fn verdict(content: &Content) -> String {
-    let [first, rest @ ..] = content.verdict.sentences.as_slice() else { return String::new() };
-    let rest: String = rest.iter().map(|sentence| said("p", "", sentence)).collect();
-    let class = format!(" class=\"verdict {}\"", content.verdict.kind.word());
-    element("div", &class, &(said("p", " class=\"first\"", first) + &rest))
-}
-
 /// Doubts and findings.
-pub(super) fn notes(content: &Content) -> String {
-    let entries: String = content.notes.entries.iter().map(|entry| note(content, entry)).collect();
+pub(super) fn notes(id: &str, of: &Section<Note>, summary: &str, language: Language) -> String {
+    let entries: String = of.entries.iter().map(|entry| note(entry, language)).collect();
     let list = match entries.as_str() {
-        "" => said("p", "", &content.summary),
+        "" => said("p", "", summary),
         entries => element("ul", " class=\"notes\"", entries),
     };
-    section("notes", &content.notes.title, &list)
+    section(id, &of.title, &list)
 }
 
-fn note(content: &Content, note: &Note) -> String {
+fn note(note: &Note, language: Language) -> String {
     let class = match note.weight {
         Weight::Error => "error",
         Weight::Warning => "warning",
@@ -89,7 +84,7 @@ fn note(content: &Content, note: &Note) -> String {
         words("bdi", "", &note.title)
     );
     // A message that is not available in the page's language is shown in the record's own.
-    let is_foreign = note.is_message_english && content.language.tag() != "en";
+    let is_foreign = note.is_message_english && language.tag() != "en";
     let lang = if is_foreign { " lang=\"en\"" } else { "" };
     let message = match note.message.as_str() {
         "" => String::new(),
@@ -102,8 +97,8 @@ fn note(content: &Content, note: &Note) -> String {
 }
 
 /// The measuring sheet with both legs beside it, and what a person fills in on paper.
-pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
-    let (levels, columns) = (&content.levels, &content.levels.columns);
+pub(super) fn sheet(id: &str, of: &Sheet) -> String {
+    let (levels, columns) = (&of.levels, &of.levels.columns);
     let column = |text: &str| words("th", " scope=\"col\"", text);
     let legs: String = Side::FROM_FRONT
         .into_iter()
@@ -124,19 +119,18 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
                   <colgroup span=\"4\"></colgroup>";
     let head = groups.to_owned() + &element("thead", "", &head);
     let inside = head + &element("tbody", "", &(rows + &lengths));
-    let table = wide("levels", &element("table", " class=\"levels\"", &inside));
+    let table = wide(id, &element("table", " class=\"levels\"", &inside));
     let key = std::iter::once(&levels.key);
-    let see_sizes = content.sizes.as_ref().and_then(|of| of.see.as_ref());
     let below =
-        key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(see_sizes);
+        key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(&of.see_sizes);
     let below: String = below.map(|text| said("p", " class=\"aside\"", text)).collect();
-    let below = age(&content.age) + &below;
-    let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
+    let below = age(&of.age) + &below;
+    let legs = of.legs.as_ref().map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
         element("figure", " class=\"sheet\"", &marks)
     });
-    let sheet = table + &legs.unwrap_or_default() + &below + &open_fields(content);
-    section("levels", &levels.title, &sheet)
+    let sheet = table + &legs.unwrap_or_default() + &below + &open_fields(&of.open);
+    section(id, &levels.title, &sheet)
 }
 
 fn level(row: &LevelRow) -> String {
@@ -147,8 +141,8 @@ fn level(row: &LevelRow) -> String {
             // One reason for both columns.
             cells += &words("td", " colspan=\"2\" class=\"missing\"", &leg.girth.value);
         } else {
-            cells += &figure(&leg.girth);
-            cells += &figure(&leg.height);
+            cells += &figure(&leg.girth, "");
+            cells += &figure(&leg.height, "");
         }
         cells += if row.has_height { BOXES } else { ONE_BOX };
     }
@@ -157,17 +151,7 @@ fn level(row: &LevelRow) -> String {
 
 /// A length, which has one figure a leg.
 fn length(row: &SheetRow) -> String {
-    let of_leg = |of: &Figure| {
-        let class = if of.is_missing() { " class=\"missing\"" } else { "" };
-        let margin = of.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
-        let sign = match of.mark {
-            Mark::Doubtful => " ?",
-            Mark::ByHand => "\u{a0}*",
-            _ => "",
-        };
-        let shown = format!("{}{margin}{sign}", of.value);
-        words("td", &format!(" colspan=\"2\"{class}"), &shown) + ONE_BOX
-    };
+    let of_leg = |of: &Figure| figure(of, " colspan=\"2\"") + ONE_BOX;
     let cells: String = row.figures.iter().map(of_leg).collect();
     element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &cells))
 }
@@ -190,36 +174,20 @@ const BOXES: &str = "<td class=\"by-hand\"></td><td class=\"by-hand\"></td>";
 const ONE_BOX: &str = "<td class=\"by-hand\" colspan=\"2\"></td>";
 
 /// The fields of an order that a scan cannot give, for paper.
-fn open_fields(content: &Content) -> String {
-    let names: String = content.open.names.iter().map(|name| words("li", "", name)).collect();
-    let title = words("h3", "", &content.open.title);
+fn open_fields(open: &Section) -> String {
+    let names: String = open.entries.iter().map(|name| words("li", "", name)).collect();
+    let title = words("h3", "", &open.title);
     element("div", " class=\"open print-only\"", &(title + &element("ul", "", &names)))
 }
 
-/// The pictures for every reader.
-pub(super) fn pictures(content: &Content, drawn: &[&Drawn]) -> String {
-    section("pictures", &content.pictures.title, &captioned(content, drawn))
-}
-
-/// The engineering figures, which few readers need: closed, and not printed while they are.
-pub(super) fn appendix(content: &Content, drawn: &[&Drawn]) -> String {
-    let inside = [
-        words("summary", "", &content.pictures.appendix),
-        captioned(content, drawn),
-        content.slices.as_ref().map(|of| whole_table("slices", of)).unwrap_or_default(),
-        entries("surfaces", &content.surfaces),
-        landmarks(content),
-    ];
-    element("details", " class=\"appendix\"", &inside.concat())
-}
-
-fn captioned(content: &Content, drawn: &[&Drawn]) -> String {
-    drawn.iter().map(|drawn| picture(content, drawn)).collect()
+/// What few readers need: closed, and not printed while it is.
+pub(super) fn appendix(title: &str, blocks: &str) -> String {
+    element("details", " class=\"appendix\"", &(words("summary", "", title) + blocks))
 }
 
 /// The buttons for printing.
-pub(super) fn tools(content: &Content) -> String {
-    let text = |key| content.language.text(key);
+pub(super) fn tools(language: Language) -> String {
+    let text = |key| language.text(key);
     let print = words("button", " type=\"button\" id=\"print\"", text("report.print.button"));
     let only = format!(
         "<label><input type=\"checkbox\" id=\"first-only\"> {}</label>",
@@ -228,64 +196,12 @@ pub(super) fn tools(content: &Content) -> String {
     element("p", " class=\"tools screen-only\"", &(print + &only))
 }
 
-fn picture(content: &Content, drawn: &Drawn) -> String {
-    let caption = content.pictures.captions.iter().find(|caption| caption.name == drawn.name);
-    let caption = match caption {
-        Some(of) => words("b", "", &of.title) + " " + &said("span", "", &of.text),
-        None => escaped(&drawn.picture.title),
-    };
-    let inside = svg::embedded(drawn.name, &drawn.picture, &drawn.marks)
-        + &element("figcaption", "", &caption);
-    element("figure", &format!(" class=\"{}\"", drawn.name), &inside)
-}
-
-/// The place of the interactive 3D view, under a heading that says whose legs it shows.
-pub(super) fn view(content: &Content) -> String {
-    let sentence = words("p", "", &content.pictures.no_script);
-    let place = element("div", " id=\"view-place\"", &sentence);
-    let whose = format!("{} – {}", escaped(&content.pictures.view), foreign(&content.patient));
-    let heading = element("h2", " id=\"view\"", &whose);
-    let inside = element("section", " aria-labelledby=\"view\"", &(heading + &place));
-    element("div", " class=\"screen-only\"", &inside)
-}
-
-/// Both legs at the same heights, requested heights, volumes.
-pub(super) fn tables(content: &Content) -> String {
-    let part = |(index, of): (usize, &Table)| whole_table(&format!("table-{index}"), of);
-    content.tables.iter().enumerate().map(part).collect()
-}
-
-/// The sizes of makers' tables.
-pub(super) fn sizes(content: &Content) -> String {
-    let Some(of) = &content.sizes else { return String::new() };
-    let about: String = of.about.iter().map(|text| said("p", " class=\"aside\"", text)).collect();
-    let part = |(index, of): (usize, &Table)| whole_table(&format!("sizes-{index}"), of);
-    let tables: String = of.tables.iter().enumerate().map(part).collect();
-    let calibre = of.calibre.as_ref().map(|of| entries("calibre", of)).unwrap_or_default();
-    let form = whole_table("form", &of.form);
-    // Without tables there is only the form.
-    let head = match about.is_empty() {
-        true => String::new(),
-        false => section("sizes", &of.title, &about),
-    };
-    head + &tables + &calibre + &form
-}
-
-pub(super) fn whole_table(id: &str, of: &Table) -> String {
-    section(id, &of.title, &table(id, of, ""))
-}
-
-/// Every figure of the levels in mm.
-pub(super) fn landmarks(content: &Content) -> String {
-    let of = &content.landmarks;
-    section("landmarks", &of.title, &table("landmarks", of, " class=\"dense\""))
-}
-
-fn table(id: &str, of: &Table, attributes: &str) -> String {
+/// A table below its heading.
+pub(super) fn table(id: &str, of: &Table) -> String {
     let head: String = of.columns.iter().map(|text| words("th", " scope=\"col\"", text)).collect();
     let head = element("thead", "", &element("tr", "", &head));
-    let row = |row: &crate::report::content::TableRow| {
-        let figures: String = row.figures.iter().map(figure).collect();
+    let row = |row: &TableRow| {
+        let figures: String = row.figures.iter().map(|of| figure(of, "")).collect();
         element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &figures))
     };
     let body = element("tbody", "", &of.rows.iter().map(row).collect::<String>());
@@ -293,8 +209,10 @@ fn table(id: &str, of: &Table, attributes: &str) -> String {
         let text = text.as_ref().map(|text| said("p", &format!(" class=\"{class}\""), text));
         text.unwrap_or_default()
     };
-    let table = wide(id, &element("table", attributes, &(head + &body)));
-    aside(&of.explanation, "aside") + &table + &aside(&of.below, "aside below")
+    let class = if of.is_dense() { " class=\"dense\"" } else { "" };
+    let table = wide(id, &element("table", class, &(head + &body)));
+    let inside = aside(&of.explanation, "aside") + &table + &aside(&of.below, "aside below");
+    section(id, &of.title, &inside)
 }
 
 /// A heading with paragraphs.
@@ -303,12 +221,12 @@ pub(super) fn entries(id: &str, of: &Section) -> String {
     section(id, &of.title, &element("ul", " class=\"plain\"", &paragraphs))
 }
 
-/// Where the record comes from.
-pub(super) fn facts(content: &Content) -> String {
-    let fact = |fact: &crate::report::content::Fact| {
+/// A heading with facts.
+pub(super) fn facts(id: &str, of: &Section<Fact>) -> String {
+    let fact = |fact: &Fact| {
         let inside = words("dt", "", &fact.name) + &format!("<dd>{}</dd>", foreign(&fact.value));
         element("div", "", &inside)
     };
-    let facts: String = content.facts.iter().map(fact).collect();
-    section("facts", &content.origin, &element("dl", " class=\"facts\"", &facts))
+    let facts: String = of.entries.iter().map(fact).collect();
+    section(id, &of.title, &element("dl", " class=\"facts\"", &facts))
 }

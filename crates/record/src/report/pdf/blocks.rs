@@ -1,17 +1,66 @@
-//! A report of blocks on pages.
+//! The blocks of a report on pages.
 
-use super::flow::Flow;
-use super::parts;
+use pdf_writer::types::StructRole;
+
+use super::flow::{BOLD_TYPE, Flow, SMALL_TYPE};
+use super::measuring_sheet;
+use super::parts::{self, DRAWN_GAP, PART_GAP};
+use crate::picture::{Ink, Picture};
 use crate::report::document::{Block, Document};
 
-/// Writes a report. What stands before its turn is one page. Behind it, tables are whole and pictures are not small, so
-/// what does not fit below lets what fits go before it: a page is full, and a table is not broken.
-pub(super) fn write(flow: &mut Flow<'_>, of: &Document) {
+/// The smallest scale at which the letters of a picture can be read, pt per px.
+const READABLE: f64 = 0.35;
+
+/// Writes a report. What stands before its turn is one page, and so begins the appendix.
+pub(super) fn write(flow: &mut Flow<'_>, of: &Document, has_appendix: bool) {
     parts::title(flow, &of.head.title);
     let turn = of.blocks.iter().position(|block| matches!(block, Block::Turn)).unwrap_or(0);
     let (first, others) = of.blocks.split_at(turn);
-    parts::first_page(flow, first);
-    let mut left: Vec<&Block> = others.iter().collect();
+    first_page(flow, first);
+    fill(flow, others);
+    if let Some(appendix) = of.appendix.as_ref().filter(|_| has_appendix) {
+        flow.turn();
+        flow.heading(&appendix.title, 0.0);
+        fill(flow, &appendix.blocks);
+    }
+}
+
+/// What matters most on a page of its own: its pictures share the height that its words leave. Only where that is so
+/// little that they could not be read, they go on.
+fn first_page(flow: &mut Flow<'_>, blocks: &[Block]) {
+    let mut pictures: Vec<(&String, &Picture, &String)> = Vec::new();
+    for of in blocks {
+        match of {
+            Block::Section(section) => parts::small_section(flow, section),
+            Block::Picture { title, figure, caption, .. } => {
+                pictures.push((title, &figure.picture, caption));
+            }
+            _ => block(flow, of),
+        }
+    }
+    let around = |title: &str, caption: &str| {
+        let words = Flow::height_of(title, BOLD_TYPE) + Flow::height_of(caption, SMALL_TYPE);
+        PART_GAP + words + 2.0 * DRAWN_GAP
+    };
+    let words: f64 = pictures.iter().map(|(title, _, caption)| around(title, caption)).sum();
+    let heights: f64 = pictures.iter().map(|(_, picture, _)| picture.size[1]).sum();
+    let scale = ((flow.room() - words) / heights).max(READABLE);
+    for (title, picture, caption) in pictures {
+        let height = Flow::drawn_height(picture, scale);
+        flow.need(around(title, caption) + height);
+        flow.space(PART_GAP);
+        flow.text(title, StructRole::H2, BOLD_TYPE, Ink::Text);
+        flow.space(DRAWN_GAP);
+        flow.drawing(picture, height);
+        flow.space(DRAWN_GAP);
+        flow.text(caption, StructRole::P, SMALL_TYPE, Ink::Muted);
+    }
+}
+
+/// Writes blocks on full pages: tables are whole and pictures are not small, so what does not fit below lets what fits
+/// go before it.
+fn fill(flow: &mut Flow<'_>, blocks: &[Block]) {
+    let mut left: Vec<&Block> = blocks.iter().collect();
     while !left.is_empty() {
         let next = next(flow, &left);
         block(flow, left.remove(next));
@@ -30,10 +79,7 @@ fn next(flow: &Flow<'_>, left: &[&Block]) -> usize {
 }
 
 fn is_movable(block: &Block) -> bool {
-    match block {
-        Block::Table(_) | Block::Picture { .. } | Block::View(_) => true,
-        Block::Verdict(_) | Block::Section(_) | Block::Turn => false,
-    }
+    matches!(block, Block::Table(_) | Block::Picture { .. } | Block::View(_))
 }
 
 /// Whether two tables are read one after the other.
@@ -47,17 +93,24 @@ fn is_like(one: &Block, other: &Block) -> bool {
 fn fits(flow: &Flow<'_>, block: &Block) -> bool {
     match block {
         Block::Table(table) => parts::table_fits(flow, table),
-        Block::Picture { figure, caption, .. } => parts::picture_fits(flow, figure, caption),
-        Block::View(_) | Block::Verdict(_) | Block::Section(_) | Block::Turn => true,
+        Block::Picture { figure, caption, room, .. } => {
+            parts::picture_fits(flow, figure, caption, *room)
+        }
+        _ => true,
     }
 }
 
 fn block(flow: &mut Flow<'_>, of: &Block) {
     match of {
         Block::Verdict(said) => parts::verdict(flow, said),
+        Block::Sheet(sheet) => measuring_sheet::write(flow, sheet),
+        Block::Notes { notes, summary } => parts::notes(flow, notes, summary),
         Block::Section(section) => parts::section(flow, section),
-        Block::Table(table) => parts::whole_table(flow, table),
-        Block::Picture { title, figure, caption } => parts::picture(flow, title, figure, caption),
+        Block::Facts(facts) => parts::facts(flow, facts),
+        Block::Table(table) => parts::table(flow, table),
+        Block::Picture { title, figure, caption, room } => {
+            parts::picture(flow, title, figure, caption, *room);
+        }
         Block::View(_) => {}
         Block::Turn => flow.turn(),
     }
@@ -68,10 +121,9 @@ mod tests {
     use gaiter_language::Language;
 
     use super::*;
-    use crate::picture::Picture;
     use crate::picture::figures::Figure;
-    use crate::report::content::{Section, Table, TableRow};
-    use crate::report::document::{Origin, VerdictPart};
+    use crate::report::content::{Section, Table, TableRow, Verdict, VerdictPart};
+    use crate::report::document::{Origin, Room};
     use crate::report::{self, Head, Mark, Paper};
 
     fn picture(height: f64) -> Block {
@@ -83,11 +135,15 @@ mod tests {
             marks: Vec::new(),
         };
         let figure = Figure { name: "picture", picture, marks: String::new() };
-        Block::Picture { title, figure, caption: "How to read it. ".repeat(12) }
+        let caption = "How to read it. ".repeat(12);
+        Block::Picture { title, figure, caption, room: Room::HalfPage }
     }
 
     fn verdict(sentences: Vec<String>) -> Block {
-        Block::Verdict(vec![VerdictPart { heading: None, sentences }])
+        Block::Verdict(Verdict {
+            kind: None,
+            parts: vec![VerdictPart { heading: None, sentences }],
+        })
     }
 
     /// A table that no other one is like but those of as many rows.
@@ -117,13 +173,14 @@ mod tests {
         let head = Head {
             language: Language::En,
             title: text.clone(),
+            is_vouched: true,
             patient: text.clone(),
             taken: text.clone(),
         };
         let origin = Origin { id: text.clone(), author: text.clone(), made_by: text, at: None };
-        let of = Document { head: head.clone(), origin, paper: None, blocks };
+        let of = Document { head: head.clone(), origin, paper: None, blocks, appendix: None };
         let mut flow = Flow::new(&head, paper);
-        write(&mut flow, &of);
+        write(&mut flow, &of, false);
         (flow.sheets.pages.len(), flow.y)
     }
 

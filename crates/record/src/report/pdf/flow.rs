@@ -41,9 +41,6 @@ const HEADING_BELOW: f64 = 4.0;
 /// Height of a heading of one line with the gaps around it, pt.
 pub(super) const HEADING_ROOM: f64 = HEADING_GAP + 12.5 * 1.32 + HEADING_BELOW;
 
-/// Space between a picture and its caption, pt.
-const CAPTION_GAP: f64 = 6.0;
-
 /// Sums of heights in a different order differ by less than this, pt.
 const ROUNDING: f64 = 1e-6;
 
@@ -150,20 +147,6 @@ impl<'a> Flow<'a> {
         self.y += letters.leading();
     }
 
-    /// Draws a picture with its caption, as wide as the column or as high as a page with a heading.
-    pub(super) fn picture(&mut self, picture: &Picture, title: &str, text: &str) {
-        let scale = self.scale(picture, title, text, 0.0);
-        let [width, height] = picture.size;
-        self.need(height * scale + caption_height(title, text) - ROUNDING);
-        let figure = self.sheets.tags.add_figure(&picture.title);
-        let at = [COLUMN[0] + (WIDTH - width * scale) / 2.0, self.y];
-        self.sheets.draw(figure, |pen| drawing::draw(pen, picture, at, scale));
-        self.y += height * scale + CAPTION_GAP;
-        self.text(title, StructRole::Caption, BOLD_TYPE, Ink::Text);
-        self.text(text, StructRole::P, SMALL_TYPE, Ink::Muted);
-        self.space(14.0);
-    }
-
     /// Height that is left on the page, pt.
     pub(super) fn room(&self) -> f64 {
         self.bottom() - self.y
@@ -184,7 +167,7 @@ impl<'a> Flow<'a> {
         height * (WIDTH / width).min(LARGEST_SCALE).min(scale)
     }
 
-    /// Draws a picture without a caption, at most this high, pt.
+    /// Draws a picture, at most this high, pt.
     pub(super) fn drawing(&mut self, picture: &Picture, height_max: f64) {
         let [width, height] = picture.size;
         let scale = (WIDTH / width).min(height_max / height).min(LARGEST_SCALE);
@@ -207,22 +190,6 @@ impl<'a> Flow<'a> {
         self.sheets.decorate(page, |pen| pen.rule([[from, y], [right, y]], Ink::Muted, 0.5));
     }
 
-    /// Height of a picture with its caption if `above` pt come before it, pt.
-    pub(super) fn picture_height(&self, picture: &Picture, captions: [&str; 2], above: f64) -> f64 {
-        let [title, text] = captions;
-        picture.size[1] * self.scale(picture, title, text, above) + caption_height(title, text)
-    }
-
-    /// The scale of a picture, pt per px. It is smaller if that saves a page.
-    fn scale(&self, picture: &Picture, title: &str, text: &str, above: f64) -> f64 {
-        let [width, height] = picture.size;
-        let caption = caption_height(title, text);
-        let room = self.bottom() - TOP - caption - HEADING_TYPE.leading() - 4.0;
-        let scale = (WIDTH / width).min(room / height).min(LARGEST_SCALE);
-        let left = (self.bottom() - self.y - above - caption) / height;
-        if left >= SHRUNK_SCALE * scale { scale.min(left) } else { scale }
-    }
-
     /// Adds the page numbers and returns the pages.
     pub(super) fn finished(mut self) -> Sheets {
         let count = self.sheets.pages.len();
@@ -239,8 +206,4 @@ impl<'a> Flow<'a> {
         }
         self.sheets
     }
-}
-
-fn caption_height(title: &str, text: &str) -> f64 {
-    CAPTION_GAP + Flow::height_of(title, BOLD_TYPE) + Flow::height_of(text, SMALL_TYPE)
 }

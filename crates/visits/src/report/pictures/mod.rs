@@ -11,7 +11,7 @@ use gaiter_leg::Side;
 use gaiter_record::picture::figures::Figure;
 use gaiter_record::picture::figures::error::{MapScale, map_of};
 use gaiter_record::picture::{Picture, svg};
-use gaiter_record::report::document::{Block, View};
+use gaiter_record::report::document::{Block, Room, View};
 use gaiter_record::rounding::{number, tenths_words};
 
 use super::summary::between;
@@ -60,7 +60,8 @@ fn block(words: &Words, name: &'static str, title: &'static str, picture: Pictur
 
 fn captioned(name: &'static str, title: String, picture: Picture, caption: String) -> Block {
     let marks = svg::marks(&picture);
-    Block::Picture { title, figure: Figure { name, picture, marks }, caption }
+    let figure = Figure { name, picture, marks };
+    Block::Picture { title, figure, caption, room: Room::HalfPage }
 }
 
 /// The legs of two visits laid over each other.
@@ -83,14 +84,12 @@ pub(super) fn overlay(words: &Words, of: &Comparison, overlay: Overlay) -> Vec<B
     let values: [(&str, &dyn Display); 2] =
         [("errors", &errors.join(", ")), ("sign", &tenths_words(scale.sign_mm, words.language))];
     let caption = words.filled("visits.distances_explained", &values);
-    let map = map_of(&overlay.record, scale, &title, words.language).map(|picture| {
-        let marks = svg::marks(&picture);
-        let figure = Figure { name: "distances", picture, marks };
-        Block::Picture { title, figure, caption: caption.clone() }
-    });
+    let map = map_of(&overlay.record, scale, &title, words.language)
+        .map(|picture| captioned("distances", title, picture, caption.clone()));
     let view = View {
         title: words.filled("visits.picture.in_3d", &[("between", &pair)]),
-        text: format!("{caption} {}", words.text("visits.dots")),
+        whose: None,
+        text: Some(format!("{caption} {}", words.text("visits.dots"))),
         record: overlay.record,
         words: vec![
             ("error_mm", number(end_mm, 0, words.language)),
