@@ -51,7 +51,7 @@ pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
 pub use phantom::PhantomConfig;
 pub use servers::{FhirStoreConfig, Hl7StoreConfig};
-pub use sizes::beside::{Beside, Files};
+pub use sizes::beside::Files;
 pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;
 pub use watch::WatchConfig;
@@ -88,8 +88,6 @@ pub struct Config {
     pub tables: Vec<SizeTable>,
     /// `[orders]`: the mappings by which each record gets its order, too.
     pub orders: OrderChoice,
-    /// The files that garments, tables and mappings were read from, passed on to the measuring process.
-    pub beside: Vec<Beside>,
     /// `[report]`: the paper.
     pub print: Print,
     /// `[visits]`: how the visits of a patient are compared.
@@ -104,8 +102,6 @@ pub struct Config {
     pub status: StatusConfig,
     /// `[page]`: the operator's page.
     pub page: PageConfig,
-    /// The source text, passed on to the measuring process.
-    pub text: String,
 }
 
 impl Config {

@@ -325,8 +325,8 @@ pub struct RunArgs {
 /// `gaiter measure`
 #[derive(Debug, clap::Args)]
 pub struct MeasureArgs {
-    /// The scan's hash
-    pub hash: String,
+    /// The scan's hash, which its bytes must have
+    pub hash: Option<String>,
 }
 
 /// `gaiter check`

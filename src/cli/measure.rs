@@ -6,9 +6,9 @@ use super::args::MeasureArgs;
 use super::{Exit, complain};
 use crate::station::measure::child;
 
-/// Measures the scan on standard input and writes the record's files to standard output.
+/// Reads the scan on standard input and writes the answer to standard output.
 pub fn measure(args: &MeasureArgs) -> Exit {
-    match child::serve(&args.hash, io::stdin().lock(), io::stdout().lock()) {
+    match child::serve(args.hash.as_deref(), io::stdin().lock(), io::stdout().lock()) {
         Ok(()) => Exit::Done,
         Err(error) => {
             complain(format_args!("gaiter measure: {error}"));

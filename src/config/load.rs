@@ -15,6 +15,7 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Found, Reader};
 use super::removed::REMOVED;
+use super::sizes::FilesBeside;
 use super::sizes::beside::Files;
 use super::visits;
 use super::words::{
@@ -31,20 +32,20 @@ use super::{
 /// # Errors
 /// Every fault of the text, in the order of its lines.
 pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
-    load_with(text, Files::Read(&[]))
+    load_with(text, Files::None)
 }
 
 /// Reads the text of a configuration with the garments, size tables and mappings that it names.
 ///
 /// # Errors
 /// Every fault of the text and of these files, in the order of its lines.
-pub fn load_with(text: &str, files: Files<'_>) -> Result<Config, Vec<ConfigFault>> {
+pub fn load_with(text: &str, files: Files) -> Result<Config, Vec<ConfigFault>> {
     let (root, errors) = DeTable::parse_recoverable(text);
     let mut reader = Reader::new(text, root.get_ref(), &errors, REMOVED);
     let config = config(&mut reader, files);
     let mut faults = reader.finish();
     match config {
-        Some(config) if faults.is_empty() => Ok(Config { text: text.to_owned(), ..config }),
+        Some(config) if faults.is_empty() => Ok(config),
         _ => {
             faults.iter_mut().for_each(|fault| fault.file = "station.toml".into());
             Err(faults)
@@ -53,7 +54,7 @@ pub fn load_with(text: &str, files: Files<'_>) -> Result<Config, Vec<ConfigFault
 }
 
 /// Reads all keys, each with what applies if it is absent.
-pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
+pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     use Absent::{Default, Nothing, Required};
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
@@ -95,12 +96,12 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let volume = reader.text("method.volume", Default("cones"), parse::word(VOLUMES));
     let output = output(reader);
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
-    let mut beside = Vec::new();
-    let garments = sizes::garments(reader, files, &mut beside);
+    let mut files = FilesBeside::new(files);
+    let garments = sizes::garments(reader, &mut files);
     let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
     let age_max = visits::age_max(reader);
-    let tables = sizes::tables(reader, files, &mut beside);
-    let orders_of_records = sizes::orders(reader, files, &mut beside);
+    let tables = sizes::tables(reader, &mut files);
+    let orders_of_records = sizes::orders(reader, &mut files);
     let visits = visits::config(reader);
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
@@ -177,7 +178,6 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         garments: garments.all,
         tables,
         orders: orders_of_records,
-        beside,
         visits,
         age_max: age_max?,
         print: Print { paper: paper?.value, ..Print::default() },
@@ -193,7 +193,6 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         retention: retention?,
         status: status?,
         page: page?,
-        text: String::new(),
     })
 }
 

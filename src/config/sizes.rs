@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 use gaiter_sizes::{Fault, Garment, SizeTable};
 use gaiter_toml::What::{NotAWord, Twice};
 
-use self::beside::{Beside, Files, TextFile};
+use self::beside::{Files, TextFile};
 pub(super) use self::orders::orders;
 use super::fault::What;
 use super::parse;
 use super::reader::{Absent, Found, Reader};
 
-/// The most bytes of all files together: every measuring process gets them before its scan.
+/// The most bytes of all files together: every measuring process gets what they say before its scan.
 const BYTES_MOST: usize = 4 << 20;
 
 /// The garments that can be ordered.
@@ -27,11 +27,25 @@ pub(super) struct Garments {
     pub usual: Option<Garment>,
 }
 
+/// The files that a configuration names.
+pub(super) struct FilesBeside {
+    from: Files,
+    /// The bytes of those that have been read.
+    bytes: usize,
+}
+
+impl FilesBeside {
+    /// Those that come from here; none has been read.
+    pub(super) fn new(from: Files) -> FilesBeside {
+        FilesBeside { from, bytes: 0 }
+    }
+}
+
 /// Reads `report.garment` and the garments of files.
-pub(super) fn garments(reader: &mut Reader, files: Files<'_>, read: &mut Vec<Beside>) -> Garments {
+pub(super) fn garments(reader: &mut Reader, files: &mut FilesBeside) -> Garments {
     let name = reader.text("report.garment", Absent::Default("AD"), |name| Ok(name.to_owned()));
     let (mut all, mut own) = (Garment::shipped().to_vec(), Vec::<String>::new());
-    for NamedFile { key, at, path, text } in named_files(reader, "report.garments", files, read) {
+    for NamedFile { key, at, path, text } in named_files(reader, "report.garments", files) {
         match Garment::read(text.as_bytes()) {
             Err(faults) => note(reader, key, &at, &path, &faults),
             Ok(garment) if own.iter().any(|name| name == garment.name()) => {
@@ -57,13 +71,9 @@ pub(super) fn garments(reader: &mut Reader, files: Files<'_>, read: &mut Vec<Bes
 }
 
 /// Reads `sizes.tables`: the size tables, in the order of the configuration.
-pub(super) fn tables(
-    reader: &mut Reader,
-    files: Files<'_>,
-    read: &mut Vec<Beside>,
-) -> Vec<SizeTable> {
+pub(super) fn tables(reader: &mut Reader, files: &mut FilesBeside) -> Vec<SizeTable> {
     let mut tables: Vec<SizeTable> = Vec::new();
-    for NamedFile { key, at, path, text } in named_files(reader, "sizes.tables", files, read) {
+    for NamedFile { key, at, path, text } in named_files(reader, "sizes.tables", files) {
         match gaiter_sizes::parse(text.as_bytes()) {
             Err(faults) => note(reader, key, &at, &path, &faults),
             Ok(table) if tables.iter().any(|of| of.id == table.id) => {
@@ -92,36 +102,28 @@ struct NamedFile {
 }
 
 /// The files of a key that lists paths.
-fn named_files(
-    reader: &mut Reader,
-    key: &'static str,
-    files: Files<'_>,
-    read: &mut Vec<Beside>,
-) -> Vec<NamedFile> {
+fn named_files(reader: &mut Reader, key: &'static str, files: &mut FilesBeside) -> Vec<NamedFile> {
     let mut found = Vec::new();
     for Found { value: named, at } in reader.list(key, Absent::Default(""), parse::full_path) {
-        match files.at(&named) {
-            Err(why) => reader.note(at, key, What::NamedFile(why.to_string())),
-            Ok(beside) if bytes(read) + bytes(std::slice::from_ref(&beside)) > BYTES_MOST => {
-                let said =
-                    format!("garments, size tables and mappings have more than {BYTES_MOST} bytes");
-                reader.note(at, key, What::NamedFile(said));
+        let read = match files.from.at(&named) {
+            Ok(read) => read,
+            Err(why) => {
+                reader.note(at, key, What::NamedFile(why.to_string()));
+                continue;
             }
-            Ok(beside) => {
-                found.extend(beside.files.iter().map(|TextFile { path, text }| {
-                    let (path, text) = (path.clone(), text.clone());
-                    NamedFile { key, at: at.clone(), path, text }
-                }));
-                read.push(beside);
-            }
+        };
+        let bytes = files.bytes + read.iter().map(|file| file.text.len()).sum::<usize>();
+        if bytes > BYTES_MOST {
+            let said =
+                format!("garments, size tables and mappings have more than {BYTES_MOST} bytes");
+            reader.note(at, key, What::NamedFile(said));
+            continue;
         }
+        files.bytes = bytes;
+        let named = |TextFile { path, text }| NamedFile { key, at: at.clone(), path, text };
+        found.extend(read.into_iter().map(named));
     }
     found
-}
-
-/// The bytes of all files together.
-fn bytes(read: &[Beside]) -> usize {
-    read.iter().flat_map(|of| &of.files).map(|file| file.text.len()).sum()
 }
 
 /// Notes the faults of a file at the entry that names it.

@@ -4,9 +4,9 @@
 //! itself never blocks, so it can always stop, send its heartbeat and report that the share stalls.
 
 pub(in crate::station) mod export_locks;
-mod fingerprint;
 mod gone;
 pub(in crate::station) mod ingest;
+mod inspection;
 mod memory;
 mod notes;
 pub(in crate::station) mod phantom;
@@ -151,12 +151,12 @@ impl Intake {
     }
 
     /// Waits, and sends heartbeats meanwhile.
-    async fn beating(&self, wait: impl Future<Output = ()>) {
+    async fn beating<T>(&self, wait: impl Future<Output = T>) -> T {
         tokio::pin!(wait);
         loop {
             self.beat();
             tokio::select! {
-                () = &mut wait => return,
+                done = &mut wait => return done,
                 () = sleep(LOOK_UP) => {}
             }
         }
@@ -311,7 +311,7 @@ impl Intake {
         };
         let times = |export: &Export| (began_at(export), others(export));
         let read = read.map(|export| export.map(|export| (times(&export), export)));
-        let (settled, taken, mark, is_kept) = spawn_blocking(move || {
+        let take = spawn_blocking(move || {
             let (mut mark, mut is_kept) = (None, false);
             let taken = read.and_then(|export| match export {
                 Some((times, export)) => {
@@ -323,8 +323,9 @@ impl Intake {
                 None => Ok(Taken::Changed),
             });
             (settled, taken, mark, is_kept)
-        })
-        .await?;
+        });
+        // Its inspection may take long.
+        let (settled, taken, mark, is_kept) = self.beating(take).await?;
         let now = self.core().now();
         mark.into_iter().for_each(|mark| self.settling.read(&settled, &mark));
         if is_kept {

@@ -87,6 +87,24 @@ fn a_layer_uses_only_layers_above_it() {
 }
 
 #[test]
+fn the_station_reads_what_is_in_a_scan_only_in_the_confined_process() {
+    let readers = ["read", "reading", "completeness", "extract", "check"];
+    let reads = |line: &String| {
+        let called = ["scan::", "leg::", "ord::", "phantom::"].into_iter();
+        let mut called = called.flat_map(|of| named(line, of));
+        let is_imported = line.starts_with("use gaiter_scan") || line.starts_with("use gaiter_leg");
+        let mut words = line.split(|c: char| !c.is_alphanumeric() && c != '_');
+        called.any(|name| readers.contains(&name))
+            || is_imported && words.any(|word| readers.contains(&word))
+    };
+    let lines = files("station").into_iter().flat_map(code);
+    let mut found: Vec<PathBuf> =
+        lines.filter(|(_, _, line)| reads(line)).map(|(path, ..)| path).collect();
+    found.dedup();
+    assert_eq!(found, [root().join("src/station/measure/child.rs")]);
+}
+
+#[test]
 fn every_file_says_what_it_is_and_none_is_too_long() {
     let mut found = Vec::new();
     for package in packages() {

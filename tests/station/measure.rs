@@ -8,9 +8,11 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use gaiter::station::measure::{Answer, Job, Limits, Subject};
+use gaiter::config;
+use gaiter::station::measure::{Answer, Inspection, Job, Limits, Purpose, RecordJob};
 use gaiter_flow::confinement::Confine;
 use gaiter_record::Provenance;
+use gaiter_scan::End;
 use rig::{Booth, Daemon, PATIENCE, sha256};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{body, coarse_body};
@@ -50,26 +52,32 @@ fn signal(booth: &Booth, hash: &str, signal: Signal) {
     });
 }
 
-/// A process that was given a job, and has been told all but the scan's bytes.
+/// A process that is to make a record, and has been told all but the scan's bytes.
 fn begun(limits: Limits, scan: &[u8]) -> Child {
+    let config = config::load(include_str!("../../config/station.toml")).unwrap();
+    let purpose = Purpose::Record(Box::new(RecordJob {
+        report: config.report_choice(jiff::civil::date(2026, 11, 25)),
+        method: config.method,
+        output: config.output,
+        provenance: Provenance::of_scan(sha256(scan)),
+        ord_files: 0,
+    }));
+    begun_for(purpose, &["measure", &sha256(scan)], limits, scan)
+}
+
+/// A process that was given a job, and has been told all but the scan's bytes.
+fn begun_for(purpose: Purpose, args: &[&str], limits: Limits, scan: &[u8]) -> Child {
     let mut child = Command::new(rig::verb::program())
-        .args(["measure", &sha256(scan)])
+        .args(args)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let sha256 = sha256(scan);
-    let provenance = Provenance::of_scan(sha256);
     let job = Job {
-        config: include_str!("../../config/station.toml").to_owned(),
-        beside: Vec::new(),
-        today: jiff::civil::date(2026, 11, 25),
-        subject: Subject::Patient,
-        provenance,
+        purpose,
         ending: "obj".to_owned(),
         scan_bytes: scan.len() as u64,
-        ord_files: 0,
         ord_bytes: 0,
         threads: 2,
         limits,
@@ -119,6 +127,28 @@ fn bytes_that_are_not_those_of_the_hash_are_not_measured() {
         panic!("it was measured");
     };
     assert_eq!(code, "spool-damaged");
+}
+
+#[test]
+fn an_inspection_says_how_a_file_ends_and_what_identifies_its_scan() {
+    let inspected = |scan: &[u8]| {
+        let child = begun_for(Purpose::Inspection, &["measure"], generous(), scan);
+        let Answer::Inspected(Inspection { end, fingerprint }) = answer(child, scan) else {
+            panic!("it was not inspected");
+        };
+        (end, fingerprint)
+    };
+    let whole = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let (end, fingerprint) = inspected(whole.as_bytes());
+    assert_eq!(end, End::Whole);
+    assert!(fingerprint.is_some());
+    // The same scan in other bytes.
+    let other = whole.replace('\n', "\r\n");
+    assert_eq!(inspected(other.as_bytes()), (End::Whole, fingerprint.clone()));
+    assert_eq!(inspected(whole.trim_end().as_bytes()), (End::NoLineEnd, fingerprint));
+    assert_eq!(inspected(&whole.as_bytes()[..whole.len() - 3]), (End::CutShort, None));
+    // No scan, and nothing shows that more is to come.
+    assert_eq!(inspected(b"v 0 0 nan\n"), (End::Whole, None));
 }
 
 #[test]
@@ -211,15 +241,15 @@ fn a_process_that_somebody_kills_is_begun_again_however_often() {
     booth.assert_settled(&[("4711", &scan)]);
 }
 
-/// A station in surroundings in which nothing can be measured keeps its scan, says so, and measures it once
-/// they are as usual.
+/// A station in surroundings in which nothing can be read leaves an export where it is, says so, and measures it
+/// once they are as usual.
 fn waits_behind(front: &[&str], more: &str) {
     let booth = booth(more);
     let scan = coarse_body(65);
     booth.export("4711_a.obj", &scan);
     let daemon = Daemon::of(booth.command_behind(front));
     // The scan has failed more often than any scan may by its own fault.
-    let put_off = || booth.log().matches("delivery-put-off").count();
+    let put_off = || booth.log().matches("intake-failed").count();
     booth.wait_for("its failures", || put_off() > 4);
     let told = booth.status();
     assert!(told["alarms"]["measuring-impaired"].is_object(), "{told}");

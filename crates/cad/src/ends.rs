@@ -1,11 +1,12 @@
 //! The two ends of a tube and the planes that close it.
 
 use nalgebra::{Point3, Unit, Vector3};
+use serde::{Deserialize, Serialize};
 
 use gaiter_spline::Surface;
 
 /// What a CAD file contains of a leg.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Shape {
     /// Only the surface, open at both ends.
     Tube,

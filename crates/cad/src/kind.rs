@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use gaiter_spline::{Ends, Surface, TessellationFault, facets};
+use serde::{Deserialize, Serialize};
 
 use super::ends::{EndNotPlane, Shape};
 use super::header::FileHeader;
@@ -10,7 +11,7 @@ use super::step::{self, Schema};
 use super::{iges, mesh};
 
 /// The notation of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum FileFormat {
     /// STEP, exact.
     Step(Schema),
@@ -25,7 +26,7 @@ pub enum FileFormat {
 }
 
 /// One kind of file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct FileKind {
     /// Its file format.
     pub format: FileFormat,
@@ -34,7 +35,7 @@ pub struct FileKind {
 }
 
 /// Which files are made of each leg.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Output {
     /// The kinds of file; empty for none.
     pub files: BTreeSet<FileKind>,

@@ -11,6 +11,7 @@ mod exchange;
 mod product;
 
 use gaiter_spline::Surface;
+use serde::{Deserialize, Serialize};
 
 use super::ends::{self, EndNotPlane, Shape};
 use super::header::{FileHeader, SYSTEM};
@@ -18,7 +19,7 @@ use boundary::Boundary;
 use exchange::{Instances, text};
 
 /// The application protocol that a file follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Schema {
     /// ISO 10303-214, automotive design: what most CAD systems read.
     Ap214,

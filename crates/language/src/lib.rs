@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::sync::OnceLock;
 
+use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 pub use places::{Piece, fill, pieces};
@@ -16,7 +17,7 @@ pub use places::{Piece, fill, pieces};
 type Texts = BTreeMap<String, String>;
 
 /// The language of a report, of the operator's page and of the terminal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Language {
     /// English.
     #[default]

@@ -1,7 +1,9 @@
 //! The levels of a leg: their names and how each is found.
 
+use serde::{Deserialize, Serialize};
+
 /// A level of the leg (RAL-GZ 387).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Level {
     /// Around the heads of the metatarsals.
     A,

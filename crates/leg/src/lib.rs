@@ -49,7 +49,7 @@ pub use finding::{Finding, LegFault, What};
 pub use frame::body::{Body, FacingFrom};
 pub use frame::body_fault::BodyFault;
 pub use gaiter_scan::Format;
-use gaiter_scan::{self as scan, ScanFault};
+use gaiter_scan::{self as scan, End, Reading, ScanFault};
 pub use level::Level;
 pub use levels::foot::Foot;
 pub use levels::landmark::{Estimate, Landmark};
@@ -133,7 +133,8 @@ impl Refusal {
 /// A [`Refusal`] if nothing at all can be measured; a leg or level that cannot be measured is a
 /// finding in the extraction, not an error.
 pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extraction, Refusal> {
-    let scan = scan::read(bytes, format)?;
+    let Reading { scan, end } = scan::reading(bytes, format);
+    let scan = scan?;
     let mut body = frame::body::body(&scan, method)?;
     let cut = parting::segment::segment(&body)?;
     if body.stature_mm.is_none() && cut.crotch.is_seen() {
@@ -152,7 +153,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
     if scan.triangles.is_empty() && format != Format::Xyz {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
     }
-    if scan::lacks_line_end_only(bytes, format) {
+    if end == End::NoLineEnd {
         findings.insert(0, Finding { side: None, level: None, what: What::NoLineEnd });
     }
     let mut legs = Vec::new();

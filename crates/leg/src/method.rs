@@ -1,11 +1,13 @@
 //! The choices of the method: the properties declared for the export, and the steps of the paper to
 //! use.
 
+use serde::{Deserialize, Serialize};
+
 use super::side::Side;
 pub use crate::comparison::tape_volume::VolumeBy;
 
 /// How to read and measure a scan. `Default` is the method without any choices by the user.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Method {
     /// What is in the scan.
     pub scope: Scope,
@@ -36,7 +38,7 @@ pub struct Method {
 
 word_enum! {
     /// How the patient holds the legs while they are scanned.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
     pub enum Posture {
         /// Standing, with the weight on both legs, as in a booth.
         #[default]
@@ -52,7 +54,7 @@ word_enum! {
 
 word_enum! {
     /// Which way round triangles are wound: their corners run counter-clockwise as seen from …
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
     pub enum Winding {
         /// … outside the body.
         #[default]
@@ -63,7 +65,7 @@ word_enum! {
 }
 
 /// The contents of the scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Scope {
     /// A whole standing body.
     #[default]
@@ -84,7 +86,7 @@ impl Scope {
 }
 
 /// The definitions of the levels that manufacturers define in more than one way.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LevelChoices {
     /// The definition of B1.
     pub b1: B1,
@@ -93,7 +95,7 @@ pub struct LevelChoices {
 }
 
 /// The definition of B1.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub enum B1 {
     /// Where the girth grows fastest between B and C (the paper's definition).
     #[default]
@@ -125,7 +127,7 @@ impl B1 {
 }
 
 /// The unit of the export's coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum UnitChoice {
     /// The only unit that gives a plausible stature.
     #[default]
@@ -136,7 +138,7 @@ pub enum UnitChoice {
 
 word_enum! {
     /// A unit of length that scanners export in, smallest first.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum Unit {
         /// Millimetre.
         Mm => "mm",
@@ -163,7 +165,7 @@ impl Unit {
 
 word_enum! {
     /// The export's axis that points up.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
     pub enum Up {
         /// +y, as \[TC\]2 exports it.
         #[default]
@@ -176,7 +178,7 @@ word_enum! {
 }
 
 /// The direction of the toes in the export's own axes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum FacingChoice {
     /// Found from the feet.
     #[default]
@@ -197,7 +199,7 @@ impl FacingChoice {
 
 word_enum! {
     /// A signed axis of the export.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum Axis {
         /// +x.
         PlusX => "+x",
@@ -216,7 +218,7 @@ word_enum! {
 
 word_enum! {
     /// The source of a leg's sections and the curve that each of them is.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
     pub enum SectionFit {
         /// The section through the leg's skin as one smooth function of angle and height, fitted to all
         /// points at once.
@@ -232,7 +234,7 @@ word_enum! {
 }
 
 /// The planes in which girths are measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Tape {
     /// Square to the part of the leg that the tape goes around: to the shank up to the knee, to the thigh
     /// above it, as a person holds a tape.
@@ -257,7 +259,7 @@ impl Tape {
 
 word_enum! {
     /// The line used as the axis of a whole leg.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
     pub enum AxisFit {
         /// Through the centroids of its sections between ankle and groin, all with equal weight.
         #[default]

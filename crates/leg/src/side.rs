@@ -1,8 +1,10 @@
 //! The patient's two sides.
 
+use serde::{Deserialize, Serialize};
+
 word_enum! {
     /// The patient's own side.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
     pub enum Side {
         /// Left.
         Left => "left",

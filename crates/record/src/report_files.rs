@@ -2,6 +2,7 @@
 
 use gaiter_language::Language;
 use gaiter_sizes::Garment;
+use serde::{Deserialize, Serialize};
 
 use super::Record;
 use super::file::{RecordFile, file};
@@ -21,7 +22,7 @@ const PAPER: &str = "report.pdf";
 const DRAWING: &str = "legs.svg";
 
 /// Which files for people are made of a record.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ReportChoice {
     /// The language of the report and its figures.
     pub language: Language,

@@ -41,29 +41,64 @@ pub struct Scan {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// How a file ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Nothing shows that more is to come.
+    Whole,
+    /// Without a line end but with a whole surface: an OBJ mesh whose last face joins the others, and whose points
+    /// all belong to a face. Some exporters never write a last line end.
+    NoLineEnd,
+    /// More is to come, or was to.
+    CutShort,
+}
+
+/// What one export is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// Its scan, or the first fault found, with its place.
+    pub scan: Result<Scan, ScanFault>,
+    /// How its file ends.
+    pub end: End,
+}
+
 /// Decodes the bytes of one export.
 ///
 /// # Errors
 /// The first fault found, with its place; see [`ScanFault`].
 pub fn read(bytes: &[u8], format: Format) -> Result<Scan, ScanFault> {
+    reading(bytes, format).scan
+}
+
+/// Decodes the bytes of one export, and says how they end.
+pub fn reading(bytes: &[u8], format: Format) -> Reading {
     if let Some(fault) = misnamed(bytes, format) {
-        return Err(fault);
+        return Reading { scan: Err(fault), end: End::Whole };
     }
-    let cut = match completeness(bytes, format) {
-        Err(cut) if lacks_line_end_only(bytes, format) => Some(cut),
-        complete => {
-            complete?;
-            None
+    match completeness(bytes, format) {
+        Ok(()) => Reading { scan: decoded(bytes, format), end: End::Whole },
+        Err(fault) if !fault.may_be_mended_by_waiting() => {
+            Reading { scan: Err(fault), end: End::Whole }
         }
-    };
+        Err(cut) => {
+            let unended = if format == Format::Obj { obj::read_unended(bytes) } else { None };
+            match unended {
+                Some(scan) => Reading { scan: scan.map_err(|_| cut), end: End::NoLineEnd },
+                None => Reading { scan: Err(cut), end: End::CutShort },
+            }
+        }
+    }
+}
+
+/// The scan in bytes that are not cut short.
+fn decoded(bytes: &[u8], format: Format) -> Result<Scan, ScanFault> {
     let scan = match format {
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
         Format::Wrl => wrl::read(bytes),
         Format::Xyz => xyz::read(bytes),
-    };
-    let scan = scan.map_err(|fault| cut.unwrap_or(fault))?;
+    }?;
     if scan.points.is_empty() { Err(ScanFault::NoPoints) } else { Ok(scan) }
 }
 
@@ -86,12 +121,6 @@ pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
         Format::Wrl => wrl::completeness(bytes),
         Format::Xyz => xyz::completeness(bytes),
     }
-}
-
-/// Whether a file ends without a line end but with a whole surface: an OBJ mesh whose last face joins the
-/// others, and whose points all belong to a face. Some exporters never write a last line end.
-pub fn lacks_line_end_only(bytes: &[u8], format: Format) -> bool {
-    format == Format::Obj && obj::lacks_line_end_only(bytes)
 }
 
 /// The fault if the content clearly has another format than the ending says.

@@ -33,7 +33,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     if !numbered(bytes).any(|(_, statement)| keyword(statement).eq_ignore_ascii_case(b"v")) {
         return Err(ScanFault::NoPoints);
     }
-    let Mesh { points, triangles, point_count: of, unused } = mesh(bytes)?;
+    skin(bytes, mesh(bytes)?)
+}
+
+/// The scan of a mesh that was read from these bytes, unless the faces of its skin were cut off.
+fn skin(bytes: &[u8], mesh: Mesh) -> Result<Scan, ScanFault> {
+    let Mesh { points, triangles, point_count: of, unused } = mesh;
     if triangles.is_empty() {
         return Ok(Scan { points: all_points(bytes)?, triangles: Vec::new() });
     }
@@ -59,24 +64,20 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     text::refuse_open_line(bytes)
 }
 
-/// Whether only the line end is missing after the last face. If its last number was cut short, it names
-/// another point, which hardly shares an edge of another face with the corners before it.
-pub(super) fn lacks_line_end_only(bytes: &[u8]) -> bool {
-    if text::refuse_open_line(bytes).is_ok() || text::refuse_binary(bytes).is_err() {
-        return false;
-    }
+/// Decodes a file whose last line has no line end; `None` if more than that is missing after the last face. If its
+/// last number was cut short, it names another point, which hardly shares an edge of another face with the corners
+/// before it.
+pub(super) fn read_unended(bytes: &[u8]) -> Option<Result<Scan, ScanFault>> {
+    let bytes = text::without_mark(bytes);
     let has_three = |last: &[u8]| is_face(keyword(last)) && text::words(last).count() > 3;
-    if !numbered(bytes).last().is_some_and(|(_, last)| has_three(last)) {
-        return false;
-    }
-    let Ok(mesh) = mesh(text::without_mark(bytes)) else { return false };
-    let Some((&[first, second, last], others)) = mesh.triangles.split_last() else {
-        return false;
-    };
+    numbered(bytes).last().filter(|(_, last)| has_three(last))?;
+    let mesh = mesh(bytes).ok()?;
+    let (&[first, second, last], others) = mesh.triangles.split_last()?;
     let shares_edge = |other: &[u32; 3]| {
         other.contains(&last) && (other.contains(&first) || other.contains(&second))
     };
-    mesh.unused == 0 && others.iter().any(shares_edge)
+    let is_whole = mesh.unused == 0 && others.iter().any(shares_edge);
+    is_whole.then(|| refuse_others(bytes).and_then(|()| skin(bytes, mesh)))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 use std::fs;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use gaiter_scan::{Format, Scan, ScanFault, completeness, lacks_line_end_only, read};
+use gaiter_scan::{End, Format, Scan, ScanFault, completeness, reading};
 use peak_alloc::PeakAlloc;
 use support::recorded;
 use support::writers::{MESHES, Writer};
@@ -35,14 +35,15 @@ const COPIES: u64 = 500;
 fn held(bytes: &[u8], format: Format, name: &str) -> Result<Scan, ScanFault> {
     MEMORY.reset_peak_usage();
     let before = MEMORY.current_usage();
-    let found = read(bytes, format);
+    let reading = reading(bytes, format);
     let taken = MEMORY.peak_usage() - before;
     let complete = completeness(bytes, format);
     let mut size = 0;
-    match &found {
+    match &reading.scan {
         Ok(scan) => {
-            let is_whole = complete == Ok(()) || lacks_line_end_only(bytes, format);
-            assert!(is_whole, "{name}: read although cut short: {complete:?}");
+            let is_whole = complete.is_ok() == (reading.end == End::Whole);
+            let is_cut_short = reading.end == End::CutShort;
+            assert!(is_whole && !is_cut_short, "{name}: read although cut short: {complete:?}");
             assert!(scan.points.iter().flat_map(|p| p.iter()).all(|c| c.is_finite()), "{name}");
             let mut used = vec![false; scan.points.len()];
             for &[a, b, c] in &scan.triangles {
@@ -60,7 +61,7 @@ fn held(bytes: &[u8], format: Format, name: &str) -> Result<Scan, ScanFault> {
     }
     let allowed = MEMORY_FREE + MEMORY_SHARE * size;
     assert!(taken <= allowed, "{name}: {taken} bytes for a result of {size}");
-    found
+    reading.scan
 }
 
 /// Numbers that look random and are the same for the same seed (splitmix64).

@@ -6,13 +6,15 @@ use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 use gaiter_leg::Level;
+use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
 use super::point::Point;
 pub use profile::{FORMAT, FormBox, FormUnit, Profile};
 
 /// A compression garment, by the levels at which it begins and ends (RAL-GZ 387) or by a name of its own.
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Profile", into = "Profile")]
 pub struct Garment(Arc<Profile>);
 
 /// The files of the garments that are shipped, the shortest first.
@@ -30,7 +32,7 @@ impl Garment {
         // A test reads every file; one with a fault would be missing here.
         ALL.get_or_init(|| {
             let read = |text: &&str| profile::parse(text.as_bytes()).ok();
-            SHIPPED.iter().filter_map(read).map(|profile| Garment(Arc::new(profile))).collect()
+            SHIPPED.iter().filter_map(read).map(Garment::from).collect()
         })
     }
 
@@ -44,7 +46,7 @@ impl Garment {
     /// # Errors
     /// Every fault of the file, in the order of its lines; at least one.
     pub fn read(bytes: &[u8]) -> Result<Garment, Vec<Fault>> {
-        profile::parse(bytes).map(|profile| Garment(Arc::new(profile)))
+        profile::parse(bytes).map(Garment::from)
     }
 
     /// The name on order forms and in the configuration.
@@ -140,6 +142,18 @@ impl Default for Garment {
     }
 }
 
+impl From<Profile> for Garment {
+    fn from(profile: Profile) -> Garment {
+        Garment(Arc::new(profile))
+    }
+}
+
+impl From<Garment> for Profile {
+    fn from(garment: Garment) -> Profile {
+        Arc::unwrap_or_clone(garment.0)
+    }
+}
+
 impl fmt::Debug for Garment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Garment({})", self.name())
@@ -147,7 +161,7 @@ impl fmt::Debug for Garment {
 }
 
 /// Words of one meaning in the languages of the program.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Words(Vec<(String, String)>);
 
 impl Words {

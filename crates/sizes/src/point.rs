@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use gaiter_leg::Level;
 
@@ -112,6 +113,13 @@ impl fmt::Display for Point {
 impl Serialize for Point {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Point {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Point, D::Error> {
+        let name = String::deserialize(from)?;
+        Point::of(&name).ok_or_else(|| D::Error::custom(format_args!("{name:?} names no point")))
     }
 }
 

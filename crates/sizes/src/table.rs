@@ -1,7 +1,7 @@
 //! A size table as its maker's leaflet gives it, in millimetres.
 
 use jiff::civil::Date;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::point::Point;
 
@@ -9,7 +9,7 @@ use super::point::Point;
 pub const FORMAT: &str = "gaiter-size-table/1";
 
 /// A size table that has no fault.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SizeTable {
     /// Its name, which no other table has.
     pub id: String,
@@ -55,7 +55,7 @@ pub struct SizeTable {
 
 gaiter_leg::word_enum! {
     /// What a table may be used for.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum Status as serde {
         /// Only to try the program.
         TestOnly => "test-only",
@@ -67,7 +67,7 @@ gaiter_leg::word_enum! {
 }
 
 /// Whether a limit belongs to its range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Limits {
     /// Both limits belong to it.
@@ -77,7 +77,7 @@ pub enum Limits {
 }
 
 /// What the girths of a table are measured on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
     /// The tape lies on the skin without tension, as a scan measures.
@@ -87,7 +87,7 @@ pub enum Basis {
 }
 
 /// The points that must fit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Required {
     /// The garment they are required for; `None` for each that has them.
     pub garment: Option<String>,
@@ -96,7 +96,7 @@ pub struct Required {
 }
 
 /// A variant, such as a wide thigh: a size with other ranges at some points.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Variant {
     /// Its name.
     pub name: String,
@@ -107,7 +107,7 @@ pub struct Variant {
 }
 
 /// A length in which a garment is made.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LengthRow {
     /// The garment.
     pub garment: String,
@@ -118,7 +118,7 @@ pub struct LengthRow {
 }
 
 /// One size.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Size {
     /// Its name: `II`.
     pub name: String,
@@ -131,7 +131,7 @@ pub struct Size {
 }
 
 /// An article code.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Code {
     /// The variant it is of; null for the size itself.
     pub variant: Option<String>,
@@ -144,7 +144,7 @@ pub struct Code {
 }
 
 /// The range of a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ranged {
     /// The point.
     pub point: Point,

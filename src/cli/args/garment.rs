@@ -60,7 +60,7 @@ impl GarmentArgs {
             Exit::from(&why)
         })?;
         let mut garments = Vec::new();
-        for file in &found.files {
+        for file in &found {
             match Garment::read(file.text.as_bytes()) {
                 Ok(garment) => garments.push(garment),
                 Err(faults) => {

@@ -62,11 +62,10 @@ pub fn mapping(path: &Path) -> Result<Mapping, Exit> {
 }
 
 fn files(path: &Path) -> Result<Vec<TextFile>, Exit> {
-    let found = on_disk(path).map_err(|why| {
+    on_disk(path).map_err(|why| {
         complain(format_args!("gaiter: {}", shown(&why)));
         if why.is_not_found() { Exit::NoFile } else { Exit::Io }
-    })?;
-    Ok(found.files)
+    })
 }
 
 /// A file, and what was found in it.

@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::cli::args::{GarmentArgs, SizesCheckArgs};
 use crate::cli::terminal::screen::{self, indented};
 use crate::cli::{Exit, complain, print, shown};
-use crate::config::sizes::beside::{Beside, on_disk};
+use crate::config::sizes::beside::{TextFile, on_disk};
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.size-check/1";
@@ -82,9 +82,9 @@ impl Sound {
     }
 }
 
-fn of_files(found: &Beside, garments: &[Garment], today: Date) -> Vec<Checked> {
+fn of_files(found: &[TextFile], garments: &[Garment], today: Date) -> Vec<Checked> {
     let names: Vec<&str> = garments.iter().map(Garment::name).collect();
-    let files = found.files.iter().map(|file| {
+    let files = found.iter().map(|file| {
         let found = Sound::read(file.text.as_bytes());
         let remarks = match &found {
             Ok(Sound::Table(table)) => remarks(table, today, &names),

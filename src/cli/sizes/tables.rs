@@ -22,7 +22,7 @@ pub fn tables(paths: &[PathBuf]) -> Result<Vec<SizeTable>, Exit> {
                 continue;
             }
         };
-        for file in &found.files {
+        for file in &found {
             match parse(file.text.as_bytes()) {
                 Ok(table) => tables.push(table),
                 Err(faults) => {

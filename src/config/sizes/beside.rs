@@ -4,8 +4,6 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use gaiter_sizes::BYTES_MAX;
 
 /// The ending of these files in a folder.
@@ -14,17 +12,8 @@ const ENDING: &str = "toml";
 /// The most files of a folder that are read: more are no collection of size tables.
 const FILES_MAX: usize = 200;
 
-/// What a path of the configuration led to when it was read.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Beside {
-    /// The path as configured: a file, or a folder of them.
-    pub named: PathBuf,
-    /// The files, in the order of their names.
-    pub files: Vec<TextFile>,
-}
-
 /// A file with its text.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextFile {
     /// Its path.
     pub path: PathBuf,
@@ -33,12 +22,12 @@ pub struct TextFile {
 }
 
 /// Where the files come from.
-#[derive(Debug, Clone, Copy)]
-pub enum Files<'a> {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Files {
     /// They are read from the disk.
     Disk,
-    /// They were read before, by the process that hands them over.
-    Read(&'a [Beside]),
+    /// A text alone has none.
+    None,
 }
 
 /// Why a path gave no files.
@@ -74,9 +63,9 @@ pub enum NoFiles {
     /// The folder holds too many of them.
     #[error("{} holds more than {FILES_MAX} files that end in .{ENDING}", .0.display())]
     TooMany(PathBuf),
-    /// It was not handed over.
-    #[error("{} was not handed over", .0.display())]
-    NotHandedOver(PathBuf),
+    /// A text alone has no files.
+    #[error("{} is not read", .0.display())]
+    NotRead(PathBuf),
 }
 
 impl NoFiles {
@@ -91,32 +80,28 @@ impl NoFiles {
     }
 }
 
-impl Files<'_> {
-    /// The files at a path of the configuration.
-    pub fn at(self, named: &Path) -> Result<Beside, NoFiles> {
+impl Files {
+    /// The file at a path of the configuration, or the files of a folder there.
+    pub(super) fn at(self, named: &Path) -> Result<Vec<TextFile>, NoFiles> {
         match self {
             Files::Disk => on_disk(named),
-            Files::Read(known) => {
-                let found = known.iter().find(|of| of.named == named).cloned();
-                found.ok_or_else(|| NoFiles::NotHandedOver(named.to_owned()))
-            }
+            Files::None => Err(NoFiles::NotRead(named.to_owned())),
         }
     }
 }
 
-/// The file at a path, or the files of a folder, from the disk.
+/// The file at a path, or the files of a folder in the order of their names, from the disk.
 ///
 /// # Errors
 /// See [`NoFiles`].
-pub fn on_disk(named: &Path) -> Result<Beside, NoFiles> {
+pub fn on_disk(named: &Path) -> Result<Vec<TextFile>, NoFiles> {
     let io = |source| NoFiles::Io { path: named.to_owned(), source };
     let paths = match fs::metadata(named).map_err(io)?.is_dir() {
         false => vec![named.to_owned()],
         true => in_folder(named)?,
     };
     let read = |path: PathBuf| text(&path).map(|text| TextFile { path, text });
-    let files = paths.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    Ok(Beside { named: named.to_owned(), files })
+    paths.into_iter().map(read).collect()
 }
 
 /// The files of a folder by their names, except hidden ones.

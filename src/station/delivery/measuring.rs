@@ -12,20 +12,19 @@ use gaiter_flow::confinement::{Confine, Confinement};
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::views::{ViewsSeen, ViewsSeries};
 use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
-use jiff::Timestamp;
+use jiff::{Timestamp, Zoned};
 use tracing::{info, warn};
 
 use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
-    self, Answer, Blame, ConfineFault, Job, MeasureFault, Measured, Trouble,
+    self, Answer, Blame, ConfineFault, Job, MeasureFault, Measured, Purpose, RecordJob, Trouble,
 };
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::clock::utc_offset_min;
 
-/// How often a measurement that may have failed because of the scan is tried before the scan is
-/// refused.
-const TRIES_MAX: u32 = 3;
+/// How often what may have failed because of the scan is tried before the scan is to blame.
+pub const TRIES_MAX: u32 = 3;
 
 /// Alarm: scans cannot be measured on this machine.
 pub const IMPAIRED: &str = "measuring-impaired";
@@ -80,13 +79,17 @@ pub fn measured(
     let scan_file = core.custody.spool().scan_file(&row.scan, &row.format);
     match measure::measure(&row.scan, &job, &scan_file, ord_file.as_deref()) {
         Ok(Measured::Answered(answer)) => {
-            core.board.note(|facts| drop(facts.alarms.remove(IMPAIRED)));
+            note_possible(core);
             Ok(match answer {
                 Answer::Files { files, to_do, views_apart_mm } => {
                     note_views(core, ViewsSeen { at: row.first_seen, step_mm: views_apart_mm });
                     Outcome::Files { files, to_do }
                 }
                 Answer::Refused { code, message } => Outcome::Refused { code, message },
+                Answer::Inspected(_) => {
+                    let message = "the measuring process gave no record".to_owned();
+                    Outcome::Refused { code: "record-not-written".to_owned(), message }
+                }
             })
         }
         Ok(Measured::Trouble(trouble)) => blamed(core, &job, &trouble, count_try),
@@ -140,10 +143,20 @@ fn unread(core: &Core, error: &io::Error) -> Outcome {
 
 /// The scan waits, and an alarm says why.
 fn waits(core: &Core, code: &'static str, error: String) -> Outcome {
-    core.board.note(|facts| {
-        facts.alarms.entry(IMPAIRED).or_insert(impaired(&error));
-    });
+    note_impaired(core, &error);
     Outcome::Waits { code, error }
+}
+
+/// Notes that scans cannot be measured on this machine, and why.
+pub fn note_impaired(core: &Core, error: &str) {
+    core.board.note(|facts| {
+        facts.alarms.entry(IMPAIRED).or_insert(impaired(error));
+    });
+}
+
+/// Notes that scans can be measured on this machine.
+pub fn note_possible(core: &Core) {
+    core.board.note(|facts| drop(facts.alarms.remove(IMPAIRED)));
 }
 
 /// Tries the guards around measuring processes on this machine. Returns the alarm if none can be set,
@@ -199,11 +212,17 @@ fn job(
         ..Provenance::of_scan(row.scan.to_string())
     };
     let scan_bytes = length(&spool.scan_file(&row.scan, &row.format))?;
-    let job = Job {
+    let purpose = Purpose::Record(Box::new(RecordJob {
+        method: config.method.clone(),
+        output: config.output.clone(),
+        report: config.report_choice(Zoned::now().date()),
+        provenance,
         ord_files: ord_files.len(),
+    }));
+    let job = Job {
         ord_bytes: ord_file.as_deref().map(length).transpose()?.unwrap_or(0),
         threads,
-        ..Job::new(config, provenance, &row.format, scan_bytes)
+        ..Job::new(&config.measure, purpose, &row.format, scan_bytes)
     };
     Ok((job, ord_file))
 }

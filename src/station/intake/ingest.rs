@@ -1,5 +1,4 @@
-//! Takes in one settled file after it was read: asks its format whether it is complete, and gives it to
-//! custody.
+//! Takes in one settled file after it was read: asks whether it is complete, and gives it to custody.
 
 use std::io;
 use std::os::unix::ffi::OsStrExt;
@@ -9,11 +8,11 @@ use gaiter_flow::facts::IntakeState;
 use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED, PATIENTS_DIFFER};
 use gaiter_flow::round::{Content, Judged, Opener};
 use gaiter_flow::{Appeared, NameSays, ScanId, Settled, Verdict};
-use gaiter_scan::{self as scan, Format};
+use gaiter_scan::{End, Format};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
-use super::fingerprint;
+use super::inspection::{self, InspectFault};
 use super::phantom::{self, CheckFault};
 use super::stable_read::Export;
 use crate::config::WithoutTrigger;
@@ -24,7 +23,7 @@ use crate::station::custody::spool::Companion;
 use crate::station::custody::{Arrival, CustodyFault};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::JournalError;
-use crate::station::runtime::caught::caught;
+use crate::station::measure::Inspection;
 use crate::store::sums;
 
 /// Whether a settled file may be read.
@@ -57,6 +56,9 @@ pub enum TakeFault {
     /// The export could not be read.
     #[error("reading the export failed")]
     Source(#[source] io::Error),
+    /// The export could not be inspected.
+    #[error(transparent)]
+    Inspect(#[from] InspectFault),
     /// A scan of the phantom could not be taken.
     #[error("a scan of the known body could not be taken")]
     Phantom(#[from] CheckFault),
@@ -113,13 +115,17 @@ pub fn take(
     let name = file.to_string_lossy();
     // A look only offers files with a known format.
     let Ok(format) = Format::of_file_name(&name) else { return Ok(Taken::Done) };
-    let awaits_rest = awaits_rest(export, format);
-    let lacks_line_end = awaits_rest && lacks_line_end_only(export, format);
-    if awaits_rest && !settled.awaited {
+    let Inspection { end, fingerprint } = inspection::inspected(core, export, format)?;
+    let awaits = match end {
+        End::Whole => None,
+        End::NoLineEnd => Some(Taken::LineEnd),
+        End::CutShort => Some(Taken::CutShort),
+    };
+    if let Some(awaits) = awaits.filter(|_| !settled.awaited) {
         core.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
-        return Ok(if lacks_line_end { Taken::LineEnd } else { Taken::CutShort });
+        return Ok(awaits);
     }
-    let is_cut_short = awaits_rest && !lacks_line_end;
+    let is_cut_short = end == End::CutShort;
     if let Some(phantom) = core.phantom_of(&name) {
         phantom::take(core, phantom, (settled, export), format)?;
         return Ok(Taken::Done);
@@ -127,7 +133,7 @@ pub fn take(
     let companions = fresh(core, settled, export)?;
     let says = [core.identity.of_file_name(&name), beside(core, &companions)];
     let read = settled.writing.read();
-    let fingerprint = fingerprint::of(&export.bytes, format).unwrap_or_default();
+    let fingerprint = fingerprint.unwrap_or_default();
     let (fingerprint, companions) = (fingerprint.as_str(), companions.as_slice());
     let found =
         Found { began, others, settled, format, is_cut_short, read, fingerprint, companions };
@@ -296,18 +302,6 @@ fn pressed_at(core: &Core, judged: &Judged) -> Result<Option<Timestamp>, Journal
         }
         _ => Ok(None),
     }
-}
-
-/// Whether the format shows that more is to come. If the reader panics, it shows nothing: the scan goes
-/// on and is refused when it is measured.
-fn awaits_rest(export: &Export, format: Format) -> bool {
-    caught(|| scan::completeness(&export.bytes, format))
-        .is_ok_and(|complete| complete.is_err_and(|fault| fault.may_be_mended_by_waiting()))
-}
-
-/// Whether nothing but the last line end is missing.
-fn lacks_line_end_only(export: &Export, format: Format) -> bool {
-    caught(|| scan::lacks_line_end_only(&export.bytes, format)).is_ok_and(|lacks| lacks)
 }
 
 fn announce(core: &Core, settled: &Settled, export: &Export, verdict: Verdict) {

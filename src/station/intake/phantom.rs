@@ -7,7 +7,6 @@ use gaiter_flow::Settled;
 use gaiter_flow::facts::PhantomFacts;
 use gaiter_flow::phantom::{PHANTOM_ALARM, SHOWN_MOST};
 use gaiter_record::phantom::{CheckRecord, CheckResult};
-use gaiter_record::{Acquired, AcquiredFrom, Provenance};
 use gaiter_scan::Format;
 use jiff::Timestamp;
 use tracing::{info, warn};
@@ -17,7 +16,9 @@ use crate::config::PhantomConfig;
 use crate::station::core::Core;
 use crate::station::custody::phantom_series::PhantomSeries;
 use crate::station::journal::JournalError;
-use crate::station::measure::{Answer, Job, MeasureFault, Measured, Subject, measure_bytes};
+use crate::station::measure::{
+    Answer, CheckJob, Job, MeasureFault, Measured, Purpose, measure_bytes,
+};
 
 /// Why a scan of the phantom could not be taken now.
 #[derive(Debug, thiserror::Error)]
@@ -77,12 +78,15 @@ fn measured(
     // In whole seconds, as the time at which a scan was first seen.
     let now = Timestamp::now();
     let now = Timestamp::from_second(now.as_second()).unwrap_or(now);
-    let provenance = Provenance {
-        acquired: Some(Acquired::new(now, AcquiredFrom::Unknown)),
-        ..Provenance::of_scan(export.scan.to_string())
-    };
-    let job = Job::new(&core.config, provenance, format.ending(), export.bytes.len() as u64);
-    let job = Job { subject: Subject::Phantom, ..job };
+    let purpose = Purpose::Check(Box::new(CheckJob {
+        method: core.config.method.clone(),
+        phantom: phantom.phantom.clone(),
+        tolerance_mm: phantom.tolerance_mm,
+        at: now,
+        sha256: export.scan.to_string(),
+    }));
+    let (config, length) = (&core.config.measure, export.bytes.len() as u64);
+    let job = Job::new(config, purpose, format.ending(), length);
     let measured = measure_bytes(&export.scan, &job, &export.bytes)?;
     let not_measured = |why: String| {
         CheckRecord::not_measured(now, export.scan.to_string(), why, phantom.tolerance_mm)
@@ -91,6 +95,9 @@ fn measured(
         Measured::Answered(Answer::Files { files, .. }) => {
             let check = files.first().and_then(|file| serde_json::from_slice(&file.bytes).ok());
             check.unwrap_or_else(|| not_measured("the measuring process gave no check".to_owned()))
+        }
+        Measured::Answered(Answer::Inspected(_)) => {
+            not_measured("the measuring process gave no check".to_owned())
         }
         Measured::Answered(Answer::Refused { message, .. }) => not_measured(message),
         Measured::Trouble(trouble) => not_measured(trouble.to_string()),

@@ -9,21 +9,21 @@ use gaiter_leg::{self as leg, Finding, phantom};
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::phantom::CheckRecord;
 use gaiter_record::{self as record, RecordFile, ScanFile};
-use gaiter_scan::{Format, ord};
+use gaiter_scan::{self as scan, Format, Reading, ord};
 
 use super::confine::confine;
-use super::job::{Answer, Job, Subject};
-use crate::config::{self, Config, Files};
+use super::fingerprint::fingerprint;
+use super::job::{Answer, CheckJob, Inspection, Job, Purpose, RecordJob};
 use crate::station::runtime::caught::caught;
 use crate::station::runtime::causes::chain;
 use crate::store::sums;
 
-/// Measures the one scan that comes on `input` and writes the answer to `output`. `hash` is the scan's
-/// hash from the arguments, and the bytes must match it.
+/// Reads the one scan that comes on `input` and writes the answer to `output`. `hash` is the scan's
+/// hash from the arguments, and the bytes must match it; without one they are those of the station's memory.
 ///
 /// # Errors
 /// If no answer could be given; the station treats that as a crash.
-pub fn serve(hash: &str, input: impl Read, output: impl Write) -> io::Result<()> {
+pub fn serve(hash: Option<&str>, input: impl Read, output: impl Write) -> io::Result<()> {
     let mut input = BufReader::new(input);
     let job = Job::read(&mut input)?;
     confine(&job.limits, job.confine).map_err(|fault| io::Error::other(chain(&fault)))?;
@@ -50,8 +50,8 @@ fn take(input: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
-    if sums::scan_id(scan).as_str() != hash {
+fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> Answer {
+    if hash.is_some_and(|hash| sums::scan_id(scan).as_str() != hash) {
         let message = "its bytes in the spool differ from those that came in".to_owned();
         return refused("spool-damaged", message);
     }
@@ -59,30 +59,38 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
         Ok(format) => format,
         Err(fault) => return refused(fault.code(), fault.to_string()),
     };
-    let config = match config::load_with(&job.config, Files::Read(&job.beside)) {
-        Ok(config) => config,
-        Err(faults) => return refused("config", format!("{} faults", faults.len())),
-    };
-    if job.subject == Subject::Phantom {
-        return check(job, scan, format, &config);
+    match &job.purpose {
+        Purpose::Inspection => inspected(scan, format),
+        Purpose::Record(job) => recorded(job, scan, format, ord),
+        Purpose::Check(job) => checked(job, scan, format),
     }
+}
+
+/// How an export ends, and what identifies it.
+fn inspected(scan: &[u8], format: Format) -> Answer {
+    let Reading { scan, end } = scan::reading(scan, format);
+    let fingerprint = scan.ok().map(|scan| fingerprint(&scan));
+    Answer::Inspected(Inspection { end, fingerprint })
+}
+
+/// The record of a patient's scan.
+fn recorded(job: &RecordJob, scan: &[u8], format: Format, ord: &[u8]) -> Answer {
+    let RecordJob { method, output, report, provenance, ord_files } = job;
     let ord = (!ord.is_empty()).then_some(ord);
-    let mut extraction = match leg::extract(scan, format, &config.method) {
+    let mut extraction = match leg::extract(scan, format, method) {
         Ok(extraction) => extraction,
         Err(refusal) => return refused(refusal.code(), refusal.to_string()),
     };
-    let opinions = opinions(&extraction, ord, job.ord_files);
+    let opinions = opinions(&extraction, ord, *ord_files);
     extraction.findings.extend(opinions);
-    let (method, output) = (&config.method, &config.output);
-    let choice = config.report_choice(job.today);
     let scan = ScanFile { bytes: scan, format, ord };
     // The station has the scan's own bytes already, in the spool.
-    match record::files_beside_scan(&extraction, &job.provenance, method, output, &choice, scan) {
+    match record::files_beside_scan(&extraction, provenance, method, output, report, scan) {
         Ok((record, files)) => {
-            let completeness = Completeness::of(&record, &config.garment);
+            let completeness = Completeness::of(&record, &report.garment);
             let to_do = match completeness.kind() {
                 Kind::Complete | Kind::NotMeasurable => Vec::new(),
-                Kind::ByHand | Kind::ScanAgain => completeness.sentences(config.language),
+                Kind::ByHand | Kind::ScanAgain => completeness.sentences(report.language),
             };
             Answer::Files { files, to_do, views_apart_mm: extraction.views_apart_mm() }
         }
@@ -91,13 +99,10 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
 }
 
 /// The check with the phantom that is in the scan.
-fn check(job: &Job, scan: &[u8], format: Format, config: &Config) -> Answer {
-    let (Some(known), Some(acquired)) = (&config.phantom, &job.provenance.acquired) else {
-        return refused("config", "there is no phantom in the configuration".to_owned());
-    };
-    let found = phantom::check(scan, format, &known.phantom, &config.method);
-    let sha256 = job.provenance.sha256.clone();
-    let check = CheckRecord::new(acquired.at, sha256, &found, known.tolerance_mm);
+fn checked(job: &CheckJob, scan: &[u8], format: Format) -> Answer {
+    let CheckJob { method, phantom, tolerance_mm, at, sha256 } = job;
+    let found = phantom::check(scan, format, phantom, method);
+    let check = CheckRecord::new(*at, sha256.clone(), &found, *tolerance_mm);
     match serde_json::to_vec(&check) {
         Ok(bytes) => {
             let files = vec![RecordFile { name: "check.json".to_owned(), bytes }];

@@ -3,19 +3,23 @@
 use std::io::{self, BufRead, Read, Write};
 use std::time::Duration;
 
+use gaiter_cad::Output;
 use gaiter_flow::confinement::Confine;
-use gaiter_record::{Provenance, RecordFile};
-use jiff::Zoned;
-use jiff::civil::Date;
+use gaiter_leg::Method;
+use gaiter_leg::phantom::Phantom;
+use gaiter_record::{Provenance, RecordFile, ReportChoice};
+use gaiter_scan::End;
+use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Beside, Config, MeasureConfig};
+use crate::config::MeasureConfig;
 
 /// The longest line of an answer.
 const LINE_MAX: u64 = 1 << 20;
 
-/// The longest line of a job: a configuration has some kilobytes, and what it names at most 4 MiB.
-const JOB_MAX: u64 = 16 << 20;
+/// The longest line of a job. The garments, size tables and mappings of a configuration have at most 4 MiB in their
+/// files, and as data some times as much.
+const JOB_MAX: u64 = 64 << 20;
 
 /// The most that is set aside for a file before its first byte has come: the process that names the length
 /// has read what the scanner wrote. No file of a record is larger, so none has to grow.
@@ -33,23 +37,13 @@ pub struct Limits {
 /// The line before the bytes of the scan and of its measurement file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Job {
-    /// The text of the station's configuration: method and output.
-    pub config: String,
-    /// The garments and size tables that the configuration names.
-    pub beside: Vec<Beside>,
-    /// The station's day: a size table may be expired by then.
-    pub today: Date,
-    /// What the scan shows.
-    pub subject: Subject,
-    /// Where the scan comes from.
-    pub provenance: Provenance,
+    /// What the scan is read for.
+    pub purpose: Purpose,
     /// The ending of its format.
     pub ending: String,
     /// How many bytes of scan follow.
     pub scan_bytes: u64,
-    /// How many files of the scanner's own measures came with the scan.
-    pub ord_files: usize,
-    /// How many bytes of such a file follow the scan; 0 if there is not exactly one.
+    /// How many bytes of a file of the scanner's own measures follow the scan; 0 if there is not exactly one.
     pub ord_bytes: u64,
     /// The number of threads that measure it.
     pub threads: usize,
@@ -59,18 +53,52 @@ pub struct Job {
     pub confine: Confine,
 }
 
-/// What a scan shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Subject {
-    /// A patient: the answer is a record.
-    Patient,
-    /// The phantom: the answer is a check.
-    Phantom,
+/// What a scan is read for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Purpose {
+    /// To know how its file ends, and what identifies it.
+    Inspection,
+    /// To make a patient's record.
+    Record(Box<RecordJob>),
+    /// To check the scanner: it shows the phantom.
+    Check(Box<CheckJob>),
+}
+
+/// How a record is made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordJob {
+    /// How the scan is measured.
+    pub method: Method,
+    /// Which CAD files and meshes are made.
+    pub output: Output,
+    /// How the report is made.
+    pub report: ReportChoice,
+    /// Where the scan comes from.
+    pub provenance: Provenance,
+    /// How many files of the scanner's own measures came with the scan.
+    pub ord_files: usize,
+}
+
+/// How the phantom is measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CheckJob {
+    /// How the scan is measured.
+    pub method: Method,
+    /// What is known of the phantom.
+    pub phantom: Phantom,
+    /// The largest difference from a known girth that counts as none, mm.
+    pub tolerance_mm: f64,
+    /// When the scan was taken.
+    pub at: Timestamp,
+    /// SHA-256 of the scan's bytes, lower-case hexadecimal.
+    pub sha256: String,
 }
 
 /// The answer of a measuring process that finished.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
+    /// It was inspected.
+    Inspected(Inspection),
     /// It was measured.
     Files {
         /// The record's files except the scan's own bytes, `SHA256SUMS` last.
@@ -89,27 +117,52 @@ pub enum Answer {
     },
 }
 
+/// What is known of an export before it is taken in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Inspection {
+    /// How its file ends.
+    pub end: End,
+    /// What tells its scan from every other, in whatever bytes it comes; `None` if there is no scan in it.
+    pub fingerprint: Option<String>,
+}
+
+/// [`End`] as a word.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "End", rename_all = "snake_case")]
+enum EndWord {
+    Whole,
+    NoLineEnd,
+    CutShort,
+}
+
 /// The line before the bytes of an answer.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Header {
-    Files { files: Vec<(String, u64)>, to_do: Vec<String>, views_apart_mm: Option<f64> },
-    Refused { code: String, message: String },
+    Inspected {
+        #[serde(with = "EndWord")]
+        end: End,
+        fingerprint: Option<String>,
+    },
+    Files {
+        files: Vec<(String, u64)>,
+        to_do: Vec<String>,
+        views_apart_mm: Option<f64>,
+    },
+    Refused {
+        code: String,
+        message: String,
+    },
 }
 
 impl Job {
-    /// The job for a patient's scan without measures of the scanner's own, on one thread.
-    pub fn new(config: &Config, provenance: Provenance, ending: &str, scan_bytes: u64) -> Job {
-        let MeasureConfig { memory_bytes, wall, confine } = config.measure;
+    /// The job for a scan without measures of the scanner's own, on one thread.
+    pub fn new(config: &MeasureConfig, purpose: Purpose, ending: &str, scan_bytes: u64) -> Job {
+        let MeasureConfig { memory_bytes, wall, confine } = *config;
         Job {
-            config: config.text.clone(),
-            beside: config.beside.clone(),
-            today: Zoned::now().date(),
-            subject: Subject::Patient,
-            provenance,
+            purpose,
             ending: ending.to_owned(),
             scan_bytes,
-            ord_files: 0,
             ord_bytes: 0,
             threads: 1,
             limits: Limits { memory_bytes, wall },
@@ -135,6 +188,10 @@ impl Answer {
     /// Writes the whole answer.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         match self {
+            Answer::Inspected(Inspection { end, fingerprint }) => {
+                let fingerprint = fingerprint.clone();
+                write_line(to, &Header::Inspected { end: *end, fingerprint })?;
+            }
             Answer::Files { files, to_do, views_apart_mm } => {
                 let names = files.iter().map(|file| (file.name.clone(), len(&file.bytes)));
                 let (files_sent, to_do) = (names.collect(), to_do.clone());
@@ -158,6 +215,9 @@ impl Answer {
     /// answer.
     pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<Answer> {
         let (names, to_do, views_apart_mm) = match read_line(from, LINE_MAX)? {
+            Header::Inspected { end, fingerprint } => {
+                return Ok(Answer::Inspected(Inspection { end, fingerprint }));
+            }
             Header::Refused { code, message } => return Ok(Answer::Refused { code, message }),
             Header::Files { files, to_do, views_apart_mm } => (files, to_do, views_apart_mm),
         };
@@ -201,7 +261,48 @@ fn invalid(why: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Erro
 
 #[cfg(test)]
 mod tests {
+    use gaiter_sizes::mapping;
+    use jiff::civil::date;
+
     use super::*;
+    use crate::config;
+
+    #[test]
+    fn a_job_reads_back_with_all_that_a_configuration_says() {
+        let config = config::load(include_str!("../../../config/station.toml")).unwrap();
+        let table = include_str!("../../../config/sizes/invented-example.toml");
+        let mappings = [
+            include_str!("../../../config/orders/example-points.toml"),
+            include_str!("../../../config/orders/example-wide.toml"),
+            include_str!("../../../config/orders/german-spreadsheet.toml"),
+        ];
+        let mut report = config.report_choice(date(2026, 11, 28));
+        report.sizes.tables.push(gaiter_sizes::parse(table.as_bytes()).unwrap());
+        let mapping = |text: &str| mapping::parse(text.as_bytes()).unwrap();
+        report.orders.mappings = Vec::from(mappings.map(mapping));
+        let sha256 = "0".repeat(64);
+        let record = RecordJob {
+            method: config.method.clone(),
+            output: config.output.clone(),
+            report,
+            provenance: Provenance::of_scan(sha256.clone()),
+            ord_files: 1,
+        };
+        let check = CheckJob {
+            method: config.method.clone(),
+            phantom: "8:50.3, 17:50.3".parse().unwrap(),
+            tolerance_mm: 2.0,
+            at: Timestamp::UNIX_EPOCH,
+            sha256,
+        };
+        let record = Purpose::Record(Box::new(record));
+        for purpose in [Purpose::Inspection, record, Purpose::Check(Box::new(check))] {
+            let job = Job::new(&config.measure, purpose, "obj", 7);
+            let mut line = Vec::new();
+            job.write(&mut line).unwrap();
+            assert_eq!(Job::read(&mut &line[..]).unwrap(), job);
+        }
+    }
 
     fn file(name: &str, bytes: &[u8]) -> RecordFile {
         RecordFile { name: name.to_owned(), bytes: bytes.to_vec() }
@@ -223,7 +324,13 @@ mod tests {
         let refused = Answer::Refused { code: "no-leg".into(), message: "line\nbreak".into() };
         let to_do = vec!["Measure by hand: right leg: C.".to_owned()];
         let measured = Answer::Files { files, to_do, views_apart_mm: Some(3.25) };
-        for answer in [measured, refused] {
+        let ends = [End::Whole, End::NoLineEnd, End::CutShort];
+        let fingerprints = [None, Some("read-1:0".to_owned())];
+        let inspected = ends.into_iter().flat_map(|end| {
+            let of = |fingerprint| Answer::Inspected(Inspection { end, fingerprint });
+            fingerprints.clone().map(of)
+        });
+        for answer in inspected.chain([measured, refused]) {
             assert_eq!(Answer::read(&mut &written(&answer)[..], 100).unwrap(), answer);
         }
     }

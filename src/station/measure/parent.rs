@@ -13,9 +13,8 @@ use std::time::Duration;
 use gaiter_flow::ScanId;
 
 use super::VERB;
-use super::job::{Answer, Job};
+use super::job::{Answer, Job, Purpose};
 use super::trouble::Trouble;
-use crate::store::sums;
 
 /// This same program, even if the file it was started from has been replaced.
 const SELF: &str = "/proc/self/exe";
@@ -67,27 +66,32 @@ pub fn measure(
     let files = [Some(scan_file), ord_file].into_iter().flatten();
     let files: Vec<File> =
         files.map(File::open).collect::<io::Result<_>>().map_err(MeasureFault::Spool)?;
-    run(scan, job, |mut input| {
+    run(Some(scan), job, |mut input| {
         files.iter().try_for_each(|mut file| io::copy(&mut file, &mut input).map(drop))
     })
 }
 
 /// Measures bytes in their own process. Blocks.
 pub fn measure_bytes(scan: &ScanId, job: &Job, bytes: &[u8]) -> Result<Measured, MeasureFault> {
-    run(scan, job, |mut input| input.write_all(bytes))
+    run(Some(scan), job, |mut input| input.write_all(bytes))
+}
+
+/// Inspects bytes in their own process, which is not told their hash. Blocks.
+pub fn inspect(job: &Job, bytes: &[u8]) -> Result<Measured, MeasureFault> {
+    run(None, job, |mut input| input.write_all(bytes))
 }
 
 /// Whether a measuring process can answer here and now: it gets bytes that are not a scan. Blocks.
 pub fn answers(job: &Job) -> Result<bool, MeasureFault> {
     let bytes: &[u8] = b"no scan\n";
-    let job = Job { scan_bytes: bytes.len() as u64, ord_files: 0, ord_bytes: 0, ..job.clone() };
-    let answered = measure_bytes(&sums::scan_id(bytes), &job, bytes)?;
-    Ok(matches!(answered, Measured::Answered(_)))
+    let (scan_bytes, purpose) = (bytes.len() as u64, Purpose::Inspection);
+    let job = Job { purpose, scan_bytes, ord_bytes: 0, ..job.clone() };
+    Ok(matches!(inspect(&job, bytes)?, Measured::Answered(_)))
 }
 
 /// Runs the process; `feed` gives it what follows the job's line.
 fn run(
-    scan: &ScanId,
+    scan: Option<&ScanId>,
     job: &Job,
     feed: impl Fn(&ChildStdin) -> io::Result<()>,
 ) -> Result<Measured, MeasureFault> {
@@ -144,9 +148,10 @@ struct Pipes {
     complaints: ChildStderr,
 }
 
-fn start(scan: &ScanId) -> io::Result<(Child, Pipes)> {
+fn start(scan: Option<&ScanId>) -> io::Result<(Child, Pipes)> {
     let mut child = Command::new(SELF)
-        .args([VERB, scan.as_str()])
+        .arg(VERB)
+        .args(scan.map(ScanId::as_str))
         .env_clear()
         .env(ALLOCATOR.0, ALLOCATOR.1)
         .stdin(Stdio::piped())

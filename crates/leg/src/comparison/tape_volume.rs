@@ -6,12 +6,14 @@
 
 use std::f64::consts::PI;
 
+use serde::{Deserialize, Serialize};
+
 /// Cubic millimetres in a millilitre.
 const MM3_PER_ML: f64 = 1000.0;
 
 word_enum! {
     /// How a volume is made of girths at fixed places.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
     pub enum VolumeBy {
         /// Truncated cones between neighbouring places: h / 12π · (C₁² + C₁C₂ + C₂²).
         #[default]

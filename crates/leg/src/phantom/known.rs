@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 /// Plausible girths of a phantom, mm: from a child's ankle to a large thigh.
 const GIRTH_MM: [f64; 2] = [100.0, 1200.0];
 
@@ -12,7 +14,7 @@ const HEIGHT_MM: [f64; 2] = [20.0, 1800.0];
 const MM_PER_CM: f64 = 10.0;
 
 /// A body of known girths.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Phantom {
     /// A cylinder: the same girth at every height, mm.
     Cylinder {
@@ -24,7 +26,7 @@ pub enum Phantom {
 }
 
 /// A known girth.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct KnownGirth {
     /// Height above the phantom's lower end, along its axis, mm.
     pub height_mm: f64,

@@ -2,6 +2,7 @@
 
 use gaiter_language::Language;
 use gaiter_sizes::Mapping;
+use serde::{Deserialize, Serialize};
 
 use super::{Order, csv, mapped, mapped_name, spreadsheet};
 use crate::file::{RecordFile, file};
@@ -48,7 +49,7 @@ impl OrderFile {
 }
 
 /// Which files of an order are made of a record besides gaiter's own.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct OrderChoice {
     /// Those for makers and shop systems, in their order.
     pub mappings: Vec<Mapping>,

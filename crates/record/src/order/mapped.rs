@@ -279,7 +279,7 @@ impl<'a> Mapped<'a> {
         let mut text = String::new();
         if has_header {
             let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-            text += &line(&names, separator, quotes_all, line_end);
+            text += &line(&names, separator, quotes_all, line_end.text());
         }
         for row in rows {
             let cells = columns.iter().map(|column| match self.content(column, row) {
@@ -287,7 +287,7 @@ impl<'a> Mapped<'a> {
                 Content::Words(text) if is_spreadsheet => kept(&text),
                 Content::Words(text) => guarded(&text),
             });
-            text += &line(&cells.collect::<Vec<_>>(), separator, quotes_all, line_end);
+            text += &line(&cells.collect::<Vec<_>>(), separator, quotes_all, line_end.text());
         }
         match encoding {
             Encoding::Utf8 => text.into_bytes(),

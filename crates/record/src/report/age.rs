@@ -5,11 +5,12 @@ use std::fmt::Display;
 use gaiter_language::Language;
 use jiff::ToSpan;
 use jiff::civil::Date;
+use serde::{Deserialize, Serialize};
 
 use crate::{Acquired, Record};
 
 /// How old a scan may be for an order, days.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AgeMax(pub u32);
 
 impl Default for AgeMax {

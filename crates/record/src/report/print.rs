@@ -1,7 +1,9 @@
 //! What the report is printed on, and how much of it.
 
+use serde::{Deserialize, Serialize};
+
 /// How the report is printed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Print {
     /// The paper.
     pub paper: Paper,
@@ -10,7 +12,7 @@ pub struct Print {
 }
 
 /// The format of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Paper {
     /// ISO 216 A4: 210 mm × 297 mm.
     #[default]

@@ -9,7 +9,7 @@ use gaiter_sizes::table::{Basis, Limits, Status};
 use gaiter_sizes::verdict::{LegVerdict, NotComparable, PointVerdict, judged};
 use gaiter_sizes::{Garment, Point, SizeTable};
 use jiff::civil::Date;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use self::calibre::Stretch;
 pub use self::readings::{TAPE_GIRTH_MM, reading};
@@ -23,7 +23,7 @@ pub const SCHEMA: &str = "gaiter.size-verdicts/1";
 pub const SCANNER_GIRTH_MM: f64 = 1.0;
 
 /// By which tables a report judges a record.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SizeChoice {
     /// The tables, in the order in which they are shown.
     pub tables: Vec<SizeTable>,

@@ -1,14 +1,15 @@
 //! What every decoder must guarantee for any bytes.
 
-use gaiter_scan::{Format, ScanFault, completeness, lacks_line_end_only, read};
+use gaiter_scan::{End, Format, ScanFault, completeness, reading};
 
 /// Decodes the bytes and checks the invariants of the result.
 pub fn held(bytes: &[u8], format: Format) {
     let complete = completeness(bytes, format);
-    match read(bytes, format) {
+    let reading = reading(bytes, format);
+    match reading.scan {
         Ok(scan) => {
-            let is_whole = complete == Ok(()) || lacks_line_end_only(bytes, format);
-            assert!(is_whole, "decoded although cut short");
+            assert!(reading.end != End::CutShort, "decoded although cut short");
+            assert_eq!(complete.is_ok(), reading.end == End::Whole);
             assert!(!scan.points.is_empty());
             assert!(scan.points.iter().all(|p| p.iter().all(|c| c.is_finite())));
             let mut used = vec![false; scan.points.len()];

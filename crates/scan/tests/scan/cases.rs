@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gaiter_scan::{Format, Scan, ScanFault, completeness, lacks_line_end_only, read};
+use gaiter_scan::{End, Format, Reading, Scan, ScanFault, completeness, read, reading};
 use support::cases::are_as_expected;
 
 /// Fewer files than this, and the folder was not found.
@@ -61,12 +61,14 @@ fn the_quick_look_awaits_more_only_where_reading_finds_the_file_cut_short() {
         let format = Format::of_file_name(path.to_str().unwrap()).unwrap();
         let waits = |fault: &ScanFault| fault.may_be_mended_by_waiting();
         let quick = completeness(&bytes, format).err().filter(waits);
-        let whole = read(&bytes, format).err().filter(waits);
-        if lacks_line_end_only(&bytes, format) {
+        let Reading { scan, end } = reading(&bytes, format);
+        let whole = scan.err().filter(waits);
+        if end == End::NoLineEnd {
             assert!(quick.is_some() && whole.is_none(), "{}", path.display());
             continue;
         }
         assert_eq!(quick, whole, "{}", path.display());
+        assert_eq!(quick.is_some(), end == End::CutShort, "{}", path.display());
     }
 }
 

@@ -1,6 +1,7 @@
 //! The file of a garment → [`Profile`], or every fault of it.
 
 use gaiter_leg::Level;
+use serde::{Deserialize, Serialize};
 
 use super::Words;
 use crate::document::{Known, Section, number, read};
@@ -25,7 +26,7 @@ const ROUNDINGS_MM: [f64; 2] = [0.1, 50.0];
 const ROUNDING_MM: f64 = 1.0;
 
 /// What an order form of a garment asks for.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
     /// The name on order forms and in the configuration.
     pub(super) name: String,
@@ -46,7 +47,7 @@ pub struct Profile {
 }
 
 /// A box of an order form.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FormBox {
     /// What stands in it.
     pub point: Point,
@@ -57,7 +58,7 @@ pub struct FormBox {
 }
 
 /// The unit of an order form.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FormUnit {
     /// Centimetres.
     #[default]

@@ -1,12 +1,13 @@
 //! How a mapping writes dates.
 
 use jiff::civil::DateTime;
+use serde::{Deserialize, Serialize};
 
 /// A format of dates and times, such as `%d.%m.%Y`.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DateFormat(Vec<Part>);
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Part {
     Sign(char),
     Day,

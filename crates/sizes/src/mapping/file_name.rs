@@ -1,15 +1,16 @@
 //! How the files of a mapping are named. Never by a patient.
 
 use jiff::civil::Date;
+use serde::{Deserialize, Serialize};
 
 /// A name with places, such as `order-{id}-{scan}.csv`.
 ///
 /// It begins with `order`, so that a later revision of a record knows which files it replaces, and differs
 /// from `order.csv` and `order.json`, which gaiter itself writes.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileName(Vec<Part>);
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 enum Part {
     Text(String),
     Id,

@@ -7,6 +7,8 @@ mod file_name;
 mod parse;
 mod value;
 
+use serde::{Deserialize, Serialize};
+
 use super::Point;
 pub use date::DateFormat;
 pub use fault::MappingWhat;
@@ -18,7 +20,7 @@ pub use value::{Cell, Dated, Fact, Of, Place, Which};
 pub const FORMAT: &str = "gaiter-order-mapping/1";
 
 /// How an order is written for a maker or a shop system.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Mapping {
     /// Its name, which no other mapping of a station has.
     pub id: String,
@@ -45,7 +47,7 @@ pub struct Mapping {
 }
 
 /// The kind of file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Layout {
     /// A table with a separator.
     Csv(Csv),
@@ -54,14 +56,14 @@ pub enum Layout {
 }
 
 /// How a table is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Csv {
     /// The sign between cells.
     pub separator: char,
     /// Whether every cell is in quotes, or only one that needs them.
     pub quotes_all: bool,
     /// The end of a line.
-    pub line_end: &'static str,
+    pub line_end: LineEnd,
     /// The character set.
     pub encoding: Encoding,
     /// Whether the first line has the names of the columns.
@@ -70,8 +72,29 @@ pub struct Csv {
     pub is_spreadsheet: bool,
 }
 
+gaiter_leg::word_enum! {
+    /// The end of a line.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum LineEnd {
+        /// Carriage return and line feed.
+        CrLf => "crlf",
+        /// Line feed alone.
+        Lf => "lf",
+    }
+}
+
+impl LineEnd {
+    /// Its characters.
+    pub fn text(self) -> &'static str {
+        match self {
+            LineEnd::CrLf => "\r\n",
+            LineEnd::Lf => "\n",
+        }
+    }
+}
+
 /// The character set of a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Encoding {
     /// UTF-8.
     Utf8,
@@ -83,7 +106,7 @@ pub enum Encoding {
 
 gaiter_leg::word_enum! {
     /// What a row is.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum Rows {
         /// The whole order: there is one row.
         Order => "order",
@@ -97,7 +120,7 @@ gaiter_leg::word_enum! {
 }
 
 /// A column.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Column {
     /// Its name.
     pub name: String,
@@ -106,12 +129,10 @@ pub struct Column {
 }
 
 /// How figures are written.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// The unit, mm.
     pub unit_mm: f64,
-    /// The word of the unit: `mm`, `cm` or `inch`.
-    pub unit: &'static str,
     /// Figures are multiples of this, in the unit.
     pub step: f64,
     /// To which multiple they are rounded.
@@ -123,7 +144,7 @@ pub struct Figures {
 }
 
 /// To which multiple of the step a figure is rounded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Rounding {
     /// The nearest; half a step goes away from zero.
     Nearest,
@@ -158,7 +179,7 @@ impl Figures {
 }
 
 /// What is written in the place of a figure, and which figures that are not sure are written all the same.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Instead {
     /// For a point that nobody measured.
     pub missing: String,
@@ -177,7 +198,7 @@ mod tests {
     use super::*;
 
     fn figures(unit_mm: f64, step: f64, decimals: usize) -> Figures {
-        Figures { unit_mm, unit: "", step, rounding: Rounding::Nearest, decimals, sign: ',' }
+        Figures { unit_mm, step, rounding: Rounding::Nearest, decimals, sign: ',' }
     }
 
     #[test]

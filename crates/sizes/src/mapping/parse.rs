@@ -7,7 +7,9 @@ use super::date::DateFormat;
 use super::fault::MappingWhat;
 use super::file_name::FileName;
 use super::value::Cell;
-use super::{Column, Csv, Encoding, FORMAT, Figures, Instead, Layout, Mapping, Rounding, Rows};
+use super::{
+    Column, Csv, Encoding, FORMAT, Figures, Instead, Layout, LineEnd, Mapping, Rounding, Rows,
+};
 use crate::document::{Known, Section, Value, number, read};
 use crate::fault::Fault;
 use crate::parse::points;
@@ -97,15 +99,14 @@ fn layout(whole: Section<'_, '_>) -> Option<Layout> {
     let separator = whole.choice("separator", &separators);
     let quotes = [("needed", false), ("always", true)];
     let quotes_all = whole.choice("quote", &quotes);
-    let ends = [("crlf", "\r\n"), ("lf", "\n")];
-    let line_end = whole.choice("line_end", &ends);
+    let line_end = whole.choice("line_end", &LineEnd::WORDS);
     let sets =
         [("utf-8", Encoding::Utf8), ("utf-8-bom", Encoding::Utf8Bom), ("cp1252", Encoding::Cp1252)];
     let encoding = whole.choice("encoding", &sets);
     Some(Layout::Csv(Csv {
         separator: separator.unwrap_or(';'),
         quotes_all: quotes_all.unwrap_or(false),
-        line_end: line_end.unwrap_or("\r\n"),
+        line_end: line_end.unwrap_or(LineEnd::CrLf),
         encoding: encoding.unwrap_or(Encoding::Utf8),
         has_header: flag(whole, "header").unwrap_or(true),
         is_spreadsheet: flag(whole, "spreadsheet").unwrap_or(false),
@@ -137,7 +138,7 @@ fn figures(whole: Section<'_, '_>) -> Option<Figures> {
     let sign = whole.choice("decimal", &[(".", '.'), (",", ',')]);
     let decimals = decimals(whole, least)?;
     let rounding = rounding.unwrap_or(Rounding::Nearest);
-    Some(Figures { unit_mm, unit, step, rounding, decimals, sign: sign.unwrap_or('.') })
+    Some(Figures { unit_mm, step, rounding, decimals, sign: sign.unwrap_or('.') })
 }
 
 /// The step and the decimals that its multiples have.

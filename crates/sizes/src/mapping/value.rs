@@ -1,12 +1,14 @@
 //! What stands in a column of a mapping.
 
+use serde::{Deserialize, Serialize};
+
 use super::Rows;
 use super::date::DateFormat;
 use super::fault::MappingWhat;
 use crate::Point;
 
 /// What stands in a column.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Cell {
     /// The same text in every row.
     Text(String),
@@ -19,7 +21,7 @@ pub enum Cell {
 }
 
 /// A fact about an order or a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fact {
     /// The order's reference.
     OrderRef,
@@ -54,7 +56,7 @@ pub enum Fact {
 }
 
 /// What a date is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Dated {
     /// The scan.
     Scan,
@@ -65,7 +67,7 @@ pub enum Dated {
 }
 
 /// Where a point lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Place {
     /// The right leg.
     Right,
@@ -76,7 +78,7 @@ pub enum Place {
 }
 
 /// Which figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Which {
     /// That of a point; without a place, of the row's leg.
     At(Option<Place>, Point),
@@ -89,7 +91,7 @@ pub enum Which {
 }
 
 /// What of a figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Of {
     /// The figure itself.
     Figure,
