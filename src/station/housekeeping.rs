@@ -1,6 +1,6 @@
 //! Deletes what is past its retention, once an hour, but nothing that is still to be delivered; and soon
-//! after, what could not be removed when it was due. It also reports the station's state to the service
-//! manager and checks the journal after errors.
+//! after, what could not be removed when it was due. It also lets erasures go on that waited for servers, reports
+//! the station's state to the service manager and checks the journal after errors.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,6 +17,7 @@ use tracing::{error, info, warn};
 use super::core::Core;
 use super::custody::CustodyFault;
 use super::overview::Overview;
+use super::persons::erase;
 use super::runtime::beat::Beat;
 use super::runtime::causes::chain;
 use super::runtime::stop::Stop;
@@ -81,7 +82,9 @@ pub async fn worker(core: Arc<Core>, beat: Beat, mut stop: Stop) -> Result<(), J
 }
 
 fn keep(core: &Core, round_is_due: bool, by_age: bool) -> Result<(), CustodyFault> {
-    core.custody.tidy()?;
+    let tidied = core.custody.tidy();
+    erase::go_on(core)?;
+    tidied?;
     if round_is_due { let_go(core, by_age) } else { Ok(()) }
 }
 

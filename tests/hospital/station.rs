@@ -218,3 +218,24 @@ fn a_take_back_at_the_station_is_entered_in_error_there() {
     assert_eq!(daemon.stop().code(), Some(0));
     assert_eq!(place.hl7.controls().len(), 3);
 }
+
+#[test]
+#[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
+fn an_erasure_comes_after_the_take_back_at_a_server_that_was_away() {
+    let mut place = Place::new();
+    place.renew();
+    let daemon = place.booth.start();
+    place.booth.wait_for("the delivery", || place.is_delivered());
+    place.fhir.becomes("503");
+    place.verb(&["unassign", &sha256(&coarse_body(1))[..12]], "");
+    let twice = format!("{PATIENT}\n{PATIENT}\n");
+    let config = place.booth.path("station.toml");
+    let erased = gaiter_told(&config, &["patient", "erase"], &twice);
+    assert_eq!(code(&erased), Some(74), "{}", stderr(&erased));
+    place.fhir.becomes("");
+    let ended = "SELECT count(*) FROM history WHERE event = 'erasure-ended'";
+    place.booth.wait_for_journal(ended, 1);
+    let statuses = place.fhir.statuses("Observation", PATIENT);
+    assert_eq!(statuses, ["entered-in-error", "entered-in-error"]);
+    assert_eq!(daemon.stop().code(), Some(0));
+}

@@ -2,14 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::fs;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
 use std::thread;
 
-use rig::verb::{code, stderr, stdout};
-use rig::{Booth, sha256};
+use rig::verb::{code, gaiter_told, stderr, stdout};
+use rig::{Booth, Daemon, names, sha256};
 use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
 use support::coarse_body;
 
 /// What a receiver answers to each message: a code, or nothing.
@@ -203,6 +205,82 @@ fn a_take_back_at_a_server_whose_address_was_changed_is_done_there_and_nowhere_e
     booth.wait_for_journal(withdrawn, 1);
     assert!(!complaints(&booth).contains(&"store-moved".to_owned()));
     assert_eq!(daemon.stop().code(), Some(0));
+}
+
+const ENDED: &str = "SELECT count(*) FROM history WHERE event = 'erasure-ended'";
+
+/// A booth whose receiver does not take the take-back of a scan from 4711.
+fn booth_that_owes_a_take_back() -> (Booth, Says, Daemon) {
+    let (booth, says) = booth_with_receiver("10s");
+    let daemon = booth.start_ready();
+    let scan = coarse_body(1);
+    booth.export("4711_a.obj", &scan);
+    booth.wait_for_journal(DELIVERED, 1);
+    becomes(&says, LOCKED);
+    told(&booth, &["unassign", &sha256(&scan)[..8]]);
+    booth.wait_for("a try", || booth.log().contains("not-taken-now"));
+    (booth, says, daemon)
+}
+
+fn erase(booth: &Booth, args: &[&str]) -> (Option<i32>, String, String) {
+    let args = [&["patient", "erase"][..], args].concat();
+    let output = gaiter_told(&booth.path("station.toml"), &args, "4711\n4711\n");
+    (code(&output), stdout(&output), stderr(&output))
+}
+
+/// The only erasure, as its file has it.
+fn erasure(booth: &Booth) -> Value {
+    let folder = booth.path("state/erasures");
+    let names = names(&folder);
+    let name = names.iter().find(|name| name.ends_with(".json")).unwrap();
+    serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap()
+}
+
+#[test]
+fn an_erasure_waits_for_a_take_back_at_a_server_and_then_ends_by_itself() {
+    let (booth, says, daemon) = booth_that_owes_a_take_back();
+    let (exit, said, shown) = erase(&booth, &[]);
+    assert_eq!(exit, Some(74), "{said}{shown}");
+    assert!(shown.contains("This is done first"), "{shown}");
+    assert!(shown.contains("is to be taken back: it is of the wrong patient"), "{shown}");
+    assert!(said.contains("nothing is erased yet") && said.contains("wrong patient"), "{said}");
+    let alarm = booth.status()["alarms"]["erasure-pending"]["message"].to_string();
+    assert!(alarm.contains("hl7") && !alarm.contains("4711"), "{alarm}");
+    let at_receiver = "SELECT count(*) FROM deliveries WHERE patient = '4711' AND store = 'hl7'";
+    assert_eq!(booth.journal(at_receiver), Some(1));
+    becomes(&says, ACCEPTED);
+    booth.wait_for_journal(ENDED, 1);
+    let done = "SELECT count(*) FROM history WHERE event = 'withdrawn' AND detail LIKE '%hl7%'";
+    assert_eq!(booth.journal(done), Some(1), "the receiver was told first");
+    assert_eq!(booth.journal(at_receiver), Some(0));
+    assert_eq!(erasure(&booth)["left"], serde_json::json!([]));
+    let is_over = || booth.status()["alarms"]["erasure-pending"].is_null();
+    booth.wait_for("the end of the alarm", is_over);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn an_erasure_leaves_a_take_back_undone_by_decision_only_and_writes_it_down() {
+    let (booth, _says, daemon) = booth_that_owes_a_take_back();
+    // A station that does not run does nothing at servers.
+    assert_eq!(daemon.stop().code(), Some(0));
+    let (exit, said, shown) = erase(&booth, &[]);
+    assert_eq!(exit, Some(74), "{said}{shown}");
+    assert_eq!(booth.journal(ENDED), Some(0));
+    let (exit, said, shown) = erase(&booth, &["--leave-at-servers"]);
+    assert_eq!(exit, Some(0), "{said}{shown}");
+    assert!(shown.contains("will not be done any more"), "{shown}");
+    assert!(said.contains("Erased.") && said.contains("is to be taken back"), "{said}");
+    assert_eq!(booth.journal(ENDED), Some(1));
+    let erasure = erasure(&booth);
+    assert!(erasure["patient"].is_null(), "{erasure}");
+    let left = erasure["left"].as_array().unwrap();
+    assert_eq!(left.len(), 1, "{erasure}");
+    assert_eq!(
+        (left[0]["store"].as_str(), left[0]["step"].as_str()),
+        (Some("hl7"), Some("take_back"))
+    );
+    assert!(left[0]["reference"].is_string(), "{erasure}");
 }
 
 #[test]

@@ -39,6 +39,10 @@ pub struct EraseArgs {
     /// A patient's id that does not belong here: it is only taken to say so.
     #[arg(hide = true)]
     pub stray: Option<OsString>,
+    /// Do not wait for servers where records are still to be taken back or corrected: they stay there as they are,
+    /// and STATE/erasures lists them
+    #[arg(long)]
+    pub leave_at_servers: bool,
     /// The station to query, and the output format.
     #[command(flatten)]
     pub ask: AskArgs,

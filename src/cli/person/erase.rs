@@ -40,13 +40,13 @@ fn erased(args: &EraseArgs) -> Result<Exit, Fault> {
         return Err(Fault::Awaited);
     }
     let language = reached.language;
-    complain(preview::of(&person, language));
+    complain(preview::of(&person, args.leave_at_servers, language));
     let again = read_again(language).map_err(Fault::NoId)?;
     if again != patient {
         return Err(Fault::NotAgain);
     }
-    let watch = Watch::of(&reached, &patient);
-    let erasure = match reached.erase(&patient) {
+    let watch = Watch::of(&reached, &patient, args.leave_at_servers);
+    let erasure = match reached.erase(&patient, args.leave_at_servers) {
         Ok(Some(erasure)) => Some(erasure),
         Ok(None) => watch.noted().until_known()?,
         // It ended before it answered, so nobody knows yet whether it noted the wish.
@@ -71,15 +71,31 @@ fn told(args: &EraseArgs, erasure: Option<&Erasure>, language: Language) -> Resu
     let text = match erasure {
         _ if args.ask.json => format!("{:#}\n", as_json(erasure)),
         None => format!("{}\n", language.text("erase.unknown")),
-        Some(_) if ended.is_some() => format!("{}\n", language.text("erase.done")),
-        Some(erasure) if erasure.cleared.is_some() => {
-            let stores = erasure.stores.join(", ");
-            format!("{}\n", language.filled("erase.waits", &[("stores", &stores)]))
-        }
-        Some(_) => format!("{}\n", language.text("erase.not_yet")),
+        Some(erasure) => in_words(erasure, language),
     };
     print(text).map_err(Fault::Print)?;
     Ok(if ended.is_some() { Exit::Done } else { Exit::Io })
+}
+
+/// What has become of an erasure, and what is left to do or was left undone.
+fn in_words(erasure: &Erasure, language: Language) -> String {
+    let mut text = match erasure {
+        Erasure { ended: Some(_), .. } => language.text("erase.done").to_owned(),
+        Erasure { cleared: Some(_), stores, .. } => {
+            language.filled("erase.waits", &[("stores", &stores.join(", "))])
+        }
+        Erasure { owed, .. } if !owed.is_empty() => {
+            let waits = language.text("erase.waits_for_servers");
+            format!("{waits}\n{}", preview::list(&preview::owed(owed, language)))
+        }
+        _ => language.text("erase.not_yet").to_owned(),
+    };
+    text = format!("{}\n", text.trim_end());
+    if !erasure.left.is_empty() {
+        text += &format!("{}\n", language.text("erase.left"));
+        text += &preview::list(&preview::owed(&erasure.left, language));
+    }
+    text
 }
 
 fn as_json(erasure: Option<&Erasure>) -> serde_json::Value {
@@ -88,5 +104,7 @@ fn as_json(erasure: Option<&Erasure>) -> serde_json::Value {
         "ended": erasure.and_then(|erasure| erasure.ended),
         "own_cleared": erasure.is_some_and(|erasure| erasure.cleared.is_some()),
         "waits_for": erasure.map(|erasure| erasure.stores.clone()).unwrap_or_default(),
+        "owed": erasure.map(|erasure| erasure.owed.clone()).unwrap_or_default(),
+        "left": erasure.map(|erasure| erasure.left.clone()).unwrap_or_default(),
     })
 }

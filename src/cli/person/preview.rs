@@ -2,22 +2,46 @@
 
 use std::fmt::Display;
 
+use gaiter_flow::patient::erasure::{Owed, OwedStep};
 use gaiter_flow::patient::person::{OnServer, Person, PersonScan, PersonStore, WhoseScan};
 use gaiter_language::Language;
 
 use crate::cli::shown;
 
-/// The text for the terminal.
-pub(super) fn of(person: &Person, language: Language) -> String {
-    let mut text = format!("{}\n", language.text("erase.will"));
-    for line in removed(person, language) {
-        text += &format!("  - {line}\n");
+/// The text for the terminal. `leaves_owed`: whether what servers are owed is left undone.
+pub(super) fn of(person: &Person, leaves_owed: bool, language: Language) -> String {
+    let part = |heading, lines: &[String]| format!("{}\n{}\n", language.text(heading), list(lines));
+    let mut text = part("erase.will", &removed(person, language));
+    text += &part("erase.will_not", &left(person, language));
+    if !person.owed.is_empty() {
+        let heading = if leaves_owed { "erase.leaves_owed" } else { "erase.owed_first" };
+        text += &part(heading, &owed(&person.owed, language));
     }
-    text += &format!("\n{}\n", language.text("erase.will_not"));
-    for line in left(person, language) {
-        text += &format!("  - {line}\n");
-    }
-    text + &format!("\n{}\n", language.text("erase.law"))
+    text + &format!("{}\n", language.text("erase.law"))
+}
+
+/// Lines of a list.
+pub(super) fn list(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("  - {line}\n")).collect()
+}
+
+/// What servers are owed, or were left with.
+pub(super) fn owed(owed: &[Owed], language: Language) -> Vec<String> {
+    let line = |of: &Owed| {
+        let key = match of.step {
+            OwedStep::TakeBack => "erase.owed_take_back",
+            OwedStep::Correct => "erase.owed_correction",
+        };
+        let store = language.word("page.part.store", &of.store);
+        let unknown = || language.text("erase.not_known").to_owned();
+        let known = |text: Option<&str>| text.map_or_else(unknown, shown);
+        let (place, reference) = (known(of.place.as_deref()), known(of.reference.as_deref()));
+        let scan = of.sha256.get(..8).unwrap_or_default();
+        let words: [(&str, &dyn Display); 4] =
+            [("store", &store), ("place", &place), ("reference", &reference), ("scan", &scan)];
+        language.filled(key, &words)
+    };
+    owed.iter().map(line).collect()
 }
 
 fn removed(person: &Person, language: Language) -> Vec<String> {
@@ -165,7 +189,7 @@ mod tests {
             "captures": [], "orders": [], "exports": [], "journals": [], "history": [], "on_servers": [],
         });
         let person: Person = serde_json::from_value(person).unwrap();
-        let told = of(&person, Language::En);
+        let told = of(&person, false, Language::En);
         for line in [
             "this person's part of 1 scans that others have, too",
             "this person's name at 1 held scans, which may be another's and stay held",
@@ -173,6 +197,8 @@ mod tests {
         ] {
             assert!(told.contains(&format!("  - {line}\n")), "{line}: {told}");
         }
-        assert!(of(&person, Language::De).contains("2 zurückgehaltene Scans, die sonst nur"));
+        assert!(
+            of(&person, false, Language::De).contains("2 zurückgehaltene Scans, die sonst nur")
+        );
     }
 }

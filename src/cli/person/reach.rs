@@ -132,12 +132,12 @@ impl<'a> Reached<'a> {
     }
 
     /// Asks for the erasure of a person. Returns what has become of it if that is known at once.
-    pub(super) fn erase(&self, patient: &str) -> Result<Option<Erasure>, Fault> {
+    pub(super) fn erase(&self, patient: &str, leaves_owed: bool) -> Result<Option<Erasure>, Fault> {
         match &self.stopped {
-            Some(stopped) => Ok(stopped.erase(patient, &user())?),
+            Some(stopped) => Ok(stopped.erase(patient, &user(), leaves_owed)?),
             None => {
                 let (patient, again) = (patient.to_owned(), patient.to_owned());
-                ask(self.config, &Request::Erase { patient, again, by: user() })?;
+                ask(self.config, &Request::Erase { patient, again, by: user(), leaves_owed })?;
                 Ok(None)
             }
         }
@@ -153,6 +153,7 @@ impl<'a> Reached<'a> {
         patient: &str,
         asked: Timestamp,
         is_noted: bool,
+        leaves_owed: bool,
     ) -> Result<Option<Erasure>, Fault> {
         let whole = config::read(self.config).map_err(AskFault::from)?;
         let stopped = Stopped::take(whole)?;
@@ -160,7 +161,7 @@ impl<'a> Reached<'a> {
         let found = stopped.erasure(patient).filter(is_this);
         match found.filter(|erasure| erasure.ended.is_some()) {
             Some(ended) => Ok(Some(ended)),
-            None => Ok(stopped.erase(patient, &user())?),
+            None => Ok(stopped.erase(patient, &user(), leaves_owed)?),
         }
     }
 

@@ -12,7 +12,8 @@ use crate::store::polling::poll;
 /// How long the station may take to begin anew and to clear its folder and the stores.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How long after its own folder, without a break, the stores that are in reach are cleared.
+/// How long after its own folder, without a break, the stores that are in reach are cleared; and how long servers that
+/// are in reach may take for what they are owed.
 const STORES_PATIENCE: Duration = Duration::from_secs(10);
 
 /// How long a station may be away before its state folder is taken. The service manager starts it again after
@@ -23,6 +24,8 @@ const AWAY_PATIENCE: Duration = Duration::from_secs(10);
 pub(super) struct Watch<'a> {
     reached: &'a Reached<'a>,
     patient: &'a str,
+    /// Whether what servers are owed is left undone.
+    leaves_owed: bool,
     /// When it was asked for: an erasure from before is another one.
     asked: Timestamp,
     /// Whether a station said that it noted the wish.
@@ -32,9 +35,9 @@ pub(super) struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     /// The watch of an erasure that is asked for next.
-    pub(super) fn of(reached: &'a Reached<'a>, patient: &'a str) -> Watch<'a> {
-        let asked = Timestamp::now();
-        Watch { reached, patient, asked, is_noted: false, heard: Heard::default() }
+    pub(super) fn of(reached: &'a Reached<'a>, patient: &'a str, leaves_owed: bool) -> Watch<'a> {
+        let (asked, heard) = (Timestamp::now(), Heard::default());
+        Watch { reached, patient, leaves_owed, asked, is_noted: false, heard }
     }
 
     /// The station said that it noted the wish.
@@ -42,7 +45,7 @@ impl<'a> Watch<'a> {
         Watch { is_noted: true, ..self }
     }
 
-    /// Asks again until nothing is left to do, or only a store that is out of reach. Returns what a station
+    /// Asks again until nothing is left to do, or only at a store or server that is out of reach. Returns what a station
     /// says at the end; `None` if none says anything.
     ///
     /// # Errors
@@ -61,7 +64,7 @@ impl<'a> Watch<'a> {
                 Ok(self.heard.answer(erasure, Instant::now()))
             }
             // The station that was asked ended before it noted the wish, and another one runs.
-            Ok(_) => match self.reached.erase(self.patient) {
+            Ok(_) => match self.reached.erase(self.patient, self.leaves_owed) {
                 Err(fault) if !fault.is_silence() => Err(fault),
                 asked => {
                     self.is_noted = asked.is_ok();
@@ -73,9 +76,10 @@ impl<'a> Watch<'a> {
                 if !fault.is_silence() || away <= AWAY_PATIENCE {
                     return Ok(None);
                 }
-                let Watch { reached, patient, asked, is_noted, .. } = *self;
+                let Watch { reached, patient, leaves_owed, asked, is_noted, .. } = *self;
+                let erased = reached.erase_without_station(patient, asked, is_noted, leaves_owed);
                 // It fails while a station is about to start, which is then asked again.
-                Ok(reached.erase_without_station(patient, asked, is_noted).ok().flatten())
+                Ok(erased.ok().flatten())
             }
         }
     }
@@ -85,8 +89,8 @@ impl<'a> Watch<'a> {
 #[derive(Debug, Default)]
 struct Heard {
     last: Option<Erasure>,
-    /// Since when it has said, without a break, that its own folder is cleared.
-    cleared_since: Option<Instant>,
+    /// Since when it has said, without a break, that its own folder is cleared, or is not because of servers.
+    waits_since: Option<(bool, Instant)>,
     /// Since when it has been silent.
     silent_since: Option<Instant>,
 }
@@ -95,24 +99,27 @@ impl Heard {
     /// Takes in an answer, and returns it if there is nothing left to wait for.
     fn answer(&mut self, erasure: Erasure, now: Instant) -> Option<Erasure> {
         self.silent_since = None;
-        if erasure.cleared.is_some() {
-            self.cleared_since.get_or_insert(now);
-        }
-        let is_over = erasure.ended.is_some()
-            || self.cleared_since.is_some_and(|since| now.duration_since(since) > STORES_PATIENCE);
+        let is_cleared = erasure.cleared.is_some();
+        let waits = is_cleared || !erasure.owed.is_empty();
+        let before = self.waits_since.filter(|(was_cleared, _)| *was_cleared == is_cleared);
+        self.waits_since = waits.then_some(before.unwrap_or((is_cleared, now)));
+        let is_long = |(_, since)| now.duration_since(since) > STORES_PATIENCE;
+        let is_over = erasure.ended.is_some() || self.waits_since.is_some_and(is_long);
         self.last = Some(erasure.clone());
         is_over.then_some(erasure)
     }
 
     /// There was no answer: what was said before counts no more. Returns for how long there has been none.
     fn silence(&mut self, now: Instant) -> Duration {
-        (self.last, self.cleared_since) = (None, None);
+        (self.last, self.waits_since) = (None, None);
         now.duration_since(*self.silent_since.get_or_insert(now))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use gaiter_flow::patient::erasure::{Owed, OwedStep};
+
     use super::*;
 
     /// An erasure of which the station's own folder is cleared, and no store.
@@ -145,6 +152,26 @@ mod tests {
         assert_eq!(heard.answer(cleared(), at(15)), None);
         assert_eq!(heard.answer(cleared(), at(24)), None);
         assert_eq!(heard.answer(cleared(), at(26)), Some(cleared()), "a store is out of reach");
+    }
+
+    #[test]
+    fn a_server_that_does_not_do_what_it_is_owed_is_not_waited_for_without_end() {
+        let mut waiting = cleared();
+        waiting.cleared = None;
+        waiting.owed = vec![Owed {
+            sha256: "0".repeat(64),
+            store: "hl7".to_owned(),
+            step: OwedStep::TakeBack,
+            place: None,
+            reference: None,
+        }];
+        let (mut heard, began) = (Heard::default(), Instant::now());
+        let at = |seconds| began + Duration::from_secs(seconds);
+        assert_eq!(heard.answer(waiting.clone(), at(0)), None);
+        assert_eq!(heard.answer(waiting.clone(), at(11)), Some(waiting));
+        // It came after all: the stores have the whole time.
+        assert_eq!(heard.answer(cleared(), at(12)), None);
+        assert_eq!(heard.answer(cleared(), at(23)), Some(cleared()));
     }
 
     #[test]

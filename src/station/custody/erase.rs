@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::PoisonError;
 
 use gaiter_flow::ScanId;
-use gaiter_flow::patient::erasure::{ERASED, ErasedScan, Erasure};
+use gaiter_flow::patient::erasure::{ERASED, ErasedScan, Erasure, Owed};
 use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::round::Judged;
 use jiff::Timestamp;
@@ -24,21 +24,92 @@ pub(in crate::station) use naming::{journals_naming, orders_naming};
 const PREVIEWS: &str = "previews";
 
 impl Custody {
-    /// Notes that a person is to be erased, durably, before anything is removed.
+    /// Notes that a person is to be erased, durably, before anything is removed. What servers are owed is done
+    /// before, unless whoever asks `leaves_owed`.
     ///
     /// # Errors
     /// See [`CustodyFault`]; nothing is erased then.
-    pub fn ask_for_erasure(&self, patient: &str, by: &str) -> Result<(), CustodyFault> {
+    pub fn ask_for_erasure(
+        &self,
+        patient: &str,
+        by: &str,
+        leaves_owed: bool,
+    ) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let whose = self.erasures.hash(patient);
         let at = Timestamp::now();
-        self.journal.note_of_person(Event::Erasing, &json!({ "person": whose, "by": by }))?;
         // From a server nothing is removed.
         let stores = self.stores.iter().filter(|store| !self.servers.contains(store));
         let stores = stores.map(|store| (*store).to_owned()).collect();
         let earlier = self.erasures.of(&whose);
-        let erasure = Erasure::asked(earlier, patient, (at, by.to_owned()), stores);
+        let mut erasure = Erasure::asked(earlier, patient, (at, by.to_owned()), stores);
+        erasure.leaves_owed = leaves_owed;
+        erasure.owes(self.owed_to_servers(patient)?);
+        let detail = json!({ "person": whose, "by": by, "left_at_servers": erasure.left.len() });
+        self.journal.note_of_person(Event::Erasing, &detail)?;
         io("noting an erasure", self.erasures.keep(&whose, &erasure))
+    }
+
+    /// Notes what servers are owed of a person who is to be erased. Returns whether the erasure waits for it.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn waits_for_servers(
+        &self,
+        whose: &str,
+        erasure: &mut Erasure,
+        patient: &str,
+    ) -> Result<bool, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        // A journal that was lost learns it from decisions and stores first.
+        if !erasure.owed.is_empty() && self.journal.to_fill()?.is_some() {
+            return Ok(true);
+        }
+        if erasure.owes(self.owed_to_servers(patient)?) {
+            io("noting an erasure", self.erasures.keep(whose, erasure))?;
+        }
+        Ok(!erasure.owed.is_empty())
+    }
+
+    /// Takes from the erasures what servers are owed no more. Returns whether there was any.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`]; the next call tries again.
+    pub fn strike_owed(&self) -> Result<bool, CustodyFault> {
+        let waits = |(_, erasure): &(String, Erasure)| !erasure.owed.is_empty();
+        if !self.erasures.pending().iter().any(waits) {
+            return Ok(false);
+        }
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let owed = self.journal.owed_to_servers()?;
+        let mut is_struck = false;
+        for (whose, mut erasure) in self.erasures.pending().into_iter().filter(waits) {
+            let is_owed = |of: &&Owed| owed.iter().any(|(_, now)| now == *of);
+            let still = erasure.owed.iter().filter(is_owed).cloned().collect();
+            if erasure.owes(still) {
+                io("noting an erasure", self.erasures.keep(&whose, &erasure))?;
+                is_struck = true;
+            }
+        }
+        Ok(is_struck)
+    }
+
+    /// What servers are owed of a person's records, and of others' whose scan is erased with them.
+    ///
+    /// # Errors
+    /// If the journal cannot be read.
+    pub fn owed_to_servers(&self, patient: &str) -> Result<Vec<Owed>, CustodyFault> {
+        let mut whole = Vec::new();
+        for of in self.journal.scans_of_person(patient)? {
+            if self.goes_whole(&of, patient)? {
+                whole.push(of.scan);
+            }
+        }
+        let mut owed = self.journal.owed_to_servers()?;
+        owed.retain(|(id, of)| {
+            id == patient || whole.iter().any(|scan| scan.as_str() == of.sha256)
+        });
+        Ok(owed.into_iter().map(|(_, of)| of).collect())
     }
 
     /// Clears the state folder of a person. A repeated call continues what a crash cut off.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::sync::atomic::Ordering;
 
-use gaiter_flow::patient::erasure::ERASED;
+use gaiter_flow::patient::erasure::{ERASED, OwedStep};
 use gaiter_flow::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::{Disposition, Stamp};
@@ -329,7 +329,7 @@ fn a_held_scan_that_is_released_goes_to_the_patient_it_was_held_for_and_to_nobod
 }
 
 fn erase(custody: &Custody, state_dir: &Path, id: &str) {
-    custody.ask_for_erasure(id, "uid 0").unwrap();
+    custody.ask_for_erasure(id, "uid 0", false).unwrap();
     let whose = custody.erasures().hash(id);
     let erasure = custody.erasures().of(&whose).unwrap();
     custody.clear_own(&whose, erasure, id, state_dir).unwrap();
@@ -489,12 +489,54 @@ fn what_a_server_refuses_is_told_once_the_folder_has_it_and_can_be_given_to_anot
 }
 
 #[test]
-fn an_erasure_waits_for_no_server() {
+fn an_erasure_waits_for_no_server_that_is_owed_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open_with_server(dir.path());
-    custody.ask_for_erasure("4711", "uid 0").unwrap();
+    custody.ask_for_erasure("4711", "uid 0", false).unwrap();
     let awaited: Vec<String> = custody.erasures().awaited_stores().into_iter().collect();
     assert_eq!(awaited, ["folder"]);
+    assert!(!waits(&custody, "4711"));
+}
+
+fn waits(custody: &Custody, id: &str) -> bool {
+    let whose = custody.erasures().hash(id);
+    let mut erasure = custody.erasures().of(&whose).unwrap();
+    custody.waits_for_servers(&whose, &mut erasure, id).unwrap()
+}
+
+#[test]
+fn an_erasure_waits_for_what_a_server_is_owed_of_the_persons_scan_no_matter_whose_record_it_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open_with_server(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, says("4711"));
+    let deliver = || {
+        for due in custody.journal.pending().unwrap() {
+            if due.task == Task::Deliver {
+                let place = format!("/r/{}/{}", due.patient_cell(), due.store);
+                custody.delivered(&due, Path::new(&place)).unwrap();
+            }
+        }
+    };
+    deliver();
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    assert_eq!(custody.unassign(&row, "4711", Some(stored())).unwrap(), Acted::Done(1));
+    assert_eq!(custody.assign(&row, &patient("0815"), Some(stored())).unwrap(), Acted::Done(2));
+    deliver();
+    // 4711's record is still to be taken back, also if all of the scan goes with 0815.
+    for id in ["0815", "4711"] {
+        custody.ask_for_erasure(id, "uid 0", false).unwrap();
+        assert!(waits(&custody, id), "{id}");
+        let erasure = custody.erasures().of(&custody.erasures().hash(id)).unwrap();
+        let owed: Vec<_> = erasure.owed.iter().map(|of| (of.store.as_str(), of.step)).collect();
+        assert_eq!(owed, [("fhir", OwedStep::TakeBack)], "{id}");
+    }
+    assert!(!custody.strike_owed().unwrap());
+    for due in custody.journal.pending().unwrap() {
+        custody.journal.withdrawn(&due).unwrap();
+    }
+    assert!(custody.strike_owed().unwrap());
+    assert!(!waits(&custody, "0815") && !waits(&custody, "4711"));
 }
 
 #[test]

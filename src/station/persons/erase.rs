@@ -1,5 +1,7 @@
-//! Carries erasures on: at each start in the station's own folder, and in each store once it is in reach.
+//! Carries erasures on: at each start in the station's own folder, once servers have what they are owed, and in each
+//! store once it is in reach.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use gaiter_flow::ScanId;
@@ -33,20 +35,50 @@ pub(in crate::station) enum ClearFault {
 /// tried again at the next start, and does not keep the station from starting.
 pub(in crate::station) fn clear_own(custody: &Custody, stores: &Stores, state_dir: &Path) {
     for (whose, erasure) in custody.erasures().pending() {
-        let Next::Own { patient } = erasure.next() else { continue };
-        let patient = patient.to_owned();
-        let cleared = forget_given(custody, stores, &patient)
-            .and_then(|()| Ok(custody.clear_own(&whose, erasure, &patient, state_dir)?));
-        let error = match cleared {
-            Ok(()) => {
-                info!(event = "person-erased-here", person = whose);
-                continue;
-            }
+        let error = match clear_own_of(custody, stores, state_dir, &whose, erasure) {
+            Ok(()) => continue,
             Err(ClearFault::Store(fault)) => fault.cause().to_string(),
             Err(ClearFault::Custody(fault)) => chain(&fault),
         };
         warn!(event = "erasure-failed", person = whose, error);
     }
+}
+
+/// Clears the station's own folder of one person, unless a server is still owed something: the workers try that at
+/// once when they start, and [`go_on`] continues here once it is done.
+fn clear_own_of(
+    custody: &Custody,
+    stores: &Stores,
+    state_dir: &Path,
+    whose: &str,
+    mut erasure: Erasure,
+) -> Result<(), ClearFault> {
+    let Next::Own { patient } = erasure.next() else { return Ok(()) };
+    let patient = patient.to_owned();
+    if custody.waits_for_servers(whose, &mut erasure, &patient)? {
+        info!(event = "erasure-waits", person = whose, owed = erasure.owed.len());
+        return Ok(());
+    }
+    forget_given(custody, stores, &patient)?;
+    custody.clear_own(whose, erasure, &patient, state_dir)?;
+    info!(event = "person-erased-here", person = whose);
+    Ok(())
+}
+
+/// Lets erasures go on that waited for servers, in a new generation of the workers.
+///
+/// # Errors
+/// See [`CustodyFault`]; the next call tries again.
+pub(in crate::station) fn go_on(core: &Core) -> Result<(), CustodyFault> {
+    if !core.custody.strike_owed()? {
+        return Ok(());
+    }
+    let pending = core.custody.erasures().pending();
+    match pending.iter().any(|(_, erasure)| erasure.cleared.is_none() && erasure.owed.is_empty()) {
+        true => core.anew.notify_one(),
+        false => core.board.note(|facts| note(&core.custody, facts)),
+    }
+    Ok(())
 }
 
 /// Removes what the station notes of records that servers were given of a person, while the journal still knows
@@ -75,16 +107,22 @@ pub(in crate::station) fn note(custody: &Custody, facts: &mut Facts) {
 }
 
 fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> Figures {
-    let (mut own, mut stores) = (false, Vec::new());
+    let (mut own, mut servers, mut stores) = (false, BTreeSet::new(), BTreeSet::new());
     for erasure in pending {
-        own |= erasure.cleared.is_none();
-        stores.extend(erasure.stores.iter().map(|store| format!("\"{store}\"")));
+        own |= erasure.cleared.is_none() && erasure.owed.is_empty();
+        servers.extend(erasure.owed.iter().map(|owed| format!("\"{}\"", owed.store)));
+        if erasure.cleared.is_some() {
+            stores.extend(erasure.stores.iter().map(|store| format!("\"{store}\"")));
+        }
     }
-    stores.sort();
-    stores.dedup();
+    let case = |case: &str, names: BTreeSet<String>| {
+        let names: Vec<String> = names.into_iter().collect();
+        Figures::default().words("case", case).words("stores", names.join(", "))
+    };
     match own {
         true => Figures::default().words("case", "own"),
-        false => Figures::default().words("case", "stores").words("stores", stores.join(", ")),
+        false if !servers.is_empty() => case("servers", servers),
+        false => case("stores", stores),
     }
 }
 
@@ -141,8 +179,13 @@ pub(in crate::station) fn clear_store_of(
 }
 
 /// Asks for an erasure. The running station carries it on in a new generation of its workers.
-pub(in crate::station) fn ask(core: &Core, patient: &str, by: &str) -> Result<(), CustodyFault> {
-    core.custody.ask_for_erasure(patient, by)?;
+pub(in crate::station) fn ask(
+    core: &Core,
+    patient: &str,
+    by: &str,
+    leaves_owed: bool,
+) -> Result<(), CustodyFault> {
+    core.custody.ask_for_erasure(patient, by, leaves_owed)?;
     info!(event = "erasure-asked", at = %Timestamp::now());
     core.anew.notify_one();
     Ok(())

@@ -77,6 +77,7 @@ pub(in crate::station) fn person(
         stores: stores.iter().filter_map(|store| in_folders(store, patient)).collect(),
         handed_over: stores.iter().flat_map(|store| given(store, patient)).collect(),
         on_servers,
+        owed: custody.owed_to_servers(patient)?,
         captures: journal.captures_of_person(patient)?,
         affected: custody.affected_of(patient)?,
         orders: orders_naming(state_dir, patient).map_err(state("reading refused orders"))?,

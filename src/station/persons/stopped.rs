@@ -100,13 +100,19 @@ impl Stopped {
         Ok(disclosed(&self.custody, patient, by)?)
     }
 
-    /// Erases a person, in the stores as far as they are in reach; a start of the station does the rest.
+    /// Erases a person, in the stores as far as they are in reach; a start of the station does the rest. What servers
+    /// are owed, only a running station does: unless whoever asks `leaves_owed`, the erasure waits for it.
     ///
     /// # Errors
     /// If it could not be noted: nothing is erased then.
-    pub fn erase(&self, patient: &str, by: &str) -> Result<Option<Erasure>, StoppedFault> {
+    pub fn erase(
+        &self,
+        patient: &str,
+        by: &str,
+        leaves_owed: bool,
+    ) -> Result<Option<Erasure>, StoppedFault> {
         let state_dir = &self.config.station.state_dir;
-        self.custody.ask_for_erasure(patient, by)?;
+        self.custody.ask_for_erasure(patient, by, leaves_owed)?;
         erase::clear_own(&self.custody, &self.stores, state_dir);
         for store in self.stores.iter() {
             match erase::clear_store(&self.custody, store) {

@@ -3,6 +3,8 @@
 //! It is noted before anything is removed, and every step can be repeated. The id is needed until the last
 //! store is cleared; then only a keyed hash of it is left, by which the station knows scans that lie in an
 //! export folder still.
+//!
+//! What a server is owed comes first: only the station's own data tells what is to be taken back or corrected there.
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -20,6 +22,32 @@ pub struct ErasedScan {
     pub is_whole: bool,
 }
 
+/// A record at a server that is still to be changed there.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Owed {
+    /// The scan, 64 hexadecimal digits.
+    pub sha256: String,
+    /// The store.
+    pub store: String,
+    /// What is to be done there.
+    pub step: OwedStep,
+    /// The server, as it was configured when it was given the record; `None` if only a journal that was lost knew.
+    pub place: Option<String>,
+    /// By what the record is found there; `None` if no answer came: the server may then have nothing.
+    pub reference: Option<String>,
+}
+
+/// What is to be done with a record at a server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OwedStep {
+    /// It is of the wrong patient, and is to be taken back.
+    TakeBack,
+    /// A person set measures since, and the server has the earlier ones.
+    Correct,
+}
+
 /// An erasure.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,6 +60,15 @@ pub struct Erasure {
     pub patient: Option<String>,
     /// The scans, in the order of their hashes.
     pub scans: Vec<ErasedScan>,
+    /// What servers are owed: nothing is removed before it is done.
+    #[serde(default)]
+    pub owed: Vec<Owed>,
+    /// Whether the person who asked decided that it is not done.
+    #[serde(default)]
+    pub leaves_owed: bool,
+    /// What servers were owed and were left with, by that decision; of earlier erasures, too.
+    #[serde(default)]
+    pub left: Vec<Owed>,
     /// When the station's own folder was cleared; `None` before. Records of scans that came later stay.
     pub cleared: Option<Timestamp>,
     /// The stores that are still to be cleared, by their names in the journal.
@@ -60,16 +97,41 @@ pub enum Next<'a> {
 }
 
 impl Erasure {
-    /// An erasure that is asked for now. Scans of an earlier one stay known.
+    /// An erasure that is asked for now. Scans of an earlier one stay known, and so does what servers were left with.
     pub fn asked(
         earlier: Option<Erasure>,
         patient: &str,
         (at, by): (Timestamp, String),
         stores: Vec<String>,
     ) -> Erasure {
-        let scans = earlier.map(|earlier| earlier.scans).unwrap_or_default();
-        let patient = Some(patient.to_owned());
-        Erasure { at, by, patient, scans, cleared: None, stores, ended: None }
+        let (scans, left) =
+            earlier.map(|earlier| (earlier.scans, earlier.left)).unwrap_or_default();
+        Erasure {
+            at,
+            by,
+            patient: Some(patient.to_owned()),
+            scans,
+            owed: Vec::new(),
+            leaves_owed: false,
+            left,
+            cleared: None,
+            stores,
+            ended: None,
+        }
+    }
+
+    /// Notes what servers are owed now. Returns whether that is news.
+    pub fn owes(&mut self, owed: Vec<Owed>) -> bool {
+        if self.leaves_owed {
+            let before = self.left.len();
+            let new = owed.into_iter().filter(|owed| !self.left.contains(owed));
+            let new: Vec<Owed> = new.collect();
+            self.left.extend(new);
+            return self.left.len() > before;
+        }
+        let is_news = self.owed != owed;
+        self.owed = owed;
+        is_news
     }
 
     /// What is to be done next.
@@ -170,6 +232,32 @@ mod tests {
         let mut erasure = asked();
         erasure.own_cleared(at(1), &[]);
         assert_eq!(erasure.ended, Some(at(1)));
+    }
+
+    #[test]
+    fn what_servers_are_owed_is_waited_for_or_left_by_decision_and_then_stays_written_down() {
+        let owed = |reference: &str| Owed {
+            sha256: "a".to_owned(),
+            store: "hl7".to_owned(),
+            step: OwedStep::TakeBack,
+            place: Some("mllp://hl7.clinic.example:2575".to_owned()),
+            reference: Some(reference.to_owned()),
+        };
+        let mut erasure = asked();
+        assert!(erasure.owes(vec![owed("1"), owed("2")]));
+        assert!(!erasure.owes(vec![owed("1"), owed("2")]), "it is known");
+        assert!(erasure.owes(vec![owed("2")]));
+        assert_eq!((erasure.owed.len(), erasure.left.len()), (1, 0));
+        // The server is gone for good: the person who asks decides again.
+        let mut again = Erasure::asked(Some(erasure), "4711", (at(1), String::new()), vec![]);
+        again.leaves_owed = true;
+        assert!(again.owes(vec![owed("2")]));
+        assert!(!again.owes(vec![owed("2")]), "a start after a crash says the same");
+        assert!(again.owed.is_empty());
+        again.own_cleared(at(2), &[]);
+        assert_eq!(again.ended, Some(at(2)));
+        let later = Erasure::asked(Some(again), "4711", (at(3), String::new()), vec![]);
+        assert_eq!(later.left, [owed("2")]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::account::{Happened, Summary};
 use crate::cause::Cause;
+use crate::patient::erasure::Owed;
 
 /// What a station knows of a person.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,6 +31,9 @@ pub struct Person {
     pub handed_over: Vec<HandedOver>,
     /// What servers of a hospital were given.
     pub on_servers: Vec<OnServer>,
+    /// What is still to be done at servers with their records, and with those of others whose scan is theirs.
+    #[serde(default)]
+    pub owed: Vec<Owed>,
     /// The waits for a scan of theirs.
     pub captures: Vec<PersonCapture>,
     /// Their affected leg, as a person named it; `None` if nobody did.

@@ -1,8 +1,9 @@
 //! What the journal knows of one person.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gaiter_flow::account::Happened;
+use gaiter_flow::patient::erasure::{Owed, OwedStep};
 use gaiter_flow::patient::naming::record_folder;
 use gaiter_flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
 use gaiter_flow::{DeliveryState, ScanId};
@@ -73,6 +74,39 @@ impl Journal {
             });
         }
         Ok(found)
+    }
+
+    /// What servers are owed, each with the patient's id: what is to be taken back there, and what was amended since.
+    /// A server that is no longer in the configuration is known by its places.
+    pub fn owed_to_servers(&self) -> Result<Vec<(String, Owed)>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(&format!(
+            "SELECT patient, sha256, store, state, folder, places FROM deliveries
+             WHERE (state = ?1
+                    OR amended <> '' AND state = ?2 AND coalesce(code, '') NOT IN {UNWANTED})
+                   AND (store IN (SELECT name FROM servers) OR places <> '{{}}')
+             ORDER BY sha256, patient, store"
+        ))?;
+        let withdrawing = DeliveryState::Withdrawing.word();
+        let mut rows = query.query([withdrawing, DeliveryState::Delivered.word()])?;
+        let mut all = Vec::new();
+        while let Some(row) = rows.next()? {
+            let (patient, sha256, store): (String, String, String) =
+                (row.get(0)?, row.get(1)?, row.get(2)?);
+            let (state, folder): (String, Option<String>) = (row.get(3)?, row.get(4)?);
+            let step = if state == withdrawing { OwedStep::TakeBack } else { OwedStep::Correct };
+            let owed = |place: Option<String>, reference: Option<String>| {
+                let (sha256, store) = (sha256.clone(), store.clone());
+                (patient.clone(), Owed { sha256, store, step, place, reference })
+            };
+            let places: BTreeMap<String, String> = json_cell("places", row.get(5)?)?;
+            if places.is_empty() {
+                all.push(owed(None, folder));
+            }
+            let receipt = |text: String| Some(text).filter(|text| !text.is_empty());
+            all.extend(places.into_iter().map(|(place, text)| owed(Some(place), receipt(text))));
+        }
+        Ok(all)
     }
 
     /// The names of the folders of the records that a store was given for a person and must still hold, oldest first.

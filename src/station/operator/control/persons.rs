@@ -21,7 +21,9 @@ pub(super) fn answer(desk: &Desk, request: &Request) -> Result<Answer, Fault> {
             stopped::disclosed(&desk.core.custody, patient, by)?;
             Ok(Answer::Sentence(desk.core.config.language.text("act.disclosed").to_owned()))
         }
-        Request::Erase { patient, again, by } => erase(desk, patient, again, by),
+        Request::Erase { patient, again, by, leaves_owed } => {
+            erase(desk, (patient, again), by, *leaves_owed)
+        }
         Request::Erasure { patient } => {
             let erasures = desk.core.custody.erasures();
             Ok(Answer::Erasure(erasures.of(&erasures.hash(patient))))
@@ -38,14 +40,19 @@ fn known(desk: &Desk, patient: &str) -> Result<Person, Fault> {
     Ok(person(&core.config, &core.identity, (&core.custody, &core.stores), patient)?)
 }
 
-fn erase(desk: &Desk, patient: &str, again: &str, by: &str) -> Result<Answer, Fault> {
+fn erase(
+    desk: &Desk,
+    (patient, again): (&str, &str),
+    by: &str,
+    leaves_owed: bool,
+) -> Result<Answer, Fault> {
     if patient != again {
         return Err(refused(desk, "ids-differ", "act.fault.ids_differ"));
     }
     if known(desk, patient)?.is_awaited() {
         return Err(refused(desk, "patient-awaited", "act.fault.awaited"));
     }
-    erase::ask(&desk.core, patient, by)?;
+    erase::ask(&desk.core, patient, by, leaves_owed)?;
     Ok(Answer::Sentence(desk.core.config.language.text("act.erasing").to_owned()))
 }
 

@@ -134,6 +134,8 @@ pub enum Request {
         again: String,
         /// Which user of the machine asks.
         by: String,
+        /// What servers are owed is left undone.
+        leaves_owed: bool,
     },
     /// What has become of the erasure of a person.
     Erasure {
