@@ -1,5 +1,6 @@
 //! The station at one moment, from board, journal and disk.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use gaiter_flow::Facts;
@@ -11,6 +12,8 @@ use jiff::Timestamp;
 use crate::station::core::Core;
 use crate::station::custody::state_folders;
 use crate::station::journal::Tally;
+use crate::store::RecordStore;
+use crate::store::https::tls;
 
 /// What is known at one moment.
 #[derive(Debug, Clone)]
@@ -55,6 +58,7 @@ impl Overview {
                     oldest,
                     revisions_refused: tally.revisions_refused,
                     moved: tally.moved.clone(),
+                    certificates: certificates(core),
                 };
                 complaints(&facts, &backlog, core.config.status.overdue, now)
             }
@@ -86,6 +90,15 @@ impl Overview {
     pub fn pending(&self) -> u64 {
         self.tally.as_ref().map_or(0, pending)
     }
+}
+
+/// Until when the certificates hold that the station shows to servers. One that cannot be read is a fault of its store.
+fn certificates(core: &Core) -> BTreeMap<String, Timestamp> {
+    let of = |store: &dyn RecordStore| {
+        let until = tls::holds_until(store.own_certificate()?).ok()??;
+        Some((store.name().to_owned(), until))
+    };
+    core.stores.iter().filter_map(of).collect()
 }
 
 /// The oldest scan that a store other than those that wait to be fetched from has no record of.

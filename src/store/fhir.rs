@@ -14,7 +14,7 @@ mod smart;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -161,6 +161,10 @@ impl RecordStore for FhirStore {
 
     fn is_server(&self) -> bool {
         true
+    }
+
+    fn own_certificate(&self) -> Option<&Path> {
+        self.server.tls.own.as_ref().map(|(certificate, _)| certificate.as_path())
     }
 
     /// Each request has the limit for itself.

@@ -130,6 +130,10 @@ impl RecordStore for Hl7Store {
         true
     }
 
+    fn own_certificate(&self) -> Option<&Path> {
+        self.way.own().map(|(certificate, _)| certificate.as_path())
+    }
+
     fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
         self.folder().map_or(Ok(()), |folder| folder.begin(make_folder))
     }

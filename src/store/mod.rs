@@ -58,6 +58,11 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
         false
     }
 
+    /// The file of the station's own certificate, which it shows to the server.
+    fn own_certificate(&self) -> Option<&Path> {
+        None
+    }
+
     /// The longest time that a step here takes while the store still answers, such as one [`RecordStore::put`]. A
     /// step that lasts longer has stalled.
     fn step_most(&self) -> Duration {

@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use jiff::Timestamp;
 use jiff::tz::TimeZone;
+use jiff::{SignedDuration, Timestamp};
 
 use super::Facts;
 use super::cause::Cause;
@@ -25,13 +25,16 @@ pub(crate) const BLIP: Duration = Duration::from_secs(5);
 /// How long a port may be out of order before it is reported: long enough to plug it in elsewhere.
 const REPLUG: Duration = Duration::from_secs(60);
 
+/// A certificate of the station that ends sooner is told: the authority of a house may need weeks for a new one.
+pub const CERTIFICATE_ENDS_SOON: SignedDuration = SignedDuration::from_hours(30 * 24);
+
 /// Complaint: exports were overwritten or deleted before they were taken.
 const EXPORT_GONE: &str = "export-gone";
 
 /// Alarm: an export is awaited, and what came is not read. Its figure is `unread`.
 pub const EXPORT_PASSED_OVER: &str = "export-passed-over";
 
-/// What the journal knows about deliveries that are not made.
+/// What is known about deliveries that are not made, and of what keeps them from servers soon.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Backlog {
     /// Deliveries that are still to be made.
@@ -42,6 +45,8 @@ pub struct Backlog {
     pub revisions_refused: u64,
     /// By store, records that are to be withdrawn, and are at an earlier address of it.
     pub moved: BTreeMap<String, u64>,
+    /// By store, until when the certificate holds that the station shows there.
+    pub certificates: BTreeMap<String, Timestamp>,
 }
 
 /// Everything that keeps the station from being ready, the worst first, then what a person should know. `overdue`
@@ -74,6 +79,7 @@ pub fn complaints(
     complaints.extend(unfetched(facts, now));
     complaints.extend(revisions_refused(backlog));
     complaints.extend(moved(backlog));
+    complaints.extend(certificates(backlog, now));
     complaints.extend(facts.views_apart());
     complaints
 }
@@ -173,6 +179,19 @@ fn moved(backlog: &Backlog) -> impl Iterator<Item = Complaint> {
         let figures = Figures::counted(usize::try_from(*count).unwrap_or(usize::MAX));
         let complaint = Complaint::new("store-moved", figures).about(store);
         Complaint { severity: Severity::Notice, ..complaint }
+    })
+}
+
+/// Certificates of the station that end soon, or have ended: servers let it in no more then.
+fn certificates(backlog: &Backlog, now: Timestamp) -> impl Iterator<Item = Complaint> {
+    backlog.certificates.iter().filter_map(move |(store, until)| {
+        let left = until.duration_since(now);
+        let case = if left.is_negative() { "ended" } else { "soon" };
+        let days = u64::try_from(left.as_hours() / 24).unwrap_or_default();
+        let figures = Figures::default().words("case", case).count("days", days);
+        let complaint = Complaint::new("certificate-ends", figures).about(store);
+        let notice = Complaint { severity: Severity::Notice, ..complaint };
+        (left < CERTIFICATE_ENDS_SOON).then_some(notice)
     })
 }
 

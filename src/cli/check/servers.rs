@@ -4,7 +4,8 @@ use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-use jiff::{SignedDuration, Timestamp};
+use gaiter_flow::health::CERTIFICATE_ENDS_SOON;
+use jiff::Timestamp;
 
 use super::environment::writable;
 use super::row::{Row, Verdict};
@@ -16,9 +17,6 @@ use crate::store::hl7::Hl7Way;
 use crate::store::https::tls;
 use crate::store::secret::{self, SecretFault};
 use crate::store::{FhirStore, Hl7Store, RecordStore};
-
-/// A certificate of the station that expires sooner is reported.
-const ENDS_SOON: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// A row for each server, each secret and each certificate of the station.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
@@ -102,7 +100,7 @@ fn of_certificate(tls: &TlsFiles, now: Timestamp) -> Option<Row> {
         left if left.is_negative() => {
             (Verdict::Fail, "has ended: have a new one signed".to_owned())
         }
-        left if left < ENDS_SOON => {
+        left if left < CERTIFICATE_ENDS_SOON => {
             (Verdict::Warn, format!("ends in {days} days: have a new one signed"))
         }
         _ => (Verdict::Ok, format!("holds for {days} days")),

@@ -32,11 +32,16 @@ impl Hl7Way {
         }
     }
 
-    /// The secret that connections need: the key of the station's own certificate.
-    pub fn secret(&self) -> Option<&Secret> {
+    /// The station's own certificate that connections show, and its key.
+    pub fn own(&self) -> Option<&(PathBuf, Secret)> {
         match self {
-            Hl7Way::Mllp { tls, .. } => Some(&tls.as_ref()?.own.as_ref()?.1),
+            Hl7Way::Mllp { tls, .. } => tls.as_ref()?.own.as_ref(),
             Hl7Way::Files(_) => None,
         }
+    }
+
+    /// The secret that connections need: the key of that certificate.
+    pub fn secret(&self) -> Option<&Secret> {
+        self.own().map(|(_, key)| key)
     }
 }

@@ -14,8 +14,13 @@ use crate::settle::Wait;
 use crate::trigger::PortState;
 
 const OVERDUE: Duration = Duration::from_secs(600);
-const EMPTY: Backlog =
-    Backlog { pending: 0, oldest: None, revisions_refused: 0, moved: BTreeMap::new() };
+const EMPTY: Backlog = Backlog {
+    pending: 0,
+    oldest: None,
+    revisions_refused: 0,
+    moved: BTreeMap::new(),
+    certificates: BTreeMap::new(),
+};
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()
@@ -254,6 +259,23 @@ fn a_take_back_at_an_earlier_address_of_a_server_is_a_notice() {
         let [notice] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((notice.code.as_str(), notice.is_fault()), ("store-moved", false));
         assert_eq!(notice.subject.as_deref(), Some("fhir"));
+        assert_said(notice);
+    }
+}
+
+#[test]
+fn a_certificate_of_the_station_is_a_notice_from_30_days_before_it_ends() {
+    const DAY: i64 = 24 * 3600;
+    let told = |ends: i64| {
+        let certificates = BTreeMap::from([("hl7".to_owned(), at(ends))]);
+        complaints(&facts(), &Backlog { certificates, ..EMPTY }, OVERDUE, at(0))
+    };
+    assert_eq!(told(30 * DAY), []);
+    for (ends, says) in [(30 * DAY - 1, "ends in 29 days"), (-1, "has ended")] {
+        let found = told(ends);
+        let [notice] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((notice.code.as_str(), notice.is_fault()), ("certificate-ends", false));
+        assert!(notice.message(Language::En).contains(says), "{notice:?}");
         assert_said(notice);
     }
 }
