@@ -5,6 +5,7 @@
 
 mod lines;
 mod mesh;
+mod plain;
 mod unmeshed;
 
 use super::Scan;

@@ -45,6 +45,12 @@ impl<'a> Lines<'a> {
     pub(super) fn passed(&self) -> usize {
         self.passed
     }
+
+    /// Goes on with this rest, after so many lines that were read in another way.
+    pub(super) fn pass(&mut self, lines: usize, rest: &'a [u8]) {
+        self.passed += lines;
+        self.rest = rest;
+    }
 }
 
 impl<'a> Iterator for Lines<'a> {

@@ -45,15 +45,15 @@ pub(super) fn refuse_others(bytes: &[u8]) -> Result<(), ScanFault> {
 }
 
 /// Reads the `v`, `f` and `fo` statements of a text, one after the other.
-struct Geometry<'a> {
-    lines: Lines<'a>,
+pub(super) struct Geometry<'a> {
+    pub lines: Lines<'a>,
     /// A statement that goes on over several lines, joined.
     joined: Vec<u8>,
 }
 
 impl<'a> Geometry<'a> {
     /// The statements of a text without a byte order mark.
-    fn of(bytes: &'a [u8]) -> Geometry<'a> {
+    pub(super) fn of(bytes: &'a [u8]) -> Geometry<'a> {
         Geometry { lines: text::lines(bytes), joined: Vec::new() }
     }
 
@@ -64,7 +64,7 @@ impl<'a> Geometry<'a> {
     /// # Errors
     /// [`ScanFault::CutShort`] if the last line expects a continuation; [`ScanFault::Malformed`] for these
     /// statements in capitals, without which a mesh would be read as bare points, or in part.
-    fn statement(&mut self) -> Result<Option<(usize, &[u8])>, ScanFault> {
+    pub(super) fn statement(&mut self) -> Result<Option<(usize, &[u8])>, ScanFault> {
         let first = self.lines.next().unwrap_or_default().trim_ascii();
         let number = self.lines.passed();
         match keyword(first) {

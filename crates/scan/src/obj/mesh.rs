@@ -1,16 +1,18 @@
 //! The points and triangles of a file, by tobj.
 //!
 //! tobj gets the statements with geometry alone, because it refuses a whole file for a Latin-1 letter in a name, for
-//! colours at some points, for line ends of old systems and for decimal commas, and does not know `fo` and `\`. What
-//! it refuses is read a second time by what knows the lines.
+//! colours at some points, for line ends of old systems and for decimal commas, and does not know `fo` and `\`. Plain
+//! lines, which are nearly all of a scan's, it gets as they are, the others rewritten. What it refuses is read a second
+//! time by what knows the lines.
 
 use std::path::Path;
 
 use nalgebra::Point3;
 
 use super::super::fault::{Place, ScanFault, malformed};
-use super::super::text::{Decimals, excerpt, words};
-use super::lines::{WORDS_OF_POINT, each_geometry, keyword};
+use super::super::text::{Decimals, Lines, excerpt, words};
+use super::lines::{Geometry, WORDS_OF_POINT, each_geometry, keyword};
+use super::plain::{plain_point, plain_triangle, whole_number};
 
 /// Bytes of the shortest point, `v 0 0 0` and its line end: no file has more points than it has room for.
 const POINT_BYTES_MIN: usize = 8;
@@ -95,11 +97,48 @@ impl Given {
         let text = Vec::with_capacity(bytes.len());
         let used = vec![false; bytes.len() / POINT_BYTES_MIN + 1];
         let mut given = Given { text, used, ..Given::default() };
-        each_geometry(bytes, |line, statement| match keyword(statement) {
-            b"v" => given.add_point(statement, line),
-            _ => given.add_face(statement, line),
-        })?;
+        let mut geometry = Geometry::of(bytes);
+        while !geometry.lines.rest().is_empty() {
+            given.add_plain(&mut geometry.lines);
+            match geometry.statement()? {
+                Some((line, point)) if keyword(point) == b"v" => given.add_point(point, line)?,
+                Some((line, face)) => given.add_face(face, line)?,
+                None => {}
+            }
+        }
         Ok(given)
+    }
+
+    /// Adds the plain lines up to the next other one.
+    fn add_plain(&mut self, lines: &mut Lines<'_>) {
+        let text = lines.rest();
+        let (mut rest, mut count) = (text, 0);
+        loop {
+            if let Some(after) = plain_point(rest) {
+                self.point_count += 1;
+                rest = after;
+            } else if let Some((points, after)) = plain_triangle(rest)
+                && self.counts_plain(points)
+            {
+                rest = after;
+            } else {
+                break;
+            }
+            count += 1;
+        }
+        self.text.extend_from_slice(&text[..text.len() - rest.len()]);
+        lines.pass(count, rest);
+    }
+
+    /// Counts a triangle, unless an object begins with it, it has a point twice, or one that cannot exist.
+    fn counts_plain(&mut self, points: [usize; 3]) -> bool {
+        if self.triangle_count.is_multiple_of(TRIANGLES_PER_OBJECT) {
+            return false;
+        }
+        let Ok(used) = self.used.get_disjoint_mut(points) else { return false };
+        used.into_iter().for_each(|used| *used = true);
+        self.triangle_count += 1;
+        true
     }
 
     fn add_point(&mut self, statement: &[u8], line: usize) -> Result<(), ScanFault> {
@@ -171,13 +210,9 @@ impl Given {
     }
 }
 
-/// A whole number of digits only: a third of the instructions of the standard library's, for each corner of a scan.
+/// A whole number of digits only.
 fn digits(word: &[u8]) -> Option<usize> {
-    let number = word.iter().try_fold(0_usize, |number, byte| {
-        let digit = byte.wrapping_sub(b'0');
-        if digit > 9 { None } else { number.checked_mul(10)?.checked_add(digit.into()) }
-    });
-    number.filter(|_| !word.is_empty())
+    whole_number(word).filter(|(_, rest)| rest.is_empty()).map(|(number, _)| number)
 }
 
 /// The words of the corners of a face, up to a comment.

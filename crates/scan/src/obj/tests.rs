@@ -53,6 +53,26 @@ fn a_polygon_becomes_a_fan_and_degenerate_faces_go() {
 }
 
 #[test]
+fn a_large_mesh_is_the_same_however_its_lines_are_written() {
+    // More triangles than tobj gets as one object.
+    let points = (0..20_000).map(|i| format!("v {i} {}.5 -{}\n", i % 7, i % 5));
+    let faces = (1..=19_998).map(|i| format!("f {i} {} {}\n", i + 1, i + 2));
+    let plain: String = points.chain(faces).collect();
+    let scan = read(plain.as_bytes()).unwrap();
+    assert_eq!((scan.points.len(), scan.triangles.len()), (20_000, 19_998));
+    assert_eq!(scan.triangles[19_997], [19_997, 19_998, 19_999]);
+    assert_eq!(scan.points[19_999], Point3::new(19_999.0, 0.5, -4.0));
+    let ways =
+        [(" ", "\n"), ("\t", "\n"), ("  ", "\n"), (" ", "\r\n"), (" ", " \r\n"), (" ", "\r")];
+    for (blank, end) in ways {
+        let way = plain.replace(' ', blank).replace('\n', end);
+        assert!(read(way.as_bytes()).as_ref() == Ok(&scan), "{blank:?} {end:?}");
+        let said = fault(&format!("{way}f 1 2 x{end}")).to_string();
+        assert!(said.starts_with("line 39999: "), "{blank:?} {end:?}: {said}");
+    }
+}
+
+#[test]
 fn nothing_at_all_is_empty() {
     assert_eq!(fault(""), ScanFault::Empty);
     assert_eq!(fault(" \n\r\n"), ScanFault::Empty);
@@ -190,7 +210,7 @@ fn numbers_that_are_none_are_named_with_their_line() {
         let text = TETRAHEDRON.replace("v 0 1 0", &format!("v 0 {found} 0"));
         assert_eq!(fault(&text), not_finite(found));
     }
-    for statement in ["v 0,5,5 1 0", "v 0 1", "v 0 two 0", "v"] {
+    for statement in ["v 0,5,5 1 0", "v 0 1", "v 0 1 ", "v 0  1", "v 0 two 0", "v 0 1/2 0", "v"] {
         let said = fault(&TETRAHEDRON.replace("v 0 1 0", statement)).to_string();
         assert!(said.starts_with("line 3: "), "{said}");
     }
