@@ -7,13 +7,14 @@ use std::fs;
 use std::path::Path;
 
 /// Files whose `code` functions give codes to records, `reason.json`, standard error or `check`.
-const SOURCES: [&str; 13] = [
+const SOURCES: [&str; 14] = [
     "crates/scan/src/fault.rs",
     "crates/leg/src/lib.rs",
     "crates/leg/src/frame/body_fault.rs",
     "crates/leg/src/parting/segment.rs",
     "crates/leg/src/finding.rs",
     "crates/leg/src/doubt.rs",
+    "crates/leg/src/comparison/difference.rs",
     "crates/leg/src/comparison/opinion.rs",
     "src/store/fault.rs",
     "crates/cad/src/kind.rs",

@@ -28,6 +28,10 @@ const COARSE_SPACING_MM: f64 = 9.5;
 /// 17 000 points, thinned or averaged by cells, this share makes 96 % right within two standard errors.
 const COARSE_SD_SHARE: f64 = 1.3;
 
+/// The uncertainty of a figure is shown as this many standard errors: about 95 % of repeated scans lie
+/// within it.
+pub const MARGIN_SDS: f64 = 2.0;
+
 /// What disturbs girths.
 #[derive(Debug, Clone)]
 pub struct Disturbance {
@@ -63,16 +67,19 @@ impl Common {
 
     /// The doubts that concern the whole scan.
     pub fn doubts(&self) -> Vec<Doubt> {
-        let seams = self
-            .seams
-            .map(|Seams { step_mm, girth_sd_mm }| Doubt::ViewsApart { step_mm, girth_sd_mm });
+        let seams = self.seams.map(doubt_of_seams);
         seams.into_iter().chain(self.smoothed.and_then(doubt_of_smoothing)).collect()
     }
 }
 
+fn doubt_of_seams(Seams { step_mm, girth_sd_mm }: Seams) -> Doubt {
+    Doubt::ViewsApart { step_mm, girth_off_mm: MARGIN_SDS * girth_sd_mm }
+}
+
 /// Smoothing that costs girths more than what they usually are off by.
 fn doubt_of_smoothing(Smoothed { girth_sd_mm }: Smoothed) -> Option<Doubt> {
-    (girth_sd_mm > DOUBT_SD_MM).then_some(Doubt::Smoothed { girth_sd_mm })
+    let girth_off_mm = MARGIN_SDS * girth_sd_mm;
+    (girth_sd_mm > DOUBT_SD_MM).then_some(Doubt::Smoothed { girth_off_mm })
 }
 
 impl Disturbance {
@@ -94,9 +101,9 @@ impl Disturbance {
     }
 
     /// Of cameras whose views do not meet.
-    fn of_seams(Seams { step_mm, girth_sd_mm }: Seams) -> Disturbance {
-        let doubt = Doubt::ViewsApart { step_mm, girth_sd_mm };
-        Disturbance::everywhere(girth_sd_mm, Some(doubt).filter(|_| girth_sd_mm > DOUBT_SD_MM))
+    fn of_seams(seams: Seams) -> Disturbance {
+        let doubt = (seams.girth_sd_mm > DOUBT_SD_MM).then(|| doubt_of_seams(seams));
+        Disturbance::everywhere(seams.girth_sd_mm, doubt)
     }
 
     /// Of a mesh that was smoothed.

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::figure::{AsFigure, Figure};
+
 /// A level of the leg (RAL-GZ 387).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Level {
@@ -51,39 +53,57 @@ impl Level {
     }
 }
 
-/// How a level is found or, if it is not visible on the skin, estimated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum By {
-    /// A turning point of the girth curve.
-    Turn,
-    /// The largest slope of the girth curve.
-    Steepest,
-    /// A vertical distance above B.
-    AboveB {
-        /// The distance, mm.
-        distance_mm: f64,
-    },
-    /// A vertical distance below the crotch.
-    BelowCrotch {
-        /// The distance, mm.
-        distance_mm: f64,
-    },
-    /// A tape at 45° from the point where heel and floor meet, over the instep.
-    HeelTape,
-    /// The mean of a share of the stature and a distance above D; the share alone without D.
-    Knee {
-        /// The share.
-        stature_share: f64,
-        /// The distance, mm; `None` without D.
-        above_d_mm: Option<f64>,
-    },
-    /// Halfway between two levels.
-    Between(Level, Level),
-    /// Shares of the foot's length, from the heel, on its two sides.
-    FootShares {
-        /// On the medial side.
-        medial: f64,
-        /// On the lateral side.
-        lateral: f64,
-    },
+impl AsFigure for Level {
+    fn figure(&self) -> Option<Figure> {
+        Some(Figure::Name(self.name().to_owned()))
+    }
+}
+
+coded_enum! {
+    /// How a level is found or, if it is not visible on the skin, estimated.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum By {
+        /// A turning point of the girth curve.
+        Turn => "turning-point",
+        /// The largest slope of the girth curve.
+        Steepest => "largest-slope",
+        /// A vertical distance above B.
+        AboveB {
+            /// The distance, mm.
+            distance_mm: f64,
+        } => "above-b",
+        /// A vertical distance below the crotch.
+        BelowCrotch {
+            /// The distance, mm.
+            distance_mm: f64,
+        } => "below-crotch",
+        /// A tape at 45° from the point where heel and floor meet, over the instep.
+        HeelTape => "heel-tape",
+        /// A share of the stature.
+        StatureShare {
+            /// The share.
+            share: f64,
+        } => "stature-share",
+        /// The mean of a share of the stature and a distance above D.
+        Knee {
+            /// The share.
+            stature_share: f64,
+            /// The distance, mm.
+            above_d_mm: f64,
+        } => "knee",
+        /// Halfway between two levels.
+        Between {
+            /// The lower one.
+            low: Level,
+            /// The higher one.
+            high: Level,
+        } => "halfway",
+        /// Shares of the foot's length, from the heel, on its two sides.
+        FootShares {
+            /// On the medial side.
+            medial: f64,
+            /// On the lateral side.
+            lateral: f64,
+        } => "foot-shares",
+    }
 }

@@ -19,6 +19,8 @@
 
 #[macro_use]
 mod words;
+#[macro_use]
+pub mod figure;
 
 pub mod comparison;
 pub mod disturbance;
@@ -43,9 +45,9 @@ use rayon::prelude::*;
 pub use comparison::difference::Differences;
 use comparison::seams::{Traces, seams};
 use comparison::smoothed::smoothed;
-use disturbance::{Common, Disturbance, coarse_spacing_mm};
+use disturbance::{Common, Disturbance, MARGIN_SDS, coarse_spacing_mm};
 use doubt::Doubt;
-pub use finding::{Finding, LegFault, What};
+pub use finding::{Finding, What};
 pub use frame::body::{Body, FacingFrom};
 pub use frame::body_fault::BodyFault;
 pub use gaiter_scan::Format;
@@ -58,6 +60,7 @@ pub use method::Method;
 pub use parting::crotch::{Crotch, CrotchFrom};
 use parting::segment::Leg;
 pub use parting::segment::SegmentFault;
+pub use sectioned_leg::LegFault;
 use sectioned_leg::{SectionedLeg, compare_cloth, sectioned_leg};
 pub use side::Side;
 use side::Sides;
@@ -165,8 +168,8 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
             }
             // A scan of a lone leg is not missing the other one.
             Err(LegFault::NotThere) if !body.is_whole => {}
-            Err(fault) => {
-                let what = What::LegNotMeasured(fault);
+            Err(why) => {
+                let what = What::LegNotMeasured { why };
                 findings.push(Finding { side: Some(side), level: None, what });
             }
         }
@@ -243,12 +246,12 @@ fn about_body(body: &Body, crotch: &Crotch, coarse_mm: Option<f64>) -> Vec<Findi
     let mut found = Vec::new();
     found.extend(coarse_mm.map(|spacing_mm| {
         let ankle_sd_mm = Disturbance::of_coarse(spacing_mm).sd_of_mm(ANKLE_GIRTH_MM);
-        What::Coarse { spacing_mm, ankle_sd_mm }
+        What::Coarse { spacing_mm, girth_off_mm: MARGIN_SDS * ankle_sd_mm }
     }));
     match body.facing_from {
         FacingFrom::Feet => {}
-        FacingFrom::Calves(unclear) => found.push(What::FacingByCalves(unclear)),
-        FacingFrom::Declared(unclear) => found.push(What::FacingUnchecked(unclear)),
+        FacingFrom::Calves(why) => found.push(What::FacingByCalves { why }),
+        FacingFrom::Declared(why) => found.push(What::FacingUnchecked { why }),
     }
     if !body.is_mirror_checked {
         found.push(What::MirrorUnchecked);

@@ -80,7 +80,7 @@ pub fn leg_report(
         findings.add(None, What::LegCut { end_mm });
     }
     if let Some(why) = of.no_thigh {
-        findings.add(None, What::ThighAxisMissing(why));
+        findings.add(None, What::ThighAxisMissing { why });
     }
     findings.about_levels(&measures.levels);
     let found = measures.levels.found.into_iter();
@@ -267,7 +267,7 @@ impl Findings {
     fn about_levels(&mut self, levels: &Levels) {
         for level in Level::ALL {
             if let Some((_, absence)) = levels.absent.iter().find(|(absent, _)| *absent == level) {
-                self.add(Some(level), What::LevelAbsent(*absence));
+                self.add(Some(level), What::LevelAbsent { why: *absence });
             }
             match levels.found.iter().find(|landmark| landmark.level == level) {
                 Some(landmark) if !landmark.is_plausible() => {

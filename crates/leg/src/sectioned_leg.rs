@@ -2,12 +2,11 @@
 //! covers one, and what the scanner's cameras did to both, is told by comparing them.
 
 use crate::comparison::seams::{SPAN_SHARE, Traces};
-use crate::finding::LegFault;
 use crate::levels::girth::{GirthCurve, girth_curve};
 use crate::parting::crotch::Crotch;
 use crate::parting::filled::{Patch, filled};
 use crate::parting::segment::Leg;
-use crate::sections::axis_fit::{self, FoundAxis, NoThigh};
+use crate::sections::axis_fit::{self, AxisFault, FoundAxis, NoThigh};
 use crate::sections::cloth::Cloth;
 use crate::sections::equidistant::{Sections, sections};
 use crate::sections::placed::placed;
@@ -50,6 +49,32 @@ impl SectionedLeg {
             Some(NoThigh::TooBent { bend_deg }) => bend_deg,
             _ => self.sections.axis.bend_deg(),
         }
+    }
+}
+
+coded_enum! {
+    /// Why a leg could not be measured.
+    #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+    pub enum LegFault {
+        /// The leg is not in the scan.
+        #[error("it is not in the scan, or ends below the calf")]
+        NotThere => "leg-not-there",
+        /// The leg has hardly any points.
+        #[error("the leg has too few points")]
+        TooFewPoints => "leg-too-few-points",
+        /// Too few sections close.
+        #[error("only {measured} of {planes} sections close")]
+        TooFewSections {
+            /// Sections that could be measured.
+            measured: usize,
+            /// Section planes.
+            planes: usize,
+        } => "leg-too-few-sections",
+    }
+    or {
+        /// The leg has no axis.
+        #[error(transparent)]
+        Axis(#[from] AxisFault),
     }
 }
 

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::figure::{AsFigure, Figure};
+
 word_enum! {
     /// The patient's own side.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -35,6 +37,12 @@ impl Side {
             Side::Left => Side::Right,
             Side::Right => Side::Left,
         }
+    }
+}
+
+impl AsFigure for Side {
+    fn figure(&self) -> Option<Figure> {
+        None
     }
 }
 

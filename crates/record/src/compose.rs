@@ -136,8 +136,8 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
     let own = report.level_sections.iter().find(|at| at.level == landmark.level);
     let centre = own.map(|at| report.axis.at(at.section.along_mm, &at.section.centre));
     LandmarkFigures {
-        by: Statement::from(&landmark.by).in_english(),
-        rule: Statement::from(&landmark.by),
+        by: Statement::from(landmark.by.said()).in_english(),
+        rule: Statement::from(landmark.by.said()),
         height_mm: mm(landmark.height_mm),
         along_axis_mm: mm(report.lengths.at(landmark.along_mm)),
         centre_mm: centre.map(|centre| centre.coords.map(mm).into()),
@@ -154,8 +154,8 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
 
 fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
     let figures = |estimate: &Estimate| EstimateFigures {
-        by: Statement::from(&estimate.by).in_english(),
-        rule: Statement::from(&estimate.by),
+        by: Statement::from(estimate.by.said()).in_english(),
+        rule: Statement::from(estimate.by.said()),
         height_mm: mm(estimate.height_mm),
         along_axis_mm: mm(report.lengths.at(estimate.along_mm)),
         girth_tape_mm: mm(estimate.girth_tape_mm),

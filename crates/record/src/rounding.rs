@@ -3,9 +3,7 @@
 
 use gaiter_language::Language;
 
-/// The uncertainty of a figure is shown as this many standard errors: about 95 % of repeated scans lie
-/// within it.
-pub const MARGIN_SDS: f64 = 2.0;
+pub use gaiter_leg::disturbance::MARGIN_SDS;
 
 /// Lengths, to 1 µm.
 pub fn mm(value: f64) -> f64 {

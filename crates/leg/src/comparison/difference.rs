@@ -61,29 +61,31 @@ pub struct VolumeDifference {
     pub percent: f64,
 }
 
-/// A difference that reaches the swelling threshold and exceeds its own uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LegsDiffer {
-    /// In the tape girth at a level.
-    Girth {
-        /// The leg with the larger girth.
-        larger: Side,
-        /// By how much, mm.
-        by_mm: f64,
-        /// Standard error, mm.
-        sd_mm: f64,
-    },
-    /// In the volume of the whole leg.
-    Volume {
-        /// The leg with the larger volume.
-        larger: Side,
-        /// By how much, mL.
-        by_ml: f64,
-        /// By how much, % of the smaller one.
-        percent: f64,
-        /// Standard error, mL.
-        sd_ml: f64,
-    },
+coded_enum! {
+    /// A difference that reaches the swelling threshold and exceeds its own uncertainty.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum LegsDiffer {
+        /// In the tape girth at a level.
+        Girth {
+            /// The leg with the larger girth.
+            larger: Side,
+            /// By how much, mm.
+            by_mm: f64,
+            /// Standard error, mm.
+            sd_mm: f64,
+        } => "legs-differ",
+        /// In the volume of the whole leg.
+        Volume {
+            /// The leg with the larger volume.
+            larger: Side,
+            /// By how much, mL.
+            by_ml: f64,
+            /// By how much, % of the smaller one.
+            percent: f64,
+            /// Standard error, mL.
+            sd_ml: f64,
+        } => "legs-differ",
+    }
 }
 
 impl Difference {

@@ -1,5 +1,7 @@
 //! What the scanner's own measures imply about ours.
 
+use crate::figure::{AsFigure, Figure};
+
 /// A measure that has a counterpart here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
@@ -11,55 +13,50 @@ pub enum Measure {
     Ankle,
 }
 
-/// A disagreement between the scanner's measures and ours, or the reason for not comparing them.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SecondOpinion {
-    /// The measurement file could not be read.
-    Unreadable {
-        /// The reason.
-        why: String,
-    },
-    /// More than one measurement file could belong to the scan.
-    Ambiguous {
-        /// How many.
-        files: usize,
-    },
-    /// The scanner's stature is ours in another unit.
-    Unit {
-        /// The scanner's stature, mm by its unit.
-        theirs_mm: f64,
-        /// Our stature, mm.
-        ours_mm: f64,
-        /// Ratio of the units.
-        factor: f64,
-    },
-    /// A measure differs by more than the definitions of two programs explain.
-    Disagrees {
-        /// Which measure.
-        measure: Measure,
-        /// The scanner's value, mm.
-        theirs_mm: f64,
-        /// Our value, mm.
-        ours_mm: f64,
-    },
-    /// Each calf fits the other leg.
-    Sides {
-        /// The scanner's left calf, mm.
-        left_mm: f64,
-        /// The scanner's right calf, mm.
-        right_mm: f64,
-    },
+impl AsFigure for Measure {
+    fn figure(&self) -> Option<Figure> {
+        None
+    }
 }
 
-impl SecondOpinion {
-    /// The stable code used in records and docs/codes.md.
-    pub fn code(&self) -> &'static str {
-        match self {
-            SecondOpinion::Unreadable { .. } => "ord-unreadable",
-            SecondOpinion::Ambiguous { .. } => "ord-ambiguous",
-            SecondOpinion::Unit { .. } => "ord-unit",
-            SecondOpinion::Disagrees { .. } => "ord-disagrees",
-            SecondOpinion::Sides { .. } => "ord-sides",
-        }
+coded_enum! {
+    /// A disagreement between the scanner's measures and ours, or the reason for not comparing them.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum SecondOpinion {
+        /// The measurement file could not be read.
+        Unreadable {
+            /// The reason.
+            why: String,
+        } => "ord-unreadable",
+        /// More than one measurement file could belong to the scan.
+        Ambiguous {
+            /// How many.
+            files: usize,
+        } => "ord-ambiguous",
+        /// The scanner's stature is ours in another unit.
+        Unit {
+            /// The scanner's stature, mm by its unit.
+            theirs_mm: f64,
+            /// Our stature, mm.
+            ours_mm: f64,
+            /// Ratio of the units.
+            factor: f64,
+        } => "ord-unit",
+        /// A measure differs by more than the definitions of two programs explain.
+        Disagrees {
+            /// Which measure.
+            measure: Measure,
+            /// The scanner's value, mm.
+            theirs_mm: f64,
+            /// Our value, mm.
+            ours_mm: f64,
+        } => "ord-disagrees",
+        /// Each calf fits the other leg.
+        Sides {
+            /// The scanner's left calf, mm.
+            left_mm: f64,
+            /// The scanner's right calf, mm.
+            right_mm: f64,
+        } => "ord-sides",
     }
 }

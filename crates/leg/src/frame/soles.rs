@@ -78,30 +78,22 @@ pub(crate) struct Soles {
     pub sd_mm: f64,
 }
 
-/// Why the soles do not show the floor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FloorDoubt {
-    /// The soles do not lie in a level plane.
-    Uneven {
-        /// From the lowest to the highest, mm.
-        spread_mm: f64,
-    },
-    /// The skin of the feet ends before it turns under.
-    NotTurning,
-    /// The toes lie higher than a bare foot's.
-    Raised {
-        /// Their height above the lowest skin of the foot, mm.
-        toes_mm: f64,
-    },
-}
-
-impl FloorDoubt {
-    /// The stable code used in records and docs/codes.md.
-    pub fn code(&self) -> &'static str {
-        match self {
-            FloorDoubt::Uneven { .. } => "floor-uneven",
-            FloorDoubt::NotTurning | FloorDoubt::Raised { .. } => "feet-cut",
-        }
+coded_enum! {
+    /// Why the soles do not show the floor.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum FloorDoubt {
+        /// The soles do not lie in a level plane.
+        Uneven {
+            /// From the lowest to the highest, mm.
+            spread_mm: f64,
+        } => "floor-uneven",
+        /// The skin of the feet ends before it turns under.
+        NotTurning => "feet-cut",
+        /// The toes lie higher than a bare foot's.
+        Raised {
+            /// Their height above the lowest skin of the foot, mm.
+            toes_mm: f64,
+        } => "feet-cut",
     }
 }
 

@@ -80,46 +80,48 @@ pub struct Stance {
     pub floor: Floor,
 }
 
-/// Why the feet do not show the facing.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum FeetUnclear {
-    /// Hardly any points near the floor.
-    #[error("a foot has only {points} points")]
-    NotSeen {
-        /// Points of the foot with fewer points.
-        points: usize,
-    },
-    /// The part on the floor is not a foot but a platform, a plate, or a leg without its foot.
-    #[error(
-        "what stands on the floor is {length_percent:.0} % of the stature long and \
-         {width_percent:.0} % wide, which is not a foot"
-    )]
-    NoFoot {
-        /// Length, percent of the stature.
-        length_percent: f64,
-        /// Width, percent of the stature.
-        width_percent: f64,
-    },
-    /// A foot reaches as far ahead of the ankle as behind it.
-    #[error("a foot reaches {ratio:.2} times as far ahead of its ankle as behind it")]
-    NoToes {
-        /// Reach ahead over reach behind.
-        ratio: f64,
-    },
-    /// The feet point apart.
-    #[error("the feet point {spread_deg:.0} degrees apart")]
-    Apart {
-        /// Angle between the feet, degrees.
-        spread_deg: f64,
-    },
-    /// The toes point along the line through the ankles.
-    #[error(
-        "the toes point {off_deg:.0} degrees away from the perpendicular to the line through the ankles"
-    )]
-    NotSquare {
-        /// Deviation from the perpendicular, degrees.
-        off_deg: f64,
-    },
+coded_enum! {
+    /// Why the feet do not show the facing.
+    #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+    pub enum FeetUnclear {
+        /// Hardly any points near the floor.
+        #[error("a foot has only {points} points")]
+        NotSeen {
+            /// Points of the foot with fewer points.
+            points: usize,
+        } => "foot-not-seen",
+        /// The part on the floor is not a foot but a platform, a plate, or a leg without its foot.
+        #[error(
+            "what stands on the floor is {length_percent:.0} % of the stature long and \
+             {width_percent:.0} % wide, which is not a foot"
+        )]
+        NoFoot {
+            /// Length, percent of the stature.
+            length_percent: f64,
+            /// Width, percent of the stature.
+            width_percent: f64,
+        } => "no-foot",
+        /// A foot reaches as far ahead of the ankle as behind it.
+        #[error("a foot reaches {ratio:.2} times as far ahead of its ankle as behind it")]
+        NoToes {
+            /// Reach ahead over reach behind.
+            ratio: f64,
+        } => "no-toes",
+        /// The feet point apart.
+        #[error("the feet point {spread_deg:.0} degrees apart")]
+        Apart {
+            /// Angle between the feet, degrees.
+            spread_deg: f64,
+        } => "feet-apart",
+        /// The toes point along the line through the ankles.
+        #[error(
+            "the toes point {off_deg:.0} degrees away from the perpendicular to the line through the ankles"
+        )]
+        NotSquare {
+            /// Deviation from the perpendicular, degrees.
+            off_deg: f64,
+        } => "toes-not-square",
+    }
 }
 
 impl FeetUnclear {

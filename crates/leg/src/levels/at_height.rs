@@ -43,18 +43,20 @@ pub struct AtLength {
     pub found: Result<HeightGirth, NoGirth>,
 }
 
-/// Why there is no girth at a height.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NoGirth {
-    /// The leg was not measured at this height.
-    Outside {
-        /// Lowest height, mm.
-        from_mm: f64,
-        /// Highest height, mm.
-        to_mm: f64,
-    },
-    /// The sections around it are open.
-    NotSeen,
+coded_enum! {
+    /// Why there is no girth at a height.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum NoGirth {
+        /// The leg was not measured at this height.
+        Outside {
+            /// Lowest height, mm.
+            from_mm: f64,
+            /// Highest height, mm.
+            to_mm: f64,
+        } => "outside-girths",
+        /// The sections around it are open.
+        NotSeen => "skin-not-seen",
+    }
 }
 
 /// Distance of the heights, and of the lengths, at which legs are compared, mm: the usual step of tables

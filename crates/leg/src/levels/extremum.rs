@@ -68,25 +68,33 @@ impl Peak {
     }
 }
 
-/// Why a level is absent.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Absence {
-    /// The curve has no extremum of this kind.
-    NoTurn,
-    /// The curve is lowest where the search begins.
-    BelowSearch {
-        /// Lower end of the search, along the axis, mm.
-        along_mm: f64,
-    },
-    /// The curve does not turn before the end of the search.
-    AboveSearch {
-        /// Upper end of the search, along the axis, mm.
-        along_mm: f64,
-    },
-    /// The level depends on another one that is absent.
-    Needs(Level),
-    /// The level would lie above one that is higher on every leg.
-    Beyond(Level),
+coded_enum! {
+    /// Why a level is absent.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum Absence {
+        /// The curve has no extremum of this kind.
+        NoTurn => "no-turn",
+        /// The curve is lowest where the search begins.
+        BelowSearch {
+            /// Lower end of the search, along the axis, mm.
+            along_mm: f64,
+        } => "below-search",
+        /// The curve does not turn before the end of the search.
+        AboveSearch {
+            /// Upper end of the search, along the axis, mm.
+            along_mm: f64,
+        } => "above-search",
+        /// The level depends on another one that is absent.
+        Needs {
+            /// The other one.
+            level: Level,
+        } => "needs-level",
+        /// The level would lie above one that is higher on every leg.
+        Beyond {
+            /// The one that is higher.
+            level: Level,
+        } => "beyond-level",
+    }
 }
 
 /// Distances along the axis at which a level usually lies, mm.
@@ -139,7 +147,7 @@ impl Extrema {
         let no_b =
             if begins_low { Absence::BelowSearch { along_mm: from_mm } } else { Absence::NoTurn };
         let ends = Absence::AboveSearch { along_mm: to_mm };
-        let no_d = if c.is_none() { Absence::Needs(Level::C) } else { ends };
+        let no_d = if c.is_none() { Absence::Needs { level: Level::C } } else { ends };
         Extrema {
             b: b.map(|b| rival(b, from_mm, c_mm)).ok_or(no_b),
             c: c.map(|c| rival(c, above_b, d_mm)).ok_or(ends),

@@ -133,11 +133,11 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
 
     /// B1 by the chosen definition.
     fn b1(&self, b1: B1, b: Option<Peak>, c: Option<Peak>) -> Result<Landmark, Absence> {
-        let b_mm = b.ok_or(Absence::Needs(Level::B))?.at.along_mm;
+        let b_mm = b.ok_or(Absence::Needs { level: Level::B })?.at.along_mm;
         let c_mm = c.map(|c| c.at.along_mm);
         match b1 {
             B1::Steepest => {
-                let c_mm = c_mm.ok_or(Absence::Needs(Level::C))?;
+                let c_mm = c_mm.ok_or(Absence::Needs { level: Level::C })?;
                 let mut b1 = self.steepest(b_mm, c_mm).ok_or(Absence::NoTurn)?;
                 // Between other levels it would be elsewhere.
                 let doubts = [b, c].into_iter().flatten().flat_map(|of| self.which(&of));
@@ -162,14 +162,15 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
     /// B1 at a fixed height above B; its height has the standard error of B's, and it is never above C.
     fn above_b(&self, b_mm: f64, c_mm: Option<f64>, distance_mm: f64) -> Result<Landmark, Absence> {
         let curve = self.ruler.curve;
-        let height_mm = curve.height_mm(b_mm).ok_or(Absence::Needs(Level::B))? + distance_mm;
+        let height_mm =
+            curve.height_mm(b_mm).ok_or(Absence::Needs { level: Level::B })? + distance_mm;
         let [_, _, bend, _] = curve.tape(b_mm);
         let height_sd_mm = curve.tape_sd(b_mm, 1) / bend.abs().max(f64::MIN_POSITIVE);
         let by = By::AboveB { distance_mm };
         let ends = Absence::AboveSearch { along_mm: self.ends_mm[1] };
         let b1 = self.ruler.at_height(Level::B1, by, height_mm, height_sd_mm).ok_or(ends)?;
         match c_mm {
-            Some(c_mm) if b1.along_mm > c_mm => Err(Absence::Beyond(Level::C)),
+            Some(c_mm) if b1.along_mm > c_mm => Err(Absence::Beyond { level: Level::C }),
             _ => Ok(b1),
         }
     }

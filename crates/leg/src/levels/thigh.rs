@@ -42,13 +42,14 @@ pub(crate) fn g<'a>(
 fn knee(d: Option<&Landmark>, stature_mm: f64, stature_sd_mm: f64) -> (f64, f64, By) {
     let by_stature_mm = KNEE_STATURE_SHARE * stature_mm;
     let share_sd_mm = KNEE_STATURE_SHARE * stature_sd_mm;
-    let by = |above_d_mm| By::Knee { stature_share: KNEE_STATURE_SHARE, above_d_mm };
     let Some(d) = d else {
-        return (by_stature_mm, KNEE_BY_STATURE_SD_MM.hypot(share_sd_mm), by(None));
+        let by = By::StatureShare { share: KNEE_STATURE_SHARE };
+        return (by_stature_mm, KNEE_BY_STATURE_SD_MM.hypot(share_sd_mm), by);
     };
     let mean_mm = (by_stature_mm + d.height_mm + KNEE_ABOVE_D_MM) / 2.0;
     let sd_mm = KNEE_SD_MM.hypot(share_sd_mm.hypot(d.height_sd_mm) / 2.0);
-    (mean_mm.max(d.height_mm), sd_mm, by(Some(KNEE_ABOVE_D_MM)))
+    let by = By::Knee { stature_share: KNEE_STATURE_SHARE, above_d_mm: KNEE_ABOVE_D_MM };
+    (mean_mm.max(d.height_mm), sd_mm, by)
 }
 
 /// E, and F halfway from there to G, if the leg was measured that high and the crotch is certain enough; lowest
@@ -64,7 +65,7 @@ pub(crate) fn knee_and_thigh<'a>(
     let middle_mm = (knee_mm + crotch.height_mm - distance_mm) / 2.0;
     let middle_sd_mm = knee_sd_mm.hypot(crotch.sd_mm) / 2.0;
     let e = ruler.at_height(Level::E, by, knee_mm, knee_sd_mm);
-    let between = By::Between(Level::E, Level::G);
+    let between = By::Between { low: Level::E, high: Level::G };
     let f = ruler.at_height(Level::F, between, middle_mm, middle_sd_mm);
     let f = f.filter(|_| crotch.carries_levels());
     let mut estimates: Vec<Estimate> = [e, f].into_iter().flatten().map(Estimate::from).collect();

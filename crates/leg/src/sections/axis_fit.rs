@@ -46,13 +46,13 @@ const STILL_DEG: f64 = 0.01;
 const ROUNDS_MAX: usize = 8;
 
 /// Fewer centroids than this are too few for the axis of a leg or a shank.
-pub const CENTROIDS_MIN: usize = 10;
+const CENTROIDS_MIN: usize = 10;
 
 /// Fewer than this are too few for that of a thigh, of which 60 mm at least are looked at.
 const THIGH_CENTROIDS_MIN: usize = 5;
 
 /// Fewer points than this are too few for an axis; a leg of an export has thousands.
-pub const POINTS_MIN: usize = 100;
+const POINTS_MIN: usize = 100;
 
 /// A leg that leans by more than this is not standing, degrees; A-poses lean by 6 to 11.
 const TILT_MAX_DEG: f64 = 35.0;
@@ -68,39 +68,47 @@ const MIDDLE_STATURE_SHARE: [f64; 2] = [0.265, 0.415];
 /// Length of the pieces of the middle's curve, mm.
 const MIDDLE_INTERVAL_MM: f64 = 60.0;
 
-/// Why a leg has no axis.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum AxisFault {
-    /// Too few sections.
-    #[error("{found} sections between ankle and groin; an axis needs {CENTROIDS_MIN}")]
-    TooFewSections {
-        /// Number found.
-        found: usize,
-    },
-    /// Too few points.
-    #[error("{found} points below the crotch; an axis needs {POINTS_MIN}")]
-    TooFewPoints {
-        /// Number found.
-        found: usize,
-    },
-    /// The axis leans too far.
-    #[error("the leg's axis leans by {tilt_deg:.0} degrees")]
-    Leaning {
-        /// Angle between the axis and the vertical, degrees.
-        tilt_deg: f64,
-    },
+coded_enum! {
+    /// Why a leg has no axis.
+    #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+    pub enum AxisFault {
+        /// Too few sections.
+        #[error("{found} sections between ankle and groin; an axis needs {needed}")]
+        TooFewSections {
+            /// Number found.
+            found: usize,
+            /// Number needed.
+            needed: usize,
+        } => "axis-too-few-sections",
+        /// Too few points.
+        #[error("{found} points below the crotch; an axis needs {needed}")]
+        TooFewPoints {
+            /// Number found.
+            found: usize,
+            /// Number needed.
+            needed: usize,
+        } => "axis-too-few-points",
+        /// The axis leans too far.
+        #[error("the leg's axis leans by {tilt_deg:.0} degrees")]
+        Leaning {
+            /// Angle between the axis and the vertical, degrees.
+            tilt_deg: f64,
+        } => "axis-leans",
+    }
 }
 
-/// Why the planes do not turn towards the thigh, but stay square to the shank.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NoThigh {
-    /// Too little of the thigh or of the knee was seen.
-    NotSeen,
-    /// The knee is bent too far.
-    TooBent {
-        /// Angle between the axes of shank and thigh, degrees.
-        bend_deg: f64,
-    },
+coded_enum! {
+    /// Why the planes do not turn towards the thigh, but stay square to the shank.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum NoThigh {
+        /// Too little of the thigh or of the knee was seen.
+        NotSeen => "thigh-not-seen",
+        /// The knee is bent too far.
+        TooBent {
+            /// Angle between the axes of shank and thigh, degrees.
+            bend_deg: f64,
+        } => "knee-bent-too-far",
+    }
 }
 
 /// A leg's axis, and why its planes do not turn, where they should.
@@ -231,7 +239,7 @@ fn next_line(leg: &Leg, line: &Line, along: &Stretch) -> Result<Line, AxisFault>
         (0..count).map(|index| plane.raised(spacing_mm * index as f64)).collect();
     let centroids = centroids(leg, &planes);
     if centroids.len() < least {
-        return Err(AxisFault::TooFewSections { found: centroids.len() });
+        return Err(AxisFault::TooFewSections { found: centroids.len(), needed: CENTROIDS_MIN });
     }
     standing(line_through(&centroids))
 }
@@ -280,7 +288,7 @@ fn principal_axis(leg: &Leg, crotch_height_mm: f64) -> Result<Line, AxisFault> {
     let below = leg.mesh.points().iter().filter(|point| point.z <= crotch_height_mm);
     let points: Vec<Point3<f64>> = below.copied().collect();
     if points.len() < POINTS_MIN {
-        return Err(AxisFault::TooFewPoints { found: points.len() });
+        return Err(AxisFault::TooFewPoints { found: points.len(), needed: POINTS_MIN });
     }
     standing(line_through(&points))
 }

@@ -16,6 +16,7 @@ use super::grid::Grid;
 use super::hole::{Coverage, Hole};
 use super::ridge::ridges;
 use super::ridge_parametrization::Columns;
+use crate::figure::{AsFigure, Figure};
 use crate::parting::segment::Leg;
 use crate::sections::axis::LegAxis;
 use crate::sections::equidistant::Sections;
@@ -72,35 +73,46 @@ pub struct LegSurface {
     pub to_points: FitError,
 }
 
-/// Why the sections do not allow a surface.
-#[derive(Debug, Clone, PartialEq)]
-pub enum NoSurface {
-    /// Too little of the leg was seen.
-    TooFewRows {
-        /// Sections in the longest part.
-        rows: usize,
-        /// Sections needed.
-        needed: usize,
-        /// Lower end of the required heights, mm.
-        from_mm: f64,
-        /// Upper end of the required heights, mm.
-        to_mm: f64,
-    },
-    /// The surface would fold, which skin around a middle line never does: it oscillates where too
-    /// little of the leg was seen.
-    Folded {
-        /// Height of the fold, mm.
-        height_mm: f64,
-    },
-    /// The whole surface lies in holes.
-    NothingSeen,
-    /// The sections cannot be fitted.
-    Fit(FitFault),
+coded_enum! {
+    /// Why the sections do not allow a surface.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum NoSurface {
+        /// Too little of the leg was seen.
+        TooFewRows {
+            /// Sections in the longest part.
+            rows: usize,
+            /// Sections needed.
+            needed: usize,
+            /// Lower end of the required heights, mm.
+            from_mm: f64,
+            /// Upper end of the required heights, mm.
+            to_mm: f64,
+        } => "no-surface-too-few-sections",
+        /// The surface would fold, which skin around a middle line never does: it oscillates where too
+        /// little of the leg was seen.
+        Folded {
+            /// Height of the fold, mm.
+            height_mm: f64,
+        } => "no-surface-folded",
+        /// The whole surface lies in holes.
+        NothingSeen => "no-surface-nothing-seen",
+        /// The sections cannot be fitted.
+        Fit {
+            /// The reason.
+            why: FitFault,
+        } => "no-surface-fit",
+    }
 }
 
 impl From<FitFault> for NoSurface {
-    fn from(fault: FitFault) -> NoSurface {
-        NoSurface::Fit(fault)
+    fn from(why: FitFault) -> NoSurface {
+        NoSurface::Fit { why }
+    }
+}
+
+impl AsFigure for FitFault {
+    fn figure(&self) -> Option<Figure> {
+        Some(Figure::Name(self.to_string()))
     }
 }
 

@@ -256,7 +256,7 @@ fn a_leg_that_lies_or_has_hardly_a_point_has_no_principal_axis() {
     let fault = principal_axis(&lying, CROTCH_MM).unwrap_err();
     assert!(matches!(fault, AxisFault::Leaning { tilt_deg } if tilt_deg > 35.0), "{fault}");
     let fault = principal_axis(&Tube::of(&round).leg(), -60.0).unwrap_err();
-    assert_eq!(fault, AxisFault::TooFewPoints { found: 72 });
+    assert!(matches!(fault, AxisFault::TooFewPoints { found: 72, .. }), "{fault}");
 }
 
 #[test]

@@ -110,7 +110,7 @@ fn absences(shape: &dyn Fn(f64, f64) -> f64) -> (Vec<Level>, Vec<(Level, Absence
 
 #[test]
 fn a_level_that_is_not_there_is_absent_and_says_why() {
-    let needs = |level, from| (level, Absence::Needs(from));
+    let needs = |level, from| (level, Absence::Needs { level: from });
     // Falls on above the calf: no D up to 0.8 of the crotch's height.
     let falling = |_: f64, along: f64| match along {
         ..=320.0 => wave(45.0, 8.0)(0.0, along),
@@ -234,7 +234,7 @@ fn b1_at_a_fixed_height_above_b_is_there_and_says_so() {
     let girth_mm = TAU * shape(0.0, 120.0 + 80.0 / upright);
     near(b1.girth_tape_mm, girth_mm, 0.5, "girth");
     assert_eq!(b1.doubts, []);
-    assert_eq!(b1_of(230.0), Err(Absence::Beyond(Level::C)));
+    assert_eq!(b1_of(230.0), Err(Absence::Beyond { level: Level::C }));
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn b1_at_a_fixed_height_needs_b_but_no_calf() {
     assert_eq!(names(&found), [Level::B, Level::B1]);
     near(found[1].height_mm, 200.0, 0.5, "height");
     near(found[1].girth_tape_mm, TAU * 37.64, 0.1, "girth");
-    assert!(of(&cone).absent.contains(&(Level::B1, Absence::Needs(Level::B))));
+    assert!(of(&cone).absent.contains(&(Level::B1, Absence::Needs { level: Level::B })));
 }
 
 #[test]

@@ -112,10 +112,10 @@ fn e_and_f_are_estimates_by_proportion_and_never_landmarks() {
         assert!(findings.iter().all(|finding| finding.level != Some(level)), "{findings:?}");
     }
     let e = estimated(&report, Level::E);
-    assert_eq!(e.by, By::Knee { stature_share: 0.277, above_d_mm: None });
+    assert_eq!(e.by, By::StatureShare { share: 0.277 });
     // The spread of the share among people, and the stature's own error.
     assert!((25.0..30.0).contains(&e.height_sd_mm), "{}", e.height_sd_mm);
-    assert_eq!(estimated(&report, Level::F).by, By::Between(Level::E, Level::G));
+    assert_eq!(estimated(&report, Level::F).by, By::Between { low: Level::E, high: Level::G });
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn a_tube_has_no_foot() {
 #[test]
 fn only_b_b1_c_and_d_are_missed_where_they_are_absent() {
     let (_, findings) = report(&Tube::of(&cone), &Method::default());
-    let absent = findings.iter().filter(|f| matches!(f.what, What::LevelAbsent(_)));
+    let absent = findings.iter().filter(|f| matches!(f.what, What::LevelAbsent { .. }));
     let levels: Vec<Level> = absent.filter_map(|finding| finding.level).collect();
     assert_eq!(levels, Level::SOUGHT);
 }

@@ -170,7 +170,7 @@ fn half_a_leg_makes_no_surface() {
 
 #[test]
 fn more_control_points_than_sections_are_refused_with_both_figures() {
-    let Err(NoSurface::Fit(refused)) = fitted(&Tube::of(&crested), Some([160, 24])) else {
+    let Err(NoSurface::Fit { why: refused }) = fitted(&Tube::of(&crested), Some([160, 24])) else {
         panic!("a surface")
     };
     assert!(refused.to_string().contains("160"), "{refused}");

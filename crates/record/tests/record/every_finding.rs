@@ -24,8 +24,8 @@ pub fn all() -> Vec<What> {
         Absence::NoTurn,
         Absence::BelowSearch { along_mm: 61.0 },
         Absence::AboveSearch { along_mm: 402.0 },
-        Absence::Needs(Level::B),
-        Absence::Beyond(Level::D),
+        Absence::Needs { level: Level::B },
+        Absence::Beyond { level: Level::D },
     ];
     let doubts = [
         Doubt::Shallow { prominence_mm: 1.2 },
@@ -38,8 +38,8 @@ pub fn all() -> Vec<What> {
         Doubt::Gap { gap_deg: 39.0 },
         Doubt::Scatter { rms_mm: 2.4 },
         Doubt::Cloth { step_mm: 11.0, height_mm: 92.0 },
-        Doubt::ViewsApart { step_mm: 3.2, girth_sd_mm: 4.1 },
-        Doubt::Smoothed { girth_sd_mm: 5.2 },
+        Doubt::ViewsApart { step_mm: 3.2, girth_off_mm: 8.2 },
+        Doubt::Smoothed { girth_off_mm: 10.4 },
         Doubt::Folds { percent: 3.1 },
         Doubt::NotSeen,
         Doubt::KneeBent { bend_deg: 52.0 },
@@ -48,8 +48,8 @@ pub fn all() -> Vec<What> {
     ];
     let faults = [
         LegFault::NotThere,
-        LegFault::Axis(AxisFault::TooFewSections { found: 3 }),
-        LegFault::Axis(AxisFault::TooFewPoints { found: 4 }),
+        LegFault::Axis(AxisFault::TooFewSections { found: 3, needed: 10 }),
+        LegFault::Axis(AxisFault::TooFewPoints { found: 4, needed: 100 }),
         LegFault::Axis(AxisFault::Leaning { tilt_deg: 41.0 }),
         LegFault::TooFewPoints,
         LegFault::TooFewSections { measured: 5, planes: 190 },
@@ -92,13 +92,13 @@ pub fn all() -> Vec<What> {
         What::FloorUnclear(FloorDoubt::Uneven { spread_mm: 14.0 }),
         What::FloorUnclear(FloorDoubt::NotTurning),
         What::FloorUnclear(FloorDoubt::Raised { toes_mm: 44.0 }),
-        What::Coarse { spacing_mm: 13.6, ankle_sd_mm: 1.1 },
+        What::Coarse { spacing_mm: 13.6, girth_off_mm: 2.2 },
         What::FootForward { by_mm: 210.0 },
         What::ThighsTouch { from_mm: 702.0 },
         What::Proportions { percent: 41.0 },
         What::CrownNotSeen { stature_mm: 1650.0 },
-        What::ThighAxisMissing(NoThigh::NotSeen),
-        What::ThighAxisMissing(NoThigh::TooBent { bend_deg: 61.0 }),
+        What::ThighAxisMissing { why: NoThigh::NotSeen },
+        What::ThighAxisMissing { why: NoThigh::TooBent { bend_deg: 61.0 } },
         What::CrotchUncertain { sd_mm: 15.3 },
         What::CrotchNotSeen,
         What::LegCut { end_mm: 512.0 },
@@ -113,11 +113,11 @@ pub fn all() -> Vec<What> {
         hole(1),
         hole(3),
     ];
-    all.extend(feet.map(What::FacingUnchecked));
-    all.extend(feet.map(What::FacingByCalves));
-    all.extend(absences.map(What::LevelAbsent));
+    all.extend(feet.map(|why| What::FacingUnchecked { why }));
+    all.extend(feet.map(|why| What::FacingByCalves { why }));
+    all.extend(absences.map(|why| What::LevelAbsent { why }));
     all.extend(doubts.map(What::Doubtful));
-    all.extend(faults.map(What::LegNotMeasured));
+    all.extend(faults.map(|why| What::LegNotMeasured { why }));
     all.extend(surfaces.map(What::NoSurface));
     all.extend(no_girths.map(|why| What::HeightNotMeasured { height_mm: 305.0, why }));
     all.extend(differ.map(What::LegsDiffer));

@@ -8,6 +8,7 @@ use std::fs;
 use gaiter_cad::{CadFault, End, EndNotPlane};
 use gaiter_language::Language;
 use gaiter_leg::doubt::Doubt;
+use gaiter_leg::finding::Severity;
 use gaiter_leg::level::By;
 use gaiter_leg::{Finding, Level, Side, What};
 use gaiter_record::Record;
@@ -50,14 +51,18 @@ fn codes() -> BTreeSet<String> {
         "crates/leg/src/finding.rs",
         "crates/leg/src/doubt.rs",
         "crates/leg/src/frame/soles.rs",
+        "crates/leg/src/comparison/difference.rs",
         "crates/leg/src/comparison/opinion.rs",
         "crates/cad/src/kind.rs",
         "crates/record/src/report/pdf/mod.rs",
     ];
     let text = sources.map(|source| fs::read_to_string(support::root().join(source)).unwrap());
-    let after = text.iter().flat_map(|text| text.split("fn code(").skip(1));
-    let functions = after.map(|rest| rest.split("\n    }\n").next().unwrap());
-    let quoted = functions.flat_map(|function| function.split('"').skip(1).step_by(2));
+    let after = text.iter().flat_map(|text| text.split("=> \"").skip(1));
+    let quoted = after.filter_map(|rest| rest.split('"').next());
+    let severities = Severity::ALL.map(Severity::word);
+    let quoted = quoted.filter(|word| {
+        word.starts_with(|first: char| first.is_ascii_lowercase()) && !severities.contains(word)
+    });
     quoted.map(str::to_owned).collect()
 }
 
@@ -250,19 +255,19 @@ fn by_what_a_level_is_found_is_told_in_german() {
         By::AboveB { distance_mm: 70.0 },
         By::BelowCrotch { distance_mm: 50.0 },
         By::HeelTape,
-        By::Knee { stature_share: 0.277, above_d_mm: Some(45.0) },
-        By::Knee { stature_share: 0.277, above_d_mm: None },
-        By::Between(Level::E, Level::G),
+        By::Knee { stature_share: 0.277, above_d_mm: 45.0 },
+        By::StatureShare { share: 0.277 },
+        By::Between { low: Level::E, high: Level::G },
         By::FootShares { medial: 0.735, lateral: 0.635 },
     ];
     for by in ways {
-        let english = Statement::from(&by).in_english();
+        let english = Statement::from(by.said()).in_english();
         let mut record = serde_json::to_value(record(&[])).unwrap();
         record["legs"] = json!([{
             "side": "left", "tilt_deg": 1.0,
             "axis": {"foot_mm": vec![0.0; 3], "direction": vec![0.0; 3],
                 "front": vec![0.0; 3], "lateral": vec![0.0; 3]},
-            "landmarks": {"C": {"by": english, "rule": Statement::from(&by), "height_mm": 300.0, "along_axis_mm": 301.0,
+            "landmarks": {"C": {"by": english, "rule": Statement::from(by.said()), "height_mm": 300.0, "along_axis_mm": 301.0,
                 "girth_tape_mm": 380.0, "girth_contour_mm": 381.0, "height_sd_mm": null,
                 "girth_sd_mm": null, "doubts": []}},
             "estimates": {},
