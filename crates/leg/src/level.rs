@@ -4,52 +4,40 @@ use serde::{Deserialize, Serialize};
 
 use crate::figure::{AsFigure, Figure};
 
-/// A level of the leg (RAL-GZ 387).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Level {
-    /// Around the heads of the metatarsals.
-    A,
-    /// Over heel and instep, the tape at 45°; not a section across the leg.
-    Y,
-    /// Smallest girth above the malleoli.
-    B,
-    /// Where the Achilles tendon meets the muscle: the largest slope of the girth between B and C,
-    /// or a fixed height above B.
-    B1,
-    /// Largest girth of the calf.
-    C,
-    /// First minimum above the calf.
-    D,
-    /// Knee, at the middle of the patella.
-    E,
-    /// Middle of the thigh, halfway between E and G.
-    F,
-    /// Root of the thigh, a fixed height below the crotch.
-    G,
+word_enum! {
+    /// A level of the leg (RAL-GZ 387), lowest first.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    pub enum Level {
+        /// Around the heads of the metatarsals.
+        A => "A",
+        /// Over heel and instep, the tape at 45°; not a section across the leg.
+        Y => "Y",
+        /// Smallest girth above the malleoli.
+        B => "B",
+        /// Where the Achilles tendon meets the muscle: the largest slope of the girth between B and C,
+        /// or a fixed height above B.
+        B1 => "B1",
+        /// Largest girth of the calf.
+        C => "C",
+        /// First minimum above the calf.
+        D => "D",
+        /// Knee, at the middle of the patella.
+        E => "E",
+        /// Middle of the thigh, halfway between E and G.
+        F => "F",
+        /// Root of the thigh, a fixed height below the crotch.
+        G => "G",
+    }
 }
 
 impl Level {
-    /// All levels, lowest first.
-    pub const ALL: [Level; 9] =
-        [Level::A, Level::Y, Level::B, Level::B1, Level::C, Level::D, Level::E, Level::F, Level::G];
-
     /// The levels that are searched for on every leg, lowest first (paper 1.2): each is found, or
     /// its absence is a finding.
     pub const SOUGHT: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
 
     /// The name used on paper and in records.
     pub fn name(self) -> &'static str {
-        match self {
-            Level::A => "A",
-            Level::Y => "Y",
-            Level::B => "B",
-            Level::B1 => "B1",
-            Level::C => "C",
-            Level::D => "D",
-            Level::E => "E",
-            Level::F => "F",
-            Level::G => "G",
-        }
+        self.word()
     }
 }
 

@@ -57,15 +57,15 @@ impl Point {
             return Some(Point::Beyond(beyond));
         }
         if let Some(level) = name.strip_prefix('c') {
-            return level_of(level).map(Point::Girth);
+            return Level::of_word(level).map(Point::Girth);
         }
         let levels = name.strip_prefix('l')?;
-        if let Some(level) = level_of(levels) {
+        if let Some(level) = Level::of_word(levels) {
             return has_height(level).then_some(Point::Length(level));
         }
         let (low, high) = Level::ALL
             .into_iter()
-            .find_map(|low| Some((low, level_of(levels.strip_prefix(low.name())?)?)))?;
+            .find_map(|low| Some((low, Level::of_word(levels.strip_prefix(low.name())?)?)))?;
         (has_height(low) && low < high).then_some(Point::Between(low, high))
     }
 
@@ -86,10 +86,6 @@ impl Point {
         };
         levels.into_iter().flatten()
     }
-}
-
-fn level_of(name: &str) -> Option<Level> {
-    Level::ALL.into_iter().find(|level| level.name() == name)
 }
 
 /// On the foot the tape is not level, so there is no height.

@@ -117,7 +117,7 @@ fn ordered(args: &OrderOf) -> Result<(), Exit> {
             printed(print(report::told(&paths, args.json)))
         }
         None => {
-            let name = OrderFile::Json.name();
+            let name = OrderFile::Json.word();
             let is_asked = |file: &&RecordFile| (file.name == name) == args.json;
             // The JSON is there, and another file: first the exact table.
             let file = files.iter().find(is_asked).ok_or(Exit::Internal)?;

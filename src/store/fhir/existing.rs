@@ -82,7 +82,7 @@ impl FhirStore {
             let mut resource = resource.clone();
             resource["status"] = Status::EnteredInError.of_document().into();
             if resource["resourceType"] == "DocumentReference" {
-                resource["docStatus"] = Status::EnteredInError.code().into();
+                resource["docStatus"] = Status::EnteredInError.word().into();
             }
             if let (Some(mark), Some(own)) = (lacking, resource["identifier"].as_array_mut()) {
                 own.push(mark.json());
@@ -140,7 +140,7 @@ impl FhirStore {
 }
 
 fn is_in_error(resource: &Value) -> bool {
-    resource["status"] == Status::EnteredInError.code()
+    resource["status"] == Status::EnteredInError.word()
 }
 
 /// Whether a reference in a resource is this one; servers may write their address before it and a version behind.

@@ -45,7 +45,7 @@ impl Parts<'_> {
             "resourceType": "DocumentReference",
             "identifier": self.identifiers(&part),
             "status": status.of_document(),
-            "docStatus": status.code(),
+            "docStatus": status.word(),
             "type": self.concept("record-file", words, &[]),
             "subject": { "reference": self.sent.subject },
             "description": format!("{}: {words}", file.name),

@@ -43,27 +43,21 @@ pub struct FhirRules {
     pub attach: Vec<String>,
 }
 
-/// What a resource says about the figures in it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
-    /// They hold.
-    Final,
-    /// They hold, and are not those of the first revision.
-    Amended,
-    /// They are of another patient.
-    EnteredInError,
+gaiter_leg::word_enum! {
+    /// What a resource says about the figures in it; its words are the codes of observations and reports, and of what is
+    /// in a document.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Status {
+        /// They hold.
+        Final => "final",
+        /// They hold, and are not those of the first revision.
+        Amended => "amended",
+        /// They are of another patient.
+        EnteredInError => "entered-in-error",
+    }
 }
 
 impl Status {
-    /// The code of observations and reports, and of what is in a document.
-    pub fn code(self) -> &'static str {
-        match self {
-            Status::Final => "final",
-            Status::Amended => "amended",
-            Status::EnteredInError => "entered-in-error",
-        }
-    }
-
     /// The code of a document itself.
     pub fn of_document(self) -> &'static str {
         match self {

@@ -26,7 +26,7 @@ impl Parts<'_> {
             "language": language.tag(),
             "text": text::narrative(leg, &lines),
             "identifier": self.identifiers(part),
-            "status": self.status().code(),
+            "status": self.status().word(),
             "category": [codes::exam()],
             "code": self.concept("leg-measures", language.text("hospital.leg_measures"), &[]),
             "subject": { "reference": self.sent.subject },

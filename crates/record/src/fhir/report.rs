@@ -21,7 +21,7 @@ impl Parts<'_> {
             "language": language.tag(),
             "text": text::narrative(title, &verdict),
             "identifier": self.identifiers(PART),
-            "status": self.status().code(),
+            "status": self.status().word(),
             "code": self.concept("leg-report", title, &[]),
             "subject": { "reference": self.sent.subject },
             "effectiveDateTime": self.effective(),

@@ -94,7 +94,7 @@ fn what_takes_the_place_of_another_has_its_id_its_version_and_known_references()
 
 #[test]
 fn what_was_entered_in_error_is_so_in_every_resource() {
-    let codes = |status: Status| [status.code(), status.of_document()];
+    let codes = |status: Status| [status.word(), status.of_document()];
     assert_eq!(codes(Status::Final), ["final", "current"]);
     assert_eq!(codes(Status::Amended), ["amended", "current"]);
     assert_eq!(codes(Status::EnteredInError), ["entered-in-error"; 2]);

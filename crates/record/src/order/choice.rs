@@ -10,30 +10,20 @@ use crate::file::{RecordFile, file};
 /// How the names of all order files begin, and of no other file of a record.
 const BEGIN: &str = "order";
 
-/// An order as a file of gaiter's own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OrderFile {
-    /// As the exact table for programs, `order.csv`.
-    Csv,
-    /// As the same table for a spreadsheet that is set to the language of the report, `order-spreadsheet.csv`.
-    Spreadsheet,
-    /// As `order.json`, with everything that is known; a further order is made from it.
-    Json,
+gaiter_leg::word_enum! {
+    /// An order as a file of gaiter's own, with the name of the file; each record has all of them.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum OrderFile {
+        /// As the exact table for programs, `order.csv`.
+        Csv => "order.csv",
+        /// As the same table for a spreadsheet that is set to the language of the report, `order-spreadsheet.csv`.
+        Spreadsheet => "order-spreadsheet.csv",
+        /// As `order.json`, with everything that is known; a further order is made from it.
+        Json => "order.json",
+    }
 }
 
 impl OrderFile {
-    /// Every file: each record has all of them.
-    pub const ALL: [OrderFile; 3] = [OrderFile::Csv, OrderFile::Spreadsheet, OrderFile::Json];
-
-    /// The name of the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            OrderFile::Csv => "order.csv",
-            OrderFile::Spreadsheet => "order-spreadsheet.csv",
-            OrderFile::Json => "order.json",
-        }
-    }
-
     /// The file of an order; the language is that of a spreadsheet.
     ///
     /// # Errors
@@ -44,7 +34,7 @@ impl OrderFile {
             OrderFile::Spreadsheet => spreadsheet(order, language).into_bytes(),
             OrderFile::Json => json(order)?,
         };
-        Ok(file(self.name(), bytes))
+        Ok(file(self.word(), bytes))
     }
 }
 

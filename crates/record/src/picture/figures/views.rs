@@ -160,7 +160,7 @@ impl<'a> Drawn<'a> {
 
     /// The girth at a level of this name, as on the measuring sheet, and how to read it.
     pub fn girth(&self, name: &str, language: Language) -> Option<(String, HowToRead)> {
-        let level = Level::ALL.into_iter().find(|level| level.name() == name)?;
+        let level = Level::of_word(name)?;
         let measure = Measure::of(self.record, self.side, level).ok()?;
         Some((cm_words(measure.girth.mm, language), measure.mark()))
     }
