@@ -45,7 +45,7 @@ fn help_and_version_are_no_fault_and_go_to_standard_output() {
 fn a_wrong_command_line_ends_with_64() {
     let wrong: [&[&str]; 6] = [
         &[],
-        &["measure"],
+        &["measure", "one", "two"],
         &["extract"],
         &["extract", "a.obj", "--unit", "ft"],
         &["extract", "a.obj", "--facing"],
