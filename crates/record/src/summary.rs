@@ -3,7 +3,7 @@
 
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
-use gaiter_sizes::Garment;
+use gaiter_sizes::{Garment, Point};
 use serde::Serialize;
 
 use super::completeness::Completeness;
@@ -68,7 +68,7 @@ impl RecordSummary {
     pub fn of(record: &Record, language: Language, garment: &Garment) -> RecordSummary {
         let is_shown = |level: &Level| LEVELS.contains(level) || garment.levels().contains(level);
         let levels = Level::ALL.into_iter().rev().filter(is_shown);
-        let foot = garment.needs_foot().then_some(Subject::FootLength);
+        let foot = garment.needs(Point::Foot).then_some(Subject::FootLength);
         let shown = levels.map(Subject::Level).chain(foot);
         let completeness = Completeness::of(record, garment);
         RecordSummary {

@@ -33,40 +33,48 @@ pub(super) fn read<T>(
 /// The keys of a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
-    /// Those of this section.
-    pub here: &'static str,
+    /// The names of those of this section. `note_…` stands for any that begins so.
+    pub words: &'static str,
+    /// That points are keys, too, in words that follow the names; empty if they are not.
+    pub points: &'static str,
     /// Those of the whole file, which stand above the first section; empty for the whole file.
     pub above: &'static str,
 }
 
 impl Known {
-    /// The keys of a section without others above it.
-    pub fn here(here: &'static str) -> Known {
-        Known { here, above: "" }
+    /// The keys of a section without points, and without others above it.
+    pub fn here(words: &'static str) -> Known {
+        Known { words, points: "", above: "" }
     }
 
-    /// Notes every key of a section for which `is_known` is false.
-    pub fn only(self, section: Section<'_, '_>, is_known: impl Fn(&str) -> bool) {
-        for (name, _) in section.pairs().filter(|(name, _)| !is_known(name.get_ref())) {
-            let what = self.fault(name.get_ref(), &is_known);
-            section.note(&name.span(), section.key(name.get_ref()), what);
+    /// Notes every other key of a section.
+    pub fn only(self, section: Section<'_, '_>) {
+        for (name, _) in section.pairs().filter(|(name, _)| !self.has(name.get_ref())) {
+            section.note(&name.span(), section.key(name.get_ref()), self.fault(name.get_ref()));
         }
+    }
+
+    fn has(self, name: &str) -> bool {
+        self.words.split_whitespace().any(|word| match word {
+            "note_…" => name.starts_with("note_"),
+            word => word == name,
+        }) || !self.points.is_empty() && Point::of(name).is_some()
     }
 
     /// The fault of an unknown key, with what it was probably meant to be.
-    fn fault(self, name: &str, is_known: impl Fn(&str) -> bool) -> What {
+    fn fault(self, name: &str) -> What {
         let upper = name.to_uppercase();
         let points = [format!("c{upper}"), format!("l{upper}")];
         let cased = name.get(1..).map(|rest| name[..1].to_lowercase() + &rest.to_uppercase());
-        let point =
-            cased.into_iter().chain(points).find(|of| Point::of(of).is_some() && is_known(of));
+        let is_point = |of: &String| Point::of(of).is_some() && self.has(of);
+        let point = cased.into_iter().chain(points).find(is_point);
         if point.is_none() && self.above.split_whitespace().any(|word| word == name) {
             return What::OfTheWholeFile;
         }
-        let is_word = |word: &&str| is_known(word) && Point::of(word).is_none();
-        let words = self.here.split_whitespace().filter(is_word);
+        let words = self.words.split_whitespace().filter(|word| Point::of(word).is_none());
         let similar = point.or_else(|| nearest(name, words).map(str::to_owned));
-        gaiter_toml::What::Unknown { similar, known: vec![self.here.to_owned()] }.into()
+        let known = [self.words, self.points].join(" ").trim_end().to_owned();
+        gaiter_toml::What::Unknown { similar, known: vec![known] }.into()
     }
 }
 

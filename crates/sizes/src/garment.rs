@@ -85,16 +85,6 @@ impl Garment {
         }
     }
 
-    /// Whether it needs the length of the inside of the leg, lK.
-    pub fn needs_inside_leg(&self) -> bool {
-        self.needs(Point::InsideLeg)
-    }
-
-    /// Whether it needs the length of the foot.
-    pub fn needs_foot(&self) -> bool {
-        self.needs(Point::Foot)
-    }
-
     /// The boxes of its order form, in the order of the form.
     pub fn boxes(&self) -> &[FormBox] {
         &self.0.boxes
@@ -193,9 +183,9 @@ mod tests {
         assert_eq!(levels("AF"), calf);
         calf.insert(0, Level::G);
         assert_eq!((levels("AG"), levels("AT")), (calf.clone(), calf));
-        let inside = Garment::shipped().iter().filter(|of| of.needs_inside_leg());
+        let inside = Garment::shipped().iter().filter(|of| of.needs(Point::InsideLeg));
         assert_eq!(inside.map(Garment::name).collect::<Vec<_>>(), ["AT"]);
-        assert!(Garment::shipped().iter().all(Garment::needs_foot));
+        assert!(Garment::shipped().iter().all(|of| of.needs(Point::Foot)));
         assert_eq!(Garment::of("BC"), None);
     }
 

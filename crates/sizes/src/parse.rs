@@ -51,18 +51,13 @@ pub fn parse(bytes: &[u8]) -> Result<SizeTable, Vec<Fault>> {
 
 /// The table of a file. What is wrong is noted, and the rest is read all the same.
 fn table(whole: Section<'_, '_>, sha256: String) -> Option<SizeTable> {
-    let is_known = |name: &str| {
-        name.starts_with("note_") || KEYS.split_whitespace().any(|known| known == name)
-    };
-    Known::here(KEYS).only(whole, is_known);
+    Known::here(KEYS).only(whole);
     let id = whole.required_text("id", "id = \"maker-product-2026\"");
     let maker = whole.required_text("maker", "maker = \"…\"");
     let product = whole.required_text("product", "product = \"…\"");
     let edition = whole.required_text("table_edition", "table_edition = \"2026-01\"");
     let source = whole.required_text("source", "source = \"where the figures stand\"");
-    let statuses =
-        [("draft", Status::Draft), ("test-only", Status::TestOnly), ("released", Status::Released)];
-    let status = whole.required_choice("status", &statuses);
+    let status = whole.required_choice("status", &Status::WORDS);
     let unit = whole.required_choice("unit", &UNITS);
     let limits = [("closed", Limits::Closed), ("open", Limits::Open)];
     let limits = whole.required_choice("limits", &limits);

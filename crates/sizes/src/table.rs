@@ -57,10 +57,10 @@ gaiter_leg::word_enum! {
     /// What a table may be used for.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum Status as serde {
-        /// Only to try the program.
-        TestOnly => "test-only",
         /// Not released yet.
         Draft => "draft",
+        /// Only to try the program.
+        TestOnly => "test-only",
         /// Two persons vouch for it.
         Released => "released",
     }

@@ -57,10 +57,10 @@ impl Needs<'_> {
         if !self.record.sides().any(|known| known == side) {
             return Vec::new();
         }
-        let inside_leg = self.garment.needs_inside_leg().then_some(Item::InsideLeg);
+        let inside_leg = self.garment.needs(Point::InsideLeg).then_some(Item::InsideLeg);
         let levels = self.garment.levels().iter();
         let levels = levels.map(|level| Item::Level(*level, self.open_part(side, *level)));
-        let foot = self.garment.needs_foot().then_some(Item::Foot);
+        let foot = self.garment.needs(Point::Foot).then_some(Item::Foot);
         inside_leg.into_iter().chain(levels).chain(foot).collect()
     }
 

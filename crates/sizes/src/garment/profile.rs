@@ -81,8 +81,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<Fault>> {
 }
 
 fn profile(whole: Section<'_, '_>) -> Option<Profile> {
-    let is_known = |name: &str| KEYS.split_whitespace().any(|known| known == name);
-    Known::here(KEYS).only(whole, is_known);
+    Known::here(KEYS).only(whole);
     let name = whole.required_text("name", "name = \"AD\"");
     let units = [("cm", FormUnit::Cm), ("mm", FormUnit::Mm)];
     let unit = whole.choice("unit", &units).unwrap_or_default();
@@ -161,9 +160,7 @@ fn notation(whole: Section<'_, '_>) -> Notation {
     let Some(section) = whole.section("notation", "notation", "a section", example) else {
         return usual();
     };
-    let is_known = |name: &str| ["girth", "length", "foot", "inside_leg"].contains(&name);
-    let known = Known { here: "girth length foot inside_leg", above: KEYS };
-    known.only(section, is_known);
+    Known { words: "girth length foot inside_leg", points: "", above: KEYS }.only(section);
     let of_level = |name: &str| {
         let found = section.text(name)?;
         if !found.contains(LETTER) {

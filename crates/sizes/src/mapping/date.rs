@@ -5,63 +5,26 @@ use serde::{Deserialize, Serialize};
 
 /// A format of dates and times, such as `%d.%m.%Y`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DateFormat(Vec<Part>);
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-enum Part {
-    Sign(char),
-    Day,
-    Month,
-    Year,
-    ShortYear,
-    Hour,
-    Minute,
-    Second,
-}
+pub struct DateFormat(String);
 
 impl Default for DateFormat {
-    /// `%Y-%m-%d`.
     fn default() -> DateFormat {
-        DateFormat(vec![Part::Year, Part::Sign('-'), Part::Month, Part::Sign('-'), Part::Day])
+        DateFormat("%Y-%m-%d".to_owned())
     }
 }
 
 impl DateFormat {
     /// The format of a text; `None` if it has no part of a date, or another letter behind `%`.
     pub fn new(text: &str) -> Option<DateFormat> {
-        let mut parts = Vec::new();
-        let mut letters = text.chars();
-        while let Some(letter) = letters.next() {
-            parts.push(match letter {
-                '%' => match letters.next()? {
-                    'd' => Part::Day,
-                    'm' => Part::Month,
-                    'Y' => Part::Year,
-                    'y' => Part::ShortYear,
-                    'H' => Part::Hour,
-                    'M' => Part::Minute,
-                    'S' => Part::Second,
-                    _ => return None,
-                },
-                sign => Part::Sign(sign),
-            });
-        }
-        parts.iter().any(|part| !matches!(part, Part::Sign(_))).then_some(DateFormat(parts))
+        let mut parts = text.split('%').skip(1).peekable();
+        let is_date = parts.peek().is_some();
+        let is_known = |part: &str| part.starts_with(['d', 'm', 'Y', 'y', 'H', 'M', 'S']);
+        (is_date && parts.all(is_known)).then(|| DateFormat(text.to_owned()))
     }
 
     /// A date and time in this format.
     pub fn text(&self, at: DateTime) -> String {
-        let part = |part: &Part| match part {
-            Part::Sign(sign) => sign.to_string(),
-            Part::Day => format!("{:02}", at.day()),
-            Part::Month => format!("{:02}", at.month()),
-            Part::Year => format!("{:04}", at.year()),
-            Part::ShortYear => format!("{:02}", at.year().rem_euclid(100)),
-            Part::Hour => format!("{:02}", at.hour()),
-            Part::Minute => format!("{:02}", at.minute()),
-            Part::Second => format!("{:02}", at.second()),
-        };
-        self.0.iter().map(part).collect()
+        at.strftime(&self.0).to_string()
     }
 }
 

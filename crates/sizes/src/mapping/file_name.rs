@@ -8,17 +8,7 @@ use serde::{Deserialize, Serialize};
 /// It begins with `order`, so that a later revision of a record knows which files it replaces, and differs
 /// from `order.csv` and `order.json`, which gaiter itself writes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FileName(Vec<Part>);
-
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-enum Part {
-    Text(String),
-    Id,
-    Scan,
-    Date,
-    Garment,
-    Ref,
-}
+pub struct FileName(String);
 
 /// What fills the places of a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +30,9 @@ const BEGIN: &str = "order";
 
 /// Names that gaiter itself gives.
 const TAKEN: [&str; 2] = ["order.csv", "order.json"];
+
+/// The places of a name, in the order of [`Named`].
+const PLACES: [&str; 5] = ["{id}", "{scan}", "{date}", "{garment}", "{ref}"];
 
 /// The longest name with its places, and the longest text of a place, characters: all together stay below
 /// the 255 that file systems take, also behind the key that practice software gets.
@@ -63,48 +56,21 @@ impl FileName {
         if is_taken || !is_ending || !stem.starts_with(BEGIN) || text.len() > NAME_MAX {
             return None;
         }
-        let (mut parts, mut rest) = (Vec::new(), text);
-        while let Some(open) = rest.find('{') {
-            let (before, from) = rest.split_at(open);
-            let close = from.find('}')?;
-            parts.push(Part::Text(before.to_owned()));
-            parts.push(match &from[1..close] {
-                "id" => Part::Id,
-                "scan" => Part::Scan,
-                "date" => Part::Date,
-                "garment" => Part::Garment,
-                "ref" => Part::Ref,
-                _ => return None,
-            });
-            rest = &from[close + 1..];
-        }
-        parts.push(Part::Text(rest.to_owned()));
-        parts.retain(|part| !matches!(part, Part::Text(text) if text.is_empty()));
-        let places = parts.iter().filter(|part| !matches!(part, Part::Text(_))).count();
-        let is_plain = |part: &Part| match part {
-            Part::Text(text) => text.chars().all(is_plain_letter),
-            _ => true,
-        };
-        (places <= PLACES_MAX && parts.iter().all(is_plain) && !text.contains(".."))
-            .then_some(FileName(parts))
+        let places = PLACES.iter().map(|place| text.matches(place).count()).sum::<usize>();
+        // A place within a place is none: the letter keeps what is around it apart.
+        let filled = PLACES.iter().fold(text.to_owned(), |text, place| text.replace(place, "x"));
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_.".contains(letter);
+        (places <= PLACES_MAX && filled.chars().all(is_plain) && !text.contains(".."))
+            .then(|| FileName(text.to_owned()))
     }
 
     /// The name of a file: ASCII letters, digits, `-`, `_` and `.`; every other letter of a place is `-`.
     pub fn filled(&self, of: Named<'_>) -> String {
-        let part = |part: &Part| match part {
-            Part::Text(text) => text.clone(),
-            Part::Id => plain(of.id),
-            Part::Scan => plain(of.scan),
-            Part::Date => of.date.map_or(NO_DATE.to_owned(), |date| plain(&date.to_string())),
-            Part::Garment => plain(of.garment),
-            Part::Ref => plain(of.order_ref.unwrap_or(NO_REF)),
-        };
-        self.0.iter().map(part).collect()
+        let date = of.date.map_or(NO_DATE.to_owned(), |date| date.to_string());
+        let words = [of.id, of.scan, &date, of.garment, of.order_ref.unwrap_or(NO_REF)];
+        let places = PLACES.iter().zip(words);
+        places.fold(self.0.clone(), |name, (place, word)| name.replace(place, &plain(word)))
     }
-}
-
-fn is_plain_letter(letter: char) -> bool {
-    letter.is_ascii_alphanumeric() || "-_.".contains(letter)
 }
 
 /// A text as part of a name.

@@ -45,16 +45,13 @@ pub fn parse(bytes: &[u8]) -> Result<Mapping, Vec<Fault>> {
 
 /// The mapping of a file. What is wrong is noted, and the rest is read all the same.
 fn mapping(whole: Section<'_, '_>) -> Option<Mapping> {
-    let is_known = |name: &str| {
-        name.starts_with("note_") || KEYS.split_whitespace().any(|known| known == name)
-    };
-    Known::here(KEYS).only(whole, is_known);
+    Known::here(KEYS).only(whole);
     let id = whole.required_text("id", "id = \"shop-2026\"");
     let name = whole.required_text("name", "name = \"…\"");
     let source = whole.required_text("source", "source = \"where the form was read\"");
     let file_name = file_name(whole);
     let layout = layout(whole);
-    let rows = rows(whole);
+    let rows = whole.required_choice("rows", &Rows::WORDS);
     let points = own_points(whole, rows);
     let figures = figures(whole);
     let instead = instead(whole);
@@ -111,11 +108,6 @@ fn layout(whole: Section<'_, '_>) -> Option<Layout> {
         has_header: flag(whole, "header").unwrap_or(true),
         is_spreadsheet: flag(whole, "spreadsheet").unwrap_or(false),
     }))
-}
-
-fn rows(whole: Section<'_, '_>) -> Option<Rows> {
-    let all = [Rows::Order, Rows::Leg, Rows::Level, Rows::Point].map(|rows| (rows.word(), rows));
-    whole.required_choice("rows", &all)
 }
 
 /// The points of the rows.
@@ -181,8 +173,7 @@ fn decimals(whole: Section<'_, '_>, least: usize) -> Option<usize> {
 
 /// `[instead]` and `also_write`.
 fn instead(whole: Section<'_, '_>) -> Instead {
-    let known = "missing estimated doubtful";
-    let found = texts(whole, "instead", known);
+    let found = texts(whole, "instead", "missing estimated doubtful");
     let text = |key: &str| found.iter().find(|(name, _)| name == key).map(|(_, text)| text.clone());
     let mut instead = Instead {
         missing: text("missing").unwrap_or_default(),
@@ -222,8 +213,7 @@ fn sides(whole: Section<'_, '_>) -> [String; 3] {
 fn texts(whole: Section<'_, '_>, name: &'static str, known: &'static str) -> Vec<(String, String)> {
     let example = format!("[{name}] and the keys below it");
     let Some(section) = whole.section(name, name, "a section", &example) else { return Vec::new() };
-    let is_known = |key: &str| known.split(' ').any(|word| word == key);
-    Known::here(known).only(section, is_known);
+    Known::here(known).only(section);
     let mut texts = Vec::new();
     for (key, value) in section.pairs() {
         let key = key.get_ref().as_ref();
@@ -250,8 +240,7 @@ fn columns(whole: Section<'_, '_>, rows: Option<Rows>) -> Vec<Column> {
     }
     let mut columns: Vec<Column> = Vec::new();
     for section in tables {
-        let is_known = |key: &str| ["name", "value", "text", "format"].contains(&key);
-        Known::here("name value text format").only(section, is_known);
+        Known::here("name value text format").only(section);
         let name = section.required_text("name", "name = \"…\"");
         let cell = cell(section, rows);
         let Some((name, value)) = name.zip(section.get("name")) else { continue };

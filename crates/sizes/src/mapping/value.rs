@@ -20,61 +20,67 @@ pub enum Cell {
     Figure(Which, Of),
 }
 
-/// A fact about an order or a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fact {
-    /// The order's reference.
-    OrderRef,
-    /// `exact` or `changes` for a reorder; empty for an order.
-    Reorder,
-    /// The reference of the order that is ordered again.
-    LastRef,
-    /// The reference of the scan.
-    ScanRef,
-    /// The reference of the last order's scan.
-    LastScanRef,
-    /// The garment.
-    Garment,
-    /// The station.
-    Station,
-    /// How the patient held the legs.
-    Posture,
-    /// `skin`: no tension is applied to the girths.
-    Basis,
-    /// The patient's id: only a mapping that asks for it writes it.
-    PatientId,
-    /// The leg of the row.
-    Side,
-    /// The level of the row.
-    Level,
-    /// The box of the row.
-    Point,
-    /// Who set a figure of the row by hand.
-    EditedBy,
-    /// Why they did.
-    Reason,
+gaiter_leg::word_enum! {
+    /// A fact about an order or a row.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Fact {
+        /// The order's reference.
+        OrderRef => "order.ref",
+        /// `exact` or `changes` for a reorder; empty for an order.
+        Reorder => "order.reorder",
+        /// The reference of the order that is ordered again.
+        LastRef => "last.ref",
+        /// The reference of the scan.
+        ScanRef => "scan.ref",
+        /// The reference of the last order's scan.
+        LastScanRef => "last.scan.ref",
+        /// The garment.
+        Garment => "garment",
+        /// The station.
+        Station => "station",
+        /// How the patient held the legs.
+        Posture => "posture",
+        /// `skin`: no tension is applied to the girths.
+        Basis => "basis",
+        /// The patient's id: only a mapping that asks for it writes it.
+        PatientId => "patient.id",
+        /// The leg of the row.
+        Side => "side",
+        /// The level of the row.
+        Level => "level",
+        /// The box of the row.
+        Point => "point",
+        /// Who set a figure of the row by hand.
+        EditedBy => "edited_by",
+        /// Why they did.
+        Reason => "reason",
+    }
 }
 
-/// What a date is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Dated {
-    /// The scan.
-    Scan,
-    /// The scan of the order that is ordered again.
-    Last,
-    /// The last day on which the measures hold for an order.
-    HoldsUntil,
+gaiter_leg::word_enum! {
+    /// What a date is of.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Dated {
+        /// The scan.
+        Scan => "scan.date",
+        /// The scan of the order that is ordered again.
+        Last => "last.date",
+        /// The last day on which the measures hold for an order.
+        HoldsUntil => "order.holds_until",
+    }
 }
 
-/// Where a point lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Place {
-    /// The right leg.
-    Right,
-    /// The left leg.
-    Left,
-    /// Neither.
-    Body,
+gaiter_leg::word_enum! {
+    /// Where a point lies.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Place {
+        /// The right leg.
+        Right => "right",
+        /// The left leg.
+        Left => "left",
+        /// Neither.
+        Body => "body",
+    }
 }
 
 /// Which figure.
@@ -107,36 +113,6 @@ pub enum Of {
     Change,
 }
 
-/// The facts by their words.
-const FACTS: [(&str, Fact); 15] = [
-    ("order.ref", Fact::OrderRef),
-    ("order.reorder", Fact::Reorder),
-    ("last.ref", Fact::LastRef),
-    ("scan.ref", Fact::ScanRef),
-    ("last.scan.ref", Fact::LastScanRef),
-    ("garment", Fact::Garment),
-    ("station", Fact::Station),
-    ("posture", Fact::Posture),
-    ("basis", Fact::Basis),
-    ("patient.id", Fact::PatientId),
-    ("side", Fact::Side),
-    ("level", Fact::Level),
-    ("point", Fact::Point),
-    ("edited_by", Fact::EditedBy),
-    ("reason", Fact::Reason),
-];
-
-/// The dates by their words.
-const DATES: [(&str, Dated); 3] = [
-    ("scan.date", Dated::Scan),
-    ("last.date", Dated::Last),
-    ("order.holds_until", Dated::HoldsUntil),
-];
-
-/// The places by their words.
-const PLACES: [(&str, Place); 3] =
-    [("right", Place::Right), ("left", Place::Left), ("body", Place::Body)];
-
 /// What of a figure, by its words.
 const OFS: [(&str, Of); 5] = [
     ("u95", Of::U95),
@@ -146,10 +122,6 @@ const OFS: [(&str, Of); 5] = [
     ("change", Of::Change),
 ];
 
-fn meaning<T: Copy>(words: &[(&str, T)], word: &str) -> Option<T> {
-    words.iter().find(|(known, _)| *known == word).map(|(_, meaning)| *meaning)
-}
-
 impl Cell {
     /// What a value stands for in a row of this kind.
     pub(super) fn of_value(value: &str, rows: Rows) -> Result<Cell, MappingWhat> {
@@ -157,19 +129,17 @@ impl Cell {
             true => Ok(cell),
             false => Err(MappingWhat::NotInRow { value: value.to_owned(), rows: rows.word() }),
         };
-        if let Some(fact) = meaning(&FACTS, value) {
+        if let Some(fact) = Fact::of_word(value) {
             return here(fact.is_in(rows), Cell::Fact(fact));
         }
-        if let Some(dated) = meaning(&DATES, value) {
+        if let Some(dated) = Dated::of_word(value) {
             return Ok(Cell::Date(dated, DateFormat::default()));
         }
-        let (figure, of) = match value.rsplit_once('.') {
-            Some((figure, word)) => match meaning(&OFS, word) {
-                Some(of) => (figure, of),
-                None => (value, Of::Figure),
-            },
-            None => (value, Of::Figure),
-        };
+        let with_of = value.rsplit_once('.').and_then(|(figure, word)| {
+            let (_, of) = OFS.iter().find(|(known, _)| *known == word)?;
+            Some((figure, *of))
+        });
+        let (figure, of) = with_of.unwrap_or((value, Of::Figure));
         match figure {
             "girth" => here(rows == Rows::Level, Cell::Figure(Which::Girth, of)),
             "length" => here(rows == Rows::Level, Cell::Figure(Which::Length, of)),
@@ -183,7 +153,7 @@ impl Cell {
 fn at(text: &str, rows: Rows) -> Result<Which, MappingWhat> {
     let no_value = || MappingWhat::NoValue(text.to_owned());
     let (place, name) = match text.split_once('.') {
-        Some((place, name)) => (Some(meaning(&PLACES, place).ok_or_else(no_value)?), name),
+        Some((place, name)) => (Some(Place::of_word(place).ok_or_else(no_value)?), name),
         None => (None, text),
     };
     let point = Point::of(name).ok_or_else(no_value)?;

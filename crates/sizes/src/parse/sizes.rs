@@ -13,16 +13,15 @@ use super::{KEYS, Unit, own_name, points, range};
 const VARIANT: (&str, &str) = ("ranges of a variant", "variant.\"wide thigh\".cG = [57, 64]");
 
 /// The keys of a section, below those of the whole file.
-fn known(here: &'static str) -> Known {
-    Known { here, above: KEYS }
+fn known(words: &'static str, points: &'static str) -> Known {
+    Known { words, points, above: KEYS }
 }
 
 /// The variants of a file.
 pub(super) fn variants(whole: Section<'_, '_>) -> Vec<Variant> {
     let mut variants: Vec<Variant> = Vec::new();
     for section in whole.tables("variant") {
-        let is_known = |name: &str| ["name", "applies_to", "replaces"].contains(&name);
-        known("name applies_to replaces").only(section, is_known);
+        known("name applies_to replaces", "").only(section);
         let taken: Vec<String> = variants.iter().map(|of| of.name.clone()).collect();
         let name = own_name(section, &taken);
         let applies_to = section.list("applies_to");
@@ -42,9 +41,7 @@ pub(super) fn variants(whole: Section<'_, '_>) -> Vec<Variant> {
 pub(super) fn lengths(whole: Section<'_, '_>, unit: Unit) -> Vec<LengthRow> {
     let mut rows: Vec<LengthRow> = Vec::new();
     for section in whole.tables("length") {
-        let is_known =
-            |name: &str| ["garment", "name"].contains(&name) || Point::of(name).is_some();
-        known("garment name and points such as lD").only(section, is_known);
+        known("garment name", "and points such as lD").only(section);
         let garment = section.required_text("garment", "garment = \"AD\"");
         let same = rows.iter().filter(|of| Some(&of.garment) == garment.as_ref());
         let taken: Vec<String> = same.map(|of| of.name.clone()).collect();
@@ -74,9 +71,7 @@ pub(super) fn sizes(
             None => "size".to_owned(),
         };
         let section = section.named(&key);
-        let is_known =
-            |name: &str| ["name", "code", "variant"].contains(&name) || Point::of(name).is_some();
-        known("name code variant and points such as cB").only(section, is_known);
+        known("name code variant", "and points such as cB").only(section);
         let taken: Vec<String> = sizes.iter().map(|of| of.name.clone()).collect();
         let name = own_name(section, &taken);
         let ranges = ranges(section, unit);
@@ -105,8 +100,7 @@ fn of_variant(
     (name, variant): (&str, Option<&Variant>),
     unit: Unit,
 ) -> Option<(String, Vec<Ranged>)> {
-    let is_known = |name: &str| name == "code" || Point::of(name).is_some();
-    known("code and the points that the variant replaces").only(section, is_known);
+    known("code", "and the points that the variant replaces").only(section);
     let Some(variant) = variant else {
         section.note(&section.at(), section.name(), What::NoVariant(name.to_owned()));
         return None;
