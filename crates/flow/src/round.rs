@@ -38,6 +38,7 @@ use std::time::Duration;
 
 use super::export::writing::Appeared;
 use super::orders::when::OrdersWhen;
+use capture::distinct;
 pub use capture::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
 use gaiter_record::SourceKind;
 pub use held_next::{HeldNext, HoldReason};
@@ -344,12 +345,7 @@ fn ids(capture: &Capture) -> BTreeSet<Option<&str>> {
 /// An export that a person must decide on, because each of these captures may be meant: all of them are
 /// in doubt from now on, and the oldest waits no more if the export was written after it was opened.
 fn held(why: Why, all: &[&Capture], export: Appeared) -> Judged {
-    let mut candidates: Vec<Named> = Vec::new();
-    for named in all.iter().flat_map(|capture| capture.named()) {
-        if candidates.iter().all(|known| known.id != named.id) {
-            candidates.push(named.clone());
-        }
-    }
+    let candidates = distinct(all.iter().flat_map(|capture| capture.named()));
     let patient = match candidates.as_slice() {
         [one] => Some(one.clone()),
         _ => None,

@@ -40,6 +40,17 @@ pub struct Named {
     pub by: SourceKind,
 }
 
+/// These patients, each once, as first named.
+pub(super) fn distinct<'a>(all: impl IntoIterator<Item = &'a Named>) -> Vec<Named> {
+    let mut found: Vec<Named> = Vec::new();
+    for named in all {
+        if found.iter().all(|known| known.id != named.id) {
+            found.push(named.clone());
+        }
+    }
+    found
+}
+
 /// The time in which the export of a press is expected. All times are since the machine's start.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Capture {

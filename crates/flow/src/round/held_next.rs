@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Appeared, Capture, CaptureState, Judged, Rounds};
+use super::{Appeared, Capture, CaptureState, Judged, Rounds, distinct};
 
 /// The trial press: no capture of the journal has its number.
 const TRIAL: i64 = i64::MAX;
@@ -56,13 +56,9 @@ impl Rounds {
             let of = self.open.iter().filter(|capture| capture.number != own && which(capture));
             let of: Vec<&Capture> = of.filter(|capture| capture.may_have(export, late)).collect();
             let end = of.iter().map(|capture| capture.until + late).max()?;
-            let mut ids: Vec<String> = Vec::new();
-            for named in of.into_iter().flat_map(Capture::named) {
-                if !ids.contains(&named.id) {
-                    ids.push(named.id.clone());
-                }
-            }
-            Some(HeldNext { why, of: ids, left: Some(end.saturating_sub(now)) })
+            let of = distinct(of.into_iter().flat_map(Capture::named));
+            let of = of.into_iter().map(|named| named.id).collect();
+            Some(HeldNext { why, of, left: Some(end.saturating_sub(now)) })
         };
         let unheard = || {
             let (why, of, left) = (HoldReason::Unheard, Vec::new(), self.doubt_left(now));

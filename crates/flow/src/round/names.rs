@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Capture, CaptureState, DOUBTS_MOST, Doubt, NAMES_MOST, Named, NamedNext, Opener, Rounds,
+    distinct,
 };
 use crate::export::writing::Appeared;
 use crate::orders::when::OrdersWhen;
@@ -108,13 +109,8 @@ impl Rounds {
 
     /// The ids of the patients whose exports are expected, each once.
     pub fn awaited_ids(&self) -> Vec<String> {
-        let mut ids: Vec<String> = Vec::new();
-        for named in self.open.iter().filter(|of| of.is_open()).flat_map(Capture::named) {
-            if !ids.contains(&named.id) {
-                ids.push(named.id.clone());
-            }
-        }
-        ids
+        let awaited = self.open.iter().filter(|of| of.is_open()).flat_map(Capture::named);
+        distinct(awaited).into_iter().map(|named| named.id).collect()
     }
 
     /// Whether somebody is named, and it is not certain who is there: the light asks.
@@ -155,11 +151,7 @@ impl Rounds {
     /// Somebody at the booth says who is there.
     fn word(&mut self, named: Named, now: Duration) -> NamedNext {
         // R3: it may be for a press that was made without a name.
-        let is_crossed = self
-            .names
-            .unsure
-            .iter()
-            .any(|press| press.is_unnamed && now <= press.at + self.rules.awaited());
+        let is_crossed = self.unsure(now).any(|press| press.is_unnamed);
         if is_crossed {
             self.cross(&named);
         }
@@ -325,13 +317,12 @@ impl Rounds {
     fn order(&mut self, named: Named, now: Duration) -> NamedNext {
         let crossed = match self.rules.orders {
             OrdersWhen::AfterPress => match self.pair(&named, now) {
-                Paired::With(capture) => return NamedNext::Paired(capture),
-                Paired::InDoubt => return NamedNext::Waits { replaced: false, in_doubt: true },
+                Some(came) => return came,
                 // It is too late for its press, and never for the next one.
-                Paired::Crossed | Paired::None => true,
+                None => true,
             },
             OrdersWhen::BeforePress => {
-                let is_unsure = self.is_unsure(now);
+                let is_unsure = self.unsure(now).next().is_some();
                 if is_unsure {
                     self.cross(&named);
                 }
@@ -353,11 +344,11 @@ impl Rounds {
         NamedNext::Waits { replaced: false, in_doubt: !next.is_certain() }
     }
 
-    /// Whether the button was pressed without a certain name so recently that an order may be for that
-    /// press. The time counts and not the capture, because the export may have been taken already.
-    fn is_unsure(&self, now: Duration) -> bool {
+    /// The presses without a certain name so recent that a name may be for one of them. The time counts and not
+    /// the capture, because the export may have been taken already.
+    fn unsure(&self, now: Duration) -> impl Iterator<Item = &Unsure> {
         let awaited = self.rules.awaited();
-        self.names.unsure.iter().any(|press| now <= press.at + awaited)
+        self.names.unsure.iter().filter(move |press| now <= press.at + awaited)
     }
 
     /// The button was pressed without a certain name, or the name is no longer certain.
@@ -378,14 +369,14 @@ impl Rounds {
         self.open.iter_mut().filter(unsure).for_each(|capture| capture.may_also_be(named));
     }
 
-    /// An order in a practice that orders after the press.
-    fn pair(&mut self, named: &Named, now: Duration) -> Paired {
+    /// An order in a practice that orders after the press; `None` if no open press waits for one.
+    fn pair(&mut self, named: &Named, now: Duration) -> Option<NamedNext> {
         // The patient already has a press by name, so the order is for no other press.
         let is_theirs =
             |capture: &&Capture| capture.by == Opener::Press && capture.is_of(&named.id);
         if let Some(capture) = self.open.iter().find(is_theirs) {
             self.names.unsure.retain(|press| press.at != capture.opened);
-            return Paired::With(capture.clone());
+            return Some(NamedNext::Paired(capture.clone()));
         }
         let by_order = |capture: &Capture| {
             capture.named().next().is_none_or(|named| named.by == SourceKind::Order)
@@ -395,20 +386,17 @@ impl Rounds {
             .filter(|at| self.may_be_ordered(&self.open[*at], now) && by_order(&self.open[*at]))
             .collect();
         let is_unnamed = |at: &usize| self.open[*at].is_unnamed();
-        match open.as_slice() {
-            [] => return Paired::None,
-            [only] if is_unnamed(only) && self.next().is_none() => {
-                let opened = self.open[*only].opened;
-                let awaited = self.rules.awaited();
-                let mut others = self.names.unsure.iter().filter(|press| press.at != opened);
-                if !others.any(|press| now <= press.at + awaited) {
-                    let capture = &mut self.open[*only];
-                    capture.patient = Some(named.clone());
-                    self.names.unsure.retain(|press| press.at != opened);
-                    return Paired::With(capture.clone());
-                }
+        if let [only] = open.as_slice()
+            && is_unnamed(only)
+            && self.next().is_none()
+        {
+            let opened = self.open[*only].opened;
+            if self.unsure(now).all(|press| press.at == opened) {
+                let capture = &mut self.open[*only];
+                capture.patient = Some(named.clone());
+                self.names.unsure.retain(|press| press.at != opened);
+                return Some(NamedNext::Paired(capture.clone()));
             }
-            _ => {}
         }
         let any_unnamed = open.iter().any(is_unnamed);
         for at in open {
@@ -417,10 +405,10 @@ impl Rounds {
         if any_unnamed {
             self.press_is_unsure(now, false);
             if self.next().is_none() {
-                return Paired::InDoubt;
+                return Some(NamedNext::Waits { replaced: false, in_doubt: true });
             }
         }
-        Paired::Crossed
+        None
     }
 
     /// Whether so many patients wait that adding this id is of no use: an export could be anybody's.
@@ -435,19 +423,14 @@ impl Rounds {
     /// Takes the waiting names for a press.
     pub(super) fn use_next(&mut self) -> Used {
         let Some(mut next) = self.names.next.take() else { return (None, Vec::new(), None) };
-        let mut all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
-        if let ([only], true) = (all.as_slice(), self.missed.is_empty()) {
-            let used = (Some(only.clone()), Vec::new(), next.doubt);
+        if let ([only], true) = (next.names.as_slice(), self.missed.is_empty()) {
+            let used = (Some(only.named.clone()), Vec::new(), next.doubt);
             self.note_missed(next.left);
             return used;
         }
         // It is not known who the remaining patients are, either.
         let doubt = next.doubt.get_or_insert(Doubt::Shared).to_owned();
-        for missed in &self.missed {
-            if all.iter().all(|named| named.id != missed.id) {
-                all.push(missed.clone());
-            }
-        }
+        let all = distinct(next.names.iter().map(|said| &said.named).chain(&self.missed));
         next.used += 1;
         if next.used < next.names.len() {
             self.names.next = Some(next);
@@ -485,16 +468,4 @@ fn contradicts(before: &Next, named: &Named) -> bool {
     let mut said = before.names.iter().filter(|said| said.named.by != SourceKind::Order).peekable();
     let is_other = said.peek().is_some() && said.all(|said| said.named.id != named.id);
     named.by == SourceKind::Reader && is_other
-}
-
-/// How an order relates to the open presses.
-enum Paired {
-    /// No press is open.
-    None,
-    /// The open press is this patient's.
-    With(Capture),
-    /// More than one press may be meant.
-    InDoubt,
-    /// The open press has its order; this one may be for it or for the next.
-    Crossed,
 }

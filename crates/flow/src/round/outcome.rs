@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::capture::{Capture, Named, Why};
+use super::capture::{Capture, Named, Why, distinct};
 
 /// Which capture an export belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -55,7 +55,7 @@ impl Judged {
     /// The result for an export that begins with an earlier scan of these patients, or of nobody: it is
     /// that scan, complete, and no other patient's.
     pub(super) fn completing(self, whose: &[Named]) -> Judged {
-        let (why, mut candidates, doubtful) = match self {
+        let (why, candidates, doubtful) = match self {
             Judged::Of(capture) if capture.is_of_all(whose) => return Judged::Of(capture),
             Judged::Of(capture) => {
                 (Why::Ambiguous, capture.named().cloned().collect::<Vec<_>>(), vec![capture.number])
@@ -66,11 +66,7 @@ impl Judged {
                 (why, candidates, doubtful.into_iter().chain(answered).collect())
             }
         };
-        for named in whose {
-            if candidates.iter().all(|known| known.id != named.id) {
-                candidates.push(named.clone());
-            }
-        }
+        let candidates = distinct(candidates.iter().chain(whose));
         // The captures still wait for exports of their own.
         Judged::Held { why, patient: None, candidates, answered: None, doubtful }
     }
