@@ -90,17 +90,14 @@ impl Outbox {
     /// Decides what to start. `due` are all deliveries to be made, in the order in which they are
     /// wanted; at most `hands` scans are in progress at a time, not counting those at stalled stores.
     pub fn plan(&mut self, due: &[Key], now: Duration, hands: usize) -> Plan {
-        let mut plan = Plan::default();
+        let ask = self.to_ask(due.iter().map(|key| key.store.clone()), now);
+        let mut plan = Plan { ask, attempts: Vec::new() };
         // A delivery that is no longer due needs no pause; so nothing here grows over the years.
         let names: BTreeSet<&Key> = due.iter().collect();
         self.pauses.retain(|key, _| names.contains(key));
         let mut free = hands.saturating_sub(self.busy());
         for key in due {
-            let store = self.stores.entry(key.store.clone()).or_insert(Store::NEW);
-            if store.wants_asking(now) {
-                store.reach = Reach::Asked;
-                plan.ask.push(key.store.clone());
-            }
+            let Some(store) = self.stores.get(&key.store) else { continue };
             let paused = self.pauses.get(key).is_some_and(|pause| pause.until > now);
             if store.reach != Reach::Answers || paused || self.in_hand.contains(key) {
                 continue;
@@ -110,19 +107,12 @@ impl Outbox {
             };
             // The operator may have decided otherwise while a delivery was in progress: its replacement
             // comes after it.
-            let is_behind =
-                self.in_hand.iter().chain(plan.attempts.iter().flatten()).any(|other| {
-                    other.scan == key.scan
-                        && other.patient != key.patient
-                        && other.store == key.store
-                });
-            let is_tried = store.is_failing()
-                && self
-                    .in_hand
-                    .iter()
-                    .chain(plan.attempts.iter().flatten())
-                    .any(|other| other.store == key.store);
-            if is_behind || is_tried {
+            let mut tried = self.in_hand.iter().chain(plan.attempts.iter().flatten());
+            let is_tried_there = tried.any(|other| {
+                let is_behind = other.scan == key.scan && other.patient != key.patient;
+                other.store == key.store && (is_behind || store.is_failing())
+            });
+            if is_tried_there {
                 continue;
             }
             if let Some(group) = plan.attempts.iter_mut().find(same) {

@@ -77,15 +77,8 @@ pub struct Settled {
     pub has_late_companion: bool,
 }
 
-impl Settled {
-    /// Its disk space together with the files that go with it, bytes.
-    pub fn bytes(&self) -> u64 {
-        super::export::companions::bytes(&self.stamp, &self.companions)
-    }
-}
-
 /// The files of one folder on their way to being settled.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Settling {
     quiet: Duration,
     short_wait: Duration,
@@ -192,26 +185,7 @@ impl Settling {
     /// waited for until `short_wait` after its last change; a file kept from being taken for `overdue`
     /// raises an alarm.
     pub fn new(quiet: Duration, short_wait: Duration, overdue: Duration) -> Settling {
-        let short_wait = short_wait.max(quiet);
-        let files = BTreeMap::new();
-        let (passers, remembered, departed) = (BTreeMap::new(), Vec::new(), Vec::new());
-        let missing = Vec::new();
-        let (companion_wait, last_look, turns) = (None, None, 0);
-        let above = Above::default();
-        Settling {
-            quiet,
-            short_wait,
-            overdue,
-            companion_wait,
-            files,
-            passers,
-            remembered,
-            departed,
-            missing,
-            above,
-            last_look,
-            turns,
-        }
+        Settling { quiet, short_wait: short_wait.max(quiet), overdue, ..Settling::default() }
     }
 
     /// For scans whose patient is named by the files beside them: a scan waits this long for such a
@@ -392,8 +366,12 @@ impl Settling {
 
     /// The files that are not taken yet and what each waits for, in name order.
     pub fn waiting(&self, now: Duration) -> impl Iterator<Item = (&Path, Waiting)> {
-        let untaken = self.files.iter().filter(|(_, file)| file.next != Next::Taken);
-        untaken.map(move |(path, file)| (path.as_path(), self.wait(file, now)))
+        self.untaken().map(move |(path, file)| (path.as_path(), self.wait(file, now)))
+    }
+
+    /// The scans that are not taken yet, in name order.
+    fn untaken(&self) -> impl Iterator<Item = (&PathBuf, &Watched)> + Clone {
+        self.files.iter().filter(|(_, file)| file.next != Next::Taken)
     }
 
     /// How many files have become overdue since the last call.

@@ -81,8 +81,7 @@ pub fn is_companion(name: &OsStr) -> bool {
 /// scan under this stem was taken with the companion as `used`. A change of its name, mode or links does
 /// not count.
 pub fn is_fresh(companion: &Stamp, used: Option<&Stamp>) -> bool {
-    let content = |stamp: &Stamp| (stamp.dev, stamp.ino, stamp.size, stamp.mtime_ns);
-    used.is_none_or(|used| content(companion) != content(used))
+    used.is_none_or(|used| !companion.has_content_of(used))
 }
 
 /// The disk space of a scan and the files kept with it, bytes.

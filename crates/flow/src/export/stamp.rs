@@ -24,6 +24,11 @@ pub struct Stamp {
 const COARSE: Duration = Duration::from_secs(2);
 
 impl Stamp {
+    /// Which file it is, whatever its name.
+    pub(crate) fn inode(&self) -> (u64, u64) {
+        (self.dev, self.ino)
+    }
+
     /// Two changes within this time may leave the same stamp; zero if the file system keeps fine times.
     pub(crate) fn grain(&self) -> Duration {
         const SECOND_NS: i128 = 1_000_000_000;

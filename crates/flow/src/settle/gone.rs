@@ -49,27 +49,23 @@ enum Fate {
     Gone,
 }
 
-fn inode(stamp: &Stamp) -> (u64, u64) {
-    (stamp.dev, stamp.ino)
-}
-
 impl Settling {
     /// Notes which contents a look that began then does not find, or finds cut off. `seen` are its scans.
     pub(super) fn miss(&mut self, seen: &BTreeMap<PathBuf, Group>, began: Duration) {
         let mut sizes: BTreeMap<(u64, u64), u64> = BTreeMap::new();
         let scans = seen.values().map(|group| group.stamp);
         for stamp in scans.chain(self.passers.values().map(|file| file.stamp)) {
-            let size = sizes.entry(inode(&stamp)).or_default();
+            let size = sizes.entry(stamp.inode()).or_default();
             *size = stamp.size.max(*size);
         }
         let mut missing = Vec::new();
-        for (path, file) in self.files.iter().filter(|(_, file)| file.next != Next::Taken) {
+        for (path, file) in self.untaken() {
             let (stamp, writing) = (file.group.stamp, &file.writing);
             // A share that was mounted anew has other numbers for the same files.
             let is_same = seen.get(path).is_some_and(|now| {
                 (now.stamp.size, now.stamp.mtime_ns) == (stamp.size, stamp.mtime_ns)
             });
-            let size = sizes.get(&inode(&stamp)).copied();
+            let size = sizes.get(&stamp.inode()).copied();
             // A place that was reserved is cut to what was written.
             let is_cut = size.is_some_and(|size| size < stamp.size) && !writing.is_reserved();
             let is_missing = size.is_none() || is_cut;
@@ -131,8 +127,8 @@ impl Settling {
         if trunk.is_some() && there.iter().any(|(_, writing)| writing.trunk() == trunk) {
             return Fate::There;
         }
-        let own = inode(&missing.content.stamp);
-        let is_open = match there.iter().find(|(stamp, _)| inode(stamp) == own) {
+        let own = missing.content.stamp.inode();
+        let is_open = match there.iter().find(|(stamp, _)| stamp.inode() == own) {
             // The number may be another file's by now: where something was read, that tells.
             Some(_) if trunk.is_none() && !missing.is_overwritten => return Fate::There,
             Some((_, writing)) => writing.trunk().is_none(),

@@ -51,36 +51,16 @@ pub(super) struct Lineages<'a> {
     above: &'a Above,
 }
 
-impl<'a> Lineages<'a> {
-    pub(super) fn of(
-        files: &'a BTreeMap<PathBuf, Watched>,
-        passers: &'a BTreeMap<PathBuf, Passer>,
-        remembered: impl Iterator<Item = &'a Remembered>,
-        above: &'a Above,
-    ) -> Lineages<'a> {
-        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
-        let remembered = remembered.map(|file| (&file.stamp, &file.writing));
-        let passers = passers.values().map(|file| (&file.stamp, &file.writing));
-        let watched = files.values().map(|file| (&file.group.stamp, &file.writing));
-        let all = remembered.chain(passers).chain(watched);
-        let known = all.map(|(stamp, writing)| (inode(stamp), (*stamp, writing))).collect();
-        let by_path = files.iter();
-        let by_path =
-            by_path.map(|(path, file)| (path.as_path(), (file.group.stamp, &file.writing)));
-        Lineages { known, by_path: by_path.collect(), above }
-    }
-
+impl Lineages<'_> {
     /// What is known about the content of a file that a look found in this state.
     pub(super) fn writing(&self, path: &Path, stamp: Stamp, appeared: Appeared) -> Writing {
         let written = written_elsewhere(appeared.seen, self.above.moved(path, stamp));
         let appeared = self.above.appeared(path, appeared);
-        let same_inode =
-            |(before, _): &&(Stamp, &Writing)| (before.dev, before.ino) == (stamp.dev, stamp.ino);
+        let same_inode = |(before, _): &&(Stamp, &Writing)| before.inode() == stamp.inode();
         // Two names of one inode may have been examined with a change in between: the state under the
         // file's own name is more reliable.
         let own = self.by_path.get(path).filter(same_inode);
-        let Some((before, writing)) = own.or_else(|| self.known.get(&(stamp.dev, stamp.ino)))
-        else {
+        let Some((before, writing)) = own.or_else(|| self.known.get(&stamp.inode())) else {
             return Writing::found(appeared, written);
         };
         let mut writing = (*writing).clone();
@@ -112,9 +92,8 @@ impl Settling {
         let passers = passers.collect();
         let before = std::mem::replace(&mut self.passers, passers);
         // A file that has left its name may be a scan by now: the scans of this look are still to come.
-        let inode = |passer: &Passer| (passer.stamp.dev, passer.stamp.ino);
         let left = before.into_iter().filter(|(path, old)| {
-            self.passers.get(path).is_none_or(|new| inode(new) != inode(old))
+            self.passers.get(path).is_none_or(|new| new.stamp.inode() != old.stamp.inode())
         });
         self.remembered
             .extend(left.map(|(_, Passer { stamp, writing, .. })| Remembered { stamp, writing }));
@@ -125,7 +104,14 @@ impl Settling {
     pub(super) fn lineages(&self) -> Lineages<'_> {
         let departed = self.departed.iter().map(|departed| &departed.file);
         let unread = departed.filter(|file| !file.writing.is_marked());
-        Lineages::of(&self.files, &self.passers, unread.chain(&self.remembered), &self.above)
+        let remembered = unread.chain(&self.remembered).map(|file| (file.stamp, &file.writing));
+        let passers = self.passers.values().map(|file| (file.stamp, &file.writing));
+        let files = self.files.iter();
+        let files = files.map(|(path, file)| (path.as_path(), (file.group.stamp, &file.writing)));
+        let by_path: BTreeMap<&Path, (Stamp, &Writing)> = files.collect();
+        let all = remembered.chain(passers).chain(by_path.values().copied());
+        let known = all.map(|of| (of.0.inode(), of)).collect();
+        Lineages { known, by_path, above: &self.above }
     }
 
     /// These files were not found by a look that ended now, nor were those that are still remembered.
@@ -135,12 +121,11 @@ impl Settling {
             let stamp = group.stamp;
             Remembered { stamp, writing }
         });
-        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
-        let watched = self.files.values().map(|file| inode(&file.group.stamp));
+        let watched = self.files.values().map(|file| file.group.stamp.inode());
         let present: BTreeSet<(u64, u64)> =
-            watched.chain(self.passers.values().map(|file| inode(&file.stamp))).collect();
+            watched.chain(self.passers.values().map(|file| file.stamp.inode())).collect();
         let gone = self.remembered.drain(..).chain(gone);
-        let gone = gone.filter(|file| !present.contains(&inode(&file.stamp)));
+        let gone = gone.filter(|file| !present.contains(&file.stamp.inode()));
         self.departed.extend(gone.map(|file| Departed { file, since: now }));
         self.departed.retain(|departed| now <= departed.since + DEPARTED_KEPT);
         let spare = self.departed.len().saturating_sub(DEPARTED_MOST);
@@ -152,11 +137,8 @@ impl Settling {
     /// times of any of them say.
     pub fn began(&self, settled: &Settled, bytes: &[u8]) -> Appeared {
         let own = settled.writing.began(bytes);
-        let files = self
-            .files
-            .iter()
-            .filter(|(path, file)| **path != settled.path && file.next != super::Next::Taken);
-        let others = files.map(|(_, file)| &file.writing);
+        let others = self.untaken().filter(|(path, _)| **path != settled.path);
+        let others = others.map(|(_, file)| &file.writing);
         let others = others.chain(self.passers.values().map(|file| &file.writing));
         let others = others.chain(self.departed.iter().map(|departed| &departed.file.writing));
         let others: Vec<&Writing> = others.collect();
@@ -169,8 +151,7 @@ impl Settling {
     /// The files of which part is to be read now, with the state in which the look found them: those
     /// with new content first, and those from before the first look last.
     pub fn unmarked(&self) -> Vec<(PathBuf, Stamp)> {
-        let files = self.files.iter();
-        let files = files.filter(|(_, file)| file.is_unmarked && file.next != super::Next::Taken);
+        let files = self.untaken().filter(|(_, file)| file.is_unmarked);
         let files = files.map(|(path, file)| (path, file.group.stamp, &file.writing));
         let passers = self.passers.iter().filter(|(_, file)| file.is_unmarked);
         let passers = passers.map(|(path, file)| (path, file.stamp, &file.writing));

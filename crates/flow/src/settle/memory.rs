@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Next, Settling};
+use super::Settling;
 use crate::export::stamp::Stamp;
 use crate::export::writing::Writing;
 
@@ -39,8 +39,7 @@ impl Settling {
 
     /// What to keep across a restart.
     pub fn memory(&self) -> Memory {
-        let files = self.files.values().filter(|file| file.next != Next::Taken);
-        let files = files.map(|file| (file.group.stamp, &file.writing));
+        let files = self.untaken().map(|(_, file)| (file.group.stamp, &file.writing));
         let passers = self.passers.values().map(|file| (file.stamp, &file.writing));
         let all = files.chain(passers);
         let remembered = all.map(|(stamp, writing)| Remembered { stamp, writing: writing.clone() });

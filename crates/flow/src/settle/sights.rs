@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::{Next, Settled, Settling, Watched};
-use crate::export::stamp::Stamp;
 use crate::export::writing::{Appeared, Writing};
 
 /// What the looks at an export folder have found.
@@ -36,22 +35,21 @@ impl Settling {
     /// another export of the same scan in many booths, and is judged when it is taken.
     pub fn others(&self, settled: &Settled, bytes: &[u8]) -> Vec<Appeared> {
         let whole = settled.writing.last_changed();
-        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
         let is_other = |path: &Path, file: &Watched| {
-            let stamp = &file.group.stamp;
+            let stamp = file.group.stamp;
             let is_its = path.with_extension("") == settled.path.with_extension("")
-                || inode(stamp) == inode(&settled.stamp)
+                || stamp.inode() == settled.stamp.inode()
                 || file.writing.seen_in(bytes).is_some();
             let was_there = file.writing.content_seen() <= whole;
-            stamp.size > 0 && file.next != Next::Taken && !is_its && was_there
+            stamp.size > 0 && !is_its && was_there
         };
-        let others = self.files.iter().filter(|(path, file)| is_other(path, file));
+        let others = self.untaken().filter(|(path, file)| is_other(path, file));
         others.map(|(_, file)| file.writing.last_began()).collect()
     }
 
     /// When the last look began, and when the files appeared that may become scans.
     pub fn sights(&self) -> Sights {
-        let untaken = self.files.values().filter(|file| file.next != Next::Taken);
+        let untaken = self.untaken().map(|(_, file)| file);
         let is_stopped = |file: &&Watched| file.next == Next::Rest && !file.is_lost;
         let stopped = untaken.clone().filter(is_stopped);
         let stopped = stopped.map(|file| file.writing.appeared()).collect();
