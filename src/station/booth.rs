@@ -542,7 +542,8 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
                 looked.slept();
             }
             let passed = looked.pass();
-            let asked = asks.then(|| light::is_not_ready(&Overview::take(&looked.core).complaints));
+            let complaints = || Overview::take(&looked.core).complaints;
+            let asked = asks.then(|| light::first_fault(&complaints()).is_some());
             let scene = looked.scene(asked.unwrap_or(not_ready));
             (passed, asked, scene)
         });

@@ -84,20 +84,21 @@ impl Listed {
     }
 }
 
-/// Which scans to list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Filter {
-    /// Waiting for a record.
-    Spooled,
-    /// Nothing is left to be delivered without operator action.
-    Delivered,
-    /// Refused, in quarantine.
-    Refused,
-    /// A person must say whose it is.
-    Held,
-    /// Its record is stored without a patient.
-    Unassigned,
+gaiter_record::word_enum! {
+    /// Which scans to list, in the order in which a scan meets them.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Filter as serde {
+        /// Waiting for a record.
+        Spooled => "spooled",
+        /// Nothing is left to be delivered without operator action.
+        Delivered => "delivered",
+        /// Refused, in quarantine.
+        Refused => "refused",
+        /// A person must say whose it is.
+        Held => "held",
+        /// Its record is stored without a patient.
+        Unassigned => "unassigned",
+    }
 }
 
 /// What to search for among all scans.
@@ -132,15 +133,6 @@ pub enum SearchState {
     /// Its record is stored without a patient.
     Unassigned,
 }
-
-/// The words for the filters, in the order in which a scan meets them.
-pub const FILTERS: [(&str, Filter); 5] = [
-    ("spooled", Filter::Spooled),
-    ("delivered", Filter::Delivered),
-    ("refused", Filter::Refused),
-    ("held", Filter::Held),
-    ("unassigned", Filter::Unassigned),
-];
 
 /// Everything the journal knows about a scan and its deliveries, including patients' ids.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -139,6 +139,11 @@ impl Complaint {
         Complaint { code: code.to_owned(), severity: Severity::Fault, subject: None, figures }
     }
 
+    /// A notice with this code.
+    pub(crate) fn notice(code: &str, figures: Figures) -> Complaint {
+        Complaint { severity: Severity::Notice, ..Complaint::new(code, figures) }
+    }
+
     /// The same about a store or port.
     pub(crate) fn about(self, subject: &str) -> Complaint {
         Complaint { subject: Some(subject.to_owned()), ..self }

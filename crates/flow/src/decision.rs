@@ -38,10 +38,12 @@ pub enum Decided {
 /// To whom a scan belongs after all decisions about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ruling {
-    /// No other patient may have it.
-    is_exclusive: bool,
-    patients: BTreeSet<String>,
-    is_given_up: bool,
+    /// Whether only [`Ruling::patients`] may have it; if there are none, it is unassigned.
+    pub is_exclusive: bool,
+    /// The ids of the patients to whom the decisions give the scan.
+    pub patients: BTreeSet<String>,
+    /// Whether it no longer needs a decision.
+    pub is_given_up: bool,
 }
 
 impl Ruling {
@@ -76,21 +78,6 @@ impl Ruling {
             None => self.patients.is_empty(),
         }
     }
-
-    /// Whether only [`Ruling::patients`] may have it; if there are none, it is unassigned.
-    pub fn is_exclusive(&self) -> bool {
-        self.is_exclusive
-    }
-
-    /// The ids of the patients to whom the decisions give the scan.
-    pub fn patients(&self) -> &BTreeSet<String> {
-        &self.patients
-    }
-
-    /// Whether it no longer needs a decision.
-    pub fn is_given_up(&self) -> bool {
-        self.is_given_up
-    }
 }
 
 #[cfg(test)]
@@ -109,7 +96,7 @@ mod tests {
     #[test]
     fn without_a_decision_everybody_may_have_a_scan() {
         let open = ruling(&[]);
-        assert!(open.allows(None) && open.allows(Some("1")) && !open.is_exclusive());
+        assert!(open.allows(None) && open.allows(Some("1")) && !open.is_exclusive);
     }
 
     #[test]
@@ -137,9 +124,9 @@ mod tests {
     #[test]
     fn what_was_given_up_is_until_it_is_decided_upon_again() {
         use Decided::{Assigned, GivenUp, Released, Retried};
-        assert!(ruling(&[(Assigned, Some("1")), (GivenUp, None)]).is_given_up());
+        assert!(ruling(&[(Assigned, Some("1")), (GivenUp, None)]).is_given_up);
         for again in [Retried, Released, Assigned] {
-            assert!(!ruling(&[(GivenUp, None), (again, Some("1"))]).is_given_up());
+            assert!(!ruling(&[(GivenUp, None), (again, Some("1"))]).is_given_up);
         }
         assert!(!ruling(&[(Assigned, Some("1")), (GivenUp, None)]).allows(Some("2")));
     }

@@ -19,7 +19,7 @@ use super::views::ViewsSeries;
 
 /// Everything that is known about a running station apart from its journal. It is never serialised: it holds paths, and
 /// paths may name patients.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Facts {
     /// When this run began.
     pub started: Timestamp,
@@ -50,7 +50,7 @@ pub struct Facts {
 }
 
 /// One export folder.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SourceFacts {
     /// The folder; `None` before its worker starts. Paths are never shown in a status.
     pub folder: Option<PathBuf>,
@@ -79,9 +79,10 @@ pub struct SourceFacts {
 }
 
 /// The state of an export folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum SourceState {
     /// It has not been looked at yet.
+    #[default]
     NotLooked,
     /// It is looked through regularly.
     Watched,
@@ -112,10 +113,7 @@ impl SourceState {
     pub fn why(&self) -> Option<&Cause> {
         match self {
             SourceState::OutOfReach(why) | SourceState::NotMounted(why) => Some(why),
-            SourceState::NotLooked
-            | SourceState::Watched
-            | SourceState::Taken
-            | SourceState::Stalled => None,
+            _ => None,
         }
     }
 }
@@ -209,7 +207,7 @@ impl StoreFacts {
 }
 
 /// One port of the booth.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct TriggerFacts {
     /// Its state.
     pub state: PortState,
@@ -230,15 +228,7 @@ pub struct TriggerFacts {
 impl TriggerFacts {
     /// A port that has not been looked for.
     pub fn new(now: Timestamp) -> TriggerFacts {
-        TriggerFacts {
-            state: PortState::NotLooked,
-            why: None,
-            since: now,
-            unsound_since: Some(now),
-            presses: 0,
-            ids: 0,
-            garbage: 0,
-        }
+        TriggerFacts { since: now, unsound_since: Some(now), ..TriggerFacts::default() }
     }
 }
 
@@ -252,9 +242,10 @@ pub struct PhantomFacts {
 }
 
 /// Whether scans are taken in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum IntakeState {
     /// Scans are taken in.
+    #[default]
     Open,
     /// The operator has paused the station.
     Paused,
@@ -293,35 +284,10 @@ pub struct Alarm {
 impl Facts {
     /// A station that has just started.
     pub fn new(started: Timestamp, sources: usize) -> Facts {
-        let source = SourceFacts {
-            folder: None,
-            state: SourceState::NotLooked,
-            since: started,
-            file_system: None,
-            polled: false,
-            last_look: None,
-            waiting: BTreeMap::new(),
-            ignored: BTreeMap::new(),
-            passed_over: BTreeMap::new(),
-            gone: BTreeMap::new(),
-            gone_count: 0,
-        };
-        Facts {
-            started,
-            sources: vec![source; sources],
-            stores: BTreeMap::new(),
-            triggers: BTreeMap::new(),
-            endpoints: BTreeMap::new(),
-            intake: IntakeState::Open,
-            alarms: BTreeMap::new(),
-            phantom: None,
-            views: ViewsSeries::default(),
-            refused_reload: None,
-            confinement: None,
-            measured: 0,
-            last_measurement_s: None,
-        }
+        let source = SourceFacts { since: started, ..SourceFacts::default() };
+        Facts { started, sources: vec![source; sources], ..Facts::default() }
     }
+
     /// What came into the export folders after this time and may be exports that are not read, counted by
     /// its reason.
     pub fn unread_since(&self, opened: Duration, now: Duration) -> BTreeMap<PassedOver, usize> {

@@ -12,7 +12,7 @@ use jiff::{SignedDuration, Timestamp};
 
 use super::Facts;
 use super::cause::Cause;
-use super::complaint::{Complaint, Figures, Severity};
+use super::complaint::{Complaint, Figures};
 use super::facts::{IntakeState, SourceFacts, SourceState, StoreFacts, StoreRefusal, TriggerFacts};
 use super::lifecycle::REVISION_REFUSED;
 use super::trigger::PortState;
@@ -115,8 +115,7 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
     let stores = facts.stores.iter().filter(move |(_, facts)| waiting(facts));
     stores.map(move |(store, facts)| {
         let figures = Figures::default().seconds("since_s", age(facts.since, now));
-        let complaint = Complaint::new("result-not-fetched", figures).about(store);
-        Complaint { severity: Severity::Notice, ..complaint }
+        Complaint::notice("result-not-fetched", figures).about(store)
     })
 }
 
@@ -169,16 +168,14 @@ fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complain
 /// The records are kept, and stores still have earlier ones.
 fn revisions_refused(backlog: &Backlog) -> Option<Complaint> {
     let count = usize::try_from(backlog.revisions_refused).unwrap_or(usize::MAX);
-    let complaint = Complaint::new(REVISION_REFUSED, Figures::counted(count));
-    (count > 0).then_some(Complaint { severity: Severity::Notice, ..complaint })
+    (count > 0).then(|| Complaint::notice(REVISION_REFUSED, Figures::counted(count)))
 }
 
 /// Records for the wrong patient are at a server whose address is no longer the store's.
 fn moved(backlog: &Backlog) -> impl Iterator<Item = Complaint> {
     backlog.moved.iter().map(|(store, count)| {
         let figures = Figures::counted(usize::try_from(*count).unwrap_or(usize::MAX));
-        let complaint = Complaint::new("store-moved", figures).about(store);
-        Complaint { severity: Severity::Notice, ..complaint }
+        Complaint::notice("store-moved", figures).about(store)
     })
 }
 
@@ -189,8 +186,7 @@ fn certificates(backlog: &Backlog, now: Timestamp) -> impl Iterator<Item = Compl
         let case = if left.is_negative() { "ended" } else { "soon" };
         let days = u64::try_from(left.as_hours() / 24).unwrap_or_default();
         let figures = Figures::default().words("case", case).count("days", days);
-        let complaint = Complaint::new("certificate-ends", figures).about(store);
-        let notice = Complaint { severity: Severity::Notice, ..complaint };
+        let notice = Complaint::notice("certificate-ends", figures).about(store);
         (left < CERTIFICATE_ENDS_SOON).then_some(notice)
     })
 }

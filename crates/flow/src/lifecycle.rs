@@ -27,15 +27,17 @@ gaiter_record::word_enum! {
     }
 }
 
-/// The possible steps of a scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ScanStep {
-    /// The last pending delivery was made.
-    Finish,
-    /// It was refused for good.
-    Refuse,
-    /// The operator wants a delivery made that was not to be made.
-    Reopen,
+gaiter_record::word_enum! {
+    /// The possible steps of a scan.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum ScanStep {
+        /// The last pending delivery was made.
+        Finish => "finish",
+        /// It was refused for good.
+        Refuse => "refuse",
+        /// The operator wants a delivery made that was not to be made.
+        Reopen => "reopen",
+    }
 }
 
 gaiter_record::word_enum! {
@@ -83,23 +85,25 @@ pub const HANDED_OVER: &str = "result-handed-over";
 /// The code of a delivered record of which its store takes no later revision: it still has the earlier one.
 pub const REVISION_REFUSED: &str = "revision-refused";
 
-/// The possible steps of a delivery.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DeliveryStep {
-    /// The store gave its receipt.
-    Deliver,
-    /// The scan was refused.
-    Refuse,
-    /// The operator wants it tried again.
-    Retry,
-    /// The operator says that the scan is this patient's.
-    Release,
-    /// The record of the same scan has reached the patient it belongs to.
-    Withdraw,
-    /// The store has taken it back.
-    Gone,
-    /// The store gives nothing back: the record stays there.
-    Keep,
+gaiter_record::word_enum! {
+    /// The possible steps of a delivery.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum DeliveryStep {
+        /// The store gave its receipt.
+        Deliver => "deliver",
+        /// The scan was refused.
+        Refuse => "refuse",
+        /// The operator wants it tried again.
+        Retry => "retry",
+        /// The operator says that the scan is this patient's.
+        Release => "release",
+        /// The record of the same scan has reached the patient it belongs to.
+        Withdraw => "withdraw",
+        /// The store has taken it back.
+        Gone => "gone",
+        /// The store gives nothing back: the record stays there.
+        Keep => "keep",
+    }
 }
 
 /// A step that the state does not allow; always a bug in gaiter.
@@ -122,8 +126,7 @@ impl ScanState {
             (ScanState::Spooled, ScanStep::Finish) => Ok(ScanState::Delivered),
             (ScanState::Spooled, ScanStep::Refuse) => Ok(ScanState::Refused),
             (_, ScanStep::Reopen) => Ok(ScanState::Spooled),
-            (_, ScanStep::Finish) => Err(IllegalStep { state: self.word(), step: "finish" }),
-            (_, ScanStep::Refuse) => Err(IllegalStep { state: self.word(), step: "refuse" }),
+            (_, step) => Err(IllegalStep { state: self.word(), step: step.word() }),
         }
     }
 }
@@ -136,7 +139,6 @@ impl DeliveryState {
     pub fn after(self, step: DeliveryStep) -> Result<DeliveryState, IllegalStep> {
         use DeliveryState::{Delivered, Held, Pending, Refused, Withdrawing, Withdrawn};
         use DeliveryStep::{Deliver, Gone, Keep, Refuse, Release, Retry, Withdraw};
-        let illegal = |step| Err(IllegalStep { state: self.word(), step });
         match (self, step) {
             (Pending, Deliver) => Ok(Delivered),
             (Pending, Refuse) => Ok(Refused),
@@ -144,13 +146,7 @@ impl DeliveryState {
             (Delivered, Withdraw) => Ok(Withdrawing),
             (Withdrawing, Keep) => Ok(Delivered),
             (Withdrawing, Gone) => Ok(Withdrawn),
-            (_, Deliver) => illegal("deliver"),
-            (_, Refuse) => illegal("refuse"),
-            (_, Retry) => illegal("retry"),
-            (_, Release) => illegal("release"),
-            (_, Withdraw) => illegal("withdraw"),
-            (_, Gone) => illegal("gone"),
-            (_, Keep) => illegal("keep"),
+            (_, step) => Err(IllegalStep { state: self.word(), step: step.word() }),
         }
     }
 }

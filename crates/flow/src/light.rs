@@ -127,15 +127,11 @@ pub const NO_EXPORT: &str = "no-export";
 /// The complaint that the operator has paused the station. The light has its own signal for it.
 const PAUSED: &str = "paused";
 
-/// The most serious complaint for which the light has no signal of its own.
+/// The most serious complaint for which the light has no signal of its own; if there is one, the station is not
+/// ready.
 pub fn first_fault(complaints: &[Complaint]) -> Option<&Complaint> {
     let has_signal = |code: &str| [NO_EXPORT, PAUSED].contains(&code);
     complaints.iter().find(|complaint| complaint.is_fault() && !has_signal(&complaint.code))
-}
-
-/// Whether the station is not ready in a way for which the light has no signal of its own.
-pub fn is_not_ready(complaints: &[Complaint]) -> bool {
-    first_fault(complaints).is_some()
 }
 
 /// The light, and since when it shows its signal.
@@ -155,16 +151,13 @@ impl Light {
     pub fn show(&mut self, scene: &Scene, now: Duration) -> Signal {
         let wanted = wanted(scene, now);
         // What a person has just done is answered at once.
-        let at_once = wanted == Signal::Armed || is_of_pause(wanted) || is_of_pause(self.shown);
+        let at_once = matches!(wanted, Signal::Armed | Signal::Paused);
+        let at_once = at_once || self.shown == Signal::Paused;
         if wanted != self.shown && (at_once || now.saturating_sub(self.since) >= STANDS) {
             (self.shown, self.since) = (wanted, now);
         }
         self.shown
     }
-}
-
-fn is_of_pause(signal: Signal) -> bool {
-    signal == Signal::Paused
 }
 
 /// The most important signal comes first. If the station is not ready, nothing else counts. A scan that
@@ -259,6 +252,7 @@ mod tests {
     #[test]
     fn an_export_that_did_not_arrive_is_shown_as_such_and_not_as_a_station_that_is_not_ready() {
         let no_export = Complaint { code: NO_EXPORT.to_owned(), ..Complaint::journal() };
+        let is_not_ready = |of: &[Complaint]| first_fault(of).is_some();
         assert!(!is_not_ready(&[]) && !is_not_ready(std::slice::from_ref(&no_export)));
         let paused = Complaint { code: PAUSED.to_owned(), ..no_export.clone() };
         assert!(!is_not_ready(&[paused]));

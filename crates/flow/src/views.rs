@@ -5,7 +5,7 @@ use gaiter_record::phantom::{CheckResult, LastCheck};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use super::complaint::{Complaint, Figures, Severity};
+use super::complaint::{Complaint, Figures};
 
 /// The code of the notice that views do not meet.
 const VIEWS_NOTICE: &str = "scanner-views-apart";
@@ -62,8 +62,7 @@ impl ViewsSeries {
         let (count, largest_mm) = apart(judged).filter(|(count, _)| *count >= APART_LEAST)?;
         let figures = Figures::default().count("count", count as u64);
         let figures = figures.count("scans", judged.len() as u64).number("step_mm", largest_mm);
-        let complaint = Complaint::new(VIEWS_NOTICE, figures);
-        Some(Complaint { severity: Severity::Notice, ..complaint })
+        Some(Complaint::notice(VIEWS_NOTICE, figures))
     }
 }
 

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use gaiter_flow::account::{FILTERS, Filter};
+use gaiter_flow::account::Filter;
 
 use super::usual_config;
 use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
@@ -123,10 +123,8 @@ impl Named {
 }
 
 fn filter() -> impl TypedValueParser<Value = Filter> {
-    PossibleValuesParser::new(FILTERS.map(|(word, _)| word)).try_map(|text| {
-        let found = FILTERS.iter().find(|(word, _)| *word == text);
-        found.map(|(_, filter)| *filter).ok_or("no such state")
-    })
+    PossibleValuesParser::new(Filter::ALL.map(Filter::word))
+        .try_map(|text| Filter::of_word(&text).ok_or("no such state"))
 }
 
 /// Parses the beginning of a scan's id and returns it in lower case.

@@ -6,7 +6,6 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::FileSystem;
-use gaiter_flow::cause::Cause;
 use gaiter_flow::confinement::Confine;
 use gaiter_flow::export::mount::MountGuard;
 
@@ -65,10 +64,7 @@ fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
     let check = "export mounted";
     Some(match MountGuard::default().judge(seen) {
         Ok(()) => Row::ok(check, folder, format!("as configured, on {}", seen.file_system)),
-        Err(why) => {
-            let why = Cause::from(&why);
-            Row::new(check, folder, Verdict::Fail, format!("the export folder {why}"))
-        }
+        Err(why) => Row::new(check, folder, Verdict::Fail, format!("the export folder {why}")),
     })
 }
 

@@ -27,7 +27,7 @@ struct Known {
 impl Known {
     /// The patients the scan belongs to according to the decisions.
     fn patients(&self) -> Vec<Patient> {
-        self.ruling.patients().iter().map(|id| by_operator(id)).collect()
+        self.ruling.patients.iter().map(|id| by_operator(id)).collect()
     }
 }
 
@@ -124,7 +124,7 @@ impl Custody {
         let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
         let known = self.state_known(&record.scan)?.unwrap_or(Known::NOTHING);
         let number = (known.number > 0).then_some(known.number);
-        self.journal.found(&found, known.ruling.patients(), number)?;
+        self.journal.found(&found, &known.ruling.patients, number)?;
         if let Some(patient) = patient.as_ref().filter(|_| !self.servers.is_empty()) {
             self.journal.may_be_at_servers(&record.scan, patient, true)?;
         }

@@ -83,7 +83,7 @@ impl Notes {
         };
         self.note(|source| source.file_system = Some(found.mount.file_system.to_string()));
         if let Err(why) = guard.judge(found.mount) {
-            self.state(SourceState::NotMounted((&why).into()));
+            self.state(SourceState::NotMounted(why));
             return out_of_reach;
         }
         self.state(SourceState::Watched);

@@ -33,7 +33,7 @@ impl Journal {
         number: usize,
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            if ruling.is_exclusive() {
+            if ruling.is_exclusive {
                 belongs_to(transaction, scan, patients, stores)?;
             } else {
                 for patient in patients {
@@ -47,10 +47,10 @@ impl Journal {
                 }
                 withdrawal::apply(transaction, scan)?;
             }
-            if ruling.is_given_up() {
+            if ruling.is_given_up {
                 close(transaction, scan)?;
             }
-            let detail = json!({ "patients": ruling.patients(), "decision": number });
+            let detail = json!({ "patients": ruling.patients, "decision": number });
             history::append(transaction, Some(scan), Event::CarriedOut, &detail)
         })
     }

@@ -13,33 +13,6 @@ pub struct Mount {
     pub lacks_marker: bool,
 }
 
-/// Why a folder counts as not mounted.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum NotMounted {
-    /// The marker file is missing.
-    NoMarker,
-    /// It was on a share and is now on a local file system.
-    ShareGone {
-        /// The share's kind.
-        was: FileSystem,
-        /// The file system it is on now.
-        found: FileSystem,
-    },
-}
-
-impl From<&NotMounted> for Cause {
-    /// In words that follow "the export folder".
-    fn from(why: &NotMounted) -> Cause {
-        match *why {
-            NotMounted::NoMarker => Cause::known("no-marker", []),
-            NotMounted::ShareGone { was, found } => {
-                let names = [("was", was.to_string()), ("found", found.to_string())];
-                Cause::known("share-gone", names)
-            }
-        }
-    }
-}
-
 /// Judges each look at one folder, and remembers whether it was ever on a share.
 #[derive(Debug, Clone, Default)]
 pub struct MountGuard {
@@ -50,14 +23,17 @@ impl MountGuard {
     /// Whether the folder may be trusted.
     ///
     /// # Errors
-    /// The first reason against it.
-    pub fn judge(&mut self, seen: Mount) -> Result<(), NotMounted> {
+    /// The first reason against it, in words that follow "the export folder".
+    pub fn judge(&mut self, seen: Mount) -> Result<(), Cause> {
         let found = seen.file_system;
         if seen.lacks_marker {
-            return Err(NotMounted::NoMarker);
+            return Err(Cause::known("no-marker", []));
         }
         match self.share {
-            Some(was) if !found.is_network() => Err(NotMounted::ShareGone { was, found }),
+            Some(was) if !found.is_network() => {
+                let names = [("was", was.to_string()), ("found", found.to_string())];
+                Err(Cause::known("share-gone", names))
+            }
             _ => {
                 self.share = found.is_network().then_some(found);
                 Ok(())
@@ -81,7 +57,7 @@ mod tests {
         let mut guard = MountGuard::default();
         assert_eq!(guard.judge(on("ext4")), Ok(()));
         let bare = Mount { lacks_marker: true, ..on("ext4") };
-        assert_eq!(guard.judge(bare), Err(NotMounted::NoMarker));
+        assert_eq!(guard.judge(bare), Err(Cause::known("no-marker", [])));
         assert_eq!(guard.judge(on("NFS")), Ok(()));
     }
 
@@ -91,7 +67,7 @@ mod tests {
         assert_eq!(guard.judge(on("FUSE")), Ok(()));
         for _ in 0..3 {
             let gone = guard.judge(on("ext4"));
-            assert!(matches!(gone, Err(NotMounted::ShareGone { .. })), "{gone:?}");
+            assert!(gone.unwrap_err().to_string().contains("ext4"));
         }
         assert_eq!(guard.judge(on("SMB")), Ok(()), "another kind of share will do");
         assert!(guard.judge(on("tmpfs")).is_err());

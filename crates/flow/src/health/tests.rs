@@ -7,7 +7,6 @@ use gaiter_language::Language;
 use proptest::prelude::*;
 
 use super::*;
-use crate::export::mount::NotMounted;
 use crate::export::passed_over::PassedOver;
 use crate::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile};
 use crate::settle::Wait;
@@ -113,7 +112,7 @@ fn a_complaint_is_said_with_its_figures_in_each_language() {
     let [english, german] = both(&source(SourceState::OutOfReach("no such file".into())));
     assert_eq!(english, "export folder 1 cannot be listed: no such file");
     assert!(german.ends_with(": no such file"), "{german}");
-    let lacks = Cause::from(&NotMounted::NoMarker);
+    let lacks = Cause::known("no-marker", []);
     let [english, german] = both(&source(SourceState::NotMounted(lacks)));
     assert!(english.ends_with(": lacks the file that scanner.marker names"), "{english}");
     assert!(german.ends_with(": ihm fehlt die Datei, die scanner.marker nennt"), "{german}");

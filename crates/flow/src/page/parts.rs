@@ -32,7 +32,11 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
             true => language.text("page.part.folder").to_owned(),
             false => language.filled("page.part.folder_numbered", &[("number", &place)]),
         };
-        let health = health_of(&source.state);
+        let health = match source.state {
+            SourceState::NotLooked => "wait",
+            SourceState::Watched => "good",
+            _ => "bad",
+        };
         let word = language.word("page.part.folder_state", source.state.word());
         let why = source.state.why().map(|why| why.in_words(language));
         let why = why.or_else(|| not_taken(source, language));
@@ -81,17 +85,6 @@ fn phantom_shown(phantom: &PhantomFacts, is_due: bool, language: Language) -> Pa
     };
     let name = language.text("page.part.phantom.name").to_owned();
     PartShown { name, word: language.text(key), health, why: None }
-}
-
-fn health_of(state: &SourceState) -> &'static str {
-    match state {
-        SourceState::NotLooked => "wait",
-        SourceState::Watched => "good",
-        SourceState::OutOfReach(_)
-        | SourceState::NotMounted(_)
-        | SourceState::Taken
-        | SourceState::Stalled => "bad",
-    }
 }
 
 fn port_shown(port: &str, facts: &TriggerFacts, language: Language) -> PartShown {

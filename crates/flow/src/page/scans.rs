@@ -115,7 +115,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         detail: whole.summary.message.clone().filter(|_| is == Disposition::Refused),
         code,
         advice,
-        patients: patients(whole),
+        patients: whole.owners().into_iter().map(shown::id).collect(),
         candidates: candidates(is, &acts, whole),
         owner: only(is == Disposition::Delivered, whole),
         again: only(is == Disposition::Refused && !whole.has_record(), whole),
@@ -212,9 +212,4 @@ fn record_of<'a>(whole: &'a Whole, store: &str) -> Option<&'a Delivered> {
     let records = whole.deliveries.iter().filter(is_there).filter(may_be_opened);
     // A patient's record takes precedence over an unassigned one, which is about to be taken back.
     records.max_by_key(|of| of.patient.is_some())
-}
-
-/// The patients to whom it belongs, as they are shown.
-fn patients(whole: &Whole) -> Vec<String> {
-    whole.owners().into_iter().map(shown::id).collect()
 }

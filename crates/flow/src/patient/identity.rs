@@ -116,16 +116,12 @@ impl Identity {
 
     /// The patient of an id that a source gave; `None` if it is not allowed as an id.
     pub fn patient(&self, id: &str, kind: SourceKind) -> Option<Patient> {
-        let sources = vec![Source::of(kind)];
-        self.allows(id).then(|| Patient { id: id.to_owned(), sources })
-    }
-
-    fn allows(&self, id: &str) -> bool {
-        !id.is_empty()
+        let is_allowed = !id.is_empty()
             && id.len() <= LONGEST_ID
             && !id.contains(char::REPLACEMENT_CHARACTER)
             && self.whole_id.is_match(id)
-            && self.check_digit.holds(id)
+            && self.check_digit.holds(id);
+        is_allowed.then(|| Patient { id: id.to_owned(), sources: vec![Source::of(kind)] })
     }
 }
 

@@ -9,9 +9,10 @@ use crate::cause::Cause;
 
 gaiter_record::word_enum! {
     /// The state of a port.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
     pub enum PortState as serde {
         /// It has not been looked for yet.
+        #[default]
         NotLooked => "not_looked",
         /// It is not there.
         Absent => "absent",
