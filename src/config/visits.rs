@@ -26,7 +26,7 @@ pub(super) fn age_max(reader: &mut Reader) -> Option<AgeMax> {
 
 /// Reads the keys of the section.
 pub(super) fn config(reader: &mut Reader) -> VisitsConfig {
-    let thresholds = reader.tables("visits.thresholds", "visits.thresholds.", threshold);
+    let thresholds = reader.tables("visits.thresholds", threshold);
     VisitsConfig { thresholds }
 }
 

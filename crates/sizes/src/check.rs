@@ -1,11 +1,13 @@
 //! What a person should know about a size table that has no fault: gaps, overlaps, missing names, age.
 
+use std::collections::BTreeSet;
+
 use jiff::civil::Date;
 use serde::Serialize;
 
 use super::parse::is_same_person;
 use super::point::Point;
-use super::table::{Basis, Limits, Ranged, Size, SizeTable, Status};
+use super::table::{Basis, Limits, Ranged, SizeTable, Status};
 
 /// One remark about a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -149,22 +151,13 @@ pub fn remarks(table: &SizeTable, today: Date, garments: &[&str]) -> Vec<Remark>
     remarks
 }
 
-/// The points of the sizes except the deciding one, each once.
-fn other_points(table: &SizeTable) -> Vec<Point> {
-    let mut points: Vec<Point> = Vec::new();
-    for Ranged { point, .. } in table.sizes.iter().flat_map(|size| &size.ranges) {
-        if Some(*point) != table.decides && !points.contains(point) {
-            points.push(*point);
-        }
-    }
-    points
-}
-
 /// What no size holds at a point, what one of them lacks, and limits that do not grow with the size. Sizes
 /// overlap at these points, so overlaps and touching limits say nothing.
 fn of_other_points(table: &SizeTable) -> Vec<Remark> {
-    let mut remarks = Vec::new();
-    for point in other_points(table) {
+    let (mut remarks, mut seen) = (Vec::new(), BTreeSet::new());
+    let points = table.sizes.iter().flat_map(|size| &size.ranges).map(|of| of.point);
+    let is_other = |point: &Point| Some(*point) != table.decides && seen.insert(*point);
+    for point in points.filter(is_other) {
         let own = table.sizes.iter().filter_map(|of| Some((of.name.as_str(), of.range(point)?)));
         let of_variants = table.sizes.iter().flat_map(|size| {
             let ranges = size.variants.iter().flat_map(|(_, ranges)| ranges);
@@ -187,17 +180,13 @@ struct Row<'a> {
     other_mm: [f64; 2],
 }
 
-impl Row<'_> {
-    fn of(size: &Size, deciding: Point, other: Point) -> Option<Row<'_>> {
-        let (deciding_mm, other_mm) = (size.range(deciding)?, size.range(other)?);
-        Some(Row { name: &size.name, deciding_mm, other_mm })
-    }
-}
-
 /// The neighbours by the deciding point of which the larger one has a lower limit at this point.
 fn out_of_order(table: &SizeTable, point: Point) -> Vec<Remark> {
     let Some(deciding) = table.decides else { return Vec::new() };
-    let rows = table.sizes.iter().filter_map(|size| Row::of(size, deciding, point));
+    let rows = table.sizes.iter().filter_map(|size| {
+        let (deciding_mm, other_mm) = (size.range(deciding)?, size.range(point)?);
+        Some(Row { name: &size.name, deciding_mm, other_mm })
+    });
     let mut rows: Vec<Row<'_>> = rows.collect();
     rows.sort_by(|a, b| a.deciding_mm[0].total_cmp(&b.deciding_mm[0]));
     let is_below = |low: [f64; 2], high: [f64; 2]| low[0] < high[0] && low[1] < high[1];
@@ -241,26 +230,20 @@ fn unknown_garments(table: &SizeTable, known: &[&str]) -> Vec<Remark> {
     let named = named.chain(table.lengths.iter().map(|of| &of.garment));
     let named = named.chain(table.required.iter().filter_map(|of| of.garment.as_ref()));
     let named = named.chain(codes.filter_map(|of| of.garment.as_ref()));
-    let mut unknown: Vec<&String> = Vec::new();
-    for garment in named {
-        if !known.contains(&garment.as_str()) && !unknown.contains(&garment) {
-            unknown.push(garment);
-        }
-    }
-    unknown.into_iter().map(|of| Remark::UnknownGarment { garment: of.clone() }).collect()
+    let mut seen = BTreeSet::new();
+    let unknown = named.filter(|of| !known.contains(&of.as_str()) && seen.insert(of.as_str()));
+    unknown.map(|of| Remark::UnknownGarment { garment: of.clone() }).collect()
 }
 
 /// The neighbours among the lengths of each garment, by each point that they have.
 fn between_lengths(table: &SizeTable) -> Vec<Remark> {
-    let mut seen: Vec<(&str, Point)> = Vec::new();
-    let mut remarks = Vec::new();
+    let (mut remarks, mut seen) = (Vec::new(), BTreeSet::new());
     for row in &table.lengths {
         for Ranged { point, .. } in &row.ranges {
             let garment = row.garment.as_str();
-            if seen.contains(&(garment, *point)) {
+            if !seen.insert((garment, *point)) {
                 continue;
             }
-            seen.push((garment, *point));
             let its = table.lengths_for(garment).filter_map(|of| {
                 let range = of.ranges.iter().find(|of| of.point == *point)?;
                 Some((of.name.as_str(), range.mm))

@@ -116,43 +116,40 @@ impl Hint for What {
     fn hint(&self) -> Option<String> {
         let hint = match self {
             What::Toml(what) => return what.hint(),
-            What::Mapping(what) => what.hint(),
-            What::Limits { .. } => RANGE.to_owned(),
+            What::Mapping(what) => return Some(what.hint()),
+            What::Limits { .. } => RANGE,
             What::Format { found, .. } if found.starts_with("gaiter-garment/") => {
-                "this is a garment: name it in report.garments, or by --garment-file".to_owned()
+                "this is a garment: name it in report.garments, or by --garment-file"
             }
             What::Format { found, .. } if found.starts_with("gaiter-size-table/1") => {
-                "this is a size table: name it in sizes.tables, or by --table".to_owned()
+                "this is a size table: name it in sizes.tables, or by --table"
             }
             What::Format { expected, .. } => {
-                format!("write format = \"{expected}\" in a file of this kind")
+                return Some(format!("write format = \"{expected}\" in a file of this kind"));
             }
-            What::OfTheWholeFile => {
-                "write it above the first [[…]]: it is of the whole file".to_owned()
-            }
+            What::OfTheWholeFile => "write it above the first [[…]]: it is of the whole file",
             What::NoPoint(_) => {
                 "girths are cA cY cB cB1 cC cD cE cF cG cH cT, lengths lB to lG, lBD, lK, foot"
-                    .to_owned()
             }
-            What::Order { low, high } if low == high => "write two different limits".to_owned(),
-            What::Order { low, high } => format!("write the lower limit first: [{high}, {low}]"),
+            What::Order { low, high } if low == high => "write two different limits",
+            What::Order { low, high } => {
+                return Some(format!("write the lower limit first: [{high}, {low}]"));
+            }
             What::Reach { unit, .. } => {
-                format!("look at the decimal point, and at unit = \"{unit}\"")
+                return Some(format!("look at the decimal point, and at unit = \"{unit}\""));
             }
-            What::Rounding(_) => "write 0.1 to 50, in mm".to_owned(),
-            What::NoRange { .. } => "add the range, or do not require the point".to_owned(),
-            What::ReplacesNothing(_) => "name points that the sizes have".to_owned(),
-            What::NotReplaced { .. } => "name the point in replaces of the variant".to_owned(),
-            What::NoVariant(_) => "describe it with applies_to and replaces".to_owned(),
-            What::VariantLacks(_) => {
-                "add the range, or leave the variant out of this size".to_owned()
-            }
-            What::NoLength { .. } => "write the name of a [[length]] of this garment".to_owned(),
-            What::Unsigned => "let a second person check the figures and sign".to_owned(),
-            What::SamePerson(_) => "let another person check the figures and sign".to_owned(),
-            What::NotABox(_) => "add it to boxes, at its place on the form".to_owned(),
-            What::NoPlace(_) => "write {level} where the letter belongs: \"c{level}\"".to_owned(),
+            What::Rounding(_) => "write 0.1 to 50, in mm",
+            What::NoRange { .. } => "add the range, or do not require the point",
+            What::ReplacesNothing(_) => "name points that the sizes have",
+            What::NotReplaced { .. } => "name the point in replaces of the variant",
+            What::NoVariant(_) => "describe it with applies_to and replaces",
+            What::VariantLacks(_) => "add the range, or leave the variant out of this size",
+            What::NoLength { .. } => "write the name of a [[length]] of this garment",
+            What::Unsigned => "let a second person check the figures and sign",
+            What::SamePerson(_) => "let another person check the figures and sign",
+            What::NotABox(_) => "add it to boxes, at its place on the form",
+            What::NoPlace(_) => "write {level} where the letter belongs: \"c{level}\"",
         };
-        Some(hint)
+        Some(hint.to_owned())
     }
 }

@@ -169,10 +169,10 @@ impl SizeTable {
     }
 
     /// The points that must fit for a garment; `None` if each must that a size has.
-    pub(crate) fn required_for(&self, garment: &str) -> Option<&[Point]> {
+    pub(crate) fn required_for(&self, garment: &str) -> Option<&Required> {
         let of =
             |name: Option<&str>| self.required.iter().find(move |of| of.garment.as_deref() == name);
-        of(Some(garment)).or_else(|| of(None)).map(|of| of.points.as_slice())
+        of(Some(garment)).or_else(|| of(None))
     }
 
     /// The variants that are made for a garment.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::garment::Garment;
 use super::point::Point;
 use super::probability::within;
-use super::table::{Basis, Code, LengthRow, Ranged, Size, SizeTable};
+use super::table::{Basis, Code, LengthRow, Ranged, Required, Size, SizeTable};
 
 /// A point fits if it lies inside its range with at least this probability.
 pub const SURE: f64 = 0.95;
@@ -232,15 +232,12 @@ impl Judge<'_> {
     fn is_required(&self, point: Point) -> bool {
         match self.table.required_for(self.garment.name()) {
             // What is required for each garment is asked of those that have it.
-            Some(points) if self.requires_for_garment() => points.contains(&point),
-            Some(points) => points.contains(&point) && self.garment.has(point),
+            Some(Required { garment: None, points }) => {
+                points.contains(&point) && self.garment.has(point)
+            }
+            Some(Required { points, .. }) => points.contains(&point),
             None => self.garment.has(point),
         }
-    }
-
-    fn requires_for_garment(&self) -> bool {
-        let name = Some(self.garment.name());
-        self.table.required.iter().any(|of| of.garment.as_deref() == name)
     }
 
     fn point(&self, of: &Ranged) -> PointVerdict {

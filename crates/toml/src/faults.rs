@@ -46,13 +46,11 @@ impl<'t, W: Hint> Faults<'t, W> {
 /// # Errors
 /// The first byte that is not UTF-8.
 pub fn utf8<W: Hint>(bytes: &[u8]) -> Result<&str, Fault<W>> {
-    str::from_utf8(bytes).map_err(|error| not_utf8(bytes, error.valid_up_to()))
-}
-
-/// The fault of a file that is not UTF-8, at its first wrong byte.
-fn not_utf8<W: Hint>(bytes: &[u8], wrong: usize) -> Fault<W> {
-    // Nothing before the wrong byte changes, so its place is the same in the repaired text.
-    let mended = String::from_utf8_lossy(bytes);
-    let at = wrong..wrong + '\u{fffd}'.len_utf8();
-    fault(&mended, Finding { at, key: String::new(), what: What::NotUtf8.into() })
+    str::from_utf8(bytes).map_err(|error| {
+        // Nothing before the first wrong byte changes, so its place is the same in the repaired text.
+        let mended = String::from_utf8_lossy(bytes);
+        let wrong = error.valid_up_to();
+        let at = wrong..wrong + '\u{fffd}'.len_utf8();
+        fault(&mended, Finding { at, key: String::new(), what: What::NotUtf8.into() })
+    })
 }

@@ -4,7 +4,6 @@
 
 mod fault;
 mod faults;
-mod nearest;
 mod notation;
 mod place;
 mod reader;
@@ -13,8 +12,7 @@ mod value;
 
 pub use fault::{Fault, Hint, What};
 pub use faults::utf8;
-pub use nearest::nearest;
 pub use notation::Guess;
 pub use reader::{Absent, Found, Key, Reader, Removed};
 pub use section::{Section, Value, read};
-pub use value::{number, word};
+pub use value::{nearest, number, word};

@@ -8,11 +8,6 @@ use crate::place::{Finding, line_at, line_of};
 /// What a faulty line was probably meant to be, and what to do: of files with values of their own.
 pub type Guess = fn(&str) -> Option<(&'static str, &'static str)>;
 
-/// A file without values of its own.
-pub(crate) fn no_guess(_: &str) -> Option<(&'static str, &'static str)> {
-    None
-}
-
 /// The parser's errors, without those that only follow from earlier ones.
 ///
 /// The parser continues after a fault and then often fails on the rest of the line; after an unclosed

@@ -9,10 +9,9 @@ use toml::de::{DeTable, DeValue, Error};
 
 use crate::fault::{Fault, Hint, What};
 use crate::faults::Faults;
-use crate::nearest::nearest;
-use crate::notation::{self, no_guess};
+use crate::notation;
 use crate::place::{Finding, line_of};
-use crate::value::kind;
+use crate::value::{kind, nearest};
 
 /// What stands between the defaults of a list, as in the shipped file.
 const BETWEEN_DEFAULTS: &str = "\", \"";
@@ -72,15 +71,9 @@ pub struct Found<T> {
 }
 
 /// What stands at a key that was asked for.
-enum Asked<'t> {
-    Value(&'t Spanned<DeValue<'t>>),
-    /// What applies instead, and the place of its section.
-    Default(&'static str, Range<usize>),
-    Nothing,
-}
-
 enum Seen<'t> {
     Value(&'t Spanned<DeValue<'t>>),
+    /// Nothing; the place of its section.
     Absent(Range<usize>),
     /// A parent section is a value; this is a fault of the section, reported once.
     Blocked,
@@ -89,7 +82,7 @@ enum Seen<'t> {
 /// Reads keys of one document and collects the faults.
 pub struct Reader<'t, W> {
     root: &'t DeTable<'t>,
-    /// The path of the root with a dot behind it; empty for that of the document.
+    /// The path of the root; empty for that of the document.
     before: &'static str,
     end: usize,
     /// The keys asked for so far.
@@ -129,10 +122,10 @@ impl<'t, W: Hint> Reader<'t, W> {
         parse: impl Fn(&str) -> Result<T, W>,
     ) -> Option<Found<T>> {
         let key = Key { path, absent, list: false };
-        match self.ask(key) {
-            Asked::Value(value) => self.entry(key, value, &parse),
-            Asked::Default(text, at) => self.judge(path, at, parse(text)),
-            Asked::Nothing => None,
+        match (self.ask(key), absent) {
+            (Seen::Value(value), _) => self.entry(key, value, &parse),
+            (Seen::Absent(at), Absent::Default(text)) => self.judge(path, at, parse(text)),
+            _ => None,
         }
     }
 
@@ -145,17 +138,17 @@ impl<'t, W: Hint> Reader<'t, W> {
         parse: impl Fn(&str) -> Result<T, W>,
     ) -> Vec<Found<T>> {
         let key = Key { path, absent, list: true };
-        let value = match self.ask(key) {
-            Asked::Value(value) => value,
-            Asked::Default("", _) | Asked::Nothing => return Vec::new(),
-            Asked::Default(text, at) => {
+        let value = match (self.ask(key), absent) {
+            (Seen::Value(value), _) => value,
+            (Seen::Absent(at), Absent::Default(text)) if !text.is_empty() => {
                 let entries = text.split(BETWEEN_DEFAULTS);
                 let entry = |text| self.judge(path, at.clone(), parse(text));
                 return entries.filter_map(entry).collect();
             }
+            _ => return Vec::new(),
         };
         let DeValue::Array(entries) = value.get_ref() else {
-            self.wrong_kind(key, value, "a list of texts in [ ]");
+            self.wrong_kind(path, value, "a list of texts in [ ]", key.line());
             return Vec::new();
         };
         if entries.is_empty() && matches!(absent, Absent::Required(_)) {
@@ -167,8 +160,7 @@ impl<'t, W: Hint> Reader<'t, W> {
     /// A boolean; `None` if it is wrong.
     pub fn flag(&mut self, path: &'static str, default: &'static str) -> Option<Found<bool>> {
         let key = Key { path, absent: Absent::Default(default), list: false };
-        self.keys.push(key);
-        let (value, at) = match self.find(path) {
+        let (value, at) = match self.ask(key) {
             Seen::Value(value) => (value, value.span()),
             Seen::Absent(at) => return Some(Found { value: default == "true", at }),
             Seen::Blocked => return None,
@@ -176,9 +168,8 @@ impl<'t, W: Hint> Reader<'t, W> {
         if let DeValue::Boolean(value) = value.get_ref() {
             return Some(Found { value: *value, at });
         }
-        let (expected, found) = ("true or false", kind(value.get_ref()).to_owned());
         let example = format!("{} = {default}", key.split().1);
-        self.note(at, path, What::Kind { expected, found, example });
+        self.wrong_kind(path, value, "true or false", example);
         None
     }
 
@@ -190,8 +181,7 @@ impl<'t, W: Hint> Reader<'t, W> {
         parse: impl Fn(&str) -> Result<T, W>,
     ) -> Vec<Found<T>> {
         let key = Key { path, absent: Absent::Default(""), list: true };
-        self.keys.push(key);
-        let Seen::Value(value) = self.find(path) else { return Vec::new() };
+        let Seen::Value(value) = self.ask(key) else { return Vec::new() };
         let line = format!("{} = [{example}]", key.split().1);
         let wrong = |expected, value: &Spanned<DeValue>| What::Kind {
             expected,
@@ -211,32 +201,28 @@ impl<'t, W: Hint> Reader<'t, W> {
     }
 
     /// A list of tables, each read by `read` from a reader of its own, without the wrong ones; empty if
-    /// absent. The keys that `read` asks for begin with `before`, which is the path with a dot behind it.
+    /// absent. The keys that `read` asks for begin with the path.
     pub fn tables<T>(
         &mut self,
         path: &'static str,
-        before: &'static str,
         read: impl Fn(&mut Reader<'t, W>) -> Option<T>,
     ) -> Vec<T> {
-        self.keys.push(Key { path, absent: Absent::Default(""), list: true });
-        let Seen::Value(value) = self.find(path) else { return Vec::new() };
-        let wrong = |of: &Spanned<DeValue>| What::Kind {
-            expected: "a section in double brackets",
-            found: kind(of.get_ref()).to_owned(),
-            example: format!("[[{path}]] above each"),
-        };
+        let key = Key { path, absent: Absent::Default(""), list: true };
+        let Seen::Value(value) = self.ask(key) else { return Vec::new() };
+        let (expected, example) =
+            ("a section in double brackets", format!("[[{path}]] above each"));
         let DeValue::Array(entries) = value.get_ref() else {
-            self.note(value.span(), path, wrong(value));
+            self.wrong_kind(path, value, expected, example);
             return Vec::new();
         };
         let mut tables = Vec::new();
         for entry in entries {
             let DeValue::Table(root) = entry.get_ref() else {
-                self.note(entry.span(), path, wrong(entry));
+                self.wrong_kind(path, entry, expected, example.clone());
                 continue;
             };
             let mut inner = Reader::new(self.faults.text, root, self.errors, self.removed);
-            (inner.before, inner.end) = (before, entry.span().start);
+            (inner.before, inner.end) = (path, entry.span().start);
             tables.extend(read(&mut inner));
             self.faults.found.get_mut().extend(inner.close().found.into_inner());
         }
@@ -252,7 +238,7 @@ impl<'t, W: Hint> Reader<'t, W> {
         match value.get_ref().as_str() {
             Some(text) => self.judge(key.path, value.span(), parse(text)),
             None => {
-                self.wrong_kind(key, value, "text in quotes");
+                self.wrong_kind(key.path, value, "text in quotes", key.line());
                 None
             }
         }
@@ -266,24 +252,26 @@ impl<'t, W: Hint> Reader<'t, W> {
     }
 
     /// Looks a key up. A required one that is absent is missing.
-    fn ask(&mut self, key: Key) -> Asked<'t> {
+    fn ask(&mut self, key: Key) -> Seen<'t> {
         self.keys.push(key);
-        match (self.find(key.path), key.absent) {
-            (Seen::Value(value), _) => Asked::Value(value),
-            (Seen::Absent(at), Absent::Default(text)) => Asked::Default(text, at),
-            (Seen::Absent(at), Absent::Required(_)) => {
-                let example = format!("{} under [{}]", key.line(), key.split().0);
-                let what = What::Missing { example };
-                self.missing.push(Finding { at, key: key.path.into(), what });
-                Asked::Nothing
-            }
-            (Seen::Absent(_), Absent::Nothing(_)) | (Seen::Blocked, _) => Asked::Nothing,
+        let seen = self.find(key.path);
+        if let (Seen::Absent(at), Absent::Required(_)) = (&seen, key.absent) {
+            let example = format!("{} under [{}]", key.line(), key.split().0);
+            let what = What::Missing { example };
+            self.missing.push(Finding { at: at.clone(), key: key.path.into(), what });
         }
+        seen
     }
 
-    fn wrong_kind(&mut self, key: Key, value: &Spanned<DeValue>, expected: &'static str) {
+    fn wrong_kind(
+        &mut self,
+        path: &str,
+        value: &Spanned<DeValue>,
+        expected: &'static str,
+        example: String,
+    ) {
         let found = kind(value.get_ref()).to_owned();
-        self.note(value.span(), key.path, What::Kind { expected, found, example: key.line() });
+        self.note(value.span(), path, What::Kind { expected, found, example });
     }
 
     fn find(&self, path: &str) -> Seen<'t> {
@@ -309,7 +297,7 @@ impl<'t, W: Hint> Reader<'t, W> {
         if !errors.is_empty() {
             // What is said of a value is reliable on lines without syntax faults.
             let text = faults.text;
-            let (notation, sound_until) = notation::findings(text, errors, no_guess);
+            let (notation, sound_until) = notation::findings(text, errors, |_| None);
             let line = |at: &Range<usize>| line_of(text, at.start);
             faults.found.get_mut().retain(|Finding { at, .. }| {
                 at.start < sound_until && notation.iter().all(|fault| line(&fault.at) != line(at))
@@ -324,7 +312,7 @@ impl<'t, W: Hint> Reader<'t, W> {
     fn close(mut self) -> Faults<'t, W> {
         if self.errors.is_empty() {
             let mut strange = Vec::new();
-            self.walk(self.root, self.before.trim_end_matches('.'), &mut strange);
+            self.walk(self.root, self.before, &mut strange);
             // A misspelt key is also missing under its right name; that is one fault, not two.
             let is_meant = |finding: &Finding<What>, missing: &str| match &finding.what {
                 What::Unknown { similar: Some(path), .. } => is_within(missing, path),

@@ -72,36 +72,31 @@ pub enum MappingWhat {
 impl MappingWhat {
     /// What to do.
     pub fn hint(&self) -> String {
-        match self {
-            MappingWhat::NeitherOrBoth => {
-                "write value = \"right.cB\" or text = \"…\"".to_owned()
-            }
+        let hint = match self {
+            MappingWhat::NeitherOrBoth => "write value = \"right.cB\" or text = \"…\"",
             MappingWhat::NoValue(_) => {
                 "values are points (right.cB, left.lD, body.cT), order.ref, scan.ref, scan.date, side, \
                  garment and those of docs/orders.md"
-                    .to_owned()
             }
-            MappingWhat::NoLeg(value) => format!("write right.{value} or left.{value}"),
-            MappingWhat::OfTheBody(point) => format!("write body.{point}"),
-            MappingWhat::NotInRow { .. } => {
-                "docs/orders.md says which values each kind of row has".to_owned()
-            }
-            MappingWhat::NoDate(_) => "remove format".to_owned(),
+            MappingWhat::NoLeg(value) => return format!("write right.{value} or left.{value}"),
+            MappingWhat::OfTheBody(point) => return format!("write body.{point}"),
+            MappingWhat::NotInRow { .. } => "docs/orders.md says which values each kind of row has",
+            MappingWhat::NoDate(_) => "remove format",
             MappingWhat::DateFormat(_) => {
-                "write %d, %m, %Y, %y, %H, %M and %S with signs between them: \"%d.%m.%Y\"".to_owned()
+                "write %d, %m, %Y, %y, %H, %M and %S with signs between them: \"%d.%m.%Y\""
             }
             MappingWhat::FileName(_) => {
                 "begin with \"order\", use a-z, A-Z, 0-9, - _ . and {id}, {scan}, {date}, {garment}, \
                  {ref}, end as in \"order-{id}.csv\"; order.csv and order.json are taken"
-                    .to_owned()
             }
-            MappingWhat::Formula(_) => "do not begin it with = + - or @".to_owned(),
+            MappingWhat::Formula(_) => "do not begin it with = + - or @",
             MappingWhat::Step { .. } => {
-                "write a number with at most 4 decimals, of 0.01 mm to 50 mm".to_owned()
+                "write a number with at most 4 decimals, of 0.01 mm to 50 mm"
             }
-            MappingWhat::Decimals { .. } => "leave decimals out, or change step".to_owned(),
-            MappingWhat::OnlyCsv | MappingWhat::OnlyPoints => "remove it".to_owned(),
-            MappingWhat::Columns { .. } => "split the file".to_owned(),
-        }
+            MappingWhat::Decimals { .. } => "leave decimals out, or change step",
+            MappingWhat::OnlyCsv | MappingWhat::OnlyPoints => "remove it",
+            MappingWhat::Columns { .. } => "split the file",
+        };
+        hint.to_owned()
     }
 }
