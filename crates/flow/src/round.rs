@@ -37,7 +37,7 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use super::export::writing::Appeared;
-use super::orders::when::OrdersWhen;
+use super::orders::OrdersWhen;
 use capture::distinct;
 pub use capture::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
 use gaiter_record::SourceKind;

@@ -98,13 +98,12 @@ fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text
 fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> String {
     let named = match who.len() {
         0 => None,
-        2.. if is_asked_later(booth) => Some(language.text("page.next.some").to_owned()),
-        1 if booth.is_asked && !is_asked_later(booth) => {
-            Some(language.text("page.next.asked").to_owned())
-        }
-        1 => Some(language.text("page.next.one").to_owned()),
-        _ => Some(language.text("page.next.several").to_owned()),
+        2.. if is_asked_later(booth) => Some("page.next.some"),
+        1 if booth.is_asked && !is_asked_later(booth) => Some("page.next.asked"),
+        1 => Some("page.next.one"),
+        _ => Some("page.next.several"),
     };
+    let named = named.map(|key| language.text(key).to_owned());
     // Without a button, the expected export is that of the named patient.
     let awaited = if booth.has_button { booth.awaited } else { unnamed(booth) };
     let sentences: Vec<String> = named.into_iter().chain(counted(awaited, language)).collect();

@@ -70,17 +70,14 @@ pub(super) fn of_button_away(language: Language) -> String {
 
 /// What keeps the station from being ready.
 pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
-    let code = complaint.code.as_str();
-    let found = |of: &str| Advice::of("page.complaint", of, language);
-    let about = complaint.own_code().and_then(|own| found(&own));
-    let any = || code.starts_with(OF_PORT).then(|| found("trigger-any")).flatten();
+    let (code, own) = (complaint.code.as_str(), complaint.own_code());
     let is_reader = complaint.subject.as_deref() == Some(READER);
-    let of_reader = || is_reader.then(|| found("trigger-any-reader")).flatten();
-    about
-        .or_else(of_reader)
-        .or_else(|| found(code))
-        .or_else(any)
-        .unwrap_or_else(|| said_as_it_is(code, "page.do.technician", language))
+    let of_reader = is_reader.then_some("trigger-any-reader");
+    let any = code.starts_with(OF_PORT).then_some("trigger-any");
+    let codes = [own.as_deref(), of_reader, Some(code), any];
+    let found =
+        codes.into_iter().flatten().find_map(|of| Advice::of("page.complaint", of, language));
+    found.unwrap_or_else(|| said_as_it_is(code, "page.do.technician", language))
 }
 
 /// Why a decision was not carried out; `None` for an unknown code.

@@ -14,7 +14,8 @@ const KEY_DIGITS: usize = 16;
 /// The rows of a scan. The one that waits for a decision or a record is first, then the patients who have
 /// a record, in the order of their ids. A scan of one patient is one row as it is.
 pub fn rows(whole: Whole) -> Vec<Whole> {
-    let owners: BTreeSet<String> = whole.deliveries.iter().filter_map(owner).collect();
+    let has_record = whole.deliveries.iter().filter(|of| of.is_there());
+    let owners: BTreeSet<String> = has_record.filter_map(|of| of.patient.clone()).collect();
     let is_closed = whole.summary.closed.is_some();
     let waits = |of: &Delivered| match of.state {
         DeliveryState::Pending => true,
@@ -43,11 +44,6 @@ fn of_owner(whole: &Whole, id: &str) -> Whole {
     row.summary.state = ScanState::Delivered;
     (row.summary.code, row.summary.message, row.summary.closed) = (None, None, None);
     row
-}
-
-/// The patient who has this record.
-fn owner(of: &Delivered) -> Option<String> {
-    of.patient.clone().filter(|_| of.is_there())
 }
 
 /// What tells a patient's row of a scan from the others in an address, without naming the patient there.

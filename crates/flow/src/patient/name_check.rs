@@ -163,7 +163,10 @@ fn reading(patient: &str) -> Option<Reading> {
         return None;
     }
     match digits.len() {
-        6 => short_day(&digits),
+        6 => {
+            let year = format!("20{}", &digits[..2]);
+            date(&year, &digits[2..4], &digits[4..]).map(|_| Reading::ShortDay)
+        }
         8 => day(&digits).map(Reading::Day),
         10 | 12 | 14 if is_time(&digits[8..]) => year_first(&digits[..8]).map(Reading::Moment),
         _ => None,
@@ -177,11 +180,6 @@ fn day(digits: &str) -> Option<Date> {
 
 fn year_first(digits: &str) -> Option<Date> {
     date(&digits[..4], &digits[4..6], &digits[6..])
-}
-
-fn short_day(digits: &str) -> Option<Reading> {
-    let year = format!("20{}", &digits[..2]);
-    date(&year, &digits[2..4], &digits[4..]).map(|_| Reading::ShortDay)
 }
 
 fn date(year: &str, month: &str, day: &str) -> Option<Date> {

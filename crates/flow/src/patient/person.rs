@@ -229,7 +229,6 @@ pub struct PersonEvent {
 impl Person {
     /// Whether nothing is known of the person.
     pub fn is_unknown(&self) -> bool {
-        let stores = self.stores.iter();
         self.scans.is_empty()
             && self.history.is_empty()
             && self.handed_over.is_empty()
@@ -237,7 +236,7 @@ impl Person {
             && self.captures.is_empty()
             && self.affected.is_none()
             && self.orders.is_empty()
-            && stores.fold(0, |count, store| count + store.records.len() + store.others.len()) == 0
+            && self.stores.iter().all(|of| of.records.is_empty() && of.others.is_empty())
     }
 
     /// Whether a scan of theirs is expected: a name waits, or an export has not come.

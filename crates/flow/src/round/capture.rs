@@ -7,7 +7,7 @@ use gaiter_record::SourceKind;
 use serde::{Deserialize, Serialize};
 
 use crate::export::writing::Appeared;
-use crate::orders::when::OrdersWhen;
+use crate::orders::OrdersWhen;
 
 /// Times and habits that control captures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use super::{
     distinct,
 };
 use crate::export::writing::Appeared;
-use crate::orders::when::OrdersWhen;
+use crate::orders::OrdersWhen;
 
 /// A name and when it was given; times as in [`Capture`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
