@@ -153,10 +153,7 @@ fn day(whole: Section<'_, '_>, name: &str) -> Option<Date> {
         DeValue::Datetime(found) if found.time.is_none() => found.date,
         _ => None,
     };
-    let date = found.and_then(|of| {
-        let [month, day] = [of.month, of.day].map(|part| i8::try_from(part).ok());
-        Date::new(i16::try_from(of.year).ok()?, month?, day?).ok()
-    });
+    let date = found.and_then(|of| of.to_string().parse::<Date>().ok());
     if date.is_none() {
         whole.note_kind(value, name, "a date", "year-month-day without quotes: 2027-01-31");
     }
@@ -270,11 +267,14 @@ fn range(
 }
 
 /// A name that no earlier entry of the file has.
-fn own_name(section: Section<'_, '_>, taken: &[String]) -> Option<String> {
+fn own_name<'a>(
+    section: Section<'_, '_>,
+    mut taken: impl Iterator<Item = &'a String>,
+) -> Option<String> {
     section.must_have("name", "name = \"II\"");
     let value = section.get("name")?;
     let name = section.line(value, &section.key("name"))?;
-    if taken.contains(&name) {
+    if taken.any(|of| *of == name) {
         section.note(&value.span(), section.key("name"), Twice(name.clone()));
     }
     Some(name)

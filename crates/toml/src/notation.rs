@@ -43,53 +43,47 @@ fn notation(said: &str, hint: &str) -> What {
     What::Notation { said: said.into(), hint: Some(hint.into()) }
 }
 
+/// How a key and its value are written.
+const VALUE: &str = r#"write: name = "value""#;
+
 /// What the parser says of a key that stands twice.
 const TWICE: &str = "duplicate key";
 
 /// The parser's message in plainer words, with a hint, and whether the lines below are still read
 /// correctly. Covers the messages of toml 1.2; an unknown message is passed on unchanged.
 fn in_words(message: &str, found: &str) -> (What, bool) {
+    let quoted = "end the text with the quote it began with";
+    let single = r"write the text in single quotes: 'C:\scans'";
+    let line = "begin a new line for a new key, and a comment with #";
+    let [name, names] =
+        ["write the section's name as [name]", "write the section's name as [[name]]"];
+    let list = r#"write a list as ["one", "two"]; is its closing ] there?"#;
     let known = [
-        ("missing escaped value", "\\ begins a special character here", true),
-        ("too few unicode value digits", "\\ begins a special character here", true),
-        ("invalid basic string", "the text has no closing quote", true),
-        ("invalid literal string", "the text has no closing quote", true),
-        (TWICE, "this name is used twice", true),
-        ("key with no value", "a key must be followed by = and its value", true),
-        ("unexpected key or value", "unexpected text after the value", true),
-        ("unclosed array table", "the section's name has no closing brackets", true),
-        ("unclosed table", "the section's name has no closing bracket", true),
-        ("missing comma between array elements", "the list goes on without a comma", false),
-        ("unclosed array", "the list has no closing ]", false),
+        ("missing escaped value", "\\ begins a special character here", single, true),
+        ("too few unicode value digits", "\\ begins a special character here", single, true),
+        ("invalid basic string", "the text has no closing quote", quoted, true),
+        ("invalid literal string", "the text has no closing quote", quoted, true),
+        (TWICE, "this name is used twice", "remove one of the two", true),
+        ("key with no value", "a key must be followed by = and its value", VALUE, true),
+        ("unexpected key or value", "unexpected text after the value", line, true),
+        ("unclosed array table", "the section's name has no closing brackets", names, true),
+        ("unclosed table", "the section's name has no closing bracket", name, true),
+        ("missing comma between array elements", "the list goes on without a comma", list, false),
+        ("unclosed array", "the list has no closing ]", list, false),
     ];
     if message.starts_with("string values must be quoted") {
         return unquoted(found);
     }
-    let Some((start, said, ends)) = known.iter().find(|(start, ..)| message.starts_with(start))
-    else {
-        return (What::Notation { said: message.into(), hint: None }, false);
-    };
-    let hint = match *start {
-        "missing escaped value" | "too few unicode value digits" => {
-            r"write the text in single quotes: 'C:\scans'"
-        }
-        TWICE => "remove one of the two",
-        "key with no value" => r#"write: name = "value""#,
-        "unexpected key or value" => "begin a new line for a new key, and a comment with #",
-        "unclosed array table" => "write the section's name as [[name]]",
-        "unclosed table" => "write the section's name as [name]",
-        "missing comma between array elements" | "unclosed array" => {
-            r#"write a list as ["one", "two"]; is its closing ] there?"#
-        }
-        _ => "end the text with the quote it began with",
-    };
-    (notation(said, hint), *ends)
+    match known.iter().find(|(start, ..)| message.starts_with(start)) {
+        Some((_, said, hint, ends)) => (notation(said, hint), *ends),
+        None => (What::Notation { said: message.into(), hint: None }, false),
+    }
 }
 
 fn unquoted(found: &str) -> (What, bool) {
     let bare = found.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
     let (said, hint) = if bare.is_empty() {
-        ("a value is missing after the =".to_owned(), r#"write: name = "value""#.to_owned())
+        ("a value is missing after the =".to_owned(), VALUE.to_owned())
     } else {
         (format!("{bare} must be in straight quotes"), format!("write \"{bare}\""))
     };

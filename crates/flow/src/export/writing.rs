@@ -191,11 +191,6 @@ impl Writing {
         Writing { written, ..Writing::new(first.written_by(written)) }
     }
 
-    /// Whether there was no look before it was first seen.
-    pub(crate) fn is_from_before_the_first_look(&self) -> bool {
-        self.first.absent.is_none()
-    }
-
     /// When the file appeared, regardless of what was written into it since.
     pub fn appeared(&self) -> Appeared {
         self.first

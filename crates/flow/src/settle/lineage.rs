@@ -155,7 +155,7 @@ impl Settling {
         let files = files.map(|(path, file)| (path, file.group.stamp, &file.writing));
         let passers = self.passers.iter().filter(|(_, file)| file.is_unmarked);
         let passers = passers.map(|(path, file)| (path, file.stamp, &file.writing));
-        let is_old = |writing: &Writing| writing.is_from_before_the_first_look();
+        let is_old = |writing: &Writing| writing.appeared().absent.is_none();
         let (old, new): (Vec<_>, Vec<_>) =
             files.chain(passers).partition(|(_, _, writing)| is_old(writing));
         let all = new.into_iter().chain(old).take(MARKED_A_LOOK);

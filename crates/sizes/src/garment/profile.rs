@@ -71,8 +71,8 @@ pub enum FormUnit {
 struct Notation {
     girth: String,
     length: String,
-    foot: Option<String>,
-    inside_leg: Option<String>,
+    foot: String,
+    inside_leg: String,
 }
 
 /// Reads the file of a garment.
@@ -141,8 +141,8 @@ impl Notation {
             Point::Between(low, high) => {
                 self.length.replace(LETTER, &format!("{}{}", low.name(), high.name()))
             }
-            Point::Foot => self.foot.clone().unwrap_or_else(|| point.to_string()),
-            Point::InsideLeg => self.inside_leg.clone().unwrap_or_else(|| point.to_string()),
+            Point::Foot => self.foot.clone(),
+            Point::InsideLeg => self.inside_leg.clone(),
             Point::Beyond(_) => point.to_string(),
         }
     }
@@ -150,32 +150,23 @@ impl Notation {
 
 /// `[notation]`: how the form names its boxes.
 fn notation(whole: Section<'_, '_>) -> Notation {
-    let usual = || Notation {
-        girth: format!("c{LETTER}"),
-        length: format!("l{LETTER}"),
-        foot: None,
-        inside_leg: None,
-    };
     let example = "[notation] and below it girth = \"c{level}\"";
-    let Some(section) = whole.section("notation", "notation", "a section", example) else {
-        return usual();
+    let section = whole.section("notation", "notation", "a section", example);
+    let text = |name: &str, usual: String| section.and_then(|of| of.text(name)).unwrap_or(usual);
+    let notation = Notation {
+        girth: text("girth", format!("c{LETTER}")),
+        length: text("length", format!("l{LETTER}")),
+        foot: text("foot", Point::Foot.to_string()),
+        inside_leg: text("inside_leg", Point::InsideLeg.to_string()),
     };
+    let Some(section) = section else { return notation };
     Known { words: "girth length foot inside_leg", points: "", above: KEYS }.only(section);
-    let of_level = |name: &str| {
-        let found = section.text(name)?;
+    for (name, found) in [("girth", &notation.girth), ("length", &notation.length)] {
         if !found.contains(LETTER) {
             section.note(&section.at(), section.key(name), What::NoPlace(found.clone()));
         }
-        Some(found)
-    };
-    let (girth, length) = (of_level("girth"), of_level("length"));
-    let usual = usual();
-    Notation {
-        girth: girth.unwrap_or(usual.girth),
-        length: length.unwrap_or(usual.length),
-        foot: section.text("foot"),
-        inside_leg: section.text("inside_leg"),
     }
+    notation
 }
 
 /// A rounding for print, mm.

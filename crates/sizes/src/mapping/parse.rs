@@ -1,5 +1,7 @@
 //! The text of a mapping file → [`Mapping`], or every fault of it.
 
+use std::collections::BTreeMap;
+
 use gaiter_toml::What::{NotAWord, Twice};
 use toml::de::DeValue;
 
@@ -173,12 +175,12 @@ fn decimals(whole: Section<'_, '_>, least: usize) -> Option<usize> {
 
 /// `[instead]` and `also_write`.
 fn instead(whole: Section<'_, '_>) -> Instead {
-    let found = texts(whole, "instead", "missing estimated doubtful");
-    let text = |key: &str| found.iter().find(|(name, _)| name == key).map(|(_, text)| text.clone());
+    let mut found = texts(whole, "instead", "missing estimated doubtful");
+    let mut text = |key: &str| found.remove(key).unwrap_or_default();
     let mut instead = Instead {
-        missing: text("missing").unwrap_or_default(),
-        estimated: text("estimated").unwrap_or_default(),
-        doubtful: text("doubtful").unwrap_or_default(),
+        missing: text("missing"),
+        estimated: text("estimated"),
+        doubtful: text("doubtful"),
         ..Instead::default()
     };
     let Some(value) = whole.get("also_write") else { return instead };
@@ -201,20 +203,20 @@ fn instead(whole: Section<'_, '_>) -> Instead {
 
 /// `[words]`: the words for the legs, and for neither.
 fn sides(whole: Section<'_, '_>) -> [String; 3] {
-    let usual = ["right", "left", "body"];
-    let found = texts(whole, "words", "right left body");
-    usual.map(|key| {
-        let own = found.iter().find(|(name, _)| name == key).map(|(_, text)| text.clone());
-        own.unwrap_or_else(|| key.to_owned())
-    })
+    let mut found = texts(whole, "words", "right left body");
+    ["right", "left", "body"].map(|key| found.remove(key).unwrap_or_else(|| key.to_owned()))
 }
 
 /// The texts of a section, which may be empty.
-fn texts(whole: Section<'_, '_>, name: &'static str, known: &'static str) -> Vec<(String, String)> {
+fn texts(
+    whole: Section<'_, '_>,
+    name: &'static str,
+    known: &'static str,
+) -> BTreeMap<String, String> {
+    let mut texts = BTreeMap::new();
     let example = format!("[{name}] and the keys below it");
-    let Some(section) = whole.section(name, name, "a section", &example) else { return Vec::new() };
+    let Some(section) = whole.section(name, name, "a section", &example) else { return texts };
     Known::here(known).only(section);
-    let mut texts = Vec::new();
     for (key, value) in section.pairs() {
         let key = key.get_ref().as_ref();
         let text = match value.get_ref().as_str() {

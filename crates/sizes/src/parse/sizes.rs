@@ -22,8 +22,7 @@ pub(super) fn variants(whole: Section<'_, '_>) -> Vec<Variant> {
     let mut variants: Vec<Variant> = Vec::new();
     for section in whole.tables("variant") {
         known("name applies_to replaces", "").only(section);
-        let taken: Vec<String> = variants.iter().map(|of| of.name.clone()).collect();
-        let name = own_name(section, &taken);
+        let name = own_name(section, variants.iter().map(|of| &of.name));
         let applies_to = section.list("applies_to");
         let replaces = match section.get("replaces") {
             Some(value) => points(section, value, "variant.replaces"),
@@ -44,8 +43,7 @@ pub(super) fn lengths(whole: Section<'_, '_>, unit: Unit) -> Vec<LengthRow> {
         known("garment name", "and points such as lD").only(section);
         let garment = section.required_text("garment", "garment = \"AD\"");
         let same = rows.iter().filter(|of| Some(&of.garment) == garment.as_ref());
-        let taken: Vec<String> = same.map(|of| of.name.clone()).collect();
-        let name = own_name(section, &taken);
+        let name = own_name(section, same.map(|of| &of.name));
         let ranges = ranges(section, unit);
         if !section.pairs().any(|(name, _)| Point::of(name.get_ref()).is_some()) {
             section.note(&section.at(), "length", Empty);
@@ -72,8 +70,7 @@ pub(super) fn sizes(
         };
         let section = section.named(&key);
         known("name code variant", "and points such as cB").only(section);
-        let taken: Vec<String> = sizes.iter().map(|of| of.name.clone()).collect();
-        let name = own_name(section, &taken);
+        let name = own_name(section, sizes.iter().map(|of| &of.name));
         let ranges = ranges(section, unit);
         let mut codes = codes(section, None, lengths);
         let mut its = Vec::new();
