@@ -189,7 +189,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<(ScanId, String)>, SumsFault> {
         if !plain(name) {
             return Err(fault);
         }
-        Ok((ScanId::parse(sum).map_err(|_| fault)?, name.to_owned()))
+        Ok((ScanId::parse(sum).ok_or(fault)?, name.to_owned()))
     };
     text.lines().enumerate().map(entry).collect()
 }

@@ -11,30 +11,17 @@ pub(crate) const SHORT: usize = 8;
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ScanId(String);
 
-/// A text that is not a scan id.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a scan id has 64 lower-case hexadecimal digits; this text ({len} bytes) is not one")]
-pub struct NoScanId {
-    /// Length of the text, bytes.
-    pub len: usize,
-}
-
 impl ScanId {
     /// The id of a finished digest.
     pub fn of_digest(digest: [u8; 32]) -> ScanId {
         ScanId(hex(&digest))
     }
 
-    /// Parses an id as written in the journal and in folder names.
-    ///
-    /// # Errors
-    /// [`NoScanId`] for anything but 64 lower-case hexadecimal digits.
-    pub fn parse(text: &str) -> Result<ScanId, NoScanId> {
+    /// Parses an id as written in the journal and in folder names; `None` for anything but 64 lower-case
+    /// hexadecimal digits.
+    pub fn parse(text: &str) -> Option<ScanId> {
         let hexadecimal = text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
-        if text.len() != 64 || !hexadecimal {
-            return Err(NoScanId { len: text.len() });
-        }
-        Ok(ScanId(text.to_owned()))
+        (text.len() == 64 && hexadecimal).then(|| ScanId(text.to_owned()))
     }
 
     /// All 64 digits.
@@ -66,13 +53,13 @@ mod tests {
         let id = ScanId::of_digest(digest);
         assert_eq!(id.short(), "ab000000");
         assert!(id.as_str().ends_with("07"));
-        assert_eq!(ScanId::parse(id.as_str()), Ok(id));
+        assert_eq!(ScanId::parse(id.as_str()), Some(id));
     }
 
     #[test]
     fn a_text_that_could_leave_its_folder_is_no_scan_id() {
         for text in ["", "..", "../../etc/passwd", &"A".repeat(64), &"é".repeat(32)] {
-            assert!(ScanId::parse(text).is_err(), "{text}");
+            assert_eq!(ScanId::parse(text), None, "{text}");
         }
     }
 }

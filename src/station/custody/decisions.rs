@@ -102,7 +102,7 @@ impl Decisions {
         for entry in fs::read_dir(&self.folder)? {
             let name = entry?.file_name();
             let name = name.to_string_lossy();
-            scans.extend(name.strip_suffix(ENDING).and_then(|name| ScanId::parse(name).ok()));
+            scans.extend(name.strip_suffix(ENDING).and_then(ScanId::parse));
         }
         scans.sort();
         Ok(scans)

@@ -130,8 +130,7 @@ impl Custody {
         io("noting an erasure", self.erasures.keep(whose, &erasure))?;
         let is_whole = |scan: &&ErasedScan| scan.is_whole;
         let whole = erasure.scans.iter().filter(is_whole);
-        let whole: Vec<ScanId> =
-            whole.filter_map(|scan| ScanId::parse(&scan.sha256).ok()).collect();
+        let whole: Vec<ScanId> = whole.filter_map(|scan| ScanId::parse(&scan.sha256)).collect();
         for scan in &whole {
             io("erasing spooled bytes", self.spool.remove(scan))?;
             io("erasing quarantined bytes", self.quarantine.remove(scan))?;

@@ -203,7 +203,7 @@ pub(in crate::station) fn entries(folder: &Path) -> io::Result<Vec<ScanId>> {
     let mut scans = Vec::new();
     for entry in fs::read_dir(folder)? {
         // Entries with other names do not belong to gaiter.
-        scans.extend(ScanId::parse(&entry?.file_name().to_string_lossy()).ok());
+        scans.extend(ScanId::parse(&entry?.file_name().to_string_lossy()));
     }
     scans.sort();
     Ok(scans)

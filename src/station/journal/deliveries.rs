@@ -53,7 +53,7 @@ impl Journal {
                 _ => Task::Deliver,
             };
             pending.push(Due {
-                scan: cell("sha256", scan, |text| ScanId::parse(text).ok())?,
+                scan: cell("sha256", scan, ScanId::parse)?,
                 patient: (!id.is_empty()).then_some(Patient { id, sources }),
                 store,
                 task,
@@ -228,7 +228,7 @@ pub(super) fn close_superseded(
         rows.collect::<rusqlite::Result<_>>()?
     };
     for scan in closed {
-        let scan = cell("sha256", scan, |text| ScanId::parse(text).ok())?;
+        let scan = cell("sha256", scan, ScanId::parse)?;
         let detail = json!({ "by": due.scan.short() });
         history::append(transaction, Some(&scan), Event::Superseded, &detail)?;
     }

@@ -109,7 +109,7 @@ impl Journal {
         let rows = query.query_map([limit], |row| row.get(0))?;
         let mut list = Vec::new();
         for row in rows {
-            let scan = cell("sha256", row?, |text| ScanId::parse(text).ok())?;
+            let scan = cell("sha256", row?, ScanId::parse)?;
             list.extend(whole(&connection, &scan)?.as_ref().map(Listed::of));
         }
         Ok(list)
@@ -123,7 +123,7 @@ impl Journal {
             "SELECT sha256 FROM scans WHERE sha256 >= ?1 AND sha256 < ?1 || 'g' LIMIT ?2",
         )?;
         let rows = query.query_map(params![digits, limit], |row| row.get(0))?;
-        rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
+        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
     }
 
     /// Everything known about a scan except its history and preview; `None` if it was never seen.
@@ -249,7 +249,7 @@ fn count(row: &Row<'_>, column: usize) -> rusqlite::Result<u64> {
 
 fn short(row: &Row<'_>, column: usize) -> rusqlite::Result<String> {
     let digits: String = row.get(column)?;
-    let scan = ScanId::parse(&digits).map_err(|fault| wrong(column, fault))?;
+    let scan = cell("sha256", digits, ScanId::parse).map_err(|fault| wrong(column, fault))?;
     Ok(scan.short().to_owned())
 }
 

@@ -93,7 +93,7 @@ impl Journal {
         let mut query =
             connection.prepare_cached("SELECT sha256 FROM scans WHERE state = ?1 ORDER BY 1")?;
         let rows = query.query_map([state.word()], |row| row.get(0))?;
-        rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
+        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
     }
 
     /// The patients for whom a scan is known, including held ones; `None` stands for no patient.
@@ -112,7 +112,7 @@ impl Journal {
             "SELECT sha256 FROM scans WHERE geometry = ?1 ORDER BY first_seen, rowid LIMIT 1",
         )?;
         let found: Option<String> = query.query_row([geometry], |row| row.get(0)).optional()?;
-        found.map(|text| cell("sha256", text, |text| ScanId::parse(text).ok())).transpose()
+        found.map(|text| cell("sha256", text, ScanId::parse)).transpose()
     }
 
     /// The refused scans with these sizes, in bytes, newest first, at most `limit`.
@@ -133,7 +133,7 @@ impl Journal {
             limit
         ];
         let rows = query.query_map(cells, |row| Ok((row.get(0)?, row.get::<_, i64>(1)?)))?;
-        let scan = |text: String| cell("sha256", text, |text| ScanId::parse(text).ok());
+        let scan = |text: String| cell("sha256", text, ScanId::parse);
         rows.map(|row| row.map_err(JournalError::from))
             .map(|row| row.and_then(|(text, size)| Ok((scan(text)?, size.cast_unsigned()))))
             .collect()

@@ -28,7 +28,7 @@ impl Journal {
             .prepare_cached("SELECT sha256 FROM sightings WHERE path = ?1")?
             .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
             .optional()?;
-        let scan = |text: String| cell("sha256", text, |text| ScanId::parse(text).ok());
+        let scan = |text: String| cell("sha256", text, ScanId::parse);
         found.map(|found| found.map(scan).transpose()).transpose()
     }
 
@@ -40,7 +40,7 @@ impl Journal {
             .query_row([path.as_os_str().as_bytes()], |row| Ok((row.get(0)?, row.get(1)?)))
             .optional()?;
         let Some((stamp, scan)) = found else { return Ok(None) };
-        let parsed = |text: String| cell("sha256", text, |text| ScanId::parse(text).ok());
+        let parsed = |text: String| cell("sha256", text, ScanId::parse);
         Ok(Some((cell("stamp", stamp, of_text)?, scan.map(parsed).transpose()?)))
     }
 
@@ -76,7 +76,7 @@ impl Journal {
             .prepare_cached("SELECT same_as FROM sightings WHERE path = ?1")?
             .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
             .optional()?;
-        let parsed = |text: String| cell("same_as", text, |text| ScanId::parse(text).ok());
+        let parsed = |text: String| cell("same_as", text, ScanId::parse);
         found.flatten().map(parsed).transpose()
     }
 }

@@ -173,7 +173,7 @@ impl Journal {
             let scans = query.query_map([UNASSIGNED, SUPERSEDED], |row| row.get(0))?;
             let scans: Vec<String> = scans.collect::<rusqlite::Result<_>>()?;
             for scan in scans {
-                apply(transaction, &cell("sha256", scan, |text| ScanId::parse(text).ok())?)?;
+                apply(transaction, &cell("sha256", scan, ScanId::parse)?)?;
             }
             Ok(())
         })

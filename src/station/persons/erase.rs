@@ -163,7 +163,7 @@ pub(in crate::station) fn clear_store(
 /// The scans of an erased person that no one else has.
 fn whole(erasure: &Erasure) -> Vec<ScanId> {
     let whole = erasure.scans.iter().filter(|scan| scan.is_whole);
-    whole.filter_map(|ErasedScan { sha256, .. }| ScanId::parse(sha256).ok()).collect()
+    whole.filter_map(|ErasedScan { sha256, .. }| ScanId::parse(sha256)).collect()
 }
 
 /// As [`clear_store`], for a running station: notes what has become of it on the board.

@@ -49,7 +49,7 @@ impl Entry {
     /// The entry as a record in the store; `None` if the entry names no scan.
     pub fn found(self, folder: &Path) -> Option<FoundRecord> {
         Some(FoundRecord {
-            scan: ScanId::parse(&self.scan).ok()?,
+            scan: ScanId::parse(&self.scan)?,
             patient: Some(self.patient),
             first_seen: self.first_seen,
             format: self.format,

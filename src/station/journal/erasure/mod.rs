@@ -146,7 +146,7 @@ fn leave_shared(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jour
     shared.sort();
     shared.dedup();
     for scan in shared {
-        let scan = cell("sha256", scan, |text| ScanId::parse(text).ok())?;
+        let scan = cell("sha256", scan, ScanId::parse)?;
         withdrawal::apply(transaction, &scan)?;
         finish_if_done(transaction, &scan)?;
     }

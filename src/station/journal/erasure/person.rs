@@ -42,7 +42,7 @@ impl Journal {
         scans
             .into_iter()
             .map(|scan| {
-                let scan = cell("sha256", scan, |text| ScanId::parse(text).ok())?;
+                let scan = cell("sha256", scan, ScanId::parse)?;
                 Ok(Theirs { whose: whose(&connection, &scan, patient)?, scan })
             })
             .collect()
@@ -125,7 +125,7 @@ impl Journal {
         let mut rows = query.query([patient, store, DeliveryState::Delivered.word()])?;
         let mut found = Vec::new();
         while let Some(row) = rows.next()? {
-            let scan = cell("sha256", row.get(0)?, |text| ScanId::parse(text).ok())?;
+            let scan = cell("sha256", row.get(0)?, ScanId::parse)?;
             let first_seen = cell("first_seen", row.get(1)?, |text| text.parse().ok())?;
             found.push(record_folder(first_seen, &scan));
         }

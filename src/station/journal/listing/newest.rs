@@ -67,7 +67,7 @@ impl Journal {
             "SELECT sha256 FROM scans WHERE {which} ORDER BY {first}first_seen DESC, rowid DESC LIMIT ?1"
         ))?;
         let rows = query.query_map([limit], |row: &Row<'_>| row.get(0))?;
-        rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
+        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
     }
 }
 

@@ -35,7 +35,7 @@ impl Journal {
             ],
             |row| row.get(0),
         )?;
-        rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
+        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
     }
 }
 

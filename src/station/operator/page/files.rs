@@ -57,7 +57,7 @@ pub async fn file(
 ) -> Response {
     let none =
         (StatusCode::NOT_FOUND, "no such file: /scan/ID/FILE needs the whole id of a scan\n");
-    let Ok(scan) = ScanId::parse(&scan) else { return none.into_response() };
+    let Some(scan) = ScanId::parse(&scan) else { return none.into_response() };
     if !endpoint.shows_ids(&headers, None) {
         let sentence = "records are a patient's: open the page with the link from gaiter page\n";
         return (StatusCode::FORBIDDEN, sentence).into_response();

@@ -88,7 +88,7 @@ async fn of_scan<T: Serialize + Send + 'static>(
     headers: &HeaderMap,
     told: impl FnOnce(&Desk, &ScanId) -> T + Send + 'static,
 ) -> Response {
-    let Ok(scan) = ScanId::parse(scan) else { return StatusCode::NOT_FOUND.into_response() };
+    let Some(scan) = ScanId::parse(scan) else { return StatusCode::NOT_FOUND.into_response() };
     if !endpoint.shows_ids(headers, None) {
         return StatusCode::FORBIDDEN.into_response();
     }

@@ -151,6 +151,6 @@ pub fn folder(desk: &Desk, row: &Whole) -> Option<PathBuf> {
 
 /// What is known about the legs of a held scan.
 fn preview(desk: &Desk, row: &Whole) -> Option<Preview> {
-    let scan = ScanId::parse(&row.scan).ok().filter(|_| row.disposition() == Disposition::Held)?;
+    let scan = ScanId::parse(&row.scan).filter(|_| row.disposition() == Disposition::Held)?;
     desk.previews.get(&scan)
 }

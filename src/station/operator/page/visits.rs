@@ -79,7 +79,7 @@ async fn answer(
     let language = endpoint.desk.core.config.language;
     let told = |status, key| plain_page(status, key, language);
     let none = || told(StatusCode::NOT_FOUND, "page.plain.no_visits");
-    let Ok(scan) = ScanId::parse(&scan) else { return none() };
+    let Some(scan) = ScanId::parse(&scan) else { return none() };
     if !endpoint.shows_ids(&headers, None) {
         return told(StatusCode::FORBIDDEN, "page.plain.no_link");
     }
