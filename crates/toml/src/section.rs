@@ -94,16 +94,13 @@ fn bare(key: &str) -> &str {
 
 impl<'s, 't, W: Hint> Section<'s, 't, W> {
     /// The table at a key, with its name for people; `None` if there is none. Anything else is noted.
-    pub fn section<'n>(
+    pub fn section(
         self,
         key: &str,
-        name: &'n str,
+        name: &'s str,
         expected: &'static str,
         example: &str,
-    ) -> Option<Section<'n, 't, W>>
-    where
-        's: 'n,
-    {
+    ) -> Option<Self> {
         let value = self.get(key)?;
         let DeValue::Table(table) = value.get_ref() else {
             self.note_kind(value, name, expected, example);
@@ -114,10 +111,7 @@ impl<'s, 't, W: Hint> Section<'s, 't, W> {
     }
 
     /// It with a name for people.
-    pub fn named<'n>(self, name: &'n str) -> Section<'n, 't, W>
-    where
-        's: 'n,
-    {
+    pub fn named(self, name: &'s str) -> Self {
         Section { name, ..self }
     }
 

@@ -19,7 +19,8 @@ pub struct Contact {
     closed: Option<bool>,
     /// The state that is seen if it differs from the accepted one, and since when without a break.
     seen: Option<(bool, Duration)>,
-    closed_since: Option<Duration>,
+    /// Since when the contact is accepted as closed.
+    pub(super) closed_since: Option<Duration>,
 }
 
 impl Contact {
@@ -56,11 +57,6 @@ impl Contact {
     pub fn due(&self) -> Option<Duration> {
         self.seen.map(|(_, since)| since + self.debounce)
     }
-
-    /// Since when the contact is accepted as closed.
-    pub fn closed_since(&self) -> Option<Duration> {
-        self.closed_since
-    }
 }
 
 #[cfg(test)]
@@ -84,7 +80,7 @@ mod tests {
         let mut contact = Contact::open(DEBOUNCE);
         let seen = [(0, true), (10, true), (20, false), (22, true), (51, true), (52, true)];
         assert_eq!(changes(&mut contact, &seen), [(52, Change::Down)]);
-        assert_eq!(contact.closed_since(), Some(ms(52)));
+        assert_eq!(contact.closed_since, Some(ms(52)));
         let seen = [(60, false), (89, false), (90, false), (200, false)];
         assert_eq!(changes(&mut contact, &seen), [(90, Change::Up)]);
     }
@@ -93,7 +89,7 @@ mod tests {
     fn a_contact_that_is_closed_from_the_beginning_does_not_close() {
         let mut contact = Contact::unknown(DEBOUNCE);
         assert_eq!(changes(&mut contact, &[(0, true), (30, true), (1000, true)]), []);
-        assert_eq!(contact.closed_since(), Some(ms(30)), "it is known to be closed all the same");
+        assert_eq!(contact.closed_since, Some(ms(30)), "it is known to be closed all the same");
         let seen = [(1010, false), (1040, false), (2000, true), (2030, true)];
         let changes = changes(&mut contact, &seen);
         assert_eq!(changes, [(1040, Change::Up), (2030, Change::Down)]);

@@ -200,7 +200,7 @@ impl InputDecoder {
     /// Whether the contact is closed for longer than anyone holds a button.
     pub fn is_stuck(&self, now: Duration) -> bool {
         let Sense::Button { contact, .. } = &self.sense else { return false };
-        contact.closed_since().is_some_and(|since| now.saturating_sub(since) >= STUCK)
+        contact.closed_since.is_some_and(|since| now.saturating_sub(since) >= STUCK)
     }
 
     /// How many bytes or keys without a meaning arrived since the last call.
