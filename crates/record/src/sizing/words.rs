@@ -43,8 +43,7 @@ pub fn heading(index: usize, table: &TableVerdict, language: Language) -> String
 pub fn identity(table: &TableVerdict, language: Language) -> String {
     let hash: String = table.sha256.chars().take(HASH_DIGITS).collect();
     let (id, edition) = (shown::id(&table.id), shown::id(&table.edition));
-    let words: [(&str, &dyn Display); 3] = [("id", &id), ("edition", &edition), ("hash", &hash)];
-    language.filled("sizes.identity", &words)
+    language.filled("sizes.identity", &[("id", &id), ("edition", &edition), ("hash", &hash)])
 }
 
 /// What a reader must know before the verdicts of a table: what it may not be used for, that it is expired,
@@ -88,8 +87,7 @@ pub fn fit(fit: Fit, points: &[PointVerdict], language: Language) -> String {
     if points.is_empty() {
         return verdict.to_owned();
     }
-    let words: [(&str, &dyn Display); 2] = [("verdict", &verdict), ("points", &points.join(", "))];
-    language.filled(key, &words)
+    language.filled(key, &[("verdict", &verdict), ("points", &points.join(", "))])
 }
 
 /// How far a value lies above the lower and below the upper limit, cm: `+0.4 / −0.1`. The sign of a margin
@@ -150,8 +148,7 @@ pub fn codes(of: &SizeVerdict, language: Language) -> Option<String> {
 pub fn together(index: usize, table: &TableVerdict, leg: &LegSizes, language: Language) -> String {
     let verdict = language.word("sizes.fit", leg.verdict.fit.word());
     let sign = marked(index, table, language);
-    let words: [(&str, &dyn Display); 2] = [("sign", &sign), ("verdict", &verdict)];
-    let together = language.filled("sizes.together", &words);
+    let together = language.filled("sizes.together", &[("sign", &sign), ("verdict", &verdict)]);
     let left_out = left_out(table, leg, language).map(|said| format!(" {said}."));
     together + &left_out.unwrap_or_default()
 }

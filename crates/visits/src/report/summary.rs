@@ -102,9 +102,7 @@ impl ReportOf<'_> {
             let day = self.course.seen(of).local();
             let day = day.strftime(words.language.text("visits.day")).to_string();
             let why = words.language.word("visits.left_out", of.code);
-            let values: [(&str, &dyn Display); 3] =
-                [("date", &day), ("scan", &of.scan), ("why", &why)];
-            words.filled("visits.left_out_of", &values)
+            words.filled("visits.left_out_of", &[("date", &day), ("scan", &of.scan), ("why", &why)])
         };
         self.course.left_out.iter().map(said).collect()
     }
@@ -114,8 +112,7 @@ impl ReportOf<'_> {
         let acquired = self.course.visits.last()?.acquired.as_ref()?;
         let days = acquired.age_days(self.today);
         let key = if days > i64::from(self.age_max.0) { "visits.too_old" } else { "visits.age" };
-        let values: [(&str, &dyn Display); 2] = [("days", &days), ("most", &self.age_max.0)];
-        Some(words.filled(key, &values))
+        Some(words.filled(key, &[("days", &days), ("most", &self.age_max.0)]))
     }
 
     /// What speaks against the comparisons, and where visits cannot be compared.

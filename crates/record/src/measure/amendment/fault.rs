@@ -105,9 +105,7 @@ impl AmendFault {
                 let leg = language.word("leg", side.word());
                 let why = what.in_words(language);
                 let measure = subject.name(language);
-                let words: [(&str, &dyn fmt::Display); 3] =
-                    [("leg", &leg), ("measure", &measure), ("why", &why)];
-                language.filled("amend.at", &words)
+                language.filled("amend.at", &[("leg", &leg), ("measure", &measure), ("why", &why)])
             }
         }
     }
@@ -141,11 +139,10 @@ impl What {
                 ];
                 language.filled(key, &words)
             }
-            What::FarOff { value: of, found_mm, scanned_mm } => {
-                let words: [(&str, &dyn fmt::Display); 3] =
-                    [("value", &value(of)), ("found", &cm(found_mm)), ("scan", &cm(scanned_mm))];
-                language.filled("amend.far_off", &words)
-            }
+            What::FarOff { value: of, found_mm, scanned_mm } => language.filled(
+                "amend.far_off",
+                &[("value", &value(of)), ("found", &cm(found_mm)), ("scan", &cm(scanned_mm))],
+            ),
             What::NothingToTakeBack => language.text("amend.nothing_to_take_back").to_owned(),
         }
     }

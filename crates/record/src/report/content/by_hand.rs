@@ -61,8 +61,6 @@ impl Report<'_> {
             Some(mm) => cm_words(mm, self.language),
             None => self.text("report.missing.level_absent"),
         };
-        let words: [(&str, &dyn Display); 2] =
-            [("cm", &cm_words(mm, self.language)), ("scan", &scanned)];
-        self.filled(key, &words)
+        self.filled(key, &[("cm", &cm_words(mm, self.language)), ("scan", &scanned)])
     }
 }

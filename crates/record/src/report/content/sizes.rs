@@ -62,15 +62,13 @@ impl Report<'_> {
             said.push(self.filled("sizes.explanation", &limits));
             let mm = |mm: f64| shortest(mm, language);
             if verdicts.scanner_girth_mm > 0.0 {
-                let words: [(&str, &dyn Display); 1] = [("mm", &mm(verdicts.scanner_girth_mm))];
-                said.push(self.filled("sizes.common", &words));
+                said.push(self.filled("sizes.common", &[("mm", &mm(verdicts.scanner_girth_mm))]));
             }
             if verdicts.has(|of| !of.is_required) {
                 said.push(self.text("sizes.not_required"));
             }
             if verdicts.has(PointVerdict::is_by_hand) {
-                let words: [(&str, &dyn Display); 1] = [("mm", &mm(verdicts.tape_girth_mm))];
-                said.push(self.filled("sizes.tape", &words));
+                said.push(self.filled("sizes.tape", &[("mm", &mm(verdicts.tape_girth_mm))]));
             }
         }
         said
