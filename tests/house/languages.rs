@@ -22,7 +22,7 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 62] = [
+const BY_CODE: [(&str, &str); 65] = [
     ("act.affected", "`Affected::word`, and that none is named"),
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
@@ -62,7 +62,10 @@ const BY_CODE: [(&str, &str); 62] = [
     ("posture", "`Posture::word`"),
     ("report.by_hand.measure", "`Subject::word`"),
     ("report.caption", "the figures of a report"),
+    ("report.notes", "`Severity::word`"),
     ("report.open.field", "`OPEN_FIELDS`"),
+    ("report.source", "`SourceKind::word`"),
+    ("report.time_from", "`AcquiredFrom::word`"),
     ("sizes.check.what", "the remarks on a size table"),
     ("sizes.fit", "`Fit::word`"),
     ("sizes.not_comparable", "`NotComparable::word`"),

@@ -78,7 +78,7 @@ impl Record {
     /// The first [`RecordFault`].
     pub fn checked(self) -> Result<Record, RecordFault> {
         for (index, leg) in self.legs.iter().enumerate() {
-            let is_side = Side::BOTH.iter().any(|side| side.word() == leg.side);
+            let is_side = Side::of_word(&leg.side).is_some();
             if !is_side || self.legs[..index].iter().any(|before| before.side == leg.side) {
                 return Err(RecordFault::Side { index, side: leg.side.clone() });
             }

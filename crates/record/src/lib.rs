@@ -10,7 +10,6 @@ pub mod completeness;
 mod compose;
 pub mod export;
 pub mod fhir;
-mod file;
 mod files;
 pub mod gdt;
 pub mod hl7;
@@ -32,9 +31,8 @@ pub mod surface;
 
 pub use check::RecordFault;
 pub use compose::record;
-pub use file::RecordFile;
 pub use files::{
-    ORD, RECORD, SUMS, ScanFile, add_scan, amended_files, files_beside_scan, hex, json,
+    ORD, RECORD, RecordFile, SUMS, ScanFile, add_scan, amended_files, files_beside_scan, hex, json,
     record_files, sha256,
 };
 pub use gaiter_leg::word_enum;

@@ -84,29 +84,23 @@ pub(crate) fn why_absent(
     level: Level,
     absent: Absent,
 ) -> &'static str {
-    let is_found = |code: &str, level: Option<&str>| {
-        record.findings.iter().any(|of| {
-            let is_there = of.leg.as_deref() == Some(side.word());
-            of.code == code && is_there && of.level.as_deref() == level
-        })
-    };
+    let is_found = |code: &str| record.has_finding_at(code, side, Some(level.name()));
     match absent {
         Absent::NotMeasurable => "report.missing.not_measurable",
-        Absent::NotFound if record.leg(side).is_none() => {
-            match is_found("leg-not-measured", None) {
-                true => "report.missing.leg_not_measured",
-                false => "report.missing.leg_not_in_scan",
-            }
-        }
-        Absent::NotFound if is_found("level-absent", Some(level.name())) => {
-            "report.missing.level_absent"
-        }
-        Absent::NotFound if is_found("level-implausible", Some(level.name())) => {
-            "report.missing.level_implausible"
-        }
+        Absent::NotFound if record.leg(side).is_none() => why_no_leg(record, side),
+        Absent::NotFound if is_found("level-absent") => "report.missing.level_absent",
+        Absent::NotFound if is_found("level-implausible") => "report.missing.level_implausible",
         // The only estimate without figures.
         Absent::NotFound if is_estimated(record, side, level) => "report.missing.below_d",
         Absent::NotFound => "report.missing.level_not_seen",
+    }
+}
+
+/// The key of the words for why a leg is not in a record.
+pub(crate) fn why_no_leg(record: &Record, side: Side) -> &'static str {
+    match record.has_finding_at("leg-not-measured", side, None) {
+        true => "report.missing.leg_not_measured",
+        false => "report.missing.leg_not_in_scan",
     }
 }
 

@@ -111,23 +111,18 @@ impl CheckRecord {
         check: &Result<PhantomCheck, PhantomFault>,
         tolerance_mm: f64,
     ) -> CheckRecord {
-        let check = match check {
-            Ok(check) => check,
-            Err(fault) => {
-                return CheckRecord::not_measured(at, sha256, fault.to_string(), tolerance_mm);
-            }
-        };
-        let is_within = check.is_within(tolerance_mm);
-        let result = if is_within { CheckResult::Within } else { CheckResult::Beyond };
-        CheckRecord {
-            schema: PHANTOM_SCHEMA.to_owned(),
-            at,
-            sha256,
-            gaiter: env!("CARGO_PKG_VERSION").to_owned(),
-            result,
-            tolerance_mm,
-            figures: Some(figures(check)),
-            why: None,
+        let record = |why| CheckRecord::not_measured(at, sha256, why, tolerance_mm);
+        match check {
+            Err(fault) => record(fault.to_string()),
+            Ok(check) => CheckRecord {
+                result: match check.is_within(tolerance_mm) {
+                    true => CheckResult::Within,
+                    false => CheckResult::Beyond,
+                },
+                figures: Some(figures(check)),
+                why: None,
+                ..record(String::new())
+            },
         }
     }
 

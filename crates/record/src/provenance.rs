@@ -92,23 +92,24 @@ impl Source {
     }
 }
 
-/// The kinds of sources of a patient id.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum SourceKind {
-    /// The scan's file name, matched by the configured expression.
-    FileName,
-    /// The scanner's own measures (`.ord`) next to the scan.
-    Sidecar,
-    /// A person at the station.
-    Operator,
-    /// A card or barcode read at the booth.
-    Reader,
-    /// An order of the practice software (GDT 6302).
-    Order,
-    /// The record itself, found in its store by a station that had lost its journal.
-    Record,
+gaiter_leg::word_enum! {
+    /// The kinds of sources of a patient id.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema))]
+    pub enum SourceKind as serde {
+        /// The scan's file name, matched by the configured expression.
+        FileName => "file_name",
+        /// The scanner's own measures (`.ord`) next to the scan.
+        Sidecar => "sidecar",
+        /// A person at the station.
+        Operator => "operator",
+        /// A card or barcode read at the booth.
+        Reader => "reader",
+        /// An order of the practice software (GDT 6302).
+        Order => "order",
+        /// The record itself, found in its store by a station that had lost its journal.
+        Record => "record",
+    }
 }
 
 /// A time of acquisition and its source.
@@ -131,11 +132,14 @@ impl Acquired {
         Acquired { at, from, utc_offset_min: None }
     }
 
+    /// How far the clock at the scanner was ahead of UTC; `None` if that is not known.
+    pub(crate) fn offset(&self) -> Option<Offset> {
+        Offset::from_seconds(60 * i32::from(self.utc_offset_min?)).ok()
+    }
+
     /// The time on the clock of the scanner; UTC if its zone is not known.
     pub fn local(&self) -> Zoned {
-        let seconds = self.utc_offset_min.map(|min| 60 * i32::from(min));
-        let offset = seconds.and_then(|seconds| Offset::from_seconds(seconds).ok());
-        self.at.to_zoned(offset.map_or(TimeZone::UTC, TimeZone::fixed))
+        self.at.to_zoned(self.offset().map_or(TimeZone::UTC, TimeZone::fixed))
     }
 
     /// How many days before `today` it was, on the calendar of the scanner; negative if it is to come.
@@ -144,15 +148,16 @@ impl Acquired {
     }
 }
 
-/// The source of a time of acquisition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum AcquiredFrom {
-    /// The press of the button.
-    Press,
-    /// The export's modification time.
-    FileTime,
-    /// No reliable source.
-    Unknown,
+gaiter_leg::word_enum! {
+    /// The source of a time of acquisition.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema))]
+    pub enum AcquiredFrom as serde {
+        /// The press of the button.
+        Press => "press",
+        /// The export's modification time.
+        FileTime => "file_time",
+        /// No reliable source.
+        Unknown => "unknown",
+    }
 }

@@ -5,7 +5,7 @@ use gaiter_sizes::Garment;
 use serde::{Deserialize, Serialize};
 
 use super::Record;
-use super::file::{RecordFile, file};
+use super::files::{RecordFile, file};
 use super::order::OrderChoice;
 use super::picture::figures::{self, Figure};
 use super::picture::svg;

@@ -71,6 +71,13 @@ impl Record {
     pub fn has_finding(&self, code: &str) -> bool {
         self.findings.iter().any(|finding| finding.code == code)
     }
+
+    /// Whether there is a finding of this code about a leg, or about a level of it.
+    pub(crate) fn has_finding_at(&self, code: &str, side: Side, level: Option<&str>) -> bool {
+        self.findings
+            .iter()
+            .any(|of| of.code == code && of.side() == Some(side) && of.level.as_deref() == level)
+    }
 }
 
 /// Program and method that made a record.
@@ -317,6 +324,11 @@ pub struct FindingNote {
 pub const NOT_VOUCHED: &str = "not-vouched";
 
 impl FindingNote {
+    /// The leg that it is about; `None` for the whole scan.
+    pub(crate) fn side(&self) -> Option<Side> {
+        Side::of_word(self.leg.as_deref()?)
+    }
+
     /// For a report of a record whose bytes nobody can check: without `SHA256SUMS` beside it, its figures
     /// may be anybody's.
     pub fn not_vouched() -> FindingNote {

@@ -20,6 +20,11 @@ pub fn id(text: &str) -> String {
     shown
 }
 
+/// A text for the content of an element of HTML or XML, and for an attribute between `"`.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 /// A text of another program as part of a line for people and logs: without what nobody sees or what turns the
 /// direction of letters, without these words in capital or small letters, which must not get into a log, and at most
 /// 200 characters long.

@@ -230,16 +230,5 @@ fn shown_path(path: &Path) -> String {
 
 /// A text as markup.
 fn escaped(text: &(impl Display + ?Sized)) -> String {
-    let text = text.to_string();
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            other => escaped.push(other),
-        }
-    }
-    escaped
+    gaiter_record::shown::escaped(&text.to_string())
 }

@@ -196,12 +196,12 @@ impl Needs<'_> {
     fn is_needed(&self, finding: &FindingNote) -> bool {
         let levels = self.garment.levels().iter();
         let level = levels.copied().find(|of| finding.level.as_deref() == Some(of.name()));
-        level.is_some_and(|level| side_of(finding).is_none_or(|side| !self.is_settled(side, level)))
+        level.is_some_and(|level| finding.side().is_none_or(|side| !self.is_settled(side, level)))
     }
 
     /// Whether the leg of a finding has neither figures nor an estimate of a level that is needed.
     fn lacks_a_level(&self, finding: &FindingNote) -> bool {
-        side_of(finding).is_some_and(|side| {
+        finding.side().is_some_and(|side| {
             let mut levels = self.garment.levels().iter();
             let is_missing = |level: &Level| {
                 self.scanned_doubts(side, *level).is_none() && !self.is_settled(side, *level)
@@ -219,10 +219,6 @@ impl Needs<'_> {
         };
         self.garment.levels().contains(&Level::G) && self.record.sides().any(is_doubted)
     }
-}
-
-fn side_of(finding: &FindingNote) -> Option<Side> {
-    Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()))
 }
 
 /// What another scan must do better because of a doubt at a level that is needed.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::Parts;
 use super::bundle::Entry;
-use crate::file::RecordFile;
+use crate::RecordFile;
 
 /// The media type of a file by the ending of its name.
 const TYPES: [(&str, &str); 11] = [

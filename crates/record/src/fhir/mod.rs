@@ -10,7 +10,6 @@ mod identity;
 mod observation;
 pub mod outcome;
 mod report;
-mod text;
 
 use gaiter_language::Language;
 use gaiter_sizes::Garment;
@@ -18,9 +17,10 @@ use jiff::Timestamp;
 use serde_json::{Value, json};
 
 use crate::FIRST_REVISION;
+use crate::RecordFile;
 use crate::export::taken;
-use crate::file::RecordFile;
 use crate::schema::Record;
+use crate::shown::escaped;
 pub use bundle::{Entry, Replacement, created, replaced};
 pub use identity::{FhirKey, Identifier, uuid};
 
@@ -149,6 +149,15 @@ impl Parts<'_> {
         });
         Entry::new(identifier, resource)
     }
+}
+
+/// The narrative of a resource, for readers without a program for its fields: a title and lines.
+fn narrative(title: &str, lines: &[String]) -> Value {
+    let items: String = lines.iter().map(|line| format!("<li>{}</li>", escaped(line))).collect();
+    let list = if items.is_empty() { items } else { format!("<ul>{items}</ul>") };
+    let title = escaped(title);
+    let div = format!("<div xmlns=\"http://www.w3.org/1999/xhtml\"><p>{title}</p>{list}</div>");
+    json!({ "status": "generated", "div": div })
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@ use gaiter_leg::Side;
 use serde_json::{Value, json};
 
 use super::bundle::Entry;
-use super::{Parts, codes, text};
+use super::{Parts, codes, narrative};
 use crate::export::{ExportFigure, What, export_figures};
+use crate::report::title;
 use crate::rounding;
 
 impl Parts<'_> {
@@ -24,7 +25,7 @@ impl Parts<'_> {
         let mut resource = json!({
             "resourceType": "Observation",
             "language": language.tag(),
-            "text": text::narrative(leg, &lines),
+            "text": narrative(leg, &lines),
             "identifier": self.identifiers(part),
             "status": self.status().word(),
             "category": [codes::exam()],
@@ -89,8 +90,8 @@ impl Parts<'_> {
             }
         }
         let said = |(doubt, boxes): &(&str, Vec<String>)| {
-            let title = self.rules.language.find(&format!("finding.{doubt}.title"));
-            json!({ "text": format!("{}: {}", boxes.join(", "), title.unwrap_or(doubt)) })
+            let title = title(doubt, self.rules.language);
+            json!({ "text": format!("{}: {title}", boxes.join(", ")) })
         };
         doubts.iter().map(said).collect()
     }

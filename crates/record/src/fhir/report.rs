@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::bundle::Entry;
-use super::{Parts, text};
+use super::{Parts, narrative};
 use crate::completeness::Completeness;
 
 /// The part of a record that is its report.
@@ -19,7 +19,7 @@ impl Parts<'_> {
         let mut resource = json!({
             "resourceType": "DiagnosticReport",
             "language": language.tag(),
-            "text": text::narrative(title, &verdict),
+            "text": narrative(title, &verdict),
             "identifier": self.identifiers(PART),
             "status": self.status().word(),
             "code": self.concept("leg-report", title, &[]),

@@ -14,7 +14,7 @@ use super::rules::{AttachmentFields, GdtRules};
 use super::{table, words};
 use crate::completeness::Completeness;
 use crate::measure::Measure;
-use crate::report::{Content, Mark};
+use crate::report::{Content, Mark, title};
 use crate::rounding::cm_words;
 use crate::schema::{FindingNote, Record};
 
@@ -129,7 +129,7 @@ impl Block<'_> {
             ]);
             let remarks: Vec<&str> = match figure.is_by_hand {
                 true => vec![words::BY_HAND],
-                false => doubts.iter().map(|code| words::doubt(code)).collect(),
+                false => doubts.iter().map(|code| title(code, Language::De)).collect(),
             };
             let written = |text: &str| words::written(text, self.rules.charset);
             fields.extend(remarks.into_iter().map(|text| (8470, written(text))));
@@ -172,9 +172,8 @@ fn comment(text: &str, instead: &str, rules: &GdtRules) -> Vec<String> {
 
 /// The leg and level of a finding, before its message.
 fn place(finding: &FindingNote) -> String {
-    let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
     let parts: Vec<&str> =
-        side.map(words::side).into_iter().chain(finding.level.as_deref()).collect();
+        finding.side().map(words::side).into_iter().chain(finding.level.as_deref()).collect();
     if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(" ")) }
 }
 

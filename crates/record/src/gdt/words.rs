@@ -1,6 +1,5 @@
 //! The words of a result, which are German like the format.
 
-use gaiter_language::Language;
 use gaiter_leg::Side;
 
 use super::charset::Charset;
@@ -33,11 +32,6 @@ pub(super) fn written(text: &str, charset: Charset) -> String {
         ("·", "/"),
     ];
     spelled.iter().fold(text.to_owned(), |text, (letter, as_ascii)| text.replace(letter, as_ascii))
-}
-
-/// A doubt in words by its code, or the code itself if there are no words for it.
-pub(super) fn doubt(code: &str) -> &str {
-    Language::De.find(&format!("finding.{code}.title")).unwrap_or(code)
 }
 
 /// Wraps a text into lines of at most this many characters, at blanks if there are any.

@@ -10,6 +10,7 @@ use super::escape::escaped;
 use super::{Charset, Hl7Rules, PdfForm};
 use crate::completeness::Completeness;
 use crate::export::{ExportFigure, What, export_figures, taken};
+use crate::report::title;
 use crate::schema::Record;
 use crate::{FIRST_REVISION, sha256};
 
@@ -226,8 +227,7 @@ impl Message<'_> {
         let mut segments = vec![self.observation(number, &observation)];
         let by_hand = figure.is_by_hand.then(|| language.text("hospital.by_hand").to_owned());
         let doubts = figure.doubts.iter().map(|doubt| {
-            let title = language.find(&format!("finding.{doubt}.title"));
-            format!("{}: {}", language.text("hospital.doubtful"), title.unwrap_or(doubt))
+            format!("{}: {}", language.text("hospital.doubtful"), title(doubt, language))
         });
         for (at, note) in by_hand.into_iter().chain(doubts).enumerate() {
             segments.push(format!("NTE|{}|L|{}", at + 1, escaped(&note)));

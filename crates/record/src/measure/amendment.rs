@@ -244,8 +244,7 @@ impl Amendment {
     /// # Errors
     /// See [`AmendFault`].
     pub fn checked(&self) -> Result<(Side, Subject), AmendFault> {
-        let side = Side::BOTH.into_iter().find(|side| side.word() == self.leg);
-        let side = side.ok_or_else(|| AmendFault::Leg(self.leg.clone()))?;
+        let side = Side::of_word(&self.leg).ok_or_else(|| AmendFault::Leg(self.leg.clone()))?;
         let subject = Subject::of_word(&self.measure);
         let subject = subject.ok_or_else(|| AmendFault::Measure(self.measure.clone()))?;
         a_line(&self.reason, "reason")?;

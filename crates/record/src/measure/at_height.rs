@@ -2,36 +2,31 @@
 
 use crate::schema::LegFigures;
 
-/// The girth of a leg at a height above the floor, mm, straight between the two sections around it; `None`
-/// where one of them was not measured. Sections lie a few millimetres apart, so the line is within 0.1 mm of
-/// the curve on an ordinary leg.
+/// The girth of a leg at a height above the floor, mm. Sections lie a few millimetres apart, so it is within 0.1 mm
+/// of the curve on an ordinary leg.
 pub(crate) fn girth_mm_at(leg: &LegFigures, height_mm: f64) -> Option<f64> {
-    let curve = &leg.girth_curve;
-    let measured: Vec<(f64, Option<f64>)> = curve
-        .height_mm
-        .iter()
-        .zip(&curve.tape_mm)
-        .filter_map(|(height_mm, tape_mm)| Some(((*height_mm)?, *tape_mm)))
-        .collect();
-    let around =
-        measured.windows(2).find(|pair| pair[0].0 <= height_mm && height_mm <= pair[1].0)?;
+    at_height(leg, leg.girth_curve.tape_mm.iter().copied(), height_mm)
+}
+
+/// Where a height above the floor lies along the axis of a leg, mm.
+pub(crate) fn along_mm_at(leg: &LegFigures, height_mm: f64) -> Option<f64> {
+    at_height(leg, leg.girth_curve.along_axis_mm.iter().copied().map(Some), height_mm)
+}
+
+/// A column of the girth curve at a height, straight between the two sections around it; `None` beyond the sections,
+/// and where one of the two has no figure.
+fn at_height(
+    leg: &LegFigures,
+    column: impl Iterator<Item = Option<f64>>,
+    height_mm: f64,
+) -> Option<f64> {
+    let rows = leg.girth_curve.height_mm.iter().zip(column);
+    let rows: Vec<(f64, Option<f64>)> =
+        rows.filter_map(|(height_mm, figure)| Some(((*height_mm)?, figure))).collect();
+    let around = rows.windows(2).find(|pair| pair[0].0 <= height_mm && height_mm <= pair[1].0)?;
     let [(low_mm, low), (high_mm, high)] = around.try_into().ok()?;
     let share = if high_mm > low_mm { (height_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
     Some(low? + share * (high? - low?))
-}
-
-/// Where a height above the floor lies along the axis of a leg, mm, straight between the two sections around
-/// it; `None` beyond the sections.
-pub(crate) fn along_mm_at(leg: &LegFigures, height_mm: f64) -> Option<f64> {
-    let curve = &leg.girth_curve;
-    let heights = curve.height_mm.iter().zip(&curve.along_axis_mm);
-    let known: Vec<(f64, f64)> =
-        heights.filter_map(|(height_mm, along_mm)| Some(((*height_mm)?, *along_mm))).collect();
-    let is_around = |pair: &&[(f64, f64)]| pair[0].0 <= height_mm && height_mm <= pair[1].0;
-    let [(low_mm, from_mm), (high_mm, to_mm)] =
-        known.windows(2).find(is_around)?.try_into().ok()?;
-    let share = if high_mm > low_mm { (height_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
-    Some(from_mm + share * (to_mm - from_mm))
 }
 
 /// The larger standard error of the girths next to a height, below and above it, mm; `None` if one of them

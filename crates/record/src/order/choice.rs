@@ -5,7 +5,7 @@ use gaiter_sizes::Mapping;
 use serde::{Deserialize, Serialize};
 
 use super::{Order, csv, mapped, mapped_name, spreadsheet};
-use crate::file::{RecordFile, file};
+use crate::files::{RecordFile, file, json};
 
 /// How the names of all order files begin, and of no other file of a record.
 const BEGIN: &str = "order";
@@ -48,16 +48,6 @@ pub struct OrderChoice {
 /// Whether a file of a record is one of its order.
 pub fn is_order_file(name: &str) -> bool {
     name.starts_with(BEGIN)
-}
-
-/// An order as the bytes of its file.
-///
-/// # Errors
-/// If a figure cannot be written as JSON.
-pub fn json(order: &Order) -> Result<Vec<u8>, serde_json::Error> {
-    let mut json = serde_json::to_vec_pretty(order)?;
-    json.push(b'\n');
-    Ok(json)
 }
 
 /// The files of an order, each under a name of its own. The patient's id is only for a mapping that asks for it.

@@ -5,7 +5,6 @@ use gaiter_leg::method::Posture;
 use gaiter_sizes::garment::FormBox;
 use gaiter_sizes::{Garment, Point};
 use jiff::civil::Date;
-use jiff::tz::Offset;
 
 use super::place::{Part, length_from, place};
 use super::reading::{Read, edited, read};
@@ -98,8 +97,7 @@ fn scan(record: &Record) -> OrderedScan {
         false => digits,
     };
     let time_of_day = record.acquired.as_ref().and_then(|acquired| {
-        let seconds = 60 * i32::from(acquired.utc_offset_min?);
-        let local = Offset::from_seconds(seconds).ok()?.to_datetime(acquired.at);
+        let local = acquired.offset()?.to_datetime(acquired.at);
         Some(format!("{:02}:{:02}", local.hour(), local.minute()))
     });
     OrderedScan {
@@ -131,11 +129,7 @@ impl Ordered<'_> {
     /// The legs with boxes, the right one first, and then neither. A leg that was sought and not measured has
     /// boxes, all of them open.
     fn sides(&self) -> Vec<Option<Side>> {
-        let is_sought = |side: Side| {
-            let mut findings = self.record.findings.iter();
-            findings
-                .any(|of| of.code == "leg-not-measured" && of.leg.as_deref() == Some(side.word()))
-        };
+        let is_sought = |side: Side| self.record.has_finding_at("leg-not-measured", side, None);
         let known: Vec<Side> = self.record.sides().collect();
         let legs = Side::FROM_FRONT.into_iter();
         let legs = legs.filter(|side| known.contains(side) || is_sought(*side));

@@ -7,7 +7,6 @@ use gaiter_sizes::mapping::{
     Which,
 };
 use jiff::civil::DateTime;
-use jiff::tz::Offset;
 
 use super::place::{Part, place};
 use super::{Figure, LastFigure, Order, OrderSide, OrderedScan, Row, SCAN_AGE, State};
@@ -36,9 +35,7 @@ pub fn mapped_name(order: &Order, mapping: &Mapping) -> String {
 
 /// When a scan was taken by the clock at the scanner; by UTC if that clock is not known.
 fn local(scan: &OrderedScan) -> Option<DateTime> {
-    let acquired = scan.acquired.as_ref()?;
-    let seconds = 60 * i32::from(acquired.utc_offset_min.unwrap_or_default());
-    Some(Offset::from_seconds(seconds).unwrap_or(Offset::UTC).to_datetime(acquired.at))
+    Some(scan.acquired.as_ref()?.local().datetime())
 }
 
 struct Mapped<'a> {

@@ -4,8 +4,9 @@ mod looks;
 
 use std::fmt::Write;
 
-use self::looks::{FILL, push_escaped, push_looks, push_number, push_painted, push_px};
+use self::looks::{FILL, push_looks, push_number, push_painted, push_px};
 use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
+use crate::shown::escaped;
 
 /// The font families and the ends of lines, as attributes.
 const LOOKS: &str = " font-family=\"system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif\" \
@@ -76,9 +77,7 @@ pub(crate) fn dark_rules() -> String {
 }
 
 fn title_element(title: &str) -> String {
-    let mut element = String::from("<title>");
-    push_escaped(&mut element, title);
-    element + "</title>\n"
+    format!("<title>{}</title>\n", escaped(title))
 }
 
 /// An `svg` element with these attributes, its box of left, top, width and height, and what is inside.
@@ -161,7 +160,7 @@ fn push_mark(svg: &mut String, mark: &Mark) {
                 Anchor::End => " text-anchor=\"end\"",
             });
             svg.push_str(if *is_bold { " font-weight=\"600\">" } else { ">" });
-            push_escaped(svg, words);
+            svg.push_str(&escaped(words));
             svg.push_str("</text>");
         }
     }

@@ -17,13 +17,15 @@ use std::fmt::Display;
 
 use gaiter_language::Language;
 use gaiter_leg::Side;
+use gaiter_leg::finding::Severity;
 use gaiter_sizes::Garment;
 
 use super::Figure;
 use super::age::{Age, AgeMax};
-use super::head::Head;
+use super::document::Head;
 use crate::Record;
 use crate::completeness::{Completeness, Kind};
+use crate::measure::why_no_leg;
 use crate::schema::NOT_VOUCHED;
 use crate::sizing::{SizeChoice, SizeVerdicts};
 
@@ -222,7 +224,7 @@ pub struct Note {
     /// Its stable code.
     pub code: String,
     /// How much it matters.
-    pub weight: Weight,
+    pub weight: Severity,
     /// The weight in words.
     pub weight_words: String,
     /// The leg and level; empty for the whole scan.
@@ -237,17 +239,6 @@ pub struct Note {
     pub meaning: Option<String>,
     /// What to do; `None` for an unknown code.
     pub action: Option<String>,
-}
-
-/// The weight of a note, heaviest first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Weight {
-    /// Something was not measured.
-    Error,
-    /// Check this before using the record.
-    Warning,
-    /// Worth knowing.
-    Info,
 }
 
 impl Content {
@@ -364,20 +355,8 @@ impl Report<'_> {
         self.language.word("leg.heading", side.word()).to_owned()
     }
 
-    /// Whether the record has a finding of this code about a leg, or about a level of it.
-    fn is_found(&self, code: &str, side: Side, level: Option<&str>) -> bool {
-        self.record.findings.iter().any(|finding| {
-            let is_there = finding.leg.as_deref() == Some(side.word());
-            finding.code == code && is_there && finding.level.as_deref() == level
-        })
-    }
-
     /// Why a leg is not in the record.
     fn no_leg(&self, side: Side) -> &'static str {
-        if self.is_found("leg-not-measured", side, None) {
-            self.language.text("report.missing.leg_not_measured")
-        } else {
-            self.language.text("report.missing.leg_not_in_scan")
-        }
+        self.language.text(why_no_leg(self.record, side))
     }
 }

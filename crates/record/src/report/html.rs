@@ -8,12 +8,12 @@ use base64::engine::general_purpose::STANDARD;
 use gaiter_language::{Language, Piece, pieces};
 use sha2::{Digest, Sha256};
 
-use self::markup::{element, escaped};
+use self::markup::element;
 use super::Paper;
-use super::document::{Block, Document};
-use super::head::Head;
+use super::document::{Block, Document, Head};
 use super::viewer;
 use crate::picture::svg;
+use crate::shown::escaped;
 
 /// The style sheet of the page.
 const STYLE: &str = include_str!("report.css");

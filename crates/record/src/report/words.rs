@@ -4,29 +4,9 @@ use gaiter_language::Language;
 
 use crate::statement::Statement;
 
-/// A finding or doubt in plain words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Plain {
-    /// A short name.
-    pub title: &'static str,
-    /// What it means.
-    pub meaning: &'static str,
-    /// What to do.
-    pub action: &'static str,
-}
-
-/// What a code means; `None` for an unknown code, such as one of a later version.
-pub(super) fn plain(code: &str, language: Language) -> Option<Plain> {
-    Some(Plain {
-        title: language.find(&format!("finding.{code}.title"))?,
-        meaning: language.find(&format!("finding.{code}.meaning"))?,
-        action: language.find(&format!("finding.{code}.action"))?,
-    })
-}
-
-/// The short name of a code, or the code itself if it is unknown.
-pub(super) fn short(code: &str, language: Language) -> String {
-    plain(code, language).map_or_else(|| code.to_owned(), |plain| plain.title.to_owned())
+/// The short name of a finding or doubt, or the code itself if it is unknown, such as one of a later version.
+pub(crate) fn title(code: &str, language: Language) -> &str {
+    language.find(&format!("finding.{code}.title")).unwrap_or(code)
 }
 
 /// A statement of a record in this language, and whether it is available in it. If not, as for a later

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use gaiter_record::order::{Again, Order, OrderRef, ReorderFault, Row, State, json, read};
-use gaiter_record::{Record, rounding};
+use gaiter_record::order::{Again, Order, OrderRef, ReorderFault, Row, State, read};
+use gaiter_record::{Record, json, rounding};
 use gaiter_sizes::Garment;
 
 use super::{ID, RECORD, SCANNED, garment};

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use gaiter_record::order::{BYTES_MAX, LastFault, Order, csv, json, mapped, mapped_name, read};
+use gaiter_record::json;
+use gaiter_record::order::{BYTES_MAX, LastFault, Order, csv, mapped, mapped_name, read};
 use gaiter_sizes::mapping::parse;
 use proptest::prelude::*;
 use serde_json::{Value, json};

@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gaiter_language::Language;
 use gaiter_record::order::{
-    JSON_SCHEMA, Order, OrderChoice, OrderRef, RefFault, Row, csv, json, mapped, order_files, read,
+    JSON_SCHEMA, Order, OrderChoice, OrderRef, RefFault, Row, csv, mapped, order_files, read,
     spreadsheet,
 };
 use gaiter_record::report::AgeMax;
-use gaiter_record::rounding;
+use gaiter_record::{json, rounding};
 use gaiter_sizes::mapping::parse;
 use gaiter_sizes::{Garment, Mapping};
 use jiff::civil::{Date, date};

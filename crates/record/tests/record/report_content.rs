@@ -7,9 +7,10 @@ use std::sync::LazyLock;
 
 use gaiter_language::Language;
 use gaiter_leg::Method;
+use gaiter_leg::finding::Severity;
 use gaiter_record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures};
 use gaiter_record::picture::figures;
-use gaiter_record::report::content::{Table, Weight};
+use gaiter_record::report::content::Table;
 use gaiter_record::report::{self, Content, Figure, Mark, Paper};
 use gaiter_record::schema::{FindingNote, LegFigures};
 use gaiter_record::{Record, RecordSummary};
@@ -182,11 +183,11 @@ fn a_doubt_is_told_at_its_level_and_among_the_notes_with_all_its_places() {
     assert_eq!(e.legs[1].girth.value, "no estimate: D lies high");
     assert!(c.legs.iter().all(|leg| told(&leg.girth).ends_with(" ?")), "{c:?}");
     let [gap, below] = &content.notes.entries[..] else { unreachable!("{:?}", content.notes) };
-    assert_eq!((gap.code.as_str(), gap.weight), ("gap", Weight::Warning));
+    assert_eq!((gap.code.as_str(), gap.weight), ("gap", Severity::Warning));
     let mut places: Vec<&str> = gap.place.split(" · ").collect();
     places.sort_unstable();
     assert_eq!(places, ["left leg, C", "right leg, C"]);
-    assert_eq!((below.code.as_str(), below.weight), ("below-d", Weight::Info));
+    assert_eq!((below.code.as_str(), below.weight), ("below-d", Severity::Info));
     assert_eq!(below.place, "left leg, E");
     assert_eq!(content.summary, "Check before use: 1 · Worth knowing: 1");
 }

@@ -83,18 +83,6 @@ pub(super) fn push_number(svg: &mut String, px: f64) {
     }
 }
 
-/// Escapes text for the content of an element.
-pub(super) fn push_escaped(svg: &mut String, words: &str) {
-    for letter in words.chars() {
-        match letter {
-            '&' => svg.push_str("&amp;"),
-            '<' => svg.push_str("&lt;"),
-            '>' => svg.push_str("&gt;"),
-            other => svg.push(other),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,12 +3,12 @@
 use std::fmt::Display;
 
 use jiff::Timestamp;
-use jiff::tz::{Offset, TimeZone};
+use jiff::tz::TimeZone;
 
 use super::{Fact, Report, Section};
 use crate::phantom::{CheckResult, LastCheck};
 use crate::rounding::{cm_words, shortest, signed, tenths_words};
-use crate::{AcquiredFrom, SourceKind, shown};
+use crate::{Acquired, Source, shown};
 
 /// How many digits of a scan's hash distinguish it from all others of a clinic.
 const HASH_DIGITS: usize = 16;
@@ -39,8 +39,7 @@ impl Report<'_> {
     /// Date and time at the scanner in the format of the language; UTC, and marked so, if the record does
     /// not hold how the two differ.
     pub(super) fn local(&self, at: Timestamp) -> String {
-        let offset = self.record.acquired.as_ref().and_then(|acquired| acquired.utc_offset_min);
-        let offset = offset.and_then(|min| Offset::from_seconds(i32::from(min) * 60).ok());
+        let offset = self.record.acquired.as_ref().and_then(Acquired::offset);
         let zone = offset.map_or(TimeZone::UTC, TimeZone::fixed);
         let words = at.to_zoned(zone).strftime(self.language.text("report.time")).to_string();
         if offset.is_some() { words } else { words + " UTC" }
@@ -87,37 +86,19 @@ impl Report<'_> {
     /// All sources that named the patient.
     fn sources(&self) -> Option<String> {
         let patient = self.record.patient.as_ref()?;
-        let words = patient.sources.iter().map(|source| self.source(source.kind));
-        let words = words.collect::<Vec<_>>().join(", ");
+        let source = |of: &Source| self.language.word("report.source", of.kind.word());
+        let words = patient.sources.iter().map(source).collect::<Vec<_>>().join(", ");
         (!words.is_empty()).then_some(words)
     }
 
     fn time_and_source(&self) -> String {
         match &self.record.acquired {
-            Some(of) => format!("{} ({})", self.local(of.at), self.time_from(of.from)),
+            Some(of) => {
+                let from = self.language.word("report.time_from", of.from.word());
+                format!("{} ({from})", self.local(of.at))
+            }
             None => self.text("report.fact.unknown"),
         }
-    }
-
-    /// The source that named the patient, in words.
-    fn source(&self, kind: SourceKind) -> &'static str {
-        self.language.text(match kind {
-            SourceKind::FileName => "report.source.file_name",
-            SourceKind::Sidecar => "report.source.sidecar",
-            SourceKind::Operator => "report.source.operator",
-            SourceKind::Reader => "report.source.reader",
-            SourceKind::Order => "report.source.order",
-            SourceKind::Record => "report.source.record",
-        })
-    }
-
-    /// The source of a time of acquisition, in words.
-    fn time_from(&self, from: AcquiredFrom) -> &'static str {
-        self.language.text(match from {
-            AcquiredFrom::Press => "report.time_from.press",
-            AcquiredFrom::FileTime => "report.time_from.file_time",
-            AcquiredFrom::Unknown => "report.time_from.unknown",
-        })
     }
 
     /// Heights of the body, if the scan holds more than a single leg.

@@ -2,7 +2,7 @@
 
 use gaiter_leg::{Level, Side};
 
-use super::super::words::{short, told};
+use super::super::words::{title, told};
 use super::{Figure, Report, Table, TableRow};
 use crate::schema::{EstimateFigures, LandmarkFigures};
 
@@ -98,8 +98,8 @@ impl Report<'_> {
         match codes {
             [] => Figure::plain(self.text("report.landmarks.no_doubts")),
             codes => {
-                let words: Vec<String> =
-                    codes.iter().map(|code| short(code, self.language)).collect();
+                let words: Vec<&str> =
+                    codes.iter().map(|code| title(code, self.language)).collect();
                 Figure::plain(words.join(", "))
             }
         }

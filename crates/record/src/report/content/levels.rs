@@ -2,7 +2,7 @@
 
 use gaiter_leg::{Level, Side};
 
-use super::super::words::short;
+use super::super::words::title;
 use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
 use crate::measure::amendment::Subject;
 use crate::measure::{Absent, Length, Measure, girth_mm_at, why_absent};
@@ -150,17 +150,17 @@ impl Report<'_> {
     /// B1; Skin partly not seen: C, B.`
     fn doubts_of_levels(&self) -> Vec<String> {
         let of_leg = |side: Side| {
-            let doubted: Vec<(String, Level)> = Level::ALL
+            let doubted: Vec<(&str, Level)> = Level::ALL
                 .into_iter()
                 .rev()
                 .filter_map(|level| Some((level, Measure::of(self.record, side, level).ok()?)))
                 // An estimate bears its own mark, and is measured by hand anyhow.
                 .filter(|(_, of)| !of.is_estimate)
                 .flat_map(|(level, of)| {
-                    of.doubts.into_iter().map(move |code| (short(code, self.language), level))
+                    of.doubts.into_iter().map(move |code| (title(code, self.language), level))
                 })
                 .collect();
-            let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
+            let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
             for (word, level) in doubted {
                 match groups.iter_mut().find(|(its, _)| *its == word) {
                     Some((_, levels)) => levels.push(level.name()),
@@ -168,7 +168,7 @@ impl Report<'_> {
                 }
             }
             let group =
-                |(word, levels): &(String, Vec<&str>)| format!("{word}: {}", levels.join(", "));
+                |(word, levels): &(&str, Vec<&str>)| format!("{word}: {}", levels.join(", "));
             let said: Vec<String> = groups.iter().map(group).collect();
             let leg = self.leg_heading(side);
             (!said.is_empty()).then(|| format!("{leg} – {}.", said.join("; ")))

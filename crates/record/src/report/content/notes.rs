@@ -1,10 +1,11 @@
 //! Doubts and findings in plain words.
 
-use gaiter_leg::Side;
+use std::cmp::Reverse;
+
 use gaiter_leg::finding::Severity;
 
-use super::super::words::{self, Plain};
-use super::{Note, Report, Section, Weight};
+use super::super::words;
+use super::{Note, Report, Section};
 use crate::schema::FindingNote;
 use crate::shown;
 
@@ -15,18 +16,17 @@ impl Report<'_> {
         let doubts = doubts.iter().map(|doubt| self.note(doubt));
         let mut entries = grouped(found.chain(doubts));
         // Notes of one weight keep the order of the stages.
-        entries.sort_by_key(|note| note.weight);
+        entries.sort_by_key(|note| Reverse(note.weight));
         Section { title: self.text("report.notes.title"), entries }
     }
 
     pub(super) fn summary(&self, notes: &[Note]) -> String {
-        let of = |weight: Weight| notes.iter().filter(|note| note.weight == weight).count();
-        let weights = [Weight::Error, Weight::Warning, Weight::Info];
-        let words = |weight: Weight| match of(weight) {
+        let of = |weight: Severity| notes.iter().filter(|note| note.weight == weight).count();
+        let words = |weight: Severity| match of(weight) {
             0 => None,
             count => Some(format!("{}: {count}", self.weight_words(weight))),
         };
-        let words: Vec<String> = weights.into_iter().filter_map(words).collect();
+        let words: Vec<String> = Severity::ALL.into_iter().rev().filter_map(words).collect();
         if words.is_empty() {
             return self.text("report.notes.none");
         }
@@ -34,39 +34,30 @@ impl Report<'_> {
     }
 
     fn note(&self, finding: &FindingNote) -> Note {
-        let weight = match finding.severity.as_str() {
-            "error" => Weight::Error,
-            "info" => Weight::Info,
-            _ => Weight::Warning,
-        };
+        let weight = Severity::of_word(&finding.severity).unwrap_or(Severity::Warning);
         let says = finding.says.as_ref();
         let (message, is_told) = words::told(says, &finding.message, self.language);
-        let plain = words::plain(&finding.code, self.language);
+        let word = |part| self.language.find(&format!("finding.{}.{part}", finding.code));
         Note {
             code: finding.code.clone(),
             weight,
-            weight_words: self.weight_words(weight),
+            weight_words: self.weight_words(weight).to_owned(),
             place: self.place(finding),
-            title: plain.as_ref().map_or_else(|| finding.code.clone(), |of| of.title.to_owned()),
+            title: words::title(&finding.code, self.language).to_owned(),
             message: sentence(&shown::id(&message)),
             is_message_english: !is_told,
-            meaning: plain.as_ref().map(|Plain { meaning, .. }| (*meaning).to_owned()),
-            action: plain.map(|Plain { action, .. }| action.to_owned()),
+            meaning: word("meaning").map(str::to_owned),
+            action: word("action").map(str::to_owned),
         }
     }
 
-    fn weight_words(&self, weight: Weight) -> String {
-        match weight {
-            Weight::Error => self.text("report.notes.error"),
-            Weight::Warning => self.text("report.notes.warning"),
-            Weight::Info => self.text("report.notes.info"),
-        }
+    fn weight_words(&self, weight: Severity) -> &'static str {
+        self.language.word("report.notes", weight.word())
     }
 
     /// The leg and level of a finding.
     fn place(&self, finding: &FindingNote) -> String {
-        let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
-        let leg = side.map(|side| self.leg(side).to_owned());
+        let leg = finding.side().map(|side| self.leg(side).to_owned());
         [leg, finding.level.as_deref().map(shown::id)]
             .into_iter()
             .flatten()

@@ -2,21 +2,7 @@
 
 use crate::report::held::held;
 use crate::report::{Figure, Mark};
-
-/// Escapes text for the content of elements and for attributes between `"`.
-pub(super) fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
+use crate::shown::escaped;
 
 /// An element with attributes, ` name="value"` each, around existing markup.
 pub(super) fn element(name: &str, attributes: &str, inside: &str) -> String {

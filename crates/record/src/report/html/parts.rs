@@ -3,15 +3,16 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 
-use super::markup::{element, escaped, figure, foreign, said, section, wide, words};
+use super::markup::{element, figure, foreign, said, section, wide, words};
 use crate::picture::figures::Figure as Drawn;
 use crate::picture::svg;
 use crate::report::age::Age;
 use crate::report::content::{
-    Fact, LevelRow, Note, Section, SheetRow, Table, TableRow, Verdict, VerdictPart, Weight,
+    Fact, LevelRow, Note, Section, SheetRow, Table, TableRow, Verdict, VerdictPart,
 };
 use crate::report::document::{PaperLink, Sheet, View};
 use crate::report::{Figure, Head};
+use crate::shown::escaped;
 
 /// The patient, and when the scan was taken.
 pub(super) fn header(head: &Head, paper: Option<&PaperLink>) -> String {
@@ -72,11 +73,6 @@ pub(super) fn notes(id: &str, of: &Section<Note>, summary: &str, language: Langu
 }
 
 fn note(note: &Note, language: Language) -> String {
-    let class = match note.weight {
-        Weight::Error => "error",
-        Weight::Warning => "warning",
-        Weight::Info => "info",
-    };
     let place = if note.place.is_empty() { String::new() } else { foreign(&note.place) + " · " };
     let heading = format!(
         "<h3>{}<span class=\"place\">{place}</span>{}</h3>",
@@ -93,7 +89,11 @@ fn note(note: &Note, language: Language) -> String {
     let meaning = note.meaning.as_ref().map(|meaning| said("p", "", meaning));
     let action = note.action.as_ref().map(|action| said("p", " class=\"action\"", action));
     let inside = [Some(heading), Some(message), meaning, action].into_iter().flatten();
-    element("li", &format!(" class=\"{class}\""), &inside.collect::<Vec<_>>().join("\n"))
+    element(
+        "li",
+        &format!(" class=\"{}\"", note.weight.word()),
+        &inside.collect::<Vec<_>>().join("\n"),
+    )
 }
 
 /// The measuring sheet with both legs beside it, and what a person fills in on paper.

@@ -8,7 +8,7 @@ use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use subsetter::GlyphRemapper;
 
 use super::PdfFault;
-use super::packing::packed;
+use super::document::packed;
 use crate::picture::font::{Font, UNITS_PER_EM};
 
 /// Names of the fonts on a page, regular and bold.

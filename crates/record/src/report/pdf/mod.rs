@@ -6,7 +6,6 @@ mod drawing;
 mod flow;
 mod letters;
 mod measuring_sheet;
-mod packing;
 mod parts;
 mod sheet;
 mod table;

@@ -1,5 +1,6 @@
 //! The parts of a PDF, from the most important figures to every figure of the record.
 
+use gaiter_leg::finding::Severity;
 use pdf_writer::types::StructRole;
 
 use super::flow::{
@@ -10,7 +11,7 @@ use super::wrap::Type;
 use crate::completeness::Kind;
 use crate::picture::figures::Figure as Drawn;
 use crate::picture::{Anchor, Ink};
-use crate::report::content::{self, Fact, Note, Section, Verdict, Weight};
+use crate::report::content::{self, Fact, Note, Section, Verdict};
 use crate::report::document::Room;
 use crate::report::{Figure, Mark};
 
@@ -178,8 +179,8 @@ fn note(flow: &mut Flow<'_>, note: &Note) {
     let place = if note.place.is_empty() { String::new() } else { format!("{}: ", note.place) };
     let heading = format!("{} · {place}{}", note.weight_words, note.title);
     let ink = match note.weight {
-        Weight::Error => Ink::Right,
-        Weight::Warning | Weight::Info => Ink::Text,
+        Severity::Error => Ink::Right,
+        Severity::Warning | Severity::Info => Ink::Text,
     };
     let said = [Some(&note.message), note.meaning.as_ref(), note.action.as_ref()];
     let said: Vec<&str> = said.into_iter().flatten().map(String::as_str).collect();
