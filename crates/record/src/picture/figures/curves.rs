@@ -3,6 +3,7 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 
+use super::plot::stroked;
 use crate::picture::{Anchor, Ink, Mark, Stroke};
 
 /// Top and bottom of both charts, px.
@@ -37,7 +38,7 @@ pub(super) fn line(side: Side, places: impl Iterator<Item = Option<[f64; 2]>>) -
         Side::Left => Stroke::of(ink, 2.0),
         Side::Right => Stroke::dashed(ink, 2.0, DASH),
     };
-    Mark::Lines { lines, is_closed: false, fill: None, stroke }
+    stroked(lines, stroke)
 }
 
 /// Whether a place is to the right of the other leg's line, so that a label there does not cross it.

@@ -4,10 +4,10 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 
-use super::plot::{LINE, SMALL, Scale, TEXT, heading, lines, words};
+use super::plot::{LINE, SMALL, Scale, TEXT, about_zero, heading, lines, shape, words};
 use crate::Record;
 use crate::chart::{AtFigures, girth_difference, same_heights};
-use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::picture::{Anchor, Ink, Mark, Picture};
 use crate::rounding::{cm, cm_margin, cm_words, exceeds, number};
 
 /// Width, px.
@@ -38,11 +38,8 @@ const CAP: f64 = 3.0;
 /// The smallest end of the scale, mm, so that legs that are alike do not look different.
 const SCALE_MIN_MM: f64 = 10.0;
 
-/// Steps of which one divides the scale into at most [`STEPS_MAX`] parts on either side, mm.
+/// Steps of the scale, mm.
 const STEPS_MM: [f64; 6] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
-
-/// So many labels fit on either side of zero.
-const STEPS_MAX: f64 = 4.0;
 
 /// A height at which both legs have a girth.
 struct Row<'a> {
@@ -105,10 +102,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 fn bar_scale(rows: &[Row]) -> (Scale, f64) {
     let reach = |row: &Row| row.difference_mm.abs() + row.sd_mm.unwrap_or(0.0);
     let reach_mm = rows.iter().map(reach).fold(SCALE_MIN_MM, f64::max);
-    let step_mm = STEPS_MM.into_iter().find(|step| reach_mm <= STEPS_MAX * step);
-    let step_mm = step_mm.unwrap_or(reach_mm);
-    let end_mm = (reach_mm / step_mm).ceil() * step_mm;
-    (Scale { range: [-end_mm, end_mm], px: BARS_X }, step_mm)
+    about_zero(reach_mm, &STEPS_MM, BARS_X)
 }
 
 /// The lines of the scale, zero and the floor, with the amounts below.
@@ -173,12 +167,7 @@ fn bar(row: &Row, y: f64, scale: &Scale) -> Vec<Mark> {
     let [zero, end] = [0.0, row.difference_mm].map(|mm| scale.at(mm));
     let outline = vec![[zero, y - BAR], [end, y - BAR], [end, y + BAR], [zero, y + BAR]];
     let fill = if row.is_real() { ink } else { Ink::Paper };
-    let mut marks = vec![Mark::Lines {
-        lines: vec![outline],
-        is_closed: true,
-        fill: Some(fill),
-        stroke: Stroke::of(ink, 1.0),
-    }];
+    let mut marks = vec![shape(outline, fill, (ink, 1.0))];
     if let Some(sd_mm) = row.sd_mm {
         let [from, to] = [-sd_mm, sd_mm].map(|mm| scale.at(row.difference_mm + mm));
         let cap = |x: f64| vec![[x, y - CAP], [x, y + CAP]];

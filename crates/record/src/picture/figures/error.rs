@@ -9,7 +9,7 @@ use gaiter_leg::Side;
 
 use super::LEVELS;
 use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
+    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, stroked, words,
 };
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::schema::LegFigures;
@@ -138,12 +138,7 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, scale: MapScale, language: Langu
         // With its own background, because the map is equally bright in the dark theme.
         let across = vec![vec![[left, *y], [right, *y]]];
         marks.push(lines(across.clone(), Ink::Paper, 2.5));
-        marks.push(Mark::Lines {
-            lines: across,
-            is_closed: false,
-            fill: None,
-            stroke: Stroke::dashed(Ink::Text, 1.0, 4.0),
-        });
+        marks.push(stroked(across, Stroke::dashed(Ink::Text, 1.0, 4.0)));
         let at = [right + 6.0, label_y + TEXT / 3.0];
         marks.push(heading(at, Anchor::Start, Ink::Text, *name));
     }

@@ -4,10 +4,12 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 
 use super::curves::{ROWS_PX, beside, diamond, is_outer_right, left_first, line, short};
-use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
+use super::plot::{
+    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, words,
+};
 use super::slopes;
 use crate::measure::Measure;
-use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::picture::{Anchor, Ink, Mark, Picture};
 use crate::report::Mark as HowToRead;
 use crate::schema::LegFigures;
 use crate::{Record, rounding};
@@ -92,11 +94,9 @@ fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures> + Clone) -> Option<Frame
 fn extremes(side: Side, leg: &LegFigures, frame: &Frame) -> Vec<Mark> {
     let places: Vec<[f64; 2]> = curve(leg).flatten().collect();
     let turns = turning(&places.iter().map(|[girth, _]| *girth).collect::<Vec<_>>());
-    let mark = |(index, is_peak): (usize, bool)| Mark::Lines {
-        lines: vec![triangle(frame.at(places[index]), 3.5, is_peak)],
-        is_closed: true,
-        fill: Some(Ink::Paper),
-        stroke: Stroke::of(Ink::of(side), 1.0),
+    let mark = |(index, is_peak): (usize, bool)| {
+        let outline = triangle(frame.at(places[index]), 3.5, is_peak);
+        shape(outline, Ink::Paper, (Ink::of(side), 1.0))
     };
     turns.into_iter().map(mark).collect()
 }
@@ -203,12 +203,7 @@ fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Lang
     let way = vec![[at[0] + aside / 2.0, at[1]], [at[0] + aside * 0.85, y]];
     vec![
         lines(vec![way], Ink::Muted, 0.75),
-        Mark::Lines {
-            lines: vec![mark],
-            is_closed: true,
-            fill: Some(fill),
-            stroke: Stroke::of(ink, 1.5),
-        },
+        shape(mark, fill, (ink, 1.5)),
         words(
             label,
             anchor,
@@ -241,10 +236,9 @@ fn legend(language: Language) -> Vec<Mark> {
         (476.0, diamond([476.0, y - 4.0], 5.0), language.text("picture.steepest")),
         (598.0, round([598.0, y - 4.0], 4.0), language.text("picture.proportion")),
     ];
-    for (index, (x, shape, word)) in shapes.into_iter().enumerate() {
+    for (index, (x, outline, word)) in shapes.into_iter().enumerate() {
         let fill = if index == 3 { Ink::Paper } else { Ink::Muted };
-        let stroke = Stroke::of(Ink::Muted, 1.25);
-        marks.push(Mark::Lines { lines: vec![shape], is_closed: true, fill: Some(fill), stroke });
+        marks.push(shape(outline, fill, (Ink::Muted, 1.25)));
         marks.push(words([x + 11.0, y], Anchor::Start, TEXT, Ink::Text, word));
     }
     marks

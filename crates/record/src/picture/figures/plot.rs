@@ -35,6 +35,17 @@ impl Scale {
     }
 }
 
+/// So many labels fit on either side of zero.
+const STEPS_MAX: f64 = 4.0;
+
+/// A scale about zero that reaches so far to either side, and the step of its labels: the first of these that gives few
+/// enough of them.
+pub fn about_zero(reach: f64, steps: &[f64], px: [f64; 2]) -> (Scale, f64) {
+    let step = steps.iter().copied().find(|step| reach <= STEPS_MAX * step).unwrap_or(reach);
+    let end = (reach / step).ceil() * step;
+    (Scale { range: [-end, end], px }, step)
+}
+
 /// The smallest range that holds all figures and ends at multiples of a step. `None` without figures.
 pub fn range(figures: impl Iterator<Item = f64>, step: f64) -> Option<[f64; 2]> {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
@@ -88,7 +99,18 @@ impl Frame {
 
 /// Open lines of one ink.
 pub fn lines(lines: Vec<Vec<[f64; 2]>>, ink: Ink, width: f64) -> Mark {
-    Mark::Lines { lines, is_closed: false, fill: None, stroke: Stroke::of(ink, width) }
+    stroked(lines, Stroke::of(ink, width))
+}
+
+/// Open lines of one pen.
+pub fn stroked(lines: Vec<Vec<[f64; 2]>>, stroke: Option<Stroke>) -> Mark {
+    Mark::Lines { lines, is_closed: false, fill: None, stroke }
+}
+
+/// A closed shape with an edge.
+pub(super) fn shape(outline: Vec<[f64; 2]>, fill: Ink, (edge, width): (Ink, f64)) -> Mark {
+    let stroke = Stroke::of(edge, width);
+    Mark::Lines { lines: vec![outline], is_closed: true, fill: Some(fill), stroke }
 }
 
 /// An area of one ink.

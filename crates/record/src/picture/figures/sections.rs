@@ -6,7 +6,9 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 
 use super::LEVELS;
-use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
+use super::plot::{
+    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, words,
+};
 use crate::Record;
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::rounding::cm_words;
@@ -152,12 +154,7 @@ impl Sheet {
         let count = outline.radius_mm.len();
         let angle = |index: usize| -180.0 + 360.0 * index as f64 / count as f64;
         let line = (0..count).map(|i| place(angle(i), outline.radius_mm[i] * self.px_per_mm));
-        let mut marks = vec![Mark::Lines {
-            lines: vec![line.collect()],
-            is_closed: true,
-            fill: Some(Ink::Skin),
-            stroke: Stroke::of(Ink::of(side), 1.75),
-        }];
+        let mut marks = vec![shape(line.collect(), Ink::Skin, (Ink::of(side), 1.75))];
         // Names are spaced around the section by the angle that a line of text needs there.
         let wished: Vec<f64> = features.iter().map(|feature| feature.angle_deg).collect();
         let mean_px = outline.radius_mm.iter().sum::<f64>() / count.max(1) as f64 * self.px_per_mm;

@@ -3,12 +3,13 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, heading, lines, range, words as label,
+    Frame, LINE, SMALL, Scale, about_zero, heading, lines, range, stroked, words as label,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::{cm_words, number, signed};
 
 use super::super::words::Words;
+use super::key;
 use crate::comparison::{Comparison, PlaceChange};
 use crate::place::along_mm;
 use crate::quantity::Shown;
@@ -36,9 +37,8 @@ const STEP_MM: f64 = 100.0;
 /// centimetre.
 const SCALE_MIN_MM: f64 = 10.0;
 
-/// Steps of which one divides the scale into at most [`STEPS_MAX`] parts on either side, mm.
+/// Steps of the scale, mm.
 const STEPS_MM: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
-const STEPS_MAX: f64 = 4.0;
 
 /// Radius of the dot of a change that is shown, px.
 const DOT: f64 = 3.0;
@@ -54,12 +54,11 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
     let lengths = range(all().map(|of| along_mm(of.step)), STEP_MM)?;
     let figures = all().flat_map(|of| [of.change.by.abs(), of.change.detectable()]);
     let reach = figures.filter(|mm| mm.is_finite()).fold(SCALE_MIN_MM, f64::max);
-    let step = STEPS_MM.into_iter().find(|step| reach <= STEPS_MAX * step).unwrap_or(reach);
-    let end = (reach / step).ceil() * step;
     let mut marks = Vec::new();
     for (side, px) in Side::FROM_FRONT.into_iter().zip(LEGS_PX) {
         let y = Scale { range: lengths, px: ROWS_PX };
-        let frame = Frame { x: Scale { range: [-end, end], px }, y };
+        let (x, step) = about_zero(reach, &STEPS_MM, px);
+        let frame = Frame { x, y };
         marks.extend(leg(words, side, &frame, step));
         // The last one first, so that the first comparison lies above it.
         for (place, of) in compared.iter().enumerate().rev() {
@@ -67,7 +66,8 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
         }
         let drawn = compared.iter().enumerate().filter(|(_, of)| !girths(of, side).is_empty());
         for (place, of) in drawn {
-            marks.extend(name(words, of, [px[0], below(place)], look(place, side)));
+            let pen = Some(look(place, side));
+            marks.extend(key([px[0], below(place)], pen, between(words, of)));
         }
     }
     let length = words.text("visits.picture.length_cm");
@@ -106,42 +106,37 @@ fn leg(words: &Words, side: Side, frame: &Frame, step: f64) -> Vec<Mark> {
     marks
 }
 
-/// How a comparison is drawn: its ink, its line, and the dashes of it.
-type Look = (Ink, f64, Option<f64>);
-
 /// The comparison with the first visit in the leg's own ink, that with the one before the last dashed.
-fn look(place: usize, side: Side) -> Look {
+fn look(place: usize, side: Side) -> Stroke {
     match place {
-        0 => (Ink::of(side), 2.0, None),
-        _ => (Ink::Text, 1.2, Some(5.0)),
+        0 => Stroke { ink: Ink::of(side), width: 2.0, dash: None },
+        _ => Stroke { ink: Ink::Text, width: 1.2, dash: Some(5.0) },
     }
 }
 
 /// The changes along a leg; a dot where a change is shown. Of the comparison that is not dashed also from where on one
 /// can be shown.
-fn curve(of: &[PlaceChange], frame: &Frame, (ink, width, dash): Look) -> Vec<Mark> {
+fn curve(of: &[PlaceChange], frame: &Frame, pen: Stroke) -> Vec<Mark> {
     let at = |place: &PlaceChange, mm: f64| frame.at([mm, along_mm(place.step)]);
     let runs = || of.chunk_by(|one, next| one.step + 1 == next.step);
-    let line = |by: &dyn Fn(&PlaceChange) -> f64, stroke: Stroke| Mark::Lines {
-        lines: runs().map(|run| run.iter().map(|of| at(of, by(of))).collect()).collect(),
-        is_closed: false,
-        fill: None,
-        stroke: Some(stroke),
+    let line = |by: &dyn Fn(&PlaceChange) -> f64, pen: Stroke| {
+        let lines = runs().map(|run| run.iter().map(|of| at(of, by(of))).collect());
+        stroked(lines.collect(), Some(pen))
     };
     if of.is_empty() {
         return Vec::new();
     }
     let mut marks = Vec::new();
-    if dash.is_none() {
+    if pen.dash.is_none() {
         let stroke = Stroke { ink: Ink::Muted, width: 1.0, dash: Some(2.0) };
         marks.push(line(&|of: &PlaceChange| of.change.detectable(), stroke));
         marks.push(line(&|of: &PlaceChange| -of.change.detectable(), stroke));
     }
-    marks.push(line(&|of: &PlaceChange| of.change.by, Stroke { ink, width, dash }));
+    marks.push(line(&|of: &PlaceChange| of.change.by, pen));
     let shown = of.iter().filter(|of| of.change.shown() != Shown::NoChange);
     let dots: Vec<[f64; 2]> = shown.map(|of| at(of, of.change.by)).collect();
     if !dots.is_empty() {
-        marks.push(Mark::Dots { at: dots, radius: DOT, fill: Some(ink), stroke: None });
+        marks.push(Mark::Dots { at: dots, radius: DOT, fill: Some(pen.ink), stroke: None });
     }
     marks
 }
@@ -149,19 +144,4 @@ fn curve(of: &[PlaceChange], frame: &Frame, (ink, width, dash): Look) -> Vec<Mar
 /// The baseline of the name of a comparison, px.
 fn below(place: usize) -> f64 {
     ROWS_PX[0] + BELOW + LINE * place as f64
-}
-
-/// The line of a comparison as the chart above it has it, and its days.
-fn name(
-    words: &Words,
-    of: &Comparison,
-    [left, y]: [f64; 2],
-    (ink, width, dash): Look,
-) -> [Mark; 2] {
-    let line = vec![vec![[left, y - 4.0], [left + 40.0, y - 4.0]]];
-    let stroke = Some(Stroke { ink, width, dash });
-    [
-        Mark::Lines { lines: line, is_closed: false, fill: None, stroke },
-        label([left + 48.0, y], Anchor::Start, SMALL, Ink::Text, between(words, of)),
-    ]
 }

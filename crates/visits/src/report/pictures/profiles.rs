@@ -2,12 +2,13 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, heading, range, words as label,
+    Frame, LINE, SMALL, Scale, heading, range, stroked, words as label,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::number;
 
 use super::super::words::Words;
+use super::key;
 use crate::leg::LegAtVisit;
 use crate::place::along_mm;
 
@@ -25,9 +26,6 @@ const BELOW: f64 = 40.0;
 
 /// Steps of the scales, mm.
 const STEP_MM: f64 = 100.0;
-
-/// A line through girths at places that follow each other.
-const NEXT: u32 = 1;
 
 /// The figure; `None` without girths.
 pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
@@ -52,16 +50,11 @@ pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
             let pen = look(place, shown.len(), side);
             marks.push(curve(leg, &frame, pen));
             let at = [px[0], ROWS_PX[0] + BELOW + LINE * place as f64];
-            marks.extend(name(words.day(*visit), at, pen));
+            marks.extend(key(at, pen, words.day(*visit)));
         }
     }
-    marks.push(label(
-        [4.0, 34.0],
-        Anchor::Start,
-        SMALL,
-        Ink::Muted,
-        words.text("visits.picture.length_cm"),
-    ));
+    let length = words.text("visits.picture.length_cm");
+    marks.push(label([4.0, 34.0], Anchor::Start, SMALL, Ink::Muted, length));
     let below = ROWS_PX[0] + 2.0 * LINE;
     let girth = words.text("picture.girth_cm");
     marks.push(label([WIDTH - 4.0, below], Anchor::End, SMALL, Ink::Muted, girth));
@@ -80,26 +73,17 @@ fn look(place: usize, visits: usize, side: Side) -> Option<Stroke> {
     }
 }
 
-/// The line of a visit as the chart above it has it, and its day.
-fn name(day: String, [left, y]: [f64; 2], stroke: Option<Stroke>) -> [Mark; 2] {
-    let line = vec![vec![[left, y - 4.0], [left + 40.0, y - 4.0]]];
-    [
-        Mark::Lines { lines: line, is_closed: false, fill: None, stroke },
-        label([left + 48.0, y], Anchor::Start, SMALL, Ink::Text, day),
-    ]
-}
-
 /// The curve of a leg, broken where a girth is missing.
 fn curve(leg: &LegAtVisit, frame: &Frame, stroke: Option<Stroke>) -> Mark {
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut before = None;
     for (step, place) in &leg.places {
         let at = frame.at([place.girth_mm, along_mm(*step)]);
-        match lines.last_mut().filter(|_| before.is_some_and(|before| before + NEXT == *step)) {
+        match lines.last_mut().filter(|_| before.is_some_and(|before| before + 1 == *step)) {
             Some(line) => line.push(at),
             None => lines.push(vec![at]),
         }
         before = Some(*step);
     }
-    Mark::Lines { lines, is_closed: false, fill: None, stroke }
+    stroked(lines, stroke)
 }

@@ -3,10 +3,10 @@
 use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::picture::figures::plot::{
-    LINE, SMALL, Scale, area, heading, lines, words as label,
+    LINE, SMALL, Scale, about_zero, area, heading, lines, words as label,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture};
-use gaiter_record::rounding::number;
+use gaiter_record::rounding::{number, signed};
 
 use super::super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
@@ -39,9 +39,8 @@ const BELOW: f64 = 34.0;
 /// The smallest end of the scale, mL.
 const SCALE_MIN_ML: f64 = 20.0;
 
-/// Steps of which one divides the scale into at most [`STEPS_MAX`] parts on either side, mL.
+/// Steps of the scale, mL.
 const STEPS_ML: [f64; 7] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
-const STEPS_MAX: f64 = 4.0;
 
 /// The figure of a comparison; `None` if no slice can be compared.
 pub(super) fn picture(words: &Words, group: &Group, of: &Comparison) -> Option<Picture> {
@@ -55,15 +54,13 @@ pub(super) fn picture(words: &Words, group: &Group, of: &Comparison) -> Option<P
     let reach = legs.into_iter().flatten();
     let reach = reach.map(|of| of.change.by.abs() + of.change.detectable());
     let reach = reach.filter(|ml| ml.is_finite()).fold(SCALE_MIN_ML, f64::max);
-    let step = STEPS_ML.into_iter().find(|step| reach <= STEPS_MAX * step).unwrap_or(reach);
-    let end = (reach / step).ceil() * step;
     let mut marks = vec![heading([4.0, 16.0], Anchor::Start, Ink::Text, between(words, of))];
     let rows = Scale {
         range: [along_mm(low), along_mm(high) + PROFILE_STEP_MM],
         px: [HEAD + ROW * f64::from(high - low + 1), HEAD],
     };
     for ((side, slices), px) in Side::FROM_FRONT.into_iter().zip(legs).zip(LEGS_PX) {
-        let scale = Scale { range: [-end, end], px };
+        let (scale, step) = about_zero(reach, &STEPS_ML, px);
         marks.extend(grid(words, side, &scale, step, &rows));
         marks.extend(slices.iter().flat_map(|of| bar(side, of, &scale, &rows)));
     }
@@ -83,7 +80,7 @@ fn grid(words: &Words, side: Side, scale: &Scale, step: f64, rows: &Scale) -> Ve
         lines(vec![upright(0.0)], Ink::Muted, 1.0),
     ];
     marks.extend(scale.steps(step).map(|ml| {
-        let amount = gaiter_record::rounding::signed(ml, &number(ml, 0, words.language));
+        let amount = signed(ml, &number(ml, 0, words.language));
         label([scale.at(ml), bottom + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
     }));
     let places =

@@ -3,7 +3,7 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, heading, lines, range, words as label,
+    Frame, LINE, SMALL, Scale, heading, lines, range, stroked, words as label,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::{number, signed};
@@ -304,16 +304,15 @@ fn breaks(words: &Words, places: &[f64], dates: &Scale) -> Vec<Mark> {
         Some(dates.at(f64::midpoint(places[last], places[first])))
     });
     let [bottom, top] = VOLUMES_PX;
-    let line = |x: f64| Mark::Lines {
-        lines: vec![vec![[x, bottom], [x, top]]],
-        is_closed: false,
-        fill: None,
-        stroke: Stroke::dashed(Ink::Text, 1.0, 3.0),
-    };
-    let name = |x: f64| {
-        label([x, top - 6.0], Anchor::Middle, SMALL, Ink::Text, words.text("visits.picture.break"))
-    };
-    ends.flat_map(|x| [line(x), name(x)]).collect()
+    let name = words.text("visits.picture.break");
+    let marks = ends.flat_map(|x| {
+        let line = vec![vec![[x, bottom], [x, top]]];
+        [
+            stroked(line, Stroke::dashed(Ink::Text, 1.0, 3.0)),
+            label([x, top - 6.0], Anchor::Middle, SMALL, Ink::Text, name.as_str()),
+        ]
+    });
+    marks.collect()
 }
 
 /// A run of a curve, with a bar of uncertainty at each visit; a visit at another time of day has a hollow dot.
@@ -335,10 +334,7 @@ fn curve(of: &Curve, run: &[Point], frame: &Frame) -> Vec<Mark> {
         points.map(|point| at(point, point.volume.value)).collect()
     };
     let stroke = Stroke { ink: of.ink, width: 2.0, dash: of.dash };
-    let mut marks = vec![
-        lines(bars.collect(), of.ink, 1.0),
-        Mark::Lines { lines: vec![line], is_closed: false, fill: None, stroke: Some(stroke) },
-    ];
+    let mut marks = vec![lines(bars.collect(), of.ink, 1.0), stroked(vec![line], Some(stroke))];
     for (at, fill, stroke) in
         [(dots(false), of.ink, None), (dots(true), Ink::Paper, Stroke::of(of.ink, 1.5))]
     {
