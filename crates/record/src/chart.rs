@@ -7,6 +7,7 @@ use gaiter_leg::comparison::difference::{
 };
 use gaiter_leg::comparison::tape_volume::{Piece, VolumeBy};
 use gaiter_leg::comparison::volume::{Slice, Volume};
+use gaiter_leg::doubt::Doubt;
 use gaiter_leg::levels::at_height::{AtHeight, AtLength, PROFILE_STEP_MM};
 use gaiter_leg::sections::axis_length::AxisLength;
 use serde::{Deserialize, Serialize};
@@ -149,8 +150,12 @@ pub struct VolumeDifferenceFigures {
 }
 
 /// Rounds a value. `None` if it is not finite, which means unknown.
-fn known(value: f64, rounded: fn(f64) -> f64) -> Option<f64> {
+pub(crate) fn known(value: f64, rounded: fn(f64) -> f64) -> Option<f64> {
     value.is_finite().then(|| rounded(value))
+}
+
+pub(crate) fn codes(doubts: &[Doubt]) -> Vec<String> {
+    doubts.iter().map(|doubt| doubt.code().to_owned()).collect()
 }
 
 /// The volumes of a leg; `by` says how one is made of girths.
@@ -207,7 +212,7 @@ pub(crate) fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
         girth_contour_mm: girth.map(|girth| mm(girth.girth_contour_mm)),
         girth_sd_mm: girth.and_then(|girth| known(girth.girth_sd_mm, mm)),
         doubts: match girth {
-            Some(girth) => girth.doubts.iter().map(|doubt| doubt.code().to_owned()).collect(),
+            Some(girth) => codes(&girth.doubts),
             None => vec!["height-not-measured".to_owned()],
         },
     }
@@ -216,14 +221,13 @@ pub(crate) fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
 /// The girth at a fixed length.
 pub(crate) fn along(at: &AtLength) -> AlongFigures {
     let girth = at.found.as_ref().ok();
-    let doubts = girth.iter().flat_map(|girth| &girth.doubts);
     AlongFigures {
         along_axis_mm: mm(at.length_mm),
         height_mm: at.height_mm.map(mm),
         girth_tape_mm: girth.map(|girth| mm(girth.girth_tape_mm)),
         girth_contour_mm: girth.map(|girth| mm(girth.girth_contour_mm)),
         girth_sd_mm: girth.and_then(|girth| known(girth.girth_sd_mm, mm)),
-        doubts: doubts.map(|doubt| doubt.code().to_owned()).collect(),
+        doubts: girth.map(|girth| codes(&girth.doubts)).unwrap_or_default(),
     }
 }
 

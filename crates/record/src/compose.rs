@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use gaiter_leg::doubt::Doubt;
 use gaiter_leg::frame::body::FacingFrom;
 use gaiter_leg::levels::girth::GirthCurve;
 use gaiter_leg::method::{B1, Tape, UnitChoice};
@@ -10,15 +9,16 @@ use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::sections::axis_length::AxisLength;
 use gaiter_leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 
+use super::chart::{self, codes, known};
 use super::provenance::Provenance;
 use super::rounding::{degrees, mm, per_mm, share};
 use super::schema::{
     BodyFigures, EstimateFigures, FeatureFigures, FindingNote, FootFigures, GirthColumns,
     LandmarkFigures, LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures,
 };
+use super::shape;
 use super::statement::Statement;
 use super::surface::surface;
-use super::{chart, shape};
 
 /// Makes the record of an extraction.
 pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method) -> Record {
@@ -47,7 +47,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             crotch_height_mm: crotch.is_seen().then(|| mm(crotch.height_mm)),
             crotch_sd_mm: crotch.is_seen().then(|| mm(crotch.sd_mm.hypot(body.floor_sd_mm))),
             crotch_from: crotch.from.word().to_owned(),
-            floor_sd_mm: judged(body.floor_sd_mm),
+            floor_sd_mm: known(body.floor_sd_mm, mm),
             facing_deg: degrees(body.facing_deg),
             facing_from: match body.facing_from {
                 FacingFrom::Feet => "feet".to_owned(),
@@ -78,33 +78,21 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("volume", method.volume.word()),
         ("fit", method.fit.word()),
         ("tape", method.tape.word()),
+        ("b1", method.levels.b1.word()),
     ];
-    let axis = match method.tape {
-        Tape::Leg(axis) => Some(("axis", axis.word())),
-        Tape::Shank | Tape::Horizontal => None,
-    };
-    let words = words.into_iter().chain(axis).map(|(key, word)| (key.to_owned(), word.to_owned()));
-    words.chain(at_words(method)).chain(level_words(method)).collect()
-}
-
-/// The requested heights, if any.
-fn at_words(method: &Method) -> Option<(String, String)> {
-    let heights: Vec<String> =
-        method.at_heights_mm.iter().map(|height| mm(*height).to_string()).collect();
-    (!heights.is_empty()).then(|| ("at_heights_mm".to_owned(), heights.join(", ")))
-}
-
-/// The chosen definitions of levels that makers define in more than one way.
-fn level_words(method: &Method) -> Vec<(String, String)> {
-    let choices = &method.levels;
-    let mut words = vec![
-        ("b1".to_owned(), choices.b1.word().to_owned()),
-        ("g_below_crotch".to_owned(), format!("{}mm", choices.g_below_crotch_mm)),
-    ];
-    if let B1::AboveB { distance_mm } = choices.b1 {
-        words.push(("b1_above_b".to_owned(), format!("{distance_mm}mm")));
+    let mut words = BTreeMap::from(words.map(|(key, word)| (key, word.to_owned())));
+    words.insert("g_below_crotch", format!("{}mm", method.levels.g_below_crotch_mm));
+    if let Tape::Leg(axis) = method.tape {
+        words.insert("axis", axis.word().to_owned());
     }
-    words
+    if let B1::AboveB { distance_mm } = method.levels.b1 {
+        words.insert("b1_above_b", format!("{distance_mm}mm"));
+    }
+    if !method.at_heights_mm.is_empty() {
+        let heights = method.at_heights_mm.iter().map(|height| mm(*height).to_string());
+        words.insert("at_heights_mm", heights.collect::<Vec<_>>().join(", "));
+    }
+    words.into_iter().map(|(key, word)| (key.to_owned(), word)).collect()
 }
 
 fn leg(report: &LegReport, method: &Method) -> LegFigures {
@@ -144,9 +132,9 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
         surface_length_mm: landmark.surface_length_mm.map(mm),
         girth_tape_mm: mm(landmark.girth_tape_mm),
         girth_contour_mm: mm(landmark.girth_contour_mm),
-        height_sd_mm: judged(landmark.height_sd_mm),
-        girth_sd_mm: judged(landmark.girth_sd_mm),
-        girth_of_level_sd_mm: judged(landmark.girth_of_level_sd_mm),
+        height_sd_mm: known(landmark.height_sd_mm, mm),
+        girth_sd_mm: known(landmark.girth_sd_mm, mm),
+        girth_of_level_sd_mm: known(landmark.girth_of_level_sd_mm, mm),
         girth_per_deg_mm: landmark.girth_per_deg_mm.map(mm),
         doubts: codes(&landmark.doubts),
     }
@@ -159,21 +147,12 @@ fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
         height_mm: mm(estimate.height_mm),
         along_axis_mm: mm(report.lengths.at(estimate.along_mm)),
         girth_tape_mm: mm(estimate.girth_tape_mm),
-        height_sd_mm: judged(estimate.height_sd_mm),
-        girth_sd_mm: judged(estimate.girth_sd_mm),
-        girth_of_level_sd_mm: judged(estimate.girth_of_level_sd_mm),
+        height_sd_mm: known(estimate.height_sd_mm, mm),
+        girth_sd_mm: known(estimate.girth_sd_mm, mm),
+        girth_of_level_sd_mm: known(estimate.girth_of_level_sd_mm, mm),
         doubts: codes(&estimate.doubts),
     };
     report.estimates.iter().map(|one| (one.level.name().to_owned(), figures(one))).collect()
-}
-
-/// A standard error; `None` if unknown.
-fn judged(sd_mm: f64) -> Option<f64> {
-    sd_mm.is_finite().then(|| mm(sd_mm))
-}
-
-fn codes(doubts: &[Doubt]) -> Vec<String> {
-    doubts.iter().map(|doubt| doubt.code().to_owned()).collect()
 }
 
 fn girth_columns(curve: &GirthCurve, lengths: &AxisLength) -> GirthColumns {
@@ -217,7 +196,7 @@ fn features(at: &LevelSection) -> impl Iterator<Item = FeatureFigures> + '_ {
         kind: feature.kind.word().to_owned(),
         angle_deg: degrees(feature.angle_deg),
         position_mm: std::array::from_fn(|axis| mm(feature.position[axis])),
-        position_sd_mm: judged(feature.position_sd_mm),
+        position_sd_mm: known(feature.position_sd_mm, mm),
         curvature_per_mm: per_mm(feature.curvature_per_mm),
         prominence_per_mm: per_mm(feature.prominence_per_mm),
     })

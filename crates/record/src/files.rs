@@ -10,7 +10,6 @@ use sha2::{Digest, Sha256};
 use super::measure::csv;
 use super::order::{Order, is_order_file, order_files};
 use super::picture::figures;
-use super::report::PdfFault;
 use super::report_files::{self, FilesFault, ReportChoice};
 use super::schema::FindingNote;
 use super::statement::Statement;
@@ -95,7 +94,8 @@ pub fn files_beside_scan(
     // Findings added from here on are not in any figure.
     let figures = figures::all(&record, choice.language);
     let paper = report_files::paper(&record, choice, &figures);
-    record.findings.extend(paper.as_ref().err().map(no_paper));
+    let no_paper = paper.as_ref().err();
+    record.findings.extend(no_paper.map(|fault| warning(fault.code(), fault.to_string())));
     let mut files = vec![file(RECORD, json(&record)?)];
     files.extend(tables(&record, choice)?);
     files.push(report_files::drawing(&figures, choice.language));
@@ -200,24 +200,15 @@ fn surface_files(extraction: &Extraction, output: &Output) -> (Vec<RecordFile>, 
 
 fn not_made(side: Side, name: &str, fault: &CadFault) -> FindingNote {
     FindingNote {
-        code: fault.code().to_owned(),
-        severity: Severity::Warning.word().to_owned(),
         leg: Some(side.word().to_owned()),
-        level: None,
-        message: format!("{name} was not made: {fault}"),
         says: Some(Statement::of_missing_file(name, fault)),
+        ..warning(fault.code(), format!("{name} was not made: {fault}"))
     }
 }
 
-fn no_paper(fault: &PdfFault) -> FindingNote {
-    FindingNote {
-        code: fault.code().to_owned(),
-        severity: Severity::Warning.word().to_owned(),
-        leg: None,
-        level: None,
-        message: fault.to_string(),
-        says: None,
-    }
+fn warning(code: &str, message: String) -> FindingNote {
+    let (code, severity) = (code.to_owned(), Severity::Warning.word().to_owned());
+    FindingNote { code, severity, leg: None, level: None, message, says: None }
 }
 
 /// SHA-256 of bytes, lower-case hexadecimal.

@@ -89,11 +89,6 @@ pub fn cm_margin(sd_mm: f64) -> f64 {
     up(MARGIN_SDS * sd_mm) / 10.0
 }
 
-/// A length in mm to a hundredth as text, for distances from a surface.
-pub(crate) fn mm_words(value_mm: f64, language: Language) -> String {
-    number(value_mm, 2, language)
-}
-
 /// Volumes in mL for people: whole numbers.
 pub(crate) fn whole_ml(value_ml: f64) -> f64 {
     to_places(value_ml, 0)

@@ -47,7 +47,7 @@ pub struct SummaryLevel {
 }
 
 /// The figures of one level of one leg, cm with one decimal, as text in the reader's language.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct SummaryFigures {
     /// Tape girth, or length.
     pub girth_cm: String,
@@ -121,11 +121,8 @@ impl SummaryFigures {
     fn of_length(length: Length, language: Language) -> SummaryFigures {
         SummaryFigures {
             girth_cm: rounding::cm_words(length.mm, language),
-            height_cm: String::new(),
-            is_girth_doubted: false,
-            is_height_doubted: false,
             is_girth_by_hand: length.is_by_hand,
-            is_height_by_hand: false,
+            ..SummaryFigures::default()
         }
     }
 }

@@ -154,12 +154,6 @@ impl fmt::Display for OrderFault {
 
 impl Error for OrderFault {}
 
-impl From<LineFault> for OrderFault {
-    fn from(fault: LineFault) -> OrderFault {
-        OrderFault::Lines(fault)
-    }
-}
-
 /// Reads an order. `charset` is used for orders that name no character set. An order with the byte order
 /// mark of UTF-8 is written in it, whatever it names. A lenient reader ignores lengths, for programs that
 /// count characters or leave them out.
@@ -179,7 +173,7 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
         let found = String::from_utf8_lossy(found).into_owned();
         return Err(OrderFault::OtherKind { found });
     }
-    let lines = line::read(bytes, !lenient)?;
+    let lines = line::read(bytes, !lenient).map_err(OrderFault::Lines)?;
     if lines.first().is_none_or(|line| line.field != KIND || line.content != ORDER) {
         return Err(OrderFault::NotGdt);
     }

@@ -3,7 +3,7 @@
 
 use super::charset::Charset;
 
-/// A practice software with known settings.
+/// A practice software with known settings: those of GDT 2.1 where nothing else is said of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Product {
     /// GDT 2.1 as specified.
@@ -23,9 +23,7 @@ impl Product {
     pub const fn version(self) -> &'static str {
         match self {
             Product::Turbomed => "02.00",
-            Product::Default | Product::Medistar | Product::Tomedo | Product::FormatFirst => {
-                "02.10"
-            }
+            _ => "02.10",
         }
     }
 
@@ -34,9 +32,7 @@ impl Product {
         match self {
             // It fetches numbered files only if it is set to.
             Product::Turbomed => "{receiver}{sender}.GDT",
-            Product::Default | Product::Medistar | Product::Tomedo | Product::FormatFirst => {
-                "{receiver}{sender}.{counter}"
-            }
+            _ => "{receiver}{sender}.{counter}",
         }
     }
 
@@ -44,24 +40,18 @@ impl Product {
     pub const fn charset(self) -> Charset {
         match self {
             Product::Tomedo => Charset::Utf8,
-            Product::Default | Product::Medistar | Product::Turbomed | Product::FormatFirst => {
-                Charset::Cp1252
-            }
+            _ => Charset::Cp1252,
         }
     }
 
     /// The fields in which it looks for an attachment.
     pub fn attachment_fields(self) -> AttachmentFields {
         match self {
-            Product::FormatFirst => AttachmentFields {
-                name: None,
-                format: Some(6302),
-                description: Some(6304),
-                path: Some(6303),
-            },
-            Product::Default | Product::Medistar | Product::Turbomed | Product::Tomedo => {
-                AttachmentFields::default()
+            Product::FormatFirst => {
+                let [format, description, path] = [6302, 6304, 6303].map(Some);
+                AttachmentFields { name: None, format, description, path }
             }
+            _ => AttachmentFields::default(),
         }
     }
 }

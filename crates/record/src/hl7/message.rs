@@ -78,20 +78,19 @@ pub fn result(
     for (at, figure) in figures.iter().enumerate() {
         segments.extend(of.figure(at + 1, figure, station));
     }
-    let number = figures.len() + 1;
+    let mut number = figures.len() + 1;
     let words = rules.language.text("hospital.report");
     let verdict = Completeness::of(record, &rules.garment).sentences(rules.language).join(" ");
-    let value = Value { kind: "TX", text: escaped(&verdict), unit: "" };
-    segments
-        .push(of.observation(number, &Observation { code: VERDICT, words, value, station: "" }));
+    let (kind, value) = ("TX", escaped(&verdict));
+    let verdict = Observation { kind, code: VERDICT, words, value, ..Observation::default() };
+    segments.push(of.observation(number, &verdict));
     if let (Some(pdf), Some(kind)) = (pdf, kind_of(rules.pdf)) {
-        let text = format!("^{kind}^Base64^{}", STANDARD.encode(pdf));
-        let value = Value { kind: "ED", text, unit: "" };
-        let pdf = Observation { code: PDF, words, value, station: "" };
-        segments.push(of.observation(number + 1, &pdf));
+        number += 1;
+        let (kind, value) = ("ED", format!("^{kind}^Base64^{}", STANDARD.encode(pdf)));
+        let pdf = Observation { kind, code: PDF, words, value, ..Observation::default() };
+        segments.push(of.observation(number, &pdf));
     }
-    let count = observed(record, pdf.is_some() && kind_of(rules.pdf).is_some()).len();
-    segments.extend(Message { rules, patient, status: Status::Wrong, at }.wrong(count + 1, gone));
+    segments.extend(Message { rules, patient, status: Status::Wrong, at }.wrong(number + 1, gone));
     Some(of.written(&segments))
 }
 
@@ -152,24 +151,20 @@ impl Status {
 }
 
 /// What an OBX says.
+#[derive(Default)]
 struct Observation<'a> {
+    /// OBX-2: the data type.
+    kind: &'static str,
     /// OBX-3.1.
     code: &'a str,
     /// OBX-3.2: the same in words.
     words: &'a str,
-    value: Value,
-    /// OBX-18: the station; empty for what is no figure.
-    station: &'a str,
-}
-
-/// A value with its data type and unit.
-struct Value {
-    /// OBX-2.
-    kind: &'static str,
-    /// OBX-5, with its separators.
-    text: String,
+    /// OBX-5: the value, with its separators.
+    value: String,
     /// OBX-6.
     unit: &'static str,
+    /// OBX-18: the station; empty for what is no figure.
+    station: &'a str,
 }
 
 /// What the segments of a message share.
@@ -221,9 +216,11 @@ impl Message<'_> {
         };
         let level = language.filled(key, &[("level", &figure.level.name())]);
         let words = format!("{level}, {}", language.word("leg", figure.side.word()));
-        let value = Value { kind: "NM", text: format!("{:.1}", figure.cm), unit: "cm^cm^UCUM" };
+        let value = format!("{:.1}", figure.cm);
         let station = if self.rules.version == WITHOUT_STATION { "" } else { station };
-        let observation = Observation { code: &code(figure), words: &words, value, station };
+        let (code, unit) = (code(figure), "cm^cm^UCUM");
+        let observation =
+            Observation { kind: "NM", code: &code, words: &words, value, unit, station };
         let mut segments = vec![self.observation(number, &observation)];
         let by_hand = figure.is_by_hand.then(|| language.text("hospital.by_hand").to_owned());
         let doubts = figure.doubts.iter().map(|doubt| {
@@ -238,16 +235,18 @@ impl Message<'_> {
     /// An OBX without a value for each of these codes, numbered from `first`.
     fn wrong(&self, first: usize, codes: &[String]) -> Vec<String> {
         let wrong = |(at, code): (usize, &String)| {
-            let value = Value { kind: "ST", text: String::new(), unit: "" };
-            self.observation(first + at, &Observation { code, words: "", value, station: "" })
+            self.observation(
+                first + at,
+                &Observation { kind: "ST", code, ..Observation::default() },
+            )
         };
         codes.iter().enumerate().map(wrong).collect()
     }
 
     fn observation(&self, number: usize, of: &Observation<'_>) -> String {
-        let Observation { code, words, value: Value { kind, text, unit }, station } = of;
+        let Observation { kind, code, words, value, unit, station } = of;
         let segment = format!(
-            "OBX|{number}|{kind}|{}^{}^{}|{}|{text}|{unit}|||||{}|||{}||||{}",
+            "OBX|{number}|{kind}|{}^{}^{}|{}|{value}|{unit}|||||{}|||{}||||{}",
             escaped(code),
             escaped(words),
             escaped(&self.rules.coding),

@@ -94,21 +94,15 @@ pub fn read(bytes: &[u8]) -> Result<Order, LastFault> {
             return Err(LastFault::Format { found });
         }
     }
-    let order = Order::deserialize_from(json)?;
+    let order: Order = serde_json::from_value(json).map_err(|error| {
+        LastFault::Shape(error.to_string().chars().flat_map(char::escape_default).collect())
+    })?;
     checked(&order).map(|()| order)
 }
 
 /// A value in a line, cut where it is long.
 fn short(value: &Value) -> String {
     value.to_string().chars().take(60).flat_map(char::escape_default).collect()
-}
-
-impl Order {
-    fn deserialize_from(json: Value) -> Result<Order, LastFault> {
-        serde_json::from_value(json).map_err(|error| {
-            LastFault::Shape(error.to_string().chars().flat_map(char::escape_default).collect())
-        })
-    }
 }
 
 fn checked(order: &Order) -> Result<(), LastFault> {

@@ -12,15 +12,6 @@ use crate::shown::escaped;
 const LOOKS: &str = " font-family=\"system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif\" \
      stroke-linejoin=\"round\" stroke-linecap=\"round\"";
 
-/// Room for what stands around the parts inside, bytes.
-const HEAD_BYTES: usize = 300;
-
-/// Room for the markup of one mark with its text or a short path, bytes.
-const MARK_BYTES: usize = 160;
-
-/// Room for one step of a path, bytes: so that the markup rarely has to grow.
-const STEP_BYTES: usize = 9;
-
 /// A file of its own with these marks, in the reader's theme. Programs that do not support style sheets
 /// show the light theme.
 pub(crate) fn file(title: &str, size: [f64; 2], marks: &str) -> String {
@@ -82,9 +73,7 @@ fn title_element(title: &str) -> String {
 
 /// An `svg` element with these attributes, its box of left, top, width and height, and what is inside.
 fn element(attributes: &str, view_box: [f64; 4], inside: &[&str]) -> String {
-    let bytes: usize = inside.iter().map(|part| part.len()).sum();
-    let mut svg = String::with_capacity(HEAD_BYTES + bytes);
-    svg.push_str("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"");
+    let mut svg = String::from("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"");
     for (index, px) in view_box.into_iter().enumerate() {
         svg.push_str(if index == 0 { "" } else { " " });
         push_number(&mut svg, px);
@@ -97,23 +86,12 @@ fn element(attributes: &str, view_box: [f64; 4], inside: &[&str]) -> String {
 
 /// The marks of a picture, one per line.
 pub fn marks(picture: &Picture) -> String {
-    let mut svg = String::with_capacity(room(picture));
+    let mut svg = String::new();
     for mark in &picture.marks {
         push_mark(&mut svg, mark);
         svg.push('\n');
     }
     svg
-}
-
-/// About as many bytes as the marks of a picture take.
-fn room(picture: &Picture) -> usize {
-    let steps = |mark: &Mark| match mark {
-        Mark::Lines { lines, .. } => lines.iter().map(Vec::len).sum(),
-        Mark::Dots { at, .. } => 2 * at.len(),
-        Mark::Words { .. } => 0,
-    };
-    let steps: usize = picture.marks.iter().map(steps).sum();
-    MARK_BYTES * picture.marks.len() + STEP_BYTES * steps
 }
 
 fn push_mark(svg: &mut String, mark: &Mark) {

@@ -290,9 +290,7 @@ impl Content {
             landmarks: report.landmarks(),
         }
     }
-}
 
-impl Content {
     /// What people set in place of the scan's figures, a line for each measure.
     pub fn by_hand(record: &Record, language: Language) -> Vec<String> {
         Report { record, language, garment: &Garment::default() }.by_hand()

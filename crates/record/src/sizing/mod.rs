@@ -125,9 +125,7 @@ impl SizeVerdicts {
             calibre: calibre::stretches(record, garment),
         }
     }
-}
 
-impl SizeVerdicts {
     /// Whether something holds for a point that a table asks for.
     pub fn has(&self, holds: impl Fn(&PointVerdict) -> bool) -> bool {
         let legs = self.tables.iter().flat_map(|table| &table.legs).map(|leg| &leg.verdict);

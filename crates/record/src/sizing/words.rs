@@ -202,12 +202,12 @@ pub fn calibre(stretches: &[Stretch], language: Language) -> Vec<String> {
 }
 
 fn stretch(key: &'static str, of: &Stretch, language: Language) -> String {
-    let (leg, margin) = match key {
-        "sizes.calibre.jump" => (language.word("leg.heading", of.side), of.per_length_sd),
-        _ => (language.word("leg", of.side), of.per_length_sd),
+    let leg = match of.is_jump {
+        true => language.word("leg.heading", of.side),
+        false => language.word("leg", of.side),
     };
     // As every uncertainty of the report: two standard errors, rounded up.
-    let margin = margin.map(|sd| (200.0 * sd).ceil() / 100.0);
+    let margin = of.per_length_sd.map(|sd| (200.0 * sd).ceil() / 100.0);
     let margin = margin.map(|of| format!(" ± {}", number(of, 2, language))).unwrap_or_default();
     let ratio = format!("{}{margin}", number(of.per_length, 2, language));
     let change = signed(of.girth_change_mm, &cm_words(of.girth_change_mm, language));

@@ -56,12 +56,9 @@ fn push_twice_painted(svg: &mut String, fill: Ink, stroke: Ink) {
 }
 
 fn push_colour(svg: &mut String, what: Use, ink: Ink) {
-    svg.extend([" ", what.attribute, "=\"#"]);
-    for part in ink.colour(Theme::Light) {
-        let digits = [part >> 4, part & 0xf].map(|digit| char::from_digit(digit.into(), 16));
-        svg.extend(digits.into_iter().flatten());
-    }
-    svg.push('"');
+    let [r, g, b] = ink.colour(Theme::Light);
+    // Writing to memory never fails.
+    let _ = write!(svg, " {}=\"#{r:02x}{g:02x}{b:02x}\"", what.attribute);
 }
 
 /// An attribute with a number of px.

@@ -48,10 +48,11 @@ impl Report<'_> {
     pub(super) fn facts(&self) -> Vec<Fact> {
         let record = self.record;
         let fact = |name: String, value: String| Fact { name, value };
+        let ordered = self.garment.title(self.language.tag());
         let mut facts = vec![
             fact(self.text("report.fact.patient"), self.patient()),
             fact(self.text("report.fact.record"), self.which_record()),
-            fact(self.text("report.fact.order"), self.ordered()),
+            fact(self.text("report.fact.order"), ordered.to_owned()),
         ];
         facts.extend(self.sources().map(|by| fact(self.text("report.fact.named_by"), by)));
         facts.push(fact(self.text("report.fact.taken"), self.time_and_source()));
@@ -76,11 +77,6 @@ impl Report<'_> {
         let words: [(&str, &dyn Display); 2] =
             [("scan", &shown::id(&digits)), ("revision", &self.record.revision)];
         self.filled("report.fact.record_is", &words)
-    }
-
-    /// The garment that the sheet is for.
-    fn ordered(&self) -> String {
-        self.garment.title(self.language.tag()).to_owned()
     }
 
     /// All sources that named the patient.

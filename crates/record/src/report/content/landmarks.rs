@@ -5,6 +5,7 @@ use gaiter_leg::{Level, Side};
 use super::super::words::{title, told};
 use super::{Figure, Report, Table, TableRow};
 use crate::schema::{EstimateFigures, LandmarkFigures};
+use crate::statement::Statement;
 
 impl Report<'_> {
     /// Every figure of the levels, with the digits of `record.json`.
@@ -38,52 +39,62 @@ impl Report<'_> {
         let head = |row: &'static str, level: Level| {
             self.filled(row, &[("level", &level.name()), ("leg", &self.leg(side))])
         };
-        let row =
-            |level: Level| match (leg.landmarks.get(level.name()), leg.estimates.get(level.name()))
-            {
-                (Some(found), _) => Some(TableRow {
-                    head: head("report.landmarks.row", level),
-                    figures: self.found_in_mm(found),
-                }),
-                (None, Some(of)) => Some(TableRow {
+        let row = |level: Level| {
+            let found = leg.landmarks.get(level.name()).map(|of| TableRow {
+                head: head("report.landmarks.row", level),
+                figures: self.found_in_mm(of),
+            });
+            let estimated = || {
+                leg.estimates.get(level.name()).map(|of| TableRow {
                     head: head("report.landmarks.row_estimated", level),
                     figures: self.estimate_in_mm(of),
-                }),
-                (None, None) => None,
+                })
             };
+            found.or_else(estimated)
+        };
         Level::ALL.into_iter().rev().filter_map(row).collect()
     }
 
     fn found_in_mm(&self, of: &LandmarkFigures) -> Vec<Figure> {
-        vec![
-            self.digits(Some(of.height_mm)),
-            self.digits(of.height_sd_mm),
-            self.digits(Some(of.along_axis_mm)),
-            self.digits(of.surface_length_mm),
-            self.digits(Some(of.girth_tape_mm)),
-            self.digits(of.girth_sd_mm),
-            self.digits(of.girth_of_level_sd_mm),
-            self.digits(of.girth_per_deg_mm),
-            self.digits(Some(of.girth_contour_mm)),
-            Figure::plain(told(Some(&of.rule), &of.by, self.language).0),
-            self.doubts_in_words(&of.doubts),
-        ]
+        let mm = [
+            Some(of.height_mm),
+            of.height_sd_mm,
+            Some(of.along_axis_mm),
+            of.surface_length_mm,
+            Some(of.girth_tape_mm),
+            of.girth_sd_mm,
+            of.girth_of_level_sd_mm,
+            of.girth_per_deg_mm,
+            Some(of.girth_contour_mm),
+        ];
+        self.figures(mm, (&of.rule, &of.by), &of.doubts)
     }
 
     fn estimate_in_mm(&self, of: &EstimateFigures) -> Vec<Figure> {
-        vec![
-            self.digits(Some(of.height_mm)),
-            self.digits(of.height_sd_mm),
-            self.digits(Some(of.along_axis_mm)),
-            self.digits(None),
-            self.digits(Some(of.girth_tape_mm)),
-            self.digits(of.girth_sd_mm),
-            self.digits(of.girth_of_level_sd_mm),
-            self.digits(None),
-            self.digits(None),
-            Figure::plain(told(Some(&of.rule), &of.by, self.language).0),
-            self.doubts_in_words(&of.doubts),
-        ]
+        let mm = [
+            Some(of.height_mm),
+            of.height_sd_mm,
+            Some(of.along_axis_mm),
+            None,
+            Some(of.girth_tape_mm),
+            of.girth_sd_mm,
+            of.girth_of_level_sd_mm,
+            None,
+            None,
+        ];
+        self.figures(mm, (&of.rule, &of.by), &of.doubts)
+    }
+
+    /// Figures in mm, how they were found, and the doubts about them.
+    fn figures(
+        &self,
+        mm: [Option<f64>; 9],
+        (rule, by): (&Statement, &str),
+        doubts: &[String],
+    ) -> Vec<Figure> {
+        let by = Figure::plain(told(Some(rule), by, self.language).0);
+        let words = [by, self.doubts_in_words(doubts)];
+        mm.map(|mm| self.digits(mm)).into_iter().chain(words).collect()
     }
 
     /// A figure as JSON writes it.

@@ -3,7 +3,7 @@
 use gaiter_leg::Side;
 
 use super::{Report, Section};
-use crate::rounding::{cm_words, mm_words, tenths_words};
+use crate::rounding::{cm_words, number, tenths_words};
 use crate::surface::SurfaceFigures;
 
 impl Report<'_> {
@@ -26,7 +26,7 @@ impl Report<'_> {
 
     fn quality(&self, of: &SurfaceFigures) -> String {
         let cm = |mm| cm_words(mm, self.language);
-        let mm = |mm| mm_words(mm, self.language);
+        let mm = |mm| number(mm, 2, self.language);
         let [from, to] = [of.from_height_mm, of.to_height_mm].map(cm);
         let [rms, p95, max] =
             [of.to_points.rms_mm, of.to_points.p95_mm, of.to_points.max_mm].map(mm);

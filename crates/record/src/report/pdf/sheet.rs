@@ -37,11 +37,8 @@ impl Sheets {
         self.pages.push(page);
     }
 
-    /// Number of the current page, from 0. Begins the first page if there is none.
-    pub(super) fn current(&mut self) -> usize {
-        if self.pages.is_empty() {
-            self.turn();
-        }
+    /// Number of the current page, from 0; [`Sheets::turn`] begins the first.
+    pub(super) fn current(&self) -> usize {
         self.pages.len() - 1
     }
 

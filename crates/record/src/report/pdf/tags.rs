@@ -20,6 +20,12 @@ struct Element {
     children: Vec<Child>,
 }
 
+impl Element {
+    fn new(role: StructRole, parent: Option<ElementIndex>) -> Element {
+        Element { role, parent, alt: None, span: 1, children: Vec::new() }
+    }
+}
+
 enum Child {
     Element(ElementIndex),
     /// Content on a page, by the number of the page and its own number there.
@@ -35,26 +41,13 @@ pub(super) struct Tags {
 
 impl Tags {
     pub(super) fn new() -> Tags {
-        let root = Element {
-            role: StructRole::Document,
-            parent: None,
-            alt: None,
-            span: 1,
-            children: Vec::new(),
-        };
-        Tags { elements: vec![root], drawn: Vec::new() }
+        Tags { elements: vec![Element::new(StructRole::Document, None)], drawn: Vec::new() }
     }
 
     /// Adds a new element as the last child of another.
     pub(super) fn add(&mut self, parent: ElementIndex, role: StructRole) -> ElementIndex {
         let index = self.elements.len();
-        self.elements.push(Element {
-            role,
-            parent: Some(parent),
-            alt: None,
-            span: 1,
-            children: Vec::new(),
-        });
+        self.elements.push(Element::new(role, Some(parent)));
         self.elements[parent].children.push(Child::Element(index));
         index
     }
