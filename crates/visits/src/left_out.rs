@@ -4,9 +4,10 @@ use std::cmp::Ordering;
 
 use gaiter_record::{Acquired, AcquiredFrom};
 use jiff::Timestamp;
+use serde::Serialize;
 
 /// A record that is left out.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
     /// When its scan was first seen, as its folder's name says.
     pub seen: Timestamp,
@@ -15,6 +16,7 @@ pub struct LeftOut {
     /// Why, by code; see docs/visits.md.
     pub code: &'static str,
     /// It is the record of another patient, so none of this one is missing.
+    #[serde(skip)]
     pub is_of_another: bool,
 }
 

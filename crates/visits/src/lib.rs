@@ -4,8 +4,7 @@
 //!
 //! | step | where |
 //! |---|---|
-//! | a record as a visit: places, stance, scanner, definition | [`visit`], [`leg`], [`stance`] |
-//! | which scans are visits | [`days`] |
+//! | which scans are visits; a record as one: places, stance, scanner, definition | [`visit`], [`leg`], [`stance`] |
 //! | the visits in order, and which can be compared | [`course`] |
 //! | what is no visit though it was delivered | [`left_out`] |
 //! | what changed between two of them | [`comparison`], [`excess`] |
@@ -16,12 +15,10 @@
 pub mod caution;
 pub mod comparison;
 pub mod course;
-pub mod days;
 pub mod excess;
 pub mod left_out;
 pub mod leg;
 pub mod overlay;
-pub mod place;
 pub mod quantity;
 mod registration;
 pub mod report;
@@ -33,7 +30,6 @@ pub mod visit;
 pub use caution::Caution;
 pub use comparison::{Comparison, LegChange, PlaceChange};
 pub use course::{Affected, Choice, Course, CourseFault, Group};
-pub use days::last_of_days;
 pub use left_out::LeftOut;
 pub use quantity::{Change, Quantity, Shown};
-pub use visit::{GIRTH_COMMON_MM, Visit};
+pub use visit::{GIRTH_COMMON_MM, Visit, last_of_days};

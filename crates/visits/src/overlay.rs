@@ -4,6 +4,7 @@
 use gaiter_leg::Side;
 use gaiter_leg::side::Sides;
 use gaiter_record::Record;
+use gaiter_record::schema::LegFigures;
 use gaiter_record::shape::{CloudFigures, Packed};
 
 use super::registration::{Registration, Rings};
@@ -28,18 +29,12 @@ impl Overlay {
         let mut record = later.clone();
         let mut error_mm = Sides::of_each(|_| None);
         let mut all: Vec<f64> = Vec::new();
-        record.legs.retain_mut(|leg| {
-            let Some(side) = Side::BOTH.into_iter().find(|side| side.word() == leg.side) else {
-                return false;
-            };
-            let Some(before) = earlier.leg(side) else { return false };
-            let Some(registration) = Registration::of(later, before, leg) else { return false };
-            let (Some(surface), Some(surface_before)) =
-                (&mut leg.shape.surface, &before.shape.surface)
-            else {
-                return false;
-            };
-            let laid = Rings::of_surface(surface_before).laid(&registration);
+        let mut lay = |leg: &mut LegFigures| {
+            let side = Side::of_word(&leg.side)?;
+            let before = earlier.leg(side)?;
+            let registration = Registration::of(later, before, leg)?;
+            let surface = leg.shape.surface.as_mut()?;
+            let laid = Rings::of_surface(before.shape.surface.as_ref()?).laid(&registration);
             let distances: Vec<Option<f64>> = surface
                 .points
                 .as_points()
@@ -50,8 +45,9 @@ impl Overlay {
             surface.error = Packed::errors(&distances);
             leg.shape.scan = CloudFigures { points: Packed::points(laid.points().map(Some)) };
             *error_mm.get_mut(side) = Some(registration.error_mm);
-            true
-        });
+            Some(())
+        };
+        record.legs.retain_mut(|leg| lay(leg).is_some());
         all.sort_by(f64::total_cmp);
         let largest_mm = *all.get((SHARE * all.len() as f64) as usize)?;
         Some(Overlay { record, error_mm, largest_mm })

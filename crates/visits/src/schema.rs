@@ -5,7 +5,6 @@ use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::Acquired;
 use gaiter_record::rounding::{ml, mm, percent};
-use jiff::Timestamp;
 use serde::Serialize;
 
 use super::caution::Caution;
@@ -13,10 +12,9 @@ use super::comparison::{Comparison, LegChange, PlaceChange};
 use super::course::{Affected, Course, Group};
 use super::excess::{Excess, ExcessChange, NoReduction};
 use super::left_out::LeftOut;
-use super::place::along_mm;
+use super::leg::along_mm;
 use super::quantity::{Change, Quantity};
 use super::threshold::{Threshold, verdicts};
-use super::visit::Visit;
 
 /// Name and number of the schema.
 pub const VISITS: &str = "gaiter.visits/1";
@@ -41,7 +39,7 @@ pub struct CourseFigures {
     /// Visits of one definition; only they are compared with each other.
     pub groups: Vec<GroupFigures>,
     /// Records of the patient that are no visits because they cannot be used or are gone, oldest first.
-    pub left_out: Vec<LeftOutFigures>,
+    pub left_out: Vec<LeftOut>,
     /// The last visit compared with the first of its group and with the one before it.
     pub comparisons: Vec<ComparisonFigures>,
 }
@@ -136,17 +134,6 @@ pub struct GroupFigures {
     pub left_mm: Option<[f64; 2]>,
     /// The same of the right leg.
     pub right_mm: Option<[f64; 2]>,
-}
-
-/// A record that is left out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LeftOutFigures {
-    /// When its scan was first seen.
-    pub seen: Timestamp,
-    /// The beginning of its scan's id.
-    pub scan: String,
-    /// Why, by code; see docs/visits.md.
-    pub code: &'static str,
 }
 
 /// A comparison of two visits.
@@ -278,13 +265,13 @@ pub fn figures(course: &Course, thresholds: &[Threshold]) -> CourseFigures {
         step_mm: PROFILE_STEP_MM,
         visits: (0..course.visits.len()).map(|at| visit(course, at)).collect(),
         groups: course.groups.iter().map(group_figures).collect(),
-        left_out: course.left_out.iter().map(left_out).collect(),
+        left_out: course.left_out.clone(),
         comparisons: compared.iter().map(|of| comparison(of, thresholds)).collect(),
     }
 }
 
 fn visit(course: &Course, at: usize) -> VisitFigures {
-    let of: &Visit = &course.visits[at];
+    let of = &course.visits[at];
     let group = course.groups.iter().find(|group| group.visits.contains(&at));
     let leg = |side: Side| {
         let leg = of.legs.get(side).as_ref()?;
@@ -327,10 +314,6 @@ fn visit(course: &Course, at: usize) -> VisitFigures {
             .map(|of| quantity(&of)),
         excess: group.and_then(|group| course.excess(group, at)).map(|of| excess(&of)),
     }
-}
-
-fn left_out(of: &LeftOut) -> LeftOutFigures {
-    LeftOutFigures { seen: of.seen, scan: of.scan.clone(), code: of.code }
 }
 
 fn group_figures(of: &Group) -> GroupFigures {

@@ -1,4 +1,6 @@
-//! One visit: what a record says that comparisons need.
+//! Which scans are visits, and what a record says of one that comparisons need.
+
+use std::collections::BTreeMap;
 
 use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_leg::side::Sides;
@@ -7,6 +9,8 @@ use gaiter_record::measure::Measure;
 use gaiter_record::report::Mark;
 use gaiter_record::sizing::SCANNER_GIRTH_MM;
 use gaiter_record::{Acquired, Record};
+use jiff::Timestamp;
+use jiff::civil::Date;
 
 use super::leg::{Common, LegAtVisit};
 
@@ -116,10 +120,26 @@ impl Definition {
         let words = ["scope", "tape", "axis", "fit"].map(said);
         let words = words.into_iter().filter(|word| !word.is_empty());
         let words: Vec<&str> = std::iter::once(record.schema.as_str()).chain(words).collect();
-        let all = [VolumeBy::Cones, VolumeBy::Discs];
-        let volume = all.into_iter().find(|by| by.word() == said("volume"));
-        Definition { girths: words.join(", "), volume }
+        Definition { girths: words.join(", "), volume: VolumeBy::of_word(said("volume")) }
     }
+}
+
+/// The last scan of each day on the calendar of its scanner, oldest first: a scan that was repeated on the same
+/// day is no visit of its own. Scans of unknown time all stay, before the others.
+pub fn last_of_days<T>(scans: Vec<T>, record: impl Fn(&T) -> &Record) -> Vec<T> {
+    let mut kept = Vec::new();
+    let mut days = BTreeMap::<Date, (Timestamp, T)>::new();
+    for of in scans {
+        match record(&of).acquired.as_ref().map(|own| (own.local().date(), own.at)) {
+            None => kept.push(of),
+            Some((day, at)) if days.get(&day).is_none_or(|(known, _)| *known < at) => {
+                days.insert(day, (at, of));
+            }
+            Some(_) => {}
+        }
+    }
+    kept.extend(days.into_values().map(|(_, of)| of));
+    kept
 }
 
 fn levels(record: &Record, side: Side) -> Vec<LevelAtVisit> {

@@ -92,13 +92,18 @@ impl Figure {
     }
 
     /// A missing figure, with the reason.
-    pub(super) fn missing(why: &str) -> Figure {
-        Figure { value: why.to_owned(), margin: None, mark: Mark::Missing }
+    pub fn missing(why: &str) -> Figure {
+        Figure::marked(why, Mark::Missing)
     }
 
     /// A figure or other text without changes.
-    pub(super) fn plain(value: impl Into<String>) -> Figure {
-        Figure { value: value.into(), margin: None, mark: Mark::Sure }
+    pub fn plain(value: impl Into<String>) -> Figure {
+        Figure::marked(value, Mark::Sure)
+    }
+
+    /// A figure without an uncertainty to show, and how to read it.
+    pub fn marked(value: impl Into<String>, mark: Mark) -> Figure {
+        Figure { value: value.into(), margin: None, mark }
     }
 
     /// Whether there is a reason instead of a figure.

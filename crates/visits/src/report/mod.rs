@@ -46,16 +46,12 @@ impl ReportOf<'_> {
         let words = Words { course: self.course, language: self.language };
         let verdict = Verdict { kind: None, parts: self.summary(&words) };
         let mut blocks = vec![Block::Verdict(verdict)];
-        let left_out = self.left_out(&words);
-        if !left_out.is_empty() {
-            let title = words.text("visits.missing_records");
-            blocks.push(Block::Section(Section { title, entries: left_out }));
-        }
-        let cautions = self.cautions(&words);
-        if !cautions.is_empty() {
-            let title = words.text("visits.cautions");
-            blocks.push(Block::Section(Section { title, entries: cautions }));
-        }
+        let section = |key, entries: Vec<String>| {
+            let is_any = !entries.is_empty();
+            is_any.then(|| Block::Section(Section { title: words.text(key), entries }))
+        };
+        blocks.extend(section("visits.missing_records", self.left_out(&words)));
+        blocks.extend(section("visits.cautions", self.cautions(&words)));
         let group = self.course.last_group();
         let compared = group.map(|of| self.course.last_compared(of)).unwrap_or_default();
         let pictures = pictures::first(&words, &compared);
@@ -67,11 +63,8 @@ impl ReportOf<'_> {
         if let Some(group) = group {
             blocks.extend(self.of_group(&words, group, &compared));
         }
-        let entries = group.map(|group| legend::legend(&words, group, &compared));
-        let entries = entries.filter(|entries| !entries.is_empty());
-        blocks.extend(entries.map(|entries| {
-            Block::Section(Section { title: words.text("visits.legend"), entries })
-        }));
+        let legend = group.map(|group| legend::legend(&words, group, &compared));
+        blocks.extend(section("visits.legend", legend.unwrap_or_default()));
         let (head, origin) = (self.head(&words), self.origin());
         Document { head, origin, paper: None, blocks, appendix: None }
     }
@@ -109,10 +102,8 @@ impl ReportOf<'_> {
         let (Some(earlier), Some(later)) = (record(of.earlier), record(of.later)) else {
             return Vec::new();
         };
-        match Overlay::of(earlier, later) {
-            Some(overlay) => pictures::overlay(words, of, overlay),
-            None => Vec::new(),
-        }
+        let overlay = Overlay::of(earlier, later);
+        overlay.map(|overlay| pictures::overlay(words, of, overlay)).unwrap_or_default()
     }
 
     fn head(&self, words: &Words) -> Head {

@@ -30,7 +30,10 @@ impl ReportOf<'_> {
         // What both comparisons share: it is of the last visit.
         if let Some(of) = compared.first() {
             last.extend(self.of_thresholds(words, of, |limited| limited == Limited::Excess));
-            last.extend(stands_in_later(words, of));
+            // That the later visit is not the last one.
+            let [_, date] = words.days(of);
+            let key = "visits.stand_in_later";
+            last.extend(of.stand_ins.later.then(|| words.filled(key, &[("date", &date)])));
         }
         if compared.is_empty() {
             last.push(words.text("visits.alone"));
@@ -63,7 +66,10 @@ impl ReportOf<'_> {
             None => apart,
         }));
         said.extend(self.of_thresholds(words, of, |limited| limited != Limited::Excess));
-        said.extend(stands_in_earlier(words, of));
+        // What hangs on the earlier visit, where it stands in the place of a record that is left out.
+        let [date, _] = words.days(of);
+        let key = "visits.stand_in_earlier";
+        said.extend(of.stand_ins.earlier.then(|| words.filled(key, &[("date", &date)])));
         said
     }
 
@@ -156,20 +162,6 @@ pub(super) fn between(words: &Words, of: &Comparison) -> String {
     words.filled("visits.between", &[("earlier", &earlier), ("later", &later)])
 }
 
-/// What hangs on the earlier visit, where it stands in the place of a record that is left out.
-fn stands_in_earlier(words: &Words, of: &Comparison) -> Option<String> {
-    let [earlier, _] = words.days(of);
-    let is_stand_in = of.stand_ins.earlier;
-    is_stand_in.then(|| words.filled("visits.stand_in_earlier", &[("date", &earlier)]))
-}
-
-/// That the later visit is not the last one.
-fn stands_in_later(words: &Words, of: &Comparison) -> Option<String> {
-    let [_, later] = words.days(of);
-    let is_stand_in = of.stand_ins.later;
-    is_stand_in.then(|| words.filled("visits.stand_in_later", &[("date", &later)]))
-}
-
 /// Why what the legs differ by is told where no change of either leg is shown.
 pub(super) fn cancelling(words: &Words, of: &Comparison) -> Option<String> {
     let volumes = Side::BOTH.map(|side| of.legs.get(side).as_ref().and_then(|leg| leg.volume));
@@ -180,11 +172,11 @@ pub(super) fn cancelling(words: &Words, of: &Comparison) -> Option<String> {
 
 fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
     let change = of.legs.get(side).as_ref()?.volume?;
-    let told = words.told(&change);
+    let [told, _] = words.told(&change);
     let [percent, detectable] = words.told_percent(&change);
     let values: [(&str, &dyn Display); 4] = [
         ("leg", &words.leg(side)),
-        ("ml", &told.change),
+        ("ml", &told),
         ("percent", &percent),
         ("detectable", &detectable),
     ];
@@ -193,16 +185,16 @@ fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
 
 fn excess(words: &Words, change: &ExcessChange) -> String {
     let only = |side: Side| words.language.word("leg.only", side.word());
-    let told = words.told(&change.change);
+    let [told, detectable] = words.told(&change.change);
     let ends = [change.earlier.ml.value, change.later.ml.value];
     let [before, after] = ends.map(|ml| words.ml_change(ml));
     let values: [(&str, &dyn Display); 6] = [
         ("side", &only(change.later.affected)),
-        ("ml", &told.change),
+        ("ml", &told),
         ("before", &before),
         ("after", &after),
         ("other_side", &only(change.later.affected.other())),
-        ("detectable", &told.detectable),
+        ("detectable", &detectable),
     ];
     if change.reduction == Err(NoReduction::SmallerLeg) {
         return words.filled("visits.smaller_leg", &values);
@@ -226,13 +218,9 @@ fn difference(words: &Words, group: &Group, of: &Comparison) -> Option<String> {
     let at = |visit: usize| words.course.left_minus_right(group, visit);
     let [before, after] =
         [at(of.earlier)?, at(of.later)?].map(|volume| words.ml_change(volume.value));
-    let told = words.told(&change);
-    let values: [(&str, &dyn Display); 4] = [
-        ("ml", &told.change),
-        ("before", &before),
-        ("after", &after),
-        ("detectable", &told.detectable),
-    ];
+    let [told, detectable] = words.told(&change);
+    let values: [(&str, &dyn Display); 4] =
+        [("ml", &told), ("before", &before), ("after", &after), ("detectable", &detectable)];
     let key = match change.shown() {
         Shown::Larger | Shown::Smaller => "visits.difference",
         Shown::NoChange => "visits.difference_unchanged",

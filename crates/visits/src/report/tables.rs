@@ -13,7 +13,7 @@ use super::summary::{between, cancelling};
 use super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
 use crate::course::{Affected, Group};
-use crate::place::{Step, along_mm};
+use crate::leg::{Step, along_mm};
 use crate::quantity::{Change, Quantity, Shown};
 
 /// Behind the time of a visit at another time of day than the last one.
@@ -46,8 +46,8 @@ fn visit_row(words: &Words, visit: usize) -> TableRow {
     let of = &course.visits[visit];
     let group = course.groups.iter().find(|group| group.visits.contains(&visit));
     let phantom = of.phantom_mm.map_or_else(
-        || Figure { value: words.text("visits.no_phantom"), margin: None, mark: Mark::Missing },
-        |mm| plain(signed(mm, &tenths_words(mm, words.language))),
+        || Figure::missing(words.language.text("visits.no_phantom")),
+        |mm| Figure::plain(signed(mm, &tenths_words(mm, words.language))),
     );
     let volume = |side: Side| match group.and_then(|of| course.volume(of, visit, side)) {
         Some(volume) => ml(words, &volume),
@@ -56,7 +56,7 @@ fn visit_row(words: &Words, visit: usize) -> TableRow {
     let [right, left] = Side::FROM_FRONT.map(volume);
     let apart = group.and_then(|group| apart(words, group, visit));
     let apart = apart.unwrap_or_else(|| missing(words));
-    let figures = vec![plain(words.posture(of)), phantom, right, left, apart];
+    let figures = vec![Figure::plain(words.posture(of)), phantom, right, left, apart];
     let other_time = group.and_then(|group| course.other_time_of_day(group, visit));
     let sign = if other_time.is_some() { OTHER_TIME } else { "" };
     TableRow { head: words.time(of) + sign, figures }
@@ -92,7 +92,7 @@ fn apart(words: &Words, group: &Group, visit: usize) -> Option<Figure> {
     };
     let excess = course.excess(group, visit)?;
     let percent = words.percent_change(excess.percent);
-    Some(plain(format!("{} ({percent} %)", words.ml_change(excess.ml.value))))
+    Some(Figure::plain(format!("{} ({percent} %)", words.ml_change(excess.ml.value))))
 }
 
 /// Volumes and excess at the two visits of a comparison.
@@ -106,7 +106,7 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
         let at = |visit: usize| words.course.volume(group, visit, side);
         let ends = [at(of.earlier)?, at(of.later)?].map(|of| ml(words, &of));
         let [percent, percent_detectable] = words.told_percent(&change);
-        let percent = Figure { value: percent, margin: None, mark: mark(change.shown()) };
+        let percent = Figure::marked(percent, mark(change.shown()));
         let beside = format!(" ({percent_detectable} %)");
         let head = words.leg(side).to_owned();
         Some(TableRow { head, figures: changed(words, ends, &change, (percent, &beside)) })
@@ -150,14 +150,14 @@ fn changed(
     change: &Change,
     (percent, beside): (Figure, &str),
 ) -> Vec<Figure> {
-    let told = words.told(change);
+    let [told, detectable] = words.told(change);
     vec![
         before,
         after,
-        Figure { value: told.change, margin: None, mark: mark(change.shown()) },
+        Figure::marked(told, mark(change.shown())),
         percent,
-        plain(told.detectable + beside),
-        plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
+        Figure::plain(detectable + beside),
+        Figure::plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
     ]
 }
 
@@ -172,11 +172,11 @@ pub(super) fn girths(
         let leg = words.course.visits[visit].legs.get(side).as_ref()?;
         let place = leg.places.get(&step)?;
         let mark = if place.is_doubtful { Mark::Doubtful } else { Mark::Sure };
-        Some(Figure { value: cm_words(place.girth_mm, words.language), margin: None, mark })
+        Some(Figure::marked(cm_words(place.girth_mm, words.language), mark))
     };
     let change = |change: &Change| {
         let value = signed(change.by, &cm_words(change.by, words.language));
-        Figure { value, margin: None, mark: mark(change.shown()) }
+        Figure::marked(value, mark(change.shown()))
     };
     let place = |step: Step| number(along_mm(step) / 10.0, 0, words.language);
     let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.girths.clone());
@@ -203,13 +203,9 @@ pub(super) fn slices(
         let mut ends = [step, step + 1].into_iter().filter_map(|end| leg.places.get(&end));
         let is_doubtful = ends.any(|place| place.is_doubtful);
         let mark = if is_doubtful { Mark::Doubtful } else { Mark::Sure };
-        Some(Figure { value: number(piece.ml, 0, words.language), margin: None, mark })
+        Some(Figure::marked(number(piece.ml, 0, words.language), mark))
     };
-    let change = |change: &Change| Figure {
-        value: words.ml_change(change.by),
-        margin: None,
-        mark: mark(change.shown()),
-    };
+    let change = |change: &Change| Figure::marked(words.ml_change(change.by), mark(change.shown()));
     let place = |step: Step| {
         let cm = |mm: f64| number(mm / 10.0, 0, words.language);
         format!("{}–{}", cm(along_mm(step)), cm(along_mm(step) + PROFILE_STEP_MM))
@@ -233,12 +229,13 @@ fn sums(
     (shown, compared): (&[usize], &[Comparison]),
 ) -> TableRow {
     let of_visit = |visit: &usize| match words.course.volume(group, *visit, side) {
-        Some(volume) => plain(number(volume.value, 0, words.language)),
+        Some(volume) => Figure::plain(number(volume.value, 0, words.language)),
         None => missing(words),
     };
     let of_change = |of: &Comparison| match of.legs.get(side).as_ref().and_then(|leg| leg.volume) {
         Some(change) => {
-            Figure { value: words.told(&change).change, margin: None, mark: mark(change.shown()) }
+            let [told, _] = words.told(&change);
+            Figure::marked(told, mark(change.shown()))
         }
         None => missing(words),
     };
@@ -309,7 +306,7 @@ pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
                 let girth = cm_words(of.girth_mm, words.language);
                 let height = of.height_mm.map(|mm| format!(" / {}", cm_words(mm, words.language)));
                 let value = girth + &height.unwrap_or_default();
-                Figure { value, margin: None, mark: of.mark }
+                Figure::marked(value, of.mark)
             }
         };
         let values: [(&str, &dyn Display); 2] =
@@ -376,10 +373,6 @@ fn doubted(figure: Figure, is_doubtful: bool) -> Figure {
     Figure { value: figure.value + sign, ..figure }
 }
 
-fn plain(value: String) -> Figure {
-    Figure { value, margin: None, mark: Mark::Sure }
-}
-
 fn missing(words: &Words) -> Figure {
-    Figure { value: words.text("visits.missing"), margin: None, mark: Mark::Missing }
+    Figure::missing(words.language.text("visits.missing"))
 }

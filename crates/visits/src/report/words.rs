@@ -25,22 +25,6 @@ const PERCENT_DECIMALS: [(usize, f64); 2] = [(1, 10.0), (2, 100.0)];
 /// Behind the day of a visit that stands in the place of a record that is left out.
 const STAND_IN: &str = " #";
 
-/// A change of a volume in words, mL: whole ones, because a ± is one. Only where the change would be told as reaching
-/// what can be shown without being shown, or the other way round, have both as many decimals as tell them apart.
-#[derive(Debug)]
-pub(super) struct Told {
-    /// The change, with its sign.
-    pub change: String,
-    /// From which on it can be shown.
-    pub detectable: String,
-}
-
-/// The first of some decimals with which figures agree; the last if they agree with none.
-fn decimals(of: &[(usize, f64)], agree: impl Fn(f64) -> bool) -> (usize, f64) {
-    let found = of.iter().find(|(_, scale)| agree(*scale)).or(of.last());
-    found.copied().unwrap_or((0, 1.0))
-}
-
 /// Whether a change, as it is told, reaches what can be shown, as that is told, exactly if it is shown.
 fn is_told_as_shown([by, detectable]: [f64; 2], shown: Shown, scale: f64) -> bool {
     let is_reached = (scale * by).round().abs() >= scale * up(detectable, scale) - 0.5;
@@ -163,24 +147,31 @@ impl Words<'_> {
         signed(percent, &tenths_words(percent, self.language))
     }
 
-    /// A change of a volume, and from which on it can be shown.
-    pub(super) fn told(&self, change: &Change) -> Told {
-        let figures = [change.by, change.detectable()];
-        let is_told = |scale| is_told_as_shown(figures, change.shown(), scale);
-        let (decimals, scale) = decimals(&ML_DECIMALS, is_told);
-        Told {
-            change: signed(change.by, &number(change.by, decimals, self.language)),
-            detectable: number(up(figures[1], scale), decimals, self.language),
-        }
+    /// A change of a volume, mL, and from which on it can be shown: whole ones, because a ± is one.
+    pub(super) fn told(&self, change: &Change) -> [String; 2] {
+        self.told_with(&ML_DECIMALS, [change.by, change.detectable()], change.shown())
     }
 
     /// The percentage of a change, and from which on it can be shown.
     pub(super) fn told_percent(&self, change: &Change) -> [String; 2] {
         let figures = [change.percent, change.detectable_percent()];
-        let is_told = |scale| is_told_as_shown(figures, change.shown(), scale);
-        let (decimals, scale) = decimals(&PERCENT_DECIMALS, is_told);
-        let percent = number(change.percent, decimals, self.language);
-        [signed(change.percent, &percent), number(up(figures[1], scale), decimals, self.language)]
+        self.told_with(&PERCENT_DECIMALS, figures, change.shown())
+    }
+
+    /// A change with its sign, and from which on it can be shown. Only where it would be told as reaching that without
+    /// being shown, or the other way round, have both as many decimals as tell them apart.
+    fn told_with(
+        &self,
+        all: &[(usize, f64)],
+        [by, detectable]: [f64; 2],
+        shown: Shown,
+    ) -> [String; 2] {
+        let is_told =
+            |(_, scale): &&(usize, f64)| is_told_as_shown([by, detectable], shown, *scale);
+        let found = all.iter().find(is_told).or(all.last());
+        let (decimals, scale) = found.copied().unwrap_or((0, 1.0));
+        let words = |value: f64| number(value, decimals, self.language);
+        [signed(by, &words(by)), words(up(detectable, scale))]
     }
 
     /// What speaks against a comparison.
@@ -231,8 +222,7 @@ mod tests {
     fn told(ends: [f64; 2], random: f64) -> [String; 2] {
         let course = course();
         let words = Words { course: &course, language: Language::En };
-        let told = words.told(&change(ends, random));
-        [told.change, told.detectable]
+        words.told(&change(ends, random))
     }
 
     const CHOICE: crate::course::Choice =
