@@ -97,7 +97,7 @@ pub fn changes(old: &Record, old_json: &Value, new: &Record) -> Result<Changes, 
         of.iter().filter(|place| !other.contains(place)).cloned().collect()
     };
     let new_notes = |of: &Record, other: &Record| {
-        let known = |note: &&FindingNote| !other.findings.iter().any(|other| is_same(note, other));
+        let known = |note: &&FindingNote| !other.findings.iter().any(|other| note.is_like(other));
         of.findings.iter().filter(known).cloned().collect()
     };
     Ok(Changes {
@@ -126,11 +126,6 @@ fn level(place: &Place, old: &Record, new: &Record) -> Option<LevelChange> {
         girth_mm: Change { old: old.girth_tape_mm, new: new.girth_tape_mm },
         height_mm: Change { old: old.height_mm, new: new.height_mm },
     })
-}
-
-/// Whether two findings have the same meaning and place. Their figures may differ.
-fn is_same(one: &FindingNote, other: &FindingNote) -> bool {
-    (&one.code, &one.leg, &one.level) == (&other.code, &other.leg, &other.level)
 }
 
 /// `found` means that the keys of these objects come from the scan.

@@ -329,6 +329,11 @@ impl FindingNote {
         Side::of_word(self.leg.as_deref()?)
     }
 
+    /// Whether another finding has the same meaning and place. Their figures may differ.
+    pub(crate) fn is_like(&self, other: &FindingNote) -> bool {
+        (&self.code, &self.leg, &self.level) == (&other.code, &other.leg, &other.level)
+    }
+
     /// For a report of a record whose bytes nobody can check: without `SHA256SUMS` beside it, its figures
     /// may be anybody's.
     pub fn not_vouched() -> FindingNote {

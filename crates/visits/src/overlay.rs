@@ -34,7 +34,8 @@ impl Overlay {
             let before = earlier.leg(side)?;
             let registration = Registration::of(later, before, leg)?;
             let surface = leg.shape.surface.as_mut()?;
-            let laid = Rings::of_surface(before.shape.surface.as_ref()?).laid(&registration);
+            let skin = before.shape.surface.as_ref()?;
+            let laid = Rings::of(&skin.points, skin.columns).laid(&registration);
             let distances: Vec<Option<f64>> = surface
                 .points
                 .as_points()

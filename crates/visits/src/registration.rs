@@ -7,7 +7,7 @@
 
 use gaiter_record::Record;
 use gaiter_record::schema::LegFigures;
-use gaiter_record::shape::{AxisFigures, GridFigures, SurfaceGridFigures};
+use gaiter_record::shape::{AxisFigures, Packed};
 use nalgebra::{Matrix3, Matrix6, Point3, Rotation3, Unit, Vector3, Vector6};
 
 use super::stance::KNEE_SHARE;
@@ -64,8 +64,8 @@ impl Registration {
     pub fn of(record: &Record, earlier: &LegFigures, later: &LegFigures) -> Option<Registration> {
         let (from, to) = (&earlier.axis, &later.axis);
         let knee_mm = record.body.stature_mm.map_or(KNEE_UNKNOWN_MM, |mm| KNEE_SHARE * mm);
-        let skin = Rings::of_skin(&earlier.shape.skin);
-        let target = Rings::of_skin(&later.shape.skin);
+        let [skin, target] =
+            [earlier, later].map(|leg| Rings::of(&leg.shape.skin.points, leg.shape.skin.columns));
         let shank = SHANK_MM[0]..knee_mm - SHANK_MM[1];
         let shank: Vec<&Ring> =
             skin.rings.iter().filter(|ring| shank.contains(&ring.height_mm)).collect();
@@ -145,17 +145,9 @@ impl Registration {
 }
 
 impl Rings {
-    /// The measured skin; rings that do not close are left out.
-    pub fn of_skin(skin: &GridFigures) -> Rings {
-        Rings::of(&skin.points.as_points(), skin.columns)
-    }
-
-    /// The surface.
-    pub fn of_surface(surface: &SurfaceGridFigures) -> Rings {
-        Rings::of(&surface.points.as_points(), surface.columns)
-    }
-
-    fn of(points: &[Option<Point3<f64>>], columns: usize) -> Rings {
+    /// The rings of so many points each; those that do not close are left out.
+    pub fn of(points: &Packed, columns: usize) -> Rings {
+        let points = points.as_points();
         let rows = points.chunks(columns.max(3));
         let rows: Vec<Vec<Point3<f64>>> =
             rows.filter_map(|row| row.iter().copied().collect()).collect();

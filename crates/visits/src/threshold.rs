@@ -2,7 +2,7 @@
 
 use gaiter_leg::Side;
 
-use super::comparison::{Comparison, LegChange};
+use super::comparison::Comparison;
 
 /// A limit that a change or an excess may reach.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,7 +107,8 @@ fn figure(limited: Limited, of: &Comparison, side: Side) -> Option<[f64; 2]> {
             Some([volume.percent, volume.detectable_percent()])
         }
         Limited::GirthChange => {
-            let largest = largest_girth(of.legs.get(side).as_ref()?)?;
+            let changes = of.legs.get(side).as_ref()?.girths.iter().map(|place| place.change);
+            let largest = changes.max_by(|one, other| one.by.abs().total_cmp(&other.by.abs()))?;
             Some([largest.by, largest.detectable()])
         }
         Limited::Excess => {
@@ -115,11 +116,6 @@ fn figure(limited: Limited, of: &Comparison, side: Side) -> Option<[f64; 2]> {
             Some([excess.percent, 100.0 * excess.ml.expanded() / excess.other_ml])
         }
     }
-}
-
-fn largest_girth(leg: &LegChange) -> Option<super::quantity::Change> {
-    let girths = leg.girths.iter().map(|place| place.change);
-    girths.max_by(|one, other| one.by.abs().total_cmp(&other.by.abs()))
 }
 
 #[cfg(test)]

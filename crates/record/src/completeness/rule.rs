@@ -8,9 +8,6 @@ use crate::measure::amendment::Subject;
 use crate::measure::{Absent, Length, Measure};
 use crate::schema::{FindingNote, NOT_VOUCHED, Record};
 
-/// A leg that was sought and could not be measured.
-const LEG_NOT_MEASURED: &str = "leg-not-measured";
-
 impl Completeness {
     /// What a record holds for an order of this garment.
     pub fn of(record: &Record, garment: &Garment) -> Completeness {
@@ -174,7 +171,7 @@ impl Needs<'_> {
     /// What another scan must do better because of a finding.
     fn again(&self, finding: &FindingNote) -> Option<Again> {
         match finding.code.as_str() {
-            LEG_NOT_MEASURED => Some(Again::WholeLegs),
+            "leg-not-measured" => Some(Again::WholeLegs),
             "leg-cut" => self.lacks_a_level(finding).then_some(Again::WholeLegs),
             "level-implausible" => self.is_needed(finding).then_some(Again::Implausible),
             "crotch-not-seen" => self.reaches_the_thigh().then_some(Again::LegsApart),

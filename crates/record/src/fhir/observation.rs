@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::bundle::Entry;
 use super::{Parts, codes, narrative};
 use crate::export::{ExportFigure, What, export_figures};
-use crate::report::title;
+use crate::report::{grouped, title};
 use crate::rounding;
 
 impl Parts<'_> {
@@ -80,19 +80,13 @@ impl Parts<'_> {
 
     /// The doubts about a leg's figures, each with the figures that it is about.
     fn notes(&self, figures: &[ExportFigure]) -> Vec<Value> {
-        let mut doubts: Vec<(&str, Vec<String>)> = Vec::new();
-        for figure in figures {
-            for doubt in &figure.doubts {
-                match doubts.iter_mut().find(|(known, _)| known == doubt) {
-                    Some((_, boxes)) => boxes.push(figure.code()),
-                    None => doubts.push((doubt, vec![figure.code()])),
-                }
-            }
-        }
-        let said = |(doubt, boxes): &(&str, Vec<String>)| {
+        let doubts = figures.iter().flat_map(|figure| {
+            figure.doubts.iter().map(move |doubt| (doubt.as_str(), figure.code()))
+        });
+        let said = |(doubt, boxes): (&str, Vec<String>)| {
             let title = title(doubt, self.rules.language);
             json!({ "text": format!("{}: {title}", boxes.join(", ")) })
         };
-        doubts.iter().map(said).collect()
+        grouped(doubts).into_iter().map(said).collect()
     }
 }

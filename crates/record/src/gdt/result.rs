@@ -140,7 +140,8 @@ impl Block<'_> {
 /// What is to be done for an order of this garment, in lines.
 fn verdict(record: &Record, garment: &Garment, rules: &GdtRules) -> Vec<String> {
     let sentences = Completeness::of(record, garment).sentences(Language::De);
-    let written = |sentence: &String| wrapped(&words::written(sentence, rules.charset));
+    let written =
+        |sentence: &String| words::wrapped(&words::written(sentence, rules.charset), TEXT_MOST);
     sentences.iter().flat_map(written).collect()
 }
 
@@ -163,10 +164,10 @@ fn comments(record: &Record, rules: &GdtRules) -> Vec<String> {
 
 /// A comment in lines; what stands instead of it if the character set cannot write it.
 fn comment(text: &str, instead: &str, rules: &GdtRules) -> Vec<String> {
-    let lines = wrapped(&words::written(text, rules.charset));
+    let lines = words::wrapped(&words::written(text, rules.charset), TEXT_MOST);
     match lines.iter().all(|line| rules.charset.encode(line).is_ok()) {
         true => lines,
-        false => wrapped(instead),
+        false => words::wrapped(instead, TEXT_MOST),
     }
 }
 
@@ -175,10 +176,6 @@ fn place(finding: &FindingNote) -> String {
     let parts: Vec<&str> =
         finding.side().map(words::side).into_iter().chain(finding.level.as_deref()).collect();
     if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(" ")) }
-}
-
-fn wrapped(text: &str) -> Vec<String> {
-    words::wrapped(text, TEXT_MOST)
 }
 
 /// The fields of an attachment in the order of their numbers, which practice software expects.

@@ -81,35 +81,25 @@ fn table(record: &Record, garment: &Garment, language: Language, notation: Notat
 
 /// A line of the table. What it does not have is an empty cell.
 #[derive(Default)]
-struct Line<'a> {
-    leg: &'a str,
+struct Line {
+    leg: &'static str,
     level: String,
-    state: &'a str,
+    state: &'static str,
     girth_mm: Option<f64>,
     girth_sd_mm: Option<f64>,
     height_mm: Option<f64>,
     height_sd_mm: Option<f64>,
     contour_mm: Option<f64>,
     doubts: String,
-    note: Note<'a>,
+    note: String,
+    /// Whether the note is a sentence, which is always in quotes.
+    is_sentence: bool,
     /// What the scan says of a level that a person set.
     scan_girth_mm: Option<f64>,
     scan_height_mm: Option<f64>,
 }
 
-/// What stands in the column `note`.
-#[derive(Default)]
-enum Note<'a> {
-    /// Nothing.
-    #[default]
-    None,
-    /// How the scan found a level.
-    By(&'a str),
-    /// A sentence, always in quotes.
-    Sentence(String),
-}
-
-impl Line<'_> {
+impl Line {
     fn text(&self, notation: Notation) -> String {
         let Notation { separator, language, .. } = notation;
         let cm = |mm: Option<f64>| mm.map_or(String::new(), |mm| cm_words(mm, language));
@@ -125,11 +115,7 @@ impl Line<'_> {
             notation.figure(self.height_mm),
             notation.figure(self.height_sd_mm),
             notation.figure(self.contour_mm),
-            match &self.note {
-                Note::None => String::new(),
-                Note::By(words) => cell(words, separator, false),
-                Note::Sentence(words) => cell(words, separator, true),
-            },
+            cell(&self.note, separator, self.is_sentence),
             notation.figure(self.scan_girth_mm),
             notation.figure(self.scan_height_mm),
         ];
@@ -137,17 +123,18 @@ impl Line<'_> {
     }
 }
 
-fn verdict(record: &Record, garment: &Garment, language: Language) -> Line<'static> {
+fn verdict(record: &Record, garment: &Garment, language: Language) -> Line {
     let verdict = Completeness::of(record, garment);
     Line {
         level: "verdict".to_owned(),
         state: verdict.kind().word(),
-        note: Note::Sentence(verdict.sentences(language).join(" ")),
+        note: verdict.sentences(language).join(" "),
+        is_sentence: true,
         ..Line::default()
     }
 }
 
-fn of_level(record: &Record, side: Side, level: Level) -> Line<'_> {
+fn of_level(record: &Record, side: Side, level: Level) -> Line {
     let line = match Measure::of(record, side, level) {
         Ok(measure) => measured(record.leg(side), level, measure),
         Err(Absent::NotFound) => Line { state: NOT_FOUND, ..Line::default() },
@@ -155,7 +142,8 @@ fn of_level(record: &Record, side: Side, level: Level) -> Line<'_> {
             let hand = record.by_hand(side, Subject::Level(level));
             Line {
                 state: NOT_MEASURABLE,
-                note: hand.map_or(Note::None, |hand| Note::Sentence(note(&hand))),
+                note: hand.map(|hand| note(&hand)).unwrap_or_default(),
+                is_sentence: true,
                 ..scanned(record.leg(side), level)
             }
         }
@@ -163,7 +151,7 @@ fn of_level(record: &Record, side: Side, level: Level) -> Line<'_> {
     Line { leg: side.word(), level: level.name().to_owned(), ..line }
 }
 
-fn measured<'a>(leg: Option<&LegFigures>, level: Level, measure: Measure<'a>) -> Line<'a> {
+fn measured(leg: Option<&LegFigures>, level: Level, measure: Measure<'_>) -> Line {
     let Measure { girth, height, is_estimate, doubts, by, by_hand, .. } = measure;
     let landmark = leg.and_then(|leg| leg.landmarks.get(level.name()));
     let line = match by_hand {
@@ -183,7 +171,8 @@ fn measured<'a>(leg: Option<&LegFigures>, level: Level, measure: Measure<'a>) ->
         // The girth along the skin belongs to the scan's own girth.
         contour_mm: landmark.filter(|_| by_hand.is_none()).map(|found| found.girth_contour_mm),
         doubts: doubts.join(" "),
-        note: by_hand.map_or(Note::By(by), |hand| Note::Sentence(note(&hand))),
+        note: by_hand.map_or_else(|| by.to_owned(), |hand| note(&hand)),
+        is_sentence: by_hand.is_some(),
         ..line
     }
 }
@@ -195,7 +184,7 @@ fn note(hand: &ByHand<'_>) -> String {
 }
 
 /// Only the scan's girth and height of a level that a person set.
-fn scanned(leg: Option<&LegFigures>, level: Level) -> Line<'static> {
+fn scanned(leg: Option<&LegFigures>, level: Level) -> Line {
     let scanned = leg.and_then(|leg| Measure::scanned(leg, level));
     Line {
         scan_girth_mm: scanned.as_ref().map(|of| of.girth.mm),
@@ -205,7 +194,7 @@ fn scanned(leg: Option<&LegFigures>, level: Level) -> Line<'static> {
 }
 
 /// A requested height is exact, so its standard error stays empty.
-fn at_height(side: Side, at: &AtFigures, language: Language) -> Line<'_> {
+fn at_height(side: Side, at: &AtFigures, language: Language) -> Line {
     Line {
         leg: side.word(),
         level: format!("at {} cm", shortest(rounding::mm(at.height_mm / 10.0), language)),

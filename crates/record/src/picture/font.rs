@@ -19,7 +19,8 @@ pub const UNITS_PER_EM: f64 = 1000.0;
 /// One of the embedded fonts.
 #[derive(Debug, Default)]
 pub struct Font {
-    file: &'static [u8],
+    /// The TrueType file.
+    pub file: &'static [u8],
     /// The glyph of each letter, by its code point; 0 for none. A page of a report looks up tens of
     /// thousands of letters, and the last one of the fonts has a small code point.
     glyphs: Vec<u16>,
@@ -30,11 +31,6 @@ impl Font {
     /// The regular or the bold font.
     pub fn of(is_bold: bool) -> &'static Font {
         &FONTS[usize::from(is_bold)]
-    }
-
-    /// The TrueType file.
-    pub fn file(&self) -> &'static [u8] {
-        self.file
     }
 
     /// The glyph of a letter; `None` if the font lacks it.

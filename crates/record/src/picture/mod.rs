@@ -96,30 +96,6 @@ impl Anchor {
     }
 }
 
-impl Picture {
-    /// This picture with all marks further down by so many px, and so much higher.
-    fn moved_down(&self, way: f64) -> Picture {
-        Picture {
-            title: self.title.clone(),
-            size: [self.size[0], self.size[1] + way],
-            cuts: self.cuts.clone(),
-            marks: self.marks.iter().map(|mark| mark.moved_down(way)).collect(),
-        }
-    }
-}
-
-impl Mark {
-    fn moved_down(&self, way: f64) -> Mark {
-        let mut moved = self.clone();
-        match &mut moved {
-            Mark::Lines { lines, .. } => lines.iter_mut().flatten().for_each(|at| at[1] += way),
-            Mark::Dots { at, .. } => at.iter_mut().for_each(|at| at[1] += way),
-            Mark::Words { at, .. } => at[1] += way,
-        }
-        moved
-    }
-}
-
 impl Stroke {
     /// A solid line.
     pub fn of(ink: Ink, width: f64) -> Option<Stroke> {

@@ -20,4 +20,5 @@ pub use html::page;
 pub use pdf::{PdfFault, paper};
 pub use print::{Paper, Print};
 pub use viewer::{VIEWER, viewer};
+pub use words::grouped;
 pub(crate) use words::title;

@@ -9,6 +9,18 @@ pub(crate) fn title(code: &str, language: Language) -> &str {
     language.find(&format!("finding.{code}.title")).unwrap_or(code)
 }
 
+/// What has the same key together, at the place of the first of it.
+pub fn grouped<K: PartialEq, V>(all: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+    let mut groups: Vec<(K, Vec<V>)> = Vec::new();
+    for (key, value) in all {
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, values)) => values.push(value),
+            None => groups.push((key, vec![value])),
+        }
+    }
+    groups
+}
+
 /// A statement of a record in this language, and whether it is available in it. If not, as for a later
 /// version or a record without statements, the English text is used.
 pub(super) fn told(

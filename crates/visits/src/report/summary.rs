@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use gaiter_leg::Side;
 use gaiter_record::report::content::VerdictPart;
+use gaiter_record::report::grouped;
 use gaiter_record::rounding::shortest;
 
 use super::ReportOf;
@@ -140,18 +141,13 @@ impl ReportOf<'_> {
         }
         let Some(group) = self.course.last_group() else { return said };
         // What holds for several comparisons is told once.
-        let mut all: Vec<(String, Vec<String>)> = Vec::new();
-        for of in self.course.last_compared(group) {
-            let pair = between(words, &of);
-            for caution in &of.cautions {
-                let text = words.caution(&of, caution);
-                match all.iter_mut().find(|(known, _)| *known == text) {
-                    Some((_, pairs)) => pairs.push(pair.clone()),
-                    None => all.push((text, vec![pair.clone()])),
-                }
-            }
-        }
-        said.extend(all.into_iter().map(|(text, pairs)| format!("{}: {text}", pairs.join(", "))));
+        let compared = self.course.last_compared(group);
+        let all = compared.iter().flat_map(|of| {
+            let told = move |caution| (words.caution(of, caution), between(words, of));
+            of.cautions.iter().map(told)
+        });
+        let all = grouped(all).into_iter();
+        said.extend(all.map(|(text, pairs)| format!("{}: {text}", pairs.join(", "))));
         said
     }
 }

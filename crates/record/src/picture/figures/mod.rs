@@ -57,11 +57,8 @@ pub(crate) fn overview(figures: &[Figure], language: Language) -> String {
         marks += &format!("<view id=\"front\" viewBox=\"0 0 {cut:.2} {height:.2}\"/>\n");
     }
     for figure in figures.iter().filter(|figure| OVERVIEW.contains(&figure.name)) {
-        if height > 0.0 {
-            marks.push_str(&svg::marks(&figure.picture.moved_down(height)));
-        } else {
-            marks.push_str(&figure.marks);
-        }
+        let below = format!("<g transform=\"translate(0 {height:.2})\">\n{}</g>\n", figure.marks);
+        marks += &below;
         width = width.max(figure.picture.size[0]);
         height += figure.picture.size[1];
     }

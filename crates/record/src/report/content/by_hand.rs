@@ -23,7 +23,10 @@ impl Report<'_> {
         let values = match subject {
             _ if hand.is_not_measurable => self.text("report.missing.not_measurable"),
             Subject::Level(level) => self.level_by_hand(side, level, &hand),
-            length => self.length_by_hand(side, length, hand.length_mm?),
+            length => {
+                let scanned = Length::scanned_of(self.record, side, length).map(|of| of.mm);
+                self.with_scanned("report.by_hand.length", hand.length_mm?, scanned)
+            }
         };
         let words: [(&str, &dyn Display); 6] = [
             ("leg", &self.leg_heading(side)),
@@ -48,11 +51,6 @@ impl Report<'_> {
         let there = there.map(|of| ("report.by_hand.girth_there", of.girth.mm, girth_mm));
         let said = |(key, mm, scanned_mm)| self.with_scanned(key, mm, scanned_mm);
         [girth, height, there].into_iter().flatten().map(said).collect::<Vec<_>>().join(", ")
-    }
-
-    fn length_by_hand(&self, side: Side, subject: Subject, mm: f64) -> String {
-        let scanned = Length::scanned_of(self.record, side, subject).map(|of| of.mm);
-        self.with_scanned("report.by_hand.length", mm, scanned)
     }
 
     /// `girth 38.5 cm (scan: 38.2)`

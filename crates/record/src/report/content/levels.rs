@@ -2,7 +2,7 @@
 
 use gaiter_leg::{Level, Side};
 
-use super::super::words::title;
+use super::super::words::{grouped, title};
 use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
 use crate::measure::amendment::Subject;
 use crate::measure::{Absent, Length, Measure, girth_mm_at, why_absent};
@@ -86,8 +86,7 @@ impl Report<'_> {
 
     /// Height of the level on the other leg, and the girth of this leg there, mm.
     fn girth_at_other_height(&self, side: Side, level: Level) -> Option<(f64, f64)> {
-        let other = Side::FROM_FRONT.into_iter().find(|other| *other != side)?;
-        let height_mm = self.record.leg(other)?.landmarks.get(level.name())?.height_mm;
+        let height_mm = self.record.leg(side.other())?.landmarks.get(level.name())?.height_mm;
         Some((height_mm, girth_mm_at(self.record.leg(side)?, height_mm)?))
     }
 
@@ -150,26 +149,19 @@ impl Report<'_> {
     /// B1; Skin partly not seen: C, B.`
     fn doubts_of_levels(&self) -> Vec<String> {
         let of_leg = |side: Side| {
-            let doubted: Vec<(&str, Level)> = Level::ALL
+            let doubted = Level::ALL
                 .into_iter()
                 .rev()
                 .filter_map(|level| Some((level, Measure::of(self.record, side, level).ok()?)))
                 // An estimate bears its own mark, and is measured by hand anyhow.
                 .filter(|(_, of)| !of.is_estimate)
                 .flat_map(|(level, of)| {
-                    of.doubts.into_iter().map(move |code| (title(code, self.language), level))
-                })
-                .collect();
-            let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
-            for (word, level) in doubted {
-                match groups.iter_mut().find(|(its, _)| *its == word) {
-                    Some((_, levels)) => levels.push(level.name()),
-                    None => groups.push((word, vec![level.name()])),
-                }
-            }
+                    let named = move |code| (title(code, self.language), level.name());
+                    of.doubts.into_iter().map(named)
+                });
             let group =
                 |(word, levels): &(&str, Vec<&str>)| format!("{word}: {}", levels.join(", "));
-            let said: Vec<String> = groups.iter().map(group).collect();
+            let said: Vec<String> = grouped(doubted).iter().map(group).collect();
             let leg = self.leg_heading(side);
             (!said.is_empty()).then(|| format!("{leg} – {}.", said.join("; ")))
         };

@@ -14,7 +14,9 @@ impl Report<'_> {
         let found = self.record.findings.iter().map(|finding| self.note(finding));
         let doubts = self.unfound_doubts();
         let doubts = doubts.iter().map(|doubt| self.note(doubt));
-        let mut entries = grouped(found.chain(doubts));
+        let by_code = found.chain(doubts).map(|note| ((note.code.clone(), note.weight), note));
+        let mut entries: Vec<Note> =
+            words::grouped(by_code).into_iter().filter_map(|(_, group)| one_of(group)).collect();
         // Notes of one weight keep the order of the stages.
         entries.sort_by_key(|note| Reverse(note.weight));
         Section { title: self.text("report.notes.title"), entries }
@@ -86,31 +88,12 @@ impl Report<'_> {
                 })
             })
         });
-        let is_new = |doubt: &FindingNote| {
-            let is_same = |of: &&FindingNote| {
-                of.code == doubt.code && of.leg == doubt.leg && of.level == doubt.level
-            };
-            !self.record.findings.iter().any(|finding| is_same(&finding))
-        };
+        let is_new = |doubt: &FindingNote| !self.record.findings.iter().any(|of| of.is_like(doubt));
         levels.filter(is_new).collect()
     }
 }
 
-/// Merges notes of the same code, with all their places and messages, at the place of the first.
-fn grouped(notes: impl Iterator<Item = Note>) -> Vec<Note> {
-    let mut groups: Vec<Vec<Note>> = Vec::new();
-    for note in notes {
-        let is_same = |group: &&mut Vec<Note>| {
-            group.iter().any(|one| (&one.code, one.weight) == (&note.code, note.weight))
-        };
-        match groups.iter_mut().find(is_same) {
-            Some(group) => group.push(note),
-            None => groups.push(vec![note]),
-        }
-    }
-    groups.into_iter().filter_map(one_of).collect()
-}
-
+/// Notes of the same code as one, with all their places and messages.
 fn one_of(group: Vec<Note>) -> Option<Note> {
     let first = group.first()?.clone();
     let places: Vec<&str> =

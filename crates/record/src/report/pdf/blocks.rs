@@ -2,7 +2,7 @@
 
 use pdf_writer::types::StructRole;
 
-use super::flow::{BOLD_TYPE, Flow, SMALL_TYPE};
+use super::flow::{BOLD_TYPE, Flow, SMALL_TYPE, TITLE_TYPE};
 use super::measuring_sheet;
 use super::parts::{self, DRAWN_GAP, PART_GAP};
 use crate::picture::{Ink, Picture};
@@ -13,7 +13,8 @@ const READABLE: f64 = 0.35;
 
 /// Writes a report. What stands before its turn is one page, and so begins the appendix.
 pub(super) fn write(flow: &mut Flow<'_>, of: &Document, has_appendix: bool) {
-    parts::title(flow, &of.head.title);
+    flow.text(&of.head.title, StructRole::H1, TITLE_TYPE, Ink::Text);
+    flow.space(6.0);
     let turn = of.blocks.iter().position(|block| matches!(block, Block::Turn)).unwrap_or(0);
     let (first, others) = of.blocks.split_at(turn);
     first_page(flow, first);
@@ -70,16 +71,14 @@ fn fill(flow: &mut Flow<'_>, blocks: &[Block]) {
 /// The place of the block that is written next: the first that fits below, else the first. Only tables and pictures go
 /// before others, and only before such.
 fn next(flow: &Flow<'_>, left: &[&Block]) -> usize {
-    let movable = left.iter().take_while(|block| is_movable(block));
+    let is_movable =
+        |of: &&&Block| matches!(of, Block::Table(_) | Block::Picture { .. } | Block::View(_));
+    let movable = left.iter().take_while(is_movable);
     let goes = |(at, block): (usize, &&Block)| {
         let is_before_like = left[..at].iter().any(|other| is_like(other, block));
         (!is_before_like && fits(flow, block)).then_some(at)
     };
     movable.enumerate().find_map(goes).unwrap_or(0)
-}
-
-fn is_movable(block: &Block) -> bool {
-    matches!(block, Block::Table(_) | Block::Picture { .. } | Block::View(_))
 }
 
 /// Whether two tables are read one after the other.

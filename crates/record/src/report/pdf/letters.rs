@@ -62,7 +62,7 @@ impl Letters {
     /// Writes the objects of this font.
     pub(super) fn write(&self, pdf: &mut Pdf, refs: &FontRefs) -> Result<(), PdfFault> {
         let font = Font::of(self.is_bold);
-        let file = subsetter::subset(font.file(), 0, &self.cut)
+        let file = subsetter::subset(font.file, 0, &self.cut)
             .map_err(|fault| PdfFault::Font { message: fault.to_string() })?;
         let name = self.name();
         let name = Name(name.as_bytes());

@@ -3,9 +3,7 @@
 use gaiter_leg::finding::Severity;
 use pdf_writer::types::StructRole;
 
-use super::flow::{
-    BODY_TYPE, BOLD_TYPE, COLUMN, Flow, HEADING_ROOM, HEADING_TYPE, SMALL_TYPE, TITLE_TYPE,
-};
+use super::flow::{BODY_TYPE, BOLD_TYPE, COLUMN, Flow, HEADING_ROOM, HEADING_TYPE, SMALL_TYPE};
 use super::table::{Cell, DENSE_PADDING, PADDING, Row, Table};
 use super::wrap::Type;
 use crate::completeness::Kind;
@@ -38,12 +36,6 @@ const COLUMNS_PLAIN: usize = 4;
 
 /// A note or paragraph of up to this height stays on one page, pt.
 const WHOLE_MAX: f64 = 150.0;
-
-/// The title of a report.
-pub(super) fn title(flow: &mut Flow<'_>, title: &str) {
-    flow.text(title, StructRole::H1, TITLE_TYPE, Ink::Text);
-    flow.space(6.0);
-}
 
 /// What matters most, a sentence a line, below the headings of its parts. What is to be done stands out between two
 /// lines.
