@@ -1,12 +1,13 @@
-//! Files of the record as documents.
+//! The report, and files of the record as documents.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::Parts;
 use super::bundle::Entry;
+use super::{Parts, narrative};
 use crate::RecordFile;
+use crate::completeness::Completeness;
 
 /// The media type of a file by the ending of its name.
 const TYPES: [(&str, &str); 11] = [
@@ -29,7 +30,38 @@ const OTHER: &str = "application/octet-stream";
 /// The file that is the report itself.
 const PDF: &str = "report.pdf";
 
+/// The part of a record that is its report.
+const PART: &str = "report";
+
 impl Parts<'_> {
+    /// The report: the observations of both legs, the verdict, and the PDF.
+    pub(super) fn report(&self, observations: &[Entry]) -> Entry {
+        let (record, language) = (self.sent.record, self.rules.language);
+        let identifier = self.identifier(self.sent.key.part(PART));
+        let title = language.text("hospital.report");
+        let verdict = Completeness::of(record, &self.rules.garment).sentences(language);
+        let refer = |entry: &Entry| json!({ "reference": entry.reference() });
+        let mut resource = json!({
+            "resourceType": "DiagnosticReport",
+            "language": language.tag(),
+            "text": narrative(title, &verdict),
+            "identifier": self.identifiers(PART),
+            "status": self.status().word(),
+            "code": self.concept("leg-report", title, &[]),
+            "subject": { "reference": self.sent.subject },
+            "effectiveDateTime": self.effective(),
+            "conclusion": verdict.join(" "),
+        });
+        let result: Vec<Value> = observations.iter().map(refer).collect();
+        if !result.is_empty() {
+            resource["result"] = result.into();
+        }
+        if let Some(pdf) = self.pdf() {
+            resource["presentedForm"] = json!([pdf]);
+        }
+        Entry::new(identifier, resource)
+    }
+
     /// A document for each file that the rules name and the record has.
     pub(super) fn documents(&self, report: &Entry) -> Vec<Entry> {
         let named = self.rules.attach.iter().filter(|name| *name != PDF);

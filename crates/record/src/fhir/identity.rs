@@ -63,20 +63,18 @@ impl Identifier {
 
     /// Whether a resource has it. A server that answers a search with something else is not believed.
     pub fn is_of(&self, resource: &Value) -> bool {
-        let own = resource["identifier"].as_array().into_iter().flatten();
-        own.into_iter().any(|of| {
-            of["system"].as_str() == Some(&self.system) && of["value"].as_str() == Some(&self.value)
-        })
+        self.is_among(resource, |one, other| one == other)
     }
 
     /// Whether a resource has it but for capital and small letters, which a search need not tell apart (R4, token).
     pub fn is_like(&self, resource: &Value) -> bool {
-        let is_like = |of: &Value, text: &str| {
-            of.as_str().is_some_and(|of| of.to_lowercase() == text.to_lowercase())
-        };
-        let own = resource["identifier"].as_array().into_iter().flatten();
-        own.into_iter()
-            .any(|of| is_like(&of["system"], &self.system) && is_like(&of["value"], &self.value))
+        self.is_among(resource, |one, other| one.to_lowercase() == other.to_lowercase())
+    }
+
+    fn is_among(&self, resource: &Value, is_same: fn(&str, &str) -> bool) -> bool {
+        let is = |of: &Value, text: &str| of.as_str().is_some_and(|of| is_same(of, text));
+        let mut own = resource["identifier"].as_array().into_iter().flatten();
+        own.any(|of| is(&of["system"], &self.system) && is(&of["value"], &self.value))
     }
 }
 

@@ -4,12 +4,10 @@
 //! Nothing here talks to a server: the store looks up the patient, sends the resources and reads the answers.
 
 mod bundle;
-mod codes;
 mod document;
 mod identity;
 mod observation;
 pub mod outcome;
-mod report;
 
 use gaiter_language::Language;
 use gaiter_sizes::Garment;

@@ -4,7 +4,7 @@ use gaiter_leg::Side;
 use serde_json::{Value, json};
 
 use super::bundle::Entry;
-use super::{Parts, codes, narrative};
+use super::{Parts, narrative};
 use crate::export::{ExportFigure, What, export_figures};
 use crate::report::{grouped, title};
 use crate::rounding;
@@ -28,18 +28,18 @@ impl Parts<'_> {
             "text": narrative(leg, &lines),
             "identifier": self.identifiers(part),
             "status": self.status().word(),
-            "category": [codes::exam()],
+            "category": [exam()],
             "code": self.concept("leg-measures", language.text("hospital.leg_measures"), &[]),
             "subject": { "reference": self.sent.subject },
             "effectiveDateTime": self.effective(),
-            "bodySite": self.concept(&format!("{part}-leg"), leg, &[codes::lower_limb()]),
+            "bodySite": self.concept(&format!("{part}-leg"), leg, &[lower_limb()]),
             "method": { "text": format!("gaiter {}", record.made_by.gaiter) },
             "device": { "reference": device.reference() },
             "component": figures.iter().map(|figure| self.component(figure)).collect::<Vec<_>>(),
         });
         if figures.is_empty() {
             // An observation has a value, components, or the reason why it has neither.
-            resource["dataAbsentReason"] = codes::unknown();
+            resource["dataAbsentReason"] = unknown();
             if let Some(fields) = resource.as_object_mut() {
                 fields.remove("component");
             }
@@ -54,15 +54,15 @@ impl Parts<'_> {
     fn component(&self, figure: &ExportFigure) -> Value {
         let language = self.rules.language;
         let (key, further) = match figure.what {
-            What::Girth => ("hospital.girth_at", vec![codes::limb_circumference()]),
+            What::Girth => ("hospital.girth_at", vec![limb_circumference()]),
             What::Height => ("hospital.height_at", Vec::new()),
         };
         let words = language.filled(key, &[("level", &figure.level.name())]);
         let mut quantity = json!({
-            "value": figure.cm, "unit": "cm", "system": codes::UCUM, "code": "cm",
+            "value": figure.cm, "unit": "cm", "system": UCUM, "code": "cm",
         });
         if let Some(sd_cm) = figure.sd_cm {
-            quantity["extension"] = json!([codes::uncertainty(sd_cm)]);
+            quantity["extension"] = json!([uncertainty(sd_cm)]);
         }
         let mut component = json!({
             "code": self.concept(&figure.code(), &words, &further), "valueQuantity": quantity,
@@ -89,4 +89,44 @@ impl Parts<'_> {
         };
         grouped(doubts).into_iter().map(said).collect()
     }
+}
+
+// Codes of others, where the reference of this project calls them good. Everything else has an own code.
+
+/// SNOMED CT.
+const SNOMED: &str = "http://snomed.info/sct";
+
+/// The units of UCUM.
+const UCUM: &str = "http://unitsofmeasure.org";
+
+/// Lower limb circumference (observable entity); ValueSet of circumferences of HL7 Europe's discharge report.
+fn limb_circumference() -> Value {
+    snomed("413171006", "Lower limb circumference")
+}
+
+/// Lower limb structure; DICOM PS3.16, CID 4.
+fn lower_limb() -> Value {
+    snomed("61685007", "Lower limb structure")
+}
+
+/// Category of an observation: an examination.
+fn exam() -> Value {
+    let system = "http://terminology.hl7.org/CodeSystem/observation-category";
+    json!({ "coding": [{ "system": system, "code": "exam" }] })
+}
+
+/// Why a component has no value: nothing is known.
+fn unknown() -> Value {
+    let system = "http://terminology.hl7.org/CodeSystem/data-absent-reason";
+    json!({ "coding": [{ "system": system, "code": "unknown" }] })
+}
+
+/// The standard deviation of a quantity, in its unit; an extension of FHIR itself.
+fn uncertainty(value: f64) -> Value {
+    let url = "http://hl7.org/fhir/StructureDefinition/iso21090-uncertainty";
+    json!({ "url": url, "valueDecimal": value })
+}
+
+fn snomed(code: &str, display: &str) -> Value {
+    json!({ "system": SNOMED, "code": code, "display": display })
 }

@@ -121,21 +121,6 @@ pub enum LineFault {
     },
 }
 
-impl LineFault {
-    /// As [`OrderFault::says`](super::OrderFault::says).
-    pub(super) fn says(self) -> (&'static str, Vec<(&'static str, String)>) {
-        match self {
-            LineFault::Empty => ("order-empty", Vec::new()),
-            LineFault::Frame { line } => ("order-frame", vec![("line", line.to_string())]),
-            LineFault::Length { line, said, found } => {
-                let names = [("line", line), ("said", said), ("found", found)];
-                let names = names.map(|(name, count)| (name, count.to_string()));
-                ("order-line-length", names.to_vec())
-            }
-        }
-    }
-}
-
 /// The length of the byte order mark of a message, and what follows it.
 pub(super) fn unmarked(bytes: &[u8]) -> (usize, &[u8]) {
     bytes.strip_prefix(MARK).map_or((0, bytes), |rest| (MARK.len(), rest))

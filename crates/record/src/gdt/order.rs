@@ -108,29 +108,31 @@ impl OrderFault {
         match self {
             OrderFault::TooLarge { bytes } => {
                 let most = ("most", ORDER_MOST.to_string());
-                ("order-too-large", vec![("bytes", bytes.to_string()), most])
+                (self.code(), vec![("bytes", bytes.to_string()), most])
             }
             OrderFault::Utf16 => ("order-utf-16", Vec::new()),
-            OrderFault::Lines(fault) => fault.says(),
-            OrderFault::NotGdt => ("order-not-gdt", Vec::new()),
-            OrderFault::OtherKind { found } => ("order-other-kind", vec![("found", found.clone())]),
+            OrderFault::Lines(LineFault::Frame { line }) => {
+                ("order-frame", vec![("line", line.to_string())])
+            }
+            OrderFault::Lines(LineFault::Length { line, said, found }) => {
+                let names = [("line", line), ("said", said), ("found", found)];
+                let names = names.map(|(name, count)| (name, count.to_string()));
+                ("order-line-length", names.to_vec())
+            }
+            OrderFault::OtherKind { found } => (self.code(), vec![("found", found.clone())]),
             OrderFault::NoTotal => ("order-no-total", Vec::new()),
             OrderFault::Total { said, found } => {
-                let names = vec![("said", said.to_string()), ("found", found.to_string())];
-                ("order-length-wrong", names)
+                (self.code(), vec![("said", said.to_string()), ("found", found.to_string())])
             }
-            OrderFault::Charset => ("order-charset", Vec::new()),
             OrderFault::Text { line, why } => {
                 let at = ("at", why.at.to_string());
                 let charset = ("charset", why.charset.name().to_owned());
                 ("order-text", vec![("line", line.to_string()), at, charset])
             }
-            OrderFault::PatientCut => ("order-cut-short", Vec::new()),
-            OrderFault::NoPatient => ("order-without-patient", Vec::new()),
             OrderFault::TwoPatients { first, second } => {
-                let names = vec![("first", first.to_string()), ("second", second.to_string())];
-                ("order-two-patients", names)
+                (self.code(), vec![("first", first.to_string()), ("second", second.to_string())])
             }
+            _ => (self.code(), Vec::new()),
         }
     }
 

@@ -86,31 +86,20 @@ impl Ink {
     /// The name of its colour in a page's style sheet. `None` for inks with the same colour in both
     /// themes.
     pub fn name(self) -> Option<&'static str> {
-        match self {
-            Ink::Paper => Some("paper"),
-            Ink::Text => Some("text"),
-            Ink::Muted => Some("muted"),
-            Ink::Grid => Some("grid"),
-            Ink::Skin => Some("skin"),
-            Ink::Left => Some("left"),
-            Ink::Right => Some("right"),
-            Ink::Scan => Some("scan"),
-            Ink::Unseen => Some("unseen"),
-            Ink::Off(_) => None,
-        }
+        Ink::NAMED.into_iter().find(|(ink, _)| *ink == self).map(|(_, name)| name)
     }
 
     /// The inks with names.
-    pub const NAMED: [Ink; 9] = [
-        Ink::Paper,
-        Ink::Text,
-        Ink::Muted,
-        Ink::Grid,
-        Ink::Skin,
-        Ink::Left,
-        Ink::Right,
-        Ink::Scan,
-        Ink::Unseen,
+    pub const NAMED: [(Ink, &str); 9] = [
+        (Ink::Paper, "paper"),
+        (Ink::Text, "text"),
+        (Ink::Muted, "muted"),
+        (Ink::Grid, "grid"),
+        (Ink::Skin, "skin"),
+        (Ink::Left, "left"),
+        (Ink::Right, "right"),
+        (Ink::Scan, "scan"),
+        (Ink::Unseen, "unseen"),
     ];
 }
 

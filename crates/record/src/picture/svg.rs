@@ -19,7 +19,7 @@ pub(crate) fn file(title: &str, size: [f64; 2], marks: &str) -> String {
     let mut first = format!("<style>{}</style>\n<rect", dark_rules());
     push_px(&mut first, "width", width);
     push_px(&mut first, "height", height);
-    push_painted(&mut first, FILL, Ink::Paper);
+    push_painted(&mut first, &[(FILL, Ink::Paper)]);
     first.push_str("/>\n");
     let view_box = [0.0, 0.0, width, height];
     element(" role=\"img\"", view_box, &[&title_element(title), &first, marks])
@@ -54,16 +54,12 @@ pub(crate) fn embedded(name: &str, picture: &Picture, marks: &str) -> String {
 
 /// A style sheet that gives pictures the dark theme for readers who prefer it.
 pub(crate) fn dark_rules() -> String {
-    let rules = |ink: Ink| {
+    let rule = |(ink, name): (Ink, &str)| {
         let [r, g, b] = ink.colour(Theme::Dark);
-        let rule = |name: &str| {
-            format!(
-                ".f-{name}{{fill:#{r:02x}{g:02x}{b:02x}}}.s-{name}{{stroke:#{r:02x}{g:02x}{b:02x}}}"
-            )
-        };
-        ink.name().map(rule)
+        let colour = format!("#{r:02x}{g:02x}{b:02x}");
+        format!(".f-{name}{{fill:{colour}}}.s-{name}{{stroke:{colour}}}")
     };
-    let rules: String = Ink::NAMED.into_iter().filter_map(rules).collect();
+    let rules: String = Ink::NAMED.into_iter().map(rule).collect();
     format!("@media screen and (prefers-color-scheme:dark){{{rules}}}")
 }
 
@@ -131,7 +127,7 @@ fn push_mark(svg: &mut String, mark: &Mark) {
             push_px(svg, "x", *x);
             push_px(svg, "y", *y);
             push_px(svg, "font-size", *size);
-            push_painted(svg, FILL, *ink);
+            push_painted(svg, &[(FILL, *ink)]);
             svg.push_str(match anchor {
                 Anchor::Start => "",
                 Anchor::Middle => " text-anchor=\"middle\"",

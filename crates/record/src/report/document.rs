@@ -2,6 +2,7 @@
 
 use gaiter_language::Language;
 use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
 
 use super::age::Age;
 use super::content::{Fact, Levels, Note, Section, Table, Verdict};
@@ -67,6 +68,43 @@ pub struct PaperLink {
     pub address: String,
     /// What the link says.
     pub words: String,
+}
+
+/// How the report is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Print {
+    /// The paper.
+    pub paper: Paper,
+    /// Whether the engineering figures follow: the fit of the surface and every figure in mm.
+    pub has_appendix: bool,
+}
+
+/// The format of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Paper {
+    /// ISO 216 A4: 210 mm × 297 mm.
+    #[default]
+    A4,
+    /// ANSI letter: 8.5 in × 11 in.
+    Letter,
+}
+
+impl Paper {
+    /// The name in the configuration and in style sheets.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Paper::A4 => "A4",
+            Paper::Letter => "letter",
+        }
+    }
+
+    /// Width and height, pt.
+    pub const fn size_pt(self) -> [f64; 2] {
+        match self {
+            Paper::A4 => [595.28, 841.89],
+            Paper::Letter => [612.0, 792.0],
+        }
+    }
 }
 
 /// A part of a report.

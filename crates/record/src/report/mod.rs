@@ -8,17 +8,15 @@ mod figure;
 mod held;
 mod html;
 mod pdf;
-mod print;
 mod viewer;
 mod words;
 
 pub use age::AgeMax;
 pub use content::Content;
-pub use document::{Document, Head};
+pub use document::{Document, Head, Paper, Print};
 pub use figure::{Figure, Mark};
 pub use html::page;
 pub use pdf::{PdfFault, paper};
-pub use print::{Paper, Print};
 pub use viewer::{VIEWER, viewer};
 pub use words::grouped;
 pub(crate) use words::title;

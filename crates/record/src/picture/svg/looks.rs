@@ -16,15 +16,10 @@ const STROKE: Use = Use { attribute: "stroke", class: "s-" };
 
 /// The fill and the stroke of a mark.
 pub(super) fn push_looks(svg: &mut String, fill: Option<Ink>, stroke: Option<Stroke>) {
-    match (fill, stroke) {
-        (Some(fill), Some(Stroke { ink, .. })) => push_twice_painted(svg, fill, ink),
-        (Some(fill), None) => push_painted(svg, FILL, fill),
-        (None, Some(Stroke { ink, .. })) => {
-            svg.push_str(" fill=\"none\"");
-            push_painted(svg, STROKE, ink);
-        }
-        (None, None) => svg.push_str(" fill=\"none\""),
-    }
+    svg.push_str(if fill.is_none() { " fill=\"none\"" } else { "" });
+    let pen = stroke.map(|stroke| (STROKE, stroke.ink));
+    let inks: Vec<(Use, Ink)> = fill.map(|ink| (FILL, ink)).into_iter().chain(pen).collect();
+    push_painted(svg, &inks);
     if let Some(Stroke { width, dash, .. }) = stroke {
         push_px(svg, "stroke-width", width);
         if let Some(dash) = dash {
@@ -33,32 +28,18 @@ pub(super) fn push_looks(svg: &mut String, fill: Option<Ink>, stroke: Option<Str
     }
 }
 
-/// The light colour of an ink, and the class that lets a style sheet change it.
-pub(super) fn push_painted(svg: &mut String, what: Use, ink: Ink) {
-    if let Some(name) = ink.name() {
-        svg.extend([" class=\"", what.class, name, "\""]);
+/// The light colours of inks, and the classes that let a style sheet change them.
+pub(super) fn push_painted(svg: &mut String, inks: &[(Use, Ink)]) {
+    let class = |(what, ink): &(Use, Ink)| Some(format!("{}{}", what.class, ink.name()?));
+    let classes: Vec<String> = inks.iter().filter_map(class).collect();
+    if !classes.is_empty() {
+        svg.extend([" class=\"", &classes.join(" "), "\""]);
     }
-    push_colour(svg, what, ink);
-}
-
-fn push_twice_painted(svg: &mut String, fill: Ink, stroke: Ink) {
-    svg.push_str(" class=\"");
-    if let Some(name) = fill.name() {
-        svg.extend([FILL.class, name]);
+    for (what, ink) in inks {
+        let [r, g, b] = ink.colour(Theme::Light);
+        // Writing to memory never fails.
+        let _ = write!(svg, " {}=\"#{r:02x}{g:02x}{b:02x}\"", what.attribute);
     }
-    if let Some(name) = stroke.name() {
-        let gap = if fill.name().is_some() { " " } else { "" };
-        svg.extend([gap, STROKE.class, name]);
-    }
-    svg.push('"');
-    push_colour(svg, FILL, fill);
-    push_colour(svg, STROKE, stroke);
-}
-
-fn push_colour(svg: &mut String, what: Use, ink: Ink) {
-    let [r, g, b] = ink.colour(Theme::Light);
-    // Writing to memory never fails.
-    let _ = write!(svg, " {}=\"#{r:02x}{g:02x}{b:02x}\"", what.attribute);
 }
 
 /// An attribute with a number of px.
