@@ -41,10 +41,9 @@ use gaiter_language::Language;
 use gaiter_leg::Method;
 use gaiter_record::ReportChoice;
 use gaiter_record::gdt::Product;
-use gaiter_record::order::OrderChoice;
 use gaiter_record::report::{AgeMax, Print};
 use gaiter_record::sizing::SizeChoice;
-use gaiter_sizes::{Garment, SizeTable};
+use gaiter_sizes::{Garment, Mapping, SizeTable};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
 pub use load::{load, load_with, nested};
 pub use observability::{control_path, state_dir};
@@ -87,7 +86,7 @@ pub struct Config {
     /// `[sizes]`: the size tables that reports are made with, in the order of the configuration.
     pub tables: Vec<SizeTable>,
     /// `[orders]`: the mappings by which each record gets its order, too.
-    pub orders: OrderChoice,
+    pub orders: Vec<Mapping>,
     /// `[report]`: the paper.
     pub print: Print,
     /// `[visits]`: how the visits of a patient are compared.

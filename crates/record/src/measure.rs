@@ -127,10 +127,8 @@ impl Measure<'_> {
         let scanned = record.leg(side).and_then(|leg| Measure::scanned(leg, level));
         match record.by_hand(side, Subject::Level(level)) {
             None => scanned.ok_or(Absent::NotFound),
-            Some(hand) => match hand.absent() {
-                Some(absent) => Err(absent),
-                None => Measure::amended(record.leg(side), scanned, hand).ok_or(Absent::NotFound),
-            },
+            Some(hand) if hand.is_not_measurable => Err(Absent::NotMeasurable),
+            Some(hand) => Measure::amended(record.leg(side), scanned, hand).ok_or(Absent::NotFound),
         }
     }
 
@@ -250,10 +248,9 @@ impl Length {
     /// # Errors
     /// See [`Absent`].
     pub fn of(record: &Record, side: Side, subject: Subject) -> Result<Length, Absent> {
-        let hand = record.by_hand(side, subject);
-        match hand.and_then(|hand| hand.absent()) {
-            Some(absent) => Err(absent),
-            None => {
+        match record.by_hand(side, subject) {
+            Some(hand) if hand.is_not_measurable => Err(Absent::NotMeasurable),
+            hand => {
                 let set = hand.and_then(|hand| hand.length_mm).map(Length::by_hand);
                 let scanned = || Length::scanned_of(record, side, subject);
                 set.or_else(scanned).ok_or(Absent::NotFound)

@@ -1,12 +1,11 @@
 //! The files of a record for people: its report as a page and as a PDF, and figures.
 
 use gaiter_language::Language;
-use gaiter_sizes::Garment;
+use gaiter_sizes::{Garment, Mapping};
 use serde::{Deserialize, Serialize};
 
 use super::Record;
 use super::files::{RecordFile, file};
-use super::order::OrderChoice;
 use super::picture::figures::{self, Figure};
 use super::picture::svg;
 use super::report::{self, AgeMax, Content, Document, PdfFault, Print};
@@ -36,8 +35,8 @@ pub struct ReportChoice {
     pub age_max: AgeMax,
     /// The size tables that the report shows, and the day on which it does.
     pub sizes: SizeChoice,
-    /// The files of the order.
-    pub orders: OrderChoice,
+    /// The files of the order for makers and shop systems, besides gaiter's own.
+    pub orders: Vec<Mapping>,
 }
 
 /// Why a file cannot be made.

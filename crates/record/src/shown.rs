@@ -9,15 +9,11 @@ const READ_MOST: usize = 100 * LINE_MOST;
 /// An id with nothing hidden in it. Characters that are invisible, or that change the text direction,
 /// are replaced by their code points, so that no id is mistaken for another.
 pub fn id(text: &str) -> String {
-    let mut shown = String::new();
-    for letter in text.chars() {
-        if is_hidden(letter) {
-            shown.push_str(&format!("[U+{:04X}]", u32::from(letter)));
-        } else {
-            shown.push(letter);
-        }
-    }
-    shown
+    let shown = |letter: char| match is_hidden(letter) {
+        true => format!("[U+{:04X}]", u32::from(letter)),
+        false => letter.to_string(),
+    };
+    text.chars().map(shown).collect()
 }
 
 /// A text for the content of an element of HTML or XML, and for an attribute between `"`.

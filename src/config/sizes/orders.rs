@@ -1,6 +1,5 @@
 //! `[orders]`: the mappings by which each record gets its order.
 
-use gaiter_record::order::OrderChoice;
 use gaiter_sizes::Mapping;
 use gaiter_sizes::mapping;
 use gaiter_toml::What::Twice;
@@ -9,7 +8,7 @@ use super::{FilesBeside, NamedFile, named_files, note};
 use crate::config::reader::Reader;
 
 /// Reads `orders.mappings`.
-pub(in crate::config) fn orders(reader: &mut Reader, files: &mut FilesBeside) -> OrderChoice {
+pub(in crate::config) fn orders(reader: &mut Reader, files: &mut FilesBeside) -> Vec<Mapping> {
     let mut mappings: Vec<Mapping> = Vec::new();
     for NamedFile { key, at, path, text } in named_files(reader, "orders.mappings", files) {
         match mapping::parse(text.as_bytes()) {
@@ -20,5 +19,5 @@ pub(in crate::config) fn orders(reader: &mut Reader, files: &mut FilesBeside) ->
             Ok(mapping) => mappings.push(mapping),
         }
     }
-    OrderChoice { mappings }
+    mappings
 }

@@ -279,7 +279,7 @@ mod tests {
         let mut report = config.report_choice(date(2026, 11, 28));
         report.sizes.tables.push(gaiter_sizes::parse(table.as_bytes()).unwrap());
         let mapping = |text: &str| mapping::parse(text.as_bytes()).unwrap();
-        report.orders.mappings = Vec::from(mappings.map(mapping));
+        report.orders = Vec::from(mappings.map(mapping));
         let sha256 = "0".repeat(64);
         let record = RecordJob {
             method: config.method.clone(),

@@ -1,5 +1,7 @@
 //! What a record holds for an order, from its findings and doubts and from what the garment needs.
 
+use std::collections::BTreeSet;
+
 use gaiter_leg::{Level, Side};
 use gaiter_sizes::{Garment, Point};
 
@@ -12,18 +14,15 @@ impl Completeness {
     /// What a record holds for an order of this garment.
     pub fn of(record: &Record, garment: &Garment) -> Completeness {
         let needs = Needs { record, garment };
-        let mut again: Vec<Again> = match needs.has_all_by_hand() {
-            true => Vec::new(),
+        let again = match needs.has_all_by_hand() {
+            true => BTreeSet::new(),
             false => needs.all_again(),
         };
-        again.sort_unstable();
-        again.dedup();
-        let mut checks: Vec<Check> = record.findings.iter().filter_map(check).collect();
-        checks.sort_unstable();
-        checks.dedup();
+        let checks: BTreeSet<Check> = record.findings.iter().filter_map(check).collect();
         let by_hand = Side::FROM_FRONT.map(|side| needs.in_state(side, State::Open));
         let not_measurable =
             Side::FROM_FRONT.map(|side| needs.in_state(side, State::NotMeasurable));
+        let (again, checks) = (again.into_iter().collect(), checks.into_iter().collect());
         Completeness { garment: garment.clone(), again, by_hand, not_measurable, checks }
     }
 }
@@ -141,7 +140,7 @@ impl Needs<'_> {
     }
 
     /// What another scan must do better.
-    fn all_again(&self) -> Vec<Again> {
+    fn all_again(&self) -> BTreeSet<Again> {
         let findings = self.record.findings.iter().filter_map(|finding| self.again(finding));
         let doubts = self.record.sides().flat_map(|side| self.doubts(side));
         let doubts = doubts.filter_map(again_for_doubt);

@@ -77,10 +77,8 @@ pub fn answer(bytes: &[u8], control: &str, secret: &[&str]) -> Result<Answer, An
 
 /// UTF-8, or else ISO 8859-1, in which every byte is a letter.
 fn decoded(bytes: &[u8]) -> String {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().copied().map(char::from).collect(),
-    }
+    let letters = || bytes.iter().copied().map(char::from).collect();
+    std::str::from_utf8(bytes).map_or_else(|_| letters(), str::to_owned)
 }
 
 /// The signs that separate the parts of a message; it says itself which.

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 
-use super::{Absent, Length, Measure, girth_mm_at};
+use super::{Length, Measure, girth_mm_at};
 use crate::Record;
 pub use crate::schema::{Amendment, Deed};
 pub use fault::{AmendFault, What};
@@ -226,11 +226,6 @@ impl Record {
 impl ByHand<'_> {
     fn none(last: &Amendment) -> ByHand<'_> {
         ByHand { girth_mm: None, height_mm: None, length_mm: None, is_not_measurable: false, last }
-    }
-
-    /// Why the measure is absent, if it is.
-    pub fn absent(&self) -> Option<Absent> {
-        self.is_not_measurable.then_some(Absent::NotMeasurable)
     }
 }
 

@@ -37,9 +37,6 @@ const HEADINGS: &str = "heading.measurements";
 
 const LINE_END: &str = "\r\n";
 
-/// The exact table, which programs read.
-const EXACT: Notation = Notation::exact(',');
-
 /// The state of a level with figures that were measured.
 const MEASURED: &str = "measured";
 
@@ -58,7 +55,7 @@ const NOT_FOUND: &str = "not found";
 /// The verdict for an order of this garment, in words of this language, and all levels of the measured legs, as
 /// the exact table for programs: its figures are the same in every language.
 pub fn measurements(record: &Record, garment: &Garment, language: Language) -> String {
-    table(record, garment, language, EXACT)
+    table(record, garment, language, Notation::exact(','))
 }
 
 /// The same table for a spreadsheet that is set to this language, with its headings.

@@ -2,7 +2,6 @@
 
 use gaiter_language::Language;
 use gaiter_sizes::Mapping;
-use serde::{Deserialize, Serialize};
 
 use super::{Order, csv, mapped, mapped_name, spreadsheet};
 use crate::files::{RecordFile, file, json};
@@ -38,31 +37,24 @@ impl OrderFile {
     }
 }
 
-/// Which files of an order are made of a record besides gaiter's own.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct OrderChoice {
-    /// Those for makers and shop systems, in their order.
-    pub mappings: Vec<Mapping>,
-}
-
 /// Whether a file of a record is one of its order.
 pub fn is_order_file(name: &str) -> bool {
     name.starts_with(BEGIN)
 }
 
-/// The files of an order, each under a name of its own. The patient's id is only for a mapping that asks for it.
+/// The files of an order, each under a name of its own: gaiter's own, and those for makers and shop systems. The patient's id is only for a mapping that asks for it.
 ///
 /// # Errors
 /// If a figure cannot be written as JSON.
 pub fn order_files(
     order: &Order,
-    choice: &OrderChoice,
+    mappings: &[Mapping],
     language: Language,
     patient: Option<&str>,
 ) -> Result<Vec<RecordFile>, serde_json::Error> {
     let own = OrderFile::ALL.into_iter().map(|kind| kind.of(order, language));
     let mut files = own.collect::<Result<Vec<RecordFile>, _>>()?;
-    for mapping in &choice.mappings {
+    for mapping in mappings {
         let name = own_name(mapped_name(order, mapping), &files);
         files.push(RecordFile { name, bytes: mapped(order, mapping, patient) });
     }

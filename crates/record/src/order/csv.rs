@@ -41,9 +41,6 @@ const OF_A_REORDER: [&str; 10] = [
     "length_change_u95_mm",
 ];
 
-/// The exact table, which programs read.
-const EXACT: Notation = Notation::exact(';');
-
 /// The texts for the columns.
 const HEADINGS: &str = "heading.order";
 
@@ -51,7 +48,7 @@ const LINE_END: &str = "\r\n";
 
 /// The order as the exact table for programs: the same in every language.
 pub fn csv(order: &Order) -> String {
-    table(order, EXACT)
+    table(order, Notation::exact(';'))
 }
 
 /// The same table for a spreadsheet that is set to this language, with its headings.

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use super::provenance::Acquired;
 use super::schema::MadeBy;
-pub use choice::{OrderChoice, OrderFile, is_order_file, order_files};
+pub use choice::{OrderFile, is_order_file, order_files};
 pub use csv::{csv, spreadsheet};
 pub use mapped::{mapped, mapped_name};
 pub use readback::{BYTES_MAX, LastFault, read};

@@ -3,15 +3,12 @@
 //! The patient's right leg always comes before the left one, as seen from the front. Levels are ordered
 //! from the highest to the lowest, as on a standing leg.
 
-mod by_hand;
 mod facts;
 mod landmarks;
 mod levels;
 mod notes;
 mod sizes;
-mod surfaces;
 mod tables;
-mod tilt;
 
 use std::fmt::Display;
 

@@ -8,15 +8,13 @@ mod figure;
 mod held;
 mod html;
 mod pdf;
-mod viewer;
 mod words;
 
 pub use age::AgeMax;
 pub use content::Content;
 pub use document::{Document, Head, Paper, Print};
 pub use figure::{Figure, Mark};
-pub use html::page;
+pub use html::{VIEWER, page, viewer};
 pub use pdf::{PdfFault, paper};
-pub use viewer::{VIEWER, viewer};
 pub use words::grouped;
 pub(crate) use words::title;

@@ -6,8 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gaiter_language::Language;
 use gaiter_record::order::{
-    JSON_SCHEMA, Order, OrderChoice, OrderRef, RefFault, Row, csv, mapped, order_files, read,
-    spreadsheet,
+    JSON_SCHEMA, Order, OrderRef, RefFault, Row, csv, mapped, order_files, read, spreadsheet,
 };
 use gaiter_record::report::AgeMax;
 use gaiter_record::{json, rounding};
@@ -261,9 +260,8 @@ fn the_age_of_an_order_that_is_made_again_is_that_of_its_scan_on_its_own_day() {
 #[test]
 fn no_file_of_an_order_names_the_patient_and_all_are_small_with_ascii_names() {
     for garment in Garment::shipped() {
-        let choice = OrderChoice { mappings: mappings() };
         let order = Order::of(&RECORD, garment, None, 1.0);
-        let files = order_files(&order, &choice, Language::De, Some(ID)).unwrap();
+        let files = order_files(&order, &mappings(), Language::De, Some(ID)).unwrap();
         let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
         assert_eq!(names.len(), 6);
         for file in &files {
@@ -280,8 +278,7 @@ fn no_file_of_an_order_names_the_patient_and_all_are_small_with_ascii_names() {
 fn only_a_mapping_that_asks_for_the_id_writes_it() {
     let text = include_str!("../../../../fixtures/cases/orders/asks_for_the_id.toml");
     let mapping = parse(text.as_bytes()).unwrap();
-    let choice = OrderChoice { mappings: vec![mapping] };
-    let files = order_files(&order(), &choice, Language::En, Some(ID)).unwrap();
+    let files = order_files(&order(), &[mapping], Language::En, Some(ID)).unwrap();
     let by_mapping = files.last().unwrap();
     assert!(String::from_utf8_lossy(&by_mapping.bytes).contains(ID));
     assert!(!by_mapping.name.contains(ID));
@@ -292,8 +289,7 @@ fn two_mappings_that_fill_their_name_alike_have_files_of_their_own() {
     let mut twin = mappings().remove(0);
     twin.id = "EXAMPLE-points".to_owned();
     let mappings = vec![mappings().remove(0), twin];
-    let choice = OrderChoice { mappings };
-    let files = order_files(&order(), &choice, Language::En, Some(ID)).unwrap();
+    let files = order_files(&order(), &mappings, Language::En, Some(ID)).unwrap();
     let names: Vec<&str> = files[3..].iter().map(|file| file.name.as_str()).collect();
     assert_eq!(names, ["order-example-points.csv", "order-EXAMPLE-points-2.csv"]);
 }

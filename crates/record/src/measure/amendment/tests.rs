@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::chart::VolumeFigures;
-use crate::measure::Length;
+use crate::measure::{Absent, Length};
 use crate::report::Mark;
 use crate::shape::ShapeFigures;
 

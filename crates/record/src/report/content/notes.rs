@@ -39,7 +39,7 @@ impl Report<'_> {
         let weight = Severity::of_word(&finding.severity).unwrap_or(Severity::Warning);
         let says = finding.says.as_ref();
         let (message, is_told) = words::told(says, &finding.message, self.language);
-        let word = |part| self.language.find(&format!("finding.{}.{part}", finding.code));
+        let word = |part: &str| self.language.find(&format!("finding.{}.{part}", finding.code));
         Note {
             code: finding.code.clone(),
             weight,

@@ -26,15 +26,11 @@ const SCALES_MM: [f64; 5] = [2.0, 4.0, 8.0, 16.0, 32.0];
 
 /// The pictures of the first page: the curves of all visits, and where along the legs girths have changed.
 pub(super) fn first(words: &Words, compared: &[Comparison]) -> Vec<Block> {
-    let volumes = volumes::picture(words).map(|picture| {
-        let caption = volumes::caption(words);
-        captioned("volumes", words.text("visits.picture.volumes"), picture, caption)
-    });
-    let changes = changes::picture(words, compared).map(|picture| {
-        let caption = changes::caption(words, compared);
-        captioned("changes", words.text("visits.picture.changes"), picture, caption)
-    });
-    volumes.into_iter().chain(changes).collect()
+    let volumes = volumes::picture(words).map(|of| ("volumes", of, volumes::caption(words)));
+    let changes = changes::picture(words, compared);
+    let changes = changes.map(|of| ("changes", of, changes::caption(words, compared)));
+    let drawn = volumes.into_iter().chain(changes);
+    drawn.map(|(name, of, caption)| captioned(name, of.title.clone(), of, caption)).collect()
 }
 
 /// The girths along the legs at the visits that stand beside each other.
