@@ -4,9 +4,9 @@ use gaiter_cad::{CadFault, FileHeader, Output};
 use gaiter_leg::finding::Severity;
 use gaiter_leg::{Extraction, Method, Side};
 use gaiter_scan::Format;
-use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use super::file::{RecordFile, file, json};
 use super::measure::csv;
 use super::order::{Order, is_order_file, order_files};
 use super::picture::figures;
@@ -29,19 +29,6 @@ const SPREADSHEET: &str = "measurements-spreadsheet.csv";
 
 /// The file of a record that holds the scanner's own measures of the scan.
 pub const ORD: &str = "scanner.ord";
-
-/// One file of a record folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RecordFile {
-    /// File name within the folder, ASCII, no separators.
-    pub name: String,
-    /// Content.
-    pub bytes: Vec<u8>,
-}
-
-pub(super) fn file(name: &str, bytes: Vec<u8>) -> RecordFile {
-    RecordFile { name: name.to_owned(), bytes }
-}
 
 /// The file that was measured.
 #[derive(Debug, Clone, Copy)]
@@ -136,16 +123,6 @@ pub fn amended_files(
     files.splice(place..place, tables(record, choice)?);
     files.push(file(SUMS, sums_of(&files).into_bytes()));
     Ok(files)
-}
-
-/// A record or an order as the bytes of its file.
-///
-/// # Errors
-/// If a figure cannot be written as JSON.
-pub fn json(of: &impl Serialize) -> Result<Vec<u8>, serde_json::Error> {
-    let mut json = serde_json::to_vec_pretty(of)?;
-    json.push(b'\n');
-    Ok(json)
 }
 
 /// The measures as tables, and the files of the order.

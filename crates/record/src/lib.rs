@@ -10,6 +10,7 @@ pub mod completeness;
 mod compose;
 pub mod export;
 pub mod fhir;
+mod file;
 mod files;
 pub mod gdt;
 pub mod hl7;
@@ -31,9 +32,10 @@ pub mod surface;
 
 pub use check::RecordFault;
 pub use compose::record;
+pub use file::{RecordFile, json};
 pub use files::{
-    ORD, RECORD, RecordFile, SUMS, ScanFile, add_scan, amended_files, files_beside_scan, hex, json,
-    record_files, sha256,
+    ORD, RECORD, SUMS, ScanFile, add_scan, amended_files, files_beside_scan, hex, record_files,
+    sha256,
 };
 pub use gaiter_leg::word_enum;
 pub use provenance::{

@@ -5,7 +5,7 @@ use gaiter_sizes::{Garment, Mapping};
 use serde::{Deserialize, Serialize};
 
 use super::Record;
-use super::files::{RecordFile, file};
+use super::file::{RecordFile, file};
 use super::picture::figures::{self, Figure};
 use super::picture::svg;
 use super::report::{self, AgeMax, Content, Document, PdfFault, Print};

@@ -3,6 +3,7 @@
 //! Millimetres and degrees, in the body frame. Units are in the names. Fields may be added; the meaning
 //! of a field never changes without a new schema number.
 
+mod amendment;
 #[cfg(test)]
 mod tests;
 
@@ -16,9 +17,9 @@ use super::provenance::{Acquired, Patient};
 use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
 use super::statement::Statement;
 use super::surface::SurfaceFigures;
+pub use amendment::{Amendment, Deed};
 use gaiter_leg::Side;
 use gaiter_leg::finding::Severity;
-use jiff::Timestamp;
 
 /// Name and number of this schema.
 pub const SCHEMA: &str = "gaiter.leg-record/1";
@@ -297,43 +298,6 @@ pub struct FeatureFigures {
     pub curvature_per_mm: f64,
     /// How much it stands out from its neighbours.
     pub prominence_per_mm: f64,
-}
-
-/// One measure of one leg that a person set.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Amendment {
-    /// `left` or `right`.
-    pub leg: String,
-    /// A level, `foot-length`, `foot-breadth` or `inside-leg`.
-    pub measure: String,
-    /// What the person did.
-    pub is: Deed,
-    /// The girth by tape; null if it was not set.
-    pub girth_mm: Option<f64>,
-    /// The vertical height above the floor; null if it was not set.
-    pub height_mm: Option<f64>,
-    /// Length or breadth of a foot, or of the inside of the leg; null if it was not set.
-    pub length_mm: Option<f64>,
-    /// Why, in the person's words.
-    pub reason: String,
-    /// The person's name.
-    pub by: String,
-    /// When.
-    pub at: Timestamp,
-}
-
-/// What a person did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Deed {
-    /// They measured it.
-    Measured,
-    /// They noted that it cannot be measured on this patient.
-    NotMeasurable,
-    /// They took back what was set before: the scan's value counts again.
-    TakenBack,
 }
 
 /// One finding.

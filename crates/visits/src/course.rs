@@ -8,7 +8,7 @@ use gaiter_leg::side::Sides;
 use gaiter_record::{Acquired, AcquiredFrom, Record};
 
 use super::left_out::LeftOut;
-use super::leg::Step;
+use super::place::Step;
 use super::quantity::Quantity;
 use super::visit::{Definition, Visit};
 

@@ -11,7 +11,7 @@ use gaiter_record::rounding::MARGIN_SDS;
 
 use super::caution::stance_change;
 use super::course::{Affected, Course, Group};
-use super::leg::Step;
+use super::place::Step;
 use super::quantity::{Change, Quantity, Shown};
 
 /// The excess of one leg at a visit, over the pieces that both legs have at all visits of the group.

@@ -7,16 +7,9 @@ use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::chart::AlongFigures;
 use gaiter_record::schema::{BodyFigures, LegFigures};
 
+use super::place::{Step, along_mm};
 use super::quantity::{Parts, Quantity};
 use super::stance::Stance;
-
-/// The number of a fixed place: its length along the leg's axis from the floor in steps of 4 cm.
-pub type Step = u32;
-
-/// The length along the axis of a place, mm.
-pub fn along_mm(step: Step) -> f64 {
-    PROFILE_STEP_MM * f64::from(step)
-}
 
 /// A leg at one visit.
 #[derive(Debug, Clone, PartialEq)]

@@ -19,6 +19,7 @@ pub mod excess;
 pub mod left_out;
 pub mod leg;
 pub mod overlay;
+pub mod place;
 pub mod quantity;
 mod registration;
 pub mod report;

@@ -13,7 +13,7 @@ use super::comparison::{Comparison, LegChange, PlaceChange};
 use super::course::{Affected, Course, Group};
 use super::excess::{Excess, ExcessChange, NoReduction};
 use super::left_out::LeftOut;
-use super::leg::along_mm;
+use super::place::along_mm;
 use super::quantity::{Change, Quantity};
 use super::threshold::{Threshold, verdicts};
 

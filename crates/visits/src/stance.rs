@@ -3,7 +3,7 @@
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::schema::{BodyFigures, LegFigures};
 
-use super::leg::{Step, along_mm};
+use super::place::{Step, along_mm};
 
 /// Height of the knee as a share of the stature (Drillis and Contini; Winter, Biomechanics, fig. 4.1).
 pub(super) const KNEE_SHARE: f64 = 0.285;

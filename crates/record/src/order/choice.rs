@@ -4,7 +4,7 @@ use gaiter_language::Language;
 use gaiter_sizes::Mapping;
 
 use super::{Order, csv, mapped, mapped_name, spreadsheet};
-use crate::files::{RecordFile, file, json};
+use crate::file::{RecordFile, file, json};
 
 /// How the names of all order files begin, and of no other file of a record.
 const BEGIN: &str = "order";

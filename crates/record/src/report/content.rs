@@ -19,7 +19,7 @@ use gaiter_sizes::Garment;
 
 use super::Figure;
 use super::age::{Age, AgeMax};
-use super::document::Head;
+use super::head::Head;
 use crate::Record;
 use crate::completeness::{Completeness, Kind};
 use crate::measure::why_no_leg;

@@ -1,28 +1,13 @@
 //! A report as data for a page and a PDF: a head and blocks in reading order.
 
-use gaiter_language::Language;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::age::Age;
 use super::content::{Fact, Levels, Note, Section, Table, Verdict};
+use super::head::Head;
 use crate::Record;
 use crate::picture::figures::Figure;
-
-/// What stands on every page of a report.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Head {
-    /// The language of the texts.
-    pub language: Language,
-    /// The kind of document; whether its figures can be trusted, if not.
-    pub title: String,
-    /// Whether something vouches for the figures.
-    pub is_vouched: bool,
-    /// The patient's id with nothing hidden in it, or that there is none.
-    pub patient: String,
-    /// When and where it was taken, in one line.
-    pub taken: String,
-}
 
 /// Where a report comes from, for the properties of its PDF.
 #[derive(Debug, Clone, PartialEq, Eq)]

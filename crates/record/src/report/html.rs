@@ -12,7 +12,8 @@ use sha2::{Digest, Sha256};
 
 use self::markup::element;
 use super::Paper;
-use super::document::{Block, Document, Head};
+use super::document::{Block, Document};
+use super::head::Head;
 use crate::picture::svg;
 use crate::shown::escaped;
 

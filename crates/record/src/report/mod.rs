@@ -5,6 +5,7 @@ mod blocks;
 pub mod content;
 pub mod document;
 mod figure;
+mod head;
 mod held;
 mod html;
 mod pdf;
@@ -12,8 +13,9 @@ mod words;
 
 pub use age::AgeMax;
 pub use content::Content;
-pub use document::{Document, Head, Paper, Print};
+pub use document::{Document, Paper, Print};
 pub use figure::{Figure, Mark};
+pub use head::Head;
 pub use html::{VIEWER, page, viewer};
 pub use pdf::{PdfFault, paper};
 pub use words::grouped;

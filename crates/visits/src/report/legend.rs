@@ -10,7 +10,7 @@ use super::words::Words;
 use crate::comparison::Comparison;
 use crate::course::{Course, Group};
 use crate::excess::Reduction;
-use crate::leg::along_mm;
+use crate::place::along_mm;
 
 /// How to read what the comparisons of a group of visits tell.
 pub(super) fn legend(words: &Words, group: &Group, compared: &[Comparison]) -> Vec<String> {

@@ -13,7 +13,7 @@ use super::summary::{between, cancelling};
 use super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
 use crate::course::{Affected, Group};
-use crate::leg::{Step, along_mm};
+use crate::place::{Step, along_mm};
 use crate::quantity::{Change, Quantity, Shown};
 
 /// Behind the time of a visit at another time of day than the last one.

@@ -1,16 +1,12 @@
 //! The objects of a PDF: pages, fonts, structure tree, metadata.
 
-use std::io::Write;
-
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
 use jiff::tz::TimeZone;
 use pdf_writer::writers::StructTreeRoot;
 use pdf_writer::{Date, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use sha2::{Digest, Sha256};
 
 use super::PdfFault;
-use super::letters::{FontRefs, NAMES};
+use super::letters::{FontRefs, NAMES, packed};
 use super::sheet::{SIZE, Sheets, short};
 use super::tags::ROOT;
 use crate::report::document::Origin;
@@ -140,16 +136,4 @@ fn write_info(pdf: &mut Pdf, id: Ref, head: &Head, origin: &Origin) {
             .utc_offset_hour(0)
             .utc_offset_minute(0),
     );
-}
-
-/// Fast rather than small, because every scan gets a PDF: level 6 saves a seventh of its size but takes
-/// five times as long.
-const LEVEL: Compression = Compression::fast();
-
-/// Compresses bytes for the `FlateDecode` filter.
-pub(super) fn packed(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len() / 3), LEVEL);
-    // Writing to memory never fails. Uncompressed bytes would not be a valid stream.
-    let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
-    written.unwrap_or_default()
 }

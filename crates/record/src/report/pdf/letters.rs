@@ -2,13 +2,15 @@
 //! meaning, so that its text can be searched and copied.
 
 use std::collections::BTreeMap;
+use std::io::Write;
 
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use subsetter::GlyphRemapper;
 
 use super::PdfFault;
-use super::document::packed;
 use crate::picture::font::{Font, UNITS_PER_EM};
 
 /// Names of the fonts on a page, regular and bold.
@@ -123,4 +125,16 @@ impl Letters {
         let tag: String = (0..6).map(|_| letter()).collect();
         format!("{tag}+NotoSans-{}", if self.is_bold { "Bold" } else { "Regular" })
     }
+}
+
+/// Fast rather than small, because every scan gets a PDF: level 6 saves a seventh of its size but takes
+/// five times as long.
+const LEVEL: Compression = Compression::fast();
+
+/// Compresses bytes for the `FlateDecode` filter.
+pub(super) fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len() / 3), LEVEL);
+    // Writing to memory never fails. Uncompressed bytes would not be a valid stream.
+    let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    written.unwrap_or_default()
 }

@@ -11,7 +11,7 @@ use gaiter_record::rounding::{cm_words, number, signed};
 use super::super::words::Words;
 use super::key;
 use crate::comparison::{Comparison, PlaceChange};
-use crate::leg::along_mm;
+use crate::place::along_mm;
 use crate::quantity::Shown;
 use crate::report::summary::between;
 

@@ -9,7 +9,8 @@ use gaiter_record::rounding::number;
 
 use super::super::words::Words;
 use super::key;
-use crate::leg::{LegAtVisit, along_mm};
+use crate::leg::LegAtVisit;
+use crate::place::along_mm;
 
 /// Width, and space below the charts, px.
 const WIDTH: f64 = 720.0;

@@ -11,7 +11,7 @@ use gaiter_record::rounding::{number, signed};
 use super::super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
 use crate::course::Group;
-use crate::leg::{Step, along_mm};
+use crate::place::{Step, along_mm};
 use crate::quantity::Shown;
 use crate::report::summary::between;
 
