@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::args::AskArgs;
-use super::{Exit, complain, exit_of, explain_config, print, shown};
+use super::{Exit, complain, exit_of, exit_of_printing, explain_config, print, shown};
 use crate::config::{self, ConfigError, control_path};
 use crate::station::operator::control::protocol::{Answer, Fault, FaultKind, Request};
 
@@ -245,13 +245,7 @@ pub fn told<T: Serialize>(
     } else {
         table(&answer, language(&args.config))
     };
-    match print(text) {
-        Ok(()) => exit(&answer),
-        Err(error) => {
-            complain(format_args!("gaiter: cannot print the answer: {error}"));
-            Exit::Io
-        }
-    }
+    exit_of_printing("the answer", print(text)).max(exit(&answer))
 }
 
 /// Sends a request and prints the sentence in the answer.

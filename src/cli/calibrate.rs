@@ -14,7 +14,7 @@ use jiff::Timestamp;
 
 use super::args::CalibrateArgs;
 use super::terminal::paint::{self, painted};
-use super::{Exit, complain, explain_config, print, shown};
+use super::{Exit, complain, exit_of_printing, explain_config, print, shown};
 use crate::config;
 
 /// The tolerance without a configuration, mm: a tape reads to 1 to 2 mm.
@@ -40,14 +40,11 @@ pub fn calibrate(args: &CalibrateArgs) -> Exit {
             .and_then(|json| print(json + "\n")),
         false => paint::print(table(&check)),
     };
-    if let Err(error) = printed {
-        complain(format_args!("gaiter: the check cannot be printed: {error}"));
-        return Exit::Io;
-    }
-    match check.result {
+    let exit = match check.result {
         CheckResult::Within => Exit::Done,
         CheckResult::Beyond | CheckResult::NotMeasured => Exit::Unmeasurable,
-    }
+    };
+    exit.max(exit_of_printing("the check", printed))
 }
 
 /// What is known of the body, and how it is measured.
@@ -60,12 +57,10 @@ struct Choices {
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
     fn of(args: &CalibrateArgs) -> Result<Choices, Exit> {
-        let config = args.config.as_ref().map(|path| config::read(path));
-        let config = config.transpose().map_err(|error| explain_config(&error))?;
-        let (mut method, configured) = match config {
-            Some(config) => (config.method, config.phantom),
-            None => (Method::default(), None),
-        };
+        let config = args.config.as_deref().map(config::read).transpose();
+        let config = config.map_err(|error| explain_config(&error))?;
+        let (mut method, configured) =
+            config.map(|config| (config.method, config.phantom)).unwrap_or_default();
         method.unit = args.unit.unwrap_or(method.unit);
         method.up = args.up.unwrap_or(method.up);
         let tolerance_mm = configured.as_ref().map_or(TOLERANCE_MM, |phantom| phantom.tolerance_mm);

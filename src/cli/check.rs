@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::args::CheckArgs;
 use super::terminal::paint::{self, painted};
-use super::{Exit, ask, complain, exit_of, explain_config, print, shown};
+use super::{Exit, ask, complain, exit_of, exit_of_printing, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::operator::control::status::{ComplaintStatus, Status};
@@ -47,13 +47,7 @@ pub fn check(args: &CheckArgs) -> Exit {
             Err(error) => return explain_config(&error),
         }
     };
-    match printed {
-        Ok(()) => exit,
-        Err(error) => {
-            complain(format_args!("gaiter: cannot print the result: {error}"));
-            Exit::Io
-        }
-    }
+    exit.max(exit_of_printing("the result", printed))
 }
 
 /// The checks of what is around the station: folders and disks, who may read, servers, the system's service, the

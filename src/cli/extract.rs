@@ -19,14 +19,12 @@ use gaiter_record::{
     self as record, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile,
 };
 use gaiter_scan::Format;
-use gaiter_sizes::Garment;
-use jiff::Zoned;
 
 use super::args::ExtractArgs;
 use super::parallel::{in_order, usual_jobs};
 use super::terminal::progress::Progress;
 use super::terminal::{paint, screen, table};
-use super::{Exit, complain, explain_config, ord, print, shown};
+use super::{Exit, complain, exit_of_printing, explain_config, ord, print, report_choice, shown};
 use crate::config::{self, words};
 use found::{FolderFault, found};
 use names::Names;
@@ -88,19 +86,10 @@ pub fn extract(args: &ExtractArgs) -> Exit {
     });
     drop(progress);
     if several && !args.json && !rows.is_empty() {
-        worst = worst.max(printed(paint::print(summary(&rows, run.columns))));
+        let printed = paint::print(summary(&rows, run.columns));
+        worst = worst.max(exit_of_printing("the summary", printed));
     }
     worst
-}
-
-fn printed(result: io::Result<()>) -> Exit {
-    match result {
-        Ok(()) => Exit::Done,
-        Err(error) => {
-            complain(format_args!("gaiter: the summary cannot be printed: {error}"));
-            Exit::Io
-        }
-    }
 }
 
 /// What holds for all scans of one run.
@@ -183,19 +172,11 @@ struct Choices {
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
     fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
-        let (mut method, mut output, configured, garments) = match &args.config {
-            Some(path) => {
-                let config = config::read(path).map_err(|error| explain_config(&error))?;
-                let report = config.report_choice(Zoned::now().date());
-                (config.method, config.output, report, config.garments)
-            }
-            None => (
-                Method::default(),
-                Output::default(),
-                ReportChoice::default(),
-                Garment::shipped().to_vec(),
-            ),
-        };
+        let config = args.config.as_deref().map(config::read).transpose();
+        let config = config.map_err(|error| explain_config(&error))?;
+        let (configured, garments) = report_choice(config.as_ref());
+        let (mut method, mut output) =
+            config.map(|config| (config.method, config.output)).unwrap_or_default();
         let report = ReportChoice {
             language: args.language.unwrap_or(configured.language),
             garment: args.garment.chosen(&garments, &configured.garment)?,

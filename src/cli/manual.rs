@@ -1,19 +1,19 @@
 //! `gaiter completions`, `gaiter man`, `gaiter schema`: the command line for shells and as manual pages,
 //! and the record for programs.
 
-use std::io::{self, Write};
+use std::io;
 
 use clap::Command;
 use gaiter_record::{order, schema};
 
 use super::args::{self, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
-use super::{Exit, complain, shown};
+use super::{Exit, complain, exit_of_printing, print, print_to, shown};
 
 /// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> Exit {
     let (mut command, mut script) = (visible(), Vec::new());
     clap_complete::generate(args.shell, &mut command, "gaiter", &mut script);
-    ended("the completions", write(&script))
+    exit_of_printing("the completions", print_to(io::stdout().lock(), &script))
 }
 
 /// Prints the main manual page, or writes the pages of all verbs to a folder.
@@ -24,7 +24,8 @@ pub fn man(args: &ManArgs) -> Exit {
         command.build();
         let mut page = Vec::new();
         let rendered = clap_mangen::Man::new(command).render(&mut page);
-        return ended("the manual page", rendered.and_then(|()| write(&page)));
+        let printed = rendered.and_then(|()| print_to(io::stdout().lock(), &page));
+        return exit_of_printing("the manual page", printed);
     };
     match clap_mangen::generate_to(visible(), dir) {
         Ok(()) => Exit::Done,
@@ -41,7 +42,7 @@ pub fn schema(args: &SchemaArgs) -> Exit {
         SchemaOf::Record => schema::JSON_SCHEMA,
         SchemaOf::Order => order::JSON_SCHEMA,
     };
-    ended("the schema", write(schema.as_bytes()))
+    exit_of_printing("the schema", print(schema))
 }
 
 /// The command line as users see it, without the verb that only the station calls.
@@ -54,22 +55,4 @@ fn visible() -> Command {
     command = command.after_help(whole.get_after_help().cloned().unwrap_or_default());
     let verbs = whole.get_subcommands().filter(|verb| !verb.is_hide_set());
     command.subcommands(verbs.cloned()).subcommand_required(true)
-}
-
-fn write(text: &[u8]) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
-    }
-}
-
-fn ended(what: &str, written: io::Result<()>) -> Exit {
-    match written {
-        Ok(()) => Exit::Done,
-        Err(error) => {
-            complain(format_args!("gaiter: {what} cannot be printed: {error}"));
-            Exit::Io
-        }
-    }
 }

@@ -25,12 +25,16 @@ pub mod terminal;
 
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
+use gaiter_record::ReportChoice;
+use gaiter_sizes::Garment;
+use jiff::Zoned;
 
-use crate::config::ConfigError;
-use args::{Args, Verb};
+use crate::config::{self, Config, ConfigError};
+use args::{Args, Verb, usual_config};
 pub use exit::Exit;
 
 /// Runs the verb of the command line. The exit codes are those of [`Exit`].
@@ -95,10 +99,28 @@ fn explain(said: &clap::Error) -> Exit {
 /// # Errors
 /// Anything else that prevents the write, typically a full disk.
 pub fn print(text: impl Display) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    match write!(out, "{text}").and_then(|()| out.flush()) {
+    print_to(io::stdout().lock(), text.to_string().as_bytes())
+}
+
+/// Writes bytes to an output as [`print`] does; they need not be UTF-8.
+///
+/// # Errors
+/// See [`print`].
+pub fn print_to(mut out: impl Write, bytes: &[u8]) -> io::Result<()> {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
+    }
+}
+
+/// The exit of a verb after it printed this; if it could not, it is told.
+pub fn exit_of_printing(what: &str, printed: io::Result<()>) -> Exit {
+    match printed {
+        Ok(()) => Exit::Done,
+        Err(error) => {
+            complain(format_args!("gaiter: {what} cannot be printed: {error}"));
+            Exit::Io
+        }
     }
 }
 
@@ -120,6 +142,31 @@ pub fn shown(text: impl Display) -> String {
         }
     }
     shown
+}
+
+/// The configuration for a verb that also works on a machine without a station; `None` if there is none at the
+/// usual place.
+///
+/// # Errors
+/// The exit of the verb if it cannot be read or has faults; all are told.
+pub fn config_if_any(path: &Path) -> Result<Option<Config>, Exit> {
+    match config::read(path) {
+        Ok(config) => Ok(Some(config)),
+        Err(ConfigError::Unreadable { source, .. })
+            if source.kind() == io::ErrorKind::NotFound && path == usual_config() =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(explain_config(&error)),
+    }
+}
+
+/// How reports are made today, and the garments that can be ordered; the defaults without a configuration.
+pub fn report_choice(config: Option<&Config>) -> (ReportChoice, Vec<Garment>) {
+    match config {
+        Some(config) => (config.report_choice(Zoned::now().date()), config.garments.clone()),
+        None => (ReportChoice::default(), Garment::shipped().to_vec()),
+    }
 }
 
 /// The exit of a verb that has no usable configuration.

@@ -15,7 +15,7 @@ use super::args::ReextractArgs;
 use super::parallel::{in_order, usual_jobs};
 use super::terminal::paint;
 use super::terminal::progress::Progress;
-use super::{Exit, complain, print, shown};
+use super::{Exit, complain, exit_of_printing, print, shown};
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::access::Access;
@@ -59,7 +59,7 @@ pub fn reextract(args: &ReextractArgs) -> Exit {
     if !args.json {
         let left_out = all - records.len();
         let printed = paint::print(report(&told, records.len() - told.len(), left_out));
-        worst = worst.max(printed_as(printed));
+        worst = worst.max(exit_of_printing("the result", printed));
     }
     worst
 }
@@ -103,13 +103,11 @@ fn tell(args: &ReextractArgs, family: &Family, done: Result<Again, Fault>) -> (E
     let name = if args.names { shown(folder.display()) } else { name.scan.clone() };
     let exit = done.as_ref().map_or_else(Fault::exit, |_| Exit::Done);
     if args.json {
-        return (
-            exit.max(printed_as(json_line(args, family, &done))),
-            done.ok().map(|a| Told::of(name, a)),
-        );
+        let printed = exit_of_printing("the result", json_line(args, family, &done));
+        return (exit.max(printed), done.ok().map(|again| Told { name, again }));
     }
     match done {
-        Ok(again) => (exit, Some(Told::of(name, again))),
+        Ok(again) => (exit, Some(Told { name, again })),
         Err(fault) => {
             let code = fault.code();
             complain(format_args!("gaiter: {name}: not measured again [{code}]: {fault}"));
@@ -138,14 +136,4 @@ fn json_line(
         line["folder"] = json!(folder.display().to_string());
     }
     print(format_args!("{line}\n"))
-}
-
-fn printed_as(printed: std::io::Result<()>) -> Exit {
-    match printed {
-        Ok(()) => Exit::Done,
-        Err(error) => {
-            complain(format_args!("gaiter: the result cannot be printed: {error}"));
-            Exit::Io
-        }
-    }
 }

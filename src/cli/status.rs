@@ -19,7 +19,7 @@ use super::ask::{self, AskFault};
 use super::terminal::clock::local;
 use super::terminal::paint::{self, painted};
 use super::terminal::screen::{self, width, wrapped};
-use super::{Exit, complain, scans, shown};
+use super::{Exit, exit_of_printing, scans, shown};
 use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::operator::control::status::{
     ComplaintStatus, SourceStatus, Status, TriggerStatus,
@@ -50,13 +50,8 @@ pub fn status(args: &AskArgs) -> Exit {
         Err(fault) => return ask::refused(args, &fault),
     };
     let columns = screen::terminal_columns();
-    match paint::print(table(&look, ask::language(&args.config), columns)) {
-        Ok(()) => exit(&look.status),
-        Err(error) => {
-            complain(format_args!("gaiter: cannot print the answer: {error}"));
-            Exit::Io
-        }
-    }
+    let printed = paint::print(table(&look, ask::language(&args.config), columns));
+    exit_of_printing("the answer", printed).max(exit(&look.status))
 }
 
 fn exit(status: &Status) -> Exit {

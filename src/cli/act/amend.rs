@@ -1,18 +1,17 @@
 //! `gaiter amend`: a person sets a measure of a record, at the running station or in a folder.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gaiter_record::measure::amendment::Deed;
 use gaiter_record::rounding;
 use gaiter_record::{RECORD, ReportChoice};
-use jiff::{Timestamp, Zoned};
+use jiff::Timestamp;
 use serde_json::json;
 
 use super::with_patient;
 use crate::cli::args::{AmendArgs, Named};
 use crate::cli::terminal::{paint, screen, table};
-use crate::cli::{Exit, ask, complain, explain_config, print, shown};
-use crate::config::{self, ConfigError};
+use crate::cli::{Exit, ask, complain, config_if_any, print, report_choice, shown};
 use crate::station::operator::act::{Measured, Setting};
 use crate::station::operator::control::protocol::Request;
 use crate::station::runtime::causes::chain;
@@ -59,9 +58,9 @@ fn measured(args: &AmendArgs) -> Measured {
 
 /// Amends the record in a folder, without a station.
 fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
-    let choice = match choice(&args.ask.config) {
-        Ok(choice) => choice,
-        Err(error) => return explain_config(&error),
+    let choice = match config_if_any(&args.ask.config) {
+        Ok(config) => report_choice(config.as_ref()).0,
+        Err(exit) => return exit,
     };
     // The record's own file names its folder, too; no other file does.
     let is_record = path.file_name().is_some_and(|name| name == RECORD);
@@ -73,20 +72,6 @@ fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
     match amend_record(folder, &setting.amendments(Timestamp::now()), args.sure, &choice) {
         Ok(amended) => told(args, &amended, &choice),
         Err(fault) => refused(args, path, &fault),
-    }
-}
-
-/// Language, garment, size tables and paper as the station has them; the defaults on a machine without a station.
-fn choice(config: &PathBuf) -> Result<ReportChoice, ConfigError> {
-    match config::read(config) {
-        Ok(config) => Ok(config.report_choice(Zoned::now().date())),
-        Err(ConfigError::Unreadable { source, .. })
-            if source.kind() == std::io::ErrorKind::NotFound
-                && *config == crate::cli::args::usual_config() =>
-        {
-            Ok(ReportChoice::default())
-        }
-        Err(error) => Err(error),
     }
 }
 

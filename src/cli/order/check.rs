@@ -8,7 +8,7 @@ use gaiter_sizes::{Fault, Mapping};
 use serde_json::{Value, json};
 
 use crate::cli::args::OrderCheckArgs;
-use crate::cli::{Exit, complain, print, shown};
+use crate::cli::{Exit, complain, exit_of_printing, print, shown};
 use crate::config::sizes::beside::{TextFile, on_disk};
 
 /// Name and number of the schema of the result as JSON.
@@ -33,13 +33,7 @@ pub fn check(args: &OrderCheckArgs) -> Exit {
         }
         false => print(checked.iter().map(Checked::text).collect::<String>()),
     };
-    match printed {
-        Ok(()) => worst,
-        Err(error) => {
-            complain(format_args!("gaiter: cannot print the result: {error}"));
-            worst.max(Exit::Io)
-        }
-    }
+    worst.max(exit_of_printing("the result", printed))
 }
 
 /// The mapping of a file.

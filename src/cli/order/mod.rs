@@ -4,7 +4,7 @@ mod check;
 mod open;
 
 use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use gaiter_language::Language;
@@ -12,23 +12,21 @@ use gaiter_record::order::{
     BYTES_MAX, LastFault, Order, OrderFile, OrderRef, RefFault, ReorderFault, mapped, mapped_name,
     read,
 };
-use gaiter_record::report::AgeMax;
 use gaiter_record::schema::NOT_VOUCHED;
-use gaiter_record::sizing::SCANNER_GIRTH_MM;
 use gaiter_record::{Record, RecordFile, SUMS};
 use gaiter_sizes::{Garment, Mapping};
 use jiff::Zoned;
-use jiff::civil::Date;
 
-use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat, usual_config};
-use super::{Exit, complain, explain_config, print, report, shown};
-use crate::config::{self, ConfigError};
+use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat};
+use super::{
+    Exit, complain, config_if_any, exit_of_printing, print, print_to, report, report_choice, shown,
+};
 
 /// Checks mappings, or writes an order.
 pub fn order(args: &OrderArgs) -> Exit {
     match &args.verb {
         Some(OrderVerb::Check(args)) => check::check(args),
-        None => ordered(&args.of).map_or_else(|exit| exit, |()| Exit::Done),
+        None => ordered(&args.of).unwrap_or_else(|exit| exit),
     }
 }
 
@@ -86,44 +84,47 @@ impl Fault {
 }
 
 /// Writes or prints the order, and says what is open.
-fn ordered(args: &OrderOf) -> Result<(), Exit> {
+fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
     let complained = |fault: Fault| {
         complain(format_args!("gaiter: {fault}"));
         fault.exit()
     };
     // clap asks for a record where no other verb is named, and for a last order where one is repeated.
     let path = args.record.as_ref().ok_or(Exit::Usage)?;
-    let configured = Configured::of(args)?;
-    let language = args.language.unwrap_or(configured.language);
+    let config = config_if_any(&args.config)?;
+    let (choice, garments) = report_choice(config.as_ref());
+    let language = args.language.unwrap_or(choice.language);
     let mapping = args.mapping.as_deref().map(check::mapping).transpose()?;
     let last = args.last.as_deref().map(last_order).transpose().map_err(complained)?;
     let last = args.last.as_deref().zip(last);
-    let garment = garment(args, &configured, last.as_ref().map(|(_, order)| order))?;
+    let named = named(args, last.as_ref().map(|(_, order)| order));
+    let garment = named.chosen(&garments, &choice.garment)?;
     let record = report::record_at(path).map_err(|fault| complained(fault.into()))?;
     if record.has_finding(NOT_VOUCHED) {
         let name = shown(path.display());
         let said = language.filled("ordering.not_vouched", &[("record", &name), ("sums", &SUMS)]);
         complain(format_args!("gaiter: {said}"));
     }
-    let order = of(args, &record, &garment, last, configured.scanner_girth_mm);
-    let order = order.map_err(complained)?.on(configured.today, configured.age_max);
+    let order = of(args, &record, &garment, last, choice.sizes.scanner_girth_mm);
+    let order = order.map_err(complained)?.on(Zoned::now().date(), choice.age_max);
     let files = files(&order, mapping.as_ref(), &record, language)
         .map_err(|fault| complained(fault.into()))?;
     open::told(&order, language).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
-    match &args.out {
+    let printed = match &args.out {
         Some(out) => {
             let paths = report::placed(&files, out, args.force);
             let paths = paths.map_err(|fault| complained(fault.into()))?;
-            printed(print(report::told(&paths, args.json)))
+            print(report::told(&paths, args.json))
         }
         None => {
             let name = OrderFile::Json.word();
             let is_asked = |file: &&RecordFile| (file.name == name) == args.json;
             // The JSON is there, and another file: first the exact table.
             let file = files.iter().find(is_asked).ok_or(Exit::Internal)?;
-            printed(print_bytes(&file.bytes))
+            print_to(io::stdout().lock(), &file.bytes)
         }
-    }
+    };
+    Ok(exit_of_printing("the order", printed))
 }
 
 /// The order of the command line.
@@ -173,66 +174,11 @@ fn last_order(path: &Path) -> Result<Order, Fault> {
     read(&bytes).map_err(|source| Fault::Last { path: path.to_owned(), source })
 }
 
-/// The garment of the command line, else that of the last order, else the usual one.
-fn garment(args: &OrderOf, configured: &Configured, last: Option<&Order>) -> Result<Garment, Exit> {
+/// The garment that the command line names, else that of the last order.
+fn named(args: &OrderOf, last: Option<&Order>) -> GarmentArgs {
     let mut named = args.garment.clone();
     if let (GarmentArgs { garment: None, garment_file: None }, Some(last)) = (&named, last) {
         named.garment = Some(last.garment.name.clone());
     }
-    named.chosen(&configured.garments, &configured.garment)
-}
-
-/// What the configuration of a station says about orders; the defaults on a machine without one.
-struct Configured {
-    garments: Vec<Garment>,
-    garment: Garment,
-    scanner_girth_mm: f64,
-    language: Language,
-    age_max: AgeMax,
-    today: Date,
-}
-
-impl Configured {
-    fn of(args: &OrderOf) -> Result<Configured, Exit> {
-        let today = Zoned::now().date();
-        match config::read(&args.config) {
-            Ok(config) => Ok(Configured {
-                scanner_girth_mm: config.report_choice(today).sizes.scanner_girth_mm,
-                garments: config.garments,
-                garment: config.garment,
-                language: config.language,
-                age_max: config.age_max,
-                today,
-            }),
-            Err(ConfigError::Unreadable { source, .. })
-                if source.kind() == io::ErrorKind::NotFound && args.config == usual_config() =>
-            {
-                Ok(Configured {
-                    garments: Garment::shipped().to_vec(),
-                    garment: Garment::default(),
-                    scanner_girth_mm: SCANNER_GIRTH_MM,
-                    language: Language::default(),
-                    age_max: AgeMax::default(),
-                    today,
-                })
-            }
-            Err(error) => Err(explain_config(&error)),
-        }
-    }
-}
-
-/// Writes bytes to standard output; they need not be UTF-8. A reader that has gone away needs no more.
-fn print_bytes(bytes: &[u8]) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
-    }
-}
-
-fn printed(printed: io::Result<()>) -> Result<(), Exit> {
-    printed.map_err(|error| {
-        complain(format_args!("gaiter: the order cannot be printed: {error}"));
-        Exit::Io
-    })
+    named
 }

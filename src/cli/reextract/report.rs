@@ -16,16 +16,13 @@ const WORST: usize = 20;
 /// A record that was measured again, with its name in the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Told {
-    name: String,
-    again: Again,
+    /// Its name.
+    pub name: String,
+    /// What became of it.
+    pub again: Again,
 }
 
 impl Told {
-    /// The entry of a record.
-    pub fn of(name: String, again: Again) -> Told {
-        Told { name, again }
-    }
-
     /// The largest change of a figure, and its level.
     fn largest(&self, figure: fn(&LevelChange) -> Change) -> Option<(f64, &Place)> {
         let levels = self.again.changes.levels.iter();
@@ -228,7 +225,8 @@ mod tests {
         let went = Vec::new();
         let changes = Changes { sameness, levels, came, went, new_findings, gone_findings };
         let outcome = if revision.is_some() { Outcome::Revised } else { Outcome::Unchanged };
-        Told::of(name.to_owned(), Again { outcome, from_revision: 1, revision, changes })
+        let again = Again { outcome, from_revision: 1, revision, changes };
+        Told { name: name.to_owned(), again }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::cli::args::{GarmentArgs, SizesCheckArgs};
 use crate::cli::terminal::screen::{self, indented};
-use crate::cli::{Exit, complain, print, shown};
+use crate::cli::{Exit, complain, exit_of_printing, print, shown};
 use crate::config::sizes::beside::{TextFile, on_disk};
 
 /// Name and number of the schema of the result as JSON.
@@ -46,13 +46,8 @@ pub fn check(args: &SizesCheckArgs) -> Exit {
         true => json(&checked, args.language),
         false => Ok(text(&checked, args.language, screen::columns())),
     };
-    match printed.map_err(std::io::Error::other).and_then(print) {
-        Ok(()) => worst,
-        Err(error) => {
-            complain(format_args!("gaiter: cannot print the result: {error}"));
-            worst.max(Exit::Io)
-        }
-    }
+    let printed = printed.map_err(std::io::Error::other).and_then(print);
+    worst.max(exit_of_printing("the result", printed))
 }
 
 /// A file, and what was found in it.

@@ -2,9 +2,11 @@
 //! `CLICOLOR_FORCE` turns them on for pipes. A colour only repeats what the words say.
 
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io;
 
 use anstyle::{AnsiColor, Style};
+
+use crate::cli::print_to;
 
 /// All is well.
 pub const GOOD: Style = AnsiColor::Green.on_default().bold();
@@ -28,9 +30,5 @@ pub fn painted(style: Style, text: impl Display) -> String {
 /// # Errors
 /// See [`crate::cli::print`].
 pub fn print(text: impl Display) -> io::Result<()> {
-    let mut out = anstream::stdout().lock();
-    match write!(out, "{text}").and_then(|()| out.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
-    }
+    print_to(anstream::stdout().lock(), text.to_string().as_bytes())
 }
