@@ -1,5 +1,6 @@
 //! The exit codes of the verbs, after `sysexits.h`.
 
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use crate::config::sizes::beside::NoFiles;
@@ -34,8 +35,8 @@ impl Exit {
 impl From<&NoFiles> for Exit {
     fn from(why: &NoFiles) -> Exit {
         match why {
-            why if why.is_not_found() => Exit::NoFile,
-            why if why.is_unreadable() => Exit::Io,
+            NoFiles::Io { source, .. } if source.kind() == ErrorKind::NotFound => Exit::NoFile,
+            NoFiles::Io { .. } => Exit::Io,
             _ => Exit::Unmeasurable,
         }
     }

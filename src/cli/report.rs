@@ -22,7 +22,8 @@ use super::sizes::tables;
 use super::{Exit, complain, print, shown};
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
-use found::{NotFound, found};
+pub use found::NotFound;
+use found::found;
 
 /// Writes the report and prints its paths.
 pub fn report(args: &ReportArgs) -> Exit {
@@ -159,16 +160,24 @@ pub fn record_at(path: &Path) -> Result<Record, Fault> {
     record_of_file(found.path)
 }
 
-/// Writes the report's files and returns their paths.
-fn made(args: &ReportArgs, sizes: SizeChoice, garment: Garment) -> Result<Vec<PathBuf>, Fault> {
-    let record = record_at(&args.record)?;
+/// As [`record_at`]; that nothing vouches for its figures is told, too.
+///
+/// # Errors
+/// See [`Fault`].
+pub fn told_record_at(path: &Path) -> Result<Record, Fault> {
+    let record = record_at(path)?;
     if record.has_finding(NOT_VOUCHED) {
         complain(format_args!(
-            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it; the report \
-             says so",
-            shown(args.record.display())
+            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it",
+            shown(path.display())
         ));
     }
+    Ok(record)
+}
+
+/// Writes the report's files and returns their paths.
+fn made(args: &ReportArgs, sizes: SizeChoice, garment: Garment) -> Result<Vec<PathBuf>, Fault> {
+    let record = told_record_at(&args.record)?;
     let print = Print { paper: args.paper, has_appendix: args.appendix };
     let choice =
         ReportChoice { language: args.language, garment, print, sizes, ..ReportChoice::default() };
@@ -199,10 +208,7 @@ pub fn placed(files: &[RecordFile], out: &Path, force: bool) -> Result<Vec<PathB
 
 /// Writes a file, in place of an earlier one only with `replace`. There is never half a file at that
 /// path.
-///
-/// # Errors
-/// If it cannot be written; `AlreadyExists` if it is there.
-pub fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
+fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     let beside = path.with_file_name(format!(".{}-{}", file.name, std::process::id()));
     let rename = || match replace {
         true => fs::rename(&beside, path),

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use gaiter_sizes::Garment;
 
+use crate::cli::sizes::read_all;
 use crate::cli::{Exit, complain, shown};
-use crate::config::sizes::{add, beside};
+use crate::config::sizes::add;
 
 /// The garment.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -54,23 +55,7 @@ impl GarmentArgs {
     }
 
     fn of_files(&self) -> Result<Vec<Garment>, Exit> {
-        let Some(named) = &self.garment_file else { return Ok(Vec::new()) };
-        let found = beside::on_disk(named).map_err(|why| {
-            complain(format_args!("gaiter: --garment-file: {}", shown(&why)));
-            Exit::from(&why)
-        })?;
-        let mut garments = Vec::new();
-        for file in &found {
-            match Garment::read(file.text.as_bytes()) {
-                Ok(garment) => garments.push(garment),
-                Err(faults) => {
-                    for fault in faults {
-                        complain(format_args!("{}:{fault}", shown(file.path.display())));
-                    }
-                    return Err(Exit::Unmeasurable);
-                }
-            }
-        }
-        Ok(garments)
+        let files = self.garment_file.as_deref();
+        files.map_or(Ok(Vec::new()), |files| read_all(files, Garment::read))
     }
 }

@@ -4,35 +4,32 @@ mod known;
 mod records;
 mod text;
 
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
 
-use gaiter_language::Language;
-use gaiter_record::report::{self, AgeMax, Paper, PdfFault, Print};
-use gaiter_record::{Record, RecordFile, SUMS};
+use gaiter_record::report::{Paper, PdfFault, Print, page, paper as pdf};
+use gaiter_record::{Record, RecordFile};
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::schema::figures;
 use gaiter_visits::{Affected, Choice, Course, CourseFault, GIRTH_COMMON_MM, LeftOut};
 use jiff::Zoned;
 
 use self::known::known;
-use self::records::{Found, Unusable};
-use super::args::{CompareArgs, CompareChoice, usual_config};
+use super::args::{CompareArgs, CompareChoice};
 use super::ask::read_patient;
-use super::report::put;
+use super::report::{self, placed, told};
 use super::terminal::{paint, screen};
-use super::{Exit, complain, explain_config, print, shown};
-use crate::config::{self, Config, ConfigError, FolderStoreConfig, VisitsConfig};
+use super::{Exit, complain, config_if_any, exit_of_printing, print, report_choice, shown};
+use crate::config::{Config, FolderStoreConfig};
 use crate::station::runtime::causes::chain;
+use crate::store::revision::visits::PlacedRecord;
 use crate::store::{FolderStore, RecordStore, StoreFault};
 
 /// Why nothing was compared, or not written.
 #[derive(Debug, thiserror::Error)]
 enum Fault {
-    /// A record cannot be used.
+    /// A record cannot be read, or the files cannot be written.
     #[error(transparent)]
-    Unusable(#[from] Unusable),
+    Files(#[from] report::Fault),
     /// The records cannot be compared.
     #[error("{fault}; the records: {names}")]
     Course {
@@ -70,49 +67,19 @@ enum Fault {
     /// The PDF cannot be made.
     #[error(transparent)]
     Paper(#[from] PdfFault),
-    /// The destination is the folder of a record.
-    #[error(
-        "{} is the folder of a record, and {SUMS} covers every file in it; nothing was written: \
-         choose another folder with --out DIR",
-        shown(.0.display())
-    )]
-    RecordFolder(PathBuf),
-    /// A file of the name is there.
-    #[error("{} is there already; nothing was replaced: --force replaces it", shown(.0.display()))]
-    There(PathBuf),
-    /// It cannot be written or printed.
-    #[error("cannot write {}: {source}", shown(path.display()))]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// The underlying error.
-        source: io::Error,
-    },
 }
 
 impl Fault {
     fn exit(&self) -> Exit {
         match self {
-            Fault::Unusable(unusable) => unusable.exit(),
+            Fault::Files(fault) => fault.exit(),
             Fault::Course { .. } | Fault::OneVisit | Fault::OneUsable => Exit::Unmeasurable,
             Fault::NoStore | Fault::EmptyId => Exit::Usage,
             Fault::NoRecords => Exit::NoFile,
             Fault::NoId(_) | Fault::Unreached(_) => Exit::Io,
-            Fault::RecordFolder(_) | Fault::There(_) => Exit::Usage,
             Fault::Json(_) | Fault::Paper(_) => Exit::Internal,
-            Fault::Write { .. } => Exit::Io,
         }
     }
-}
-
-/// What the configuration of a station says about visits; the defaults on a machine without one.
-struct Configured {
-    language: Language,
-    visits: VisitsConfig,
-    girth_common_mm: f64,
-    age_max: AgeMax,
-    /// The folder of the first store; `None` without a configuration.
-    store: Option<(FolderStore, PathBuf)>,
 }
 
 /// Compares records and prints or writes what changed.
@@ -127,8 +94,11 @@ pub fn compare(args: &CompareArgs) -> Exit {
 
 /// Compares the visits of a patient in the station's store. The id comes from the operator.
 pub fn visits(how: &CompareChoice) -> Exit {
-    ended(how, |configured| {
-        let (store, root) = configured.store.as_ref().ok_or(Fault::NoStore)?;
+    ended(how, |config| {
+        let config = config.ok_or(Fault::NoStore)?;
+        let FolderStoreConfig { path: root, access } = &config.store.folder;
+        let (first, station) = (FolderStore::FIRST, &config.station.id);
+        let store = FolderStore::new(first, root.clone(), station, *access);
         store.reach().map_err(Fault::Unreached)?;
         let patient = read_patient().map_err(Fault::NoId)?;
         if patient.is_empty() {
@@ -152,7 +122,7 @@ pub fn visits(how: &CompareChoice) -> Exit {
 
 /// What is compared.
 struct Chosen {
-    found: Vec<Found>,
+    found: Vec<PlacedRecord>,
     left_out: Vec<LeftOut>,
     /// The affected leg, as it is kept with the patient.
     affected: Option<Affected>,
@@ -162,34 +132,37 @@ struct Chosen {
     make: fn(&[Record], Choice) -> Result<Course, CourseFault>,
 }
 
-fn ended(how: &CompareChoice, chosen: impl FnOnce(&Configured) -> Result<Chosen, Fault>) -> Exit {
-    let configured = match configured(&how.config) {
-        Ok(configured) => configured,
+fn ended(
+    how: &CompareChoice,
+    chosen: impl FnOnce(Option<&Config>) -> Result<Chosen, Fault>,
+) -> Exit {
+    let config = match config_if_any(&how.config) {
+        Ok(config) => config,
         Err(exit) => return exit,
     };
-    match chosen(&configured).and_then(|chosen| compared(how, &configured, chosen)) {
-        Ok(()) => Exit::Done,
-        Err(fault) => {
-            complain(format_args!("gaiter: {fault}"));
-            fault.exit()
-        }
-    }
+    let compared = chosen(config.as_ref()).and_then(|of| compared(how, config.as_ref(), of));
+    compared.unwrap_or_else(|fault| {
+        complain(format_args!("gaiter: {fault}"));
+        fault.exit()
+    })
 }
 
 fn compared(
     how: &CompareChoice,
-    configured: &Configured,
+    config: Option<&Config>,
     Chosen { found, left_out, affected, is_affected_unreadable, make }: Chosen,
-) -> Result<(), Fault> {
+) -> Result<Exit, Fault> {
+    let (configured, _) = report_choice(config);
+    let thresholds = config.map(|config| config.visits.thresholds.as_slice()).unwrap_or_default();
     let records: Vec<Record> = found.iter().map(|of| of.record.clone()).collect();
     let choice = Choice {
         volume: how.volume,
         affected: how.affected.or(affected),
-        girth_common_mm: configured.girth_common_mm,
+        girth_common_mm: config.map_or(GIRTH_COMMON_MM, |config| config.scanner.girth_error_mm),
     };
     let course = make(&records, choice).map_err(|fault| {
         let named = found.iter().enumerate();
-        let named = named.map(|(at, of)| format!("{} {}", at + 1, shown(of.path.display())));
+        let named = named.map(|(at, of)| format!("{} {}", at + 1, shown(of.folder.display())));
         Fault::Course { fault, names: named.collect::<Vec<_>>().join(", ") }
     })?;
     let course = course.with_left_out(left_out);
@@ -197,46 +170,21 @@ fn compared(
     let report = ReportOf {
         course: &course,
         records: &records,
-        thresholds: &configured.visits.thresholds,
+        thresholds,
         today: Zoned::now().date(),
         age_max: configured.age_max,
         language: how.language.unwrap_or(configured.language),
     };
-    let json = format!(
-        "{}\n",
-        serde_json::to_string_pretty(&figures(&course, &configured.visits.thresholds))?
-    );
+    let json = serde_json::to_string_pretty(&figures(&course, thresholds))? + "\n";
     let printed = match (&how.out, how.json) {
-        (Some(out), _) => print(written(how, out, &report, json)?),
+        (Some(out), _) => {
+            let paths = placed(&files(&report, how.paper, json)?, out, how.force)?;
+            print(told(&paths, false))
+        }
         (None, true) => print(json),
         (None, false) => paint::print(text::of(&report.document(), screen::columns())),
     };
-    printed.map_err(|source| Fault::Write { path: PathBuf::from("standard output"), source })
-}
-
-/// Writes the report and its figures, and returns their paths, one a line.
-fn written(
-    how: &CompareChoice,
-    out: &Path,
-    report: &ReportOf,
-    json: String,
-) -> Result<String, Fault> {
-    if out.join(SUMS).symlink_metadata().is_ok() {
-        return Err(Fault::RecordFolder(out.to_owned()));
-    }
-    let files = files(report, how.paper, json)?;
-    let fault = |path: &Path, source| Fault::Write { path: path.to_owned(), source };
-    fs::create_dir_all(out).map_err(|source| fault(out, source))?;
-    let mut said = String::new();
-    for file in &files {
-        let path = out.join(&file.name);
-        put(&path, file, how.force).map_err(|source| match source.kind() {
-            io::ErrorKind::AlreadyExists => Fault::There(path.clone()),
-            _ => fault(&path, source),
-        })?;
-        said += &format!("{}\n", shown(path.display()));
-    }
-    Ok(said)
+    Ok(exit_of_printing("the comparison", printed))
 }
 
 /// The file of the PDF.
@@ -245,41 +193,11 @@ const PAPER_NAME: &str = "visits.pdf";
 /// The page, the PDF and the figures.
 fn files(report: &ReportOf, paper: Paper, json: String) -> Result<[RecordFile; 3], Fault> {
     let document = report.document_beside(PAPER_NAME);
-    let page = report::page(&document, paper)?;
+    let page = page(&document, paper)?;
     let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };
     Ok([
         file("visits.html", page.into_bytes()),
-        file(PAPER_NAME, report::paper(&document, Print { paper, has_appendix: false })?),
+        file(PAPER_NAME, pdf(&document, Print { paper, has_appendix: false })?),
         file("visits.json", json.into_bytes()),
     ])
-}
-
-fn configured(path: &Path) -> Result<Configured, Exit> {
-    match config::read(path) {
-        Ok(config) => Ok(Configured {
-            language: config.language,
-            visits: config.visits.clone(),
-            girth_common_mm: config.scanner.girth_error_mm,
-            age_max: config.age_max,
-            store: Some(store(config)),
-        }),
-        Err(ConfigError::Unreadable { source, .. })
-            if source.kind() == io::ErrorKind::NotFound && path == usual_config() =>
-        {
-            Ok(Configured {
-                language: Language::default(),
-                visits: VisitsConfig::default(),
-                girth_common_mm: GIRTH_COMMON_MM,
-                age_max: AgeMax::default(),
-                store: None,
-            })
-        }
-        Err(error) => Err(explain_config(&error)),
-    }
-}
-
-/// The first store of a station, and its folder.
-fn store(config: Config) -> (FolderStore, PathBuf) {
-    let FolderStoreConfig { path, access } = config.store.folder;
-    (FolderStore::new(FolderStore::FIRST, path.clone(), &config.station.id, access), path)
 }

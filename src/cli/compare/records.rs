@@ -2,57 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use gaiter_record::schema::NOT_VOUCHED;
-use gaiter_record::{Record, SUMS};
+use gaiter_record::RECORD;
 use gaiter_visits::{LeftOut, last_of_days};
 
-use crate::cli::report::{Fault, record_at};
-use crate::cli::{Exit, complain, shown};
+use crate::cli::report::{Fault, NotFound, told_record_at};
+use crate::cli::{complain, shown};
 use crate::station::runtime::causes::chain;
-use crate::store::StoreFault;
-use crate::store::revision::{families, visits};
-
-/// The record's file within its folder.
-const RECORD: &str = "record.json";
-
-/// A record and where it is.
-#[derive(Debug)]
-pub(super) struct Found {
-    /// Its folder, or its `record.json`.
-    pub path: PathBuf,
-    /// The record.
-    pub record: Record,
-}
-
-/// Why the records cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum Unusable {
-    /// One of them cannot be read.
-    #[error(transparent)]
-    Record(#[from] Fault),
-    /// A folder cannot be listed.
-    #[error("{}: {}", shown(path.display()), shown(chain(source)))]
-    Unlisted {
-        /// The path.
-        path: PathBuf,
-        /// Why.
-        source: StoreFault,
-    },
-}
-
-impl Unusable {
-    /// The exit of the verb.
-    pub(super) fn exit(&self) -> Exit {
-        match self {
-            Unusable::Record(fault) => fault.exit(),
-            Unusable::Unlisted { .. } => Exit::Io,
-        }
-    }
-}
+use crate::store::revision::families;
+use crate::store::revision::visits::{self, PlacedRecord};
 
 /// The records at these paths, in their order. Of a patient's folder, the newest revision of each scan is
 /// read, and the last scan of each day counts.
-pub(super) fn at(paths: &[PathBuf]) -> Result<Vec<Found>, Unusable> {
+pub(super) fn at(paths: &[PathBuf]) -> Result<Vec<PlacedRecord>, Fault> {
     let mut found = Vec::new();
     for path in paths {
         match in_folder(path)? {
@@ -69,8 +30,8 @@ pub(super) fn of_patient(
     store: &Path,
     patient: &str,
     delivered: &[String],
-) -> Result<(Vec<Found>, Vec<LeftOut>), Unusable> {
-    let unlisted = |source| Unusable::Unlisted { path: store.to_owned(), source };
+) -> Result<(Vec<PlacedRecord>, Vec<LeftOut>), Fault> {
+    let unlisted = |source| NotFound::Unlisted { path: store.to_owned(), source };
     let found = visits::of_patient(store, patient).map_err(unlisted)?;
     for of in &found.unusable {
         let (folder, fault) = (shown(of.folder.display()), shown(chain(&of.fault)));
@@ -84,31 +45,22 @@ pub(super) fn of_patient(
              in the store"
         ));
     }
-    let records = found.records.into_iter();
-    let records = records.map(|of| Found { path: of.folder, record: of.record }).collect();
-    Ok((last_of_days(records, |of: &Found| &of.record), left_out))
+    Ok((last_of_days(found.records, |of| &of.record), left_out))
 }
 
-fn one(path: &Path) -> Result<Found, Unusable> {
-    let record = record_at(path)?;
-    if record.has_finding(NOT_VOUCHED) {
-        complain(format_args!(
-            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it",
-            shown(path.display())
-        ));
-    }
-    Ok(Found { path: path.to_owned(), record })
+fn one(path: &Path) -> Result<PlacedRecord, Fault> {
+    Ok(PlacedRecord { folder: path.to_owned(), record: told_record_at(path)? })
 }
 
 /// The records of a patient's folder; `None` if it is a record or its folder.
-fn in_folder(path: &Path) -> Result<Option<Vec<Found>>, Unusable> {
+fn in_folder(path: &Path) -> Result<Option<Vec<PlacedRecord>>, Fault> {
     if !path.is_dir() || path.join(RECORD).exists() {
         return Ok(None);
     }
-    let unlisted = |source| Unusable::Unlisted { path: path.to_owned(), source };
+    let unlisted = |source| NotFound::Unlisted { path: path.to_owned(), source };
     let mut families = families(path).map_err(unlisted)?;
     families.retain(|family| family.patient_folder == path);
     let records = families.iter().map(|family| one(&family.latest().1));
-    let records = records.collect::<Result<Vec<Found>, Unusable>>()?;
+    let records = records.collect::<Result<Vec<PlacedRecord>, Fault>>()?;
     Ok((!records.is_empty()).then_some(records))
 }

@@ -8,8 +8,9 @@ use gaiter_sizes::{Fault, Mapping};
 use serde_json::{Value, json};
 
 use crate::cli::args::OrderCheckArgs;
+use crate::cli::sizes::{files_at, read_all};
 use crate::cli::{Exit, complain, exit_of_printing, print, shown};
-use crate::config::sizes::beside::{TextFile, on_disk};
+use crate::config::sizes::beside::TextFile;
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.order-check/1";
@@ -18,7 +19,7 @@ const SCHEMA: &str = "gaiter.order-check/1";
 pub fn check(args: &OrderCheckArgs) -> Exit {
     let (mut worst, mut checked) = (Exit::Done, Vec::new());
     for path in &args.files {
-        match files(path) {
+        match files_at(path) {
             Ok(files) => checked.extend(files.into_iter().map(Checked::of)),
             Err(exit) => worst = worst.max(exit),
         }
@@ -41,25 +42,12 @@ pub fn check(args: &OrderCheckArgs) -> Exit {
 /// # Errors
 /// The exit of the verb if it cannot be read or has faults, or if the path is a folder; all are told.
 pub fn mapping(path: &Path) -> Result<Mapping, Exit> {
-    let mut files = files(path)?;
-    let (Some(file), true) = (files.pop(), files.is_empty()) else {
+    let mut mappings = read_all(path, parse)?;
+    let (Some(mapping), true) = (mappings.pop(), mappings.is_empty()) else {
         complain("gaiter: --mapping names several files; name one of them");
         return Err(Exit::Usage);
     };
-    let Checked { path, found } = Checked::of(file);
-    found.map_err(|faults| {
-        for fault in faults {
-            complain(format_args!("{}:{fault}", shown(&path)));
-        }
-        Exit::Unmeasurable
-    })
-}
-
-fn files(path: &Path) -> Result<Vec<TextFile>, Exit> {
-    on_disk(path).map_err(|why| {
-        complain(format_args!("gaiter: {}", shown(&why)));
-        if why.is_not_found() { Exit::NoFile } else { Exit::Io }
-    })
+    Ok(mapping)
 }
 
 /// A file, and what was found in it.

@@ -5,13 +5,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gaiter_record::RECORD;
+
 use crate::cli::shown;
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::revision::families;
-
-/// The record's file within its folder.
-const RECORD: &str = "record.json";
 
 /// A record's file, and what there is to say about how it was found.
 #[derive(Debug, PartialEq, Eq)]

@@ -13,10 +13,11 @@ use jiff::Zoned;
 use jiff::civil::Date;
 use serde::Serialize;
 
+use super::files_at;
 use crate::cli::args::{GarmentArgs, SizesCheckArgs};
 use crate::cli::terminal::screen::{self, indented};
-use crate::cli::{Exit, complain, exit_of_printing, print, shown};
-use crate::config::sizes::beside::{TextFile, on_disk};
+use crate::cli::{Exit, exit_of_printing, print, shown};
+use crate::config::sizes::beside::TextFile;
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.size-check/1";
@@ -31,12 +32,9 @@ pub fn check(args: &SizesCheckArgs) -> Exit {
     let (today, mut worst) = (Zoned::now().date(), Exit::Done);
     let mut checked = Vec::new();
     for path in &args.files {
-        match on_disk(path) {
+        match files_at(path) {
             Ok(found) => checked.extend(of_files(&found, &garments, today)),
-            Err(why) => {
-                complain(format_args!("gaiter: {}", shown(&why)));
-                worst = worst.max(Exit::from(&why));
-            }
+            Err(exit) => worst = worst.max(exit),
         }
     }
     if checked.iter().any(|of| of.found.is_err()) {

@@ -6,16 +6,14 @@ mod text;
 
 use std::io;
 
-use gaiter_record::SUMS;
-use gaiter_record::schema::NOT_VOUCHED;
 use gaiter_record::sizing::{SizeChoice, SizeVerdicts};
 use jiff::Zoned;
 
 use super::args::{SizesArgs, SizesOf, SizesVerb};
 use super::terminal::{paint, screen};
-use super::{Exit, complain, config_if_any, exit_of_printing, print, report, report_choice, shown};
+use super::{Exit, complain, config_if_any, exit_of_printing, print, report, report_choice};
 pub use check::in_words as remark_in_words;
-pub use tables::tables;
+pub use tables::{files_at, read_all, tables};
 
 /// Checks tables, or judges a record.
 pub fn sizes(args: &SizesArgs) -> Exit {
@@ -36,16 +34,10 @@ fn judged(args: &SizesOf) -> Result<Exit, Exit> {
         [] => configured.sizes.tables,
         paths => tables(paths)?,
     };
-    let record = report::record_at(path).map_err(|fault| {
+    let record = report::told_record_at(path).map_err(|fault| {
         complain(format_args!("gaiter: {fault}"));
         fault.exit()
     })?;
-    if record.has_finding(NOT_VOUCHED) {
-        complain(format_args!(
-            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it",
-            shown(path.display())
-        ));
-    }
     let language = args.language.unwrap_or(configured.language);
     let choice = SizeChoice { tables, today: Zoned::now().date(), ..configured.sizes };
     let verdicts = SizeVerdicts::of(&record, &garment, &choice);

@@ -1,11 +1,45 @@
-//! The size tables that a command line names.
+//! The files of size tables, garments and mappings that a command line names.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use gaiter_sizes::{SizeTable, parse};
+use gaiter_sizes::{Fault, SizeTable, parse};
 
 use crate::cli::{Exit, complain, shown};
-use crate::config::sizes::beside::on_disk;
+use crate::config::sizes::beside::{TextFile, on_disk};
+
+/// The file at a path, or the files of a folder there.
+///
+/// # Errors
+/// The exit of the verb if there are none, or if one cannot be read; it is told.
+pub fn files_at(path: &Path) -> Result<Vec<TextFile>, Exit> {
+    on_disk(path).map_err(|why| {
+        complain(format_args!("gaiter: {}", shown(&why)));
+        Exit::from(&why)
+    })
+}
+
+/// What the files at a path say.
+///
+/// # Errors
+/// The exit of the verb if one of them cannot be read or has faults; all of them are told.
+pub fn read_all<T>(
+    path: &Path,
+    read: impl Fn(&[u8]) -> Result<T, Vec<Fault>>,
+) -> Result<Vec<T>, Exit> {
+    let (mut all, mut exit) = (Vec::new(), Exit::Done);
+    for TextFile { path, text } in files_at(path)? {
+        match read(text.as_bytes()) {
+            Ok(one) => all.push(one),
+            Err(faults) => {
+                for fault in faults {
+                    complain(format_args!("{}:{fault}", shown(path.display())));
+                }
+                exit = Exit::Unmeasurable;
+            }
+        }
+    }
+    if exit == Exit::Done { Ok(all) } else { Err(exit) }
+}
 
 /// The tables of these files and folders, in their order.
 ///
@@ -14,24 +48,9 @@ use crate::config::sizes::beside::on_disk;
 pub fn tables(paths: &[PathBuf]) -> Result<Vec<SizeTable>, Exit> {
     let (mut tables, mut worst) = (Vec::new(), Exit::Done);
     for path in paths {
-        let found = match on_disk(path) {
-            Ok(found) => found,
-            Err(why) => {
-                complain(format_args!("gaiter: {}", shown(&why)));
-                worst = worst.max(Exit::from(&why));
-                continue;
-            }
-        };
-        for file in &found {
-            match parse(file.text.as_bytes()) {
-                Ok(table) => tables.push(table),
-                Err(faults) => {
-                    for fault in faults {
-                        complain(format_args!("{}:{fault}", shown(file.path.display())));
-                    }
-                    worst = worst.max(Exit::Unmeasurable);
-                }
-            }
+        match read_all(path, parse) {
+            Ok(found) => tables.extend(found),
+            Err(exit) => worst = worst.max(exit),
         }
     }
     if worst == Exit::Done { Ok(tables) } else { Err(worst) }

@@ -68,18 +68,6 @@ pub enum NoFiles {
     NotRead(PathBuf),
 }
 
-impl NoFiles {
-    /// Whether there is no such file or folder.
-    pub fn is_not_found(&self) -> bool {
-        matches!(self, NoFiles::Io { source, .. } if source.kind() == io::ErrorKind::NotFound)
-    }
-
-    /// Whether it could not be read at all, for other reasons.
-    pub fn is_unreadable(&self) -> bool {
-        matches!(self, NoFiles::Io { .. }) && !self.is_not_found()
-    }
-}
-
 impl Files {
     /// The file at a path of the configuration, or the files of a folder there.
     pub(super) fn at(self, named: &Path) -> Result<Vec<TextFile>, NoFiles> {

@@ -27,7 +27,7 @@ pub struct PatientRecords {
 /// A record and its folder.
 #[derive(Debug)]
 pub struct PlacedRecord {
-    /// Its folder.
+    /// Its folder; or its `record.json`, where a person named that.
     pub folder: PathBuf,
     /// The record.
     pub record: Record,
