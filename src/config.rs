@@ -11,7 +11,6 @@ mod page;
 mod parse;
 mod phantom;
 pub mod port;
-mod reader;
 mod removed;
 mod servers;
 pub mod sizes;

@@ -9,8 +9,7 @@ use gaiter_flow::round::Rules;
 use regex::Regex;
 
 use super::OrdersConfig;
-use super::parse::{self, Bounds};
-use super::reader::{Absent, Reader};
+use super::parse::{self, Absent, Reader};
 use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER, WithoutTrigger};
 
 /// `[capture]`: how the station waits for the export of a press.
@@ -52,20 +51,17 @@ impl CaptureConfig {
 /// Reads the keys of both sections.
 pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfig)> {
     use Absent::Default;
-    let bounds = Bounds { least: "5s", most: "1h" };
-    let window = reader.text("capture.window", Default("90s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "0s", most: "1h" };
-    let late = reader.text("capture.late", Default("90s"), parse::duration_in(bounds));
+    let window = reader.text("capture.window", Default("90s"), parse::duration_in("5s"..="1h"));
+    let late = reader.text("capture.late", Default("90s"), parse::duration_in("0s"..="1h"));
     let words = parse::word(WITHOUT_TRIGGER);
     let without = reader.text("capture.without_trigger", Default("process"), words);
     let pattern = Default("^P?[0-9]{1,12}$");
     let pattern = reader.text("patient.pattern", pattern, parse::patient_pattern);
     let check = reader.text("patient.check_digit", Default("none"), parse::word(CHECK_DIGITS));
     let sidecar = reader.text("patient.sidecar", Default(""), parse::or_none(parse::file_name));
-    let bounds = Bounds { least: "0s", most: "10m" };
-    let wait = reader.text("patient.sidecar_wait", Default("30s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "10s", most: "24h" };
-    let lasts = reader.text("patient.expires", Default("15m"), parse::duration_in(bounds));
+    let wait =
+        reader.text("patient.sidecar_wait", Default("30s"), parse::duration_in("0s"..="10m"));
+    let lasts = reader.text("patient.expires", Default("15m"), parse::duration_in("10s"..="24h"));
     let capture = CaptureConfig {
         window: window?.value,
         late: late?.value,

@@ -16,7 +16,7 @@ pub enum What {
     /// What can be wrong with any file.
     #[error(transparent)]
     Toml(#[from] gaiter_toml::What),
-    /// A text that is no duration, size, address or the like.
+    /// A text that is no duration, size, address or the like, or that a format or protocol does not allow here.
     #[error("\"{text}\" is not {what}")]
     NotA {
         /// As written.
@@ -105,16 +105,6 @@ pub enum What {
     /// The button and the id reader use the same port.
     #[error("is also the port of patient.reader")]
     SamePort,
-    /// Not a value that a format or protocol allows here.
-    #[error("\"{text}\" is not a valid {what}")]
-    Invalid {
-        /// As written.
-        text: String,
-        /// What it should be.
-        what: &'static str,
-        /// What to write.
-        hint: &'static str,
-    },
     /// A key that needs another one.
     #[error("is set without {0}")]
     Without(&'static str),
@@ -147,7 +137,7 @@ impl Hint for What {
     fn hint(&self) -> Option<String> {
         let hint = match self {
             What::Toml(what) => return what.hint(),
-            What::NotA { hint, .. } | What::Invalid { hint, .. } => (*hint).into(),
+            What::NotA { hint, .. } => (*hint).into(),
             What::EmptyText => "write a text that people understand".into(),
             What::NotALimit { text, .. } if text.to_lowercase().ends_with("ml") => {
                 "no limit is in mL: that of arms does not hold for legs".into()

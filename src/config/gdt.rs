@@ -8,8 +8,7 @@ use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{GdtRules, Product, Reference};
 
 use super::fault::What;
-use super::parse::{self, Bounds, invalid};
-use super::reader::{Absent, Found, Reader};
+use super::parse::{self, Absent, Found, Reader, not_a};
 use super::words::Words;
 use crate::store::gdt::Attached;
 
@@ -82,7 +81,7 @@ type Section<T> = (Option<Found<PathBuf>>, Option<Option<T>>);
 /// orders.
 pub(super) fn store(reader: &mut Reader) -> (Option<Product>, Section<GdtStoreConfig>) {
     use Absent::Default;
-    let path = reader.text("store.gdt.path", Default(""), parse::full_path_or_none);
+    let path = reader.text("store.gdt.path", Default(""), parse::or_none(parse::full_path));
     let profile = reader.text("store.gdt.profile", Default("default"), parse::word(PROFILES));
     let product = profile.map(|profile| profile.value);
     let receiver = reader.text("store.gdt.receiver", Default("PRAX_EDV"), short_name);
@@ -103,9 +102,9 @@ pub(super) fn store(reader: &mut Reader) -> (Option<Product>, Section<GdtStoreCo
         let text = text.unwrap_or(of_profile.file_name());
         let name = FileName::new(text, &short(&receiver), &short(&sender));
         if name.is_none() {
-            let what = "name of a file that GDT exchanges";
+            let what = "a valid name of a file that GDT exchanges";
             let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";
-            reader.note(found.at, key, invalid(&found.value, what, hint));
+            reader.note(found.at, key, not_a(&found.value, what, hint));
         }
         name
     });
@@ -131,21 +130,21 @@ pub(super) fn store(reader: &mut Reader) -> (Option<Product>, Section<GdtStoreCo
             attach_root,
         }))
     })();
-    (product, (path.and_then(named), config))
+    (product, (path.and_then(parse::if_set), config))
 }
 
 /// Reads the keys of `[patient.orders]`.
 pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
     use Absent::Default;
-    let path = reader.text("patient.orders.path", Default(""), parse::full_path_or_none);
+    let path = reader.text("patient.orders.path", Default(""), parse::or_none(parse::full_path));
     let files = reader.text("patient.orders.files", Default("*.gdt"), mask);
     let when = reader.text("patient.orders.when", Default("before-press"), parse::word(WHENS));
     let after = reader.text("patient.orders.after", Default("delete"), parse::word(AFTERS));
     let lenient = reader.flag("patient.orders.lenient", "false");
-    let bounds = Bounds { least: "50ms", most: "1m" };
-    let quiet = reader.text("patient.orders.quiet", Default("1s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "1m", most: "168h" };
-    let max_age = reader.text("patient.orders.max_age", Default("12h"), parse::duration_in(bounds));
+    let quiet =
+        reader.text("patient.orders.quiet", Default("1s"), parse::duration_in("50ms"..="1m"));
+    let max_age =
+        reader.text("patient.orders.max_age", Default("12h"), parse::duration_in("1m"..="168h"));
     let config = (|| {
         let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
         Some(Some(OrdersConfig {
@@ -158,11 +157,7 @@ pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
             max_age: max_age?.value,
         }))
     })();
-    (path.and_then(named), config)
-}
-
-fn named(found: Found<Option<PathBuf>>) -> Option<Found<PathBuf>> {
-    Some(Found { value: found.value?, at: found.at })
+    (path.and_then(parse::if_set), config)
 }
 
 /// Short names of programs and examinations: only what every character set and file system accepts.
@@ -171,7 +166,7 @@ fn short_name(text: &str) -> Result<String, What> {
     if plain && (1..=8).contains(&text.len()) {
         return Ok(text.into());
     }
-    Err(invalid(text, "short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
+    Err(not_a(text, "a valid short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
 }
 
 /// The bare name of a file, or that of a folder before it.
@@ -188,7 +183,7 @@ fn attached(text: &str) -> Result<Attached, What> {
         return Ok(Attached { folder: folder.unwrap_or_default().into(), name: name.into() });
     }
     let hint = "letters, digits, -, _ and ., as in \"legs.svg\" or \"legs/legs.svg\"";
-    Err(invalid(text, "name of a file", hint))
+    Err(not_a(text, "a valid name of a file", hint))
 }
 
 /// A word of [`REFERENCES`], or the path of the exchange folder as the practice software sees it.
@@ -204,5 +199,5 @@ fn reference(text: &str) -> Result<(Reference, String), What> {
 
 fn mask(text: &str) -> Result<Mask, What> {
     let hint = "a file name in which * stands for anything and ? for one character: \"*.gdt\"";
-    Mask::new(text).ok_or_else(|| invalid(text, "mask of file names", hint))
+    Mask::new(text).ok_or_else(|| not_a(text, "a valid mask of file names", hint))
 }

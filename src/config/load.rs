@@ -12,8 +12,7 @@ use gaiter_toml::What::Twice;
 use toml::de::DeTable;
 
 use super::fault::{ConfigFault, What};
-use super::parse::{self, Bounds};
-use super::reader::{Absent, Found, Reader};
+use super::parse::{self, Absent, Found, Reader};
 use super::removed::REMOVED;
 use super::sizes::FilesBeside;
 use super::sizes::beside::Files;
@@ -59,19 +58,16 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
 
-    let bounds = Bounds { least: "0B", most: "1000GB" };
-    let disk_floor = reader.text("station.disk_floor", Default("1GB"), parse::size_in(bounds));
+    let disk_floor =
+        reader.text("station.disk_floor", Default("1GB"), parse::size_in("0B"..="1000GB"));
 
     let exports =
         reader.list("scanner.export_dirs", Required("/srv/scanner/export"), parse::full_path);
-    let bounds = Bounds { least: "50ms", most: "10m" };
-    let quiet = reader.text("scanner.quiet", Default("2s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "50ms", most: "1h" };
-    let rescan = reader.text("scanner.rescan", Default("10s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "0s", most: "24h" };
-    let short_wait = reader.text("scanner.short_wait", Default("60s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "1kB", most: "4GB" };
-    let max_scan = reader.text("scanner.max_scan", Default("200MB"), parse::size_in(bounds));
+    let quiet = reader.text("scanner.quiet", Default("2s"), parse::duration_in("50ms"..="10m"));
+    let rescan = reader.text("scanner.rescan", Default("10s"), parse::duration_in("50ms"..="1h"));
+    let short_wait =
+        reader.text("scanner.short_wait", Default("60s"), parse::duration_in("0s"..="24h"));
+    let max_scan = reader.text("scanner.max_scan", Default("200MB"), parse::size_in("1kB"..="4GB"));
     let watch = watch::config(reader);
     let scope = reader.text("scanner.scope", Default("body"), parse::word(SCOPES));
     let unit = reader.text("scanner.unit", Default("auto"), parse::word(UNITS));
@@ -79,9 +75,8 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let facing = reader.text("scanner.facing", Default("auto"), parse::word(FACINGS));
     let winding = reader.text("scanner.winding", Default("outward"), parse::word(WINDINGS));
     let posture = reader.text("scanner.posture", Default("both-legs"), parse::word(POSTURES));
-    let bounds = Bounds { least: "0mm", most: "20mm" };
     let girth_error =
-        reader.text("scanner.girth_error", Default("1mm"), parse::distance_in(bounds));
+        reader.text("scanner.girth_error", Default("1mm"), parse::distance_in("0mm"..="20mm"));
     let example = Nothing("^(?<patient>P?[0-9]+)_");
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
@@ -106,8 +101,8 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
-    let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
-    let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
+    let copy = reader.text("store.copy.path", Default(""), parse::or_none(parse::full_path));
+    let copy = copy.and_then(parse::if_set);
     let (gdt_product, (gdt_path, gdt)) = gdt::store(reader);
     let fhir = servers::fhir(reader);
     let (hl7_path, hl7) = servers::hl7(reader);
@@ -117,18 +112,17 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
 
     observability::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
-    overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
-    let exchange = [
-        ("store.gdt.path", gdt_path),
-        ("store.hl7.path", hl7_path),
-        ("patient.orders.path", orders_path),
-    ];
-    let own = [
-        ("station.state_dir", state_dir.as_ref()),
-        ("store.folder.path", store.as_ref()),
-        ("store.copy.path", copy.as_ref()),
-    ];
-    exchange_apart(reader, &exchange, own, &exports);
+    let own = named([
+        ("station.state_dir", &state_dir),
+        ("store.folder.path", &store),
+        ("store.copy.path", &copy),
+    ]);
+    let exchange = named([
+        ("store.gdt.path", &gdt_path),
+        ("store.hl7.path", &hl7_path),
+        ("patient.orders.path", &orders_path),
+    ]);
+    folders_apart(reader, &own, &exports, &exchange);
     if let (Some(up), Some(facing)) = (&up, &facing)
         && faces_up_or_down(up.value, facing.value)
     {
@@ -200,8 +194,8 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
 fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
     use Absent::Default;
     let b1 = reader.text("method.b1", Default("steepest"), b1);
-    let bounds = Bounds { least: "2cm", most: "10cm" };
-    let below = reader.text("method.g_below_crotch", Default("5cm"), parse::length_in(bounds));
+    let below =
+        reader.text("method.g_below_crotch", Default("5cm"), parse::length_in("2cm"..="10cm"));
     Some(LevelChoices { b1: b1?.value, g_below_crotch_mm: f64::from(below?.value) })
 }
 
@@ -210,11 +204,11 @@ fn b1(text: &str) -> Result<B1, What> {
     if text == B1::Steepest.word() {
         return Ok(B1::Steepest);
     }
-    match parse::length_in(Bounds { least: "2cm", most: "20cm" })(text) {
+    match parse::length_in("2cm"..="20cm")(text) {
         Ok(distance_mm) => Ok(B1::AboveB { distance_mm: f64::from(distance_mm) }),
         Err(What::NotA { text, .. }) => {
             let hint = "write \"steepest\", or how far B1 is above B: \"8cm\"";
-            Err(What::Invalid { text, what: "place of B1", hint })
+            Err(parse::not_a(&text, "a valid place of B1", hint))
         }
         Err(what) => Err(what),
     }
@@ -234,10 +228,8 @@ fn output(reader: &mut Reader) -> Output {
 /// The keys of `[measure]`.
 fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
     use Absent::Default;
-    let bounds = Bounds { least: "256MB", most: "64GB" };
-    let memory = reader.text("measure.memory", Default("2GB"), parse::size_in(bounds));
-    let bounds = Bounds { least: "1s", most: "1h" };
-    let wall = reader.text("measure.wall", Default("120s"), parse::duration_in(bounds));
+    let memory = reader.text("measure.memory", Default("2GB"), parse::size_in("256MB"..="64GB"));
+    let wall = reader.text("measure.wall", Default("120s"), parse::duration_in("1s"..="1h"));
     let confine = reader.text("measure.confine", Default("where-possible"), parse::word(CONFINES));
     Some(MeasureConfig { memory_bytes: memory?.value, wall: wall?.value, confine: confine?.value })
 }
@@ -245,9 +237,8 @@ fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
 /// The keys of `[retention]`.
 fn retention(reader: &mut Reader) -> Option<Retention> {
     use Absent::Default;
-    let bounds = Bounds { least: "0s", most: "87600h" };
-    let spool = reader.text("retention.spool", Default("0s"), parse::duration_in(bounds));
-    let kept = parse::duration_or_off(Bounds { least: "24h", most: "876000h" });
+    let spool = reader.text("retention.spool", Default("0s"), parse::duration_in("0s"..="87600h"));
+    let kept = parse::duration_or_off("24h"..="876000h");
     let quarantine = reader.text("retention.quarantine", Default("off"), &kept);
     let journal = reader.text("retention.journal", Default("off"), &kept);
     Some(Retention { spool: spool?.value, quarantine: quarantine?.value, journal: journal?.value })
@@ -269,42 +260,28 @@ fn twice<T: PartialEq>(
 /// A folder and the key that names it.
 type Named<'f> = (&'static str, &'f Found<PathBuf>);
 
-fn overlaps(
-    reader: &mut Reader,
-    state_dir: Option<&Found<PathBuf>>,
-    exports: &[Found<PathBuf>],
-    store: Option<&Found<PathBuf>>,
-    copy: Option<&Found<PathBuf>>,
-) {
-    let state = state_dir.map(|folder| ("station.state_dir", folder));
-    let store = store.map(|folder| ("store.folder.path", folder));
-    let copy = copy.map(|folder| ("store.copy.path", folder));
-    for own in [state, store, copy].into_iter().flatten() {
-        for export in exports {
-            apart(reader, own, ("scanner.export_dirs", export));
-        }
-    }
-    for (a, b) in [(store, state), (copy, state), (copy, store)] {
-        if let (Some(a), Some(b)) = (a, b) {
-            apart(reader, a, b);
-        }
-    }
+/// Those of these folders that are configured.
+fn named(folders: [(&'static str, &Option<Found<PathBuf>>); 3]) -> Vec<Named<'_>> {
+    folders.into_iter().filter_map(|(key, folder)| Some((key, folder.as_ref()?))).collect()
 }
 
-/// Notes exchange folders that overlap the station's own folders. They may overlap each other.
-fn exchange_apart(
+/// Notes folders that overlap each other. Only exchange folders may overlap one another.
+fn folders_apart(
     reader: &mut Reader,
-    exchange: &[(&'static str, Option<Found<PathBuf>>)],
-    own: [(&'static str, Option<&Found<PathBuf>>); 3],
+    own: &[Named],
     exports: &[Found<PathBuf>],
+    exchange: &[Named],
 ) {
-    let own = own.into_iter().filter_map(|(key, folder)| Some((key, folder?)));
-    let others: Vec<Named> =
-        own.chain(exports.iter().map(|export| ("scanner.export_dirs", export))).collect();
-    for (key, folder) in exchange {
-        for other in folder.iter().flat_map(|_| &others) {
-            folder.iter().for_each(|folder| apart(reader, (key, folder), *other));
-        }
+    let exports: Vec<Named> =
+        exports.iter().map(|export| ("scanner.export_dirs", export)).collect();
+    for folder in own {
+        exports.iter().for_each(|export| apart(reader, *folder, *export));
+    }
+    for (at, folder) in own.iter().enumerate() {
+        own[..at].iter().for_each(|other| apart(reader, *folder, *other));
+    }
+    for folder in exchange {
+        own.iter().chain(&exports).for_each(|other| apart(reader, *folder, *other));
     }
 }
 

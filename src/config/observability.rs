@@ -8,8 +8,7 @@ use toml::de::DeTable;
 
 use super::StatusConfig;
 use super::fault::What;
-use super::parse::{self, Bounds};
-use super::reader::{Absent, Found, Reader};
+use super::parse::{self, Absent, Found, Reader};
 use super::removed::REMOVED;
 
 /// The name of the control socket in the state folder.
@@ -21,8 +20,7 @@ const SOCKET_PATH_MOST: usize = 107;
 /// The keys of `[status]`.
 pub(super) fn status(reader: &mut Reader) -> Option<StatusConfig> {
     use Absent::Default;
-    let bounds = Bounds { least: "1s", most: "24h" };
-    let overdue = reader.text("status.overdue", Default("10m"), parse::duration_in(bounds));
+    let overdue = reader.text("status.overdue", Default("10m"), parse::duration_in("1s"..="24h"));
     let listen = reader.text("status.listen", Default("off"), loopback);
     Some(StatusConfig { overdue: overdue?.value, listen: listen?.value })
 }
@@ -54,16 +52,11 @@ pub fn state_dir(text: &str) -> Option<PathBuf> {
 
 /// `"off"`, or an address that other machines cannot reach.
 fn loopback(text: &str) -> Result<Option<SocketAddr>, What> {
-    if text == "off" {
-        return Ok(None);
-    }
     let hint = r#"write "off", or an address of this machine and a port: "127.0.0.1:9184""#;
-    let wrong = |_| parse::not_a(text, "an address and port", hint);
-    let address: SocketAddr = text.parse().map_err(wrong)?;
-    if !address.ip().is_loopback() {
-        return Err(What::NotLoopback(text.into()));
+    match parse::address_or_off(text, hint)? {
+        Some(address) if !address.ip().is_loopback() => Err(What::NotLoopback(text.into())),
+        address => Ok(address),
     }
-    Ok(Some(address))
 }
 
 #[cfg(test)]

@@ -5,8 +5,7 @@ use std::net::SocketAddr;
 use gaiter_flow::page::IdsShown;
 
 use super::fault::{ADDRESS, What};
-use super::parse;
-use super::reader::{Absent, Reader};
+use super::parse::{self, Absent, Reader};
 use super::words::IDS_SHOWN;
 
 /// `[page]`: who may read the operator's page, and what it shows.
@@ -28,15 +27,10 @@ pub(super) fn config(reader: &mut Reader) -> Option<PageConfig> {
 
 /// `"off"`, or an address that other machines can reach.
 fn reachable(text: &str) -> Result<Option<SocketAddr>, What> {
-    if text == "off" {
-        return Ok(None);
+    match parse::address_or_off(text, ADDRESS)? {
+        Some(address) if address.ip().is_loopback() => Err(What::OnlyLoopback(text.into())),
+        address => Ok(address),
     }
-    let wrong = |_| parse::not_a(text, "an address and port", ADDRESS);
-    let address: SocketAddr = text.parse().map_err(wrong)?;
-    if address.ip().is_loopback() {
-        return Err(What::OnlyLoopback(text.into()));
-    }
-    Ok(Some(address))
 }
 
 #[cfg(test)]

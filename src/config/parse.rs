@@ -1,5 +1,7 @@
 //! Parses the text of one value. The functions report what is wrong, not where.
 
+use std::net::SocketAddr;
+use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
@@ -7,7 +9,10 @@ use regex::Regex;
 
 use super::fault::What;
 use super::words;
-pub(super) use gaiter_toml::word;
+pub(super) use gaiter_toml::{Absent, Found, word};
+
+/// Reads the keys of `station.toml`.
+pub(super) type Reader<'t> = gaiter_toml::Reader<'t, What>;
 
 /// A number and one of the units; `None` for anything else, including a number that is too large.
 fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
@@ -22,29 +27,18 @@ pub(super) fn not_a(text: &str, what: &'static str, hint: &'static str) -> What 
     What::NotA { text: text.into(), what, hint }
 }
 
-/// The fault of a text that a format or protocol does not allow here.
-pub(super) fn invalid(text: &str, what: &'static str, hint: &'static str) -> What {
-    What::Invalid { text: text.into(), what, hint }
-}
+/// The smallest and the largest allowed value, as written in the file.
+type Bounds = RangeInclusive<&'static str>;
 
-/// The bounds of a value, as written in the file.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds {
-    /// The smallest allowed value.
-    pub least: &'static str,
-    /// The largest allowed value.
-    pub most: &'static str,
-}
-
-impl Bounds {
-    fn hold<T: PartialOrd>(
-        self,
-        text: &str,
-        value: T,
-        parse: impl Fn(&str) -> Result<T, What>,
-    ) -> Result<T, What> {
-        if value < parse(self.least)? || value > parse(self.most)? {
-            let Bounds { least, most } = self;
+/// A value within bounds.
+fn within<T: PartialOrd>(
+    bounds: Bounds,
+    parse: impl Fn(&str) -> Result<T, What>,
+) -> impl Fn(&str) -> Result<T, What> {
+    let (least, most) = bounds.into_inner();
+    move |text| {
+        let value = parse(text)?;
+        if value < parse(least)? || value > parse(most)? {
             return Err(What::OutOfRange { text: text.into(), least, most });
         }
         Ok(value)
@@ -62,7 +56,7 @@ pub(super) fn duration(text: &str) -> Result<Duration, What> {
 
 /// A duration within bounds.
 pub(super) fn duration_in(bounds: Bounds) -> impl Fn(&str) -> Result<Duration, What> {
-    move |text| bounds.hold(text, duration(text)?, duration)
+    within(bounds, duration)
 }
 
 /// A duration within bounds, or "off".
@@ -80,7 +74,7 @@ pub(super) fn size(text: &str) -> Result<u64, What> {
 
 /// A size within bounds, in bytes.
 pub(super) fn size_in(bounds: Bounds) -> impl Fn(&str) -> Result<u64, What> {
-    move |text| bounds.hold(text, size(text)?, size)
+    within(bounds, size)
 }
 
 /// `"5cm"`, `"80mm"`, in millimetres.
@@ -93,22 +87,26 @@ pub(super) fn length(text: &str) -> Result<u32, What> {
 
 /// A length within bounds, in millimetres.
 pub(super) fn length_in(bounds: Bounds) -> impl Fn(&str) -> Result<u32, What> {
-    move |text| bounds.hold(text, length(text)?, length)
+    within(bounds, length)
 }
 
 /// `"0.05mm"`, in millimetres: a length that may be a fraction of one.
 pub(super) fn distance(text: &str) -> Result<f64, What> {
-    let number = text.strip_suffix("mm").filter(|number| {
-        number.starts_with(|c: char| c.is_ascii_digit())
-            && number.chars().all(|c| c.is_ascii_digit() || c == '.')
-    });
     let hint = r#"write a number and mm: "0.05mm", "1mm""#;
-    number.and_then(|number| number.parse().ok()).ok_or_else(|| not_a(text, "a distance", hint))
+    decimal(text, "mm").ok_or_else(|| not_a(text, "a distance", hint))
+}
+
+/// A number in digits, with a decimal point or without, and this unit.
+pub(super) fn decimal(text: &str, unit: &str) -> Option<f64> {
+    let number = text.strip_suffix(unit)?;
+    let is_plain = number.starts_with(|c: char| c.is_ascii_digit())
+        && number.chars().all(|c| c.is_ascii_digit() || c == '.');
+    number.parse::<f64>().ok().filter(|_| is_plain)
 }
 
 /// A distance within bounds, in millimetres.
 pub(super) fn distance_in(bounds: Bounds) -> impl Fn(&str) -> Result<f64, What> {
-    move |text| bounds.hold(text, distance(text)?, distance)
+    within(bounds, distance)
 }
 
 /// A height above the floor in cm, in mm.
@@ -124,11 +122,6 @@ pub(super) fn station_id(text: &str) -> Result<String, What> {
     } else {
         Err(What::NotAStationId(text.into()))
     }
-}
-
-/// A folder that may be omitted.
-pub(super) fn full_path_or_none(text: &str) -> Result<Option<PathBuf>, What> {
-    if text.is_empty() { Ok(None) } else { full_path(text).map(Some) }
 }
 
 /// A full path. A relative one is refused: a daemon has no obvious working folder, and the folder of the
@@ -161,6 +154,19 @@ pub(super) fn or_none<T>(
     parse: impl Fn(&str) -> Result<T, What>,
 ) -> impl Fn(&str) -> Result<Option<T>, What> {
     move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
+}
+
+/// The value of a key that may be left out, with its place; `None` if it was.
+pub(super) fn if_set<T>(found: Found<Option<T>>) -> Option<Found<T>> {
+    Some(Found { value: found.value?, at: found.at })
+}
+
+/// `"off"`, or an address and a port.
+pub(super) fn address_or_off(text: &str, hint: &'static str) -> Result<Option<SocketAddr>, What> {
+    if text == "off" {
+        return Ok(None);
+    }
+    text.parse::<SocketAddr>().map(Some).map_err(|_| not_a(text, "an address and port", hint))
 }
 
 /// A regular expression for file names that marks the part that is the patient's id.
@@ -223,14 +229,14 @@ mod tests {
         {
             assert!(matches!(distance(text), Err(What::NotA { .. })), "{text}");
         }
-        let within = distance_in(Bounds { least: "0.005mm", most: "5mm" });
+        let within = distance_in("0.005mm"..="5mm");
         assert!(within("0.005mm").is_ok() && within("5mm").is_ok());
         assert!(within("0.004mm").is_err() && within("5.1mm").is_err() && within("0mm").is_err());
     }
 
     #[test]
     fn bounds_include_their_ends() {
-        let quiet = duration_in(Bounds { least: "50ms", most: "10m" });
+        let quiet = duration_in("50ms"..="10m");
         assert!(quiet("50ms").is_ok() && quiet("10m").is_ok() && quiet("600s").is_ok());
         assert!(quiet("49ms").is_err() && quiet("11m").is_err());
     }

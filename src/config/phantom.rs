@@ -6,8 +6,7 @@ use gaiter_leg::phantom::Phantom;
 
 use super::capture::PatientConfig;
 use super::fault::What;
-use super::parse::{self, Bounds};
-use super::reader::{Absent, Reader};
+use super::parse::{self, Absent, Reader};
 
 /// `[phantom]`: the daily check.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,10 +33,9 @@ pub(super) fn config(
         text.parse::<Phantom>().map_err(What::PhantomGirths)
     });
     let name = reader.text("phantom.name", Default("PHANTOM"), phantom_name);
-    let bounds = Bounds { least: "0.5mm", most: "20mm" };
-    let tolerance = reader.text("phantom.tolerance", Default("2mm"), parse::distance_in(bounds));
-    let bounds = Bounds { least: "1h", most: "720h" };
-    let every = reader.text("phantom.every", Default("24h"), parse::duration_in(bounds));
+    let tolerance =
+        reader.text("phantom.tolerance", Default("2mm"), parse::distance_in("0.5mm"..="20mm"));
+    let every = reader.text("phantom.every", Default("24h"), parse::duration_in("1h"..="720h"));
     if let (Some(_), Some(name), Some(patient)) = (&girths, &name, patient)
         && patient.pattern.is_match(&name.value)
     {

@@ -8,7 +8,7 @@ use gaiter_flow::trigger::lines::LINE_MOST;
 use gaiter_flow::trigger::report::Pattern;
 
 use super::fault::What;
-use super::parse::{self, invalid};
+use super::parse::{self, not_a};
 use super::words::Words;
 
 /// Where Linux has keyboards: a path in this folder is no serial port.
@@ -131,9 +131,10 @@ pub(super) fn usb_name(text: &str) -> Result<UsbName, What> {
     let plain = serial.as_ref().is_none_or(|serial| {
         !serial.is_empty() && serial.bytes().all(|byte| byte.is_ascii_graphic())
     });
-    ids.filter(|_| plain).map(|(vendor, product)| UsbName { vendor, product, serial }).ok_or_else(
-        || invalid(text, "name of a USB device", r#"write "0403:6001" or "0403:6001:A50285BI""#),
-    )
+    let hint = r#"write "0403:6001" or "0403:6001:A50285BI""#;
+    ids.filter(|_| plain)
+        .map(|(vendor, product)| UsbName { vendor, product, serial })
+        .ok_or_else(|| not_a(text, "a valid name of a USB device", hint))
 }
 
 /// A full path, or `"usb:…"`.
@@ -146,10 +147,9 @@ pub(super) fn serial_place(text: &str) -> Result<SerialPlace, What> {
 
 /// A full path, or `"name:…"`.
 pub(super) fn input_place(text: &str) -> Result<InputPlace, What> {
+    let hint = r#"write "name:PCsensor FootSwitch""#;
     match text.strip_prefix("name:") {
-        Some("") => {
-            Err(invalid(text, "name of an input device", r#"write "name:PCsensor FootSwitch""#))
-        }
+        Some("") => Err(not_a(text, "a valid name of an input device", hint)),
         Some(name) => Ok(InputPlace::Name(name.to_owned())),
         None => parse::full_path(text).map(InputPlace::Path),
     }
@@ -165,7 +165,8 @@ pub(super) fn reader_port(text: &str) -> Result<ReaderPort, What> {
 
 /// `"9600 8N1"`.
 pub(super) fn settings(text: &str) -> Result<Settings, What> {
-    let wrong = || invalid(text, "setting of a serial line", r#"write "9600 8N1", "115200 7E2""#);
+    let hint = r#"write "9600 8N1", "115200 7E2""#;
+    let wrong = || not_a(text, "a valid setting of a serial line", hint);
     let (baud, frame) = text.split_once(' ').ok_or_else(wrong)?;
     let baud: u32 = baud.parse().ok().filter(|baud| BAUDS.contains(baud)).ok_or_else(wrong)?;
     let &[data, parity, stop] = frame.as_bytes() else { return Err(wrong()) };
@@ -189,11 +190,8 @@ pub(super) fn token(text: &str) -> Result<String, What> {
     if plain && (1..=LINE_MOST).contains(&text.len()) {
         Ok(text.to_owned())
     } else {
-        Err(invalid(
-            text,
-            "line of a button",
-            r#"write 1 to 64 plain characters, without the line end: "PRESS""#,
-        ))
+        let hint = r#"write 1 to 64 plain characters, without the line end: "PRESS""#;
+        Err(not_a(text, "a valid line of a button", hint))
     }
 }
 
@@ -202,13 +200,8 @@ pub(super) fn code(text: &str) -> Result<Codes, What> {
     let around = text.split_once(ID).filter(|(_, after)| !after.contains(ID));
     let codes = around
         .and_then(|(before, after)| Some(Codes { prefix: affix(before)?, suffix: affix(after)? }));
-    codes.ok_or_else(|| {
-        invalid(
-            text,
-            "code of a reader",
-            r#"write {id} and around it at most 64 plain characters and control signs, without the line end: "]C1{id}", '\x02{id}\x03'"#,
-        )
-    })
+    let hint = r#"write {id} and around it at most 64 plain characters and control signs, without the line end: "]C1{id}", '\x02{id}\x03'"#;
+    codes.ok_or_else(|| not_a(text, "a valid code of a reader", hint))
 }
 
 /// The characters and control signs before or after an id, with the escapes of [`bytes`]. A carriage
@@ -222,7 +215,8 @@ fn affix(text: &str) -> Option<String> {
 /// Bytes to send, with `\r`, `\n`, `\t`, `\\` and `\xNN` for those that are not characters.
 pub(super) fn bytes(text: &str) -> Result<Vec<u8>, What> {
     let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST);
-    bytes.ok_or_else(|| invalid(text, "text for a port", r#"write 'OK\r\n'; \xNN is the byte NN"#))
+    let hint = r#"write 'OK\r\n'; \xNN is the byte NN"#;
+    bytes.ok_or_else(|| not_a(text, "a valid text for a port", hint))
 }
 
 /// The bytes of a text with escapes; `None` if an escape is invalid.
@@ -260,13 +254,8 @@ pub(super) fn pattern(text: &str) -> Result<Pattern, What> {
             && mask.iter().any(|byte| *byte != 0)
             && value.iter().zip(mask).all(|(value, mask)| value & !mask == 0)
     };
-    pattern.filter(shows_a_button).ok_or_else(|| {
-        invalid(
-            text,
-            "value of a report",
-            r#"write bytes with two hexadecimal digits each: "00 01", or "00 01/00 0f" with the bits that count"#,
-        )
-    })
+    let hint = r#"write bytes with two hexadecimal digits each: "00 01", or "00 01/00 0f" with the bits that count"#;
+    pattern.filter(shows_a_button).ok_or_else(|| not_a(text, "a valid value of a report", hint))
 }
 
 fn hex_byte(digits: &str) -> Option<u8> {
@@ -277,7 +266,8 @@ fn hex_byte(digits: &str) -> Option<u8> {
 /// A key by its Linux name or by its number.
 pub(super) fn key(text: &str) -> Result<u16, What> {
     let number = text.parse::<evdev::KeyCode>().map(|key| key.0).or_else(|_| text.parse());
-    number.map_err(|_| invalid(text, "key", r#"write "KEY_B" or "BTN_LEFT", as evtest shows it"#))
+    let hint = r#"write "KEY_B" or "BTN_LEFT", as evtest shows it"#;
+    number.map_err(|_| not_a(text, "a valid key", hint))
 }
 
 #[cfg(test)]

@@ -1,19 +1,13 @@
 //! `[sizes]`, `[orders]`, and the garments of `[report]`: what stands in files of its own.
 
 pub mod beside;
-mod orders;
 
-use std::ops::Range;
-use std::path::{Path, PathBuf};
-
-use gaiter_sizes::{Fault, Garment, SizeTable};
+use gaiter_sizes::{Fault, Garment, Mapping, SizeTable, mapping};
 use gaiter_toml::What::{NotAWord, Twice};
 
 use self::beside::{Files, TextFile};
-pub(super) use self::orders::orders;
 use super::fault::What;
-use super::parse;
-use super::reader::{Absent, Found, Reader};
+use super::parse::{self, Absent, Found, Reader};
 
 /// The most bytes of all files together: every measuring process gets what they say before its scan.
 const BYTES_MOST: usize = 4 << 20;
@@ -44,19 +38,9 @@ impl FilesBeside {
 /// Reads `report.garment` and the garments of files.
 pub(super) fn garments(reader: &mut Reader, files: &mut FilesBeside) -> Garments {
     let name = reader.text("report.garment", Absent::Default("AD"), |name| Ok(name.to_owned()));
-    let (mut all, mut own) = (Garment::shipped().to_vec(), Vec::<String>::new());
-    for NamedFile { key, at, path, text } in named_files(reader, "report.garments", files) {
-        match Garment::read(text.as_bytes()) {
-            Err(faults) => note(reader, key, &at, &path, &faults),
-            Ok(garment) if own.iter().any(|name| name == garment.name()) => {
-                reader.note(at, key, Twice(garment.name().to_owned()));
-            }
-            Ok(garment) => {
-                own.push(garment.name().to_owned());
-                add(&mut all, garment);
-            }
-        }
-    }
+    let mut all = Garment::shipped().to_vec();
+    let own = read_files(reader, "report.garments", files, Garment::read, Garment::name);
+    own.into_iter().for_each(|garment| add(&mut all, garment));
     let usual = name.and_then(|Found { value: name, at }| {
         let usual = all.iter().find(|of| of.name() == name).cloned();
         if usual.is_none() {
@@ -72,17 +56,12 @@ pub(super) fn garments(reader: &mut Reader, files: &mut FilesBeside) -> Garments
 
 /// Reads `sizes.tables`: the size tables, in the order of the configuration.
 pub(super) fn tables(reader: &mut Reader, files: &mut FilesBeside) -> Vec<SizeTable> {
-    let mut tables: Vec<SizeTable> = Vec::new();
-    for NamedFile { key, at, path, text } in named_files(reader, "sizes.tables", files) {
-        match gaiter_sizes::parse(text.as_bytes()) {
-            Err(faults) => note(reader, key, &at, &path, &faults),
-            Ok(table) if tables.iter().any(|of| of.id == table.id) => {
-                reader.note(at, key, Twice(table.id));
-            }
-            Ok(table) => tables.push(table),
-        }
-    }
-    tables
+    read_files(reader, "sizes.tables", files, gaiter_sizes::parse, |table| table.id.as_str())
+}
+
+/// Reads `orders.mappings`: the mappings by which each record gets its order.
+pub(super) fn orders(reader: &mut Reader, files: &mut FilesBeside) -> Vec<Mapping> {
+    read_files(reader, "orders.mappings", files, mapping::parse, |of| of.id.as_str())
 }
 
 /// Adds a garment: in the place of the shipped one of its name, or at the end.
@@ -93,43 +72,46 @@ pub fn add(garments: &mut Vec<Garment>, garment: Garment) {
     }
 }
 
-/// A file that an entry of a key names, or that is in a folder which it names.
-struct NamedFile {
+/// Reads the files that a key lists, by their paths or by those of their folders. Each fault is noted at the entry
+/// that names the file, and so is what has the name of an earlier one.
+fn read_files<T>(
+    reader: &mut Reader,
     key: &'static str,
-    at: Range<usize>,
-    path: PathBuf,
-    text: String,
-}
-
-/// The files of a key that lists paths.
-fn named_files(reader: &mut Reader, key: &'static str, files: &mut FilesBeside) -> Vec<NamedFile> {
-    let mut found = Vec::new();
+    files: &mut FilesBeside,
+    read: fn(&[u8]) -> Result<T, Vec<Fault>>,
+    name: fn(&T) -> &str,
+) -> Vec<T> {
+    let mut all: Vec<T> = Vec::new();
     for Found { value: named, at } in reader.list(key, Absent::Default(""), parse::full_path) {
-        let read = match files.from.at(&named) {
-            Ok(read) => read,
+        let mut note = |what: What| reader.note(at.clone(), key, what);
+        let found = match files.from.at(&named) {
+            Ok(found) => found,
             Err(why) => {
-                reader.note(at, key, What::NamedFile(why.to_string()));
+                note(What::NamedFile(why.to_string()));
                 continue;
             }
         };
-        let bytes = files.bytes + read.iter().map(|file| file.text.len()).sum::<usize>();
+        let bytes = files.bytes + found.iter().map(|file| file.text.len()).sum::<usize>();
         if bytes > BYTES_MOST {
             let said =
                 format!("garments, size tables and mappings have more than {BYTES_MOST} bytes");
-            reader.note(at, key, What::NamedFile(said));
+            note(What::NamedFile(said));
             continue;
         }
         files.bytes = bytes;
-        let named = |TextFile { path, text }| NamedFile { key, at: at.clone(), path, text };
-        found.extend(read.into_iter().map(named));
+        for TextFile { path, text } in found {
+            match read(text.as_bytes()) {
+                Err(faults) => {
+                    for fault in faults {
+                        note(What::NamedFile(format!("{}:{fault}", path.display())));
+                    }
+                }
+                Ok(one) if all.iter().any(|of| name(of) == name(&one)) => {
+                    note(Twice(name(&one).to_owned()).into());
+                }
+                Ok(one) => all.push(one),
+            }
+        }
     }
-    found
-}
-
-/// Notes the faults of a file at the entry that names it.
-fn note(reader: &mut Reader, key: &str, at: &Range<usize>, path: &Path, faults: &[Fault]) {
-    for fault in faults {
-        let said = format!("{}:{fault}", path.display());
-        reader.note(at.clone(), key, What::NamedFile(said));
-    }
+    all
 }

@@ -6,7 +6,7 @@ use toml::de::DeTable;
 
 use super::Config;
 use super::load::{config, load};
-use super::reader::{Absent, Reader};
+use super::parse::{Absent, Reader};
 use super::removed::REMOVED;
 use super::sizes::beside::Files;
 use super::words::TAPES;

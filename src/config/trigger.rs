@@ -9,11 +9,10 @@ use gaiter_flow::trigger::report::Pattern;
 use gaiter_flow::trigger::token::Tokens;
 
 use super::fault::What;
-use super::parse::{self, Bounds};
+use super::parse::{self, Absent, Found, Reader, or_none};
 use super::port::{
     self, CONTACTS, InputPlace, ModemLine, ReaderPort, SerialPlace, Settings, UsbName, WIRES,
 };
-use super::reader::{Absent, Found, Reader};
 
 /// The devices on the ports of the booth; none unless the configuration names them.
 #[derive(Debug, Clone)]
@@ -113,10 +112,8 @@ type Optional<T> = Option<Found<Option<T>>>;
 pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
     use Absent::Default;
     let (ids, ids_at) = reader_config(reader);
-    let bounds = Bounds { least: "0s", most: "1m" };
-    let lock_out = reader.text("trigger.lock_out", Default("1s"), parse::duration_in(bounds));
-    let bounds = Bounds { least: "0s", most: "10s" };
-    let settle = reader.text("trigger.settle", Default("500ms"), parse::duration_in(bounds));
+    let lock_out = reader.text("trigger.lock_out", Default("1s"), parse::duration_in("0s"..="1m"));
+    let settle = reader.text("trigger.settle", Default("500ms"), parse::duration_in("0s"..="10s"));
     let say = say(reader);
     let (serial, serial_at) = serial(reader);
     let usb = usb(reader);
@@ -132,11 +129,6 @@ pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
         keys: keys?,
         reader: ids?,
     })
-}
-
-/// An empty text means `None`.
-fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Result<Option<T>, What> {
-    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 
 /// Notes a port of a trigger that is that of the reader, too.

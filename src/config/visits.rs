@@ -4,8 +4,7 @@ use gaiter_record::report::AgeMax;
 use gaiter_visits::threshold::{Limited, Threshold};
 
 use super::fault::What;
-use super::parse::{self, Bounds};
-use super::reader::{Absent, Reader};
+use super::parse::{self, Absent, Reader};
 use super::words::{LIMBS, LIMITED};
 
 /// `[visits]`: how the visits of a patient are compared.
@@ -18,9 +17,8 @@ pub struct VisitsConfig {
 /// Reads `report.max_age`: how old a scan may be for an order, whole days.
 pub(super) fn age_max(reader: &mut Reader) -> Option<AgeMax> {
     const DAY_S: u64 = 24 * 3600;
-    let bounds = Bounds { least: "24h", most: "87600h" };
     let default = Absent::Default("4320h");
-    let max_age = reader.text("report.max_age", default, parse::duration_in(bounds))?;
+    let max_age = reader.text("report.max_age", default, parse::duration_in("24h"..="87600h"))?;
     u32::try_from(max_age.value.as_secs() / DAY_S).ok().map(AgeMax)
 }
 
@@ -52,10 +50,6 @@ fn threshold(reader: &mut Reader) -> Option<Threshold> {
 
 /// A limit with the unit of what it limits.
 fn limit(of: Limited, text: &str) -> Result<f64, What> {
-    let number = text.strip_suffix(of.unit()).filter(|number| {
-        number.starts_with(|c: char| c.is_ascii_digit())
-            && number.chars().all(|c| c.is_ascii_digit() || c == '.')
-    });
-    let limit = number.and_then(|number| number.parse().ok()).filter(|limit| *limit > 0.0);
+    let limit = parse::decimal(text, of.unit()).filter(|limit| *limit > 0.0);
     limit.ok_or_else(|| What::NotALimit { text: text.to_owned(), unit: of.unit() })
 }

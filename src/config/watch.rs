@@ -3,8 +3,7 @@
 use gaiter_flow::DoneFile;
 
 use super::fault::What;
-use super::parse;
-use super::reader::{Absent, Reader};
+use super::parse::{self, Absent, Reader};
 
 /// How export folders are watched.
 #[derive(Debug, Clone)]

@@ -1,9 +1,8 @@
 //! `[store.fhir]`: a FHIR R4 server.
 
-use super::{TlsKeys, address, file_name, host_and_port, line, secret, system, tls, user};
+use super::{TlsKeys, address, both, file_name, host_and_port, line, secret, system, tls, user};
 use crate::config::fault::What;
-use crate::config::parse::{self, Bounds, or_none};
-use crate::config::reader::{Absent, Found, Reader};
+use crate::config::parse::{self, Absent, Found, Reader, or_none};
 use crate::config::words::Words;
 use crate::store::endpoint::{Endpoint, Proxy};
 use crate::store::fhir::{FhirAccess, FhirServer, SmartAccess};
@@ -53,8 +52,7 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreCon
     let access = access(reader);
     let tls = tls(reader, &TLS);
     let proxy = proxy(reader);
-    let bounds = Bounds { least: "1s", most: "50s" };
-    let limit = reader.text("store.fhir.timeout", Default("30s"), parse::duration_in(bounds));
+    let limit = reader.text("store.fhir.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
     let Found { value: base, at } = base?;
     let Some(base) = base else { return Some(None) };
     let patients = patients?.value;
@@ -126,19 +124,7 @@ fn proxy(reader: &mut Reader) -> Option<Option<Proxy>> {
     let found = reader.text("store.fhir.proxy", Default(""), or_none(endpoint));
     let user = reader.text(USER, Default(""), or_none(user));
     let password = reader.text(SECRET, Default(""), or_none(secret));
-    let (user, password) = (user?, password?);
-    let user = match (user.value, password.value) {
-        (None, None) => None,
-        (Some(user), Some(password)) => Some((user, password)),
-        (None, Some(_)) => {
-            reader.note(password.at, SECRET, What::Without(USER));
-            return None;
-        }
-        (Some(_), None) => {
-            reader.note(user.at, USER, What::Without(SECRET));
-            return None;
-        }
-    };
+    let user = both(reader, (USER, user?), (SECRET, password?))?;
     Some(found?.value.map(|endpoint| Proxy { endpoint, user }))
 }
 

@@ -6,8 +6,7 @@ use gaiter_record::hl7::{Charset, PdfForm};
 
 use super::{TlsKeys, host_and_port, line, tls};
 use crate::config::fault::What;
-use crate::config::parse::{self, Bounds, or_none};
-use crate::config::reader::{Absent, Found, Reader};
+use crate::config::parse::{self, Absent, Found, Reader, or_none};
 use crate::config::words::Words;
 use crate::store::hl7::Hl7Way;
 
@@ -61,8 +60,8 @@ type Section = (Option<Found<PathBuf>>, Option<Option<Hl7StoreConfig>>);
 pub(in crate::config) fn hl7(reader: &mut Reader) -> Section {
     use Absent::Default;
     let address = reader.text("store.hl7.address", Default(""), or_none(host_and_port));
-    let path = reader.text("store.hl7.path", Default(""), parse::full_path_or_none);
-    let folder = path.clone().and_then(|path| Some(Found { value: path.value?, at: path.at }));
+    let path = reader.text("store.hl7.path", Default(""), parse::or_none(parse::full_path));
+    let folder = path.clone().and_then(parse::if_set);
     let way = way(reader, address, path);
     (folder, settings(reader, way))
 }
@@ -76,8 +75,7 @@ fn way(
     use Absent::Default;
     let encryption = reader.text("store.hl7.encryption", Default("tls"), parse::word(ENCRYPTIONS));
     let tls = tls(reader, &TLS);
-    let bounds = Bounds { least: "1s", most: "50s" };
-    let limit = reader.text("store.hl7.timeout", Default("30s"), parse::duration_in(bounds));
+    let limit = reader.text("store.hl7.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
     let (path, encryption, tls, limit) = (path?, encryption?.value, tls?, limit?.value);
     match (address?.value, path.value) {
         (None, None) => Some(None),

@@ -8,8 +8,7 @@ use std::net::Ipv6Addr;
 use http::Uri;
 
 use super::fault::What;
-use super::parse::{self, invalid, or_none};
-use super::reader::{Absent, Reader};
+use super::parse::{self, Absent, Found, Reader, not_a, or_none};
 use crate::store::endpoint::{Endpoint, EndpointFault, Secret, TlsFiles};
 pub use fhir::FhirStoreConfig;
 pub(super) use fhir::fhir;
@@ -24,7 +23,7 @@ const LINE_MOST: usize = 200;
 
 /// The address of a server, without a slash at its end.
 fn address(text: &str) -> Result<String, What> {
-    let no_address = |hint| invalid(text, "address of a server", hint);
+    let no_address = |hint| not_a(text, "a valid address of a server", hint);
     let base = text.trim_end_matches('/');
     let example = "write \"https://fhir.clinic.example/r4\"";
     let uri: Uri = base.parse().map_err(|_| no_address(example))?;
@@ -51,7 +50,7 @@ fn host_and_port(text: &str) -> Result<(String, u16), What> {
         is_host(host).then(|| (host.to_owned(), port))
     });
     let hint = "write host and port: \"kis.clinic.example:2575\"";
-    found.ok_or_else(|| invalid(text, "host and port", hint))
+    found.ok_or_else(|| not_a(text, "a valid host and port", hint))
 }
 
 /// A name, an address of IPv4, or one of IPv6 in brackets.
@@ -77,7 +76,7 @@ fn system(text: &str) -> Result<String, What> {
         return Ok(text.to_owned());
     }
     let hint = "write a URI: \"urn:oid:1.2.276.0.76.3.1.999\" or \"https://clinic.example/id\"";
-    Err(invalid(text, "URI of a system", hint))
+    Err(not_a(text, "a valid URI of a system", hint))
 }
 
 /// Where a secret is: a full path, or `credential:NAME`.
@@ -88,7 +87,7 @@ fn secret(text: &str) -> Result<Secret, What> {
     };
     let hint =
         "write the full path of a file, or \"credential:NAME\" with letters, digits, -, _ and .";
-    place.ok_or_else(|| invalid(text, "place of a secret", hint))
+    place.ok_or_else(|| not_a(text, "a valid place of a secret", hint))
 }
 
 /// The bare name of a file of a record.
@@ -96,7 +95,7 @@ fn file_name(text: &str) -> Result<String, What> {
     if is_bare(text) {
         return Ok(text.to_owned());
     }
-    Err(invalid(text, "bare name", "letters, digits, -, _ and ., as in \"report.pdf\""))
+    Err(not_a(text, "a valid bare name", "letters, digits, -, _ and ., as in \"report.pdf\""))
 }
 
 fn is_bare(name: &str) -> bool {
@@ -107,7 +106,7 @@ fn is_bare(name: &str) -> bool {
 /// A text in a line, which may be empty.
 fn line(text: &str) -> Result<String, What> {
     if text.chars().any(char::is_control) || text.chars().count() > LINE_MOST {
-        return Err(invalid(text, "text in a line", "write up to 200 characters in a line"));
+        return Err(not_a(text, "a valid text in a line", "write up to 200 characters in a line"));
     }
     Ok(text.to_owned())
 }
@@ -116,7 +115,7 @@ fn line(text: &str) -> Result<String, What> {
 fn user(text: &str) -> Result<String, What> {
     if text.contains(':') {
         let hint = "write a name without a colon, which the password follows";
-        return Err(invalid(text, "user", hint));
+        return Err(not_a(text, "a valid user", hint));
     }
     line(text)
 }
@@ -134,73 +133,22 @@ fn tls(reader: &mut Reader, keys: &TlsKeys) -> Option<TlsFiles> {
     let (authorities, certificate) = (path(keys.authorities), path(keys.certificate));
     let key = reader.text(keys.key, Absent::Default(""), or_none(secret));
     let (authorities, certificate, key) = (authorities?.value, certificate?, key?);
-    match (certificate.value, key.value) {
-        (Some(certificate), Some(key)) => {
-            Some(TlsFiles { authorities, own: Some((certificate, key)) })
-        }
-        (None, None) => Some(TlsFiles { authorities, own: None }),
-        (Some(_), None) => {
-            reader.note(certificate.at, keys.certificate, What::Without(keys.key));
-            None
-        }
-        (None, Some(_)) => {
-            reader.note(key.at, keys.key, What::Without(keys.certificate));
-            None
-        }
-    }
+    let own = both(reader, (keys.certificate, certificate), (keys.key, key))?;
+    Some(TlsFiles { authorities, own })
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_server_is_asked_by_https_and_only_this_machine_without() {
-        for text in ["https://fhir.clinic.example/r4", "http://localhost:8103/r4", "http://[::1]/"]
-        {
-            assert_eq!(address(text).as_deref(), Ok(text.trim_end_matches('/')));
-        }
-        for text in [
-            "fhir.clinic.example/r4",
-            "http://fhir.clinic.example/r4",
-            "https://user:word@fhir.clinic.example",
-            "https://fhir.clinic.example/r4?x=1",
-            "https://fhir.clinic.example/r4#x",
-            "ftp://fhir.clinic.example",
-            "https:///r4",
-        ] {
-            assert!(address(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn host_and_port_are_both_written_and_ipv6_in_brackets() {
-        for (text, host) in
-            [("kis.clinic.example:2575", "kis.clinic.example"), ("[fd00::7]:2575", "[fd00::7]")]
-        {
-            assert_eq!(host_and_port(text), Ok((host.to_owned(), 2575)));
-        }
-        for text in ["kis", "kis:", ":2575", "kis:0", "kis:65536", "fd00::7:2575", "mllp://kis:1"] {
-            assert!(host_and_port(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_secret_is_a_place_and_never_the_secret_itself() {
-        assert_eq!(secret("/etc/gaiter/token"), Ok(Secret::File("/etc/gaiter/token".into())));
-        assert_eq!(secret("credential:fhir"), Ok(Secret::Credential("fhir".to_owned())));
-        for text in ["Quastenflosser", "credential:", "credential:../x", "credential:.x", "token"] {
-            assert!(secret(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_system_is_a_uri() {
-        for text in ["urn:oid:1.2.276.0.76.3.1.999", "https://clinic.example/id"] {
-            assert_eq!(system(text).as_deref(), Ok(text));
-        }
-        for text in ["clinic", "urn:", ":x", "urn:a b", "urn:a|b", "urn:ä"] {
-            assert!(system(text).is_err(), "{text}");
-        }
-    }
+/// The values of two keys that need each other, each with its key; `Some(None)` if neither is set.
+fn both<A, B>(
+    reader: &mut Reader,
+    (key_a, a): (&'static str, Found<Option<A>>),
+    (key_b, b): (&'static str, Found<Option<B>>),
+) -> Option<Option<(A, B)>> {
+    let (at, key, without) = match (a.value, b.value) {
+        (Some(a), Some(b)) => return Some(Some((a, b))),
+        (None, None) => return Some(None),
+        (Some(_), None) => (a.at, key_a, key_b),
+        (None, Some(_)) => (b.at, key_b, key_a),
+    };
+    reader.note(at, key, What::Without(without));
+    None
 }
