@@ -1,14 +1,14 @@
 //! The part of a `record.json` that tells whose it is and when it was made.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::Path;
 
 use gaiter_record::{Acquired, Patient};
 use jiff::Timestamp;
 use serde::Deserialize;
 
-use super::{StoreFault, tried};
+use super::{StoreFault, durable, tried};
 
 /// The longest `record.json` that is read, bytes; one with shapes has under one million.
 const RECORD_MOST: u64 = 16_000_000;
@@ -62,17 +62,9 @@ impl Brief {
     /// # Errors
     /// A transient fault if it cannot be read now.
     pub fn read(path: &Path) -> Result<Option<Brief>, StoreFault> {
-        let bytes = match read_most(path, RECORD_MOST) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            read => tried("reading", path, read)?,
-        };
-        Ok(serde_json::from_slice(&bytes).ok())
+        let mut bytes = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(RECORD_MOST).read_to_end(&mut bytes));
+        let length = tried("reading", path, durable::if_there(read))?;
+        Ok(length.and_then(|_| serde_json::from_slice(&bytes).ok()))
     }
-}
-
-/// The first bytes of a file.
-fn read_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(most).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }

@@ -119,6 +119,14 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Access::Private.write_new(path, bytes)
 }
 
+/// Writes a file that never changes, for the owner only, if there is none.
+pub fn write_once(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    match write_new(path, bytes) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
+        written => written,
+    }
+}
+
 /// Makes a new folder for the owner only; see [`Access::make_folder`].
 pub fn make_folder(path: &Path) -> io::Result<()> {
     Access::Private.make_folder(path)
@@ -164,10 +172,7 @@ pub fn open_folder_of_files(within: &Path, name: &str) -> io::Result<PathBuf> {
 /// Any I/O error; the earlier file then stays.
 pub fn replace_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<()> {
     let staged = folder.join(format!(".{name}"));
-    match fs::remove_file(&staged) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
+    remove_file(&staged)?;
     write_new(&staged, bytes)?;
     fs::rename(&staged, folder.join(name))?;
     sync_folder(folder)
@@ -214,9 +219,25 @@ fn rename_unless_there(from: &Path, to: &Path) -> io::Result<()> {
 /// # Errors
 /// Any other I/O error.
 pub fn remove_folder(path: &Path) -> io::Result<()> {
-    match fs::remove_dir_all(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        other => other,
+    if_there(fs::remove_dir_all(path)).map(drop)
+}
+
+/// Removes a file, if it exists.
+///
+/// # Errors
+/// Any other I/O error.
+pub fn remove_file(path: &Path) -> io::Result<()> {
+    if_there(fs::remove_file(path)).map(drop)
+}
+
+/// What was done with a path; `None` if there is nothing at that path.
+///
+/// # Errors
+/// Any other I/O error.
+pub fn if_there<T>(done: io::Result<T>) -> io::Result<Option<T>> {
+    match done {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        done => done.map(Some),
     }
 }
 

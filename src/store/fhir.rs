@@ -31,7 +31,7 @@ use self::existing::REPORT;
 use super::endpoint::EndpointFault;
 use super::https::{HttpAnswer, HttpFault, HttpRequest, HttpsClient};
 use super::server::ServerFault;
-use super::{Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault};
+use super::{Delivery, Misfit, Receipt, RecordStore, StoreFault};
 pub use server::{FhirAccess, FhirServer, SmartAccess};
 
 /// The media type of FHIR as JSON.
@@ -180,14 +180,6 @@ impl RecordStore for FhirStore {
         true
     }
 
-    fn begin(&self, _make_folder: bool) -> Result<(), StoreFault> {
-        Ok(())
-    }
-
-    fn open(&self) -> Result<(), StoreFault> {
-        Ok(())
-    }
-
     /// The server answers, speaks R4, and lets the station in.
     fn reach(&self) -> Result<(), StoreFault> {
         let statement = self.ask(Method::GET, "metadata", None, &[])?;
@@ -210,11 +202,6 @@ impl RecordStore for FhirStore {
             Err(StoreFault::Permanent(Misfit::NotRegistered)) => Ok(()),
             tried => tried.map(drop),
         }
-    }
-
-    /// None: the server has no list of what one station sent, and a record that is sent again is found there.
-    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
-        Ok(Vec::new())
     }
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {

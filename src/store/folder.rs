@@ -5,15 +5,15 @@
 //! synced. So a folder under its final name is complete, and a receipt survives a power cut. Stations
 //! that share the store take turns in this last step, so a scan that two of them saw has one record.
 
-mod head;
 mod lock;
 mod owner;
 mod person;
 mod search;
 
 use std::ffi::OsStr;
-use std::fs;
-use std::io::{self, ErrorKind};
+use std::fs::{self, OpenOptions};
+use std::io::ErrorKind;
+use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
@@ -22,12 +22,12 @@ use gaiter_record::{FIRST_REVISION, RecordFile};
 use jiff::Timestamp;
 
 use self::lock::StoreLock;
-use self::search::find;
-use super::listing::folders;
+use self::search::{KEEPS_IT, find};
 use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{
-    Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault, StoredScan, durable, tried,
+    Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault, StoredScan, durable, folders,
+    tried,
 };
 use crate::store::access::Access;
 pub use person::PersonFolder;
@@ -58,7 +58,8 @@ pub struct FolderStore {
     /// remove what another is writing. A station id contains no dot, so no prefix is the beginning of
     /// another.
     staging: String,
-    /// The name of the file with the head of this station's history.
+    /// The name of the file with the head of this station's history. A station whose journal does not hold it works
+    /// on an older copy of its state folder, and does not know which records were made since.
     head: String,
     /// Its name in the journal.
     name: &'static str,
@@ -75,45 +76,6 @@ impl FolderStore {
     pub fn new(name: &'static str, root: PathBuf, station: &str, access: Access) -> FolderStore {
         let (staging, head) = (format!(".staging.{station}."), format!(".gaiter-head.{station}"));
         FolderStore { root, staging, head, name, access }
-    }
-
-    /// Makes the store's folder. Only for a station's first start: later a missing folder means a share
-    /// that is not mounted, and nothing may be written in its place.
-    ///
-    /// # Errors
-    /// A transient fault if the folder cannot be made.
-    fn make_root(&self) -> Result<(), StoreFault> {
-        tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))
-    }
-
-    /// Marks the store's folder as a store of gaiter, to tell it from the empty folder that remains when
-    /// its share is not mounted.
-    ///
-    /// # Errors
-    /// A transient fault if the folder is out of reach.
-    fn mark(&self) -> Result<(), StoreFault> {
-        let mark = self.root.join(MARK);
-        match durable::write_new(&mark, MARK_TEXT.as_bytes()) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            other => tried("marking", &mark, other)?,
-        }
-        tried("syncing", &self.root, durable::sync_folder(&self.root))
-    }
-
-    /// Removes staged folders that crashed deliveries of this station left.
-    ///
-    /// # Errors
-    /// A transient fault if the store is out of reach.
-    fn clear_staging(&self) -> Result<(), StoreFault> {
-        for patient in folders(&self.root)? {
-            for staged in folders(&patient)? {
-                let name = staged.file_name().unwrap_or_default().to_string_lossy();
-                if name.starts_with(&self.staging) {
-                    tried("clearing", &staged, durable::remove_folder(&staged))?;
-                }
-            }
-        }
-        Ok(())
     }
 
     fn put_in_reach(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
@@ -184,7 +146,7 @@ impl FolderStore {
         }
         match durable::rename_new(&whole, &place) {
             Ok(()) => Ok((place, false)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 tried("clearing", &whole, durable::remove_folder(&whole))?;
                 Ok((place, true))
             }
@@ -210,15 +172,28 @@ impl RecordStore for FolderStore {
         true
     }
 
+    /// The folder is made for a station's first start only: later a missing one means a share that is not mounted,
+    /// and nothing may be written in its place. Its mark tells it from the empty folder that remains then.
     fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
         if make_folder {
-            self.make_root()?;
+            tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))?;
         }
-        self.mark()
+        let mark = self.root.join(MARK);
+        tried("marking", &mark, durable::write_once(&mark, MARK_TEXT.as_bytes()))?;
+        tried("syncing", &self.root, durable::sync_folder(&self.root))
     }
 
+    /// Removes staged folders that crashed deliveries of this station left.
     fn open(&self) -> Result<(), StoreFault> {
-        self.clear_staging()
+        for patient in folders(&self.root)? {
+            for staged in folders(&patient)? {
+                let name = staged.file_name().unwrap_or_default().to_string_lossy();
+                if name.starts_with(&self.staging) {
+                    tried("clearing", &staged, durable::remove_folder(&staged))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Also checks that the folder is the one that was marked.
@@ -243,7 +218,9 @@ impl RecordStore for FolderStore {
     }
 
     fn erase(&self, patient: &str, before: Timestamp, scans: &[ScanId]) -> Result<(), StoreFault> {
-        self.erase_person(patient, before, scans)
+        self.reach()?;
+        let erased = self.erase_in_reach(patient, before, scans);
+        erased.map_err(|fault| self.of_record(fault, &KEEPS_IT))
     }
 
     fn withdraw(
@@ -253,19 +230,32 @@ impl RecordStore for FolderStore {
         keeper: Option<&str>,
         _receipt: Option<&str>,
     ) -> Result<(), StoreFault> {
-        self.withdraw_record(scan, from, keeper)
+        self.reach()?;
+        let withdrawn = self.withdraw_in_reach(scan, from, keeper);
+        withdrawn.map_err(|fault| self.of_record(fault, &KEEPS_IT))
     }
 
     fn kept_head(&self) -> Result<Option<String>, StoreFault> {
-        self.read_head()
+        let path = self.root.join(&self.head);
+        let bytes = tried("reading", &path, durable::if_there(fs::read(&path)))?;
+        Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
     }
 
+    /// The head is not synced: a power cut may leave an older one, which only makes the check a little weaker.
+    /// Written in place, because each line is as long as the last.
     fn keep_head(&self, line: &str) -> Result<(), StoreFault> {
-        self.write_head(line)
+        self.reach()?;
+        let path = self.root.join(&self.head);
+        let mut options = OpenOptions::new();
+        options.write(true).create(true).truncate(false).mode(self.access.file_mode());
+        let written = options.open(&path).and_then(|file| file.write_all_at(line.as_bytes(), 0));
+        tried("writing", &path, written)
     }
 
     fn settle_head(&self) -> Result<(), StoreFault> {
-        self.sync_head()
+        let path = self.root.join(&self.head);
+        let synced = OpenOptions::new().write(true).open(&path).and_then(|file| file.sync_all());
+        tried("syncing", &path, synced)
     }
 
     fn stored_scan(

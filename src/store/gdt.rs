@@ -12,7 +12,6 @@
 //! | gone | registered | it had its name: it was handed over, and is never handed over again |
 
 mod attach;
-mod person;
 mod place;
 mod register;
 #[cfg(test)]
@@ -32,7 +31,6 @@ use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{self, GdtRules};
 use gaiter_record::{FIRST_REVISION, hex};
 use gaiter_sizes::Garment;
-pub use person::Given;
 use place::Place;
 use register::{Entry, Register};
 
@@ -179,18 +177,57 @@ impl RecordStore for GdtStore {
         Ok(Receipt { folder, already_there: false })
     }
 
+    /// Removes results that have no name yet, and forgets those that were handed over: these are the practice's own.
     fn erase(
         &self,
         patient: &str,
         _before: Timestamp,
         _scans: &[ScanId],
     ) -> Result<(), StoreFault> {
-        self.erase_person(patient)
+        self.place.reach()?;
+        for (key, entry) in self.register.entries()? {
+            if entry.patient == patient {
+                self.place.unstage_all(&key)?;
+                self.register.forget(&key)?;
+            }
+        }
+        self.place.sync()
     }
 
+    /// A folder that is out of reach is no fault: nothing is there then.
     fn given(&self, patient: &str) -> Result<Vec<Given>, StoreFault> {
-        self.given_of_person(patient)
+        let mut given = Vec::new();
+        for (key, entry) in self.register.entries()? {
+            if entry.patient != patient || self.place.is_staged(&key).unwrap_or(false) {
+                continue;
+            }
+            let file = self.place.folder().join(&entry.name);
+            given.push(Given {
+                sha256: entry.scan,
+                is_there: file.exists(),
+                file,
+                at: entry.at,
+                attachments: self.attach.there(&key, self.place.folder()),
+            });
+        }
+        given.sort_by_key(|of| of.at);
+        Ok(given)
     }
+}
+
+/// A result of a person.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Given {
+    /// The scan, 64 hexadecimal digits.
+    pub sha256: String,
+    /// The file under which it was handed over.
+    pub file: PathBuf,
+    /// When.
+    pub at: Timestamp,
+    /// The file is there: it was not fetched, or another result has its name by now.
+    pub is_there: bool,
+    /// The files that belong to it and are there.
+    pub attachments: Vec<PathBuf>,
 }
 
 /// The key of a result, made from the scan, the patient and a later revision, without showing the patient's

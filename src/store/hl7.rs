@@ -10,9 +10,9 @@ mod mllp;
 mod sent;
 #[cfg(test)]
 mod tests;
-mod way;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use gaiter_flow::ScanId;
 use gaiter_record::hl7::{self, Answer, Hl7Rules, PdfForm};
@@ -22,12 +22,53 @@ use jiff::Timestamp;
 use self::folder::MessageFolder;
 use self::mllp::Receiver;
 use self::sent::{Sent, SentMessages};
+use super::endpoint::{Secret, TlsFiles};
 use super::server::ServerFault;
-use super::{Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault};
-pub use way::Hl7Way;
+use super::{Delivery, Misfit, Receipt, RecordStore, StoreFault};
 
 /// Digits of the hash that stands for a scan of a patient.
 const KEY_DIGITS: usize = 32;
+
+/// How messages get to their receiver.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Hl7Way {
+    /// Over a connection, with an answer to each.
+    Mllp {
+        /// Name or address of the receiver; an address of IPv6 in brackets.
+        host: String,
+        /// Its port.
+        port: u16,
+        /// What is trusted; `None` for a connection that is not encrypted.
+        tls: Option<TlsFiles>,
+        /// For a whole exchange, from the search for the address to the last byte of the answer.
+        limit: Duration,
+    },
+    /// As files in a folder, which the receiver removes.
+    Files(PathBuf),
+}
+
+impl Hl7Way {
+    /// The folder of message files, if that is the way.
+    pub fn folder(&self) -> Option<&PathBuf> {
+        match self {
+            Hl7Way::Mllp { .. } => None,
+            Hl7Way::Files(folder) => Some(folder),
+        }
+    }
+
+    /// The station's own certificate that connections show, and its key.
+    pub fn own(&self) -> Option<&(PathBuf, Secret)> {
+        match self {
+            Hl7Way::Mllp { tls, .. } => tls.as_ref()?.own.as_ref(),
+            Hl7Way::Files(_) => None,
+        }
+    }
+
+    /// The secret that connections need: the key of that certificate.
+    pub fn secret(&self) -> Option<&Secret> {
+        self.own().map(|(_, key)| key)
+    }
+}
 
 /// A receiver of HL7 v2 as a store.
 #[derive(Debug, Clone)]
@@ -155,11 +196,6 @@ impl RecordStore for Hl7Store {
             Some(receiver) => Ok(receiver.open().map_err(ServerFault::Http)?),
             None => self.folder().map_or(Ok(()), |folder| folder.reach()),
         }
-    }
-
-    /// None: a receiver cannot be asked what it has. The notes keep what was sent from being sent again.
-    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
-        Ok(Vec::new())
     }
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {

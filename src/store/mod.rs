@@ -11,14 +11,15 @@ pub mod folder;
 pub mod gdt;
 pub mod hl7;
 pub mod https;
-mod listing;
 pub mod polling;
 pub mod revision;
 pub mod secret;
 pub mod server;
 pub mod sums;
 
+use std::ffi::OsStr;
 use std::fmt;
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -29,6 +30,7 @@ pub use fault::{Misfit, StoreFault};
 pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
+use gaiter_flow::patient::naming::RecordName;
 use gaiter_record::{RECORD, Record, RecordFile};
 pub use gdt::{GdtStore, Given};
 pub use hl7::Hl7Store;
@@ -73,13 +75,17 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// A transient fault if that is not possible now.
-    fn begin(&self, make_folder: bool) -> Result<(), StoreFault>;
+    fn begin(&self, _make_folder: bool) -> Result<(), StoreFault> {
+        Ok(())
+    }
 
     /// Prepares the store after a start: removes what a crash left half made.
     ///
     /// # Errors
     /// A transient fault if the store is out of reach.
-    fn open(&self) -> Result<(), StoreFault>;
+    fn open(&self) -> Result<(), StoreFault> {
+        Ok(())
+    }
 
     /// Checks that the store is in reach, so that no scan is measured for a store that is not.
     ///
@@ -95,11 +101,14 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
         self.reach()
     }
 
-    /// Every record in the store.
+    /// Every record in the store. A server has no list of what one station sent: a record that is sent again is found
+    /// there, or in the notes of what was sent.
     ///
     /// # Errors
     /// A transient fault if the store is out of reach or only part of it could be read.
-    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault>;
+    fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+        Ok(Vec::new())
+    }
 
     /// Stores a record, or finds that it is already there.
     ///
@@ -272,4 +281,31 @@ pub struct Receipt {
 /// the way of one record is told apart where the record is known.
 fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, StoreFault> {
     result.map_err(|source| StoreFault::Transient { what, path: path.to_owned(), source })
+}
+
+/// The folders in a patient's folder that are named like records, sorted by the meaning of their names:
+/// a scan's revisions follow one another.
+fn records_in(patient: &Path) -> Result<Vec<(RecordName, PathBuf)>, StoreFault> {
+    let named = |place: PathBuf| {
+        let name = place.file_name().and_then(OsStr::to_str).and_then(RecordName::read)?;
+        Some((name, place))
+    };
+    let mut records: Vec<_> = folders(patient)?.into_iter().filter_map(named).collect();
+    records.sort();
+    Ok(records)
+}
+
+/// The folders in a folder; links are not followed.
+fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
+    let list = || -> io::Result<Vec<PathBuf>> {
+        let mut folders = Vec::new();
+        for entry in fs::read_dir(within)? {
+            let entry = entry?;
+            if entry.file_type()?.is_dir() {
+                folders.push(entry.path());
+            }
+        }
+        Ok(folders)
+    };
+    tried("listing", within, list())
 }

@@ -20,8 +20,7 @@ use gaiter_flow::patient::naming::{self, RecordName};
 use gaiter_record::RecordFile;
 use rustix::fs::{FlockOperation, flock};
 
-use super::listing::{folders, records_in};
-use super::{StoreFault, durable};
+use super::{StoreFault, durable, folders, records_in};
 use crate::store::access::Access;
 
 /// Prefix of staged revisions; no station's staged records have it.

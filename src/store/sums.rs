@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::{self, Read};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -142,13 +142,8 @@ pub fn sum_of(folder: &Path, name: &str) -> io::Result<Option<ScanId>> {
 /// If it cannot be read.
 pub fn read_to_end(file: &mut impl Read) -> io::Result<ScanId> {
     let mut digest = Sha256::new();
-    let mut piece = vec![0; PIECE_BYTES];
-    loop {
-        match file.read(&mut piece)? {
-            0 => return Ok(ScanId::of_digest(digest.finalize().into())),
-            read => digest.update(&piece[..read]),
-        }
-    }
+    io::copy(&mut BufReader::with_capacity(PIECE_BYTES, file), &mut digest)?;
+    Ok(ScanId::of_digest(digest.finalize().into()))
 }
 
 /// The names that `SHA256SUMS` lists; empty if it cannot be parsed.

@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use gaiter_flow::patient::naming;
 
@@ -16,17 +16,9 @@ impl FolderStore {
     pub(super) fn patient_folder(&self, patient: Option<&str>) -> Result<PathBuf, StoreFault> {
         let name = naming::patient_folder(patient);
         let folder = self.root.join(&name);
-        let is_new = match fs::symlink_metadata(&folder) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => true,
-            found => {
-                refuse_link(&tried("examining", &folder, found)?)?;
-                false
-            }
-        };
+        let is_new = !exists_and_is_no_link(&folder)?;
         tried("making the folder", &folder, self.access.make_folder_once(&folder))?;
-        if patient.is_some_and(has_case)
-            && let Standing::Mistakable = self.standing(&name)?
-        {
+        if patient.is_some_and(has_case) && is_mistakable(&name, &self.listed()?) {
             if is_new {
                 // This removes only an empty folder; another station may be using it.
                 let _ = fs::remove_dir(&folder);
@@ -44,21 +36,12 @@ impl FolderStore {
     ) -> Result<Option<PathBuf>, StoreFault> {
         let name = naming::patient_folder(patient);
         let folder = self.root.join(&name);
-        match fs::symlink_metadata(&folder) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            found => refuse_link(&tried("examining", &folder, found)?)?,
+        if !exists_and_is_no_link(&folder)? {
+            return Ok(None);
         }
         // If the file system ignores case, the folder found may be another patient's.
-        let is_own = !patient.is_some_and(has_case) || self.is_listed(&name)?;
+        let is_own = !patient.is_some_and(has_case) || self.listed()?.contains(&name);
         Ok(is_own.then_some(folder))
-    }
-
-    fn standing(&self, name: &str) -> Result<Standing, StoreFault> {
-        Ok(standing(name, &self.listed()?))
-    }
-
-    fn is_listed(&self, name: &str) -> Result<bool, StoreFault> {
-        Ok(self.listed()?.iter().any(|listed| listed == name))
     }
 
     /// The names in the store that are UTF-8, as all of ours are.
@@ -73,34 +56,23 @@ impl FolderStore {
     }
 }
 
-fn refuse_link(found: &fs::Metadata) -> Result<(), StoreFault> {
-    match found.is_symlink() {
-        true => Err(StoreFault::Permanent(Misfit::FolderIsLink)),
-        false => Ok(()),
+/// Whether there is a folder of this name. One that is a link is refused.
+fn exists_and_is_no_link(folder: &Path) -> Result<bool, StoreFault> {
+    let found = durable::if_there(fs::symlink_metadata(folder));
+    match tried("examining", folder, found)? {
+        Some(found) if found.is_symlink() => Err(StoreFault::Permanent(Misfit::FolderIsLink)),
+        found => Ok(found.is_some()),
     }
 }
 
-/// How a folder's name compares with the other names in its store.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Standing {
-    /// It is there under its name, and no other name is like it.
-    Alone,
-    /// It is there under another name, or beside one that differs only in letter case.
-    Mistakable,
-}
-
-/// How the name of a folder that was just made compares with the names that are listed then.
-fn standing(name: &str, listed: &[String]) -> Standing {
+/// Whether a folder that was just made under this name is, among the names that are listed then, there under another
+/// one, or beside one that differs only in letter case.
+fn is_mistakable(name: &str, listed: &[String]) -> bool {
     let own = folded(name);
-    let is_other = |other: &&String| {
-        *other != name && (other.eq_ignore_ascii_case(name) || folded(other) == own)
+    let is_other = |other: &String| {
+        other != name && (other.eq_ignore_ascii_case(name) || folded(other) == own)
     };
-    let is_there = listed.iter().any(|listed| listed == name);
-    if is_there && !listed.iter().any(|other| is_other(&other)) {
-        Standing::Alone
-    } else {
-        Standing::Mistakable
-    }
+    !listed.iter().any(|listed| listed == name) || listed.iter().any(is_other)
 }
 
 /// Whose folder it is, ignoring the case of letters in the id; `None` for the unassigned.
@@ -146,12 +118,12 @@ mod tests {
     #[test]
     fn a_folder_is_alone_or_another_can_be_mistaken_for_it() {
         let alone = ["P1", "P2", "_unassigned", "readme", ".gaiter-store", "p12"];
-        assert_eq!(standing("P1", &listed(&alone)), Standing::Alone);
-        assert_eq!(standing("P1", &listed(&["P1", "p1"])), Standing::Mistakable);
-        assert_eq!(standing("p1", &listed(&["P1"])), Standing::Mistakable, "it was made as P1");
+        assert!(!is_mistakable("P1", &listed(&alone)));
+        assert!(is_mistakable("P1", &listed(&["P1", "p1"])));
+        assert!(is_mistakable("p1", &listed(&["P1"])), "it was made as P1");
         // Ä and ä, whose bytes are in the name.
-        assert_eq!(standing("%C3%84", &listed(&["%C3%84", "%C3%A4"])), Standing::Mistakable);
-        assert_eq!(standing("a%2F", &listed(&["a%2F", "a%2f"])), Standing::Mistakable);
+        assert!(is_mistakable("%C3%84", &listed(&["%C3%84", "%C3%A4"])));
+        assert!(is_mistakable("a%2F", &listed(&["a%2F", "a%2f"])));
     }
 
     #[test]
@@ -174,7 +146,7 @@ mod tests {
             for id in ids {
                 let name = naming::patient_folder(Some(&id));
                 let folder = disk.make(&name);
-                if has_case(&id) && standing(&name, &disk.listed()) != Standing::Alone {
+                if has_case(&id) && is_mistakable(&name, &disk.listed()) {
                     continue;
                 }
                 let owner = owners.entry(folder).or_insert_with(|| id.clone());
@@ -191,9 +163,9 @@ mod tests {
             }).collect();
             let names = [&id, &other].map(|id| naming::patient_folder(Some(id)));
             if id != other {
-                prop_assert_eq!(standing(&names[1], &names), Standing::Mistakable);
+                prop_assert!(is_mistakable(&names[1], &names));
             }
-            prop_assert_eq!(standing(&names[0], &names[..1]), Standing::Alone);
+            prop_assert!(!is_mistakable(&names[0], &names[..1]));
         }
     }
 }

@@ -12,10 +12,8 @@ use gaiter_record::RECORD;
 use jiff::Timestamp;
 
 use super::FolderStore;
-use super::search::KEEPS_IT;
 use crate::store::brief::Brief;
-use crate::store::listing::records_in;
-use crate::store::{RecordStore, StoreFault, durable, sums, tried};
+use crate::store::{RecordStore, StoreFault, durable, records_in, sums, tried};
 
 /// What lies in a person's folder.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -61,20 +59,8 @@ impl FolderStore {
     /// then, and the unassigned records of these scans.
     ///
     /// # Errors
-    /// A transient fault if the store is out of reach; a permanent one if the folder is a link, or something
-    /// of its own is in the way.
-    pub(super) fn erase_person(
-        &self,
-        patient: &str,
-        before: Timestamp,
-        scans: &[ScanId],
-    ) -> Result<(), StoreFault> {
-        self.reach()?;
-        let erased = self.erase_in_reach(patient, before, scans);
-        erased.map_err(|fault| self.of_record(fault, &KEEPS_IT))
-    }
-
-    fn erase_in_reach(
+    /// A transient fault if the store is out of reach; a permanent one if the folder is a link.
+    pub(super) fn erase_in_reach(
         &self,
         patient: &str,
         before: Timestamp,

@@ -11,9 +11,10 @@ use gaiter_flow::patient::naming::{self, RecordName};
 use gaiter_record::{ORD, RECORD};
 
 use super::FolderStore;
-use crate::store::listing::{folders, records_in};
 use crate::store::sums::{self, SUMS};
-use crate::store::{FoundRecord, Misfit, RecordStore, StoreFault, StoredScan, durable, tried};
+use crate::store::{
+    FoundRecord, Misfit, StoreFault, StoredScan, durable, folders, records_in, tried,
+};
 
 /// The beginning of the name of a file with measures that people set in a record that was withdrawn.
 const SET_BY_HAND: &str = "set-by-hand";
@@ -99,20 +100,8 @@ impl FolderStore {
     /// there, without effect.
     ///
     /// # Errors
-    /// See [`StoreFault`]: a permanent one if a revision was changed by hand, then all stay; or if
-    /// something is in the way of this record.
-    pub(super) fn withdraw_record(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        keeper: Option<&str>,
-    ) -> Result<(), StoreFault> {
-        self.reach()?;
-        let withdrawn = self.withdraw_in_reach(scan, from, keeper);
-        withdrawn.map_err(|fault| self.of_record(fault, &KEEPS_IT))
-    }
-
-    fn withdraw_in_reach(
+    /// See [`StoreFault`]: a permanent one if a revision was changed by hand, then all stay.
+    pub(super) fn withdraw_in_reach(
         &self,
         scan: &ScanId,
         from: Option<&str>,

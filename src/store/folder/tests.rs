@@ -27,7 +27,7 @@ impl Case {
         fs::write(&scan_file, bytes).unwrap();
         fs::create_dir(dir.path().join("records")).unwrap();
         let case = Case { dir, scan_file, scan, files };
-        case.store().mark().unwrap();
+        case.store().begin(false).unwrap();
         case
     }
 
@@ -124,7 +124,7 @@ fn what_a_crash_left_staged_is_cleared_and_other_stations_staging_is_not() {
         fs::create_dir_all(&staged).unwrap();
         fs::write(staged.join("record.json"), "{").unwrap();
     }
-    case.store().clear_staging().unwrap();
+    case.store().open().unwrap();
     assert_eq!(names(&patient), [".staging.booth-1-b.20261121T091500Z_01234567"]);
 }
 

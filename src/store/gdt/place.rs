@@ -51,10 +51,7 @@ impl Place {
         }
         tried("making", &self.staging, durable::make_folder_once(&self.staging))?;
         let mark = self.staging.join(MARK);
-        match durable::write_new(&mark, MARK_TEXT.as_bytes()) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            other => tried("marking", &mark, other)?,
-        }
+        tried("marking", &mark, durable::write_once(&mark, MARK_TEXT.as_bytes()))?;
         self.sync()
     }
 
@@ -103,7 +100,7 @@ impl Place {
     /// Removes a staged result, if there is one.
     pub fn unstage(&self, key: &str) -> Result<(), StoreFault> {
         let staged = self.staged_file(key);
-        tried("clearing", &staged, gone(fs::remove_file(&staged)))
+        tried("clearing", &staged, durable::remove_file(&staged))
     }
 
     /// Removes everything that is staged of a result, also an attachment that a crash left.
@@ -118,7 +115,7 @@ impl Place {
             Ok(all?.into_iter().filter(is_its).collect())
         };
         for path in tried("listing", &self.staging, list())? {
-            tried("clearing", &path, gone(fs::remove_file(&path)))?;
+            tried("clearing", &path, durable::remove_file(&path))?;
         }
         Ok(())
     }
@@ -140,10 +137,10 @@ impl Place {
             let number = (last + step) % COUNTER_MOST + 1;
             let name = self.names.of(number);
             let path = self.folder.join(&name);
-            match fs::symlink_metadata(&path) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((number, name)),
-                other => tried("looking for", &path, other)?,
-            };
+            let found = durable::if_there(fs::symlink_metadata(&path));
+            if tried("looking for", &path, found)?.is_none() {
+                return Ok((number, name));
+            }
         }
         Err(StoreFault::NotFetched)
     }
@@ -178,7 +175,7 @@ impl Place {
         }
         let name = path.file_name().unwrap_or_default();
         let staged = self.staging.join(name);
-        tried("clearing", &staged, gone(fs::remove_file(&staged)))?;
+        tried("clearing", &staged, durable::remove_file(&staged))?;
         tried("writing", &staged, durable::write_new(&staged, bytes))?;
         let mode = Permissions::from_mode(FETCHED_MODE);
         tried("opening to the group", &staged, fs::set_permissions(&staged, mode))?;
@@ -196,12 +193,4 @@ const ENDING: &str = ".staged";
 
 fn file_name(key: &str) -> String {
     format!("{key}{ENDING}")
-}
-
-/// Ignores that there is nothing to remove.
-fn gone(removed: io::Result<()>) -> io::Result<()> {
-    match removed {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        other => other,
-    }
 }

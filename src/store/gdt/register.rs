@@ -95,10 +95,12 @@ impl Register {
     /// An entry; `None` if the result was never registered.
     pub fn entry(&self, key: &str) -> Result<Option<Entry>, StoreFault> {
         let path = self.path(key);
-        match fs::read(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            read => tried("reading", &path, read.and_then(|bytes| parse(&bytes))).map(Some),
-        }
+        let read = || -> io::Result<Option<Entry>> {
+            let Some(bytes) = durable::if_there(fs::read(&path))? else { return Ok(None) };
+            let Versioned::V1(entry) = serde_json::from_slice(&bytes)?;
+            Ok(Some(entry))
+        };
+        tried("reading", &path, read())
     }
 
     /// All entries by key.
@@ -113,12 +115,9 @@ impl Register {
             }
             Ok(keys)
         };
-        let keys = match keys() {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            keys => tried("listing", &self.folder, keys)?,
-        };
-        let mut entries = Vec::with_capacity(keys.len());
-        for key in keys {
+        let keys = tried("listing", &self.folder, durable::if_there(keys()))?;
+        let mut entries = Vec::new();
+        for key in keys.unwrap_or_default() {
             entries.extend(self.entry(&key)?.map(|entry| (key, entry)));
         }
         Ok(entries)
@@ -127,38 +126,23 @@ impl Register {
     /// Enters a result; durable on return. Replaces an earlier entry of the result, which never got that
     /// entry's name.
     pub fn enter(&self, key: &str, entry: &Entry) -> Result<(), StoreFault> {
-        let (path, number) = (self.path(key), entry.number);
-        let staged = self.folder.join(format!(".{key}{ENDING}"));
         let write = || -> io::Result<()> {
             let text = serde_json::to_vec_pretty(&Versioned::V1(entry.clone()))?;
-            if staged.exists() {
-                fs::remove_file(&staged)?;
-            }
-            durable::write_new(&staged, &text)?;
-            fs::rename(&staged, &path)?;
-            durable::sync_folder(&self.folder)
+            durable::replace_file(&self.folder, &format!("{key}{ENDING}"), &text)
         };
-        tried("registering", &path, write())?;
-        self.last_number.store(number, Ordering::Relaxed);
+        tried("registering", &self.path(key), write())?;
+        self.last_number.store(entry.number, Ordering::Relaxed);
         Ok(())
     }
 
     /// Removes the entry of a result, if there is one; durable on return.
     pub fn forget(&self, key: &str) -> Result<(), StoreFault> {
         let path = self.path(key);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-            removed => tried("forgetting", &path, removed)?,
-        }
+        tried("forgetting", &path, durable::remove_file(&path))?;
         tried("syncing", &self.folder, durable::sync_folder(&self.folder))
     }
 
     fn path(&self, key: &str) -> PathBuf {
         self.folder.join(format!("{key}{ENDING}"))
     }
-}
-
-fn parse(bytes: &[u8]) -> io::Result<Entry> {
-    let Versioned::V1(entry) = serde_json::from_slice(bytes)?;
-    Ok(entry)
 }

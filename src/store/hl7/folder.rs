@@ -73,10 +73,7 @@ impl MessageFolder {
     /// Removes a staged message, if there is one.
     pub fn unstage(&self, key: &str, control: &str) -> Result<(), StoreFault> {
         let path = self.staged_file(key, control);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            removed => tried("clearing", &path, removed),
-        }
+        tried("clearing", &path, durable::remove_file(&path))
     }
 
     /// Gives a staged message its name. Does nothing if it has it, or had it.

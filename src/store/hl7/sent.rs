@@ -50,16 +50,12 @@ impl SentMessages {
     /// What the receiver has; `None` if it can have nothing.
     pub fn of(&self, key: &str) -> Result<Option<Sent>, StoreFault> {
         let path = self.path(key);
-        let read = match fs::read(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            read => read,
+        let read = || -> io::Result<Option<Sent>> {
+            let Some(bytes) = durable::if_there(fs::read(&path))? else { return Ok(None) };
+            let Versioned::V1(sent) = serde_json::from_slice(&bytes)?;
+            Ok(Some(sent))
         };
-        let parse = |bytes: Vec<u8>| {
-            let read = serde_json::from_slice(&bytes);
-            read.map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
-        };
-        let Versioned::V1(sent) = tried("reading", &path, read.and_then(parse))?;
-        Ok(Some(sent))
+        tried("reading", &path, read())
     }
 
     /// Notes what the receiver has; durable on return.
@@ -82,12 +78,10 @@ impl SentMessages {
     /// Removes a note; durable on return.
     pub fn forget(&self, key: &str) -> Result<(), StoreFault> {
         let path = self.path(key);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            removed => {
-                tried("forgetting what was sent", &path, removed)?;
-                tried("syncing", &self.folder, durable::sync_folder(&self.folder))
-            }
+        let removed = durable::if_there(fs::remove_file(&path));
+        match tried("forgetting what was sent", &path, removed)? {
+            Some(()) => tried("syncing", &self.folder, durable::sync_folder(&self.folder)),
+            None => Ok(()),
         }
     }
 

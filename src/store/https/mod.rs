@@ -10,7 +10,7 @@ mod validity;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use http::header::{HeaderMap, HeaderName, HeaderValue};
+use http::header::{HeaderName, HeaderValue};
 use http::{Method, Request, Uri};
 use ureq::{Agent, ProxyProtocol};
 
@@ -75,8 +75,6 @@ pub struct HttpRequest {
 pub struct HttpAnswer {
     /// Its status, such as 201.
     pub status: u16,
-    /// Its headers.
-    pub headers: HeaderMap,
     /// Its body.
     pub body: Vec<u8>,
 }
@@ -176,7 +174,7 @@ fn exchange(agent: &Agent, request: HttpRequest) -> Result<HttpAnswer, ureq::Err
     };
     let (head, mut body) = answer.into_parts();
     let body = body.with_config().limit(ANSWER_MOST).read_to_vec()?;
-    Ok(HttpAnswer { status: head.status.as_u16(), headers: head.headers, body })
+    Ok(HttpAnswer { status: head.status.as_u16(), body })
 }
 
 fn of_client(proxy: &Proxy) -> Result<ureq::Proxy, HttpFault> {
