@@ -149,22 +149,6 @@ pub fn open_folder(within: &Path, name: &str) -> io::Result<PathBuf> {
     Ok(folder)
 }
 
-/// As [`open_folder`], for a folder that holds files only.
-pub fn open_folder_of_files(within: &Path, name: &str) -> io::Result<PathBuf> {
-    let folder = within.join(name);
-    make_folder_once(&folder)?;
-    sync_folder(within)?;
-    for entry in fs::read_dir(&folder)? {
-        let entry = entry?;
-        if entry.file_name().to_string_lossy().starts_with('.') {
-            fs::remove_file(entry.path())?;
-        }
-    }
-    // The last run may have renamed a file and ended before it synced the folder.
-    sync_folder(&folder)?;
-    Ok(folder)
-}
-
 /// Writes a file of such a folder for the owner only, in place of an earlier one of this name; durable on
 /// return.
 ///
@@ -178,12 +162,16 @@ pub fn replace_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<()> {
     sync_folder(folder)
 }
 
-/// Removes every folder under a dot name.
+/// Removes every file and folder under a dot name.
 pub fn clear_hidden(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
-        if entry.file_name().to_string_lossy().starts_with('.') {
-            remove_folder(&entry.path())?;
+        if !entry.file_name().to_string_lossy().starts_with('.') {
+            continue;
+        }
+        match entry.file_type()?.is_dir() {
+            true => remove_folder(&entry.path())?,
+            false => remove_file(&entry.path())?,
         }
     }
     Ok(())

@@ -44,7 +44,7 @@ impl AffectedLegs {
     /// # Errors
     /// Any I/O error.
     pub fn open(state_dir: &Path) -> io::Result<AffectedLegs> {
-        Ok(AffectedLegs { folder: durable::open_folder_of_files(state_dir, FOLDER)? })
+        Ok(AffectedLegs { folder: durable::open_folder(state_dir, FOLDER)? })
     }
 
     /// The folder.

@@ -46,7 +46,7 @@ impl Decisions {
     /// Opens the decisions of a state folder, creates the folder if needed, and removes files that a
     /// crash left half written.
     pub fn open(state_dir: &Path) -> io::Result<Decisions> {
-        Ok(Decisions { folder: durable::open_folder_of_files(state_dir, "decisions")? })
+        Ok(Decisions { folder: durable::open_folder(state_dir, "decisions")? })
     }
 
     /// The folder of the decisions.

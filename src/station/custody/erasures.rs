@@ -56,7 +56,7 @@ impl Erasures {
     /// # Errors
     /// Any I/O error; `InvalidData` if a file cannot be understood: an erasure must not be forgotten.
     pub fn open(state_dir: &Path) -> io::Result<Erasures> {
-        let folder = durable::open_folder_of_files(state_dir, FOLDER)?;
+        let folder = durable::open_folder(state_dir, FOLDER)?;
         let key = match fs::read_to_string(folder.join(KEY)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let mut bytes = [0; KEY_BYTES];

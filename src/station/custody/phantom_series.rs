@@ -27,7 +27,7 @@ impl PhantomSeries {
     /// Opens the series of a state folder, creates its folder if needed, and removes files that a crash
     /// left half written. A file that is not a check of this schema stays and is left out.
     pub fn open(state_dir: &Path) -> io::Result<PhantomSeries> {
-        let folder = durable::open_folder_of_files(state_dir, "phantom")?;
+        let folder = durable::open_folder(state_dir, "phantom")?;
         let mut checks = Vec::new();
         for entry in fs::read_dir(&folder)? {
             let text = fs::read(entry?.path())?;
