@@ -1,33 +1,26 @@
-//! `gaiter retry`, `release`, `assign`, `unassign`, `give-up`, `amend`, `patient`, `gdt-order`, `page`,
-//! `pause` and `resume`: the operator's decisions.
+//! The operator's decisions: `gaiter assign`, `unassign`, `amend`, `patient` and `gdt-order`. Those that only send a
+//! request stand where the verbs are told apart.
 
 mod amend;
-mod order;
 
-use super::args::{AskArgs, AssignArgs, OneArgs, PatientVerb, UnassignArgs};
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, Read};
+
+use gaiter_record::gdt::order::ORDER_MOST;
+
+use super::args::{AskArgs, AssignArgs, GdtOrderArgs, PatientVerb, UnassignArgs};
 use super::ask::read_patient;
-use super::{Exit, ask, compare, complain, person};
+use super::{Exit, ask, compare, complain, person, shown};
 use crate::station::operator::control::protocol::Request;
 pub use amend::amend;
-pub use order::order;
-
-/// Tries a refused scan again.
-pub fn retry(args: &OneArgs) -> Exit {
-    ask::sentence(&args.ask, &Request::Retry { scan: args.scan.clone() })
-}
-
-/// Delivers a held scan.
-pub fn release(args: &OneArgs) -> Exit {
-    ask::sentence(&args.ask, &Request::Release { scan: args.scan.clone() })
-}
 
 /// Assigns a scan to a patient.
 pub fn assign(args: &AssignArgs) -> Exit {
     let AssignArgs { one, stray } = args;
-    if stray.is_some() {
-        return not_an_argument(&format!("gaiter assign {}", one.scan));
-    }
-    with_patient(&one.ask, |patient| Request::Assign { scan: one.scan.clone(), patient })
+    let request = |patient| Request::Assign { scan: one.scan.clone(), patient };
+    let command = format!("gaiter assign {}", one.scan);
+    unless_given(stray.as_ref(), &command, || with_patient(&one.ask, request))
 }
 
 /// Takes a scan back from its patient.
@@ -39,42 +32,39 @@ pub fn unassign(args: &UnassignArgs) -> Exit {
     }
 }
 
-/// Marks a refused or held scan as needing no further decision.
-pub fn give_up(args: &OneArgs) -> Exit {
-    ask::sentence(&args.ask, &Request::GiveUp { scan: args.scan.clone() })
-}
-
 /// Sets, clears or shows the patient of the next scan; compares visits, names the affected leg, discloses and erases.
 pub fn patient(verb: &PatientVerb) -> Exit {
     match verb {
-        PatientVerb::Set(args) if args.stray.is_some() => not_an_argument("gaiter patient set"),
-        PatientVerb::Set(args) => {
+        PatientVerb::Set(args) => unless_given(args.stray.as_ref(), "gaiter patient set", || {
             with_patient(&args.ask, |patient| Request::NameNext { patient, replace: true })
-        }
+        }),
         PatientVerb::Clear(args) => ask::sentence(args, &Request::CallOff),
         PatientVerb::Show(args) => ask::sentence(args, &Request::Next),
-        PatientVerb::Visits(args) if args.stray.is_some() => {
-            not_an_argument("gaiter patient visits")
+        PatientVerb::Visits(args) => {
+            let command = "gaiter patient visits";
+            unless_given(args.stray.as_ref(), command, || compare::visits(&args.how))
         }
-        PatientVerb::Visits(args) => compare::visits(&args.how),
-        PatientVerb::Affected(args) if args.stray.is_some() => {
-            not_an_argument(&format!("gaiter patient affected {}", args.leg))
+        PatientVerb::Affected(args) => {
+            let command = format!("gaiter patient affected {}", args.leg);
+            let request = |patient| Request::NameAffected { patient, affected: args.leg.clone() };
+            unless_given(args.stray.as_ref(), &command, || with_patient(&args.ask, request))
         }
-        PatientVerb::Affected(args) => with_patient(&args.ask, |patient| Request::NameAffected {
-            patient,
-            affected: args.leg.clone(),
-        }),
-        PatientVerb::Disclose(args) if args.stray.is_some() => {
-            not_an_argument("gaiter patient disclose")
+        PatientVerb::Disclose(args) => {
+            let command = "gaiter patient disclose";
+            unless_given(args.stray.as_ref(), command, || person::disclose(args))
         }
-        PatientVerb::Disclose(args) => person::disclose(args),
-        PatientVerb::Erase(args) if args.stray.is_some() => not_an_argument("gaiter patient erase"),
-        PatientVerb::Erase(args) => person::erase(args),
+        PatientVerb::Erase(args) => {
+            let command = "gaiter patient erase";
+            unless_given(args.stray.as_ref(), command, || person::erase(args))
+        }
     }
 }
 
-/// Says how to give a patient's id, instead of on the command line.
-fn not_an_argument(command: &str) -> Exit {
+/// Does what a verb does, unless a patient's id stands on the command line: then it says how to give it instead.
+fn unless_given(stray: Option<&OsString>, command: &str, does: impl FnOnce() -> Exit) -> Exit {
+    if stray.is_none() {
+        return does();
+    }
     complain(format_args!(
         "gaiter: a patient's id is never an argument, because every user of the machine can read \
          arguments; nothing was changed\n  hint: run {command} and type the id when it is asked for, \
@@ -98,17 +88,20 @@ fn with_patient(args: &AskArgs, request: impl FnOnce(String) -> Request) -> Exit
     }
 }
 
-/// Prints the link to the operator's page.
-pub fn page(args: &AskArgs) -> Exit {
-    ask::sentence(args, &Request::Page)
-}
-
-/// Stops taking scans until `gaiter resume`.
-pub fn pause(args: &AskArgs) -> Exit {
-    ask::sentence(args, &Request::Pause)
-}
-
-/// Takes scans again.
-pub fn resume(args: &AskArgs) -> Exit {
-    ask::sentence(args, &Request::Resume)
+/// Sends an order to the running station.
+pub fn order(args: &GdtOrderArgs) -> Exit {
+    let mut bytes = Vec::new();
+    // Reads one byte more than an order can have, so that the station sees that it is too large.
+    let read =
+        File::open(&args.file).and_then(|file| file.take(ORDER_MOST + 1).read_to_end(&mut bytes));
+    match read {
+        Ok(_) => ask::sentence(&args.ask, &Request::Order { bytes }),
+        Err(error) => {
+            complain(format_args!("gaiter: {}: {error}", shown(args.file.display())));
+            match error.kind() {
+                io::ErrorKind::NotFound => Exit::NoFile,
+                _ => Exit::Io,
+            }
+        }
+    }
 }

@@ -2,17 +2,16 @@
 //! are. Changes nothing.
 
 use std::fmt::Write;
-use std::fs;
 use std::io;
 
 use gaiter_leg::Method;
 use gaiter_leg::phantom::{self, Phantom};
 use gaiter_record::phantom::{CheckFigures, CheckRecord, CheckResult};
 use gaiter_record::sha256;
-use gaiter_scan::Format;
 use jiff::Timestamp;
 
 use super::args::CalibrateArgs;
+use super::extract::scan_at;
 use super::terminal::paint::{self, painted};
 use super::{Exit, complain, exit_of_printing, explain_config, print, shown};
 use crate::config;
@@ -74,26 +73,13 @@ impl Choices {
 }
 
 fn checked(args: &CalibrateArgs, choices: &Choices) -> Result<CheckRecord, (Exit, String)> {
-    let unreadable = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => (Exit::NoFile, error.to_string()),
-        _ => (Exit::Io, error.to_string()),
-    };
-    // Before it is opened, because opening a pipe waits for a writer.
-    if !fs::metadata(&args.scan).map_err(unreadable)?.is_file() {
-        return Err((Exit::Io, "is not a regular file (a pipe or a device)".to_owned()));
-    }
-    let bytes = fs::read(&args.scan).map_err(unreadable)?;
-    let name = args.scan.file_name().unwrap_or_default().to_string_lossy();
-    let refused = |why: String, code: &str| {
-        (Exit::Unmeasurable, format!("cannot be measured [{code}]: {why}"))
-    };
-    let format =
-        Format::of_file_name(&name).map_err(|fault| refused(fault.to_string(), fault.code()))?;
+    let (bytes, format) = scan_at(&args.scan).map_err(|fault| (fault.exit(), fault.to_string()))?;
     let found = phantom::check(&bytes, format, &choices.phantom, &choices.method);
     if let Err(fault) = &found
         && !args.json
     {
-        return Err(refused(fault.to_string(), fault.code()));
+        let why = format!("cannot be measured [{}]: {fault}", fault.code());
+        return Err((Exit::Unmeasurable, why));
     }
     Ok(CheckRecord::new(Timestamp::now(), sha256(&bytes), &found, choices.tolerance_mm))
 }

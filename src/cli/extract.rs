@@ -4,7 +4,6 @@ mod found;
 mod names;
 mod place;
 mod summary;
-mod upright;
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -14,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use gaiter_cad::Output;
 use gaiter_leg::method::Up;
-use gaiter_leg::{Method, Refusal, extract as measure};
+use gaiter_leg::{BodyFault, Method, Refusal, extract as measure};
 use gaiter_record::{
     self as record, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile,
 };
@@ -212,7 +211,7 @@ fn same_folder(scans: &[Result<PathBuf, FolderFault>]) -> Option<[&Path; 2]> {
 
 /// Why a file gave no record.
 #[derive(Debug, thiserror::Error)]
-enum FileFault {
+pub(super) enum FileFault {
     /// It cannot be read.
     #[error("{0}")]
     Unreadable(#[source] io::Error),
@@ -249,7 +248,7 @@ fn advice(other_up: Option<Up>) -> String {
 }
 
 impl FileFault {
-    fn exit(&self) -> Exit {
+    pub(super) fn exit(&self) -> Exit {
         match self {
             FileFault::Unreadable(error) if error.kind() == io::ErrorKind::NotFound => Exit::NoFile,
             FileFault::Unreadable(_) | FileFault::NotAFile => Exit::Io,
@@ -270,6 +269,20 @@ impl FileFault {
     }
 }
 
+/// The bytes of a scan file, and its format.
+///
+/// # Errors
+/// If it cannot be read, or if its name is none of a scan.
+pub(super) fn scan_at(path: &Path) -> Result<(Vec<u8>, Format), FileFault> {
+    // Check before opening, because opening a pipe waits for a writer.
+    if !fs::metadata(path).map_err(FileFault::Unreadable)?.is_file() {
+        return Err(FileFault::NotAFile);
+    }
+    let bytes = fs::read(path).map_err(FileFault::Unreadable)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok((bytes, Format::of_file_name(&name).map_err(Refusal::from)?))
+}
+
 /// The result for a file that was measured.
 struct Measured {
     record: Record,
@@ -280,15 +293,9 @@ struct Measured {
 impl Measured {
     fn of(path: &Path, args: &ExtractArgs, choices: &Choices) -> Result<Measured, FileFault> {
         let Choices { method, output, report } = choices;
-        // Check before opening, because opening a pipe waits for a writer.
-        if !fs::metadata(path).map_err(FileFault::Unreadable)?.is_file() {
-            return Err(FileFault::NotAFile);
-        }
-        let bytes = fs::read(path).map_err(FileFault::Unreadable)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let format = Format::of_file_name(&name).map_err(Refusal::from)?;
+        let (bytes, format) = scan_at(path)?;
         let refused = |refusal: Refusal| {
-            let other_up = upright::other_up(&bytes, format, method, &refusal);
+            let other_up = other_up(&bytes, format, method, &refusal);
             FileFault::Refused { refusal, other_up }
         };
         let mut extraction = measure(&bytes, format, method).map_err(refused)?;
@@ -305,6 +312,37 @@ impl Measured {
         let (record, mut files) = made?;
         record::add_scan(&mut files, format, bytes);
         Ok(Measured { record, files: Some(files) })
+    }
+}
+
+/// The axis with which a refused scan can be measured, if the declared one may be what is wrong: only for the message,
+/// because the operator must decide which way is up.
+fn other_up(bytes: &[u8], format: Format, method: &Method, refusal: &Refusal) -> Option<Up> {
+    let Refusal::Body(fault) = refusal else { return None };
+    if !may_be_lying(fault) {
+        return None;
+    }
+    let others = [Up::Y, Up::Z, Up::X].into_iter().filter(|up| *up != method.up);
+    let measures = |up: &Up| measure(bytes, format, &Method { up: *up, ..method.clone() }).is_ok();
+    others.into_iter().find(measures)
+}
+
+/// Whether a body that lies on its side, by the declared axis, can lead to this fault.
+fn may_be_lying(fault: &BodyFault) -> bool {
+    match fault {
+        BodyFault::NoPlausibleUnit { .. }
+        | BodyFault::UnitImplausible { .. }
+        | BodyFault::NotTwoLegs { .. }
+        | BodyFault::FacingUnclear(_)
+        | BodyFault::FacingContradicted { .. }
+        | BodyFault::SideUnclear { .. }
+        | BodyFault::NoPlausibleLeg { .. }
+        | BodyFault::TwoLegs => true,
+        BodyFault::OnlyFragments
+        | BodyFault::FacingVertical
+        | BodyFault::WoundInward
+        | BodyFault::WoundOutward
+        | BodyFault::Layers { .. } => false,
     }
 }
 

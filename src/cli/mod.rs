@@ -10,7 +10,6 @@ pub mod demo;
 pub mod exit;
 pub mod extract;
 pub mod manual;
-pub mod measure;
 pub mod ord;
 pub mod order;
 pub mod parallel;
@@ -34,6 +33,7 @@ use gaiter_sizes::Garment;
 use jiff::Zoned;
 
 use crate::config::{self, Config, ConfigError};
+use crate::station::operator::control::protocol::Request;
 use args::{Args, Verb, usual_config};
 pub use exit::Exit;
 
@@ -57,23 +57,23 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Sizes(args) => sizes::sizes(&args),
         Verb::Order(args) => order::order(&args),
         Verb::Compare(args) => compare::compare(&args),
-        Verb::Measure(args) => measure::measure(&args),
+        Verb::Measure(args) => run::measure(&args),
         Verb::Check(args) => check::check(&args),
         Verb::Status(args) => status::status(&args),
         Verb::Scans(args) => scans::scans(&args),
         Verb::Show(args) => scans::show(&args),
         Verb::Explain(args) => scans::explain(&args),
-        Verb::Retry(args) => act::retry(&args),
-        Verb::Release(args) => act::release(&args),
+        Verb::Retry(args) => ask::sentence(&args.ask, &Request::Retry { scan: args.scan }),
+        Verb::Release(args) => ask::sentence(&args.ask, &Request::Release { scan: args.scan }),
         Verb::Assign(args) => act::assign(&args),
         Verb::Unassign(args) => act::unassign(&args),
-        Verb::GiveUp(args) => act::give_up(&args),
+        Verb::GiveUp(args) => ask::sentence(&args.ask, &Request::GiveUp { scan: args.scan }),
         Verb::Amend(args) => act::amend(&args),
         Verb::Patient(verb) => act::patient(&verb),
         Verb::GdtOrder(args) => act::order(&args),
-        Verb::Page(args) => act::page(&args),
-        Verb::Pause(args) => act::pause(&args),
-        Verb::Resume(args) => act::resume(&args),
+        Verb::Page(args) => ask::sentence(&args, &Request::Page),
+        Verb::Pause(args) => ask::sentence(&args, &Request::Pause),
+        Verb::Resume(args) => ask::sentence(&args, &Request::Resume),
         Verb::Schema(args) => manual::schema(&args),
         Verb::Completions(args) => manual::completions(&args),
         Verb::Man(args) => manual::man(&args),

@@ -13,15 +13,21 @@ use gaiter_scan::ord;
 /// The measurement file next to a scan and the findings from comparing it with the scan's extraction.
 /// Both are empty if there is no such file.
 pub fn opinions(scan: &Path, extraction: &Extraction) -> (Option<Vec<u8>>, Vec<Finding>) {
-    match beside(scan).and_then(|files| one(&files)) {
-        Ok(One::None) => (None, Vec::new()),
-        Ok(One::Bytes(bytes)) => {
+    let unreadable = |error: io::Error| {
+        (None, vec![SecondOpinion::Unreadable { why: error.to_string() }.into()])
+    };
+    let files = match beside(scan) {
+        Ok(files) => files,
+        Err(error) => return unreadable(error),
+    };
+    match files.as_slice() {
+        [] => (None, Vec::new()),
+        [file] => bytes(file).map_or_else(unreadable, |bytes| {
             let findings = opinion(&bytes, extraction);
             // Only the beginning of a file that is too large was read.
             ((bytes.len() <= ord::BYTES_MAX).then_some(bytes), findings)
-        }
-        Ok(One::Several(files)) => (None, vec![SecondOpinion::Ambiguous { files }.into()]),
-        Err(error) => (None, vec![SecondOpinion::Unreadable { why: error.to_string() }.into()]),
+        }),
+        several => (None, vec![SecondOpinion::Ambiguous { files: several.len() }.into()]),
     }
 }
 
@@ -30,21 +36,6 @@ pub fn opinion(bytes: &[u8], extraction: &Extraction) -> Vec<Finding> {
     match ord::read(bytes) {
         Ok(ord) => compare(extraction, &ord),
         Err(fault) => vec![SecondOpinion::Unreadable { why: fault.to_string() }.into()],
-    }
-}
-
-/// The measurement files next to a scan.
-enum One {
-    None,
-    Bytes(Vec<u8>),
-    Several(usize),
-}
-
-fn one(files: &[PathBuf]) -> io::Result<One> {
-    match files {
-        [] => Ok(One::None),
-        [file] => bytes(file).map(One::Bytes),
-        several => Ok(One::Several(several.len())),
     }
 }
 

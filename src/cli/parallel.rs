@@ -1,8 +1,8 @@
 //! Processes many scans on several threads and returns the results in order.
 
-use std::collections::BTreeMap;
+use std::collections::VecDeque;
 use std::num::NonZeroUsize;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
 use crate::station::runtime::caught::caught;
@@ -24,93 +24,38 @@ pub fn in_order<T: Sync, R: Send>(
     work: impl Fn(&T) -> R + Sync,
     mut take: impl FnMut(&T, Result<R, String>),
 ) {
-    let queue = Queue { state: Mutex::default(), changed: Condvar::new() };
     let ahead = jobs.get().saturating_mul(WAITING_PER_JOB);
+    let (give, tasks) = mpsc::channel::<(&T, mpsc::Sender<Result<R, String>>)>();
+    let tasks = Mutex::new(tasks);
+    // In a function of its own, so that the lock is let go before the work begins.
+    let next = || tasks.lock().unwrap_or_else(PoisonError::into_inner).recv();
     thread::scope(|scope| {
         for _ in 0..jobs.get().min(items.len()) {
             scope.spawn(|| {
-                while let Some(at) = queue.begin(items.len(), ahead) {
-                    queue.done(at, caught(|| work(&items[at])));
+                while let Ok((item, answer)) = next() {
+                    // Fails if the consumer has panicked: then nobody waits for it.
+                    let _ = answer.send(caught(|| work(item)));
                 }
             });
         }
-        let _end = End { queue: &queue };
-        for (at, item) in items.iter().enumerate() {
-            take(item, queue.take(at));
-        }
-    });
-}
-
-/// What the threads share.
-struct Queue<R> {
-    state: Mutex<State<R>>,
-    changed: Condvar,
-}
-
-struct State<R> {
-    /// The next item to work on.
-    next: usize,
-    /// How many results were taken.
-    taken: usize,
-    /// Results that wait for their turn.
-    done: BTreeMap<usize, Result<R, String>>,
-}
-
-impl<R> Default for State<R> {
-    fn default() -> State<R> {
-        State { next: 0, taken: 0, done: BTreeMap::new() }
-    }
-}
-
-impl<R> Queue<R> {
-    /// The next item, once it is at most `ahead` past the item whose result is due. `None` at the end.
-    fn begin(&self, items: usize, ahead: usize) -> Option<usize> {
-        let mut state = self
-            .wait(|state| state.next >= items || state.next <= state.taken.saturating_add(ahead));
-        let at = state.next;
-        state.next = state.next.saturating_add(1);
-        (at < items).then_some(at)
-    }
-
-    fn done(&self, at: usize, result: Result<R, String>) {
-        self.lock().done.insert(at, result);
-        self.changed.notify_all();
-    }
-
-    /// Waits for the result of an item.
-    fn take(&self, at: usize) -> Result<R, String> {
-        loop {
-            let mut state = self.wait(|state| state.done.contains_key(&at));
-            if let Some(result) = state.done.remove(&at) {
-                state.taken += 1;
-                drop(state);
-                self.changed.notify_all();
-                return result;
+        // Dropped at the end of this block, also by a panic of the consumer: then the threads end.
+        let give = give;
+        let mut finish = |(item, result): (&T, mpsc::Receiver<Result<R, String>>)| {
+            take(item, result.recv().unwrap_or_else(|gone| Err(gone.to_string())));
+        };
+        let mut due = VecDeque::new();
+        for item in items {
+            if due.len() >= ahead {
+                due.pop_front().into_iter().for_each(&mut finish);
             }
+            let (answer, result) = mpsc::channel();
+            // The threads take what is given until `give` is dropped.
+            let _ = give.send((item, answer));
+            due.push_back((item, result));
         }
-    }
-
-    fn wait(&self, until: impl Fn(&State<R>) -> bool) -> MutexGuard<'_, State<R>> {
-        let waited = self.changed.wait_while(self.lock(), |state| !until(state));
-        waited.unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn lock(&self) -> MutexGuard<'_, State<R>> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Lets the threads begin no more items when it is dropped. If the consumer panics, no result is taken
-/// any more, and the threads must end instead of waiting forever.
-struct End<'a, R> {
-    queue: &'a Queue<R>,
-}
-
-impl<R> Drop for End<'_, R> {
-    fn drop(&mut self) {
-        self.queue.lock().next = usize::MAX;
-        self.queue.changed.notify_all();
-    }
+        drop(give);
+        due.into_iter().for_each(finish);
+    });
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `gaiter run`: the daemon.
+//! `gaiter run`: the daemon; and `gaiter measure`, its measuring process.
 
 use std::env;
 use std::future::Future;
@@ -14,9 +14,10 @@ use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{fmt, registry};
 
-use super::args::RunArgs;
+use super::args::{MeasureArgs, RunArgs};
 use super::{Exit, complain, explain_config};
 use crate::config::{self, ConfigError};
+use crate::station::measure::child;
 use crate::station::runtime::causes::chain;
 use crate::station::{self, Orders, Reload, StationError};
 use crate::store::access::Access;
@@ -55,6 +56,17 @@ pub fn run(args: &RunArgs) -> Exit {
     // A read from a share that does not answer cannot be interrupted and must not delay the end.
     runtime.shutdown_background();
     ended.map_or_else(|error| explain(&error), |()| Exit::Done)
+}
+
+/// Reads the scan on standard input and writes the answer to standard output.
+pub fn measure(args: &MeasureArgs) -> Exit {
+    match child::serve(args.hash.as_deref(), io::stdin().lock(), io::stdout().lock()) {
+        Ok(()) => Exit::Done,
+        Err(error) => {
+            complain(format_args!("gaiter measure: {error}"));
+            Exit::Internal
+        }
+    }
 }
 
 /// Resolves when the process is asked to stop: SIGTERM by the service manager, SIGINT by Ctrl-C.

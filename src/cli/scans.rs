@@ -10,7 +10,7 @@ use gaiter_language::Language;
 use serde_json::Value;
 
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
-use super::terminal::clock::local;
+use super::terminal::local;
 use super::terminal::screen::width;
 use super::{Exit, ask, complain, shown};
 use crate::station::operator::control::protocol::{Answer, Request};

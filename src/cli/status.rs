@@ -16,7 +16,7 @@ use jiff::Timestamp;
 
 use super::args::AskArgs;
 use super::ask::{self, AskFault};
-use super::terminal::clock::local;
+use super::terminal::local;
 use super::terminal::paint::{self, painted};
 use super::terminal::screen::{self, width, wrapped};
 use super::{Exit, exit_of_printing, scans, shown};

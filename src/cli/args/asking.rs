@@ -3,10 +3,9 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gaiter_flow::account::Filter;
 
-use super::usual_config;
+use super::{of_words, usual_config};
 use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
 
 /// The options of every verb that queries a running station.
@@ -25,7 +24,7 @@ pub struct AskArgs {
 pub struct ScansArgs {
     /// Only scans in this state: spooled (waiting for a record), held (waiting for a decision),
     /// unassigned (stored without a patient)
-    #[arg(long, value_parser = filter())]
+    #[arg(long, value_parser = of_words(&Filter::WORDS))]
     pub state: Option<Filter>,
     /// The largest number of scans to list
     #[arg(long, value_name = "N", default_value_t = 20,
@@ -120,11 +119,6 @@ impl Named {
             _ => Named::File(file),
         }
     }
-}
-
-fn filter() -> impl TypedValueParser<Value = Filter> {
-    PossibleValuesParser::new(Filter::ALL.map(Filter::word))
-        .try_map(|text| Filter::of_word(&text).ok_or("no such state"))
 }
 
 /// Parses the beginning of a scan's id and returns it in lower case.

@@ -3,21 +3,10 @@
 
 use clap::Command;
 
-/// The examples of one verb.
-struct Examples {
-    /// The words of the verb: `patient set`; empty for gaiter itself.
-    verb: &'static str,
-    /// Command lines, each with what it does.
-    lines: &'static [[&'static str; 2]],
-}
-
-const fn of(verb: &'static str, lines: &'static [[&'static str; 2]]) -> Examples {
-    Examples { verb, lines }
-}
-
-/// All examples, in the order of [`GROUPS`](super::groups::GROUPS).
-const EXAMPLES: &[Examples] = &[
-    of(
+/// The words of each verb (`patient set`; none for gaiter itself) with its command lines, each with what it does; in the
+/// order of [`GROUPS`](super::groups::GROUPS).
+const EXAMPLES: &[(&str, &[[&str; 2]])] = &[
+    (
         "",
         &[
             ["gaiter demo", "shows a whole station at work; needs no configuration"],
@@ -26,8 +15,8 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter help extract", "shows the options and more examples of a verb"],
         ],
     ),
-    of("demo", &[["gaiter demo", "leaves the records in ./demo/records"]]),
-    of(
+    ("demo", &[["gaiter demo", "leaves the records in ./demo/records"]]),
+    (
         "extract",
         &[
             ["gaiter extract 4711.obj", "prints the measures of one scan"],
@@ -44,7 +33,7 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter extract scans --json", "prints one record a line, for programs"],
         ],
     ),
-    of(
+    (
         "calibrate",
         &[
             ["gaiter calibrate cylinder.obj --girths 35.2", "compares a cylinder of 35.2 cm girth"],
@@ -54,7 +43,7 @@ const EXAMPLES: &[Examples] = &[
             ],
         ],
     ),
-    of(
+    (
         "reextract",
         &[
             ["gaiter reextract /srv/records --dry-run", "shows what would change"],
@@ -62,14 +51,14 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter reextract /srv/records --since 2026-11-21", "leaves older scans alone"],
         ],
     ),
-    of(
+    (
         "report",
         &[
             ["gaiter report /srv/records/4711", "reports the newest record of a patient"],
             ["gaiter report record.json --language de --garment AG --out berichte", "in German"],
         ],
     ),
-    of(
+    (
         "sizes",
         &[
             ["gaiter sizes /srv/records/4711", "judges the newest record by the station's tables"],
@@ -77,14 +66,14 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter sizes check maker.toml", "checks a table before it is used"],
         ],
     ),
-    of(
+    (
         "sizes check",
         &[
             ["gaiter sizes check maker.toml", "names faults, gaps and overlaps"],
             ["gaiter sizes check /etc/gaiter/sizes --language de", "of all tables, in German"],
         ],
     ),
-    of(
+    (
         "compare",
         &[
             ["gaiter compare /srv/records/4711", "compares all visits of a patient"],
@@ -92,7 +81,7 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter compare /srv/records/4711 --out visits", "writes a page, a PDF and JSON"],
         ],
     ),
-    of(
+    (
         "order",
         &[
             ["gaiter order /srv/records/4711 --garment AG", "prints the order of a thigh stocking"],
@@ -108,22 +97,22 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter order check shop.toml", "checks a mapping before it is used"],
         ],
     ),
-    of(
+    (
         "order check",
         &[["gaiter order check /etc/gaiter/orders", "names every fault of the mappings"]],
     ),
-    of(
+    (
         "check",
         &[
             ["gaiter check", "checks the configuration of this machine's station"],
             ["gaiter check --config station.toml", "checks another configuration"],
         ],
     ),
-    of("run", &[["gaiter run --config station.toml", "runs a station until Ctrl-C"]]),
-    of("status", &[["gaiter status", "shows one screen"]]),
-    of("pause", &[["gaiter pause", "leaves new scans at the scanner"]]),
-    of("resume", &[["gaiter resume", "takes them in"]]),
-    of(
+    ("run", &[["gaiter run --config station.toml", "runs a station until Ctrl-C"]]),
+    ("status", &[["gaiter status", "shows one screen"]]),
+    ("pause", &[["gaiter pause", "leaves new scans at the scanner"]]),
+    ("resume", &[["gaiter resume", "takes them in"]]),
+    (
         "patient",
         &[
             ["gaiter patient set", "asks for the id of the next patient"],
@@ -132,60 +121,57 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter patient disclose", "asks for an id and writes all that is held of a person"],
         ],
     ),
-    of("patient set", &[["gaiter patient set", "asks for the id of the next patient"]]),
-    of("patient clear", &[["gaiter patient clear", "drops the name that waits"]]),
-    of("patient show", &[["gaiter patient show", "shows who is next"]]),
-    of(
+    ("patient set", &[["gaiter patient set", "asks for the id of the next patient"]]),
+    ("patient clear", &[["gaiter patient clear", "drops the name that waits"]]),
+    ("patient show", &[["gaiter patient show", "shows who is next"]]),
+    (
         "patient visits",
         &[
             ["gaiter patient visits", "asks for the id and prints the comparison"],
             ["gaiter patient visits --out visits", "writes a page, a PDF and JSON"],
         ],
     ),
-    of(
+    (
         "patient affected",
         &[
             ["gaiter patient affected left", "asks for the id and names the left leg as affected"],
             ["gaiter patient affected not-named", "asks for the id and takes it back"],
         ],
     ),
-    of(
+    (
         "patient disclose",
         &[
             ["gaiter patient disclose", "asks for the id and writes the folder disclosure"],
             ["gaiter patient disclose --out access-7", "writes another folder"],
         ],
     ),
-    of(
+    (
         "patient erase",
         &[["gaiter patient erase", "shows what would go, and asks for the id twice"]],
     ),
-    of(
+    (
         "scans",
         &[
             ["gaiter scans", "lists the last 20 scans"],
             ["gaiter scans --state held", "lists those that wait for a decision"],
         ],
     ),
-    of("show", &[["gaiter show 1a2b3c4d", "shows a scan by the first digits of its id"]]),
-    of(
+    ("show", &[["gaiter show 1a2b3c4d", "shows a scan by the first digits of its id"]]),
+    (
         "explain",
         &[
             ["gaiter explain /srv/scanner/export/4711.obj", "says what became of an export"],
             ["gaiter explain 1a2b3c4d", "says why a scan is where it is"],
         ],
     ),
-    of("page", &[["gaiter page", "prints the link for decisions"]]),
-    of(
-        "gdt-order",
-        &[["gaiter gdt-order /srv/gdt/order.gdt", "names the patient of the next scan"]],
-    ),
-    of("retry", &[["gaiter retry 1a2b3c4d", "measures the scan again"]]),
-    of("release", &[["gaiter release 1a2b3c4d", "delivers the scan to its patient"]]),
-    of("assign", &[["gaiter assign 1a2b3c4d", "asks for the id of the patient"]]),
-    of("unassign", &[["gaiter unassign 1a2b3c4d", "takes the scan back from its patient"]]),
-    of("give-up", &[["gaiter give-up 1a2b3c4d", "ends the question about the scan"]]),
-    of(
+    ("page", &[["gaiter page", "prints the link for decisions"]]),
+    ("gdt-order", &[["gaiter gdt-order /srv/gdt/order.gdt", "names the patient of the next scan"]]),
+    ("retry", &[["gaiter retry 1a2b3c4d", "measures the scan again"]]),
+    ("release", &[["gaiter release 1a2b3c4d", "delivers the scan to its patient"]]),
+    ("assign", &[["gaiter assign 1a2b3c4d", "asks for the id of the patient"]]),
+    ("unassign", &[["gaiter unassign 1a2b3c4d", "takes the scan back from its patient"]]),
+    ("give-up", &[["gaiter give-up 1a2b3c4d", "ends the question about the scan"]]),
+    (
         "amend",
         &[
             [
@@ -206,15 +192,15 @@ const EXAMPLES: &[Examples] = &[
             ],
         ],
     ),
-    of(
+    (
         "schema",
         &[
             ["gaiter schema", "prints the JSON Schema of record.json"],
             ["gaiter schema order", "prints that of order.json"],
         ],
     ),
-    of("completions", &[["gaiter completions bash", "prints a script for bash"]]),
-    of(
+    ("completions", &[["gaiter completions bash", "prints a script for bash"]]),
+    (
         "man",
         &[
             ["gaiter man", "prints the main page"],
@@ -225,15 +211,15 @@ const EXAMPLES: &[Examples] = &[
 
 /// The command line with the examples below the help of each verb.
 pub fn with_examples(command: Command) -> Command {
-    EXAMPLES.iter().filter(|of| !of.verb.is_empty()).fold(command, |command, of| {
-        let words: Vec<&str> = of.verb.split(' ').collect();
-        add(command, &words, of.text())
+    EXAMPLES.iter().filter(|(verb, _)| !verb.is_empty()).fold(command, |command, (verb, lines)| {
+        let words: Vec<&str> = verb.split(' ').collect();
+        add(command, &words, text(lines))
     })
 }
 
 /// The examples of gaiter itself.
 pub fn of_gaiter() -> String {
-    EXAMPLES.iter().filter(|of| of.verb.is_empty()).map(Examples::text).collect()
+    EXAMPLES.iter().filter(|(verb, _)| verb.is_empty()).map(|(_, lines)| text(lines)).collect()
 }
 
 /// Adds a text to the help of the verb of these words.
@@ -244,12 +230,10 @@ fn add(command: Command, words: &[&str], text: String) -> Command {
     }
 }
 
-impl Examples {
-    /// The lines begin with blanks, so that a manual page keeps them apart.
-    fn text(&self) -> String {
-        let line = |[line, does]: &[&str; 2]| format!("\n  {line}\n      {does}");
-        format!("Examples:{}", self.lines.iter().map(line).collect::<String>())
-    }
+/// The lines begin with blanks, so that a manual page keeps them apart.
+fn text(lines: &[[&str; 2]]) -> String {
+    let line = |[line, does]: &[&str; 2]| format!("\n  {line}\n      {does}");
+    format!("Examples:{}", lines.iter().map(line).collect::<String>())
 }
 
 #[cfg(test)]
@@ -269,14 +253,15 @@ mod tests {
     #[test]
     fn every_verb_has_examples_and_every_example_is_of_a_verb() {
         let all: BTreeSet<String> = verbs(&command(), "").into_iter().collect();
-        let shown = EXAMPLES.iter().map(|of| of.verb.to_owned()).filter(|verb| !verb.is_empty());
+        let shown =
+            EXAMPLES.iter().map(|(verb, _)| (*verb).to_owned()).filter(|verb| !verb.is_empty());
         assert_eq!(shown.collect::<BTreeSet<String>>(), all);
         assert!(all.contains("patient set") && all.len() > 20);
     }
 
     #[test]
     fn every_example_is_understood_and_is_of_its_verb() {
-        for Examples { verb, lines } in EXAMPLES {
+        for (verb, lines) in EXAMPLES {
             assert!(!lines.is_empty(), "{verb}");
             for [line, _] in *lines {
                 let words: Vec<&str> = line.split(' ').collect();

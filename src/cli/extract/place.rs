@@ -1,18 +1,17 @@
 //! The place of a record that `gaiter extract --out` writes.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::Path;
 
-use gaiter_record::{self as record, RecordFile};
+use gaiter_record::RecordFile;
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 use rustix::io::Errno;
 
 use super::Undelivered;
 use crate::cli::shown;
 use crate::store::durable;
-use crate::store::sums::SUMS;
+use crate::store::sums::{self, SUMS};
 
 /// Something in a record's place that is not an earlier record of the same scan.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -101,28 +100,19 @@ fn foreign(folder: &Path, scan_sha256: &str) -> io::Result<Option<Foreign>> {
         return Ok(None);
     }
     entries.sort_by_key(fs::DirEntry::file_name);
-    let sums_path = folder.join(SUMS);
-    if !sums_path.symlink_metadata().is_ok_and(|found| found.is_file()) {
-        return Ok(Some(Foreign::NoSums));
-    }
-    let sums = String::from_utf8_lossy(&fs::read(sums_path)?).into_owned();
-    let listed: BTreeMap<&str, &str> = sums
-        .lines()
-        .filter_map(|line| line.split_once("  ").map(|(sum, name)| (name, sum)))
-        .collect();
-    let of_this_scan =
-        |(name, sum): (&&str, &&str)| name.starts_with("scan.") && *sum == scan_sha256;
-    if !listed.iter().any(of_this_scan) {
-        return Ok(Some(Foreign::OtherScan));
+    match sums::scan_of(folder)? {
+        Some((scan, _)) if scan.as_str() == scan_sha256 => {}
+        None if !folder.join(SUMS).is_file() => return Ok(Some(Foreign::NoSums)),
+        _ => return Ok(Some(Foreign::OtherScan)),
     }
     for entry in entries {
         let name = entry.file_name().to_string_lossy().into_owned();
         if name == SUMS {
             continue;
         }
-        match listed.get(name.as_str()) {
+        match sums::sum_of(folder, &name)? {
             Some(sum) if entry.file_type()?.is_file() => {
-                if record::sha256(&fs::read(entry.path())?) != *sum {
+                if sums::scan_id(&fs::read(entry.path())?) != sum {
                     return Ok(Some(Foreign::Changed(name)));
                 }
             }

@@ -10,35 +10,13 @@ use super::files::Bundle;
 use super::overview;
 use super::reach::{Fault, Reached};
 use crate::cli::args::DiscloseArgs;
-use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print, shown};
 
 /// What the station notes of a scan that comes in: it also names others to whom the scan might have belonged.
 const INTAKE: &str = "intake.json";
 
-/// Writes all that the station holds of a person into a folder.
-pub fn disclose(args: &DiscloseArgs) -> Exit {
-    match disclosed(args) {
-        Ok(exit) => exit,
-        Err(fault) => {
-            complain(format_args!("gaiter: {fault}"));
-            if let Some(hint) = fault.hint() {
-                complain(format_args!("  hint: {hint}"));
-            }
-            fault.exit()
-        }
-    }
-}
-
-fn disclosed(args: &DiscloseArgs) -> Result<Exit, Fault> {
-    let patient = read_patient().map_err(Fault::NoId)?;
-    if patient.is_empty() {
-        return Err(Fault::EmptyId);
-    }
-    let (reached, person) = Reached::of(&args.ask.config, &patient)?;
-    if person.is_unknown() {
-        return Err(Fault::Unknown);
-    }
+pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, Fault> {
+    let (reached, patient, person) = Reached::of(&args.ask.config)?;
     let language = reached.language;
     let bundle = Bundle::begin(&args.out)?;
     write(&bundle, &person, language)?;
@@ -46,7 +24,7 @@ fn disclosed(args: &DiscloseArgs) -> Result<Exit, Fault> {
     let files = bundle.finish(&args.out)?;
     let away: Vec<&str> =
         person.stores.iter().filter(|of| of.fault.is_some()).map(|of| of.store.as_str()).collect();
-    let place = shown(args.out.display()).to_string();
+    let place = shown(args.out.display());
     let text = match args.ask.json {
         true => format!("{:#}\n", json!({ "folder": args.out, "files": files, "missing": away })),
         false => {

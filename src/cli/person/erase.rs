@@ -13,29 +13,8 @@ use crate::cli::args::EraseArgs;
 use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print};
 
-/// Erases all that the station holds of a person, once the id was given twice.
-pub fn erase(args: &EraseArgs) -> Exit {
-    match erased(args) {
-        Ok(exit) => exit,
-        Err(fault) => {
-            complain(format_args!("gaiter: {fault}"));
-            if let Some(hint) = fault.hint() {
-                complain(format_args!("  hint: {hint}"));
-            }
-            fault.exit()
-        }
-    }
-}
-
-fn erased(args: &EraseArgs) -> Result<Exit, Fault> {
-    let patient = read_patient().map_err(Fault::NoId)?;
-    if patient.is_empty() {
-        return Err(Fault::EmptyId);
-    }
-    let (reached, person) = Reached::of(&args.ask.config, &patient)?;
-    if person.is_unknown() {
-        return Err(Fault::Unknown);
-    }
+pub(super) fn erased(args: &EraseArgs) -> Result<Exit, Fault> {
+    let (reached, patient, person) = Reached::of(&args.ask.config)?;
     if person.is_awaited() {
         return Err(Fault::Awaited);
     }

@@ -25,7 +25,7 @@ impl Bundle {
     /// Begins a disclosure that is to be named `out`.
     pub(super) fn begin(out: &Path) -> Result<Bundle, Fault> {
         if out.symlink_metadata().is_ok() {
-            return Err(Fault::There(shown(out.display()).to_string()));
+            return Err(Fault::There(shown(out.display())));
         }
         let name = out.file_name().unwrap_or_default().to_string_lossy();
         let staged = out.with_file_name(format!(".{name}.partial"));
@@ -43,11 +43,9 @@ impl Bundle {
         takes: impl Fn(&str) -> bool + Copy,
     ) -> Result<(), Fault> {
         let name = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let found = match fs::symlink_metadata(from) {
-            // It was removed, or moved by the station, since the list was made.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            found => tried("cannot read", from, found)?,
-        };
+        let found = durable::if_there(fs::symlink_metadata(from));
+        // It may have been removed, or moved by the station, since the list was made.
+        let Some(found) = tried("cannot read", from, found)? else { return Ok(()) };
         if found.is_dir() {
             let within = format!("{within}/{name}");
             let entries = tried("cannot list", from, fs::read_dir(from))?;
@@ -84,7 +82,7 @@ impl Bundle {
         tried("cannot write", &path, durable::write_new(&path, text.as_bytes()))?;
         match durable::rename_new(&self.staged, out) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                Err(Fault::There(shown(out.display()).to_string()))
+                Err(Fault::There(shown(out.display())))
             }
             renamed => tried("cannot name", out, renamed).map(|()| listed.len()),
         }
@@ -101,6 +99,5 @@ impl Bundle {
 }
 
 fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, Fault> {
-    let path = || shown(path.display()).to_string();
-    result.map_err(|source| Fault::File { what, path: path(), source })
+    result.map_err(|source| Fault::File { what, path: shown(path.display()), source })
 }

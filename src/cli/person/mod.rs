@@ -8,5 +8,26 @@ mod preview;
 mod reach;
 mod watch;
 
-pub use disclose::disclose;
-pub use erase::erase;
+use super::args::{DiscloseArgs, EraseArgs};
+use super::{Exit, complain};
+use reach::Fault;
+
+/// Writes all that the station holds of a person into a folder.
+pub fn disclose(args: &DiscloseArgs) -> Exit {
+    ended(disclose::disclosed(args))
+}
+
+/// Erases all that the station holds of a person, once the id was given twice.
+pub fn erase(args: &EraseArgs) -> Exit {
+    ended(erase::erased(args))
+}
+
+fn ended(done: Result<Exit, Fault>) -> Exit {
+    done.unwrap_or_else(|fault| {
+        complain(format_args!("gaiter: {fault}"));
+        if let Some(hint) = fault.hint() {
+            complain(format_args!("  hint: {hint}"));
+        }
+        fault.exit()
+    })
+}

@@ -3,12 +3,10 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use jiff::Timestamp;
-use jiff::tz::TimeZone;
-
-use gaiter_flow::health::local;
 use gaiter_flow::patient::person::{OnServer, Person, PersonRecord, WhoseScan};
 use gaiter_language::Language;
+
+use crate::cli::terminal::local;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem}\
 table{border-collapse:collapse;width:100%;margin:.5rem 0 1.5rem}\
@@ -19,7 +17,7 @@ pub(super) fn page(person: &Person, language: Language) -> String {
     let text = |key| escaped(language.text(key));
     let head = language.filled(
         "person.of",
-        &[("patient", &person.patient), ("station", &person.station), ("at", &time(person.at))],
+        &[("patient", &person.patient), ("station", &person.station), ("at", &local(person.at))],
     );
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"{}\"><head><meta charset=\"utf-8\"><title>{}</title>\
@@ -108,7 +106,7 @@ fn records(person: &Person) -> Vec<Vec<String>> {
 fn set(record: &PersonRecord) -> String {
     let amendments = record.amendments.iter();
     let lines: Vec<String> = amendments
-        .map(|of| escaped(&format!("{}: {} ({}, {})", of.what, of.reason, of.by, time(of.at))))
+        .map(|of| escaped(&format!("{}: {} ({}, {})", of.what, of.reason, of.by, local(of.at))))
         .collect();
     lines.join("<br>")
 }
@@ -122,12 +120,12 @@ fn scans(person: &Person, language: Language) -> Vec<Vec<String>> {
                 .deliveries
                 .iter()
                 .map(|of| {
-                    let at = of.at.map(time).unwrap_or_default();
+                    let at = of.at.map(local).unwrap_or_default();
                     escaped(&format!("{}: {} {at}", of.store, of.state))
                 })
                 .collect();
             vec![
-                escaped(&time(scan.summary.first_seen)),
+                escaped(&local(scan.summary.first_seen)),
                 escaped(&format!("{} ({})", scan.sha256, scan.summary.state.word())),
                 escaped(language.text(whose(scan.whose))),
                 deliveries.join("<br>"),
@@ -162,7 +160,9 @@ fn others(person: &Person) -> Vec<Vec<String>> {
 
 fn handed_over(person: &Person) -> Vec<Vec<String>> {
     let given = person.handed_over.iter();
-    given.map(|of| vec![escaped(&time(of.at)), shown_path(&of.file), escaped(&of.sha256)]).collect()
+    given
+        .map(|of| vec![escaped(&local(of.at)), shown_path(&of.file), escaped(&of.sha256)])
+        .collect()
 }
 
 fn on_servers(person: &Person, language: Language) -> Vec<Vec<String>> {
@@ -171,7 +171,7 @@ fn on_servers(person: &Person, language: Language) -> Vec<Vec<String>> {
         let unknown = || language.text("person.unknown").to_owned();
         let reference = of.reference.clone().unwrap_or_else(unknown);
         vec![
-            escaped(&of.at.map(time).unwrap_or_default()),
+            escaped(&of.at.map(local).unwrap_or_default()),
             escaped(&format!("{store}: {}", of.place)),
             escaped(&match of.is_withdrawn {
                 true => format!("{reference} ({})", language.text("person.withdrawn")),
@@ -193,13 +193,13 @@ fn elsewhere(person: &Person) -> Vec<Vec<String>> {
 
 fn captures(person: &Person) -> Vec<Vec<String>> {
     let captures = person.captures.iter();
-    captures.map(|of| vec![escaped(&time(of.at)), escaped(&of.state)]).collect()
+    captures.map(|of| vec![escaped(&local(of.at)), escaped(&of.state)]).collect()
 }
 
 fn affected(person: &Person, language: Language) -> Vec<Vec<String>> {
     let named = person.affected.iter();
     let leg = |word: &str| escaped(language.word("visits.affected", word));
-    named.map(|of| vec![escaped(&time(of.at)), leg(&of.affected)]).collect()
+    named.map(|of| vec![escaped(&local(of.at)), leg(&of.affected)]).collect()
 }
 
 fn history(person: &Person) -> Vec<Vec<String>> {
@@ -214,10 +214,6 @@ fn history(person: &Person) -> Vec<Vec<String>> {
         ]
     };
     person.history.iter().map(row).collect()
-}
-
-fn time(at: Timestamp) -> String {
-    local(at, &TimeZone::system())
 }
 
 fn name(path: &Path) -> String {

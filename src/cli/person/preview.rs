@@ -72,7 +72,7 @@ fn removed(person: &Person, language: Language) -> Vec<String> {
 }
 
 fn of_store(of: &PersonStore, language: Language) -> String {
-    let place = shown(of.place.display()).to_string();
+    let place = shown(of.place.display());
     let name: &dyn Display = &language.word("page.part.store", &of.store);
     let own = of.cause.as_ref().map(|cause| cause.in_words(language));
     match own.or_else(|| of.fault.clone()) {
@@ -94,20 +94,20 @@ fn left(person: &Person, language: Language) -> Vec<String> {
     let mut lines = Vec::new();
     for of in &person.handed_over {
         let key = if of.waits { "erase.handed_waits" } else { "erase.handed" };
-        let file = shown(of.file.display()).to_string();
+        let file = shown(of.file.display());
         lines.push(language.filled(key, &[("file", &file), ("at", &of.at)]));
         for path in &of.attachments {
-            let file = shown(path.display()).to_string();
+            let file = shown(path.display());
             lines.push(language.filled("erase.attachment", &[("file", &file)]));
         }
     }
     lines.extend(person.on_servers.iter().map(|of| on_server(of, language)));
     for path in &person.exports {
-        let file = shown(path.display()).to_string();
+        let file = shown(path.display());
         lines.push(language.filled("erase.export", &[("file", &file)]));
     }
     for of in person.stores.iter().filter(|of| of.of_another > 0) {
-        let place = shown(of.place.display()).to_string();
+        let place = shown(of.place.display());
         let words: [(&str, &dyn Display); 2] = [("count", &of.of_another), ("place", &place)];
         lines.push(language.filled("erase.of_another", &words));
     }
@@ -124,11 +124,11 @@ fn on_server(of: &OnServer, language: Language) -> String {
         (None, false, Some(_)) => "erase.on_server",
     };
     let at = of.at.map(|at| at.to_string()).unwrap_or_default();
-    let file = of.unfetched.as_ref().map(|file| shown(file.display()).to_string());
+    let file = of.unfetched.as_ref().map(|file| shown(file.display()));
     let file = file.unwrap_or_default();
-    let place = shown(&of.place).to_string();
+    let place = shown(&of.place);
     let store = language.word("page.part.store", &of.store);
-    let reference = shown(of.reference.as_deref().unwrap_or_default()).to_string();
+    let reference = shown(of.reference.as_deref().unwrap_or_default());
     let words: [(&str, &dyn Display); 5] = [
         ("store", &store),
         ("place", &place),

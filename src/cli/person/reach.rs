@@ -9,9 +9,9 @@ use gaiter_flow::patient::person::Person;
 use gaiter_language::Language;
 use jiff::Timestamp;
 
-use crate::cli::ask::{AskFault, ask};
+use crate::cli::ask::{AskFault, ask, language, read_patient};
 use crate::cli::{Exit, shown};
-use crate::config::{self, ConfigError};
+use crate::config;
 use crate::station::StationError;
 use crate::station::operator::control::protocol::{Answer, Request};
 use crate::station::persons::stopped::{Stopped, StoppedFault};
@@ -99,24 +99,26 @@ pub(super) struct Reached<'a> {
 }
 
 impl<'a> Reached<'a> {
-    /// Finds the station of a configuration, and what it holds of a person.
-    pub(super) fn of(config: &'a Path, patient: &str) -> Result<(Reached<'a>, Person), Fault> {
-        let request = Request::Person { patient: patient.to_owned() };
-        let language = config::read(config).map(|config| config.language).unwrap_or_default();
-        match ask(config, &request) {
-            Ok(Answer::Person(person)) => {
-                Ok((Reached { config, stopped: None, language }, *person))
-            }
-            Ok(_) => Err(AskFault::another_answer().into()),
-            Err(AskFault::NoStation { .. }) => {
-                let whole =
-                    config::read(config).map_err(|error: ConfigError| AskFault::from(error))?;
-                let stopped = Stopped::take(whole)?;
-                let person = stopped.person(patient)?;
-                Ok((Reached { config, stopped: Some(stopped), language }, person))
-            }
-            Err(fault) => Err(fault.into()),
+    /// Reads a patient's id; finds the station of a configuration, and what it holds of the patient.
+    pub(super) fn of(config: &'a Path) -> Result<(Reached<'a>, String, Person), Fault> {
+        let patient = read_patient().map_err(Fault::NoId)?;
+        if patient.is_empty() {
+            return Err(Fault::EmptyId);
         }
+        let (stopped, person) = match ask(config, &Request::Person { patient: patient.clone() }) {
+            Ok(Answer::Person(person)) => (None, *person),
+            Ok(_) => return Err(AskFault::another_answer().into()),
+            Err(AskFault::NoStation { .. }) => {
+                let stopped = Stopped::take(config::read(config).map_err(AskFault::from)?)?;
+                let person = stopped.person(&patient)?;
+                (Some(stopped), person)
+            }
+            Err(fault) => return Err(fault.into()),
+        };
+        if person.is_unknown() {
+            return Err(Fault::Unknown);
+        }
+        Ok((Reached { config, stopped, language: language(config) }, patient, person))
     }
 
     /// Notes in the station's history that a person's data was disclosed.

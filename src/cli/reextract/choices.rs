@@ -9,17 +9,13 @@ use gaiter_record::{Record, ReportChoice};
 use jiff::Zoned;
 
 use crate::cli::{Exit, explain_config};
-use crate::config::words::{self, FACINGS, POSTURES, UNITS, UPS, WINDINGS};
+use crate::config::words::{FACINGS, POSTURES, UNITS, UPS, WINDINGS};
+use crate::config::{self, words};
 
-/// The choice on the command line, which applies to all records.
+/// Method, output and report of a configuration, for all records. Without one the default method: what the export
+/// declares and which definitions of levels were requested is not part of it, and is taken from each record.
 #[derive(Debug)]
-pub enum Choices {
-    /// The method of a configuration.
-    Configured(Box<(Method, Output, ReportChoice)>),
-    /// The default method. What the export declares and which definitions of levels were requested is
-    /// not part of the method: it is taken from each record.
-    Default,
-}
+pub struct Choices(Option<(Method, Output, ReportChoice)>);
 
 impl Choices {
     /// The choices of a configuration, or the default.
@@ -27,18 +23,18 @@ impl Choices {
     /// # Errors
     /// The exit of a verb if the configuration has faults.
     pub fn of(config: Option<&Path>) -> Result<Choices, Exit> {
-        let Some(path) = config else { return Ok(Choices::Default) };
-        let config = crate::config::read(path).map_err(|error| explain_config(&error))?;
-        let choice = config.report_choice(Zoned::now().date());
-        Ok(Choices::Configured(Box::new((config.method, config.output, choice))))
+        let config = config.map(config::read).transpose();
+        let config = config.map_err(|error| explain_config(&error))?;
+        Ok(Choices(config.map(|config| {
+            let choice = config.report_choice(Zoned::now().date());
+            (config.method, config.output, choice)
+        })))
     }
 
     /// Method, output and report for the scan of a record.
     pub fn for_record(&self, record: &Record) -> (Method, Output, ReportChoice) {
-        match self {
-            Choices::Configured(all) => all.as_ref().clone(),
-            Choices::Default => (as_asked(record), Output::default(), ReportChoice::default()),
-        }
+        let default = || (as_asked(record), Output::default(), ReportChoice::default());
+        self.0.clone().unwrap_or_else(default)
     }
 }
 
@@ -95,7 +91,7 @@ mod tests {
             "legs": [], "differences": null, "findings": [],
         });
         let record: Record = serde_json::from_value(record).unwrap();
-        let (method, ..) = Choices::Default.for_record(&record);
+        let (method, ..) = Choices(None).for_record(&record);
         assert_eq!(method.scope, Scope::Leg(Side::Right));
         assert_eq!(method.unit, UnitChoice::Declared(Unit::Cm));
         assert_eq!(method.up, Up::Z);
