@@ -144,32 +144,15 @@ impl Error for AskFault {
     }
 }
 
-impl From<ConfigError> for AskFault {
-    fn from(error: ConfigError) -> AskFault {
-        AskFault::Config(error)
-    }
-}
-
-impl From<io::Error> for AskFault {
-    fn from(error: io::Error) -> AskFault {
-        AskFault::Io(error)
-    }
-}
-
-impl From<serde_json::Error> for AskFault {
-    fn from(error: serde_json::Error) -> AskFault {
-        AskFault::Answer(error)
-    }
-}
-
 /// Sends a request to the station of this configuration and returns its answer.
 ///
 /// # Errors
 /// See [`AskFault`].
 pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
-    let stream = connect(&state_dir(config)?, config)?;
-    let body = exchange(stream, &serde_json::to_vec(request)?)?;
-    match serde_json::from_slice(&body)? {
+    let stream = connect(&state_dir(config).map_err(AskFault::Config)?, config)?;
+    let body = serde_json::to_vec(request).map_err(AskFault::Answer)?;
+    let body = exchange(stream, &body).map_err(AskFault::Io)?;
+    match serde_json::from_slice(&body).map_err(AskFault::Answer)? {
         Answer::Fault(fault) => Err(AskFault::Refused(fault)),
         answer => Ok(answer),
     }

@@ -1,7 +1,5 @@
 //! `gaiter report`: writes the report of a record again, from `record.json` alone.
 
-mod found;
-
 use std::ffi::OsStr;
 use std::fs;
 use std::io;
@@ -11,7 +9,7 @@ use gaiter_record::report::Print;
 use gaiter_record::schema::{FindingNote, NOT_VOUCHED, SCHEMA};
 use gaiter_record::sizing::SizeChoice;
 use gaiter_record::{
-    FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
+    FilesFault, RECORD, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
 };
 use gaiter_sizes::Garment;
 use jiff::Zoned;
@@ -20,10 +18,10 @@ use serde_json::json;
 use super::args::ReportArgs;
 use super::sizes::tables;
 use super::{Exit, complain, print, shown};
-use crate::store::durable;
+use crate::station::runtime::causes::chain;
+use crate::store::revision::families;
 use crate::store::sums::{self, SumsFault};
-pub use found::NotFound;
-use found::found;
+use crate::store::{StoreFault, durable};
 
 /// Writes the report and prints its paths.
 pub fn report(args: &ReportArgs) -> Exit {
@@ -61,11 +59,28 @@ pub fn told(paths: &[PathBuf], as_json: bool) -> String {
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// There is none.
-    #[error(transparent)]
-    NotFound(#[from] NotFound),
-    /// The record cannot be read.
-    #[error("{}: {source}", shown(path.display()))]
+    /// Nothing has this name.
+    #[error(
+        "{}: there is no such file or folder; name a record's folder, its record.json, or a \
+         patient's folder", shown(.0.display())
+    )]
+    Nothing(PathBuf),
+    /// It is a folder without a record.
+    #[error(
+        "{}: neither a record.json nor a record's folder is in this folder; name a record's folder, its \
+         record.json, or a patient's folder", shown(.0.display())
+    )]
+    NoRecordIn(PathBuf),
+    /// It is a folder that cannot be listed.
+    #[error("{}: {}", shown(path.display()), shown(chain(source)))]
+    Unlisted {
+        /// The path.
+        path: PathBuf,
+        /// Why.
+        source: StoreFault,
+    },
+    /// The record cannot be looked at or read.
+    #[error("{}: {}", shown(path.display()), shown(source))]
     Unreadable {
         /// Its path.
         path: PathBuf,
@@ -135,15 +150,14 @@ impl Fault {
     /// The exit of the verb.
     pub fn exit(&self) -> Exit {
         match self {
-            Fault::NotFound(NotFound::Nothing(_) | NotFound::NoRecord(_)) => Exit::NoFile,
-            Fault::NotFound(NotFound::Unreadable { .. } | NotFound::Unlisted { .. }) => Exit::Io,
+            Fault::Nothing(_) | Fault::NoRecordIn(_) => Exit::NoFile,
             Fault::NoRecord { .. }
             | Fault::OtherSchema { .. }
             | Fault::Changed { .. }
             | Fault::Impossible { .. } => Exit::Unmeasurable,
             Fault::RecordFolder(_) | Fault::There(_) => Exit::Usage,
             Fault::Files(_) => Exit::Internal,
-            Fault::Unreadable { .. } | Fault::Write { .. } => Exit::Io,
+            Fault::Unreadable { .. } | Fault::Unlisted { .. } | Fault::Write { .. } => Exit::Io,
         }
     }
 }
@@ -158,6 +172,49 @@ pub fn record_at(path: &Path) -> Result<Record, Fault> {
         complain(format_args!("gaiter: {}: {remark}", shown(path.display())));
     }
     record_of_file(found.path)
+}
+
+/// A record's file, and what there is to say about how it was found.
+#[derive(Debug, PartialEq, Eq)]
+struct Found {
+    /// The path of its `record.json`.
+    path: PathBuf,
+    /// Which of several records was taken.
+    remark: Option<String>,
+}
+
+/// Finds the record at a path.
+///
+/// # Errors
+/// See [`Fault`]. A file whose content cannot be read is found all the same.
+fn found(path: &Path) -> Result<Found, Fault> {
+    let whole = path.to_owned();
+    let is_folder = match fs::metadata(path) {
+        Ok(metadata) => metadata.is_dir(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return Err(Fault::Nothing(whole));
+        }
+        Err(source) => return Err(Fault::Unreadable { path: whole, source }),
+    };
+    if !is_folder {
+        return Ok(Found { path: whole, remark: None });
+    }
+    let own = path.join(RECORD);
+    if own.exists() {
+        return Ok(Found { path: own, remark: None });
+    }
+    // A store's folder holds patients: none of them is taken unasked.
+    let unlisted = |source| Fault::Unlisted { path: path.to_owned(), source };
+    let mut records = families(path).map_err(unlisted)?;
+    records.retain(|record| record.patient_folder == path);
+    let newest = records.last().ok_or_else(|| Fault::NoRecordIn(path.to_owned()))?;
+    let folder = &newest.latest().1;
+    let shown = shown(folder.display());
+    let remark = match records.len() {
+        1 => format!("its only record is reported: {shown}"),
+        count => format!("the newest of its {count} records is reported: {shown}"),
+    };
+    Ok(Found { path: folder.join(RECORD), remark: Some(remark) })
 }
 
 /// As [`record_at`]; that nothing vouches for its figures is told, too.
@@ -247,4 +304,41 @@ fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
         record.findings.insert(0, FindingNote::not_vouched());
     }
     Ok(record)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_revision_of_a_patient_is_taken_and_said_and_of_a_store_none() {
+        let store = tempfile::tempdir().unwrap();
+        let patient = store.path().join("4711");
+        let folder = |name: &str| patient.join(name);
+        let names = [
+            "20261121T091500Z_aaaaaaaa",
+            "20261122T091500Z_bbbbbbbb",
+            "20261122T091500Z_bbbbbbbb_r2",
+        ];
+        for name in names {
+            fs::create_dir_all(folder(name)).unwrap();
+            fs::write(folder(name).join(RECORD), "{}").unwrap();
+        }
+        let newest = folder(names[2]);
+        let of_patient = found(&patient).unwrap();
+        assert_eq!(of_patient.path, newest.join(RECORD));
+        let remark = of_patient.remark.unwrap();
+        assert!(remark.starts_with("the newest of its 2 records"), "{remark}");
+        assert!(remark.ends_with(&newest.display().to_string()), "{remark}");
+        let of_record = Found { path: folder(names[0]).join(RECORD), remark: None };
+        assert_eq!(found(&folder(names[0])).unwrap(), of_record);
+        let store = store.path();
+        assert!(matches!(found(store), Err(Fault::NoRecordIn(path)) if path == store));
+        let missing = store.join("4712");
+        assert!(matches!(found(&missing), Err(Fault::Nothing(path)) if path == missing));
+        let of_a_file = folder(names[0]).join(RECORD).join("4711");
+        assert!(
+            matches!(found(&of_a_file), Err(Fault::Unreadable { path, .. }) if path == of_a_file)
+        );
+    }
 }

@@ -91,7 +91,7 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let volume = reader.text("method.volume", Default("cones"), parse::word(VOLUMES));
     let output = output(reader);
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
-    let mut files = FilesBeside::new(files);
+    let mut files = FilesBeside { from: files, bytes: 0 };
     let garments = sizes::garments(reader, &mut files);
     let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
     let age_max = visits::age_max(reader);

@@ -23,16 +23,10 @@ pub(super) struct Garments {
 
 /// The files that a configuration names.
 pub(super) struct FilesBeside {
-    from: Files,
+    /// Where they come from.
+    pub from: Files,
     /// The bytes of those that have been read.
-    bytes: usize,
-}
-
-impl FilesBeside {
-    /// Those that come from here; none has been read.
-    pub(super) fn new(from: Files) -> FilesBeside {
-        FilesBeside { from, bytes: 0 }
-    }
+    pub bytes: usize,
 }
 
 /// Reads `report.garment` and the garments of files.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gaiter_record::RECORD;
 use gaiter_visits::{LeftOut, last_of_days};
 
-use crate::cli::report::{Fault, NotFound, told_record_at};
+use crate::cli::report::{Fault, told_record_at};
 use crate::cli::{complain, shown};
 use crate::station::runtime::causes::chain;
 use crate::store::revision::families;
@@ -31,7 +31,7 @@ pub(super) fn of_patient(
     patient: &str,
     delivered: &[String],
 ) -> Result<(Vec<PlacedRecord>, Vec<LeftOut>), Fault> {
-    let unlisted = |source| NotFound::Unlisted { path: store.to_owned(), source };
+    let unlisted = |source| Fault::Unlisted { path: store.to_owned(), source };
     let found = visits::of_patient(store, patient).map_err(unlisted)?;
     for of in &found.unusable {
         let (folder, fault) = (shown(of.folder.display()), shown(chain(&of.fault)));
@@ -57,7 +57,7 @@ fn in_folder(path: &Path) -> Result<Option<Vec<PlacedRecord>>, Fault> {
     if !path.is_dir() || path.join(RECORD).exists() {
         return Ok(None);
     }
-    let unlisted = |source| NotFound::Unlisted { path: path.to_owned(), source };
+    let unlisted = |source| Fault::Unlisted { path: path.to_owned(), source };
     let mut families = families(path).map_err(unlisted)?;
     families.retain(|family| family.patient_folder == path);
     let records = families.iter().map(|family| one(&family.latest().1));

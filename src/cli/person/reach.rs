@@ -109,7 +109,7 @@ impl<'a> Reached<'a> {
             Ok(Answer::Person(person)) => (None, *person),
             Ok(_) => return Err(AskFault::another_answer().into()),
             Err(AskFault::NoStation { .. }) => {
-                let stopped = Stopped::take(config::read(config).map_err(AskFault::from)?)?;
+                let stopped = Stopped::take(config::read(config).map_err(AskFault::Config)?)?;
                 let person = stopped.person(&patient)?;
                 (Some(stopped), person)
             }
@@ -157,7 +157,7 @@ impl<'a> Reached<'a> {
         is_noted: bool,
         leaves_owed: bool,
     ) -> Result<Option<Erasure>, Fault> {
-        let whole = config::read(self.config).map_err(AskFault::from)?;
+        let whole = config::read(self.config).map_err(AskFault::Config)?;
         let stopped = Stopped::take(whole)?;
         let is_this = |erasure: &Erasure| is_noted || erasure.at >= asked;
         let found = stopped.erasure(patient).filter(is_this);

@@ -33,17 +33,11 @@ impl Told {
     /// How much it changed: levels that came or went count before girths, girths before heights.
     fn weight(&self) -> (usize, f64, f64) {
         let changes = &self.again.changes;
-        let by = |figure| self.largest(figure).map_or(0.0, |(by, _)| by.abs());
-        (changes.came.len() + changes.went.len(), by(girth), by(height))
+        let by = |figure: fn(&LevelChange) -> Change| {
+            self.largest(figure).map_or(0.0, |(by, _)| by.abs())
+        };
+        (changes.came.len() + changes.went.len(), by(|of| of.girth_mm), by(|of| of.height_mm))
     }
-}
-
-fn girth(level: &LevelChange) -> Change {
-    level.girth_mm
-}
-
-fn height(level: &LevelChange) -> Change {
-    level.height_mm
 }
 
 /// The whole report, with colours. `failed` records were not measured again. `left_out` records were
@@ -158,11 +152,11 @@ fn worst(mut changed: Vec<&Told>) -> String {
     for told in changed.into_iter().take(WORST) {
         let Again { from_revision, revision, changes, .. } = &told.again;
         let to = revision.map_or("-".to_owned(), |revision| revision.to_string());
-        let cell = |figure| match told.largest(figure) {
+        let cell = |figure: fn(&LevelChange) -> Change| match told.largest(figure) {
             Some((by, place)) if by != 0.0 => format!("{:>8} {:9}", signed(by), named(place)),
             _ => format!("{:>8} {:9}", "0.00", ""),
         };
-        let (girths, heights) = (cell(girth), cell(height));
+        let (girths, heights) = (cell(|of| of.girth_mm), cell(|of| of.height_mm));
         let came = changes.came.iter().map(|place| format!("  +{}", named(place)));
         let went = changes.went.iter().map(|place| format!("  -{}", named(place)));
         let levels: String = came.chain(went).collect();
