@@ -21,18 +21,12 @@ const TOLERANCE_MM: f64 = 2.0;
 
 /// Measures and prints. Returns [`Exit::Unmeasurable`] if the body cannot be measured, or if a girth is
 /// beyond the tolerance.
-pub fn calibrate(args: &CalibrateArgs) -> Exit {
-    let choices = match Choices::of(args) {
-        Ok(choices) => choices,
-        Err(exit) => return exit,
-    };
-    let check = match checked(args, &choices) {
-        Ok(check) => check,
-        Err((exit, why)) => {
-            complain(format_args!("gaiter: {}: {why}", shown(args.scan.display())));
-            return exit;
-        }
-    };
+pub fn calibrate(args: &CalibrateArgs) -> Result<Exit, Exit> {
+    let choices = Choices::of(args)?;
+    let check = checked(args, &choices).map_err(|(exit, why)| {
+        complain(format_args!("gaiter: {}: {why}", shown(args.scan.display())));
+        exit
+    })?;
     let printed = match args.json {
         true => serde_json::to_string(&check)
             .map_err(io::Error::from)
@@ -43,7 +37,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Exit {
         CheckResult::Within => Exit::Done,
         CheckResult::Beyond | CheckResult::NotMeasured => Exit::Unmeasurable,
     };
-    exit.max(exit_of_printing("the check", printed))
+    Ok(exit.max(exit_of_printing("the check", printed)))
 }
 
 /// What is known of the body, and how it is measured.

@@ -31,11 +31,8 @@ use place::{Foreign, put_folder};
 use summary::{Row, summary};
 
 /// Measures every file, prints a table or a JSON line for each, and returns the worst exit.
-pub fn extract(args: &ExtractArgs) -> Exit {
-    let choices = match Choices::of(args) {
-        Ok(choices) => choices,
-        Err(exit) => return exit,
-    };
+pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
+    let choices = Choices::of(args)?;
     let scans = found(&args.scans, args.recursive);
     if let Some(out) = &args.out
         && let Some([one, other]) = same_folder(&scans)
@@ -47,7 +44,7 @@ pub fn extract(args: &ExtractArgs) -> Exit {
             shown(other.display()),
             shown(out.join(stem).display()),
         ));
-        return Exit::Usage;
+        return Err(Exit::Usage);
     }
     // A folder may hold one scan today and many tomorrow, so the output has the same form for both.
     let several = scans.len() > 1 || args.scans.iter().any(|scan| scan.is_dir());
@@ -88,7 +85,7 @@ pub fn extract(args: &ExtractArgs) -> Exit {
         let printed = paint::print(summary(&rows, run.columns));
         worst = worst.max(exit_of_printing("the summary", printed));
     }
-    worst
+    Ok(worst)
 }
 
 /// What holds for all scans of one run.

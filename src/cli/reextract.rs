@@ -25,15 +25,9 @@ use choices::Choices;
 use report::{Told, report};
 
 /// Measures the scan of every record again and returns the worst exit.
-pub fn reextract(args: &ReextractArgs) -> Exit {
-    let choices = match Choices::of(args.config.as_deref()) {
-        Ok(choices) => choices,
-        Err(exit) => return exit,
-    };
-    let mut records = match records(&args.records) {
-        Ok(records) => records,
-        Err(exit) => return exit,
-    };
+pub fn reextract(args: &ReextractArgs) -> Result<Exit, Exit> {
+    let choices = Choices::of(args.config.as_deref())?;
+    let mut records = records(&args.records)?;
     let all = records.len();
     records.retain(|family| args.since.is_none_or(|since| family.latest().0.first_seen >= since));
     if !args.dry_run {
@@ -61,7 +55,7 @@ pub fn reextract(args: &ReextractArgs) -> Exit {
         let printed = paint::print(report(&told, records.len() - told.len(), left_out));
         worst = worst.max(exit_of_printing("the result", printed));
     }
-    worst
+    Ok(worst)
 }
 
 /// The records at a path, at least one.

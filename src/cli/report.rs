@@ -24,27 +24,18 @@ use crate::store::sums::{self, SumsFault};
 use crate::store::{StoreFault, durable};
 
 /// Writes the report and prints its paths.
-pub fn report(args: &ReportArgs) -> Exit {
-    let chosen = args.garment.chosen(Garment::shipped(), &Garment::default());
-    let chosen = chosen.and_then(|garment| Ok((garment, tables(&args.tables)?)));
-    let (garment, tables) = match chosen {
-        Ok(chosen) => chosen,
-        Err(exit) => return exit,
-    };
+pub fn report(args: &ReportArgs) -> Result<Exit, Exit> {
+    let garment = args.garment.chosen(Garment::shipped(), &Garment::default())?;
+    let tables = tables(&args.tables)?;
     let sizes = SizeChoice { tables, today: Zoned::now().date(), ..SizeChoice::default() };
-    match made(args, sizes, garment) {
-        Ok(paths) => match print(told(&paths, args.json)) {
-            Ok(()) => Exit::Done,
-            Err(error) => {
-                complain(format_args!("gaiter: the report is written, but: {error}"));
-                Exit::Io
-            }
-        },
-        Err(fault) => {
-            complain(format_args!("gaiter: {fault}"));
-            fault.exit()
-        }
-    }
+    let paths = made(args, sizes, garment).map_err(|fault| {
+        complain(format_args!("gaiter: {fault}"));
+        fault.exit()
+    })?;
+    print(told(&paths, args.json)).map(|()| Exit::Done).map_err(|error| {
+        complain(format_args!("gaiter: the report is written, but: {error}"));
+        Exit::Io
+    })
 }
 
 /// The paths of the report, one line per file or as JSON.

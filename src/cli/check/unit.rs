@@ -90,13 +90,10 @@ impl<'a> Unit<'a> {
     fn refuses(&self, folder: &Path, need: Need) -> Option<String> {
         let in_one_of = |places: &[&str]| places.iter().any(|place| folder.starts_with(place));
         let is_on = |property| !matches!(self.get(property), "" | "no");
-        if is_on("ProtectHome") && in_one_of(&HOMES) {
-            let what = "cannot be seen by gaiter.service (ProtectHome); move it";
-            return Some(what.to_owned());
-        }
-        if is_on("PrivateTmp") && in_one_of(&TEMPORARY) {
-            let what = "cannot be seen by gaiter.service (PrivateTmp); move it";
-            return Some(what.to_owned());
+        for (property, places) in [("ProtectHome", &HOMES[..]), ("PrivateTmp", &TEMPORARY[..])] {
+            if is_on(property) && in_one_of(places) {
+                return Some(format!("cannot be seen by gaiter.service ({property}); move it"));
+            }
         }
         if need == Need::Read || self.get("ProtectSystem") != "strict" || self.may_write(folder) {
             return None;

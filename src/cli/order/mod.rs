@@ -23,10 +23,10 @@ use super::{
 };
 
 /// Checks mappings, or writes an order.
-pub fn order(args: &OrderArgs) -> Exit {
+pub fn order(args: &OrderArgs) -> Result<Exit, Exit> {
     match &args.verb {
-        Some(OrderVerb::Check(args)) => check::check(args),
-        None => ordered(&args.of).unwrap_or_else(|exit| exit),
+        Some(OrderVerb::Check(args)) => Ok(check::check(args)),
+        None => ordered(&args.of),
     }
 }
 

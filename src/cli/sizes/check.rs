@@ -23,12 +23,9 @@ use crate::config::sizes::beside::TextFile;
 const SCHEMA: &str = "gaiter.size-check/1";
 
 /// Checks the tables and prints what was found.
-pub fn check(args: &SizesCheckArgs) -> Exit {
+pub fn check(args: &SizesCheckArgs) -> Result<Exit, Exit> {
     let own = GarmentArgs { garment_file: args.garment_file.clone(), garment: None };
-    let garments = match own.known(Garment::shipped()) {
-        Ok(garments) => garments,
-        Err(exit) => return exit,
-    };
+    let garments = own.known(Garment::shipped())?;
     let (today, mut worst) = (Zoned::now().date(), Exit::Done);
     let mut checked = Vec::new();
     for path in &args.files {
@@ -45,7 +42,7 @@ pub fn check(args: &SizesCheckArgs) -> Exit {
         false => Ok(text(&checked, args.language, screen::columns())),
     };
     let printed = printed.map_err(std::io::Error::other).and_then(print);
-    worst.max(exit_of_printing("the result", printed))
+    Ok(worst.max(exit_of_printing("the result", printed)))
 }
 
 /// A file, and what was found in it.

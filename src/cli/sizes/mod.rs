@@ -16,10 +16,10 @@ pub use check::in_words as remark_in_words;
 pub use tables::{files_at, read_all, tables};
 
 /// Checks tables, or judges a record.
-pub fn sizes(args: &SizesArgs) -> Exit {
+pub fn sizes(args: &SizesArgs) -> Result<Exit, Exit> {
     match &args.verb {
         Some(SizesVerb::Check(args)) => check::check(args),
-        None => judged(&args.of).unwrap_or_else(|exit| exit),
+        None => judged(&args.of),
     }
 }
 
