@@ -11,7 +11,7 @@ use gaiter_sizes::table::Limits;
 use gaiter_sizes::{Fault, Garment, SizeTable, What, garment, parse};
 use jiff::Zoned;
 use jiff::civil::Date;
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::files_at;
 use crate::cli::args::{GarmentArgs, SizesCheckArgs};
@@ -180,57 +180,31 @@ pub fn in_words(remark: &Remark, language: Language) -> String {
     }
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Json<'a> {
-    schema: &'static str,
-    files: Vec<JsonFile<'a>>,
-}
-
-#[derive(Serialize)]
-struct JsonFile<'a> {
-    path: &'a str,
-    /// The name of a garment; null for a table.
-    garment: Option<&'a str>,
-    /// Null for a table with faults, as edition and hash are.
-    id: Option<&'a str>,
-    edition: Option<&'a str>,
-    sha256: Option<&'a str>,
-    faults: &'a [Fault],
-    remarks: Vec<JsonRemark<'a>>,
-}
-
-#[derive(Serialize)]
-struct JsonRemark<'a> {
-    #[serde(flatten)]
-    remark: &'a Remark,
-    message: String,
-}
-
+/// What `--json` prints. Of a table, the garment is null; of a file with faults, also id, edition and hash.
 fn json(checked: &[Checked], language: Language) -> Result<String, serde_json::Error> {
-    let files = checked.iter().map(|of| {
-        let table = match &of.found {
-            Ok(Sound::Table(table)) => Some(table),
-            _ => None,
+    let with_message = |remark: &Remark| -> Result<Value, serde_json::Error> {
+        let mut said = serde_json::to_value(remark)?;
+        said["message"] = in_words(remark, language).into();
+        Ok(said)
+    };
+    let mut files = Vec::new();
+    for Checked { path, found, remarks } in checked {
+        let (table, garment, faults): (_, _, &[Fault]) = match found {
+            Ok(Sound::Table(table)) => (Some(table), None, &[]),
+            Ok(Sound::Garment(garment)) => (None, Some(garment.name()), &[]),
+            Err(faults) => (None, None, faults.as_slice()),
         };
-        let garment = match &of.found {
-            Ok(Sound::Garment(garment)) => Some(garment.name()),
-            _ => None,
-        };
-        let remarks = of
-            .remarks
-            .iter()
-            .map(|remark| JsonRemark { remark, message: in_words(remark, language) });
-        JsonFile {
-            path: &of.path,
-            garment,
-            id: table.map(|table| table.id.as_str()),
-            edition: table.map(|table| table.edition.as_str()),
-            sha256: table.map(|table| table.sha256.as_str()),
-            faults: of.found.as_ref().err().map_or(&[], Vec::as_slice),
-            remarks: remarks.collect(),
-        }
-    });
-    let json = Json { schema: SCHEMA, files: files.collect() };
-    serde_json::to_string_pretty(&json).map(|json| json + "\n")
+        let remarks = remarks.iter().map(with_message);
+        let remarks = remarks.collect::<Result<Vec<Value>, _>>()?;
+        files.push(json!({
+            "path": path,
+            "garment": garment,
+            "id": table.map(|table| &table.id),
+            "edition": table.map(|table| &table.edition),
+            "sha256": table.map(|table| &table.sha256),
+            "faults": faults,
+            "remarks": remarks,
+        }));
+    }
+    Ok(format!("{:#}\n", json!({ "schema": SCHEMA, "files": files })))
 }
