@@ -8,10 +8,11 @@ use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
 
 use super::deliveries::{finish_if_done, has_served, owners};
-use super::delivery_row::{count, step};
-use super::scans::{insert_delivery, set_state, state_of};
+use super::delivery_row::{self, count, step};
+use super::row::{all, first, json_cell, run};
+use super::scans::{insert_delivery, needs_decision, set_state, state_of};
 use super::withdrawal::UNWANTED;
-use super::{Due, Event, Journal, JournalError, Task, cell, history, json_cell, withdrawal};
+use super::{Due, Event, Journal, JournalError, Task, history, withdrawal};
 
 impl Journal {
     /// All deliveries of a scan in this state.
@@ -25,11 +26,10 @@ impl Journal {
 
     /// The ids of the patients a held scan may belong to, as far as known when it was held.
     pub fn candidates(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
-        let connection = self.connection();
-        let mut query =
-            connection.prepare_cached("SELECT candidates FROM scans WHERE sha256 = ?1")?;
-        let text: String = query.query_row([scan.as_str()], |row| row.get(0))?;
-        json_cell("candidates", text)
+        let candidates = "SELECT candidates FROM scans WHERE sha256 = ?1";
+        let found =
+            first(&self.connection(), candidates, [scan.as_str()], |row| json_cell(row, 0))?;
+        found.ok_or(JournalError::Unknown { what: "scan" })
     }
 
     /// Applies an operator's retry of refused deliveries. `number` is set if it revokes an earlier
@@ -125,26 +125,13 @@ pub(super) fn deliveries_in(
     scan: &ScanId,
     state: DeliveryState,
 ) -> Result<Vec<Due>, JournalError> {
-    let mut query = connection.prepare_cached(
-        "SELECT patient, sources, store, first_seen, attempts
-         FROM deliveries JOIN scans USING (sha256)
+    let found = format!(
+        "SELECT {} FROM deliveries JOIN scans USING (sha256)
          WHERE sha256 = ?1 AND deliveries.state = ?2 ORDER BY patient, store",
-    )?;
-    let mut rows = query.query([scan.as_str(), state.word()])?;
-    let mut found = Vec::new();
-    while let Some(row) = rows.next()? {
-        let (id, sources): (String, String) = (row.get(0)?, row.get(1)?);
-        let sources = json_cell("sources", sources)?;
-        found.push(Due {
-            scan: scan.clone(),
-            patient: (!id.is_empty()).then_some(Patient { id, sources }),
-            store: row.get(2)?,
-            task: Task::Deliver,
-            first_seen: cell("first_seen", row.get(3)?, |text| text.parse().ok())?,
-            attempts: row.get(4)?,
-        });
-    }
-    Ok(found)
+        delivery_row::CELLS
+    );
+    let cells = [scan.as_str(), state.word()];
+    all(connection, &found, cells, |row| delivery_row::due(row, Task::Deliver))
 }
 
 /// Makes these deliveries pending after an operator's decision.
@@ -188,18 +175,14 @@ pub(super) fn make_again(
 
 /// Drops the held deliveries of a scan.
 pub(super) fn drop_held(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
-    transaction.execute(
-        "DELETE FROM deliveries WHERE sha256 = ?1 AND state = ?2",
-        [scan.as_str(), DeliveryState::Held.word()],
-    )?;
-    Ok(())
+    let dropped = "DELETE FROM deliveries WHERE sha256 = ?1 AND state = 'held'";
+    run(transaction, dropped, [scan.as_str()])
 }
 
 /// Closes a scan: it needs no further decision.
 pub(super) fn close(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     let given_up = "UPDATE scans SET closed = 'given-up' WHERE sha256 = ?1";
-    transaction.execute(given_up, [scan.as_str()])?;
-    Ok(())
+    run(transaction, given_up, [scan.as_str()])
 }
 
 /// Gives a scan to these patients only; without patients it becomes unassigned.
@@ -209,21 +192,17 @@ pub(super) fn belongs_to(
     patients: &[Patient],
     stores: &[&str],
 ) -> Result<(), JournalError> {
-    let opened = "UPDATE scans SET closed = NULL WHERE sha256 = ?1";
-    transaction.execute(opened, [scan.as_str()])?;
+    needs_decision(transaction, scan)?;
     drop_held(transaction, scan)?;
-    let ids: Vec<&str> = match patients {
-        [] => vec![""],
-        patients => patients.iter().map(|patient| patient.id.as_str()).collect(),
+    let whose: Vec<Option<&Patient>> = match patients {
+        [] => vec![None],
+        patients => patients.iter().map(Some).collect(),
     };
+    let ids: Vec<&str> =
+        whose.iter().map(|patient| patient.map_or("", |patient| &patient.id)).collect();
     give_way(transaction, scan, &json!(ids).to_string())?;
-    match patients {
-        [] => for_whom(transaction, scan, None, stores)?,
-        patients => {
-            for patient in patients {
-                for_whom(transaction, scan, Some(patient), stores)?;
-            }
-        }
+    for patient in whose {
+        for_whom(transaction, scan, patient, stores)?;
     }
     withdrawal::apply(transaction, scan)?;
     finish_if_done(transaction, scan)
@@ -241,13 +220,13 @@ fn give_way(transaction: &Transaction<'_>, scan: &ScanId, ids: &str) -> Result<(
         ),
         [scan.as_str(), ids, UNASSIGNED],
     )?;
-    transaction.execute(
+    run(
+        transaction,
         "UPDATE deliveries SET state = 'delivered', code = ?3, next_at = NULL
          WHERE sha256 = ?1 AND patient NOT IN (SELECT value FROM json_each(?2))
                AND state IN ('pending', 'refused')",
         [scan.as_str(), ids, SUPERSEDED],
-    )?;
-    Ok(())
+    )
 }
 
 /// Enters the deliveries of a scan to the patient an operator assigned it to.

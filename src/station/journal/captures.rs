@@ -2,7 +2,6 @@
 //!
 //! Times are on the machine's clock since its start and valid only for that start.
 
-mod cells;
 mod next;
 
 use std::time::Duration;
@@ -11,12 +10,13 @@ use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::round::{Capture, CaptureState, Judged, Named, Opener, Rounds};
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
-use rusqlite::{OptionalExtension, Row, Transaction, params};
+use rusqlite::{Row, Transaction, params};
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use super::integrity::seal;
-use super::{Event, Journal, JournalError, cell, history, json_cell};
-use cells::{json_text, milliseconds, word_of};
+use super::row::{all, cell, first, json_cell, json_text, run, time, value};
+use super::{Event, Journal, JournalError, history};
 pub(super) use next::{clear as clear_names, names_patient};
 
 /// The states of a capture that is over.
@@ -66,10 +66,7 @@ pub struct BoothChange<'a> {
 impl Journal {
     /// The number of the next capture.
     pub fn next_capture(&self) -> Result<i64, JournalError> {
-        let newest: Option<i64> =
-            self.connection()
-                .query_row("SELECT max(number) FROM captures", [], |row| row.get(0))?;
-        Ok(newest.unwrap_or(0) + 1)
+        value(&self.connection(), "SELECT coalesce(max(number), 0) + 1 FROM captures", [])
     }
 
     /// Records a change at the booth: captures opened, changed or ended, names given or used.
@@ -107,72 +104,51 @@ impl Journal {
 
     /// The captures whose exports have not come, in the order in which they were opened.
     pub fn captures_waiting(&self) -> Result<Vec<CaptureRow>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
-            "SELECT {CELLS} FROM captures WHERE state IN {WAITING} ORDER BY number"
-        ))?;
-        let mut rows = query.query([])?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next()? {
-            found.push(read(row)?);
-        }
-        Ok(found)
+        let waiting =
+            format!("SELECT {CELLS} FROM captures WHERE state IN {WAITING} ORDER BY number");
+        all(&self.connection(), &waiting, [], read)
     }
 
     /// The capture that a scan answered, also where it was opened again because the scan was refused.
     pub fn capture_answered_by(&self, scan: &ScanId) -> Result<Option<Capture>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
-            "SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {NOT_ENDED}"
-        ))?;
-        let mut rows = query.query([scan.as_str()])?;
-        rows.next()?.map(|row| Ok(read(row)?.capture)).transpose()
+        let answered =
+            format!("SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {NOT_ENDED}");
+        let found = first(&self.connection(), &answered, [scan.as_str()], read)?;
+        Ok(found.map(|row| row.capture))
     }
 
     /// The captures whose scans are to be measured, are held, or were refused without the capture being
     /// opened again.
     pub fn captures_taken(&self) -> Result<Vec<CaptureRow>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
+        let taken = format!(
             "SELECT {CELLS} FROM captures WHERE state IN {TAKEN}
              AND (state = '{HELD}' OR scan IN (SELECT sha256 FROM scans WHERE state IN (?1, ?2)))
              ORDER BY number"
-        ))?;
-        let (spooled, refused) = (ScanState::Spooled.word(), ScanState::Refused.word());
-        let mut rows = query.query([spooled, refused])?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next()? {
-            found.push(read(row)?);
-        }
-        Ok(found)
+        );
+        let states = [ScanState::Spooled.word(), ScanState::Refused.word()];
+        all(&self.connection(), &taken, states, read)
     }
 
     /// Whether the last orders came before or after the press, newest last.
     pub fn orders_came(&self) -> Result<Vec<OrderCame>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT json_extract(detail, '$.after_press') = 1 FROM history
-             WHERE event = ?1 AND json_extract(detail, '$.by') = 'order'
-             ORDER BY seq DESC LIMIT ?2",
-        )?;
-        let rows = query.query_map(params![Event::Named.word(), ORDERS_MOST as i64], |row| {
+        let came = "SELECT json_extract(detail, '$.after_press') = 1 FROM history
+                    WHERE event = ?1 AND json_extract(detail, '$.by') = 'order'
+                    ORDER BY seq DESC LIMIT ?2";
+        let cells = params![Event::Named.word(), ORDERS_MOST as i64];
+        let mut came = all(&self.connection(), came, cells, |row| {
             Ok(match row.get::<_, Option<bool>>(0)? {
                 Some(true) => OrderCame::AfterPress,
                 Some(false) | None => OrderCame::BeforePress,
             })
         })?;
-        let mut came: Vec<OrderCame> = rows.collect::<rusqlite::Result<_>>()?;
         came.reverse();
         Ok(came)
     }
 
     /// When a capture was opened, by the wall clock; `None` if the capture is not kept.
     pub fn captured_at(&self, number: i64) -> Result<Option<Timestamp>, JournalError> {
-        let text: Option<String> = self
-            .connection()
-            .query_row("SELECT at FROM captures WHERE number = ?1", [number], |row| row.get(0))
-            .optional()?;
-        text.map(|text| cell("at", text, |text| text.parse().ok())).transpose()
+        let at = "SELECT at FROM captures WHERE number = ?1";
+        first(&self.connection(), at, [number], |row| time(row, 0))
     }
 
     /// Ends captures of refused scans because a good scan of the same patient was measured.
@@ -221,10 +197,8 @@ pub(super) fn answer(
     }
     let Some(number) = answered else { return Ok(()) };
     doubt(transaction, number, candidates)?;
-    transaction.execute(
-        "UPDATE captures SET state = ?2, scan = ?3 WHERE number = ?1",
-        params![number, state, scan.as_str()],
-    )?;
+    let taken = "UPDATE captures SET state = ?2, scan = ?3 WHERE number = ?1";
+    transaction.execute(taken, params![number, state, scan.as_str()])?;
     let detail = json!({ "capture": number, "as": state });
     history::append(transaction, Some(scan), Event::Answered, &detail)
 }
@@ -235,13 +209,8 @@ fn doubt(
     number: i64,
     candidates: &[Named],
 ) -> Result<(), JournalError> {
-    let row = {
-        let mut query = transaction.prepare_cached(&format!(
-            "SELECT {CELLS} FROM captures WHERE number = ?1 AND state IN {NOT_ENDED}"
-        ))?;
-        let mut rows = query.query([number])?;
-        rows.next()?.map(read).transpose()?
-    };
+    let row = format!("SELECT {CELLS} FROM captures WHERE number = ?1 AND state IN {NOT_ENDED}");
+    let row = first(transaction, &row, [number], read)?;
     let Some(CaptureRow { mut capture, boot, .. }) = row else { return Ok(()) };
     candidates.iter().for_each(|named| capture.may_also_be(named));
     save(transaction, &capture, &boot)
@@ -254,43 +223,42 @@ const CELLS: &str = "number, boot, opened_ms, until_ms, opener, patient, source,
 fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
     let text = |at| row.get::<_, String>(at);
     let (number, id, source): (i64, String, String) = (row.get(0)?, text(5)?, text(6)?);
-    let others = text(8)?;
-    if text(11)? != seal::of_capture(number, &id, &source, &others) {
+    if text(11)? != seal::of_capture(number, &id, &source, &text(8)?) {
         return Err(JournalError::Seal { table: "captures" });
     }
-    let by = |word: &str| serde_json::from_value(json!(word)).ok();
     let patient = match id.is_empty() {
         true => None,
-        false => Some(Named { id, by: cell("source", source, by)? }),
+        false => Some(Named { id, by: cell(row, 6, of_word)? }),
     };
-    let time =
+    let since_start =
         |at| Ok::<_, JournalError>(Duration::from_millis(row.get::<_, i64>(at)?.unsigned_abs()));
-    let doubt = text(10)?;
-    let doubt = match doubt.is_empty() {
-        true => None,
-        false => Some(cell("doubt", doubt, |word| serde_json::from_value(json!(word)).ok())?),
-    };
     let capture = Capture {
         number,
-        opened: time(2)?,
-        until: time(3)?,
-        by: cell("opener", text(4)?, Opener::of_word)?,
+        opened: since_start(2)?,
+        until: since_start(3)?,
+        by: cell(row, 4, Opener::of_word)?,
         patient,
-        others: json_cell("candidates", others)?,
-        state: cell("state", text(7)?, CaptureState::of_word)?,
+        others: json_cell(row, 8)?,
+        state: cell(row, 7, CaptureState::of_word)?,
         is_refused: row.get(9)?,
-        doubt,
+        doubt: if text(10)?.is_empty() { None } else { Some(cell(row, 10, of_word)?) },
     };
-    let at = cell("at", text(12)?, |at| at.parse().ok())?;
-    Ok(CaptureRow { capture, boot: text(1)?, at })
+    Ok(CaptureRow { capture, boot: text(1)?, at: time(row, 12)? })
+}
+
+/// What a word stands for that serde writes.
+fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
+    serde_json::from_value(json!(word)).ok()
 }
 
 fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<(), JournalError> {
     let (id, source) = match &capture.patient {
-        Some(named) => (named.id.as_str(), word_of(named.by)?),
+        Some(named) => (named.id.as_str(), json_text(&named.by)?),
         None => ("", String::new()),
     };
+    let source = source.trim_matches('"');
     let others = json_text(&capture.others)?;
+    let milliseconds = |time: Duration| i64::try_from(time.as_millis()).unwrap_or(i64::MAX);
     let doubt = capture.doubt.map(|doubt| json_text(&doubt)).transpose()?.unwrap_or_default();
     transaction.execute(
         "INSERT INTO captures (number, at, boot, opened_ms, until_ms, opener, patient, source, state,
@@ -312,20 +280,17 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
             others,
             capture.is_refused,
             doubt.trim_matches('"'),
-            seal::of_capture(capture.number, id, &source, &others),
+            seal::of_capture(capture.number, id, source, &others),
         ],
     )?;
-    transaction.execute(
-        &format!("DELETE FROM captures WHERE number < ?1 AND state NOT IN {WAITING}"),
-        [capture.number - KEPT],
-    )?;
-    Ok(())
+    let old = format!("DELETE FROM captures WHERE number < ?1 AND state NOT IN {WAITING}");
+    run(transaction, &old, [capture.number - KEPT])
 }
 
 fn end(transaction: &Transaction<'_>, captures: &[i64], state: &str) -> Result<(), JournalError> {
     for number in captures {
-        transaction
-            .execute("UPDATE captures SET state = ?2 WHERE number = ?1", params![number, state])?;
+        let ended = "UPDATE captures SET state = ?2 WHERE number = ?1";
+        run(transaction, ended, params![number, state])?;
     }
     Ok(())
 }

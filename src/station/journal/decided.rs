@@ -7,18 +7,16 @@ use gaiter_record::Patient;
 use serde_json::json;
 
 use super::acts::{belongs_to, close, deliveries_in, for_whom, make_again};
-use super::scans::{set_state, state_of};
+use super::row::{run, value};
+use super::scans::{needs_decision, set_state, state_of};
 use super::{Due, Event, Journal, JournalError, history, withdrawal};
 
 impl Journal {
     /// The number of the last decision about a scan that this journal has applied; 0 for none.
     pub fn last_decision(&self, scan: &ScanId) -> Result<usize, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT coalesce(max(json_extract(detail, '$.decision')), 0) FROM history
-             WHERE scan = ?1",
-        )?;
-        let number: i64 = query.query_row([scan.as_str()], |row| row.get(0))?;
+        let last = "SELECT coalesce(max(json_extract(detail, '$.decision')), 0) FROM history
+                    WHERE scan = ?1";
+        let number: i64 = value(&self.connection(), last, [scan.as_str()])?;
         Ok(usize::try_from(number).unwrap_or(0))
     }
 
@@ -60,7 +58,7 @@ impl Journal {
     pub fn let_go_of(&self, scan: &ScanId) -> Result<(), JournalError> {
         self.change(|transaction| {
             let closed = "UPDATE scans SET closed = 'let-go' WHERE sha256 = ?1 AND closed IS NULL";
-            transaction.prepare_cached(closed)?.execute([scan.as_str()])?;
+            run(transaction, closed, [scan.as_str()])?;
             history::append(transaction, Some(scan), Event::LetGo, &json!({}))
         })
     }
@@ -86,8 +84,7 @@ impl Journal {
                      WHERE sha256 = ?1 AND state = 'refused'",
                     [scan.as_str(), SAME_SCAN_OTHER_PATIENT],
                 )?;
-                let opened = "UPDATE scans SET closed = NULL WHERE sha256 = ?1";
-                transaction.execute(opened, [scan.as_str()])?;
+                needs_decision(transaction, scan)?;
                 let open = state_of(transaction, scan)?.after(ScanStep::Reopen)?;
                 set_state(transaction, scan, open.after(ScanStep::Finish)?)?;
             }

@@ -5,63 +5,49 @@ mod amended;
 use std::path::Path;
 
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
-use gaiter_record::Patient;
 use jiff::Timestamp;
 use rusqlite::{Connection, Transaction, params};
 use serde_json::json;
 
-use super::delivery_row::{Due, Task, count, detail, set_code, step};
+use super::delivery_row::{self, Due, Task, count, detail, set_code, step};
 use super::integrity::seal;
+use super::row::{all, cell, run, scan_id, value};
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
-use super::{Event, Journal, JournalError, cell, history, json_cell};
+use super::{Event, Journal, JournalError, history};
 
 impl Journal {
     /// All deliveries to make or withdraw, newest scan first: an operator at the booth must not wait for
     /// a backlog.
     pub fn pending(&self) -> Result<Vec<Due>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
-            "SELECT sha256, patient, sources, store, deliveries.state, first_seen, attempts,
-                    deliveries.seal
+        let cells = format!("SELECT {}, deliveries.state, deliveries.seal", delivery_row::CELLS);
+        let due = format!(
+            "{cells}
              FROM deliveries JOIN scans USING (sha256)
              WHERE deliveries.state IN (?1, ?2)
              UNION ALL
-             SELECT sha256, patient, sources, store, deliveries.state, first_seen, attempts,
-                    deliveries.seal
+             {cells}
              FROM deliveries INDEXED BY deliveries_amended JOIN scans USING (sha256)
              WHERE amended = ?3 AND amended <> '' AND deliveries.state = ?4
                    AND coalesce(deliveries.code, '') NOT IN {UNWANTED}
              ORDER BY first_seen DESC, sha256"
-        ))?;
+        );
         let states = [DeliveryState::Pending, DeliveryState::Withdrawing, DeliveryState::Delivered];
         let [pending, withdrawing, delivered] = states.map(DeliveryState::word);
-        let mut rows = query.query([pending, withdrawing, amended::DUE, delivered])?;
-        let mut pending = Vec::new();
-        while let Some(row) = rows.next()? {
-            let (scan, id, sources): (String, String, String) =
-                (row.get(0)?, row.get(1)?, row.get(2)?);
-            let (store, state): (String, String) = (row.get(3)?, row.get(4)?);
+        let states = [pending, withdrawing, amended::DUE, delivered];
+        all(&self.connection(), &due, states, |row| {
+            let text = |at| row.get::<_, String>(at);
             // Checked again although the start checked all rows: this decides whose folder it goes to.
-            if row.get::<_, String>(7)? != seal::of_delivery(&scan, &id, &store, &sources) {
+            if text(7)? != seal::of_delivery(&text(0)?, &text(1)?, &text(3)?, &text(2)?) {
                 return Err(JournalError::Seal { table: "deliveries" });
             }
-            let sources = json_cell("sources", sources)?;
-            let task = match cell("state", state, DeliveryState::of_word)? {
+            let task = match cell(row, 6, DeliveryState::of_word)? {
                 DeliveryState::Withdrawing => Task::Withdraw,
                 DeliveryState::Delivered => Task::HandOver,
                 _ => Task::Deliver,
             };
-            pending.push(Due {
-                scan: cell("sha256", scan, ScanId::parse)?,
-                patient: (!id.is_empty()).then_some(Patient { id, sources }),
-                store,
-                task,
-                first_seen: cell("first_seen", row.get(5)?, |text| text.parse().ok())?,
-                attempts: row.get(6)?,
-            });
-        }
-        Ok(pending)
+            delivery_row::due(row, task)
+        })
     }
 
     /// Records a store's receipt. The last pending delivery makes the scan delivered. Earlier refused
@@ -98,9 +84,8 @@ impl Journal {
                              WHERE theirs.sha256 = ?1 AND theirs.patient = ?2 AND theirs.state = ?3
                                    AND coalesce(theirs.code, '') NOT IN {UNWANTED})"
         );
-        let cells = params![due.scan.as_str(), due.patient_cell(), DeliveryState::Delivered.word()];
-        self.connection().prepare_cached(&noted)?.execute(cells)?;
-        Ok(())
+        let cells = [due.scan.as_str(), due.patient_cell(), DeliveryState::Delivered.word()];
+        run(&self.connection(), &noted, cells)
     }
 
     /// Records that a store will never take a record, if other deliveries of the scan are pending: the scan is
@@ -118,10 +103,7 @@ impl Journal {
             }
             step(transaction, due, DeliveryStep::Refuse, None)?;
             set_code(transaction, due, code)?;
-            transaction.execute(
-                "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1",
-                [due.scan.as_str(), code, message],
-            )?;
+            set_reason(transaction, &due.scan, Some(code), Some(message))?;
             let detail = json!({ "code": code, "store": due.store });
             history::append(transaction, Some(&due.scan), Event::Refused, &detail)?;
             Ok(true)
@@ -134,13 +116,13 @@ impl Journal {
         if due.task == Task::HandOver {
             return Ok(());
         }
-        self.connection().execute(
+        run(
+            &self.connection(),
             "UPDATE deliveries SET attempts = attempts + 1, code = ?5, next_at = ?4
              WHERE sha256 = ?1 AND patient = ?2 AND store = ?3
                    AND state IN ('pending', 'withdrawing')",
             params![due.scan.as_str(), due.patient_cell(), due.store, next_at.to_string(), code],
-        )?;
-        Ok(())
+        )
     }
 
     /// The patients the scan belongs to: neither those it is held for nor those it was withdrawn from.
@@ -151,16 +133,26 @@ impl Journal {
 
 /// The patients the scan belongs to.
 pub(super) fn owners(connection: &Connection, scan: &ScanId) -> Result<Vec<String>, JournalError> {
-    let mut query = connection.prepare_cached(&format!(
+    let owners = format!(
         "SELECT DISTINCT patient FROM deliveries
          WHERE sha256 = ?1 AND patient <> '' AND state NOT IN (?2, ?3, ?4)
                AND coalesce(code, '') NOT IN {UNWANTED}"
-    ))?;
+    );
     let [held, withdrawing, withdrawn] =
         [DeliveryState::Held, DeliveryState::Withdrawing, DeliveryState::Withdrawn];
     let cells = [scan.as_str(), held.word(), withdrawing.word(), withdrawn.word()];
-    let rows = query.query_map(cells, |row| row.get(0))?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
+    all(connection, &owners, cells, |row| Ok(row.get(0)?))
+}
+
+/// Says why a scan is refused.
+fn set_reason(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    code: Option<&str>,
+    message: Option<&str>,
+) -> Result<(), JournalError> {
+    let set = "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1";
+    run(transaction, set, params![scan.as_str(), code, message])
 }
 
 /// Marks a scan as delivered if none of its deliveries is pending; as refused if a store will never take its record:
@@ -180,11 +172,7 @@ pub(super) fn finish_if_done(
             |row| Ok([row.get(0)?, row.get(1)?]),
         )?;
         set_state(transaction, scan, state.after(ScanStep::Refuse)?)?;
-        let [code, message] = why;
-        transaction.execute(
-            "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1",
-            params![scan.as_str(), code, message],
-        )?;
+        set_reason(transaction, scan, why[0].as_deref(), why[1].as_deref())?;
     }
     Ok(())
 }
@@ -198,13 +186,13 @@ pub(super) const IS_NEEDED: &str = "(scans.closed IS NULL OR NOT EXISTS (
 /// Reports whether the spooled bytes of a scan are no longer needed: none of its deliveries is pending,
 /// refused, or held for a decision that is still open.
 pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool, JournalError> {
-    let mut query = connection.prepare_cached(&format!(
+    let served = format!(
         "SELECT NOT EXISTS (
              SELECT 1 FROM deliveries JOIN scans USING (sha256)
              WHERE sha256 = ?1 AND (deliveries.state IN ('pending', 'refused')
                                     OR deliveries.state = 'held' AND {IS_NEEDED}))"
-    ))?;
-    Ok(query.query_row([scan.as_str()], |row| row.get(0))?)
+    );
+    value(connection, &served, [scan.as_str()])
 }
 
 /// Closes earlier refused scans of this patient and no other, because a later scan could be measured.
@@ -213,22 +201,20 @@ pub(super) fn close_superseded(
     due: &Due,
 ) -> Result<(), JournalError> {
     let Some(patient) = &due.patient else { return Ok(()) };
-    let closed: Vec<String> = {
-        let mut query = transaction.prepare_cached(
-            "UPDATE scans SET closed = 'superseded'
-             WHERE state = 'refused' AND closed IS NULL
-                   AND (first_seen, rowid) < (SELECT first_seen, rowid FROM scans WHERE sha256 = ?1)
-                   AND EXISTS (SELECT 1 FROM deliveries AS theirs WHERE theirs.sha256 = scans.sha256
-                               AND theirs.patient = ?2 AND theirs.state = 'refused')
-                   AND NOT EXISTS (SELECT 1 FROM deliveries AS others
-                                   WHERE others.sha256 = scans.sha256 AND others.patient <> ?2)
-             RETURNING sha256",
-        )?;
-        let rows = query.query_map([due.scan.as_str(), &patient.id], |row| row.get(0))?;
-        rows.collect::<rusqlite::Result<_>>()?
-    };
+    let closed = all(
+        transaction,
+        "UPDATE scans SET closed = 'superseded'
+         WHERE state = 'refused' AND closed IS NULL
+               AND (first_seen, rowid) < (SELECT first_seen, rowid FROM scans WHERE sha256 = ?1)
+               AND EXISTS (SELECT 1 FROM deliveries AS theirs WHERE theirs.sha256 = scans.sha256
+                           AND theirs.patient = ?2 AND theirs.state = 'refused')
+               AND NOT EXISTS (SELECT 1 FROM deliveries AS others
+                               WHERE others.sha256 = scans.sha256 AND others.patient <> ?2)
+         RETURNING sha256",
+        [due.scan.as_str(), &patient.id],
+        |row| scan_id(row, 0),
+    )?;
     for scan in closed {
-        let scan = cell("sha256", scan, ScanId::parse)?;
         let detail = json!({ "by": due.scan.short() });
         history::append(transaction, Some(&scan), Event::Superseded, &detail)?;
     }

@@ -3,10 +3,11 @@
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
 use gaiter_record::Patient;
 use jiff::Timestamp;
-use rusqlite::{Connection, OptionalExtension, Transaction, params};
+use rusqlite::{Connection, Row, Transaction, params};
 use serde_json::json;
 
-use super::{JournalError, cell};
+use super::JournalError;
+use super::row::{cell, first, json_cell, patient_id, run, scan_id, time, value};
 
 /// A delivery to make or withdraw.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,17 +44,33 @@ impl Due {
     }
 }
 
+/// The columns of a delivery and its scan, as [`due`] takes them.
+pub(super) const CELLS: &str = "sha256, patient, sources, store, first_seen, attempts";
+
+/// A delivery and what is to be done with it.
+pub(super) fn due(row: &Row<'_>, task: Task) -> Result<Due, JournalError> {
+    let sources = json_cell(row, 2)?;
+    Ok(Due {
+        scan: scan_id(row, 0)?,
+        patient: patient_id(row, 1)?.map(|id| Patient { id, sources }),
+        store: row.get(3)?,
+        task,
+        first_seen: time(row, 4)?,
+        attempts: row.get(5)?,
+    })
+}
+
 /// Sets the reason for a delivery's state.
 pub(super) fn set_code(
     transaction: &Transaction<'_>,
     due: &Due,
     code: &str,
 ) -> Result<(), JournalError> {
-    transaction.execute(
+    run(
+        transaction,
         "UPDATE deliveries SET code = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
         [due.scan.as_str(), due.patient_cell(), &due.store, code],
-    )?;
-    Ok(())
+    )
 }
 
 /// The details of a delivery for the history.
@@ -67,9 +84,8 @@ pub(super) fn count(
     scan: &ScanId,
     state: DeliveryState,
 ) -> Result<i64, JournalError> {
-    let mut query = connection
-        .prepare_cached("SELECT count(*) FROM deliveries WHERE sha256 = ?1 AND state = ?2")?;
-    Ok(query.query_row([scan.as_str(), state.word()], |row| row.get(0))?)
+    let counted = "SELECT count(*) FROM deliveries WHERE sha256 = ?1 AND state = ?2";
+    value(connection, counted, [scan.as_str(), state.word()])
 }
 
 /// The state of a delivery; `None` if it does not exist.
@@ -77,14 +93,12 @@ pub(super) fn delivery_state(
     connection: &Connection,
     due: &Due,
 ) -> Result<Option<DeliveryState>, JournalError> {
-    let word: Option<String> = connection
-        .query_row(
-            "SELECT state FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-            [due.scan.as_str(), due.patient_cell(), &due.store],
-            |row| row.get(0),
-        )
-        .optional()?;
-    word.map(|word| cell("state", word, DeliveryState::of_word)).transpose()
+    first(
+        connection,
+        "SELECT state FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+        [due.scan.as_str(), due.patient_cell(), &due.store],
+        |row| cell(row, 0, DeliveryState::of_word),
+    )
 }
 
 /// Advances a delivery by one step.
@@ -96,7 +110,8 @@ pub(super) fn step(
 ) -> Result<(), JournalError> {
     let state = delivery_state(transaction, due)?;
     let state = state.ok_or(JournalError::Unknown { what: "delivery" })?.after(step)?;
-    transaction.execute(
+    run(
+        transaction,
         "UPDATE deliveries SET state = ?4, code = NULL, next_at = NULL, changed_at = ?5,
                 folder = coalesce(?6, folder)
          WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
@@ -108,6 +123,5 @@ pub(super) fn step(
             Timestamp::now().to_string(),
             folder
         ],
-    )?;
-    Ok(())
+    )
 }

@@ -1,14 +1,16 @@
 //! What became of each scan, kept beside it. Flow decides it from the scan and its deliveries, with every change.
 
 use gaiter_flow::{DeliveryState, Disposition, ScanState};
-use rusqlite::{Connection, OptionalExtension, Transaction};
+use rusqlite::{Connection, Transaction};
 
+use super::JournalError;
+use super::row::{all, cell, first, run};
 use super::withdrawal::UNWANTED;
-use super::{JournalError, cell};
 
-/// Notes for this connection alone which scans its changes touch; nothing of it is in the file. The table has no
-/// key: the conflict clause of the statement that fires a trigger would overrule the trigger's own.
-const NOTED: &str = "
+/// Notes for [`decide_touched`], and for this connection alone, which scans its changes touch; nothing of it is in
+/// the file. The table has no key: the conflict clause of the statement that fires a trigger would overrule the
+/// trigger's own.
+pub(super) const NOTED: &str = "
 PRAGMA temp_store = MEMORY;
 CREATE TEMP TABLE touched (sha256 TEXT);
 CREATE TEMP TRIGGER scan_came AFTER INSERT ON main.scans
@@ -23,15 +25,10 @@ CREATE TEMP TRIGGER delivery_went AFTER DELETE ON main.deliveries
 BEGIN INSERT INTO touched VALUES (OLD.sha256); END;
 ";
 
-/// From now on the changes of this connection are noted for [`decide_touched`].
-pub(super) fn note_changes(connection: &Connection) -> Result<(), JournalError> {
-    Ok(connection.execute_batch(NOTED)?)
-}
-
 /// Decides anew about the scans that a change has touched.
 pub(super) fn decide_touched(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     if decide(transaction, "SELECT DISTINCT sha256 FROM touched")? {
-        transaction.prepare_cached("DELETE FROM touched")?.execute([])?;
+        run(transaction, "DELETE FROM touched", [])?;
     }
     Ok(())
 }
@@ -43,14 +40,11 @@ pub(super) fn decide_all(transaction: &Transaction<'_>) -> Result<(), JournalErr
 
 /// Decides about the scans of a query; whether there were any.
 fn decide(transaction: &Transaction<'_>, which: &str) -> Result<bool, JournalError> {
-    let mut query = transaction.prepare_cached(which)?;
-    let scans = query.query_map([], |row| row.get(0))?.collect::<Result<Vec<String>, _>>()?;
-    let mut keep = transaction.prepare_cached(
-        "UPDATE scans SET disposition = ?2 WHERE sha256 = ?1 AND disposition <> ?2",
-    )?;
+    let scans: Vec<String> = all(transaction, which, [], |row| Ok(row.get(0)?))?;
+    let keep = "UPDATE scans SET disposition = ?2 WHERE sha256 = ?1 AND disposition <> ?2";
     for scan in &scans {
         if let Some(found) = of_scan(transaction, scan)? {
-            keep.execute([scan, found.word()])?;
+            run(transaction, keep, [scan, found.word()])?;
         }
     }
     Ok(!scans.is_empty())
@@ -58,21 +52,18 @@ fn decide(transaction: &Transaction<'_>, which: &str) -> Result<bool, JournalErr
 
 /// What became of a scan by the rows of it and its deliveries; `None` if it is not there any more.
 fn of_scan(connection: &Connection, scan: &str) -> Result<Option<Disposition>, JournalError> {
-    let mut query = connection
-        .prepare_cached("SELECT state, closed IS NOT NULL FROM scans WHERE sha256 = ?1")?;
-    let found = query.query_row([scan], |row| Ok((row.get(0)?, row.get(1)?))).optional()?;
-    let Some((state, is_closed)): Option<(String, bool)> = found else { return Ok(None) };
-    let state = cell("state", state, ScanState::of_word)?;
-    let mut query = connection.prepare_cached(&format!(
+    let state = "SELECT state, closed IS NOT NULL FROM scans WHERE sha256 = ?1";
+    let found = first(connection, state, [scan], |row| {
+        Ok((cell(row, 0, ScanState::of_word)?, row.get(1)?))
+    })?;
+    let Some((state, is_closed)) = found else { return Ok(None) };
+    let deliveries = format!(
         "SELECT state, patient <> '' AND state = 'delivered' AND coalesce(code, '') NOT IN {UNWANTED}
          FROM deliveries WHERE sha256 = ?1"
-    ))?;
-    let rows = query.query_map([scan], |row| Ok((row.get(0)?, row.get(1)?)))?;
-    let mut deliveries = Vec::new();
-    for row in rows {
-        let (state, is_theirs): (String, bool) = row?;
-        deliveries.push((cell("state", state, DeliveryState::of_word)?, is_theirs));
-    }
+    );
+    let deliveries = all(connection, &deliveries, [scan], |row| {
+        Ok((cell(row, 0, DeliveryState::of_word)?, row.get(1)?))
+    })?;
     Ok(Some(Disposition::of(state, is_closed, deliveries.into_iter())))
 }
 

@@ -47,7 +47,7 @@ pub enum JournalError {
     #[error("the journal's column {column} holds {found:?}")]
     Cell {
         /// Column.
-        column: &'static str,
+        column: String,
         /// Its content.
         found: String,
     },

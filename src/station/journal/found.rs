@@ -2,15 +2,17 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_flow::DeliveryState;
 use gaiter_flow::lifecycle::UNASSIGNED;
 use gaiter_flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
-use gaiter_flow::{DeliveryState, ScanId};
 use gaiter_record::Patient;
 use rusqlite::{Transaction, params};
 use serde_json::{Value, json};
 
 use super::acts::belongs_to;
 use super::deliveries::{close_superseded, finish_if_done};
+use super::delivery_row::{delivery_state, detail};
+use super::row::{all, run};
 use super::scans::{insert_delivery, insert_scan};
 use super::withdrawal::{self, UNWANTED};
 use super::{Due, Event, Journal, JournalError, ScanRow, Task, history};
@@ -42,8 +44,7 @@ impl FoundThere<'_> {
     }
 
     fn detail(&self, number: Option<usize>) -> Value {
-        let id = self.patient.map_or("", |patient| &patient.id);
-        let mut detail = json!({ "patient": id, "store": self.store });
+        let mut detail = detail(&self.due());
         if let Some(number) = number {
             detail["decision"] = Value::from(number);
         }
@@ -65,7 +66,8 @@ impl Journal {
         self.change(|transaction| {
             let scan = &found.row.scan;
             insert_scan(transaction, found.row)?;
-            if is_known(transaction, &found.due())? {
+            let known = delivery_state(transaction, &found.due())?;
+            if known.is_some_and(|state| state != DeliveryState::Refused) {
                 return Ok(());
             }
             enter_made(transaction, found, None)?;
@@ -95,24 +97,20 @@ impl Journal {
             insert_scan(transaction, found.row)?;
             enter_made(transaction, found, Some(UNASSIGNED))?;
             if number.is_some() {
-                let stores = stores_of_others(transaction, scan)?;
-                let stores: Vec<&str> =
-                    takers.iter().copied().filter(|store| stores.contains(*store)).collect();
+                // Those that may hold an unwanted record of the scan.
+                let unwanted = format!(
+                    "SELECT DISTINCT store FROM deliveries WHERE sha256 = ?1
+                     AND (state = 'withdrawing' OR state = 'delivered' AND code IN {UNWANTED})"
+                );
+                let stores: Vec<String> =
+                    all(transaction, &unwanted, [scan.as_str()], |row| Ok(row.get(0)?))?;
+                let is_there = |taker: &&str| stores.iter().any(|store| store == taker);
+                let stores: Vec<&str> = takers.iter().copied().filter(is_there).collect();
                 belongs_to(transaction, scan, patients, &stores)?;
             }
             history::append(transaction, Some(scan), Event::Found, &found.detail(number))
         })
     }
-}
-
-/// Reports whether the journal has this delivery and it was not refused.
-fn is_known(transaction: &Transaction<'_>, due: &Due) -> Result<bool, JournalError> {
-    Ok(transaction.query_row(
-        "SELECT EXISTS (SELECT 1 FROM deliveries
-                        WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state <> ?4)",
-        [due.scan.as_str(), due.patient_cell(), &due.store, DeliveryState::Refused.word()],
-        |row| row.get(0),
-    )?)
 }
 
 /// Enters the delivery that put a record in its place.
@@ -128,11 +126,11 @@ fn enter_made(
         cells,
     )?;
     insert_delivery(transaction, &due.scan, found.patient, found.store, delivered, code)?;
-    transaction.execute(
+    run(
+        transaction,
         "UPDATE deliveries SET folder = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
         [cells[0], cells[1], cells[2], found.folder],
-    )?;
-    Ok(())
+    )
 }
 
 /// Corrects deliveries that were entered without knowing of a record: those to other patients are held,
@@ -163,17 +161,4 @@ fn hold_others(
         )?;
     }
     Ok(())
-}
-
-/// The stores that may hold an unwanted record of the scan.
-fn stores_of_others(
-    transaction: &Transaction<'_>,
-    scan: &ScanId,
-) -> Result<BTreeSet<String>, JournalError> {
-    let mut query = transaction.prepare_cached(&format!(
-        "SELECT DISTINCT store FROM deliveries
-         WHERE sha256 = ?1 AND (state = 'withdrawing' OR state = 'delivered' AND code IN {UNWANTED})"
-    ))?;
-    let rows = query.query_map([scan.as_str()], |row| row.get(0))?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
 }

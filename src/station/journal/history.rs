@@ -12,11 +12,13 @@ use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::Path;
 
 use gaiter_flow::ScanId;
+use gaiter_flow::account::Happened;
 use gaiter_record::sha256;
 use jiff::Timestamp;
-use rusqlite::{Connection, OptionalExtension, Transaction, params};
+use rusqlite::{Connection, Transaction, params};
 use serde_json::Value;
 
+use super::row::{all, first, run};
 use super::{Journal, JournalError};
 
 gaiter_leg::word_enum! {
@@ -88,17 +90,6 @@ gaiter_leg::word_enum! {
     }
 }
 
-/// One row of a scan's history.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct HistoryRow {
-    /// Time, UTC.
-    pub at: String,
-    /// What happened.
-    pub event: String,
-    /// Its details, JSON.
-    pub detail: String,
-}
-
 /// The newest row: its number and hash.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Head {
@@ -131,21 +122,17 @@ pub(super) fn append(
     let (at, scan) = (Timestamp::now().to_string(), scan.map_or("", ScanId::as_str));
     let (event, detail) = (event.word(), detail.to_string());
     let hash = hash(&before, seq, &at, scan, event, &detail);
-    transaction
-        .prepare_cached(
-            "INSERT INTO history (seq, at, scan, event, detail, hash)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-        )?
-        .execute(params![seq, at, scan, event, detail, hash])?;
-    Ok(())
+    run(
+        transaction,
+        "INSERT INTO history (seq, at, scan, event, detail, hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+        params![seq, at, scan, event, detail, hash],
+    )
 }
 
 /// The newest row; `None` in a journal without history.
 pub(super) fn newest(connection: &Connection) -> Result<Option<Head>, JournalError> {
-    Ok(connection
-        .prepare_cached("SELECT seq, hash FROM history ORDER BY seq DESC LIMIT 1")?
-        .query_row([], |row| Ok(Head { seq: row.get(0)?, hash: row.get(1)? }))
-        .optional()?)
+    let newest = "SELECT seq, hash FROM history ORDER BY seq DESC LIMIT 1";
+    first(connection, newest, [], |row| Ok(Head { seq: row.get(0)?, hash: row.get(1)? }))
 }
 
 /// Removes all rows before one; the chain continues from that row.
@@ -169,8 +156,7 @@ BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
 
 /// The hash of a row; `None` if there is no such row.
 pub(super) fn hash_of(connection: &Connection, seq: i64) -> Result<Option<String>, JournalError> {
-    let mut query = connection.prepare_cached("SELECT hash FROM history WHERE seq = ?1")?;
-    Ok(query.query_row([seq], |row| row.get(0)).optional()?)
+    first(connection, "SELECT hash FROM history WHERE seq = ?1", [seq], |row| Ok(row.get(0)?))
 }
 
 /// Checks the chain from its first row, which may have any number: older rows may have been pruned.
@@ -242,9 +228,7 @@ impl HeadFile {
 
 /// Reports whether the journal lacks a row that its head says was committed.
 pub(super) fn is_behind(connection: &Connection, head: &Head) -> Result<bool, JournalError> {
-    let found: Option<String> = connection
-        .query_row("SELECT hash FROM history WHERE seq = ?1", [head.seq], |row| row.get(0))
-        .optional()?;
+    let found = hash_of(connection, head.seq)?;
     let newest = newest(connection)?.map_or(0, |newest| newest.seq);
     // A pruned row is older than the oldest one, not newer than the newest.
     Ok(found.map_or(newest < head.seq, |found| found != head.hash))
@@ -271,13 +255,10 @@ impl Journal {
     }
 
     /// What happened to a scan, oldest first.
-    pub fn history(&self, scan: &ScanId) -> Result<Vec<HistoryRow>, JournalError> {
-        let connection = self.viewer();
-        let mut query = connection
-            .prepare_cached("SELECT at, event, detail FROM history WHERE scan = ?1 ORDER BY seq")?;
-        let rows = query.query_map([scan.as_str()], |row| {
-            Ok(HistoryRow { at: row.get(0)?, event: row.get(1)?, detail: row.get(2)? })
-        })?;
-        Ok(rows.collect::<rusqlite::Result<_>>()?)
+    pub fn history(&self, scan: &ScanId) -> Result<Vec<Happened>, JournalError> {
+        let history = "SELECT at, event, detail FROM history WHERE scan = ?1 ORDER BY seq";
+        all(&self.viewer(), history, [scan.as_str()], |row| {
+            Ok(Happened { at: row.get(0)?, event: row.get(1)?, detail: row.get(2)? })
+        })
     }
 }

@@ -4,18 +4,17 @@ mod newest;
 mod search;
 
 use std::collections::BTreeMap;
-use std::io;
 
 use gaiter_flow::account::{Delivered, Filter, Listed, Seen, Summary, Whole};
 use gaiter_flow::lifecycle::REVISION_REFUSED;
 use gaiter_flow::{Closed, DeliveryState, Disposition, ScanId, ScanState};
-use jiff::Timestamp;
-use rusqlite::{Connection, OptionalExtension, Row, params};
+use rusqlite::{Connection, Row, params};
 
 use super::disposition::is_one_of;
+use super::row::{all, cell, count, first, if_any, json_cell, patient_id, scan_id, time, value};
 use super::withdrawal::UNWANTED;
 use super::withdrawal::places::elsewhere;
-use super::{Journal, JournalError, cell};
+use super::{Journal, JournalError};
 
 /// The numbers of scans and deliveries, and the two scans asked for most often.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,50 +50,49 @@ impl Journal {
         let connection = viewer.unchecked_transaction()?;
         let mut scans: BTreeMap<&'static str, u64> =
             ScanState::ALL.into_iter().map(|state| (state.word(), 0)).collect();
-        let mut query = connection.prepare_cached(
+        scans.extend(all(
+            &connection,
             "SELECT state, count(*) FROM scans
              WHERE closed IS NULL OR state <> 'refused' GROUP BY state",
-        )?;
-        for row in query.query_map([], |row| Ok((row.get(0)?, count(row, 1)?)))? {
-            let (word, count): (String, u64) = row?;
-            scans.insert(cell("state", word, ScanState::of_word)?.word(), count);
-        }
-        let mut query = connection.prepare_cached(
+            [],
+            |row| Ok((cell(row, 0, ScanState::of_word)?.word(), count(row, 1)?)),
+        )?);
+        let deliveries = all(
+            &connection,
             "SELECT store, state, count(*) FROM deliveries GROUP BY store, state",
+            [],
+            |row| Ok(((row.get(0)?, row.get(1)?), count(row, 2)?)),
         )?;
-        let rows = query.query_map([], |row| Ok(((row.get(0)?, row.get(1)?), count(row, 2)?)))?;
-        let deliveries = rows.collect::<Result<_, _>>()?;
         let dispositions = dispositions(&connection)?;
         let held = dispositions.get(Disposition::Held.word()).copied().unwrap_or_default();
-        let closed = connection.query_row(
-            "SELECT count(*) FROM scans WHERE closed IS NOT NULL",
-            [],
-            |row| count(row, 0),
-        )?;
-        let withdrawing = connection.query_row(
-            &format!("SELECT count(DISTINCT sha256) FROM deliveries WHERE {}", to_be_taken_back()),
-            [],
-            |row| count(row, 0),
-        )?;
+        let closed = "SELECT count(*) FROM scans WHERE closed IS NOT NULL";
+        let withdrawing =
+            format!("SELECT count(DISTINCT sha256) FROM deliveries WHERE {}", to_be_taken_back());
+        // The index holds the few that were amended.
+        let revisions_refused =
+            "SELECT count(DISTINCT sha256) FROM deliveries INDEXED BY deliveries_amended
+             WHERE amended <> '' AND state = 'delivered' AND code = ?1";
         let oldest = "SELECT sha256, min(first_seen), scans.state, store FROM deliveries
                       JOIN scans USING (sha256) WHERE deliveries.state = ?1 GROUP BY store";
-        let mut oldest = connection.prepare_cached(oldest)?;
         let pending = [DeliveryState::Pending.word()];
-        let oldest = oldest.query_map(pending, |row| Ok((row.get(3)?, seen(row)?)))?;
+        let oldest = all(&connection, oldest, pending, |row| Ok((row.get(3)?, seen(row)?)))?;
         let last = "SELECT sha256, first_seen, state FROM scans
                     ORDER BY first_seen DESC, rowid DESC LIMIT 1";
-        let last = connection.prepare_cached(last)?.query_row([], seen).optional()?;
         Ok(Tally {
             scans,
             dispositions,
             held,
-            closed,
-            withdrawing,
-            revisions_refused: revisions_refused(&connection)?,
+            closed: i64::cast_unsigned(value(&connection, closed, [])?),
+            withdrawing: i64::cast_unsigned(value(&connection, &withdrawing, [])?),
+            revisions_refused: i64::cast_unsigned(value(
+                &connection,
+                revisions_refused,
+                [REVISION_REFUSED],
+            )?),
             moved: elsewhere(&connection)?,
-            deliveries,
-            oldest: oldest.collect::<Result<_, _>>()?,
-            last,
+            deliveries: deliveries.into_iter().collect(),
+            oldest: oldest.into_iter().collect(),
+            last: first(&connection, last, [], seen)?,
         })
     }
 
@@ -102,28 +100,20 @@ impl Journal {
     pub fn list(&self, filter: Option<Filter>, limit: u32) -> Result<Vec<Listed>, JournalError> {
         let viewer = self.viewer();
         let connection = viewer.unchecked_transaction()?;
-        let mut query = connection.prepare_cached(&format!(
+        let latest = format!(
             "SELECT sha256 FROM scans WHERE {} ORDER BY first_seen DESC, rowid DESC LIMIT ?1",
             of_filter(filter)
-        ))?;
-        let rows = query.query_map([limit], |row| row.get(0))?;
-        let mut list = Vec::new();
-        for row in rows {
-            let scan = cell("sha256", row?, ScanId::parse)?;
-            list.extend(whole(&connection, &scan)?.as_ref().map(Listed::of));
-        }
-        Ok(list)
+        );
+        let found =
+            all(&connection, &latest, [limit], |row| whole(&connection, &scan_id(row, 0)?))?;
+        Ok(found.iter().flatten().map(Listed::of).collect())
     }
 
     /// The scans whose id begins with these digits, at most `limit`.
     pub fn beginning_with(&self, digits: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        let connection = self.viewer();
         // 'g' follows the last hexadecimal digit.
-        let mut query = connection.prepare_cached(
-            "SELECT sha256 FROM scans WHERE sha256 >= ?1 AND sha256 < ?1 || 'g' LIMIT ?2",
-        )?;
-        let rows = query.query_map(params![digits, limit], |row| row.get(0))?;
-        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
+        let found = "SELECT sha256 FROM scans WHERE sha256 >= ?1 AND sha256 < ?1 || 'g' LIMIT ?2";
+        all(&self.viewer(), found, params![digits, limit], |row| scan_id(row, 0))
     }
 
     /// Everything known about a scan except its history and preview; `None` if it was never seen.
@@ -134,62 +124,56 @@ impl Journal {
 }
 
 fn whole(connection: &Connection, scan: &ScanId) -> Result<Option<Whole>, JournalError> {
-    let mut query = connection.prepare_cached(
+    let found = first(
+        connection,
         "SELECT state, first_seen, file_time, format, size, code, message, closed, candidates, incomplete
          FROM scans WHERE sha256 = ?1",
+        [scan.as_str()],
+        |row| {
+            let summary = Summary {
+                state: cell(row, 0, ScanState::of_word)?,
+                first_seen: time(row, 1)?,
+                file_time: if_any(row, 2, time)?,
+                format: row.get(3)?,
+                size: count(row, 4)?,
+                code: row.get(5)?,
+                message: row.get(6)?,
+                closed: if_any(row, 7, |row, column| cell(row, column, Closed::of_word))?,
+                incomplete: row.get(9)?,
+            };
+            Ok((summary, json_cell(row, 8)?))
+        },
     )?;
-    let found = query.query_row([scan.as_str()], |row| {
-        let closed: Option<String> = row.get(7)?;
-        let summary = Summary {
-            state: word(row, 0, ScanState::of_word)?,
-            first_seen: time(row, 1)?,
-            file_time: time_or_none(row, 2)?,
-            format: row.get(3)?,
-            size: count(row, 4)?,
-            code: row.get(5)?,
-            message: row.get(6)?,
-            closed: closed.map(|_| word(row, 7, Closed::of_word)).transpose()?,
-            incomplete: row.get(9)?,
-        };
-        Ok((summary, ids(row, 8)?))
-    });
-    let Some((summary, candidates)) = found.optional()? else { return Ok(None) };
-    let mut query = connection.prepare_cached(
+    let Some((summary, candidates)) = found else { return Ok(None) };
+    let deliveries = all(
+        connection,
         "SELECT patient, store, state, code, attempts, next_at, folder
          FROM deliveries WHERE sha256 = ?1 ORDER BY patient, store",
+        [scan.as_str()],
+        |row| {
+            Ok(Delivered {
+                patient: patient_id(row, 0)?,
+                store: row.get(1)?,
+                state: cell(row, 2, DeliveryState::of_word)?,
+                code: row.get(3)?,
+                attempts: count(row, 4)?,
+                next_at: if_any(row, 5, time)?,
+                folder: row.get(6)?,
+            })
+        },
     )?;
-    let rows = query.query_map([scan.as_str()], |row| {
-        Ok(Delivered {
-            patient: Some(row.get(0)?).filter(|id: &String| !id.is_empty()),
-            store: row.get(1)?,
-            state: word(row, 2, DeliveryState::of_word)?,
-            code: row.get(3)?,
-            attempts: count(row, 4)?,
-            next_at: time_or_none(row, 5)?,
-            folder: row.get(6)?,
-        })
-    })?;
-    let deliveries = rows.collect::<Result<_, _>>()?;
-    Ok(Some(Whole {
-        scan: scan.to_string(),
-        summary,
-        deliveries,
-        candidates,
-        preview: None,
-        history: Vec::new(),
-    }))
+    let (scan, history) = (scan.to_string(), Vec::new());
+    Ok(Some(Whole { scan, summary, deliveries, candidates, preview: None, history }))
 }
 
 /// How many scans became what, each of all dispositions.
 fn dispositions(connection: &Connection) -> Result<BTreeMap<&'static str, u64>, JournalError> {
     let mut found: BTreeMap<&'static str, u64> =
         Disposition::ALL.into_iter().map(|is| (is.word(), 0)).collect();
-    let mut query = connection
-        .prepare_cached("SELECT disposition, count(*) FROM scans GROUP BY disposition")?;
-    for row in query.query_map([], |row| Ok((row.get(0)?, count(row, 1)?)))? {
-        let (word, count): (String, u64) = row?;
-        found.insert(cell("disposition", word, Disposition::of_word)?.word(), count);
-    }
+    let counted = "SELECT disposition, count(*) FROM scans GROUP BY disposition";
+    found.extend(all(connection, counted, [], |row| {
+        Ok((cell(row, 0, Disposition::of_word)?.word(), count(row, 1)?))
+    })?);
     Ok(found)
 }
 
@@ -206,24 +190,6 @@ fn of_filter(filter: Option<Filter>) -> String {
     }
 }
 
-/// Scans of whose record a store takes no later revision. The index holds the few that were amended.
-fn revisions_refused(connection: &Connection) -> rusqlite::Result<u64> {
-    let counted = "SELECT count(DISTINCT sha256) FROM deliveries INDEXED BY deliveries_amended
-                   WHERE amended <> '' AND state = 'delivered' AND code = ?1";
-    connection.prepare_cached(counted)?.query_row([REVISION_REFUSED], |row| count(row, 0))
-}
-
-/// What a word stands for that gaiter wrote.
-fn word<T>(
-    row: &Row<'_>,
-    column: usize,
-    read: impl FnOnce(&str) -> Option<T>,
-) -> rusqlite::Result<T> {
-    let word: String = row.get(column)?;
-    let unknown = || wrong(column, io::Error::other(format!("the word {word:?} is not known")));
-    read(&word).ok_or_else(unknown)
-}
-
 /// SQL: a delivery whose record is to be withdrawn from a store that has, or is to have, the right
 /// record. An unwanted record in a store that gets no replacement is left to the operator.
 fn to_be_taken_back() -> String {
@@ -238,39 +204,9 @@ fn to_be_taken_back() -> String {
 }
 
 /// The first scan of a query on pending deliveries, or on all scans.
-fn seen(row: &Row<'_>) -> rusqlite::Result<Seen> {
-    let state = word(row, 2, ScanState::of_word)?;
-    Ok(Seen { scan: short(row, 0)?, first_seen: time(row, 1)?, state })
-}
-
-fn count(row: &Row<'_>, column: usize) -> rusqlite::Result<u64> {
-    row.get::<_, i64>(column).map(i64::cast_unsigned)
-}
-
-fn short(row: &Row<'_>, column: usize) -> rusqlite::Result<String> {
-    let digits: String = row.get(column)?;
-    let scan = cell("sha256", digits, ScanId::parse).map_err(|fault| wrong(column, fault))?;
-    Ok(scan.short().to_owned())
-}
-
-fn time(row: &Row<'_>, column: usize) -> rusqlite::Result<Timestamp> {
-    row.get::<_, String>(column)?.parse().map_err(|fault| wrong(column, fault))
-}
-
-fn time_or_none(row: &Row<'_>, column: usize) -> rusqlite::Result<Option<Timestamp>> {
-    let text: Option<String> = row.get(column)?;
-    text.map(|text| text.parse().map_err(|fault| wrong(column, fault))).transpose()
-}
-
-/// Patients' ids, stored as JSON.
-fn ids(row: &Row<'_>, column: usize) -> rusqlite::Result<Vec<String>> {
-    let text: String = row.get(column)?;
-    serde_json::from_slice(text.as_bytes()).map_err(|fault| wrong(column, fault))
-}
-
-/// The error for a cell that holds what gaiter never writes.
-fn wrong(column: usize, fault: impl std::error::Error + Send + Sync + 'static) -> rusqlite::Error {
-    rusqlite::Error::FromSqlConversionFailure(column, rusqlite::types::Type::Text, Box::new(fault))
+fn seen(row: &Row<'_>) -> Result<Seen, JournalError> {
+    let (scan, state) = (scan_id(row, 0)?.short().to_owned(), cell(row, 2, ScanState::of_word)?);
+    Ok(Seen { scan, first_seen: time(row, 1)?, state })
 }
 
 #[cfg(test)]

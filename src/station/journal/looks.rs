@@ -9,31 +9,27 @@ use std::path::Path;
 use std::time::Duration;
 
 use gaiter_flow::settle::Memory;
-use rusqlite::{OptionalExtension, params};
+use rusqlite::params;
 
-use super::{Journal, JournalError, json_cell};
+use super::row::{first, json_cell, json_text};
+use super::{Journal, JournalError};
 
 impl Journal {
     /// What the last run since this machine start knew about a folder; empty if there was none.
     pub fn look(&self, folder: &Path, boot: &str) -> Result<Memory, JournalError> {
-        let connection = self.connection();
-        let found: Option<(Option<i64>, String)> = connection
-            .query_row(
-                "SELECT looked_ms, files FROM looks WHERE folder = ?1 AND boot = ?2",
-                params![folder.as_os_str().as_bytes(), boot],
-                |row| Ok((row.get(0)?, row.get(1)?)),
-            )
-            .optional()?;
-        let Some((looked_ms, files)) = found else { return Ok(Memory::default()) };
-        let looked = looked_ms.map(|looked_ms| Duration::from_millis(looked_ms.unsigned_abs()));
-        let files = json_cell("files", files)?;
-        Ok(Memory { looked, files })
+        let found = "SELECT looked_ms, files FROM looks WHERE folder = ?1 AND boot = ?2";
+        let cells = params![folder.as_os_str().as_bytes(), boot];
+        let found = first(&self.connection(), found, cells, |row| {
+            let looked_ms: Option<i64> = row.get(0)?;
+            let looked = looked_ms.map(|looked_ms| Duration::from_millis(looked_ms.unsigned_abs()));
+            Ok(Memory { looked, files: json_cell(row, 1)? })
+        })?;
+        Ok(found.unwrap_or_default())
     }
 
     /// Saves what is known about a folder.
     pub fn looked(&self, folder: &Path, boot: &str, memory: &Memory) -> Result<(), JournalError> {
-        let files = serde_json::to_string(&memory.files)
-            .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;
+        let files = json_text(&memory.files)?;
         // Rounded down, so that the stored time is never later than the look.
         let looked_ms = memory.looked.map(|at| i64::try_from(at.as_millis()).unwrap_or(i64::MAX));
         let connection = self.connection();

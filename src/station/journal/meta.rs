@@ -1,10 +1,11 @@
 //! What the station must remember about itself.
 
 use gaiter_flow::views::ViewsSeries;
-use rusqlite::{OptionalExtension, Transaction};
+use rusqlite::Connection;
 use serde_json::json;
 
-use super::{Event, Journal, JournalError, history, json_cell};
+use super::row::{cell, first, json_text, of_json, run};
+use super::{Event, Journal, JournalError, history};
 
 /// Present while the station is paused by an operator.
 const PAUSED: &str = "paused";
@@ -15,7 +16,7 @@ const TO_SEARCH: &str = "to-search:";
 /// Present from the creation of a journal that replaces a lost one until it was filled from the spool and
 /// the quarantine. The value says why it is new, '' if the start that created it ended before that was
 /// recorded.
-const TO_FILL: &str = "to-fill";
+pub(super) const TO_FILL: &str = "to-fill";
 
 /// Prefix for the place where each store was begun: from then on its mark must be found there.
 pub(super) const BEGUN: &str = "begun:";
@@ -23,10 +24,36 @@ pub(super) const BEGUN: &str = "begun:";
 /// What the last scans said of the scanner's cameras.
 const VIEWS: &str = "views";
 
-/// Records that a journal was just created.
-pub(super) fn is_new(transaction: &Transaction<'_>) -> Result<(), JournalError> {
-    transaction.execute("INSERT INTO meta (name, value) VALUES (?1, '')", [TO_FILL])?;
-    Ok(())
+/// A fact; `None` if it is not there.
+pub(super) fn fact<T>(
+    connection: &Connection,
+    name: &str,
+    read: impl FnOnce(&str) -> Option<T>,
+) -> Result<Option<T>, JournalError> {
+    let found = "SELECT value FROM meta WHERE name = ?1";
+    first(connection, found, [name], |row| cell(row, 0, read))
+}
+
+/// Sets a fact, whatever it was.
+pub(super) fn set_fact(
+    connection: &Connection,
+    name: &str,
+    value: &str,
+) -> Result<(), JournalError> {
+    let set = "INSERT INTO meta (name, value) VALUES (?1, ?2)
+               ON CONFLICT (name) DO UPDATE SET value = excluded.value";
+    run(connection, set, [name, value])
+}
+
+/// Notes a fact that says nothing but that it is there. Returns whether it was not there before.
+pub(super) fn note_fact(connection: &Connection, name: &str) -> Result<bool, JournalError> {
+    let noted = "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING";
+    Ok(connection.execute(noted, [name])? > 0)
+}
+
+/// Forgets a fact. Returns whether it was there.
+pub(super) fn forget_fact(connection: &Connection, name: &str) -> Result<bool, JournalError> {
+    Ok(connection.execute("DELETE FROM meta WHERE name = ?1", [name])? > 0)
 }
 
 impl Journal {
@@ -37,21 +64,17 @@ impl Journal {
 
     /// Records that the journal knows what the state folder holds; stores may still be searched.
     pub fn filled(&self) -> Result<(), JournalError> {
-        self.connection().execute("DELETE FROM meta WHERE name = ?1", [TO_FILL])?;
-        Ok(())
+        forget_fact(&self.connection(), TO_FILL).map(drop)
     }
 
     /// What the last scans said of the scanner's cameras.
     pub fn views(&self) -> Result<ViewsSeries, JournalError> {
-        match self.fact(VIEWS)? {
-            Some(text) => json_cell("value", text),
-            None => Ok(ViewsSeries::default()),
-        }
+        Ok(fact(&self.connection(), VIEWS, of_json)?.unwrap_or_default())
     }
 
     /// Saves what the last scans said of the cameras.
     pub fn keep_views(&self, series: &ViewsSeries) -> Result<(), JournalError> {
-        self.set_fact(VIEWS, &json!(series).to_string())
+        set_fact(&self.connection(), VIEWS, &json_text(series)?)
     }
 
     /// Reports whether an operator has paused the station.
@@ -62,18 +85,14 @@ impl Journal {
     /// Pauses or resumes the station. Returns whether that changed anything.
     pub fn pause(&self, paused: bool) -> Result<bool, JournalError> {
         self.change(|transaction| {
-            let changed = match paused {
-                true => transaction.execute(
-                    "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING",
-                    [PAUSED],
-                )?,
-                false => transaction.execute("DELETE FROM meta WHERE name = ?1", [PAUSED])?,
+            let (has_changed, event) = match paused {
+                true => (note_fact(transaction, PAUSED)?, Event::Paused),
+                false => (forget_fact(transaction, PAUSED)?, Event::Resumed),
             };
-            if changed > 0 {
-                let event = if paused { Event::Paused } else { Event::Resumed };
+            if has_changed {
                 history::append(transaction, None, event, &json!({}))?;
             }
-            Ok(changed > 0)
+            Ok(has_changed)
         })
     }
 
@@ -85,16 +104,9 @@ impl Journal {
     /// Records that this is a new journal, and why: it is to be filled, and every store searched.
     pub fn begin_anew(&self, stores: &[&str], why: &str) -> Result<(), JournalError> {
         self.change(|transaction| {
-            transaction.execute(
-                "INSERT INTO meta (name, value) VALUES (?1, ?2)
-                 ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-                [TO_FILL, why],
-            )?;
+            set_fact(transaction, TO_FILL, why)?;
             for store in stores {
-                transaction.execute(
-                    "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING",
-                    [format!("{TO_SEARCH}{store}")],
-                )?;
+                note_fact(transaction, &format!("{TO_SEARCH}{store}"))?;
             }
             history::append(transaction, None, Event::Rebuilt, &json!({ "why": why }))
         })
@@ -102,9 +114,7 @@ impl Journal {
 
     /// Records that a store was searched completely.
     pub fn searched(&self, store: &str) -> Result<(), JournalError> {
-        let name = format!("{TO_SEARCH}{store}");
-        self.connection().execute("DELETE FROM meta WHERE name = ?1", [name])?;
-        Ok(())
+        forget_fact(&self.connection(), &format!("{TO_SEARCH}{store}")).map(drop)
     }
 
     /// The place where a store was last begun; `None` if it never was.
@@ -114,21 +124,10 @@ impl Journal {
 
     /// Records that a store was begun at this place.
     pub fn begun(&self, store: &str, place: &str) -> Result<(), JournalError> {
-        self.set_fact(&format!("{BEGUN}{store}"), place)
-    }
-
-    fn set_fact(&self, name: &str, value: &str) -> Result<(), JournalError> {
-        self.connection().execute(
-            "INSERT INTO meta (name, value) VALUES (?1, ?2)
-             ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-            [name, value],
-        )?;
-        Ok(())
+        set_fact(&self.connection(), &format!("{BEGUN}{store}"), place)
     }
 
     pub(super) fn fact(&self, name: &str) -> Result<Option<String>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached("SELECT value FROM meta WHERE name = ?1")?;
-        Ok(query.query_row([name], |row| row.get(0)).optional()?)
+        fact(&self.connection(), name, |text| Some(text.to_owned()))
     }
 }

@@ -23,6 +23,7 @@ mod looks;
 mod meta;
 mod orders;
 mod prune;
+mod row;
 mod scans;
 mod schema;
 mod sightings;
@@ -36,7 +37,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
-use serde::de::DeserializeOwned;
 use tracing::warn;
 
 use crate::store::durable;
@@ -45,8 +45,8 @@ pub use delivery_row::{Due, Task};
 pub use erasure::{Erasing, Theirs};
 pub use error::JournalError;
 pub use found::FoundThere;
+pub use history::Event;
 use history::HeadFile;
-pub use history::{Event, HistoryRow};
 pub use listing::Tally;
 pub use lock::{LockError, StateLock};
 pub use scans::{Entry, ScanRow};
@@ -113,20 +113,15 @@ impl Journal {
         connection.busy_timeout(BUSY)?;
         set_durable(&connection)?;
         connection.pragma_update(None, "foreign_keys", true)?;
-        integrity::check::pages(&connection)?;
+        integrity::pages(&connection)?;
         let head = HeadFile::open(path).map_err(JournalError::Head)?;
         schema::establish(&mut connection, is_anew)?;
-        disposition::note_changes(&connection)?;
-        withdrawal::note_servers(&connection)?;
-        integrity::check::rows(&connection)?;
-        if erasure::is_old_head(&connection)? {
-            // An erasure was cut off before it could write the head.
-            if let Some(newest) = history::newest(&connection)? {
-                head.write_durably(&newest).map_err(JournalError::Head)?;
-            }
-            erasure::forget_old_head(&connection, "")?;
-        }
-        integrity::check::head(&connection, &head)?;
+        connection.execute_batch(disposition::NOTED)?;
+        connection.execute_batch(withdrawal::SERVERS)?;
+        integrity::rows(&connection)?;
+        // An erasure may have been cut off before it could write the head.
+        erasure::renew_own_head(&connection, &head)?;
+        integrity::head(&connection, &head)?;
         // Syncs the names of the journal and of its write-ahead log, which exists since the first read.
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };
         durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
@@ -142,10 +137,10 @@ impl Journal {
     /// What is wrong with it.
     pub fn check(&self) -> Result<(), JournalError> {
         let connection = self.connection();
-        integrity::check::pages(&connection)?;
+        integrity::pages(&connection)?;
         schema::check(&connection)?;
-        integrity::check::rows(&connection)?;
-        integrity::check::head(&connection, &self.head)
+        integrity::rows(&connection)?;
+        integrity::head(&connection, &self.head)
     }
 
     /// Checks that the journal's name still leads to the open file.
@@ -222,21 +217,6 @@ fn set_durable(connection: &Connection) -> Result<(), JournalError> {
         return Err(JournalError::Setting { setting: "synchronous", found, wanted: "2 (FULL)" });
     }
     Ok(())
-}
-
-/// Parses a cell's text, which must be what gaiter wrote there.
-fn cell<T>(
-    column: &'static str,
-    text: String,
-    read: impl FnOnce(&str) -> Option<T>,
-) -> Result<T, JournalError> {
-    read(&text).ok_or(JournalError::Cell { column, found: text })
-}
-
-/// A cell that holds JSON.
-fn json_cell<T: DeserializeOwned>(column: &'static str, text: String) -> Result<T, JournalError> {
-    // As bytes, like all other JSON of the station: a second kind of reader is a second copy of each type's.
-    cell(column, text, |text| serde_json::from_slice(text.as_bytes()).ok())
 }
 
 #[cfg(test)]

@@ -9,7 +9,9 @@ use gaiter_flow::OrderState;
 use gaiter_flow::orders::news::FolderId;
 use rusqlite::{Row, params};
 
-use super::{Journal, JournalError, cell};
+use super::meta::{fact, set_fact};
+use super::row::{all, cell, first, run};
+use super::{Journal, JournalError};
 
 /// The name of the fact: the folder in which the known orders were seen.
 const FOLDER: &str = "orders-folder";
@@ -17,25 +19,20 @@ const FOLDER: &str = "orders-folder";
 impl Journal {
     /// The order that was handled under this name; `None` if there was none or it is gone.
     pub fn order_known(&self, path: &Path) -> Result<Option<OrderState>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection
-            .prepare_cached("SELECT size, mtime_ns, digest FROM orders WHERE path = ?1")?;
-        let mut rows = query.query([key(path)])?;
-        rows.next()?.map(state).transpose()
+        let known = "SELECT size, mtime_ns, digest FROM orders WHERE path = ?1";
+        first(&self.connection(), known, [key(path)], state)
     }
 
     /// Records that an order is about to be handled or was skipped: it is not handled again.
     pub fn order_heard(&self, path: &Path, state: &OrderState) -> Result<(), JournalError> {
         let OrderState { size, mtime_ns, digest } = state;
         let size = i64::try_from(*size).unwrap_or(i64::MAX);
-        self.change(|transaction| {
-            transaction.execute(
-                "INSERT INTO orders (path, size, mtime_ns, digest) VALUES (?1, ?2, ?3, ?4)
-                 ON CONFLICT (path) DO UPDATE SET size = ?2, mtime_ns = ?3, digest = ?4",
-                params![key(path), size, mtime_ns.to_string(), digest],
-            )?;
-            Ok(())
-        })
+        run(
+            &self.connection(),
+            "INSERT INTO orders (path, size, mtime_ns, digest) VALUES (?1, ?2, ?3, ?4)
+             ON CONFLICT (path) DO UPDATE SET size = ?2, mtime_ns = ?3, digest = ?4",
+            params![key(path), size, mtime_ns.to_string(), digest],
+        )
     }
 
     /// The known orders of a folder.
@@ -43,18 +40,12 @@ impl Journal {
         &self,
         folder: &Path,
     ) -> Result<BTreeMap<PathBuf, OrderState>, JournalError> {
-        let connection = self.connection();
-        let mut query =
-            connection.prepare_cached("SELECT size, mtime_ns, digest, path FROM orders")?;
-        let (mut rows, mut known) = (query.query([])?, BTreeMap::new());
-        while let Some(row) = rows.next()? {
+        let known = "SELECT size, mtime_ns, digest, path FROM orders";
+        let known = all(&self.connection(), known, [], |row| {
             let path: Vec<u8> = row.get(3)?;
-            let path = PathBuf::from(OsStr::from_bytes(&path));
-            if path.parent() == Some(folder) {
-                known.insert(path, state(row)?);
-            }
-        }
-        Ok(known)
+            Ok((PathBuf::from(OsStr::from_bytes(&path)), state(row)?))
+        })?;
+        Ok(known.into_iter().filter(|(path, _)| path.parent() == Some(folder)).collect())
     }
 
     /// Forgets orders that are gone: a file that comes under the same name is a new order.
@@ -72,31 +63,22 @@ impl Journal {
 
     /// The folder in which the known orders were seen.
     pub fn orders_folder(&self) -> Result<Option<FolderId>, JournalError> {
-        let Some(text) = self.fact(FOLDER)? else { return Ok(None) };
-        let read = |text: &str| {
+        fact(&self.connection(), FOLDER, |text| {
             let (device, inode) = text.split_once(':')?;
             Some((device.parse().ok()?, inode.parse().ok()?))
-        };
-        cell("value", text, read).map(Some)
+        })
     }
 
     /// Records the folder in which the known orders were seen.
     pub fn orders_seen_in(&self, (device, inode): FolderId) -> Result<(), JournalError> {
-        self.change(|transaction| {
-            transaction.execute(
-                "INSERT INTO meta (name, value) VALUES (?1, ?2)
-                 ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-                [FOLDER, &format!("{device}:{inode}")],
-            )?;
-            Ok(())
-        })
+        set_fact(&self.connection(), FOLDER, &format!("{device}:{inode}"))
     }
 }
 
 /// An order's state in the first three columns of a row.
 fn state(row: &Row<'_>) -> Result<OrderState, JournalError> {
-    let (size, mtime_ns): (i64, String) = (row.get(0)?, row.get(1)?);
-    let mtime_ns = cell("mtime_ns", mtime_ns, |text| text.parse().ok())?;
+    let size: i64 = row.get(0)?;
+    let mtime_ns = cell(row, 1, |text| text.parse().ok())?;
     Ok(OrderState { size: size.unsigned_abs(), mtime_ns, digest: row.get(2)? })
 }
 

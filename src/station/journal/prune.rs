@@ -10,6 +10,7 @@ use jiff::Timestamp;
 use serde_json::json;
 
 use super::deliveries::IS_NEEDED;
+use super::row::{all, run, value};
 use super::{Event, Journal, JournalError, history};
 
 impl Journal {
@@ -20,16 +21,13 @@ impl Journal {
         state: ScanState,
         before: Timestamp,
     ) -> Result<bool, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT EXISTS (SELECT 1 FROM scans
+        let rests = "SELECT EXISTS (SELECT 1 FROM scans
                  WHERE sha256 = ?1 AND state = ?2 AND changed_at < ?3 AND NOT EXISTS (
                      SELECT 1 FROM deliveries WHERE deliveries.sha256 = scans.sha256
                      AND (deliveries.state IN ('pending', 'withdrawing')
-                          OR deliveries.state = 'held' AND scans.closed IS NULL)))",
-        )?;
-        let cells = [scan.as_str(), state.word(), &before.to_string()];
-        Ok(query.query_row(cells, |row| row.get(0))?)
+                          OR deliveries.state = 'held' AND scans.closed IS NULL)))";
+        let before = before.to_string();
+        value(&self.connection(), rests, [scan.as_str(), state.word(), &before])
     }
 
     /// Forgets scans that were delivered before a time, and the beginning of the history up to the
@@ -60,12 +58,9 @@ impl Journal {
             if scans == 0 {
                 return Ok(0);
             }
-            let oldest: Option<i64> = transaction.query_row(
-                "SELECT min(seq) FROM history WHERE scan IN (SELECT sha256 FROM scans)
-                                                 OR at >= ?1",
-                [&before],
-                |row| row.get(0),
-            )?;
+            let oldest = "SELECT min(seq) FROM history
+                          WHERE scan IN (SELECT sha256 FROM scans) OR at >= ?1";
+            let oldest: Option<i64> = value(transaction, oldest, [&before])?;
             let detail = json!({ "scans": scans, "history_before": oldest });
             history::append(transaction, None, Event::Pruned, &detail)?;
             if let Some(oldest) = oldest {
@@ -83,28 +78,21 @@ impl Journal {
         others: &[PathBuf],
         present: &BTreeSet<PathBuf>,
     ) -> Result<usize, JournalError> {
-        let gone: Vec<Vec<u8>> = {
-            let connection = self.connection();
-            let mut query = connection.prepare_cached(
-                "SELECT path FROM sightings
-                 WHERE sha256 IS NULL OR sha256 NOT IN (SELECT sha256 FROM scans)",
-            )?;
-            let paths = query.query_map([], |row| row.get(0))?;
-            let paths: Vec<Vec<u8>> = paths.collect::<rusqlite::Result<_>>()?;
-            let gone = |path: &Vec<u8>| {
-                let path = Path::new(std::ffi::OsStr::from_bytes(path));
-                path.starts_with(folder)
-                    && !others.iter().any(|other| path.starts_with(other))
-                    && !present.contains(path)
-            };
-            paths.into_iter().filter(gone).collect()
-        };
+        let unneeded = "SELECT path FROM sightings
+                        WHERE sha256 IS NULL OR sha256 NOT IN (SELECT sha256 FROM scans)";
+        let mut gone: Vec<Vec<u8>> = all(&self.connection(), unneeded, [], |row| Ok(row.get(0)?))?;
+        gone.retain(|path| {
+            let path = Path::new(std::ffi::OsStr::from_bytes(path));
+            path.starts_with(folder)
+                && !others.iter().any(|other| path.starts_with(other))
+                && !present.contains(path)
+        });
         if gone.is_empty() {
             return Ok(0);
         }
         self.change(|transaction| {
             for path in &gone {
-                transaction.execute("DELETE FROM sightings WHERE path = ?1", [path])?;
+                run(transaction, "DELETE FROM sightings WHERE path = ?1", [path])?;
             }
             Ok(gone.len())
         })

@@ -6,12 +6,14 @@ use gaiter_flow::round::Judged;
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use gaiter_record::Patient;
 use jiff::Timestamp;
-use rusqlite::{OptionalExtension, Transaction, params};
-
+use rusqlite::{Transaction, params};
 use serde_json::json;
 
 use super::integrity::seal;
-use super::{Event, Journal, JournalError, captures, cell, history};
+use super::row::{
+    all, cell, count, first, if_any, json_text, patient_id, run, scan_id, time, value,
+};
+use super::{Event, Journal, JournalError, captures, history};
 
 /// What the journal knows of a scan itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,65 +56,46 @@ pub struct Entry<'a> {
 impl Journal {
     /// What is known about a scan; `None` if it was never seen.
     pub fn scan(&self, scan: &ScanId) -> Result<Option<ScanRow>, JournalError> {
-        type Cells = (String, i64, String, Option<String>, String, String, Option<String>);
-        let found: Option<Cells> = self
-            .connection()
-            .query_row(
-                "SELECT format, size, first_seen, file_time, state, seal, pressed_at
-                 FROM scans WHERE sha256 = ?1",
-                [scan.as_str()],
-                |row| {
-                    let (format, size, first_seen) = (row.get(0)?, row.get(1)?, row.get(2)?);
-                    let (file_time, state, seal) = (row.get(3)?, row.get(4)?, row.get(5)?);
-                    Ok((format, size, first_seen, file_time, state, seal, row.get(6)?))
-                },
-            )
-            .optional()?;
-        let Some((format, size, first_seen, file_time, state, found, pressed_at)) = found else {
-            return Ok(None);
-        };
-        let due = seal::of_scan(scan.as_str(), &format, size, &first_seen, file_time.as_deref());
-        if found != due {
-            return Err(JournalError::Seal { table: "scans" });
-        }
-        let time = |text: &str| text.parse().ok();
-        Ok(Some(ScanRow {
-            scan: scan.clone(),
-            format,
-            size: size.cast_unsigned(),
-            first_seen: cell("first_seen", first_seen, time)?,
-            file_time: file_time.map(|text| cell("file_time", text, time)).transpose()?,
-            pressed_at: pressed_at.map(|text| cell("pressed_at", text, time)).transpose()?,
-            state: cell("state", state, ScanState::of_word)?,
-        }))
+        let known = "SELECT format, size, first_seen, file_time, state, seal, pressed_at
+                     FROM scans WHERE sha256 = ?1";
+        first(&self.connection(), known, [scan.as_str()], |row| {
+            let (format, size, seal): (String, i64, String) =
+                (row.get(0)?, row.get(1)?, row.get(5)?);
+            let (first_seen, file_time): (String, Option<String>) = (row.get(2)?, row.get(3)?);
+            let due =
+                seal::of_scan(scan.as_str(), &format, size, &first_seen, file_time.as_deref());
+            if seal != due {
+                return Err(JournalError::Seal { table: "scans" });
+            }
+            Ok(ScanRow {
+                scan: scan.clone(),
+                format,
+                size: size.cast_unsigned(),
+                first_seen: time(row, 2)?,
+                file_time: if_any(row, 3, time)?,
+                pressed_at: if_any(row, 6, time)?,
+                state: cell(row, 4, ScanState::of_word)?,
+            })
+        })
     }
 
     /// All scans in a state.
     pub fn scans_in(&self, state: ScanState) -> Result<Vec<ScanId>, JournalError> {
-        let connection = self.connection();
-        let mut query =
-            connection.prepare_cached("SELECT sha256 FROM scans WHERE state = ?1 ORDER BY 1")?;
-        let rows = query.query_map([state.word()], |row| row.get(0))?;
-        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
+        let found = "SELECT sha256 FROM scans WHERE state = ?1 ORDER BY 1";
+        all(&self.connection(), found, [state.word()], |row| scan_id(row, 0))
     }
 
     /// The patients for whom a scan is known, including held ones; `None` stands for no patient.
     pub fn patients(&self, scan: &ScanId) -> Result<Vec<Option<String>>, JournalError> {
-        let connection = self.connection();
-        let mut query =
-            connection.prepare_cached("SELECT patient FROM deliveries WHERE sha256 = ?1")?;
-        let rows = query.query_map([scan.as_str()], |row| row.get(0))?;
-        rows.map(|row| Ok(Some(row?).filter(|id: &String| !id.is_empty()))).collect()
+        let known = "SELECT patient FROM deliveries WHERE sha256 = ?1";
+        all(&self.connection(), known, [scan.as_str()], |row| patient_id(row, 0))
     }
 
     /// The first scan with a fingerprint; `None` if there is none.
     pub fn of_geometry(&self, geometry: &str) -> Result<Option<ScanId>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT sha256 FROM scans WHERE geometry = ?1 ORDER BY first_seen, rowid LIMIT 1",
-        )?;
-        let found: Option<String> = query.query_row([geometry], |row| row.get(0)).optional()?;
-        found.map(|text| cell("sha256", text, ScanId::parse)).transpose()
+        let found =
+            "SELECT sha256 FROM scans WHERE geometry = ?1 ORDER BY first_seen, rowid LIMIT 1";
+        first(&self.connection(), found, [geometry], |row| scan_id(row, 0))
     }
 
     /// The refused scans with these sizes, in bytes, newest first, at most `limit`.
@@ -121,22 +104,11 @@ impl Journal {
         sizes: Range<u64>,
         limit: u32,
     ) -> Result<Vec<(ScanId, u64)>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT sha256, size FROM scans WHERE state = ?1 AND size >= ?2 AND size < ?3
-             ORDER BY first_seen DESC LIMIT ?4",
-        )?;
-        let cells = params![
-            ScanState::Refused.word(),
-            sizes.start.cast_signed(),
-            sizes.end.cast_signed(),
-            limit
-        ];
-        let rows = query.query_map(cells, |row| Ok((row.get(0)?, row.get::<_, i64>(1)?)))?;
-        let scan = |text: String| cell("sha256", text, ScanId::parse);
-        rows.map(|row| row.map_err(JournalError::from))
-            .map(|row| row.and_then(|(text, size)| Ok((scan(text)?, size.cast_unsigned()))))
-            .collect()
+        let refused = "SELECT sha256, size FROM scans WHERE state = ?1 AND size >= ?2 AND size < ?3
+                       ORDER BY first_seen DESC LIMIT ?4";
+        let (least, most) = (sizes.start.cast_signed(), sizes.end.cast_signed());
+        let cells = params![ScanState::Refused.word(), least, most, limit];
+        all(&self.connection(), refused, cells, |row| Ok((scan_id(row, 0)?, count(row, 1)?)))
     }
 
     /// Enters a new scan, its deliveries, one for each store, and what it means for captures.
@@ -147,8 +119,7 @@ impl Journal {
         let Entry { row, patient, held, claims, judged, geometry, candidates } = *entry;
         self.change(|transaction| {
             insert_scan(transaction, row)?;
-            let candidates = serde_json::to_string(candidates)
-                .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;
+            let candidates = json_text(candidates)?;
             transaction.execute(
                 "UPDATE scans SET candidates = ?2,
                         geometry = CASE geometry WHEN '' THEN ?3 ELSE geometry END
@@ -161,8 +132,7 @@ impl Journal {
             }
             if held.is_some() {
                 // A scan that was given up before needs a decision again.
-                let opened = "UPDATE scans SET closed = NULL WHERE sha256 = ?1";
-                transaction.execute(opened, [row.scan.as_str()])?;
+                needs_decision(transaction, &row.scan)?;
             }
             captures::answer(transaction, &row.scan, judged)?;
             let event = if held.is_some() { Event::Held } else { Event::Entered };
@@ -205,12 +175,8 @@ impl Journal {
 
     /// Counts a measurement of the scan that ended without a result. Returns the count.
     pub fn crashed(&self, scan: &ScanId) -> Result<u32, JournalError> {
-        let connection = self.connection();
-        Ok(connection.query_row(
-            "UPDATE scans SET crashes = crashes + 1 WHERE sha256 = ?1 RETURNING crashes",
-            [scan.as_str()],
-            |row| row.get(0),
-        )?)
+        let counted = "UPDATE scans SET crashes = crashes + 1 WHERE sha256 = ?1 RETURNING crashes";
+        value(&self.connection(), counted, [scan.as_str()])
     }
 }
 
@@ -223,7 +189,8 @@ pub(super) fn insert_scan(
     let first_seen = row.first_seen.to_string();
     let file_time = row.file_time.map(|time| time.to_string());
     let seal = seal::of_scan(scan, &row.format, size, &first_seen, file_time.as_deref());
-    transaction.execute(
+    run(
+        transaction,
         "INSERT INTO scans (sha256, format, size, first_seen, file_time, state, changed_at, seal,
                             pressed_at)
          VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)
@@ -239,8 +206,15 @@ pub(super) fn insert_scan(
             seal,
             row.pressed_at.map(|time| time.to_string())
         ],
-    )?;
-    Ok(())
+    )
+}
+
+/// Takes back that a scan needs no further decision.
+pub(super) fn needs_decision(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+) -> Result<(), JournalError> {
+    run(transaction, "UPDATE scans SET closed = NULL WHERE sha256 = ?1", [scan.as_str()])
 }
 
 /// Inserts a delivery. One that was withdrawn, or is about to be, becomes one to make again; one that
@@ -254,11 +228,11 @@ pub(super) fn insert_delivery(
     code: Option<&str>,
 ) -> Result<(), JournalError> {
     let sources = patient.map_or(&[][..], |patient| &patient.sources);
-    let sources = serde_json::to_string(sources)
-        .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;
+    let sources = json_text(sources)?;
     let id = patient.map_or("", |patient| &patient.id);
     let seal = seal::of_delivery(scan.as_str(), id, store, &sources);
-    transaction.execute(
+    run(
+        transaction,
         "INSERT INTO deliveries (sha256, patient, store, sources, state, code, changed_at, seal)
          VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
          ON CONFLICT (sha256, patient, store) DO UPDATE
@@ -275,8 +249,7 @@ pub(super) fn insert_delivery(
             Timestamp::now().to_string(),
             seal
         ],
-    )?;
-    Ok(())
+    )
 }
 
 /// Sets a scan's state and clears the reason for the previous one.
@@ -285,12 +258,12 @@ pub(super) fn set_state(
     scan: &ScanId,
     state: ScanState,
 ) -> Result<(), JournalError> {
-    transaction.execute(
+    run(
+        transaction,
         "UPDATE scans SET state = ?2, code = NULL, message = NULL, changed_at = ?3
          WHERE sha256 = ?1",
         params![scan.as_str(), state.word(), Timestamp::now().to_string()],
-    )?;
-    Ok(())
+    )
 }
 
 /// The state of a scan that must exist.
@@ -298,8 +271,7 @@ pub(super) fn state_of(
     transaction: &Transaction<'_>,
     scan: &ScanId,
 ) -> Result<ScanState, JournalError> {
-    let word: Option<String> = transaction
-        .query_row("SELECT state FROM scans WHERE sha256 = ?1", [scan.as_str()], |row| row.get(0))
-        .optional()?;
-    cell("state", word.ok_or(JournalError::Unknown { what: "scan" })?, ScanState::of_word)
+    let state = "SELECT state FROM scans WHERE sha256 = ?1";
+    let found = first(transaction, state, [scan.as_str()], |row| cell(row, 0, ScanState::of_word))?;
+    found.ok_or(JournalError::Unknown { what: "scan" })
 }

@@ -150,7 +150,7 @@ pub fn establish(connection: &mut Connection, is_anew: bool) -> Result<(), Journ
             }
             create(&transaction)?;
             if is_anew {
-                meta::is_new(&transaction)?;
+                meta::note_fact(&transaction, meta::TO_FILL)?;
             }
             transaction.pragma_update(None, "user_version", KNOWN)?;
             let detail = serde_json::json!({ "schema": KNOWN });
@@ -172,20 +172,15 @@ fn create(connection: &Connection) -> Result<(), JournalError> {
 /// Checks that a journal has the tables, indexes and triggers as they were created. Added ones are no damage.
 pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
     let found = objects(connection)?;
-    for (name, wanted) in pattern()? {
+    let pattern = Connection::open_in_memory()?;
+    create(&pattern)?;
+    for (name, wanted) in objects(&pattern)? {
         if found.get(&name) != Some(&wanted) {
             let found = format!("{name} does not match schema {KNOWN}");
             return Err(JournalError::Damaged { found });
         }
     }
     Ok(())
-}
-
-/// The objects of the schema.
-fn pattern() -> Result<BTreeMap<String, String>, JournalError> {
-    let connection = Connection::open_in_memory()?;
-    create(&connection)?;
-    objects(&connection)
 }
 
 /// What a schema consists of: the SQL that creates each object, by its name, without blanks.

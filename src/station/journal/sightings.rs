@@ -5,43 +5,29 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
 use gaiter_flow::{ScanId, Stamp};
-use rusqlite::{OptionalExtension, params};
+use rusqlite::params;
 
-use super::{Journal, JournalError, cell};
+use super::row::{cell, first, if_any, run, scan_id};
+use super::{Journal, JournalError};
 
 impl Journal {
     /// Reports whether this state of the file was taken in or refused before.
     pub fn was_sighted(&self, path: &Path, stamp: Stamp) -> Result<bool, JournalError> {
-        let found: Option<String> = self
-            .connection()
-            .prepare_cached("SELECT stamp FROM sightings WHERE path = ?1")?
-            .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
-            .optional()?;
-        Ok(found.is_some_and(|found| found == text(stamp)))
+        Ok(self.sighted_as(path)?.is_some_and(|(found, _)| found == stamp))
     }
 
     /// The scan of the last sighting of a file: outer `None` if there was no sighting, inner `None` if
     /// the file was refused unread.
     pub fn sighting(&self, path: &Path) -> Result<Option<Option<ScanId>>, JournalError> {
-        let found: Option<Option<String>> = self
-            .connection()
-            .prepare_cached("SELECT sha256 FROM sightings WHERE path = ?1")?
-            .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
-            .optional()?;
-        let scan = |text: String| cell("sha256", text, ScanId::parse);
-        found.map(|found| found.map(scan).transpose()).transpose()
+        Ok(self.sighted_as(path)?.map(|(_, scan)| scan))
     }
 
     /// The last sighted state of a file, and the scan that it was or belonged to.
     pub fn sighted_as(&self, path: &Path) -> Result<Option<(Stamp, Option<ScanId>)>, JournalError> {
-        let found: Option<(String, Option<String>)> = self
-            .connection()
-            .prepare_cached("SELECT stamp, sha256 FROM sightings WHERE path = ?1")?
-            .query_row([path.as_os_str().as_bytes()], |row| Ok((row.get(0)?, row.get(1)?)))
-            .optional()?;
-        let Some((stamp, scan)) = found else { return Ok(None) };
-        let parsed = |text: String| cell("sha256", text, ScanId::parse);
-        Ok(Some((cell("stamp", stamp, of_text)?, scan.map(parsed).transpose()?)))
+        let found = "SELECT stamp, sha256 FROM sightings WHERE path = ?1";
+        first(&self.connection(), found, [path.as_os_str().as_bytes()], |row| {
+            Ok((cell(row, 0, of_text)?, if_any(row, 1, scan_id)?))
+        })
     }
 
     /// Notes that this state of the file was taken in, or refused unread if there is no scan.
@@ -51,33 +37,26 @@ impl Journal {
         stamp: Stamp,
         scan: Option<&ScanId>,
     ) -> Result<(), JournalError> {
-        self.connection()
-            .prepare_cached(
-                "INSERT INTO sightings (path, stamp, sha256) VALUES (?1, ?2, ?3)
-                 ON CONFLICT (path) DO UPDATE
-                 SET stamp = excluded.stamp, sha256 = excluded.sha256, same_as = NULL",
-            )?
-            .execute(params![path.as_os_str().as_bytes(), text(stamp), scan.map(ScanId::as_str)])?;
-        Ok(())
+        run(
+            &self.connection(),
+            "INSERT INTO sightings (path, stamp, sha256) VALUES (?1, ?2, ?3)
+             ON CONFLICT (path) DO UPDATE
+             SET stamp = excluded.stamp, sha256 = excluded.sha256, same_as = NULL",
+            params![path.as_os_str().as_bytes(), text(stamp), scan.map(ScanId::as_str)],
+        )
     }
 
     /// Notes that the sighted file has the points and triangles of an earlier scan.
     pub fn sighted_again(&self, path: &Path, same_as: &ScanId) -> Result<(), JournalError> {
-        self.connection()
-            .prepare_cached("UPDATE sightings SET same_as = ?2 WHERE path = ?1")?
-            .execute(params![path.as_os_str().as_bytes(), same_as.as_str()])?;
-        Ok(())
+        let noted = "UPDATE sightings SET same_as = ?2 WHERE path = ?1";
+        run(&self.connection(), noted, params![path.as_os_str().as_bytes(), same_as.as_str()])
     }
 
     /// The earlier scan whose points and triangles the last sighted state of a file has in other bytes.
     pub fn same_as(&self, path: &Path) -> Result<Option<ScanId>, JournalError> {
-        let found: Option<Option<String>> = self
-            .connection()
-            .prepare_cached("SELECT same_as FROM sightings WHERE path = ?1")?
-            .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
-            .optional()?;
-        let parsed = |text: String| cell("same_as", text, ScanId::parse);
-        found.flatten().map(parsed).transpose()
+        let found = "SELECT same_as FROM sightings WHERE path = ?1";
+        let path = [path.as_os_str().as_bytes()];
+        Ok(first(&self.connection(), found, path, |row| if_any(row, 0, scan_id))?.flatten())
     }
 }
 

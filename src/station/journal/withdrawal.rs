@@ -16,12 +16,13 @@ use gaiter_flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
 use gaiter_record::Patient;
 use jiff::Timestamp;
-use rusqlite::{Connection, OptionalExtension, Transaction, params};
+use rusqlite::{Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{delivery_state, detail, set_code, step};
+use super::row::{all, cell, first, patient_id, run, scan_id, value};
 use super::scans::insert_delivery;
-use super::{Due, Event, Journal, JournalError, cell, history};
+use super::{Due, Event, Journal, JournalError, history};
 
 /// The code of a record that was to be withdrawn but was changed by hand, or has something in its way, so
 /// that it stays.
@@ -30,20 +31,17 @@ pub const KEPT: &str = "record-kept";
 /// SQL: [`UNASSIGNED`], [`SUPERSEDED`] and [`HANDED_OVER`], the codes of unwanted deliveries.
 pub(super) const UNWANTED: &str = "('unassigned', 'superseded', 'result-handed-over')";
 
-/// The names of the stores that are servers, for this connection alone; nothing of it is in the file.
-const SERVERS: &str = "CREATE TEMP TABLE servers (name TEXT)";
-
-/// From now on this connection can be told which stores are servers, see [`Journal::with_servers`].
-pub(super) fn note_servers(connection: &Connection) -> Result<(), JournalError> {
-    Ok(connection.execute_batch(SERVERS)?)
-}
+/// The names of the stores that are servers, see [`Journal::with_servers`], for this connection alone; nothing of
+/// it is in the file.
+pub(super) const SERVERS: &str = "CREATE TEMP TABLE servers (name TEXT)";
 
 /// Marks what is to be withdrawn now from every store that has a scan: each unwanted record, and the
 /// unassigned one if a patient has the record, once the store holds another record that is wanted; each
 /// unwanted one of a server.
 pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     let withdrawing = DeliveryState::Delivered.after(DeliveryStep::Withdraw)?;
-    transaction.execute(
+    run(
+        transaction,
         &format!(
             "UPDATE deliveries SET state = ?2, code = NULL, attempts = 0, next_at = NULL,
                     changed_at = ?3
@@ -65,13 +63,7 @@ pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), 
             UNASSIGNED,
             SUPERSEDED
         ],
-    )?;
-    Ok(())
-}
-
-/// Reports whether a delivery is still to be made as it was begun.
-pub(super) fn is_to_be_made(transaction: &Connection, due: &Due) -> Result<bool, JournalError> {
-    Ok(delivery_state(transaction, due)? == Some(DeliveryState::Pending))
+    )
 }
 
 /// What a receipt means for a delivery that may no longer be wanted.
@@ -91,18 +83,17 @@ pub(super) fn overtaken(
     transaction: &Transaction<'_>,
     due: &Due,
 ) -> Result<Overtaken, JournalError> {
-    let found: Option<(String, bool)> = transaction
-        .query_row(
-            &format!(
-                "SELECT state, coalesce(code, '') IN {UNWANTED} FROM deliveries
-                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3"
-            ),
-            [due.scan.as_str(), due.patient_cell(), &due.store],
-            |row| Ok((row.get(0)?, row.get(1)?)),
-        )
-        .optional()?;
-    let Some((word, is_unwanted)) = found else { return Ok(Overtaken::Unwanted) };
-    Ok(match cell("state", word, DeliveryState::of_word)? {
+    let found = first(
+        transaction,
+        &format!(
+            "SELECT state, coalesce(code, '') IN {UNWANTED} FROM deliveries
+             WHERE sha256 = ?1 AND patient = ?2 AND store = ?3"
+        ),
+        [due.scan.as_str(), due.patient_cell(), &due.store],
+        |row| Ok((cell(row, 0, DeliveryState::of_word)?, row.get(1)?)),
+    )?;
+    let Some((state, is_unwanted)) = found else { return Ok(Overtaken::Unwanted) };
+    Ok(match state {
         DeliveryState::Withdrawing | DeliveryState::Withdrawn => Overtaken::Unwanted,
         DeliveryState::Delivered if is_unwanted => Overtaken::Unwanted,
         DeliveryState::Refused => Overtaken::Refused,
@@ -118,7 +109,8 @@ pub(super) fn made_in_vain(
 ) -> Result<(), JournalError> {
     let (scan, patient, delivered) = (&due.scan, due.patient.as_ref(), DeliveryState::Delivered);
     insert_delivery(transaction, scan, patient, &due.store, delivered, Some(UNASSIGNED))?;
-    transaction.execute(
+    run(
+        transaction,
         "UPDATE deliveries SET state = ?5, code = ?4, next_at = NULL, folder = ?6
          WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
         params![
@@ -129,8 +121,7 @@ pub(super) fn made_in_vain(
             delivered.word(),
             folder.to_string_lossy()
         ],
-    )?;
-    Ok(())
+    )
 }
 
 impl Journal {
@@ -156,7 +147,12 @@ impl Journal {
     ) -> Result<(), JournalError> {
         let (delivered, code) = (DeliveryState::Delivered, (!is_wanted).then_some(UNASSIGNED));
         self.change(|transaction| {
-            for server in servers_without(transaction, scan, &patient.id)? {
+            let unknown = "SELECT name FROM servers
+                           WHERE NOT EXISTS (SELECT 1 FROM deliveries
+                                             WHERE sha256 = ?1 AND patient = ?2 AND store = name)";
+            let cells = [scan.as_str(), &patient.id];
+            let servers: Vec<String> = all(transaction, unknown, cells, |row| Ok(row.get(0)?))?;
+            for server in servers {
                 insert_delivery(transaction, scan, Some(patient), &server, delivered, code)?;
             }
             apply(transaction, scan)
@@ -167,21 +163,17 @@ impl Journal {
     /// delivery is running.
     pub fn take_back_unwanted(&self) -> Result<(), JournalError> {
         self.change(|transaction| {
-            let mut query = transaction.prepare(
-                "SELECT DISTINCT sha256 FROM deliveries WHERE state = 'delivered' AND code IN (?1, ?2)",
-            )?;
-            let scans = query.query_map([UNASSIGNED, SUPERSEDED], |row| row.get(0))?;
-            let scans: Vec<String> = scans.collect::<rusqlite::Result<_>>()?;
-            for scan in scans {
-                apply(transaction, &cell("sha256", scan, ScanId::parse)?)?;
-            }
-            Ok(())
+            let unwanted = "SELECT DISTINCT sha256 FROM deliveries
+                            WHERE state = 'delivered' AND code IN (?1, ?2)";
+            let scans =
+                all(transaction, unwanted, [UNASSIGNED, SUPERSEDED], |row| scan_id(row, 0))?;
+            scans.iter().try_for_each(|scan| apply(transaction, scan))
         })
     }
 
     /// Reports whether a delivery is still to be made: no decision has changed it since it began.
     pub fn is_to_be_made(&self, due: &Due) -> Result<bool, JournalError> {
-        is_to_be_made(&self.connection(), due)
+        Ok(delivery_state(&self.connection(), due)? == Some(DeliveryState::Pending))
     }
 
     /// Records that the record is gone from the store.
@@ -217,42 +209,21 @@ impl Journal {
         scan: &ScanId,
         store: &str,
     ) -> Result<Option<Option<String>>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
+        let keeper = format!(
             "SELECT patient FROM deliveries
              WHERE sha256 = ?1 AND store = ?2 AND state = ?3
                    AND coalesce(code, '') NOT IN {UNWANTED}
              ORDER BY patient = '', changed_at LIMIT 1"
-        ))?;
+        );
         let cells = [scan.as_str(), store, DeliveryState::Delivered.word()];
-        let found: Option<String> = query.query_row(cells, |row| row.get(0)).optional()?;
-        Ok(found.map(|id| Some(id).filter(|id| !id.is_empty())))
+        first(&self.connection(), &keeper, cells, |row| patient_id(row, 0))
     }
 
     /// Reports whether a record that was to be withdrawn stays until a person has dealt with it.
     pub fn keeps_changed_records(&self) -> Result<bool, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT EXISTS (SELECT 1 FROM deliveries WHERE state = ?1 AND code = ?2)",
-        )?;
-        let cells = [DeliveryState::Withdrawing.word(), KEPT];
-        Ok(query.query_row(cells, |row| row.get(0))?)
+        let kept = "SELECT EXISTS (SELECT 1 FROM deliveries WHERE state = ?1 AND code = ?2)";
+        value(&self.connection(), kept, [DeliveryState::Withdrawing.word(), KEPT])
     }
-}
-
-/// The servers for which the journal has no delivery of a scan to a patient.
-fn servers_without(
-    transaction: &Transaction<'_>,
-    scan: &ScanId,
-    patient: &str,
-) -> Result<Vec<String>, JournalError> {
-    let mut query = transaction.prepare_cached(
-        "SELECT name FROM servers
-         WHERE NOT EXISTS (SELECT 1 FROM deliveries
-                           WHERE sha256 = ?1 AND patient = ?2 AND store = name)",
-    )?;
-    let rows = query.query_map([scan.as_str(), patient], |row| row.get(0))?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! The names that wait for a press, in the table of facts.
 
 use gaiter_flow::round::{Names, Rounds};
-use rusqlite::{Connection, OptionalExtension, Transaction};
+use rusqlite::{Connection, Transaction};
 use serde::{Deserialize, Serialize};
 
-use super::cells::json_text;
 use crate::station::journal::integrity::seal;
-use crate::station::journal::{Journal, JournalError, json_cell};
+use crate::station::journal::meta::{fact, forget_fact, set_fact};
+use crate::station::journal::row::{json_text, of_json};
+use crate::station::journal::{Journal, JournalError};
 
 /// The name of the fact.
 const NEXT: &str = "next-patient";
@@ -31,8 +32,8 @@ struct NamesCell {
 impl Journal {
     /// The names that wait for a press.
     pub fn names(&self) -> Result<Option<NamesOfBoot>, JournalError> {
-        let Some(text) = self.fact(NEXT)? else { return Ok(None) };
-        let NamesCell { names, seal } = json_cell("value", text)?;
+        let found = fact(&self.connection(), NEXT, of_json)?;
+        let Some(NamesCell { names, seal }) = found else { return Ok(None) };
         if seal != seal::of_text(&json_text(&names)?) {
             return Err(JournalError::Seal { table: "meta" });
         }
@@ -52,28 +53,18 @@ pub(super) fn save(
     }
     let names = NamesOfBoot { names: after.names().clone(), boot: boot.to_owned() };
     let seal = seal::of_text(&json_text(&names)?);
-    let text = json_text(&NamesCell { names, seal })?;
-    transaction.execute(
-        "INSERT INTO meta (name, value) VALUES (?1, ?2)
-         ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-        [NEXT, &text],
-    )?;
-    Ok(())
+    set_fact(transaction, NEXT, &json_text(&NamesCell { names, seal })?)
 }
 
 /// Whether one of the names is this patient's.
 pub fn names_patient(connection: &Connection, patient: &str) -> Result<bool, JournalError> {
-    let text: Option<String> = connection
-        .query_row("SELECT value FROM meta WHERE name = ?1", [NEXT], |row| row.get(0))
-        .optional()?;
-    let Some(text) = text else { return Ok(false) };
-    let NamesCell { names, .. } = json_cell("value", text)?;
+    let found = fact(connection, NEXT, of_json)?;
+    let Some(NamesCell { names, .. }) = found else { return Ok(false) };
     let mut said = names.names.next.iter().flat_map(|next| &next.names);
     Ok(said.any(|said| said.named.id == patient))
 }
 
 /// Removes the names.
 pub fn clear(transaction: &Transaction<'_>) -> Result<(), JournalError> {
-    transaction.execute("DELETE FROM meta WHERE name = ?1", [NEXT])?;
-    Ok(())
+    forget_fact(transaction, NEXT).map(drop)
 }

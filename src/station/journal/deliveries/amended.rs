@@ -8,10 +8,11 @@ use std::path::Path;
 
 use gaiter_flow::lifecycle::REVISION_REFUSED;
 use gaiter_flow::{DeliveryState, ScanId};
-use rusqlite::{OptionalExtension, params};
+use rusqlite::params;
 use serde_json::json;
 
 use super::super::delivery_row::detail;
+use super::super::row::{first, run, value};
 use super::super::withdrawal::UNWANTED;
 use super::super::{Due, Event, Journal, JournalError, history};
 use crate::store::FolderStore;
@@ -31,17 +32,11 @@ impl Journal {
         patient: &str,
         stores: &[&str],
     ) -> Result<(), JournalError> {
-        self.change(|transaction| {
-            for store in stores {
-                transaction.execute(
-                    "UPDATE deliveries SET amended = ?4
-                     WHERE sha256 = ?1 AND patient = ?2 AND store = ?3
-                           AND state IN ('delivered', 'pending')",
-                    [scan.as_str(), patient, store, BEGUN],
-                )?;
-            }
-            Ok(())
-        })
+        let noted = "UPDATE deliveries SET amended = ?4
+                     WHERE sha256 = ?1 AND patient = ?2 AND store IN (SELECT value FROM json_each(?3))
+                           AND state IN ('delivered', 'pending')";
+        let stores = json!(stores).to_string();
+        run(&self.connection(), noted, [scan.as_str(), patient, &stores, BEGUN])
     }
 
     /// Notes that the revision is written, or that it could not be. `measures` are those that a person set.
@@ -70,8 +65,7 @@ impl Journal {
     pub fn found_amended(&self, scan: &ScanId, patient: &str) -> Result<(), JournalError> {
         let noted = "UPDATE deliveries SET amended = ?3
                      WHERE sha256 = ?1 AND patient = ?2 AND store <> ?4 AND state = 'delivered'";
-        self.connection().execute(noted, [scan.as_str(), patient, DUE, FolderStore::FIRST])?;
-        Ok(())
+        run(&self.connection(), noted, [scan.as_str(), patient, DUE, FolderStore::FIRST])
     }
 
     /// The folder of a patient's record in the folder store; `None` if it is not there.
@@ -80,14 +74,11 @@ impl Journal {
         scan: &ScanId,
         patient: &str,
     ) -> Result<Option<String>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT folder FROM deliveries
-             WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state = 'delivered'",
-        )?;
-        let found: Option<Option<String>> = query
-            .query_row([scan.as_str(), patient, FolderStore::FIRST], |row| row.get(0))
-            .optional()?;
+        let found = "SELECT folder FROM deliveries
+                     WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state = 'delivered'";
+        let cells = [scan.as_str(), patient, FolderStore::FIRST];
+        let found: Option<Option<String>> =
+            first(&self.connection(), found, cells, |row| Ok(row.get(0)?))?;
         Ok(found.flatten())
     }
 
@@ -99,15 +90,13 @@ impl Journal {
                   WHERE sha256 = ?1 AND state = ?3 AND coalesce(code, '') NOT IN {UNWANTED}) = 1"
         );
         let cells = params![scan.as_str(), lacks, DeliveryState::Delivered.word()];
-        self.connection().prepare_cached(&noted)?.execute(cells)?;
-        Ok(())
+        run(&self.connection(), &noted, cells)
     }
 
     /// Makes due what a crash left begun.
     pub fn resume_amending(&self) -> Result<(), JournalError> {
         let resumed = "UPDATE deliveries SET amended = ?1 WHERE amended = ?2";
-        self.connection().execute(resumed, [DUE, BEGUN])?;
-        Ok(())
+        run(&self.connection(), resumed, [DUE, BEGUN])
     }
 
     /// Notes that a store does not take the latest revision, for this reason: a person must know that it has an
@@ -131,12 +120,11 @@ impl Journal {
 
     /// Reports whether a store is still to be given the latest revision of the record of a scan.
     pub fn owes_revision(&self, scan: &ScanId) -> Result<bool, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
+        let owes = format!(
             "SELECT EXISTS (SELECT 1 FROM deliveries WHERE sha256 = ?1 AND amended = ?2
                             AND state = 'delivered' AND coalesce(code, '') NOT IN {UNWANTED})"
-        ))?;
-        Ok(query.query_row([scan.as_str(), DUE], |row| row.get(0))?)
+        );
+        value(&self.connection(), &owes, [scan.as_str(), DUE])
     }
 
     /// Notes that a store has the latest revision, and its receipt; `None` if there is none to hand over.

@@ -6,7 +6,6 @@
 //! says that the one which is found there is of the history as it was.
 
 mod person;
-mod redact;
 #[cfg(test)]
 mod tests;
 
@@ -14,13 +13,15 @@ use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
 
 use super::deliveries::finish_if_done;
+use super::history::HeadFile;
 use super::integrity::seal;
-use super::{Event, Journal, JournalError, captures, cell, history, json_cell, withdrawal};
+use super::meta::{fact, forget_fact, note_fact};
+use super::row::{all, json_cell, run, scan_id, value};
+use super::{Event, Journal, JournalError, captures, history, withdrawal};
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::erasure::{ERASED, names};
 use gaiter_flow::round::Named;
 pub use person::Theirs;
-use redact::redact;
 
 /// Prefix for places whose head of the history is older than the last erasure: a store, or the state folder.
 const OLD_HEAD: &str = "old-head:";
@@ -57,25 +58,22 @@ impl Journal {
             for scan in whole {
                 for table in ["deliveries", "scans", "sightings"] {
                     let gone = format!("DELETE FROM {table} WHERE sha256 = ?1");
-                    transaction.execute(&gone, [scan.as_str()])?;
+                    run(transaction, &gone, [scan.as_str()])?;
                 }
                 let over = "UPDATE captures SET state = 'over' WHERE scan = ?1";
-                transaction.execute(over, [scan.as_str()])?;
+                run(transaction, over, [scan.as_str()])?;
             }
             leave_shared(transaction, patient)?;
             forget_paths(transaction, patient)?;
             leave_captures(transaction, patient)?;
             if rewrite(transaction, patient)? {
                 for place in stores.iter().chain(&[OWN]) {
-                    transaction.execute(
-                        "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING",
-                        [format!("{OLD_HEAD}{place}")],
-                    )?;
+                    note_fact(transaction, &format!("{OLD_HEAD}{place}"))?;
                 }
             }
             history::append(transaction, None, Event::Erased, detail)
         })?;
-        self.renew_own_head()
+        renew_own_head(&self.connection(), &self.head)
     }
 
     /// Writes the whole journal anew and empties its log: what was removed is in neither. No other process
@@ -98,33 +96,19 @@ impl Journal {
 
     /// Notes that a store keeps a new head, durably.
     pub fn head_renewed(&self, store: &str) -> Result<(), JournalError> {
-        forget_old_head(&self.connection(), store)
+        forget_fact(&self.connection(), &format!("{OLD_HEAD}{store}")).map(drop)
     }
+}
 
-    /// Writes the head in the state folder if it is of the history as it was.
-    fn renew_own_head(&self) -> Result<(), JournalError> {
-        let connection = self.connection();
-        if is_old_head(&connection)? {
-            if let Some(head) = history::newest(&connection)? {
-                self.head.write_durably(&head).map_err(JournalError::Head)?;
-            }
-            forget_old_head(&connection, OWN)?;
+/// Writes the head in the state folder if it is of the history as it was before an erasure.
+pub(super) fn renew_own_head(connection: &Connection, head: &HeadFile) -> Result<(), JournalError> {
+    let own = format!("{OLD_HEAD}{OWN}");
+    if fact(connection, &own, |_| Some(()))?.is_some() {
+        if let Some(newest) = history::newest(connection)? {
+            head.write_durably(&newest).map_err(JournalError::Head)?;
         }
-        Ok(())
+        forget_fact(connection, &own)?;
     }
-}
-
-/// Whether the head in the state folder is of the history as it was before an erasure: a crash came between.
-pub(super) fn is_old_head(connection: &Connection) -> Result<bool, JournalError> {
-    let mut query =
-        connection.prepare_cached("SELECT EXISTS (SELECT 1 FROM meta WHERE name = ?1)")?;
-    Ok(query.query_row([format!("{OLD_HEAD}{OWN}")], |row| row.get(0))?)
-}
-
-/// Notes that the head of a place is of the history as it is.
-pub(super) fn forget_old_head(connection: &Connection, place: &str) -> Result<(), JournalError> {
-    let gone = "DELETE FROM meta WHERE name = ?1";
-    connection.execute(gone, [format!("{OLD_HEAD}{place}")])?;
     Ok(())
 }
 
@@ -132,8 +116,8 @@ pub(super) fn forget_old_head(connection: &Connection, place: &str) -> Result<()
 /// stays: that it may be an erased person's.
 fn leave_shared(transaction: &Transaction<'_>, patient: &str) -> Result<(), JournalError> {
     hold_for_others(transaction, patient)?;
-    let mut shared: Vec<String> =
-        texts(transaction, "DELETE FROM deliveries WHERE patient = ?1 RETURNING sha256", patient)?;
+    let gone = "DELETE FROM deliveries WHERE patient = ?1 RETURNING sha256";
+    let mut shared = all(transaction, gone, [patient], |row| scan_id(row, 0))?;
     let named = format!(
         "UPDATE scans SET candidates = CASE
            WHEN EXISTS (SELECT 1 FROM json_each(candidates) WHERE value NOT IN (?1, '{ERASED}'))
@@ -142,11 +126,10 @@ fn leave_shared(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jour
            ELSE '[]' END
          WHERE EXISTS (SELECT 1 FROM json_each(candidates) WHERE value = ?1) RETURNING sha256"
     );
-    shared.extend(texts(transaction, &named, patient)?);
+    shared.extend(all(transaction, &named, [patient], |row| scan_id(row, 0))?);
     shared.sort();
     shared.dedup();
     for scan in shared {
-        let scan = cell("sha256", scan, ScanId::parse)?;
         withdrawal::apply(transaction, &scan)?;
         finish_if_done(transaction, &scan)?;
     }
@@ -155,18 +138,17 @@ fn leave_shared(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jour
 
 /// A scan that is held for the person and may be another's stays held, for no one by name.
 fn hold_for_others(transaction: &Transaction<'_>, patient: &str) -> Result<(), JournalError> {
-    let held: Vec<(String, String)> = {
-        let mut query = transaction.prepare(
-            "SELECT sha256, store FROM deliveries JOIN scans USING (sha256)
-             WHERE patient = ?1 AND deliveries.state = 'held'
-                   AND EXISTS (SELECT 1 FROM json_each(candidates) WHERE value <> ?1)
-                   AND NOT EXISTS (SELECT 1 FROM deliveries AS others
-                                   WHERE others.sha256 = scans.sha256 AND others.patient <> ?1
-                                         AND others.state = 'held')",
-        )?;
-        let rows = query.query_map([patient], |row| Ok((row.get(0)?, row.get(1)?)))?;
-        rows.collect::<rusqlite::Result<_>>()?
-    };
+    let held: Vec<(String, String)> = all(
+        transaction,
+        "SELECT sha256, store FROM deliveries JOIN scans USING (sha256)
+         WHERE patient = ?1 AND deliveries.state = 'held'
+               AND EXISTS (SELECT 1 FROM json_each(candidates) WHERE value <> ?1)
+               AND NOT EXISTS (SELECT 1 FROM deliveries AS others
+                               WHERE others.sha256 = scans.sha256 AND others.patient <> ?1
+                                     AND others.state = 'held')",
+        [patient],
+        |row| Ok((row.get(0)?, row.get(1)?)),
+    )?;
     for (scan, store) in held {
         let seal = seal::of_delivery(&scan, "", &store, "[]");
         transaction.execute(
@@ -178,27 +160,13 @@ fn hold_for_others(transaction: &Transaction<'_>, patient: &str) -> Result<(), J
     Ok(())
 }
 
-fn texts(
-    transaction: &Transaction<'_>,
-    statement: &str,
-    patient: &str,
-) -> Result<Vec<String>, JournalError> {
-    let mut query = transaction.prepare(statement)?;
-    let rows = query.query_map([patient], |row| row.get(0))?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
-}
-
 /// Forgets files whose paths name the person. If one is still there it is read again: then its hash tells.
 fn forget_paths(transaction: &Transaction<'_>, patient: &str) -> Result<(), JournalError> {
     for table in ["sightings", "orders"] {
-        let named: Vec<Vec<u8>> = {
-            let mut query = transaction.prepare(&format!("SELECT path FROM {table}"))?;
-            let paths = query.query_map([], |row| row.get(0))?;
-            let paths: Vec<Vec<u8>> = paths.collect::<rusqlite::Result<_>>()?;
-            paths.into_iter().filter(|path| names(path, patient)).collect()
-        };
-        for path in named {
-            transaction.execute(&format!("DELETE FROM {table} WHERE path = ?1"), [path])?;
+        let paths = format!("SELECT path FROM {table}");
+        let paths: Vec<Vec<u8>> = all(transaction, &paths, [], |row| Ok(row.get(0)?))?;
+        for path in paths.iter().filter(|path| names(path, patient)) {
+            run(transaction, &format!("DELETE FROM {table} WHERE path = ?1"), [path])?;
         }
     }
     Ok(())
@@ -209,18 +177,15 @@ fn leave_captures(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jo
     if captures::names_patient(transaction, patient)? {
         captures::clear_names(transaction)?;
     }
-    type Row = (i64, String, String, String);
-    let rows: Vec<Row> = {
-        let mut query = transaction.prepare(
-            "SELECT number, patient, source, candidates FROM captures
-             WHERE patient = ?1 OR instr(candidates, ?1) > 0",
-        )?;
-        let rows = query
-            .query_map([patient], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?)))?;
-        rows.collect::<rusqlite::Result<_>>()?
-    };
-    for (number, id, source, others) in rows {
-        let mut named: Vec<Named> = json_cell("candidates", others)?;
+    type Row = (i64, String, String, Vec<Named>);
+    let rows: Vec<Row> = all(
+        transaction,
+        "SELECT number, patient, source, candidates FROM captures
+         WHERE patient = ?1 OR instr(candidates, ?1) > 0",
+        [patient],
+        |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, json_cell(row, 3)?)),
+    )?;
+    for (number, id, source, mut named) in rows {
         let is_theirs = id == patient || named.iter().any(|named| named.id == patient);
         if !is_theirs {
             continue;
@@ -239,46 +204,68 @@ fn leave_captures(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jo
     Ok(())
 }
 
-/// A row of the history: number, time, scan, event, details.
-type Row = (i64, String, String, String, String);
+/// A row of the history: number, time, scan, event, details as text and as values, hash.
+type Row = (i64, String, String, String, String, Value, String);
 
 /// Takes the person from the details of the history, and makes the hashes anew from there on. Returns whether
 /// a row changed.
 fn rewrite(transaction: &Transaction<'_>, patient: &str) -> Result<bool, JournalError> {
     let written = json!(patient).to_string();
-    let first: Option<i64> = transaction.query_row(
-        "SELECT min(seq) FROM history WHERE instr(detail, ?1) > 0",
-        [written.trim_matches('"')],
-        |row| row.get(0),
-    )?;
+    let first = "SELECT min(seq) FROM history WHERE instr(detail, ?1) > 0";
+    let first: Option<i64> = value(transaction, first, [written.trim_matches('"')])?;
     let Some(first) = first else { return Ok(false) };
-    let rows: Vec<Row> = {
-        let mut query = transaction.prepare(
-            "SELECT seq, at, scan, event, detail FROM history WHERE seq >= ?1 ORDER BY seq",
-        )?;
-        let rows = query.query_map([first], |row| {
-            Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?))
-        })?;
-        rows.collect::<rusqlite::Result<_>>()?
-    };
+    let rows: Vec<Row> = all(
+        transaction,
+        "SELECT seq, at, scan, event, detail, hash FROM history WHERE seq >= ?1 ORDER BY seq",
+        [first],
+        |row| {
+            let text = |at| row.get::<_, String>(at);
+            let details = json_cell(row, 4)?;
+            Ok((row.get(0)?, text(1)?, text(2)?, text(3)?, text(4)?, details, text(5)?))
+        },
+    )?;
     let mut before = history::hash_of(transaction, first - 1)?.unwrap_or_default();
     let mut has_changed = false;
     transaction.execute_batch("DROP TRIGGER history_is_not_changed")?;
-    for (seq, at, scan, event, detail) in rows {
-        let mut details: Value = json_cell("detail", detail.clone())?;
+    for (seq, at, scan, event, detail, mut details, hash) in rows {
         let is_named = redact(&mut details, patient);
         has_changed |= is_named;
         if !has_changed {
-            before = history::hash_of(transaction, seq)?.unwrap_or_default();
+            before = hash;
             continue;
         }
         let detail = if is_named { details.to_string() } else { detail };
         let hash = history::hash(&before, seq, &at, &scan, &event, &detail);
-        transaction
-            .prepare_cached("UPDATE history SET detail = ?2, hash = ?3 WHERE seq = ?1")?
-            .execute(params![seq, detail, hash])?;
+        let written = "UPDATE history SET detail = ?2, hash = ?3 WHERE seq = ?1";
+        run(transaction, written, params![seq, detail, hash])?;
         before = hash;
     }
     transaction.execute_batch(history::NOT_CHANGED)?;
     Ok(has_changed)
+}
+
+/// Puts a word in the place of an id wherever it is a whole text, and drops it from lists. Returns whether
+/// there was one.
+fn redact(value: &mut Value, id: &str) -> bool {
+    match value {
+        Value::String(text) if text == id => {
+            ERASED.clone_into(text);
+            true
+        }
+        Value::Array(values) => {
+            let before = values.len();
+            values.retain(|value| !is_of(value, id));
+            let is_shorter = values.len() != before;
+            values.iter_mut().fold(is_shorter, |found, value| redact(value, id) | found)
+        }
+        Value::Object(fields) => {
+            fields.values_mut().fold(false, |found, value| redact(value, id) | found)
+        }
+        _ => false,
+    }
+}
+
+/// Whether an element of a list is the id, or a patient with it.
+fn is_of(value: &Value, id: &str) -> bool {
+    value.as_str() == Some(id) || value.get("id").and_then(Value::as_str) == Some(id)
 }

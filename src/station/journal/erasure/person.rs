@@ -9,11 +9,12 @@ use gaiter_flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, W
 use gaiter_flow::{DeliveryState, ScanId};
 use gaiter_record::Source;
 use jiff::Timestamp;
-use rusqlite::{Connection, OptionalExtension};
+use rusqlite::Connection;
 use serde_json::Value;
 
+use crate::station::journal::row::{all, if_any, json_cell, scan_id, time, value};
 use crate::station::journal::withdrawal::UNWANTED;
-use crate::station::journal::{Journal, JournalError, captures, cell, json_cell};
+use crate::station::journal::{Journal, JournalError, captures};
 
 /// What stands for another patient's id where a person's data is disclosed.
 const ANOTHER: &str = "(another patient)";
@@ -31,21 +32,14 @@ impl Journal {
     /// The scans that are or may be a person's, in the order in which they came.
     pub fn scans_of_person(&self, patient: &str) -> Result<Vec<Theirs>, JournalError> {
         let connection = self.connection();
-        let mut query = connection.prepare(
-            "SELECT sha256 FROM scans
-             WHERE sha256 IN (SELECT sha256 FROM deliveries WHERE patient = ?1)
-                   OR EXISTS (SELECT 1 FROM json_each(candidates) WHERE value = ?1)
-             ORDER BY first_seen, sha256",
-        )?;
-        let rows = query.query_map([patient], |row| row.get(0))?;
-        let scans: Vec<String> = rows.collect::<rusqlite::Result<_>>()?;
-        scans
-            .into_iter()
-            .map(|scan| {
-                let scan = cell("sha256", scan, ScanId::parse)?;
-                Ok(Theirs { whose: whose(&connection, &scan, patient)?, scan })
-            })
-            .collect()
+        let theirs = "SELECT sha256 FROM scans
+                      WHERE sha256 IN (SELECT sha256 FROM deliveries WHERE patient = ?1)
+                            OR EXISTS (SELECT 1 FROM json_each(candidates) WHERE value = ?1)
+                      ORDER BY first_seen, sha256";
+        all(&connection, theirs, [patient], |row| {
+            let scan = scan_id(row, 0)?;
+            Ok(Theirs { whose: whose(&connection, &scan, patient)?, scan })
+        })
     }
 
     /// The deliveries of a scan for a person.
@@ -54,59 +48,51 @@ impl Journal {
         scan: &ScanId,
         patient: &str,
     ) -> Result<Vec<PersonDelivery>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT store, state, changed_at, folder, sources, places FROM deliveries
-             WHERE sha256 = ?1 AND patient = ?2 ORDER BY store",
-        )?;
-        let mut rows = query.query([scan.as_str(), patient])?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next()? {
-            let sources: Vec<Source> = json_cell("sources", row.get(4)?)?;
-            let at: Option<String> = row.get(2)?;
-            found.push(PersonDelivery {
+        let theirs = "SELECT store, state, changed_at, folder, sources, places FROM deliveries
+                      WHERE sha256 = ?1 AND patient = ?2 ORDER BY store";
+        all(&self.connection(), theirs, [scan.as_str(), patient], |row| {
+            let sources: Vec<Source> = json_cell(row, 4)?;
+            Ok(PersonDelivery {
                 store: row.get(0)?,
                 state: row.get(1)?,
-                at: at.map(|at| cell("changed_at", at, |at| at.parse().ok())).transpose()?,
+                at: if_any(row, 2, time)?,
                 folder: row.get(3)?,
                 sources: sources.iter().map(|source| source.kind).collect(),
-                places: json_cell("places", row.get(5)?)?,
-            });
-        }
-        Ok(found)
+                places: json_cell(row, 5)?,
+            })
+        })
     }
 
     /// What servers are owed, each with the patient's id: what is to be taken back there, and what was amended since.
     /// A server that is no longer in the configuration is known by its places.
     pub fn owed_to_servers(&self) -> Result<Vec<(String, Owed)>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
+        let owed = format!(
             "SELECT patient, sha256, store, state, folder, places FROM deliveries
              WHERE (state = ?1
                     OR amended <> '' AND state = ?2 AND coalesce(code, '') NOT IN {UNWANTED})
                    AND (store IN (SELECT name FROM servers) OR places <> '{{}}')
              ORDER BY sha256, patient, store"
-        ))?;
+        );
         let withdrawing = DeliveryState::Withdrawing.word();
-        let mut rows = query.query([withdrawing, DeliveryState::Delivered.word()])?;
-        let mut all = Vec::new();
-        while let Some(row) = rows.next()? {
+        let states = [withdrawing, DeliveryState::Delivered.word()];
+        let found = all(&self.connection(), &owed, states, |row| {
             let (patient, sha256, store): (String, String, String) =
                 (row.get(0)?, row.get(1)?, row.get(2)?);
-            let (state, folder): (String, Option<String>) = (row.get(3)?, row.get(4)?);
-            let step = if state == withdrawing { OwedStep::TakeBack } else { OwedStep::Correct };
+            let is_withdrawing = row.get::<_, String>(3)? == withdrawing;
+            let step = if is_withdrawing { OwedStep::TakeBack } else { OwedStep::Correct };
             let owed = |place: Option<String>, reference: Option<String>| {
                 let (sha256, store) = (sha256.clone(), store.clone());
                 (patient.clone(), Owed { sha256, store, step, place, reference })
             };
-            let places: BTreeMap<String, String> = json_cell("places", row.get(5)?)?;
+            let places: BTreeMap<String, String> = json_cell(row, 5)?;
             if places.is_empty() {
-                all.push(owed(None, folder));
+                return Ok(vec![owed(None, row.get(4)?)]);
             }
             let receipt = |text: String| Some(text).filter(|text| !text.is_empty());
-            all.extend(places.into_iter().map(|(place, text)| owed(Some(place), receipt(text))));
-        }
-        Ok(all)
+            let places = places.into_iter();
+            Ok(places.map(|(place, text)| owed(Some(place), receipt(text))).collect())
+        })?;
+        Ok(found.into_iter().flatten().collect())
     }
 
     /// The names of the folders of the records that a store was given for a person and must still hold, oldest first.
@@ -115,38 +101,28 @@ impl Journal {
         patient: &str,
         store: &str,
     ) -> Result<Vec<String>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(&format!(
+        let delivered = format!(
             "SELECT sha256, first_seen FROM deliveries JOIN scans USING (sha256)
              WHERE patient = ?1 AND store = ?2 AND deliveries.state = ?3
                    AND coalesce(deliveries.code, '') NOT IN {UNWANTED}
              ORDER BY first_seen, sha256"
-        ))?;
-        let mut rows = query.query([patient, store, DeliveryState::Delivered.word()])?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next()? {
-            let scan = cell("sha256", row.get(0)?, ScanId::parse)?;
-            let first_seen = cell("first_seen", row.get(1)?, |text| text.parse().ok())?;
-            found.push(record_folder(first_seen, &scan));
-        }
-        Ok(found)
+        );
+        let cells = [patient, store, DeliveryState::Delivered.word()];
+        all(&self.connection(), &delivered, cells, |row| {
+            Ok(record_folder(time(row, 1)?, &scan_id(row, 0)?))
+        })
     }
 
     /// The waits for a person's scans. A name that waits for a press has the number 0.
     pub fn captures_of_person(&self, patient: &str) -> Result<Vec<PersonCapture>, JournalError> {
         let connection = self.connection();
-        let mut query = connection.prepare(
-            "SELECT number, at, state FROM captures
-             WHERE patient = ?1 OR EXISTS (SELECT 1 FROM json_each(candidates)
-                                           WHERE json_extract(value, '$.id') = ?1)
-             ORDER BY number",
-        )?;
-        let mut rows = query.query([patient])?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next()? {
-            let at = cell("at", row.get(1)?, |at| at.parse().ok())?;
-            found.push(PersonCapture { number: row.get(0)?, at, state: row.get(2)? });
-        }
+        let theirs = "SELECT number, at, state FROM captures
+                      WHERE patient = ?1 OR EXISTS (SELECT 1 FROM json_each(candidates)
+                                                    WHERE json_extract(value, '$.id') = ?1)
+                      ORDER BY number";
+        let mut found = all(&connection, theirs, [patient], |row| {
+            Ok(PersonCapture { number: row.get(0)?, at: time(row, 1)?, state: row.get(2)? })
+        })?;
         if captures::names_patient(&connection, patient)? {
             let at = Timestamp::now();
             found.push(PersonCapture { number: 0, at, state: "named".to_owned() });
@@ -163,71 +139,60 @@ impl Journal {
     ) -> Result<Vec<PersonEvent>, JournalError> {
         let scans: BTreeSet<&str> = scans.iter().map(ScanId::as_str).collect();
         let written = Value::from(patient).to_string();
-        let connection = self.connection();
-        let mut query = connection.prepare(
-            "SELECT scan, at, event, detail, instr(detail, ?1) > 0 FROM history ORDER BY seq",
-        )?;
-        let mut rows = query.query([&written])?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next()? {
+        let history =
+            "SELECT scan, at, event, detail, instr(detail, ?1) > 0 FROM history ORDER BY seq";
+        let found = all(&self.connection(), history, [&written], |row| {
             let (scan, is_named): (String, bool) = (row.get(0)?, row.get(4)?);
             if !is_named && !scans.contains(scan.as_str()) {
-                continue;
+                return Ok(None);
             }
-            let detail: String = row.get(3)?;
-            let mut detail: Value = json_cell("detail", detail)?;
+            let mut detail: Value = json_cell(row, 3)?;
             hide_others(&mut detail, patient);
             let detail = detail.to_string();
             let happened = Happened { at: row.get(1)?, event: row.get(2)?, detail };
-            found.push(PersonEvent { scan, happened });
-        }
-        Ok(found)
+            Ok(Some(PersonEvent { scan, happened }))
+        })?;
+        Ok(found.into_iter().flatten().collect())
     }
 
     /// The paths under which scans were seen.
     pub fn paths_of(&self, scan: &ScanId) -> Result<Vec<Vec<u8>>, JournalError> {
-        let connection = self.connection();
-        let mut query =
-            connection.prepare_cached("SELECT path FROM sightings WHERE sha256 = ?1 ORDER BY 1")?;
-        let rows = query.query_map([scan.as_str()], |row| row.get(0))?;
-        Ok(rows.collect::<rusqlite::Result<_>>()?)
+        let paths = "SELECT path FROM sightings WHERE sha256 = ?1 ORDER BY 1";
+        all(&self.connection(), paths, [scan.as_str()], |row| Ok(row.get(0)?))
     }
 }
 
 /// Whether a scan is a person's.
 fn whose(connection: &Connection, scan: &ScanId, patient: &str) -> Result<WhoseScan, JournalError> {
-    let held = DeliveryState::Held.word();
+    let cells = [scan.as_str(), patient, DeliveryState::Held.word()];
     let of = |condition: &str| -> Result<bool, JournalError> {
-        let found: Option<bool> = connection
-            .prepare_cached(&format!(
-                "SELECT 1 FROM deliveries WHERE sha256 = ?1 AND {condition}
-                        AND state NOT IN ('withdrawing', 'withdrawn')
-                        AND coalesce(code, '') NOT IN {UNWANTED} LIMIT 1"
-            ))?
-            .query_row([scan.as_str(), patient, held], |_| Ok(true))
-            .optional()?;
-        Ok(found.is_some())
+        let found = format!(
+            "SELECT EXISTS (SELECT 1 FROM deliveries WHERE sha256 = ?1 AND {condition}
+                            AND state NOT IN ('withdrawing', 'withdrawn')
+                            AND coalesce(code, '') NOT IN {UNWANTED})"
+        );
+        value(connection, &found, cells)
     };
     let has = of("patient = ?2 AND state <> ?3")?;
     let others_have = of("patient NOT IN ('', ?2) AND state <> ?3")?;
     let is_held = of("state = ?3 AND ?2 <> ''")?;
-    let may_be_others: bool = connection
-        .prepare_cached(
-            "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
-                            WHERE sha256 = ?1 AND value <> ?2)
-                    OR EXISTS (SELECT 1 FROM deliveries
-                               WHERE sha256 = ?1 AND patient NOT IN ('', ?2) AND state = ?3)",
-        )?
-        .query_row([scan.as_str(), patient, held], |row| row.get(0))?;
+    let may_be_others: bool = value(
+        connection,
+        "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
+                        WHERE sha256 = ?1 AND value <> ?2)
+                OR EXISTS (SELECT 1 FROM deliveries
+                           WHERE sha256 = ?1 AND patient NOT IN ('', ?2) AND state = ?3)",
+        cells,
+    )?;
     let is_candidate = is_held
-        && connection
-            .prepare_cached(
-                "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
-                                WHERE sha256 = ?1 AND value = ?2)
-                        OR EXISTS (SELECT 1 FROM deliveries
-                                   WHERE sha256 = ?1 AND patient = ?2 AND state = ?3)",
-            )?
-            .query_row([scan.as_str(), patient, held], |row| row.get(0))?;
+        && value(
+            connection,
+            "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
+                            WHERE sha256 = ?1 AND value = ?2)
+                    OR EXISTS (SELECT 1 FROM deliveries
+                               WHERE sha256 = ?1 AND patient = ?2 AND state = ?3)",
+            cells,
+        )?;
     let is_open = is_held && may_be_others;
     Ok(match (has, is_candidate) {
         (true, _) if others_have || is_open => WhoseScan::Shared,

@@ -244,3 +244,19 @@ fn a_person_whom_the_journal_does_not_know_changes_no_row_of_the_history() {
     journal.holds_head(&before).unwrap();
     assert!(!journal.has_old_head("folder").unwrap());
 }
+
+#[test]
+fn an_id_gives_way_wherever_it_is_and_nothing_else_does() {
+    let mut value = json!({
+        "patient": "4711", "decision": 4711, "store": "47110", "patients": ["4711", "4712"],
+        "claims": [{"id": "4711", "sources": []}, {"id": "4712", "sources": []}],
+        "deep": {"by": ["x", {"patient": "4711"}]},
+    });
+    assert!(redact(&mut value, "4711"));
+    let wanted = json!({
+        "patient": ERASED, "decision": 4711, "store": "47110", "patients": ["4712"],
+        "claims": [{"id": "4712", "sources": []}], "deep": {"by": ["x", {"patient": ERASED}]},
+    });
+    assert_eq!(value, wanted);
+    assert!(!redact(&mut value, "4711"));
+}

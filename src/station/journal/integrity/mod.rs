@@ -1,5 +1,56 @@
-//! Seals and checks that show whether the journal is intact.
+//! Seals and checks that show whether the journal is intact: its pages and indexes, its tables, every text cell, the
+//! seals of its rows, the chain of its history, and that it is not an older copy of itself.
 
-pub(in crate::station::journal) mod check;
 pub(in crate::station::journal) mod seal;
 pub(in crate::station) mod suspicion;
+
+use rusqlite::Connection;
+use rusqlite::types::ValueRef;
+
+use super::history::{self, HeadFile};
+use super::row::value;
+use super::{JournalError, schema};
+
+/// SQLite's own check of every page, and of each index against its table: a row that an index hides is
+/// neither found nor delivered, and the quick check does not notice that.
+pub(super) fn pages(connection: &Connection) -> Result<(), JournalError> {
+    let found: String = value(connection, "PRAGMA integrity_check(1)", [])?;
+    if found == "ok" { Ok(()) } else { Err(JournalError::Damaged { found }) }
+}
+
+/// Checks every row: valid text, the seal, and the history's chain.
+pub(super) fn rows(connection: &Connection) -> Result<(), JournalError> {
+    for table in schema::TABLES {
+        texts(connection, table)?;
+    }
+    seal::check_all(connection)?;
+    history::check(connection)
+}
+
+/// Checks that texts are valid UTF-8, because SQLite stores any bytes as text.
+fn texts(connection: &Connection, table: &'static str) -> Result<(), JournalError> {
+    let mut query = connection.prepare(&format!("SELECT * FROM {table}"))?;
+    let columns = query.column_count();
+    let mut rows = query.query([])?;
+    while let Some(row) = rows.next()? {
+        for column in 0..columns {
+            if let ValueRef::Text(bytes) = row.get_ref(column)?
+                && std::str::from_utf8(bytes).is_err()
+            {
+                let found = format!("table {table} contains invalid UTF-8 text");
+                return Err(JournalError::Damaged { found });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the journal holds the last entry that its head file names.
+pub(super) fn head(connection: &Connection, head: &HeadFile) -> Result<(), JournalError> {
+    match head.read().map_err(JournalError::Head)? {
+        Some(head) if history::is_behind(connection, &head)? => {
+            Err(JournalError::Behind { head: head.seq })
+        }
+        _ => Ok(()),
+    }
+}

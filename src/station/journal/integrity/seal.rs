@@ -5,6 +5,7 @@ use gaiter_record::sha256;
 use rusqlite::Connection;
 
 use crate::station::journal::JournalError;
+use crate::station::journal::row::all;
 
 /// Hexadecimal digits of a seal: a damaged row passes with a probability of 2⁻⁶⁴.
 const DIGITS: usize = 16;
@@ -67,40 +68,34 @@ pub(in crate::station::journal) fn check_all(connection: &Connection) -> Result<
 
 /// Every scan's expected and actual seal.
 fn scans(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
-    let mut query = connection
-        .prepare("SELECT sha256, format, size, first_seen, file_time, seal FROM scans")?;
-    let rows = query.query_map([], |row| {
+    let rows = "SELECT sha256, format, size, first_seen, file_time, seal FROM scans";
+    all(connection, rows, [], |row| {
         let (scan, format): (String, String) = (row.get(0)?, row.get(1)?);
         let (first_seen, file_time): (String, Option<String>) = (row.get(3)?, row.get(4)?);
         let due = of_scan(&scan, &format, row.get(2)?, &first_seen, file_time.as_deref());
         Ok((due, row.get(5)?))
-    })?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
+    })
 }
 
 /// The same for every delivery.
 fn deliveries(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
-    let mut query =
-        connection.prepare("SELECT sha256, patient, store, sources, seal FROM deliveries")?;
-    let rows = query.query_map([], |row| {
+    let rows = "SELECT sha256, patient, store, sources, seal FROM deliveries";
+    all(connection, rows, [], |row| {
         let cell = |at| row.get::<_, String>(at);
         Ok((of_delivery(&cell(0)?, &cell(1)?, &cell(2)?, &cell(3)?), row.get(4)?))
-    })?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
+    })
 }
 
 /// The same for every capture.
 fn captures(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
     // Reads all columns, so that a damaged column name shows now and not at the first press.
-    let mut query = connection.prepare(
-        "SELECT number, patient, source, seal, candidates, at, boot, opened_ms, until_ms, opener, state,
-                scan, refused, doubt
-         FROM captures",
-    )?;
-    let rows = query.query_map([], |row| {
+    let rows =
+        "SELECT number, patient, source, seal, candidates, at, boot, opened_ms, until_ms, opener,
+                       state, scan, refused, doubt
+                FROM captures";
+    all(connection, rows, [], |row| {
         let (patient, source, others): (String, String, String) =
             (row.get(1)?, row.get(2)?, row.get(4)?);
         Ok((of_capture(row.get(0)?, &patient, &source, &others), row.get(3)?))
-    })?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
+    })
 }

@@ -3,12 +3,11 @@
 
 use gaiter_flow::{Disposition, ScanId};
 use jiff::Timestamp;
-use rusqlite::Row;
 
-use super::count;
 use super::search::has_record;
 use crate::station::journal::disposition::is_one_of;
-use crate::station::journal::{Journal, JournalError, cell};
+use crate::station::journal::row::{all, scan_id, value};
+use crate::station::journal::{Journal, JournalError};
 
 impl Journal {
     /// A number that differs after each commit: while it stays the same, nothing has changed. `None` if
@@ -19,12 +18,12 @@ impl Journal {
 
     /// The latest scans, newest first, at most `limit`.
     pub fn newest(&self, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        self.scans_of("TRUE", limit)
+        self.scans_by("TRUE", "", limit)
     }
 
     /// The scans that wait for their records, newest first, at most `limit`.
     pub fn spooled(&self, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        self.scans_of(&is_one_of(|found| found == Disposition::Spooled), limit)
+        self.scans_by(&is_one_of(|found| found == Disposition::Spooled), "", limit)
     }
 
     /// The scans that wait for an operator's decision, newest first, then those seen since a time whose records
@@ -37,37 +36,28 @@ impl Journal {
 
     /// How many scans these are.
     pub fn count_open_tasks(&self, since: Timestamp) -> Result<u64, JournalError> {
-        let connection = self.viewer();
-        let query = format!("SELECT count(*) FROM scans WHERE {}", has_task(since));
-        Ok(connection.query_row(&query, [], |row| count(row, 0))?)
+        let counted = format!("SELECT count(*) FROM scans WHERE {}", has_task(since));
+        value(&self.viewer(), &counted, []).map(i64::cast_unsigned)
     }
 
     /// The scans that are held, newest first, at most `limit`.
     pub fn held(&self, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        self.scans_of(&is_one_of(|found| found == Disposition::Held), limit)
+        self.scans_by(&is_one_of(|found| found == Disposition::Held), "", limit)
     }
 
     /// Reports whether a scan waits for an operator's decision.
     pub fn is_undecided(&self, scan: &ScanId) -> Result<bool, JournalError> {
         let which = is_one_of(Disposition::needs_decision);
-        let connection = self.connection();
-        let query = format!("SELECT count(*) FROM scans WHERE sha256 = ?1 AND {which}");
-        let mut query = connection.prepare_cached(&query)?;
-        Ok(query.query_row([scan.as_str()], |row| count(row, 0))? > 0)
-    }
-
-    fn scans_of(&self, which: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        self.scans_by(which, "", limit)
+        let found = format!("SELECT EXISTS (SELECT 1 FROM scans WHERE sha256 = ?1 AND {which})");
+        value(&self.connection(), &found, [scan.as_str()])
     }
 
     /// `first`: SQL of what counts before the newest.
     fn scans_by(&self, which: &str, first: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        let connection = self.viewer();
-        let mut query = connection.prepare(&format!(
+        let found = format!(
             "SELECT sha256 FROM scans WHERE {which} ORDER BY {first}first_seen DESC, rowid DESC LIMIT ?1"
-        ))?;
-        let rows = query.query_map([limit], |row: &Row<'_>| row.get(0))?;
-        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
+        );
+        all(&self.viewer(), &found, [limit], |row| scan_id(row, 0))
     }
 }
 

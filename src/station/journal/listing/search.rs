@@ -6,14 +6,14 @@ use gaiter_flow::{Disposition, ScanId, ScanState};
 use rusqlite::params;
 
 use crate::station::journal::disposition::is_one_of;
+use crate::station::journal::row::{all, scan_id};
 use crate::station::journal::withdrawal::UNWANTED;
-use crate::station::journal::{Journal, JournalError, cell};
+use crate::station::journal::{Journal, JournalError};
 
 impl Journal {
     /// The scans that a search finds, newest first: one more than `limit` if there are more.
     pub fn search(&self, search: &Search) -> Result<Vec<ScanId>, JournalError> {
-        let connection = self.viewer();
-        let mut query = connection.prepare_cached(&format!(
+        let found = format!(
             "SELECT sha256 FROM scans
              WHERE (?1 = '' OR substr(sha256, 1, length(?1)) = lower(?1)
                     OR sha256 IN (SELECT sha256 FROM deliveries
@@ -22,20 +22,17 @@ impl Journal {
                    AND (?4 = 0 OR incomplete = 1) AND {}
              ORDER BY first_seen DESC, rowid DESC LIMIT ?5 OFFSET ?6",
             of_state(search.state)
-        ))?;
+        );
         let time = |at: Option<jiff::Timestamp>| at.map(|at| at.to_string());
-        let rows = query.query_map(
-            params![
-                search.text.trim(),
-                time(search.from),
-                time(search.until),
-                search.incomplete,
-                search.limit.saturating_add(1),
-                search.offset,
-            ],
-            |row| row.get(0),
-        )?;
-        rows.map(|row| cell("sha256", row?, ScanId::parse)).collect()
+        let cells = params![
+            search.text.trim(),
+            time(search.from),
+            time(search.until),
+            search.incomplete,
+            search.limit.saturating_add(1),
+            search.offset,
+        ];
+        all(&self.viewer(), &found, cells, |row| scan_id(row, 0))
     }
 }
 

@@ -4,6 +4,7 @@ use gaiter_flow::DeliveryState::{Delivered as Done, Held, Pending};
 use gaiter_flow::account::{Search, SearchState};
 use gaiter_flow::round::Judged;
 use gaiter_record::{Patient, Source, SourceKind};
+use jiff::Timestamp;
 
 use super::*;
 use crate::station::journal::{Due, Task};

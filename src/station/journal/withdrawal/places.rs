@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use gaiter_flow::{DeliveryState, ScanId};
-use rusqlite::{Connection, OptionalExtension, params};
+use rusqlite::Connection;
 
 use crate::station::journal::meta::BEGUN;
-use crate::station::journal::{Due, Event, Journal, JournalError, history, json_cell};
+use crate::station::journal::row::{all, count, first, json_cell, json_text, run};
+use crate::station::journal::{Due, Event, Journal, JournalError, history};
 
 impl Journal {
     /// Notes that a server at this place may have the record of a delivery from now on; with its receipt, that it has.
@@ -74,12 +75,9 @@ impl Journal {
 }
 
 fn places(connection: &Connection, due: &Due) -> Result<BTreeMap<String, String>, JournalError> {
-    let mut query = connection.prepare_cached(
-        "SELECT places FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-    )?;
+    let places = "SELECT places FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3";
     let cells = [due.scan.as_str(), due.patient_cell(), &due.store];
-    let text: Option<String> = query.query_row(cells, |row| row.get(0)).optional()?;
-    text.map_or_else(|| Ok(BTreeMap::new()), |text| json_cell("places", text))
+    Ok(first(connection, places, cells, |row| json_cell(row, 0))?.unwrap_or_default())
 }
 
 fn set_places(
@@ -87,33 +85,26 @@ fn set_places(
     due: &Due,
     places: &BTreeMap<String, String>,
 ) -> Result<(), JournalError> {
-    connection.execute(
+    run(
+        connection,
         "UPDATE deliveries SET places = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        params![
-            due.scan.as_str(),
-            due.patient_cell(),
-            due.store,
-            serde_json::json!(places).to_string()
-        ],
-    )?;
-    Ok(())
+        [due.scan.as_str(), due.patient_cell(), &due.store, &json_text(places)?],
+    )
 }
 
 /// By store, how many records are to be withdrawn that are not where it is now.
 pub(in crate::station::journal) fn elsewhere(
     connection: &Connection,
-) -> rusqlite::Result<BTreeMap<String, u64>> {
-    let mut query = connection.prepare_cached(
+) -> Result<BTreeMap<String, u64>, JournalError> {
+    let found = all(
+        connection,
         "SELECT store, count(*) FROM deliveries
          WHERE state = ?1 AND places <> '{}'
                AND NOT EXISTS (SELECT 1 FROM json_each(deliveries.places) AS at
                                WHERE at.key = (SELECT value FROM meta WHERE name = ?2 || store))
          GROUP BY store",
+        [DeliveryState::Withdrawing.word(), BEGUN],
+        |row| Ok((row.get(0)?, count(row, 1)?)),
     )?;
-    let cells = [DeliveryState::Withdrawing.word(), BEGUN];
-    let rows = query.query_map(cells, |row| {
-        let count: i64 = row.get(1)?;
-        Ok((row.get(0)?, count.cast_unsigned()))
-    })?;
-    rows.collect()
+    Ok(found.into_iter().collect())
 }

@@ -20,7 +20,7 @@ use super::protocol::{Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request
 use super::status::{AlarmStatus, ComplaintStatus, PhantomStatus, SourceStatus, Status};
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
-use crate::station::journal::{HistoryRow, JournalError};
+use crate::station::journal::JournalError;
 use crate::station::operator::act::{Act, ActFault, act};
 use crate::station::operator::page::desk::Desk;
 use crate::station::overview::Overview;
@@ -117,12 +117,10 @@ fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, Fault> {
         let forgotten = |language: Language| language.text("act.fault.forgotten").to_owned();
         Fault::said(FaultKind::Unknown, "scan-unknown", desk.core.config.language, forgotten)
     })?;
-    let rows = journal.history(&scan)?.into_iter();
-    let happened = |HistoryRow { at, event, detail }| account::Happened { at, event, detail };
+    whole.history = journal.history(&scan)?;
     if let Some(Preview::Made(folder)) = desk.previews.get(&scan) {
         whole.preview = Some(folder.display().to_string());
     }
-    whole.history = rows.map(happened).collect();
     Ok(whole)
 }
 
