@@ -12,12 +12,7 @@ use tracing::{error, info};
 
 use super::booth::Booth;
 use super::core::{Core, Found, journal_file};
-use super::custody::affected::AffectedLegs;
-use super::custody::decisions::Decisions;
-use super::custody::erasures::Erasures;
 use super::custody::phantom_series::PhantomSeries;
-use super::custody::quarantine::Quarantine;
-use super::custody::spool::Spool;
 use super::custody::{Custody, CustodyFault};
 use super::delivery::measuring::{self, IMPAIRED};
 use super::delivery::preview::Previews;
@@ -105,17 +100,11 @@ pub(in crate::station) fn open_custody(
     let names = stores.names();
     let opened = rebuild::open(&journal_file(config), &names, first_start)?;
     // After the journal: an existing spool means that there was a journal, so a missing one was lost.
-    let spool = Spool::open(state_dir).map_err(state)?;
-    let quarantine = Quarantine::open(state_dir).map_err(state)?;
-    let decisions = Decisions::open(state_dir).map_err(state)?;
-    let erasures = Erasures::open(state_dir).map_err(state)?;
+    let custody = Custody::open(state_dir, opened.journal, names, config.retention.spool);
+    let mut custody = custody.map_err(state)?;
     let phantom = config.phantom.as_ref().map(|_| PhantomSeries::open(state_dir));
-    let phantom = phantom.transpose().map_err(state)?;
-    let kept = (spool, quarantine);
-    let affected = AffectedLegs::open(state_dir).map_err(state)?;
-    let decided = (decisions, erasures, affected);
-    let custody = Custody::new(opened.journal, kept, decided, names, config.retention.spool);
-    let custody = custody.with_named_only(stores.named_only()).with_phantom(phantom);
+    custody.phantom = phantom.transpose().map_err(state)?;
+    custody.named_only = stores.named_only();
     let custody = custody.with_servers(stores.servers()).map_err(StationError::Recovery)?;
     Ok((custody, opened.rebuilt))
 }

@@ -4,12 +4,13 @@
 //! the folders or the journal failed.
 
 mod acts;
-pub mod affected;
+mod affected;
 mod decided;
-pub mod decisions;
+mod decisions;
 mod erase;
 pub mod erasures;
 mod intake;
+mod json_folder;
 mod known;
 mod lost;
 pub(in crate::station) mod phantom_series;
@@ -32,9 +33,9 @@ use gaiter_record::Patient;
 use gaiter_scan::Format;
 use jiff::Timestamp;
 
-use self::affected::AffectedLegs;
 use self::decisions::Decisions;
 use self::erasures::Erasures;
+use self::json_folder::JsonFolder;
 use self::phantom_series::PhantomSeries;
 use self::quarantine::{Quarantine, Reason, Stage};
 use self::spool::{Companion, Spool};
@@ -49,13 +50,13 @@ pub struct Custody {
     quarantine: Quarantine,
     decisions: Decisions,
     erasures: Erasures,
-    affected: AffectedLegs,
+    affected: JsonFolder,
     /// The checks with the phantom, if one is configured.
-    phantom: Option<PhantomSeries>,
+    pub(super) phantom: Option<PhantomSeries>,
     /// The stores' names in the journal.
     stores: Vec<&'static str>,
     /// The stores that take no unassigned record.
-    named_only: Vec<&'static str>,
+    pub(super) named_only: Vec<&'static str>,
     /// The stores that are servers.
     servers: Vec<&'static str>,
     /// How long spooled bytes are kept after they are no longer needed.
@@ -111,22 +112,24 @@ pub enum CustodyFault {
 }
 
 impl Custody {
-    /// Custody over an open journal, spool and quarantine, decisions, erasures and affected legs, for the stores with
-    /// these names. `kept` is how long spooled bytes are kept after they are no longer needed.
-    pub fn new(
+    /// Opens what the state folder of an open journal holds, and creates what is missing, for the stores with these
+    /// names. `kept` is how long spooled bytes are kept after they are no longer needed.
+    ///
+    /// # Errors
+    /// Any I/O error; `InvalidData` if a file of the erasures cannot be understood.
+    pub fn open(
+        state_dir: &Path,
         journal: Journal,
-        (spool, quarantine): (Spool, Quarantine),
-        (decisions, erasures, affected): (Decisions, Erasures, AffectedLegs),
         stores: Vec<&'static str>,
         kept: Duration,
-    ) -> Custody {
-        Custody {
+    ) -> io::Result<Custody> {
+        Ok(Custody {
             journal,
-            spool,
-            quarantine,
-            decisions,
-            erasures,
-            affected,
+            spool: Spool::open(state_dir)?,
+            quarantine: Quarantine::open(state_dir)?,
+            decisions: Decisions::open(state_dir)?,
+            erasures: Erasures::open(state_dir)?,
+            affected: JsonFolder::open(state_dir, affected::FOLDER)?,
             phantom: None,
             stores,
             named_only: Vec::new(),
@@ -135,12 +138,7 @@ impl Custody {
             change: Mutex::new(()),
             untidy: AtomicBool::new(false),
             unentered: AtomicBool::new(false),
-        }
-    }
-
-    /// The same, with the names of the stores that take no unassigned record.
-    pub fn with_named_only(self, named_only: Vec<&'static str>) -> Custody {
-        Custody { named_only, ..self }
+        })
     }
 
     /// The same, with the names of the stores that are servers, for the journal, too.
@@ -149,11 +147,6 @@ impl Custody {
     /// If the journal fails.
     pub fn with_servers(self, servers: Vec<&'static str>) -> Result<Custody, CustodyFault> {
         Ok(Custody { journal: self.journal.with_servers(&servers)?, servers, ..self })
-    }
-
-    /// The same, with the series of checks with the phantom.
-    pub fn with_phantom(self, phantom: Option<PhantomSeries>) -> Custody {
-        Custody { phantom, ..self }
     }
 
     /// The checks with the phantom, if one is configured.
@@ -184,9 +177,9 @@ impl Custody {
         [
             ("spool", self.spool.folder()),
             ("quarantine", self.quarantine.folder()),
-            ("decisions", self.decisions.folder()),
-            ("erasures", self.erasures.folder()),
-            ("affected", self.affected.folder()),
+            ("decisions", self.decisions.0.path()),
+            ("erasures", self.erasures.folder.path()),
+            ("affected", self.affected.path()),
         ]
     }
 

@@ -4,9 +4,7 @@
 //! `affected/<hash>.json` holds what was named of one patient. The hash is that of the person's erasures, so the
 //! folder shows no id. The history of the journal tells what was named when.
 
-use std::fs;
-use std::io::{self, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::io;
 use std::sync::PoisonError;
 
 use gaiter_flow::patient::person::NamedLeg;
@@ -15,19 +13,9 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::{Custody, CustodyFault};
-use crate::store::durable;
 
 /// The folder in the state folder.
-const FOLDER: &str = "affected";
-
-/// The file-name ending.
-const ENDING: &str = ".json";
-
-/// The affected legs of a station's patients.
-#[derive(Debug)]
-pub struct AffectedLegs {
-    folder: PathBuf,
-}
+pub(super) const FOLDER: &str = "affected";
 
 /// The versions of a file's schema.
 #[derive(Serialize, Deserialize)]
@@ -35,60 +23,6 @@ pub struct AffectedLegs {
 enum Versioned {
     #[serde(rename = "gaiter.affected/1")]
     V1(NamedLeg),
-}
-
-impl AffectedLegs {
-    /// Opens the affected legs of a state folder, creates the folder if needed, and removes files that a crash
-    /// left half written.
-    ///
-    /// # Errors
-    /// Any I/O error.
-    pub fn open(state_dir: &Path) -> io::Result<AffectedLegs> {
-        Ok(AffectedLegs { folder: durable::open_folder(state_dir, FOLDER)? })
-    }
-
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
-    /// What was named of a person; `None` if nothing was.
-    fn of(&self, whose: &str) -> io::Result<Option<NamedLeg>> {
-        let Some(bytes) = self.bytes(whose)? else { return Ok(None) };
-        let Versioned::V1(named) = serde_json::from_slice(&bytes)
-            .map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
-        Ok(Some(named))
-    }
-
-    fn bytes(&self, whose: &str) -> io::Result<Option<Vec<u8>>> {
-        match fs::read(self.folder.join(name(whose))) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            read => read.map(Some),
-        }
-    }
-
-    /// Keeps these bytes of a person's file, or none; durable on return.
-    fn keep(&self, whose: &str, bytes: Option<&[u8]>) -> io::Result<()> {
-        match bytes {
-            Some(bytes) => durable::replace_file(&self.folder, &name(whose), bytes),
-            None => self.remove(whose),
-        }
-    }
-
-    /// Forgets what was named of a person, if anything was.
-    ///
-    /// # Errors
-    /// Any other I/O error.
-    pub(super) fn remove(&self, whose: &str) -> io::Result<()> {
-        match fs::remove_file(self.folder.join(name(whose))) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-            removed => removed.and_then(|()| durable::sync_folder(&self.folder)),
-        }
-    }
-}
-
-fn name(whose: &str) -> String {
-    format!("{whose}{ENDING}")
 }
 
 impl Custody {
@@ -111,10 +45,14 @@ impl Custody {
             serde_json::to_vec_pretty(&Versioned::V1(named)).map_err(io::Error::from)
         });
         let named = super::io(what, named.transpose())?;
-        super::io(what, self.affected.keep(&whose, named.as_deref()))?;
+        let keep = |bytes: Option<&[u8]>| match bytes {
+            Some(bytes) => super::io(what, self.affected.keep(&whose, bytes)),
+            None => super::io(what, self.affected.remove(&whose)),
+        };
+        keep(named.as_deref())?;
         let noted = self.journal.affected_named(&patient.id, affected);
         if noted.is_err() {
-            super::io(what, self.affected.keep(&whose, before.as_deref()))?;
+            keep(before.as_deref())?;
         }
         Ok(noted?)
     }
@@ -125,12 +63,15 @@ impl Custody {
     /// See [`CustodyFault`].
     pub fn affected_of(&self, patient: &str) -> Result<Option<NamedLeg>, CustodyFault> {
         let whose = self.erasures.hash(patient);
-        super::io("reading the affected leg", self.affected.of(&whose))
+        let named = super::io("reading the affected leg", self.affected.read(&whose))?;
+        Ok(named.map(|Versioned::V1(named)| named))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::tests::{open, patient};
     use super::*;
 
@@ -171,7 +112,7 @@ mod tests {
         let [of] = said.as_slice() else { panic!("{said:?}") };
         assert_eq!(of.happened.event, "affected-named");
         assert!(of.happened.detail.contains("\"right\""), "{of:?}");
-        let file = dir.path().join(FOLDER).join(name(&custody.erasures().hash("4711")));
+        let file = custody.affected.file(&custody.erasures().hash("4711"));
         fs::write(&file, "{").unwrap();
         custody.affected_of("4711").unwrap_err();
         custody.name_affected(&patient("4711"), Some("left")).unwrap();

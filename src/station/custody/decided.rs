@@ -184,7 +184,7 @@ impl Custody {
         }
         for scan in io("listing decisions", self.decisions.scans())? {
             if self.journal.scan(&scan)?.is_none() {
-                io("forgetting decisions", self.decisions.remove(&scan))?;
+                io("forgetting decisions", self.decisions.keep(&scan, &[]))?;
             }
         }
         Ok(forgotten)

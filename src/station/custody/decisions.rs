@@ -5,24 +5,18 @@
 //! decision changes the journal. The journal records how many decisions it has applied, so the next
 //! start finds one that a crash interrupted.
 
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gaiter_flow::ScanId;
 use gaiter_flow::decision::Decision;
 use serde::{Deserialize, Serialize};
 
-use crate::store::durable;
-
-/// The file-name ending of a scan's decisions.
-const ENDING: &str = ".json";
+use super::json_folder::JsonFolder;
 
 /// The folder of the decisions.
 #[derive(Debug)]
-pub struct Decisions {
-    folder: PathBuf,
-}
+pub(super) struct Decisions(pub(super) JsonFolder);
 
 /// The content of a scan's file.
 #[derive(Debug, Serialize, Deserialize)]
@@ -43,15 +37,9 @@ enum Versioned {
 }
 
 impl Decisions {
-    /// Opens the decisions of a state folder, creates the folder if needed, and removes files that a
-    /// crash left half written.
+    /// Opens the decisions of a state folder.
     pub fn open(state_dir: &Path) -> io::Result<Decisions> {
-        Ok(Decisions { folder: durable::open_folder(state_dir, "decisions")? })
-    }
-
-    /// The folder of the decisions.
-    pub fn folder(&self) -> &Path {
-        &self.folder
+        Ok(Decisions(JsonFolder::open(state_dir, "decisions")?))
     }
 
     /// The decisions about a scan, in order; empty for most scans.
@@ -59,12 +47,9 @@ impl Decisions {
     /// # Errors
     /// Any I/O error; `InvalidData` if the file does not hold decisions about this scan.
     pub fn of(&self, scan: &ScanId) -> io::Result<Vec<Decision>> {
-        let text = match fs::read(self.path(scan)) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-            read => read?,
+        let Some(Versioned::V1(book)) = self.0.read(scan.as_str())? else {
+            return Ok(Vec::new());
         };
-        let Versioned::V1(book) = serde_json::from_slice(&text)
-            .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
         if book.sha256 != scan.as_str() {
             let message = "the file holds decisions about another scan";
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
@@ -78,48 +63,23 @@ impl Decisions {
     /// Any I/O error; the earlier decisions then stay.
     pub fn keep(&self, scan: &ScanId, decisions: &[Decision]) -> io::Result<()> {
         if decisions.is_empty() {
-            return self.remove(scan);
+            return self.0.remove(scan.as_str());
         }
         let book = Book { sha256: scan.to_string(), decisions: decisions.to_vec() };
         let bytes = serde_json::to_vec_pretty(&Versioned::V1(book))?;
-        durable::replace_file(&self.folder, &name(scan), &bytes)
-    }
-
-    /// Removes the decisions about a scan, if there are any.
-    ///
-    /// # Errors
-    /// Any other I/O error.
-    pub fn remove(&self, scan: &ScanId) -> io::Result<()> {
-        match fs::remove_file(self.path(scan)) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            removed => removed.and_then(|()| durable::sync_folder(&self.folder)),
-        }
+        self.0.keep(scan.as_str(), &bytes)
     }
 
     /// The scans that have decisions.
     pub fn scans(&self) -> io::Result<Vec<ScanId>> {
-        let mut scans = Vec::new();
-        for entry in fs::read_dir(&self.folder)? {
-            let name = entry?.file_name();
-            let name = name.to_string_lossy();
-            scans.extend(name.strip_suffix(ENDING).and_then(ScanId::parse));
-        }
-        scans.sort();
-        Ok(scans)
+        Ok(self.0.names()?.iter().filter_map(|name| ScanId::parse(name).ok()).collect())
     }
-
-    fn path(&self, scan: &ScanId) -> PathBuf {
-        self.folder.join(name(scan))
-    }
-}
-
-/// The name of the file with the decisions about a scan.
-fn name(scan: &ScanId) -> String {
-    format!("{scan}{ENDING}")
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use jiff::Timestamp;
 
     use super::*;
@@ -144,11 +104,11 @@ mod tests {
         let decisions = Decisions::open(dir.path()).unwrap();
         assert_eq!(decisions.of(&scan).unwrap(), both);
         assert_eq!(decisions.scans().unwrap(), std::slice::from_ref(&scan));
-        let text = fs::read_to_string(decisions.path(&scan)).unwrap();
+        let text = fs::read_to_string(decisions.0.file(scan.as_str())).unwrap();
         assert!(text.contains("\"schema\": \"gaiter.decisions/1\""), "{text}");
         assert!(text.contains("\"what\": \"assigned\""), "{text}");
         decisions.keep(&scan, &[]).unwrap();
-        decisions.remove(&scan).unwrap();
+        decisions.keep(&scan, &[]).unwrap();
         assert!(decisions.scans().unwrap().is_empty());
     }
 
@@ -157,10 +117,10 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let decisions = Decisions::open(dir.path()).unwrap();
         let (scan, other) = (ScanId::of_digest([7; 32]), ScanId::of_digest([8; 32]));
-        fs::write(decisions.path(&scan), "{").unwrap();
+        fs::write(decisions.0.file(scan.as_str()), "{").unwrap();
         assert_eq!(decisions.of(&scan).unwrap_err().kind(), io::ErrorKind::InvalidData);
         decisions.keep(&other, &[assigned("1")]).unwrap();
-        fs::rename(decisions.path(&other), decisions.path(&scan)).unwrap();
+        fs::rename(decisions.0.file(other.as_str()), decisions.0.file(scan.as_str())).unwrap();
         assert_eq!(decisions.of(&scan).unwrap_err().kind(), io::ErrorKind::InvalidData);
     }
 }

@@ -134,7 +134,7 @@ impl Custody {
         for scan in &whole {
             io("erasing spooled bytes", self.spool.remove(scan))?;
             io("erasing quarantined bytes", self.quarantine.remove(scan))?;
-            io("erasing decisions", self.decisions.remove(scan))?;
+            io("erasing decisions", self.decisions.keep(scan, &[]))?;
         }
         io("erasing the affected leg", self.affected.remove(whose))?;
         self.leave_shared(patient)?;

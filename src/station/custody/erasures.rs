@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gaiter_flow::ScanId;
@@ -15,16 +15,11 @@ use gaiter_flow::patient::erasure::{Erasure, Next};
 use gaiter_record::{hex, sha256};
 use serde::{Deserialize, Serialize};
 
+use super::json_folder::JsonFolder;
 use crate::store::durable;
-
-/// The folder of the erasures in the state folder.
-const FOLDER: &str = "erasures";
 
 /// The file with the station's secret.
 const KEY: &str = "key";
-
-/// The file-name ending of a person's erasures.
-const ENDING: &str = ".json";
 
 /// The length of the secret, bytes.
 const KEY_BYTES: usize = 32;
@@ -35,7 +30,7 @@ const DIGITS: usize = 16;
 /// The erasures of a station.
 #[derive(Debug)]
 pub struct Erasures {
-    folder: PathBuf,
+    pub(super) folder: JsonFolder,
     key: String,
     /// By the person's hash, in its order.
     known: Mutex<Vec<(String, Erasure)>>,
@@ -56,33 +51,24 @@ impl Erasures {
     /// # Errors
     /// Any I/O error; `InvalidData` if a file cannot be understood: an erasure must not be forgotten.
     pub fn open(state_dir: &Path) -> io::Result<Erasures> {
-        let folder = durable::open_folder(state_dir, FOLDER)?;
-        let key = match fs::read_to_string(folder.join(KEY)) {
+        let folder = JsonFolder::open(state_dir, "erasures")?;
+        let key = match fs::read_to_string(folder.path().join(KEY)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let mut bytes = [0; KEY_BYTES];
                 File::open("/dev/urandom")?.read_exact(&mut bytes)?;
                 let key = hex(&bytes);
-                durable::replace_file(&folder, KEY, key.as_bytes())?;
+                durable::replace_file(folder.path(), KEY, key.as_bytes())?;
                 key
             }
             read => read?,
         };
         let mut known = Vec::new();
-        for entry in fs::read_dir(&folder)? {
-            let path = entry?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let Some(whose) = name.strip_suffix(ENDING) else { continue };
-            let Versioned::V1(erasure) = serde_json::from_slice(&fs::read(&path)?)
-                .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
-            known.push((whose.to_owned(), erasure));
+        for whose in folder.names()? {
+            if let Some(Versioned::V1(erasure)) = folder.read(&whose)? {
+                known.push((whose, erasure));
+            }
         }
-        known.sort_by(|one, other| one.0.cmp(&other.0));
         Ok(Erasures { folder, key, known: Mutex::new(known) })
-    }
-
-    /// The folder of the erasures.
-    pub fn folder(&self) -> &Path {
-        &self.folder
     }
 
     /// The hash that stands for a person.
@@ -103,7 +89,7 @@ impl Erasures {
     /// Any I/O error; the earlier state then stays.
     pub fn keep(&self, whose: &str, erasure: &Erasure) -> io::Result<()> {
         let bytes = serde_json::to_vec_pretty(&Versioned::V1(erasure.clone()))?;
-        durable::replace_file(&self.folder, &format!("{whose}{ENDING}"), &bytes)?;
+        self.folder.keep(whose, &bytes)?;
         let mut known = self.known();
         known.retain(|(other, _)| other != whose);
         known.push((whose.to_owned(), erasure.clone()));
@@ -182,7 +168,7 @@ mod tests {
     fn an_erasure_that_cannot_be_understood_is_not_taken_for_none() {
         let dir = tempfile::tempdir().unwrap();
         let erasures = Erasures::open(dir.path()).unwrap();
-        fs::write(erasures.folder.join("0123.json"), "{").unwrap();
+        fs::write(erasures.folder.file("0123"), "{").unwrap();
         let fault = Erasures::open(dir.path()).unwrap_err();
         assert_eq!(fault.kind(), io::ErrorKind::InvalidData);
     }

@@ -1,24 +1,20 @@
 //! The series of checks with the phantom: `phantom/<sha256>.json`, a file a check, kept apart from the
 //! journal, which cannot bring them back.
 
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use gaiter_flow::ScanId;
 use gaiter_record::phantom::{CheckRecord, LastCheck, PHANTOM_SCHEMA};
 use jiff::Timestamp;
 
-use crate::store::durable;
-
-/// The file-name ending of a check.
-const ENDING: &str = ".json";
+use super::json_folder::JsonFolder;
 
 /// The checks of a station.
 #[derive(Debug)]
 pub struct PhantomSeries {
-    folder: PathBuf,
+    folder: JsonFolder,
     /// Oldest first.
     checks: Mutex<Vec<CheckRecord>>,
 }
@@ -27,10 +23,10 @@ impl PhantomSeries {
     /// Opens the series of a state folder, creates its folder if needed, and removes files that a crash
     /// left half written. A file that is not a check of this schema stays and is left out.
     pub fn open(state_dir: &Path) -> io::Result<PhantomSeries> {
-        let folder = durable::open_folder(state_dir, "phantom")?;
+        let folder = JsonFolder::open(state_dir, "phantom")?;
         let mut checks = Vec::new();
-        for entry in fs::read_dir(&folder)? {
-            let text = fs::read(entry?.path())?;
+        for name in folder.names()? {
+            let text = folder.bytes(&name)?.unwrap_or_default();
             let check = serde_json::from_slice::<CheckRecord>(&text).ok();
             checks.extend(check.filter(|check| check.schema == PHANTOM_SCHEMA));
         }
@@ -48,8 +44,7 @@ impl PhantomSeries {
     /// # Errors
     /// Any I/O error; the series is then as before.
     pub fn keep(&self, check: CheckRecord) -> io::Result<()> {
-        let name = format!("{}{ENDING}", check.sha256);
-        durable::replace_file(&self.folder, &name, &serde_json::to_vec_pretty(&check)?)?;
+        self.folder.keep(&check.sha256, &serde_json::to_vec_pretty(&check)?)?;
         self.all(|checks| {
             let place = checks.partition_point(|earlier| earlier.at <= check.at);
             checks.insert(place, check);
@@ -77,6 +72,8 @@ impl PhantomSeries {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use gaiter_leg::phantom::{GirthCheck, PhantomCheck};
 

@@ -18,25 +18,18 @@ use crate::store::{FoundRecord, StoredScan, sums};
 pub(super) const BYTES: &[u8] = b"v 0 0 0\n";
 
 pub(super) fn open(dir: &Path) -> Custody {
+    open_for(dir, vec!["folder"])
+}
+
+fn open_for(dir: &Path, stores: Vec<&'static str>) -> Custody {
     let journal = Journal::open(&dir.join("journal.db")).unwrap();
-    let spool = Spool::open(dir).unwrap();
-    let bytes = (spool, Quarantine::open(dir).unwrap());
-    let decided = decided(dir);
-    Custody::new(journal, bytes, decided, vec!["folder"], Duration::ZERO)
+    Custody::open(dir, journal, stores, Duration::ZERO).unwrap()
 }
 
 /// The same, with a hospital's server as a second store.
 pub(super) fn open_with_server(dir: &Path) -> Custody {
-    let journal = Journal::open(&dir.join("journal.db")).unwrap();
-    let bytes = (Spool::open(dir).unwrap(), Quarantine::open(dir).unwrap());
-    let stores = vec!["folder", "fhir"];
-    let custody = Custody::new(journal, bytes, decided(dir), stores, Duration::ZERO);
-    custody.with_named_only(vec!["fhir"]).with_servers(vec!["fhir"]).unwrap()
-}
-
-fn decided(dir: &Path) -> (Decisions, Erasures, AffectedLegs) {
-    let (decisions, erasures) = (Decisions::open(dir).unwrap(), Erasures::open(dir).unwrap());
-    (decisions, erasures, AffectedLegs::open(dir).unwrap())
+    let custody = open_for(dir, vec!["folder", "fhir"]);
+    Custody { named_only: vec!["fhir"], ..custody }.with_servers(vec!["fhir"]).unwrap()
 }
 
 pub(super) fn patient(id: &str) -> Patient {
@@ -420,12 +413,7 @@ fn a_record_found_in_the_store_is_not_delivered_again() {
 #[test]
 fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
     let dir = tempfile::tempdir().unwrap();
-    let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
-    let spool = Spool::open(dir.path()).unwrap();
-    let quarantine = Quarantine::open(dir.path()).unwrap();
-    let decided = decided(dir.path());
-    let bytes = (spool, quarantine);
-    let custody = Custody::new(journal, bytes, decided, vec!["folder", "copy"], Duration::ZERO);
+    let custody = open_for(dir.path(), vec!["folder", "copy"]);
     let scan = sums::scan_id(BYTES);
     admit(&custody, says("4711"));
     let due = custody.journal.pending().unwrap();

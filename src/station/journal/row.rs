@@ -80,7 +80,7 @@ pub(super) fn if_any<T>(
 
 /// A cell that holds a scan's id.
 pub(super) fn scan_id(row: &Row<'_>, column: usize) -> Result<ScanId, JournalError> {
-    cell(row, column, |text| ScanId::parse(text).ok())
+    cell(row, column, ScanId::parse)
 }
 
 /// A cell that holds a patient's id, '' for none.

@@ -1,0 +1,79 @@
+//! A folder of JSON files in the state folder, apart from the journal: that can be rebuilt from spool, quarantine and
+//! stores, but what these files hold cannot.
+
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+
+use crate::store::durable;
+
+/// The file-name ending.
+const ENDING: &str = ".json";
+
+/// The folder. A file is named without its ending.
+#[derive(Debug)]
+pub(super) struct JsonFolder(PathBuf);
+
+impl JsonFolder {
+    /// Opens a folder of this name, creates it if needed, and removes files that a crash left half written.
+    pub fn open(state_dir: &Path, name: &str) -> io::Result<JsonFolder> {
+        Ok(JsonFolder(durable::open_folder_of_files(state_dir, name)?))
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Where a file is, or would be.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.0.join(format!("{name}{ENDING}"))
+    }
+
+    /// The files' names, sorted.
+    pub fn names(&self) -> io::Result<Vec<String>> {
+        let mut names = Vec::new();
+        for entry in fs::read_dir(&self.0)? {
+            let name = entry?.file_name();
+            names.extend(name.to_string_lossy().strip_suffix(ENDING).map(str::to_owned));
+        }
+        names.sort();
+        Ok(names)
+    }
+
+    /// The bytes of a file; `None` if there is none.
+    pub fn bytes(&self, name: &str) -> io::Result<Option<Vec<u8>>> {
+        match fs::read(self.file(name)) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            read => read.map(Some),
+        }
+    }
+
+    /// What a file holds; `None` if there is none.
+    ///
+    /// # Errors
+    /// Any I/O error; `InvalidData` if it holds something else.
+    pub fn read<T: DeserializeOwned>(&self, name: &str) -> io::Result<Option<T>> {
+        let Some(bytes) = self.bytes(name)? else { return Ok(None) };
+        let read = serde_json::from_slice(&bytes);
+        read.map(Some).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))
+    }
+
+    /// Writes a file, in the place of an earlier one; durable on return.
+    ///
+    /// # Errors
+    /// Any I/O error; the earlier file then stays.
+    pub fn keep(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
+        durable::replace_file(&self.0, &format!("{name}{ENDING}"), bytes)
+    }
+
+    /// Removes a file, if there is one.
+    pub fn remove(&self, name: &str) -> io::Result<()> {
+        match fs::remove_file(self.file(name)) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed.and_then(|()| durable::sync_folder(&self.0)),
+        }
+    }
+}
