@@ -203,7 +203,8 @@ impl Custody {
     pub fn admit(&self, arrival: &Arrival<'_>) -> Result<Verdict, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scan = arrival.scan;
-        let named = arrival.whose.patient.as_ref().map(|patient| patient.id.as_str());
+        let patient = arrival.whose.patient.as_ref();
+        let named = patient.map(|patient| patient.id.as_str());
         if self.erasures.refuse(scan, named) {
             return Ok(Verdict::Already);
         }
@@ -211,13 +212,11 @@ impl Custody {
             self.take_in_again(arrival)?;
         }
         let row_known = self.journal.scan(scan)?;
-        let patient = arrival.whose.patient.as_ref();
         let patients = match &arrival.known {
             Some(known) => self.journal.patients(known)?,
             None => Vec::new(),
         };
-        let sighted = patient.map(|patient| patient.id.as_str());
-        let verdict = match identity::judge(patients.iter().map(Option::as_deref), sighted) {
+        let verdict = match identity::judge(patients.iter().map(Option::as_deref), named) {
             Verdict::Already => return Ok(Verdict::Already),
             Verdict::New => arrival.whose.held.map_or(Verdict::New, Verdict::Held),
             held @ Verdict::Held(_) => held,
@@ -283,9 +282,7 @@ impl Custody {
         let (code, message) =
             (summary.code.unwrap_or_default(), summary.message.unwrap_or_default());
         let reason = Reason::new(&code, message, Stage::Store, summary.first_seen);
-        let quarantined = self.quarantined(scan, &reason);
-        self.untidy.fetch_or(quarantined.is_err(), Ordering::Relaxed);
-        io("quarantining a scan", quarantined)
+        self.quarantined(scan, &reason)
     }
 
     /// Removes what could not be removed when it was due, if there is anything.
@@ -375,25 +372,25 @@ impl Custody {
     fn refused(&self, scan: &ScanId, reason: Reason) -> Result<Reason, CustodyFault> {
         // An attempt that failed at the journal left its reason in quarantine: that reason applies.
         let earlier = io("reading a reason", self.quarantine.reason(scan))?;
-        let quarantined = self.quarantined(scan, &reason);
-        self.untidy.fetch_or(quarantined.is_err(), Ordering::Relaxed);
-        io("quarantining a scan", quarantined)?;
+        self.quarantined(scan, &reason)?;
         let reason = earlier.unwrap_or(reason);
         self.journal.refused(scan, &reason.code, &reason.message)?;
         Ok(reason)
     }
 
-    fn quarantined(&self, scan: &ScanId, reason: &Reason) -> io::Result<()> {
-        if self.quarantine.holds(scan) {
+    /// Moves the bytes of a scan to quarantine; without bytes, notes the reason there.
+    fn quarantined(&self, scan: &ScanId, reason: &Reason) -> Result<(), CustodyFault> {
+        let quarantined = if self.quarantine.holds(scan) {
             // An earlier attempt may have failed to sync its name.
-            self.quarantine.sync()?;
-            return self.spool.remove(scan);
-        }
-        if !self.spool.holds(scan) {
-            return self.quarantine.note(scan.as_str(), reason);
-        }
-        self.quarantine.take(&self.spool.entry(scan), scan, reason)?;
-        self.spool.sync()
+            self.quarantine.sync().and_then(|()| self.spool.remove(scan))
+        } else if self.spool.holds(scan) {
+            let taken = self.quarantine.take(&self.spool.entry(scan), scan, reason);
+            taken.and_then(|()| self.spool.sync())
+        } else {
+            self.quarantine.note(scan.as_str(), reason)
+        };
+        self.untidy.fetch_or(quarantined.is_err(), Ordering::Relaxed);
+        io("quarantining a scan", quarantined)
     }
 }
 
@@ -402,7 +399,7 @@ fn io<T>(what: &'static str, result: io::Result<T>) -> Result<T, CustodyFault> {
 }
 
 pub use acts::Acted;
-pub(in crate::station) use erase::{journals_naming, orders_naming};
+pub(in crate::station) use erase::{OLD_JOURNALS, REFUSED_ORDERS, files_naming, whole_scans};
 use intake::{candidates, held_code, intake, intake_of, row};
 
 #[cfg(test)]

@@ -72,7 +72,7 @@ impl Decisions {
 
     /// The scans that have decisions.
     pub fn scans(&self) -> io::Result<Vec<ScanId>> {
-        Ok(self.0.names()?.iter().filter_map(|name| ScanId::parse(name).ok()).collect())
+        Ok(self.0.names()?.iter().filter_map(|name| ScanId::parse(name)).collect())
     }
 }
 

@@ -13,12 +13,11 @@ use gaiter_flow::round::Judged;
 use jiff::Timestamp;
 use serde_json::json;
 
-use self::naming::{remove_journals, remove_orders};
 use super::spool::Intake;
 use super::{Custody, CustodyFault, io};
 use crate::station::journal::{Erasing, Event, Theirs};
 use crate::store::durable;
-pub(in crate::station) use naming::{journals_naming, orders_naming};
+pub(in crate::station) use naming::{OLD_JOURNALS, REFUSED_ORDERS, files_naming};
 
 /// The folder of the previews of held scans in the state folder.
 const PREVIEWS: &str = "previews";
@@ -128,9 +127,7 @@ impl Custody {
         // Before they are removed: afterwards only this tells which they were.
         erasure.add(scans);
         io("noting an erasure", self.erasures.keep(whose, &erasure))?;
-        let is_whole = |scan: &&ErasedScan| scan.is_whole;
-        let whole = erasure.scans.iter().filter(is_whole);
-        let whole: Vec<ScanId> = whole.filter_map(|scan| ScanId::parse(&scan.sha256)).collect();
+        let whole = whole_scans(&erasure);
         for scan in &whole {
             io("erasing spooled bytes", self.spool.remove(scan))?;
             io("erasing quarantined bytes", self.quarantine.remove(scan))?;
@@ -141,7 +138,7 @@ impl Custody {
         let previews = state_dir.join(PREVIEWS);
         // The next generation makes those anew that it needs.
         io("erasing previews", durable::remove_folder(&previews))?;
-        io("erasing orders", remove_orders(state_dir, patient))?;
+        io("erasing orders", naming::remove(state_dir, REFUSED_ORDERS, patient))?;
         let erasing = Erasing {
             patient,
             whole: &whole,
@@ -150,7 +147,7 @@ impl Custody {
         };
         self.journal.erase(&erasing)?;
         self.journal.shred()?;
-        io("erasing set-aside journals", remove_journals(state_dir, patient))?;
+        io("erasing set-aside journals", naming::remove(state_dir, OLD_JOURNALS, patient))?;
         erasure.own_cleared(Timestamp::now(), &self.stores);
         self.keep_erasure(whose, &erasure)
     }
@@ -190,11 +187,11 @@ impl Custody {
             if self.journal.scan(&scan)?.is_some() {
                 continue;
             }
-            let Some(intake) = self.intake_of_kept(&scan) else { continue };
+            let intake = self.spool.intake(&scan).or_else(|_| self.quarantine.intake(&scan));
+            let Ok(mut intake) = intake else { continue };
             if intake_names(&intake, patient) {
-                let mut whole = intake.clone();
-                leave(&mut whole, patient);
-                let is_whole = whole.patient.is_none() && whole.candidates.is_empty();
+                leave(&mut intake, patient);
+                let is_whole = intake.patient.is_none() && intake.candidates.is_empty();
                 scans.push(ErasedScan { sha256: scan.to_string(), is_whole });
             }
         }
@@ -220,28 +217,21 @@ impl Custody {
         Ok(all.all(|id| id == patient || id == ERASED))
     }
 
-    fn intake_of_kept(&self, scan: &ScanId) -> Option<Intake> {
-        self.spool.intake(scan).or_else(|_| self.quarantine.intake(scan)).ok()
-    }
-
     /// Takes a person from what is kept of scans that others have, too, or may have.
     fn leave_shared(&self, patient: &str) -> Result<(), CustodyFault> {
         for folder in [self.spool.folder(), self.quarantine.folder()] {
             for scan in io("listing kept scans", super::spool::entries(folder))? {
-                let Ok(mut intake) = super::spool::read_intake(&folder.join(scan.as_str())) else {
-                    continue;
-                };
+                let entry = folder.join(scan.as_str());
+                let Ok(mut intake) = super::spool::read_intake(&entry) else { continue };
                 if intake_names(&intake, patient) {
                     leave(&mut intake, patient);
-                    let entry = folder.join(scan.as_str());
                     io("erasing an id", super::spool::replace_intake(&entry, intake))?;
                 }
             }
         }
         for scan in io("listing decisions", self.decisions.scans())? {
             let Ok(mut decisions) = self.decisions.of(&scan) else { continue };
-            let is_theirs = |id: &Option<String>| id.as_deref().is_some_and(|id| id == patient);
-            if decisions.iter().any(|decision| is_theirs(&decision.patient)) {
+            if decisions.iter().any(|decision| decision.patient.as_deref() == Some(patient)) {
                 // Their number stays: the journal knows how many of them it has carried out.
                 for decision in &mut decisions {
                     decision.patient = decision.patient.take().filter(|id| id != patient);
@@ -251,6 +241,12 @@ impl Custody {
         }
         Ok(())
     }
+}
+
+/// The scans of an erased person that no one else has.
+pub(in crate::station) fn whole_scans(erasure: &Erasure) -> Vec<ScanId> {
+    let whole = erasure.scans.iter().filter(|scan| scan.is_whole);
+    whole.filter_map(|scan| ScanId::parse(&scan.sha256)).collect()
 }
 
 /// Whether an intake names a person anywhere.

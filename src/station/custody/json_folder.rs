@@ -19,7 +19,7 @@ pub(super) struct JsonFolder(PathBuf);
 impl JsonFolder {
     /// Opens a folder of this name, creates it if needed, and removes files that a crash left half written.
     pub fn open(state_dir: &Path, name: &str) -> io::Result<JsonFolder> {
-        Ok(JsonFolder(durable::open_folder_of_files(state_dir, name)?))
+        Ok(JsonFolder(durable::open_folder(state_dir, name)?))
     }
 
     /// Where it is.

@@ -73,13 +73,6 @@ impl Custody {
         Ok(self.journal.refused(scan, &reason.code, &reason.message)?)
     }
 
-    /// Enters a scan of the spool that the journal does not know.
-    fn adopt(&self, scan: &ScanId) -> Result<Judged, CustodyFault> {
-        let intake = io("reading an intake", self.spool.intake(scan))?;
-        self.adopt_as(&intake, held_code(&intake), &row(&intake, scan))?;
-        Ok(intake.judged)
-    }
-
     /// Enters the data of an intake, with the capture that it answered.
     fn adopt_as(
         &self,
@@ -93,19 +86,20 @@ impl Custody {
         Ok(self.journal.enter(&entry, &self.stores_for(patient))?)
     }
 
-    /// As [`Custody::adopt`], but refuses an entry with an unreadable intake: it must not block every
-    /// start.
+    /// Enters a scan of the spool that the journal does not know. Refuses one with an unreadable intake: it must not
+    /// block every start.
     pub(super) fn adopt_or_refuse(&self, scan: &ScanId) -> Result<Option<Judged>, CustodyFault> {
-        let unreadable = match self.spool.intake(scan) {
-            Ok(_) => return self.adopt(scan).map(Some),
-            Err(error) => error,
+        let intake = match self.spool.intake(scan) {
+            Err(unreadable) if is_of_the_entry(&unreadable) => {
+                let message = format!("its intake.json cannot be read: {unreadable}");
+                let now = Timestamp::now();
+                let reason = Reason::new("spool-damaged", message, Stage::Intake, now);
+                return self.quarantined(scan, &reason).map(|()| None);
+            }
+            intake => io("reading an intake", intake)?,
         };
-        if !is_of_the_entry(&unreadable) {
-            return io("reading an intake", Err(unreadable));
-        }
-        let message = format!("its intake.json cannot be read: {unreadable}");
-        let reason = Reason::new("spool-damaged", message, Stage::Intake, Timestamp::now());
-        io("quarantining a scan", self.quarantined(scan, &reason)).map(|()| None)
+        self.adopt_as(&intake, held_code(&intake), &row(&intake, scan))?;
+        Ok(Some(intake.judged))
     }
 
     /// Enters the scans of the quarantine that the journal does not know, as refused. Returns how many.
@@ -119,12 +113,10 @@ impl Custody {
             }
             let reason = io("reading a reason", self.quarantine.reason(&scan))?;
             let intake = match self.quarantine.intake(&scan) {
-                Err(error) if !is_of_the_entry(&error) => {
-                    return io("reading an intake", Err(error));
-                }
-                intake => intake.ok(),
+                Err(error) if is_of_the_entry(&error) => continue,
+                intake => io("reading an intake", intake)?,
             };
-            let Some((reason, intake)) = reason.zip(intake) else { continue };
+            let Some(reason) = reason else { continue };
             let row = ScanRow { state: ScanState::Spooled, ..row(&intake, &scan) };
             self.adopt_as(&intake, None, &row)?;
             self.journal.refused(&scan, &reason.code, &reason.message)?;

@@ -7,12 +7,12 @@ use std::path::Path;
 use gaiter_flow::ScanId;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::facts::{Alarm, Facts};
-use gaiter_flow::patient::erasure::{ErasedScan, Erasure, Next};
+use gaiter_flow::patient::erasure::{Erasure, Next};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
 use crate::station::core::Core;
-use crate::station::custody::{Custody, CustodyFault};
+use crate::station::custody::{Custody, CustodyFault, whole_scans};
 use crate::station::runtime::causes::chain;
 use crate::station::stores::Stores;
 use crate::store::{RecordStore, StoreFault};
@@ -143,7 +143,7 @@ pub(in crate::station) fn clear_store(
         if !erasure.stores.iter().any(|name| name == store.name()) {
             continue;
         }
-        match store.erase(patient, before, &whole(&erasure)) {
+        match store.erase(patient, before, &whole_scans(&erasure)) {
             Ok(()) => {}
             // A store that is still to be searched would bring the person back.
             Err(StoreFault::Permanent(misfit)) if !is_to_be_searched => {
@@ -158,12 +158,6 @@ pub(in crate::station) fn clear_store(
         cleared += 1;
     }
     Ok(cleared)
-}
-
-/// The scans of an erased person that no one else has.
-fn whole(erasure: &Erasure) -> Vec<ScanId> {
-    let whole = erasure.scans.iter().filter(|scan| scan.is_whole);
-    whole.filter_map(|ErasedScan { sha256, .. }| ScanId::parse(sha256)).collect()
 }
 
 /// As [`clear_store`], for a running station: notes what has become of it on the board.

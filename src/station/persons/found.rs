@@ -17,7 +17,7 @@ use jiff::Timestamp;
 use tracing::warn;
 
 use crate::config::Config;
-use crate::station::custody::{Custody, CustodyFault, journals_naming, orders_naming};
+use crate::station::custody::{Custody, CustodyFault, OLD_JOURNALS, REFUSED_ORDERS, files_naming};
 use crate::station::journal::Theirs;
 use crate::station::runtime::causes::chain;
 use crate::station::stores::Stores;
@@ -67,7 +67,10 @@ pub(in crate::station) fn person(
     exports.retain(|path| path.is_file() && !names_another(identity, path, patient));
     exports.sort();
     exports.dedup();
-    let state = |what| move |source| CustodyFault::Io { what, source };
+    let naming = |what, files| {
+        let found = files_naming(state_dir, files, patient);
+        found.map_err(|source| CustodyFault::Io { what, source })
+    };
     Ok(Person {
         schema: SCHEMA.to_owned(),
         patient: patient.to_owned(),
@@ -80,9 +83,9 @@ pub(in crate::station) fn person(
         owed: custody.owed_to_servers(patient)?,
         captures: journal.captures_of_person(patient)?,
         affected: custody.affected_of(patient)?,
-        orders: orders_naming(state_dir, patient).map_err(state("reading refused orders"))?,
+        orders: naming("reading refused orders", REFUSED_ORDERS)?,
         exports,
-        journals: journals_naming(state_dir, patient).map_err(state("reading old journals"))?,
+        journals: naming("reading old journals", OLD_JOURNALS)?,
         history: journal.history_of_person(patient, &alone)?,
     })
 }
@@ -154,12 +157,10 @@ fn in_folders(store: &dyn RecordStore, patient: &str) -> Option<PersonStore> {
         others: Vec::new(),
         of_another: 0,
     };
-    match store.of_person(patient).transpose()?.and_then(|found| fill(&mut of, found)) {
-        Ok(()) => {}
-        Err(fault) => {
-            let cause = fault.cause();
-            (of.fault, of.cause) = (Some(cause.to_string()), Some(cause));
-        }
+    let found = store.of_person(patient).transpose()?;
+    if let Err(fault) = found.and_then(|found| fill(&mut of, found)) {
+        let cause = fault.cause();
+        (of.fault, of.cause) = (Some(cause.to_string()), Some(cause));
     }
     Some(of)
 }

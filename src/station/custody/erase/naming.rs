@@ -10,52 +10,42 @@ use gaiter_flow::patient::erasure::names;
 
 use crate::store::durable;
 
-/// The folder of refused orders in the state folder.
-const ORDERS: &str = "orders-refused";
-
-/// The beginning of the names of journals that were set aside.
-const ASIDE: &str = "journal.ruined-";
-
-/// Removes refused orders that name a person.
-pub(super) fn remove_orders(state_dir: &Path, patient: &str) -> io::Result<()> {
-    remove(&state_dir.join(ORDERS), "", patient)
+/// Some files of the state folder.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::station) struct Files {
+    /// Their folder; '' for the state folder itself.
+    folder: &'static str,
+    /// How their names begin.
+    beginning: &'static str,
 }
 
-/// Removes set-aside journals that name a person.
-pub(super) fn remove_journals(state_dir: &Path, patient: &str) -> io::Result<()> {
-    remove(state_dir, ASIDE, patient)
-}
+/// Refused orders.
+pub(in crate::station) const REFUSED_ORDERS: Files =
+    Files { folder: "orders-refused", beginning: "" };
 
-/// Removes the entries of a folder whose names begin so and whose bytes name a person.
-fn remove(folder: &Path, beginning: &str, patient: &str) -> io::Result<()> {
-    for path in naming(folder, beginning, patient)? {
+/// Journals that were set aside.
+pub(in crate::station) const OLD_JOURNALS: Files =
+    Files { folder: "", beginning: "journal.ruined-" };
+
+/// Removes those of these files, or folders of files, that name a person.
+pub(super) fn remove(state_dir: &Path, files: Files, patient: &str) -> io::Result<()> {
+    for path in files_naming(state_dir, files, patient)? {
         match path.is_dir() {
             true => durable::remove_folder(&path)?,
             false => fs::remove_file(&path)?,
         }
     }
-    if folder.is_dir() { durable::sync_folder(folder) } else { Ok(()) }
+    let folder = state_dir.join(files.folder);
+    if folder.is_dir() { durable::sync_folder(&folder) } else { Ok(()) }
 }
 
-/// The refused orders in a state folder that name a person.
-pub(in crate::station) fn orders_naming(
+/// Those of these files, or folders of files, that name a person.
+pub(in crate::station) fn files_naming(
     state_dir: &Path,
+    files: Files,
     patient: &str,
 ) -> io::Result<Vec<PathBuf>> {
-    naming(&state_dir.join(ORDERS), "", patient)
-}
-
-/// The journals that were set aside in a state folder and name a person.
-pub(in crate::station) fn journals_naming(
-    state_dir: &Path,
-    patient: &str,
-) -> io::Result<Vec<PathBuf>> {
-    naming(state_dir, ASIDE, patient)
-}
-
-/// The entries of a folder whose names begin so and whose bytes name a person.
-fn naming(folder: &Path, beginning: &str, patient: &str) -> io::Result<Vec<PathBuf>> {
-    let entries = match fs::read_dir(folder) {
+    let entries = match fs::read_dir(state_dir.join(files.folder)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         entries => entries?,
     };
@@ -63,7 +53,7 @@ fn naming(folder: &Path, beginning: &str, patient: &str) -> io::Result<Vec<PathB
     for entry in entries {
         let path = entry?.path();
         let name = path.file_name().map(OsStr::as_bytes).unwrap_or_default();
-        if name.starts_with(beginning.as_bytes()) && holds(&path, patient)? {
+        if name.starts_with(files.beginning.as_bytes()) && holds(&path, patient)? {
             found.push(path);
         }
     }
