@@ -98,15 +98,15 @@ pub(in crate::station) fn open_custody(
     let state_dir = &config.station.state_dir;
     let state = |source| StationError::State { path: state_dir.clone(), source };
     let names = stores.names();
-    let opened = rebuild::open(&journal_file(config), &names, first_start)?;
+    let (journal, rebuilt) = rebuild::open(&journal_file(config), &names, first_start)?;
     // After the journal: an existing spool means that there was a journal, so a missing one was lost.
-    let custody = Custody::open(state_dir, opened.journal, names, config.retention.spool);
+    let custody = Custody::open(state_dir, journal, names, config.retention.spool);
     let mut custody = custody.map_err(state)?;
     let phantom = config.phantom.as_ref().map(|_| PhantomSeries::open(state_dir));
     custody.phantom = phantom.transpose().map_err(state)?;
     custody.named_only = stores.named_only();
     let custody = custody.with_servers(stores.servers()).map_err(StationError::Recovery)?;
-    Ok((custody, opened.rebuilt))
+    Ok((custody, rebuilt))
 }
 
 /// Takes over what the last run left; `begun` are the stores that a rebuilt journal must learn of. Notes

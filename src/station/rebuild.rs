@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use jiff::Timestamp;
 use tracing::info;
@@ -16,47 +16,42 @@ use crate::store::durable;
 /// The files of a journal: the database, its write-ahead log and index, the head of its history.
 const FILES: [&str; 4] = ["journal.db", "journal.db-wal", "journal.db-shm", "history.head"];
 
-/// An open journal.
-#[derive(Debug)]
-pub struct Opened {
-    /// The journal.
-    pub journal: Journal,
-    /// Why it was rebuilt, if it was.
-    pub rebuilt: Option<String>,
-}
-
 /// Why a missing journal is rebuilt: it was removed from outside, or set aside in use.
 const MISSING: &str = "it was missing or had been set aside while in use";
 
 /// Opens the journal. Begins a new one if it is corrupt, in which case it is set aside, or if it is
 /// missing although a station ran here before. One that an earlier start began and did not fill is filled.
+/// Returns also why it was rebuilt, if it was.
 ///
 /// # Errors
 /// If neither is possible: a full disk, another version's journal.
-pub fn open(path: &Path, stores: &[&str], first_start: bool) -> Result<Opened, StationError> {
+pub fn open(
+    path: &Path,
+    stores: &[&str],
+    first_start: bool,
+) -> Result<(Journal, Option<String>), StationError> {
     let fault = |source| StationError::Journal { path: path.to_owned(), source };
     let missing = !first_start && !path.exists();
     let opened = if missing { Journal::open_anew(path) } else { Journal::open(path) };
     let why = match opened {
-        Ok(journal) if !missing => return taken_over(journal, stores).map_err(fault),
+        Ok(journal) if !missing => {
+            // One that an earlier start began, and did not come to fill.
+            let why = journal.to_fill().map_err(fault)?;
+            let why = why.map(|why| if why.is_empty() { MISSING.to_owned() } else { why });
+            if let Some(why) = &why {
+                journal.begin_anew(stores, why).map_err(fault)?;
+            }
+            return Ok((journal, why));
+        }
         Ok(_) => MISSING.to_owned(),
         Err(JournalError::Behind { .. }) if missing => MISSING.to_owned(),
         Err(error) if error.is_ruin() => chain(&error),
         Err(error) => return Err(fault(error)),
     };
-    let aside = set_aside(path).map_err(|source| StationError::SetAside { source })?;
-    info!(event = "journal-set-aside", files = aside.len());
+    set_aside(path).map_err(|source| StationError::SetAside { source })?;
     let journal = Journal::open_anew(path).map_err(fault)?;
     journal.begin_anew(stores, &why).map_err(fault)?;
-    Ok(Opened { journal, rebuilt: Some(why) })
-}
-
-/// The journal that is there, to be filled if an earlier start did not come to that.
-fn taken_over(journal: Journal, stores: &[&str]) -> Result<Opened, JournalError> {
-    let Some(why) = journal.to_fill()? else { return Ok(Opened { journal, rebuilt: None }) };
-    let why = if why.is_empty() { MISSING.to_owned() } else { why };
-    journal.begin_anew(stores, &why)?;
-    Ok(Opened { journal, rebuilt: Some(why) })
+    Ok((journal, Some(why)))
 }
 
 /// Sets an open journal aside that proved corrupt only in use: the next start finds it missing and
@@ -67,26 +62,25 @@ fn taken_over(journal: Journal, stores: &[&str]) -> Result<Opened, JournalError>
 pub fn give_up(path: &Path, journal: &Journal) -> Result<(), StationError> {
     let fault = |source| StationError::Journal { path: path.to_owned(), source };
     journal.let_go().map_err(fault)?;
-    let aside = set_aside(path).map_err(|source| StationError::SetAside { source })?;
-    info!(event = "journal-set-aside", files = aside.len());
-    Ok(())
+    set_aside(path).map_err(|source| StationError::SetAside { source })
 }
 
 /// Renames the journal's files to `journal.ruined-<time>-<name>`.
-fn set_aside(path: &Path) -> io::Result<Vec<PathBuf>> {
+fn set_aside(path: &Path) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let time = Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string();
-    let mut aside = Vec::new();
+    let mut files = 0;
     for name in FILES {
         let from = folder.join(name);
         let free = (0..).map(|n| folder.join(format!("journal.ruined-{time}-{n}-{name}")));
         let Some(to) = free.into_iter().find(|to| !to.exists()) else { continue };
         match fs::rename(from, &to) {
-            Ok(()) => aside.push(to),
+            Ok(()) => files += 1,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => return Err(error),
         }
     }
     durable::sync_folder(folder)?;
-    Ok(aside)
+    info!(event = "journal-set-aside", files);
+    Ok(())
 }
