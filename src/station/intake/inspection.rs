@@ -50,7 +50,7 @@ fn asked(core: &Core, export: &Export, format: Format) -> Result<Inspection, Ins
     let job = Job::new(config, Purpose::Inspection, format.ending(), length);
     let mut tries = 0;
     loop {
-        let trouble = match measure::inspect(&job, &export.bytes)? {
+        let trouble = match measure::measure_bytes(None, &job, &export.bytes)? {
             Measured::Answered(Answer::Inspected(found)) => return Ok(found),
             // The reader panicked.
             Measured::Answered(Answer::Files { .. } | Answer::Refused { .. }) => {

@@ -87,7 +87,7 @@ fn measured(
     }));
     let (config, length) = (&core.config.measure, export.bytes.len() as u64);
     let job = Job::new(config, purpose, format.ending(), length);
-    let measured = measure_bytes(&export.scan, &job, &export.bytes)?;
+    let measured = measure_bytes(Some(&export.scan), &job, &export.bytes)?;
     let not_measured = |why: String| {
         CheckRecord::not_measured(now, export.scan.to_string(), why, phantom.tolerance_mm)
     };

@@ -118,9 +118,10 @@ pub enum Answer {
 }
 
 /// What is known of an export before it is taken in.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inspection {
     /// How its file ends.
+    #[serde(with = "EndWord")]
     pub end: End,
     /// What tells its scan from every other, in whatever bytes it comes; `None` if there is no scan in it.
     pub fingerprint: Option<String>,
@@ -139,20 +140,9 @@ enum EndWord {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Header {
-    Inspected {
-        #[serde(with = "EndWord")]
-        end: End,
-        fingerprint: Option<String>,
-    },
-    Files {
-        files: Vec<(String, u64)>,
-        to_do: Vec<String>,
-        views_apart_mm: Option<f64>,
-    },
-    Refused {
-        code: String,
-        message: String,
-    },
+    Inspected(Inspection),
+    Files { files: Vec<(String, u64)>, to_do: Vec<String>, views_apart_mm: Option<f64> },
+    Refused { code: String, message: String },
 }
 
 impl Job {
@@ -188,12 +178,11 @@ impl Answer {
     /// Writes the whole answer.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         match self {
-            Answer::Inspected(Inspection { end, fingerprint }) => {
-                let fingerprint = fingerprint.clone();
-                write_line(to, &Header::Inspected { end: *end, fingerprint })?;
+            Answer::Inspected(inspection) => {
+                write_line(to, &Header::Inspected(inspection.clone()))?;
             }
             Answer::Files { files, to_do, views_apart_mm } => {
-                let names = files.iter().map(|file| (file.name.clone(), len(&file.bytes)));
+                let names = files.iter().map(|file| (file.name.clone(), file.bytes.len() as u64));
                 let (files_sent, to_do) = (names.collect(), to_do.clone());
                 let header =
                     Header::Files { files: files_sent, to_do, views_apart_mm: *views_apart_mm };
@@ -215,9 +204,7 @@ impl Answer {
     /// answer.
     pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<Answer> {
         let (names, to_do, views_apart_mm) = match read_line(from, LINE_MAX)? {
-            Header::Inspected { end, fingerprint } => {
-                return Ok(Answer::Inspected(Inspection { end, fingerprint }));
-            }
+            Header::Inspected(inspection) => return Ok(Answer::Inspected(inspection)),
             Header::Refused { code, message } => return Ok(Answer::Refused { code, message }),
             Header::Files { files, to_do, views_apart_mm } => (files, to_do, views_apart_mm),
         };
@@ -234,10 +221,6 @@ impl Answer {
         }
         Ok(Answer::Files { files, to_do, views_apart_mm })
     }
-}
-
-fn len(bytes: &[u8]) -> u64 {
-    bytes.len() as u64
 }
 
 fn write_line(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {

@@ -18,7 +18,7 @@ mod trouble;
 
 pub use confine::{ConfineFault, enough, tried};
 pub use job::{Answer, CheckJob, Inspection, Job, Limits, Purpose, RecordJob};
-pub use parent::{MeasureFault, Measured, answers, inspect, measure, measure_bytes};
+pub use parent::{MeasureFault, Measured, answers, measure, measure_bytes};
 pub use trouble::{Blame, Trouble};
 
 /// The hidden verb with which the binary runs again.

@@ -71,14 +71,13 @@ pub fn measure(
     })
 }
 
-/// Measures bytes in their own process. Blocks.
-pub fn measure_bytes(scan: &ScanId, job: &Job, bytes: &[u8]) -> Result<Measured, MeasureFault> {
-    run(Some(scan), job, |mut input| input.write_all(bytes))
-}
-
-/// Inspects bytes in their own process, which is not told their hash. Blocks.
-pub fn inspect(job: &Job, bytes: &[u8]) -> Result<Measured, MeasureFault> {
-    run(None, job, |mut input| input.write_all(bytes))
+/// Measures bytes in their own process; without a `scan` it is not told their hash. Blocks.
+pub fn measure_bytes(
+    scan: Option<&ScanId>,
+    job: &Job,
+    bytes: &[u8],
+) -> Result<Measured, MeasureFault> {
+    run(scan, job, |mut input| input.write_all(bytes))
 }
 
 /// Whether a measuring process can answer here and now: it gets bytes that are not a scan. Blocks.
@@ -86,7 +85,7 @@ pub fn answers(job: &Job) -> Result<bool, MeasureFault> {
     let bytes: &[u8] = b"no scan\n";
     let (scan_bytes, purpose) = (bytes.len() as u64, Purpose::Inspection);
     let job = Job { purpose, scan_bytes, ord_bytes: 0, ..job.clone() };
-    Ok(matches!(inspect(&job, bytes)?, Measured::Answered(_)))
+    Ok(matches!(measure_bytes(None, &job, bytes)?, Measured::Answered(_)))
 }
 
 /// Runs the process; `feed` gives it what follows the job's line.
@@ -95,7 +94,7 @@ fn run(
     job: &Job,
     feed: impl Fn(&ChildStdin) -> io::Result<()>,
 ) -> Result<Measured, MeasureFault> {
-    let (child, pipes) = start(scan).map_err(MeasureFault::NotStarted)?;
+    let (child, input, output, complaints) = start(scan).map_err(MeasureFault::NotStarted)?;
     let child = Mutex::new(child);
     let shared = &child;
     let (done, ended) = mpsc::channel::<()>();
@@ -110,10 +109,10 @@ fn run(
             let _ = child.kill();
             Some(cpu)
         });
-        let fed = job.write(&mut &pipes.input).and_then(|()| feed(&pipes.input));
+        let fed = job.write(&mut &input).and_then(|()| feed(&input));
         // It may wait for more than the job tells of.
-        drop(pipes.input);
-        let answer = Answer::read(&mut BufReader::new(pipes.output), ANSWER_MAX_BYTES);
+        drop(input);
+        let answer = Answer::read(&mut BufReader::new(output), ANSWER_MAX_BYTES);
         drop(done);
         (fed, answer, killer.join().unwrap_or(None))
     });
@@ -128,7 +127,8 @@ fn run(
     };
     if let Err(error) = fed
         && too_late.is_none()
-        && !is_closed(&error)
+        // Its answer or its end explains why it stopped reading.
+        && error.kind() != io::ErrorKind::BrokenPipe
     {
         // The spool could not be read; the process still waits for the rest.
         end(&mut child).map_err(MeasureFault::NotStarted)?;
@@ -138,17 +138,14 @@ fn run(
         end(&mut child).map_err(MeasureFault::NotStarted)?;
     }
     let status = child.wait().map_err(MeasureFault::NotStarted)?;
-    let complaint = complaint(pipes.complaints);
+    let complaint = complaint(complaints);
     Ok(Measured::Trouble(Trouble::of(status, too_late, &job.limits, &complaint)))
 }
 
-struct Pipes {
-    input: ChildStdin,
-    output: ChildStdout,
-    complaints: ChildStderr,
-}
+/// A process and its standard input, output and error output.
+type Started = (Child, ChildStdin, ChildStdout, ChildStderr);
 
-fn start(scan: Option<&ScanId>) -> io::Result<(Child, Pipes)> {
+fn start(scan: Option<&ScanId>) -> io::Result<Started> {
     let mut child = Command::new(SELF)
         .arg(VERB)
         .args(scan.map(ScanId::as_str))
@@ -159,9 +156,7 @@ fn start(scan: Option<&ScanId>) -> io::Result<(Child, Pipes)> {
         .stderr(Stdio::piped())
         .spawn()?;
     match (child.stdin.take(), child.stdout.take(), child.stderr.take()) {
-        (Some(input), Some(output), Some(complaints)) => {
-            Ok((child, Pipes { input, output, complaints }))
-        }
+        (Some(input), Some(output), Some(complaints)) => Ok((child, input, output, complaints)),
         _ => {
             end(&mut child)?;
             Err(io::Error::other("a pipe to the measuring process is missing"))
@@ -183,11 +178,6 @@ fn cpu_of(pid: u32) -> Option<Duration> {
 fn end(child: &mut Child) -> io::Result<ExitStatus> {
     child.kill()?;
     child.wait()
-}
-
-/// Whether the process stopped reading; its answer or its end explains why.
-fn is_closed(error: &io::Error) -> bool {
-    error.kind() == io::ErrorKind::BrokenPipe
 }
 
 fn complaint(from: impl Read) -> String {
