@@ -11,7 +11,7 @@ use jiff::Timestamp;
 use tracing::{error, info};
 
 use super::booth::Booth;
-use super::core::{Core, Found, journal_file};
+use super::core::{Core, journal_file};
 use super::custody::phantom_series::PhantomSeries;
 use super::custody::{Custody, CustodyFault};
 use super::delivery::measuring::{self, IMPAIRED};
@@ -78,8 +78,7 @@ impl Station {
             facts.phantom = Some(known);
         }
         let previews = Arc::new(Previews::of(&config.station.state_dir));
-        let found = Found { config, identity, custody, stores, facts, observer };
-        let core = Arc::new(Core::new(found));
+        let core = Arc::new(Core::new(config, identity, custody, stores, facts, observer));
         let booth = Booth::open(Arc::clone(&core)).map_err(CustodyFault::from);
         let booth = booth.map_err(|fault| failed(fault, &core.config, &core.custody))?;
         let booth = Arc::new(booth);
@@ -135,7 +134,8 @@ fn recover<'a>(
     // After the scans, which a lost journal must learn of first.
     let unreadable = custody.carry_out()?;
     if !unreadable.is_empty() {
-        facts.alarms.insert("decisions-unreadable", unreadable_decisions(unreadable.len()));
+        let figures = Figures::counted(unreadable.len());
+        facts.alarms.insert("decisions-unreadable", Alarm { figures, since: Timestamp::now() });
     }
     Ok(adopted)
 }
@@ -149,9 +149,4 @@ fn failed(fault: CustodyFault, config: &Config, custody: &Custody) -> StationErr
         return error;
     }
     StationError::Recovery(fault)
-}
-
-/// The alarm that operators' decisions about some scans can no longer be read.
-fn unreadable_decisions(count: usize) -> Alarm {
-    Alarm { figures: Figures::counted(count), since: Timestamp::now() }
 }

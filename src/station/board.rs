@@ -4,6 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use gaiter_flow::Facts;
+use gaiter_flow::complaint::Figures;
+use gaiter_flow::facts::Alarm;
+use jiff::Timestamp;
 
 /// The current facts of a station.
 #[derive(Debug)]
@@ -15,24 +18,32 @@ impl Board {
         Board(Mutex::new(facts))
     }
 
-    /// Changes the facts. `change` must be short, because everyone else waits.
-    pub fn note(&self, change: impl FnOnce(&mut Facts)) {
-        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+    /// Changes the facts or reads some of them. `change` must be short, because everyone else waits.
+    pub fn note<T>(&self, change: impl FnOnce(&mut Facts) -> T) -> T {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Raises an alarm. One that is raised already keeps its time and gets these figures.
+    pub fn raise(&self, code: &'static str, figures: Figures) {
+        self.note(|facts| {
+            let known = facts.alarms.get(code).map(|known| known.since);
+            let since = known.unwrap_or_else(Timestamp::now);
+            facts.alarms.insert(code, Alarm { figures, since });
+        });
+    }
+
+    /// Ends an alarm, if it is raised.
+    pub fn clear(&self, code: &str) {
+        self.note(|facts| drop(facts.alarms.remove(code)));
     }
 
     /// The stores that wait until somebody fetches what they have.
     pub fn unfetched(&self) -> BTreeSet<&'static str> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).unfetched()
-    }
-
-    /// Whether one of these ports is not listened to, and will not be in a moment.
-    pub fn is_any_port_at_fault(&self, ports: &BTreeSet<&'static str>) -> bool {
-        let facts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        ports.iter().filter_map(|port| facts.triggers.get(port)).any(|port| port.state.is_fault())
+        self.note(|facts| facts.unfetched())
     }
 
     /// The current facts.
     pub fn facts(&self) -> Facts {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.note(|facts| facts.clone())
     }
 }

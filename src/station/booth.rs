@@ -24,13 +24,11 @@ use jiff::{SignedDuration, Timestamp};
 use tokio::sync::{Notify, watch};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
-use tracing::warn;
 
 use super::core::Core;
 use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
 use super::runtime::beat::Beat;
-use super::runtime::causes::chain;
 use super::runtime::clock::ASLEEP;
 use super::runtime::stop::Stop;
 pub use hearing::NameFault;
@@ -430,7 +428,10 @@ impl Booth {
 
     /// Whether a button is not there. At a start, and while a port settles, there is nothing to be done.
     fn is_button_away(&self, inner: &Inner) -> bool {
-        self.core.board.is_any_port_at_fault(&inner.away)
+        self.core.board.note(|facts| {
+            let mut away = inner.away.iter().filter_map(|port| facts.triggers.get(port));
+            away.any(|port| port.state.is_fault())
+        })
     }
 
     fn scene(&self, not_ready: bool) -> Scene {
@@ -549,8 +550,7 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
         });
         let (passed, asked, scene) = step.await?;
         if let Err(error) = passed {
-            core.check_corruption(&error);
-            warn!(event = "journal-failed", error = chain(&error));
+            core.journal_failed(&error);
         }
         if let Some(asked) = asked {
             // A light that shows what is over sends people to look for nothing.

@@ -9,10 +9,10 @@ use std::time::Duration;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::facts::IntakeState;
 use gaiter_flow::phantom::is_phantom;
-use gaiter_flow::{Facts, Identity, ScanId};
+use gaiter_flow::{Facts, Identity, ScanId, Space};
 use tokio::sync::Notify;
+use tracing::{info, warn};
 
-use super::admission::Gate;
 use super::board::Board;
 use super::custody::Custody;
 use super::error::StationError;
@@ -22,6 +22,7 @@ use super::journal::integrity::suspicion::Suspicion;
 use super::rebuild;
 use super::runtime::causes::chain;
 use super::runtime::clock::Clock;
+use super::share::file_system;
 use super::stores::Stores;
 use crate::config::{Config, PhantomConfig};
 
@@ -50,33 +51,22 @@ pub struct Core {
     pub suspicion: Suspicion,
     /// The station's own clock.
     pub clock: Clock,
-    gate: Gate,
+    space: Mutex<Space>,
     paused: AtomicBool,
     to_retry_now: Mutex<Vec<ScanId>>,
 }
 
-/// What a start has found and created.
-#[derive(Debug)]
-pub struct Found {
-    /// The configuration.
-    pub config: Config,
-    /// The rules for patients' ids.
-    pub identity: Identity,
-    /// Spool, journal and quarantine, as the last run left them.
-    pub custody: Custody,
-    /// Where records go.
-    pub stores: Stores,
-    /// What is known so far.
-    pub facts: Facts,
-    /// Receives the station's events.
-    pub observer: Observer,
-}
-
 impl Core {
-    /// The core of a station that starts now.
-    pub fn new(found: Found) -> Core {
-        let Found { config, identity, custody, stores, facts, observer } = found;
-        let gate = Gate::new(config.station.state_dir.clone(), config.station.disk_floor_bytes);
+    /// The core of a station that starts now, with what the last run left and what is known so far.
+    pub fn new(
+        config: Config,
+        identity: Identity,
+        custody: Custody,
+        stores: Stores,
+        facts: Facts,
+        observer: Observer,
+    ) -> Core {
+        let space = Mutex::new(Space::new(config.station.disk_floor_bytes));
         let paused = AtomicBool::new(facts.intake == IntakeState::Paused);
         Core {
             config,
@@ -90,7 +80,7 @@ impl Core {
             anew: Notify::new(),
             suspicion: Suspicion::default(),
             clock: Clock::start(),
-            gate,
+            space,
             paused,
             to_retry_now: Mutex::default(),
         }
@@ -106,9 +96,30 @@ impl Core {
         self.config.phantom.as_ref().filter(|phantom| is_phantom(file_name, &phantom.name))
     }
 
-    /// Decides whether `size_bytes` may be taken in now, and notes it on the board. Blocks.
+    /// Decides whether `size_bytes` may be taken in now, and notes it on the board. What is not admitted
+    /// stays where it is and is tried again. Blocks.
     pub fn intake_gate(&self, size_bytes: u64) -> IntakeState {
-        self.gate.judge(size_bytes, self.is_paused(), &self.board)
+        // A disk that cannot be queried reports its fault elsewhere.
+        let free = file_system::free_bytes(&self.config.station.state_dir).unwrap_or(u64::MAX);
+        let mut space = self.space.lock().unwrap_or_else(PoisonError::into_inner);
+        let has_room = space.admits(free, size_bytes);
+        let state = if self.is_paused() {
+            IntakeState::Paused
+        } else if has_room {
+            IntakeState::Open
+        } else {
+            IntakeState::DiskLow { free, floor: space.floor_bytes() }
+        };
+        let before = self.board.note(|facts| std::mem::replace(&mut facts.intake, state));
+        match (before, state) {
+            (IntakeState::DiskLow { .. }, IntakeState::DiskLow { .. }) => {}
+            (_, IntakeState::DiskLow { free, floor }) => {
+                warn!(event = "disk-low", free_bytes = free, floor_bytes = floor);
+            }
+            (IntakeState::DiskLow { .. }, _) => info!(event = "disk-free-again", free_bytes = free),
+            _ => {}
+        }
+        state
     }
 
     /// Whether an operator has paused the station.
@@ -141,7 +152,13 @@ impl Core {
         }
     }
 
-    /// The same, but also returns the error with its causes, in English.
+    /// Logs an error of the journal, and checks whether it means corruption.
+    pub fn journal_failed(&self, error: &JournalError) {
+        self.check_corruption(error);
+        warn!(event = "journal-failed", error = chain(error));
+    }
+
+    /// Checks an error for corruption, and returns it with its causes, in English.
     pub fn checked(&self, error: &(dyn std::error::Error + 'static)) -> Cause {
         self.check_corruption(error);
         chain(error).into()

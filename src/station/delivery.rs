@@ -26,13 +26,12 @@ use gaiter_record::Patient;
 use jiff::Timestamp;
 use tokio::task::{JoinError, JoinSet, spawn_blocking};
 use tokio::time::sleep;
-use tracing::{info, warn};
+use tracing::info;
 
 use self::work::Ready;
 use super::booth::Booth;
 use super::journal::{Due, KEPT, Task};
 use super::runtime::beat::Beat;
-use super::runtime::causes::chain;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
 
@@ -124,8 +123,7 @@ impl Bench {
         let pending = match pending.await? {
             Ok(pending) => pending,
             Err(error) => {
-                booth.core().check_corruption(&error);
-                warn!(event = "journal-failed", error = chain(&error));
+                booth.core().journal_failed(&error);
                 return Ok(());
             }
         };
@@ -261,14 +259,12 @@ impl Bench {
                 Ended::Kept => KEPT,
                 Ended::PutOff | Ended::ForGood => "put-off",
             };
-            let noted = booth.core().custody.journal().put_off(&due, code, next_at);
-            noted.inspect_err(|error| booth.core().check_corruption(error))
-        });
-        if let Err(error) = noted.await? {
             // This only informs people; the pause itself holds.
-            warn!(event = "journal-failed", error = chain(&error));
-        }
-        Ok(())
+            if let Err(error) = booth.core().custody.journal().put_off(&due, code, next_at) {
+                booth.core().journal_failed(&error);
+            }
+        });
+        noted.await
     }
 
     /// Lets a store rest while a step there takes long, and reports it if the step does not return; other stores

@@ -23,7 +23,6 @@
 //!
 //! Logs refer to scans by the first digits of their id, never to patients, file names or folders.
 
-mod admission;
 pub mod assembly;
 pub mod board;
 pub mod booth;

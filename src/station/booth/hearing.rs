@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use gaiter_flow::booth::{Heard, Press};
 use gaiter_flow::complaint::Figures;
-use gaiter_flow::facts::Alarm;
 use gaiter_flow::health::EXPORT_PASSED_OVER;
 use gaiter_flow::light::{Last, NO_EXPORT};
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
@@ -13,14 +12,12 @@ use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};
 use gaiter_record::{Patient, SourceKind};
-use jiff::Timestamp;
 use serde_json::{Value, json};
 use tracing::{info, warn};
 
 use super::{Booth, Inner};
 use crate::station::event::StationEvent;
 use crate::station::journal::{BoothChange, Event, JournalError};
-use crate::station::runtime::causes::chain;
 
 /// Why a patient was not named.
 #[derive(Debug, thiserror::Error)]
@@ -54,8 +51,7 @@ impl Booth {
             Heard::UnreadOrder { absent } => self.unread(SourceKind::Order, *absent),
         };
         if let Err(error) = done {
-            self.core.check_corruption(&error);
-            warn!(event = "journal-failed", error = chain(&error));
+            self.core.journal_failed(&error);
             return false;
         }
         true
@@ -304,7 +300,7 @@ impl Booth {
             info!(event = "called-off", captures = called_off.captures.len());
         }
         (inner.missed, inner.last) = (false, None);
-        self.clear_missed();
+        self.core.board.clear(NO_EXPORT);
         Ok(any)
     }
 
@@ -365,7 +361,7 @@ impl Booth {
         let mut after = inner.captures.clone();
         let passed = after.pass(now, &self.glance().sights);
         if !inner.missed && after.is_armed() {
-            self.clear_missed();
+            self.core.board.clear(NO_EXPORT);
         }
         if after != inner.captures {
             let has_expired = !passed.expired.is_empty() || passed.name_expired;
@@ -382,10 +378,7 @@ impl Booth {
             warn!(event = "patient-name-expired");
         }
         if inner.missed {
-            self.core.board.note(|facts| {
-                let alarm = Alarm { figures: Figures::default(), since: Timestamp::now() };
-                facts.alarms.entry(NO_EXPORT).or_insert(alarm);
-            });
+            self.core.board.raise(NO_EXPORT, Figures::default());
         }
         let opened = inner.captures.waiting().map(|capture| capture.opened).min();
         self.tell_unread(opened, now);
@@ -395,32 +388,20 @@ impl Booth {
     /// Raises the alarm for what came into the export folders and is not read while an export is awaited
     /// since `opened`.
     fn tell_unread(&self, opened: Option<Duration>, now: Duration) {
-        self.core.board.note(|facts| {
-            let counts = opened.map(|opened| facts.unread_since(opened, now)).unwrap_or_default();
-            if counts.is_empty() {
-                facts.alarms.remove(EXPORT_PASSED_OVER);
-                return;
-            }
-            let figures = Figures::default().unread(counts);
-            let known = facts.alarms.get(EXPORT_PASSED_OVER).map(|known| known.since);
-            let since = known.unwrap_or_else(Timestamp::now);
-            facts.alarms.insert(EXPORT_PASSED_OVER, Alarm { figures, since });
-        });
+        let board = &self.core.board;
+        let counts = opened.map(|opened| board.note(|facts| facts.unread_since(opened, now)));
+        match counts.unwrap_or_default() {
+            none if none.is_empty() => board.clear(EXPORT_PASSED_OVER),
+            counts => board.raise(EXPORT_PASSED_OVER, Figures::default().unread(counts)),
+        }
     }
 
     /// Forgets the exports that are gone. Returns whether there were any.
     fn clear_gone(&self) -> bool {
-        let mut any = false;
         self.core.board.note(|facts| {
-            any = facts.gone() > 0;
+            let any = facts.gone() > 0;
             facts.sources.iter_mut().for_each(|source| source.gone_count = 0);
-        });
-        any
-    }
-
-    fn clear_missed(&self) {
-        self.core.board.note(|facts| {
-            facts.alarms.remove(NO_EXPORT);
-        });
+            any
+        })
     }
 }

@@ -22,10 +22,8 @@ use std::time::Duration;
 use gaiter_flow::booth::Heard;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
-use gaiter_flow::facts::Alarm;
 use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
 use gaiter_record::gdt::{Order, OrderFault, order};
-use jiff::Timestamp;
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
@@ -289,7 +287,7 @@ impl Reach {
                     warn!(event = "orders-unexamined", count = found.unexamined.len());
                     self.booth.missed_name(SOURCE);
                 }
-                self.booth.core().board.note(|facts| drop(facts.alarms.remove(OUT_OF_REACH)));
+                self.booth.core().board.clear(OUT_OF_REACH);
                 Look::Seen(found.orders)
             }
             Err(error) => {
@@ -311,21 +309,13 @@ impl Reach {
 
     /// The folder is out of reach. Logs it if it was in reach before; returns whether it was.
     fn lose(&self, why: &Cause) -> bool {
-        alarm(self.booth.core(), OUT_OF_REACH, Figures::why(why));
+        self.booth.core().board.raise(OUT_OF_REACH, Figures::why(why));
         let was_in = self.is_in.swap(false, Ordering::Relaxed);
         if was_in {
             warn!(event = "orders-out-of-reach", error = why.to_string());
         }
         was_in
     }
-}
-
-fn alarm(core: &Core, code: &'static str, figures: Figures) {
-    core.board.note(|facts| {
-        let known = facts.alarms.get(code).map(|known| known.since);
-        let since = known.unwrap_or_else(Timestamp::now);
-        facts.alarms.insert(code, Alarm { figures, since });
-    });
 }
 
 /// Reads an order that a client hands in. An order that cannot be read puts the waiting name in doubt.

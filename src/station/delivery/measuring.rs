@@ -1,7 +1,6 @@
 //! Measures spooled scans for deliveries and previews, and finds the cause if there is no answer. A
 //! scan is refused only because of its own bytes; for every other cause it waits.
 
-use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +9,7 @@ use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Figures;
 use gaiter_flow::confinement::{Confine, Confinement};
 use gaiter_flow::facts::Alarm;
-use gaiter_flow::views::{ViewsSeen, ViewsSeries};
+use gaiter_flow::views::ViewsSeen;
 use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
 use jiff::{Timestamp, Zoned};
 use tracing::{info, warn};
@@ -100,10 +99,9 @@ pub fn measured(
 
 /// Adds what a scan says of the cameras to what the last ones said.
 fn note_views(core: &Core, seen: ViewsSeen) {
-    let mut series = ViewsSeries::default();
-    core.board.note(|facts| {
+    let series = core.board.note(|facts| {
         facts.views.add(seen);
-        series.clone_from(&facts.views);
+        facts.views.clone()
     });
     if let Err(error) = core.custody.journal().keep_views(&series) {
         warn!(event = "views-not-kept", error = chain(&error));
@@ -149,14 +147,12 @@ fn waits(core: &Core, code: &'static str, error: String) -> Outcome {
 
 /// Notes that scans cannot be measured on this machine, and why.
 pub fn note_impaired(core: &Core, error: &str) {
-    core.board.note(|facts| {
-        facts.alarms.entry(IMPAIRED).or_insert(impaired(error));
-    });
+    core.board.raise(IMPAIRED, Figures::why(&Cause::said(error)));
 }
 
 /// Notes that scans can be measured on this machine.
 pub fn note_possible(core: &Core) {
-    core.board.note(|facts| drop(facts.alarms.remove(IMPAIRED)));
+    core.board.clear(IMPAIRED);
 }
 
 /// Tries the guards around measuring processes on this machine. Returns the alarm if none can be set,
@@ -177,14 +173,10 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
         Err(fault) if confine == Confine::Required => Err(fault),
         Err(fault) => {
             warn!(event = "confinement-failed", error = chain(&fault));
-            Ok(Err(impaired(chain(&fault))))
+            let figures = Figures::why(&Cause::said(chain(&fault)));
+            Ok(Err(Alarm { figures, since: Timestamp::now() }))
         }
     }
-}
-
-/// The alarm that scans cannot be measured on this machine, with the reason.
-fn impaired(error: impl Display) -> Alarm {
-    Alarm { figures: Figures::why(&Cause::said(error)), since: Timestamp::now() }
 }
 
 /// The job for the measuring process, and the file of the scanner's own measures.

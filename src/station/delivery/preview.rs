@@ -125,10 +125,7 @@ impl Round {
             return false;
         }
         let looked = self.look();
-        let looked = looked.inspect_err(|error| {
-            self.core().check_corruption(error);
-            warn!(event = "journal-failed", error = chain(error));
-        });
+        let looked = looked.inspect_err(|error| self.core().journal_failed(error));
         let has_made = looked.unwrap_or(false);
         if !has_made {
             (self.edition, self.next) = (edition, now + RECHECK);
@@ -175,7 +172,8 @@ impl Round {
                 return match self.previews.keep(&row.scan, &files) {
                     Ok(()) => {
                         info!(event = "preview-made", scan);
-                        self.note(booth.scan_measured(&row.scan));
+                        let noted = booth.scan_measured(&row.scan);
+                        _ = noted.inspect_err(|error| booth.core().journal_failed(error));
                     }
                     Err(error) => self.put_off(row, &error.to_string()),
                 };
@@ -187,7 +185,8 @@ impl Round {
         info!(event = "preview-impossible", scan, code);
         self.previews.cannot_be(&row.scan, code);
         // Another export of the same scan is expected.
-        self.note(booth.reopen_capture(&row.scan));
+        let noted = booth.reopen_capture(&row.scan);
+        _ = noted.inspect_err(|error| booth.core().journal_failed(error));
     }
 
     fn put_off(&mut self, row: &ScanRow, error: &str) {
@@ -202,14 +201,6 @@ impl Round {
             warn!(event = "preview-failed", error);
         }
         self.said = fault;
-    }
-
-    /// Logs that the captures could not learn of a preview; it counts as not made for a while.
-    fn note(&self, noted: Result<(), JournalError>) {
-        if let Err(error) = noted {
-            self.core().check_corruption(&error);
-            warn!(event = "journal-failed", error = chain(&error));
-        }
     }
 }
 

@@ -86,13 +86,11 @@ fn begin(core: &Core, store: &dyn RecordStore) -> Result<(), Cause> {
 pub fn note(core: &Core, name: &str, attempt: StoreAttempt) {
     let Some(store) = core.stores.named(name).map(|store| store.name()) else { return };
     let is_awaited = attempt == StoreAttempt::Look(None) && awaits(core, store);
-    let (mut before, mut after) = (None, None);
-    core.board.note(|facts| {
+    let (before, after) = core.board.note(|facts| {
         let known = facts.stores.get(store);
         let next = StoreFacts::after(known, attempt, is_awaited, Timestamp::now());
-        before = known.and_then(|known| known.refusal.clone());
-        after.clone_from(&next.refusal);
-        facts.stores.insert(store, next);
+        let after = next.refusal.clone();
+        (facts.stores.insert(store, next).and_then(|known| known.refusal), after)
     });
     match (before, after) {
         (Some(StoreRefusal::Fault(_)), Some(StoreRefusal::Fault(_)))
@@ -115,12 +113,11 @@ fn awaits(core: &Core, store: &str) -> bool {
 /// Notes that a step at a store does not return. Returns whether that is new.
 pub fn note_stalled(core: &Core, name: &str) -> bool {
     let stalled = Cause::known("no-answer", []);
-    let mut known = false;
-    core.board.note(|facts| {
+    let is_known = core.board.note(|facts| {
         let refusal = facts.stores.get(name).and_then(|facts| facts.refusal.as_ref());
-        known = refusal.and_then(StoreRefusal::fault) == Some(&stalled);
+        refusal.and_then(StoreRefusal::fault) == Some(&stalled)
     });
-    if known {
+    if is_known {
         return false;
     }
     note(core, name, StoreAttempt::Look(Some(StoreRefusal::Fault(stalled))));

@@ -4,14 +4,12 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gaiter_flow::Facts;
 use gaiter_flow::complaint::Figures;
-use gaiter_flow::facts::{Alarm, StoreAttempt, StoreRefusal};
+use gaiter_flow::facts::{StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
 use gaiter_language::Language;
 use gaiter_record::{FIRST_REVISION, RecordFile};
-use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::measuring::{self, Outcome};
@@ -231,7 +229,7 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         store_reach::note(core, &due.store, StoreAttempt::Look(None));
         info!(event = "record-withdrawn", scan, store = due.store);
         if !journal.keeps_changed_records()? {
-            core.board.note(|facts| drop(facts.alarms.remove(KEPT)));
+            core.board.clear(KEPT);
         }
         Ok(())
     };
@@ -261,8 +259,7 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
                 if stage != Stage::Store
                     && let Err(error) = booth.reopen_capture(&due.scan)
                 {
-                    core.check_corruption(&error);
-                    warn!(event = "journal-failed", error = chain(&error));
+                    core.journal_failed(&error);
                 }
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
@@ -273,7 +270,7 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
             Err(fault) => custody_failed(fault),
         },
         Setback::Kept(misfit) => {
-            core.board.note(note_kept);
+            core.board.raise(KEPT, Figures::default());
             (KEPT, misfit.to_string(), Ended::Kept)
         }
         Setback::StoreFailed { code, refusal } => {
@@ -288,12 +285,6 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
     warn!(event = "delivery-put-off", scan, store = due.store, code, error);
     core.observer.tell(StationEvent::PutOff { scan, code: code.to_owned() });
     ended
-}
-
-/// Raises the alarm that a record still lies where it was to be taken back from.
-fn note_kept(facts: &mut Facts) {
-    let alarm = Alarm { figures: Figures::default(), since: Timestamp::now() };
-    facts.alarms.entry(KEPT).or_insert(alarm);
 }
 
 /// Converts a store's fault. Its path holds the patient's id and stays out of logs and journal.

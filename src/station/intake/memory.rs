@@ -7,12 +7,10 @@ use std::sync::Arc;
 use gaiter_flow::settle::Memory;
 use gaiter_flow::{Mark, Stamp};
 use tokio::task::{JoinError, spawn_blocking};
-use tracing::warn;
 
 use super::Intake;
 use crate::station::core::Core;
 use crate::station::intake::stable_read;
-use crate::station::runtime::causes::chain;
 use crate::station::runtime::stop::Stop;
 use crate::station::share::stall::{DEADLINE, Pulse, patiently};
 
@@ -26,8 +24,7 @@ pub(super) async fn recall(core: &Arc<Core>, folder: &Path) -> Result<Memory, Jo
         }
         let memory = core.custody.journal().look(&folder, boot);
         memory.unwrap_or_else(|error| {
-            core.check_corruption(&error);
-            warn!(event = "journal-failed", error = chain(&error));
+            core.journal_failed(&error);
             Memory::default()
         })
     });
@@ -73,12 +70,9 @@ impl Intake {
         let (core, folder) = (Arc::clone(self.booth.core()), self.folder.clone());
         let written = spawn_blocking(move || {
             let written = core.custody.journal().looked(&folder, core.clock.boot(), &memory);
-            written.map(|()| memory).map_err(|error| {
-                core.check_corruption(&error);
-                warn!(event = "journal-failed", error = chain(&error));
-            })
+            written.inspect_err(|error| core.journal_failed(error)).ok().map(|()| memory)
         });
-        self.kept = written.await?.ok();
+        self.kept = written.await?;
         Ok(())
     }
 }

@@ -43,12 +43,8 @@ impl Notes {
         notes
     }
 
-    fn note(&self, change: impl FnOnce(&mut SourceFacts)) {
-        self.booth.core().board.note(|facts| {
-            if let Some(source) = facts.sources.get_mut(self.place) {
-                change(source);
-            }
-        });
+    fn note<T>(&self, change: impl FnOnce(&mut SourceFacts) -> T) -> Option<T> {
+        self.booth.core().board.note(|facts| facts.sources.get_mut(self.place).map(change))
     }
 
     /// Notes that the share does not answer; the caller keeps waiting.
@@ -138,13 +134,13 @@ impl Notes {
 
     /// Notes the state of the folder, and logs it if it has changed.
     fn state(&self, state: SourceState) {
-        let mut before = state.clone();
-        self.note(|source| {
-            before = std::mem::replace(&mut source.state, state.clone());
-            if before != state {
+        let before = self.note(|source| {
+            if source.state != state {
                 source.since = Timestamp::now();
             }
+            std::mem::replace(&mut source.state, state.clone())
         });
+        let Some(before) = before else { return };
         let export_dir = self.place;
         if std::mem::discriminant(&before) == std::mem::discriminant(&state) {
             return;

@@ -15,7 +15,7 @@ use tracing::{info, warn};
 
 use super::read::{self, Read};
 use super::removal::{self, Removal};
-use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, alarm, aside};
+use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, aside};
 use crate::config::{AfterOrder, OrdersConfig};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
@@ -164,7 +164,10 @@ impl Taking<'_> {
         }
         match refused {
             Some((code, why)) => self.tell_refused(code, &why),
-            None if repeated => tell_repeated(self.core),
+            None if repeated => {
+                warn!(event = "order-repeated");
+                self.core.board.raise(REPEATED, Figures::default());
+            }
             None => tell_taken(self.core),
         }
         if self.read.is_too_large() { Ok(Taken::Done) } else { self.remove_if_asked() }
@@ -184,7 +187,7 @@ impl Taking<'_> {
         warn!(event = "order-refused", code);
         let place = if self.read.is_too_large() { "left" } else { "aside" };
         let figures = Figures::default().words("fault", code).cause("said", why);
-        alarm(self.core, REFUSED, figures.words("place", place));
+        self.core.board.raise(REFUSED, figures.words("place", place));
     }
 
     fn remove_if_asked(&self) -> Result<Taken, TakeFault> {
@@ -206,13 +209,13 @@ impl Taking<'_> {
         };
         match removed {
             Ok(()) => {
-                self.core.board.note(|facts| drop(facts.alarms.remove(NOT_REMOVED)));
+                self.core.board.clear(NOT_REMOVED);
                 self.core.custody.journal().forget_orders(names)?;
                 Ok(Taken::Done)
             }
             Err(error) => {
                 warn!(event = "order-not-removed", error = %error);
-                alarm(self.core, NOT_REMOVED, Figures::why(&Cause::of_system(&error)));
+                self.core.board.raise(NOT_REMOVED, Figures::why(&Cause::of_system(&error)));
                 Ok(Taken::Later)
             }
         }
@@ -222,13 +225,6 @@ impl Taking<'_> {
 /// Notes that a valid order was heard. It clears the alarms about earlier orders.
 pub(super) fn tell_taken(core: &Core) {
     info!(event = "order-taken");
-    core.board.note(|facts| {
-        facts.alarms.remove(REFUSED);
-        facts.alarms.remove(REPEATED);
-    });
-}
-
-fn tell_repeated(core: &Core) {
-    warn!(event = "order-repeated");
-    alarm(core, REPEATED, Figures::default());
+    core.board.clear(REFUSED);
+    core.board.clear(REPEATED);
 }
