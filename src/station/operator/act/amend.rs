@@ -75,7 +75,7 @@ impl Setting {
 
 /// Sets measures of the record of a scan: of its only patient, of the patient named, or of the unassigned
 /// one.
-pub(super) fn set(
+pub(in crate::station::operator) fn set(
     core: &Core,
     booth: &Booth,
     row: &ScanRow,

@@ -1,7 +1,6 @@
 //! Why a decision was not carried out.
 
-use std::error::Error;
-use std::fmt::{self, Display};
+use std::fmt::Display;
 
 use gaiter_flow::ScanId;
 use gaiter_flow::cause::Cause;
@@ -14,10 +13,9 @@ use crate::station::journal::JournalError;
 use crate::store::revision::amend as amend_record;
 
 /// Why a decision was not carried out; nothing was changed. Displayed in English.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{}", self.in_words(Language::En))]
 pub enum ActFault {
-    /// The verb needs a scan.
-    NoScan,
     /// No scan has this id.
     Unknown,
     /// The scan's state does not allow the decision.
@@ -42,9 +40,10 @@ pub enum ActFault {
     /// The scan already belongs to a patient.
     HasPatient,
     /// Custody failed.
-    Custody(CustodyFault),
+    #[error(transparent)]
+    Custody(#[from] CustodyFault),
     /// The journal failed.
-    Journal(JournalError),
+    Journal(#[from] JournalError),
     /// The store is out of reach, and only it has the bytes.
     Store(Cause),
 }
@@ -53,7 +52,6 @@ impl ActFault {
     /// The stable code.
     pub fn code(&self) -> &'static str {
         match self {
-            ActFault::NoScan => "no-scan-named",
             ActFault::Unknown => "unknown-scan",
             ActFault::NoOccasion { .. } => "no-occasion",
             ActFault::Several(_) => "scan-of-several",
@@ -76,7 +74,6 @@ impl ActFault {
         let of_scan = |key, scan: &ScanId| language.filled(key, &[("scan", &scan.short())]);
         let because = |key, why: &dyn Display| language.filled(key, &[("why", why)]);
         match self {
-            ActFault::NoScan => text("act.fault.no_scan"),
             ActFault::Unknown => text("act.fault.unknown"),
             ActFault::NoOccasion { scan, why } => {
                 let why = language.text(why);
@@ -105,34 +102,6 @@ impl ActFault {
             ActFault::NotSet(fault) => Some(fault.in_words(language)),
             _ => None,
         }
-    }
-}
-
-impl Display for ActFault {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.in_words(Language::En))
-    }
-}
-
-impl Error for ActFault {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            ActFault::Custody(fault) => fault.source(),
-            ActFault::Journal(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<CustodyFault> for ActFault {
-    fn from(fault: CustodyFault) -> ActFault {
-        ActFault::Custody(fault)
-    }
-}
-
-impl From<JournalError> for ActFault {
-    fn from(error: JournalError) -> ActFault {
-        ActFault::Journal(error)
     }
 }
 

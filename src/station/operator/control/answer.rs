@@ -21,13 +21,14 @@ use super::status::{AlarmStatus, ComplaintStatus, PhantomStatus, SourceStatus, S
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::JournalError;
-use crate::station::operator::act::{Act, ActFault, act};
+use crate::station::operator::act::{self, ActFault};
 use crate::station::operator::page::desk::Desk;
 use crate::station::overview::Overview;
 use crate::station::runtime::causes::chain;
 
 /// Answers a request.
 pub fn answer(desk: &Desk, request: &Request) -> Answer {
+    let (core, booth) = (&desk.core, &desk.booth);
     let answered = match request {
         Request::Status => Ok(Answer::Status(Box::new(status(desk)))),
         Request::Scans { filter, limit } => {
@@ -53,24 +54,26 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
                 Answer::Sentence(of_file(&facts, path, known, asked))
             })
         }
-        Request::Retry { scan } => acted(desk, Some(scan), &Act::Retry),
-        Request::Release { scan } => acted(desk, Some(scan), &Act::Release),
-        Request::Assign { scan, patient } => acted(desk, Some(scan), &Act::Assign(patient.clone())),
-        Request::Unassign { scan, patient } => {
-            acted(desk, Some(scan), &Act::Unassign(patient.clone()))
+        Request::Retry { scan } => on_scan(desk, scan, |row| act::retry(core, row)),
+        Request::Release { scan } => on_scan(desk, scan, |row| act::release(core, booth, row)),
+        Request::Assign { scan, patient } => {
+            on_scan(desk, scan, |row| act::assign(core, booth, row, patient))
         }
-        Request::GiveUp { scan } => acted(desk, Some(scan), &Act::GiveUp),
+        Request::Unassign { scan, patient } => {
+            on_scan(desk, scan, |row| act::unassign(core, row, patient.as_deref()))
+        }
+        Request::GiveUp { scan } => on_scan(desk, scan, |row| act::give_up(core, booth, row)),
         Request::Amend { scan, patient, setting } => {
-            acted(desk, Some(scan), &Act::Amend(patient.clone(), setting.clone()))
+            on_scan(desk, scan, |row| act::amend(core, booth, row, patient.as_deref(), setting))
                 .inspect(|_| desk.summaries.read_again())
         }
         Request::NameAffected { patient, affected } => affected_leg(affected)
-            .and_then(|affected| acted(desk, None, &Act::NameAffected(patient.clone(), affected))),
+            .and_then(|affected| acted(desk, act::name_affected(core, patient, affected))),
         Request::NameNext { patient, replace } => {
-            let (id, by) = (patient.clone(), SourceKind::Operator);
-            acted(desk, None, &Act::NameNext { id, by, replaces: *replace })
+            let named = (patient.as_str(), SourceKind::Operator);
+            acted(desk, act::name_next(core, booth, named, *replace))
         }
-        Request::CallOff => acted(desk, None, &Act::CallOff),
+        Request::CallOff => acted(desk, act::call_off(core, booth)),
         Request::Next => Ok(Answer::Sentence(next(desk))),
         Request::Order { bytes } => ordered(desk, bytes),
         Request::Person { .. }
@@ -78,8 +81,8 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         | Request::Disclosed { .. }
         | Request::Erase { .. }
         | Request::Erasure { .. } => persons::answer(desk, request),
-        Request::Pause => acted(desk, None, &Act::Pause),
-        Request::Resume => acted(desk, None, &Act::Resume),
+        Request::Pause => acted(desk, act::pause(core, true)),
+        Request::Resume => acted(desk, act::pause(core, false)),
         Request::Page => page(desk),
     };
     answered.unwrap_or_else(Answer::Fault)
@@ -181,16 +184,44 @@ fn page(desk: &Desk) -> Result<Answer, Fault> {
     Ok(Answer::Sentence(link))
 }
 
-/// Carries out an operator's decision.
-fn acted(desk: &Desk, digits: Option<&str>, decided: &Act) -> Result<Answer, Fault> {
-    let scan = digits.map(|digits| named(desk, digits)).transpose()?;
-    let acted = act(&desk.core, &desk.booth, scan.as_ref(), decided);
+/// Carries out an operator's decision about the one scan whose id begins with these digits.
+fn on_scan(
+    desk: &Desk,
+    digits: &str,
+    decide: impl FnOnce(&ScanRow) -> Result<String, ActFault>,
+) -> Result<Answer, Fault> {
+    let scan = named(desk, digits)?;
+    let row = desk.core.custody.journal().scan(&scan).map_err(ActFault::from);
+    let row = row.and_then(|row| row.ok_or(ActFault::Unknown));
+    acted(desk, row.and_then(|row| decide(&row)))
+}
+
+/// The answer to an operator's decision that was carried out or refused.
+fn acted(desk: &Desk, acted: Result<String, ActFault>) -> Result<Answer, Fault> {
+    if let Err(ActFault::Custody(fault)) = &acted {
+        desk.core.check_corruption(fault);
+    }
+    desk.core.work.notify_one();
     let language = desk.core.config.language;
     acted.map(Answer::Sentence).map_err(|fault| {
+        let kind = match fault {
+            ActFault::Unknown => FaultKind::Unknown,
+            ActFault::NoOccasion { .. }
+            | ActFault::Several(_)
+            | ActFault::NotAnId
+            | ActFault::AnotherNamed
+            | ActFault::NotSet(_)
+            | ActFault::HasPatient => FaultKind::Request,
+            ActFault::NoBytes(_)
+            | ActFault::NotAmended(_)
+            | ActFault::Custody(_)
+            | ActFault::Journal(_)
+            | ActFault::Store(_) => FaultKind::Failed,
+        };
         let on_page = fault.on_page(language);
         let has_own = !matches!(fault, ActFault::Custody(_) | ActFault::Journal(_));
         let local = (language != Language::En && has_own).then(|| fault.in_words(language));
-        Fault { local, on_page, ..Fault::from(fault) }
+        Fault { local, on_page, ..Fault::new(kind, fault.code(), chain(&fault)) }
     })
 }
 
@@ -203,8 +234,8 @@ fn ordered(desk: &Desk, bytes: &[u8]) -> Result<Answer, Fault> {
         Fault::said(FaultKind::Request, fault.code(), desk.core.config.language, message)
     };
     let order = orders::brought(&desk.booth, bytes).map_err(refused)?;
-    let (id, by) = (order.patient, SourceKind::Order);
-    acted(desk, None, &Act::NameNext { id, by, replaces: true })
+    let named = (order.patient.as_str(), SourceKind::Order);
+    acted(desk, act::name_next(&desk.core, &desk.booth, named, true))
 }
 
 fn status(desk: &Desk) -> Status {
@@ -260,26 +291,5 @@ fn status(desk: &Desk) -> Status {
 impl From<JournalError> for Fault {
     fn from(error: JournalError) -> Fault {
         Fault::new(FaultKind::Failed, "journal-failed", chain(&error))
-    }
-}
-
-impl From<ActFault> for Fault {
-    fn from(fault: ActFault) -> Fault {
-        let kind = match fault {
-            ActFault::Unknown => FaultKind::Unknown,
-            ActFault::NoScan
-            | ActFault::NoOccasion { .. }
-            | ActFault::Several(_)
-            | ActFault::NotAnId
-            | ActFault::AnotherNamed
-            | ActFault::NotSet(_)
-            | ActFault::HasPatient => FaultKind::Request,
-            ActFault::NoBytes(_)
-            | ActFault::NotAmended(_)
-            | ActFault::Custody(_)
-            | ActFault::Journal(_)
-            | ActFault::Store(_) => FaultKind::Failed,
-        };
-        Fault::new(kind, fault.code(), chain(&fault))
     }
 }
