@@ -7,7 +7,6 @@ pub(in crate::station) mod orders;
 pub mod trigger;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -16,7 +15,7 @@ use gaiter_flow::booth::Signal;
 use gaiter_flow::light::{self, Last, Light, Outcome, Progress, Scene};
 use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
-use gaiter_flow::round::{Capture, Content, HeldNext, Judged, Rounds, Rules};
+use gaiter_flow::round::{Capture, Content, Judged, Rounds, Rules};
 use gaiter_flow::settle::Sights;
 use gaiter_flow::words::stepped;
 use gaiter_flow::{Appeared, OrdersWhen, ScanId};
@@ -52,8 +51,8 @@ pub struct Booth {
     core: Arc<Core>,
     /// Locked during writes to the journal, so only threads that may block may lock it.
     inner: Mutex<Inner>,
-    /// Locked only for moments.
-    glance: Mutex<Glance>,
+    /// What the looks have found, per export folder. Locked only for moments.
+    sights: Mutex<Vec<Sights>>,
     signal: watch::Sender<Signal>,
     /// Notified at each press: what is in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
@@ -137,11 +136,6 @@ impl Inner {
     fn has_last(&self, this: &ScanId) -> bool {
         matches!(&self.last, Some((Last::Scan { scan, .. }, _)) if scan == this)
     }
-
-    /// When the last waiting capture was opened; `None` if none waits.
-    fn last_opened(&self) -> Option<Duration> {
-        self.captures.waiting().map(|capture| capture.opened).max()
-    }
 }
 
 /// What the light told before the start, if a person must still see it: of the newest scan, unless the button was
@@ -160,47 +154,11 @@ fn is_of_today(whole: &Whole) -> bool {
     Timestamp::now().duration_since(whole.summary.first_seen) < TODAY
 }
 
-/// What can be read and noted without waiting for the journal.
-#[derive(Debug)]
-struct Glance {
-    /// What the looks have found, per export folder.
-    sights: Vec<Sights>,
-    /// When the last waiting capture was opened; `None` if none waits.
-    last_opened: Option<Duration>,
-}
-
-/// The booth's captures, locked.
-#[derive(Debug)]
-struct Locked<'a> {
-    booth: &'a Booth,
-    inner: MutexGuard<'a, Inner>,
-}
-
-impl Deref for Locked<'_> {
-    type Target = Inner;
-
-    fn deref(&self) -> &Inner {
-        &self.inner
-    }
-}
-
-impl DerefMut for Locked<'_> {
-    fn deref_mut(&mut self) -> &mut Inner {
-        &mut self.inner
-    }
-}
-
-impl Drop for Locked<'_> {
-    /// Publishes what has changed for those who do not wait for the lock.
-    fn drop(&mut self) {
-        self.booth.glance().last_opened = self.inner.last_opened();
-    }
-}
-
 /// The captures, locked while an export is taken in: no press or other export comes in between.
 #[derive(Debug)]
 pub struct Held<'a> {
-    inner: Locked<'a>,
+    booth: &'a Booth,
+    inner: MutexGuard<'a, Inner>,
 }
 
 /// The state of the booth at one moment.
@@ -220,44 +178,6 @@ pub struct BoothState {
     pub orders_come_late: Option<OrdersComeLate>,
 }
 
-/// Who is next, and whose exports are awaited.
-#[derive(Debug, Clone)]
-pub struct WhoIsNext {
-    state: BoothState,
-    has_button: bool,
-    is_button_away: bool,
-    next: Vec<String>,
-    awaited_for: Vec<String>,
-    is_asked: bool,
-    held_next: Option<HeldNext>,
-    progress: Option<Progress>,
-    last: Option<Outcome>,
-    last_scan: Option<ScanId>,
-    last_of: Vec<String>,
-}
-
-impl WhoIsNext {
-    /// The same for the operator's page.
-    pub fn situation(&self) -> Situation<'_> {
-        Situation {
-            signal: self.state.signal,
-            has_button: self.has_button,
-            is_button_away: self.is_button_away,
-            awaited: self.state.awaited,
-            next: &self.next,
-            awaited_for: &self.awaited_for,
-            is_asked: self.is_asked,
-            is_in_doubt: self.state.is_in_doubt,
-            doubt_left: self.state.doubt_left,
-            held_next: self.held_next.as_ref(),
-            progress: self.progress,
-            last: self.last.as_ref(),
-            last_scan: self.last_scan.as_ref().map(ScanId::as_str),
-            last_of: &self.last_of,
-        }
-    }
-}
-
 impl Booth {
     /// Opens the booth with what the journal holds.
     pub fn open(core: Arc<Core>) -> Result<Booth, JournalError> {
@@ -268,13 +188,11 @@ impl Booth {
         let folders = config.scanner.export_dirs.len();
         let inner =
             Inner::recall(core.custody.journal(), rules, buttons, (core.clock.boot(), core.now()))?;
-        let glance =
-            Glance { sights: vec![Sights::default(); folders], last_opened: inner.last_opened() };
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
-        let (inner, glance) = (Mutex::new(inner), Mutex::new(glance));
+        let (inner, sights) = (Mutex::new(inner), Mutex::new(vec![Sights::default(); folders]));
         let (orders_look, pressed) = (Arc::default(), Notify::new());
-        Ok(Booth { core, inner, glance, signal, looks, orders_look, pressed })
+        Ok(Booth { core, inner, sights, signal, looks, orders_look, pressed })
     }
 
     /// The core that the workers share.
@@ -282,40 +200,48 @@ impl Booth {
         &self.core
     }
 
-    /// Who is next, and whose exports are awaited.
-    pub fn who_is_next(&self) -> WhoIsNext {
+    /// Tells who is next, and whose exports are awaited. Blocks.
+    pub fn who_is_next<T>(&self, tell: impl FnOnce(Situation<'_>) -> T) -> T {
         let state = self.state();
         let has_button = !self.core.config.buttons().is_empty();
         let mut inner = self.inner();
         // First: a scan that was released or tried again has not ended any more.
         let progress = self.progress(&mut inner);
         let (last, last_of) = self.last(&inner).unzip();
-        WhoIsNext {
-            state,
+        let last_scan = match &inner.last {
+            Some((Last::Scan { scan, .. }, _)) => Some(scan.clone()),
+            _ => None,
+        };
+        let is_button_away = self.is_button_away(&inner);
+        let (next, awaited_for) = (inner.captures.next_ids(), inner.captures.awaited_ids());
+        let is_asked = inner.captures.asks_who();
+        let held_next = inner.captures.held_next(self.core.now());
+        drop(inner);
+        tell(Situation {
+            signal: state.signal,
             has_button,
-            is_button_away: self.is_button_away(&inner),
-            next: inner.captures.next_ids(),
-            awaited_for: inner.captures.awaited_ids(),
-            is_asked: inner.captures.asks_who(),
-            held_next: inner.captures.held_next(self.core.now()),
+            is_button_away,
+            awaited: state.awaited,
+            next: &next,
+            awaited_for: &awaited_for,
+            is_asked,
+            is_in_doubt: state.is_in_doubt,
+            doubt_left: state.doubt_left,
+            held_next: held_next.as_ref(),
             progress,
-            last,
-            last_scan: match &inner.last {
-                Some((Last::Scan { scan, .. }, _)) => Some(scan.clone()),
-                _ => None,
-            },
-            last_of: last_of.unwrap_or_default(),
-        }
+            last: last.as_ref(),
+            last_scan: last_scan.as_ref().map(ScanId::as_str),
+            last_of: &last_of.unwrap_or_default(),
+        })
     }
 
     /// Locks the captures. Blocks during writes to the journal.
-    fn inner(&self) -> Locked<'_> {
-        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-        Locked { booth: self, inner }
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn glance(&self) -> MutexGuard<'_, Glance> {
-        self.glance.lock().unwrap_or_else(PoisonError::into_inner)
+    fn sights(&self) -> MutexGuard<'_, Vec<Sights>> {
+        self.sights.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What the light shows, now and whenever it changes.
@@ -330,7 +256,7 @@ impl Booth {
 
     /// Locks the captures while an export is taken in. Blocks.
     pub fn hold(&self) -> Held<'_> {
-        Held { inner: self.inner() }
+        Held { booth: self, inner: self.inner() }
     }
 
     /// The signal that makes the station look for orders at once.
@@ -340,7 +266,7 @@ impl Booth {
 
     /// Notes what the looks at an export folder have found.
     pub fn looked(&self, place: usize, sights: Sights) {
-        if let Some(known) = self.glance().sights.get_mut(place) {
+        if let Some(known) = self.sights().get_mut(place) {
             *known = sights;
         }
     }
@@ -421,9 +347,9 @@ impl Booth {
         }
     }
 
-    /// When the last waiting capture was opened; `None` if none waits.
+    /// When the last waiting capture was opened; `None` if none waits. Blocks.
     pub fn last_opened(&self) -> Option<Duration> {
-        self.glance().last_opened
+        self.inner().captures.waiting().map(|capture| capture.opened).max()
     }
 
     /// Whether a button is not there. At a start, and while a port settles, there is nothing to be done.
@@ -453,15 +379,14 @@ impl Booth {
     fn progress(&self, inner: &mut Inner) -> Option<Progress> {
         // What lay there at the first look may be known: it counts once it is taken.
         let is_any_new = |files: &[Appeared]| files.iter().any(|file| file.absent.is_some());
-        let glance = self.glance();
-        let is_any =
-            |of: fn(&Sights) -> &[Appeared]| glance.sights.iter().any(|at| is_any_new(of(at)));
+        let sights = self.sights();
+        let is_any = |of: fn(&Sights) -> &[Appeared]| sights.iter().any(|at| is_any_new(of(at)));
         if is_any(|at| &at.stopped) {
             Some(Progress::Stopped)
         } else if is_any(|at| &at.coming) {
             Some(Progress::ComingIn)
         } else {
-            drop(glance);
+            drop(sights);
             self.is_any_in_work(inner).then_some(Progress::Measuring)
         }
     }
@@ -498,7 +423,7 @@ impl Booth {
 impl Held<'_> {
     /// Which capture an export belongs to; its times are on the station's clock.
     pub fn judge(&self, content: &Content) -> Judged {
-        self.inner.captures.judge_content(content, self.inner.booth.core.now())
+        self.inner.captures.judge_content(content, self.booth.core.now())
     }
 
     /// A known scan was exported again: if another export is expected, or somebody named, the light says so.
@@ -509,7 +434,7 @@ impl Held<'_> {
         }
         let captures = &self.inner.captures;
         if captures.open().iter().any(Capture::is_open) || !captures.next_ids().is_empty() {
-            self.inner.last = Some((Last::Known(scan.clone()), self.inner.booth.core.now()));
+            self.inner.last = Some((Last::Known(scan.clone()), self.booth.core.now()));
         }
     }
 

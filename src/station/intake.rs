@@ -300,7 +300,8 @@ impl Intake {
         self.lose(gone.into_iter().collect()).await?;
         let booth = Arc::clone(&self.booth);
         // Without a waiting capture it does not matter, and a backlog has many files to compare with.
-        let is_awaited = self.booth.last_opened().is_some();
+        let asked = Arc::clone(&booth);
+        let is_awaited = spawn_blocking(move || asked.last_opened().is_some()).await?;
         let began_at = |export: &Export| match is_awaited {
             true => self.settling.began(&settled, &export.bytes),
             false => settled.writing.began(&export.bytes),

@@ -159,8 +159,7 @@ impl Booth {
     ) -> Result<NamedNext, JournalError> {
         let (now, by) = (self.core.now(), named.by);
         let number = inner.next_number;
-        let sights = self.glance().sights.clone();
-        let coming: Vec<Appeared> = sights.into_iter().flat_map(|at| at.coming).collect();
+        let coming: Vec<Appeared> = self.sights().iter().flat_map(|at| at.coming.clone()).collect();
         let mut after = inner.captures.clone();
         let came = match after.has_unnamed_press(now) {
             true => OrderCame::AfterPress,
@@ -359,7 +358,7 @@ impl Booth {
         let now = self.core.now();
         let mut inner = self.inner();
         let mut after = inner.captures.clone();
-        let passed = after.pass(now, &self.glance().sights);
+        let passed = after.pass(now, &self.sights());
         if !inner.missed && after.is_armed() {
             self.core.board.clear(NO_EXPORT);
         }

@@ -59,7 +59,8 @@ impl Intake {
     /// the last look before a stop must not seem older than that capture.
     pub(super) async fn remember(&mut self) -> Result<(), JoinError> {
         let memory = self.settling.memory();
-        let opened = self.booth.last_opened();
+        let booth = Arc::clone(&self.booth);
+        let opened = spawn_blocking(move || booth.last_opened()).await?;
         let is_kept = self.kept.as_ref().is_some_and(|kept| {
             let covers = opened.is_none_or(|at| kept.looked.is_some_and(|looked| looked > at));
             kept.files == memory.files && covers && kept.looked.is_some() == memory.looked.is_some()

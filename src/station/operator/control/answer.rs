@@ -163,7 +163,8 @@ fn affected_leg(word: &str) -> Result<Option<Affected>, Fault> {
 
 /// Who is next, in the page's words; the operator who asks may see the ids.
 fn next(desk: &Desk) -> String {
-    next_shown(&desk.booth.who_is_next().situation(), desk.core.config.language).said.text
+    let language = desk.core.config.language;
+    desk.booth.who_is_next(|booth| next_shown(&booth, language).said.text)
 }
 
 /// The link to the operator's page, with the token needed to decide there.

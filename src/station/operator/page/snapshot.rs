@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use gaiter_flow::account::{Search, Whole};
-use gaiter_flow::page::{self, Known, ScanShown, Shown, Told};
+use gaiter_flow::page::{self, Known, ScanShown, Shown, Situation, Told};
 use gaiter_flow::{Disposition, ScanId, Task};
 use gaiter_record::SheetLine;
 use jiff::{SignedDuration, Timestamp};
@@ -27,10 +27,17 @@ const COMPLETED_WITHIN: SignedDuration = SignedDuration::from_hours(24);
 /// Takes a snapshot. Blocks, on the local disk only: what records say comes from the summaries. The
 /// second value names the records that the summaries should read, by the key of their row.
 pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
+    let overview = Overview::take(&desk.core);
+    desk.booth.who_is_next(|booth| whole_page(desk, &overview, booth))
+}
+
+fn whole_page(
+    desk: &Desk,
+    overview: &Overview,
+    booth: Situation<'_>,
+) -> (Shown, Vec<(String, PathBuf)>) {
     let core = &desk.core;
     let language = core.config.language;
-    let overview = Overview::take(core);
-    let who_is_next = desk.booth.who_is_next();
     let journal = core.custody.journal();
     let measured_since = overview.now.saturating_sub(COMPLETED_WITHIN);
     let measured_since = measured_since.unwrap_or(Timestamp::MIN);
@@ -60,7 +67,7 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
         station: &core.config.station.id,
         facts: &overview.facts,
         complaints: &overview.complaints,
-        booth: who_is_next.situation(),
+        booth,
         now: overview.now,
     };
     (page::shown(&known, undecided, more, scans, language), records)
