@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use gaiter::config;
 use gaiter::station::booth::trigger::port::{Port, PortOpener};
 use gaiter::station::booth::trigger::{Attendant, Attended, of_config};
-use gaiter::station::demo::button::SimulatedButton;
+use gaiter::station::demo::SimulatedButton;
 use gaiter_flow::booth::Signal;
 use gaiter_flow::trigger::{Input, PortFault};
 use serialport::{SerialPort, TTYPort};

@@ -24,8 +24,7 @@ use super::terminal::progress::Progress;
 use super::terminal::{paint, screen, table};
 use super::{Exit, complain, explain_config, print};
 use crate::config::{self, Config};
-use crate::station::demo::button::{self, SimulatedButton};
-use crate::station::demo::scanner;
+use crate::station::demo::{self, SimulatedButton};
 use crate::station::{self, Orders, StationEvent};
 use exports::{Expected, exports};
 
@@ -121,7 +120,7 @@ fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
     let place = |part: &str| toml::Value::from(folder.join(part).to_string_lossy().as_ref());
     let trigger = button.map_or(String::new(), |button| {
         let port = toml::Value::from(button.port().to_string_lossy().as_ref());
-        format!("[trigger.serial]\nport = {port}\ntokens = [\"{}\"]\n", button::PRESS)
+        format!("[trigger.serial]\nport = {port}\ntokens = [\"{}\"]\n", demo::PRESS)
     });
     fs::write(
         &path,
@@ -176,7 +175,7 @@ async fn show(
 
 /// Presses the button and lets the scanner export one scan in the background, and prints both.
 fn scan(
-    export: (scanner::Export, Expected, Duration),
+    export: (demo::Export, Expected, Duration),
     button: Arc<Mutex<Option<SimulatedButton>>>,
     teller: Teller,
 ) -> Expected {
@@ -187,7 +186,7 @@ fn scan(
         tokio::time::sleep(SCANNING).await;
         let name = name_of(&export.path);
         teller.say(&format!("scanner  exports {name}"));
-        match scanner::write(export).await {
+        match demo::write(export).await {
             Ok(()) => teller.say(&format!("scanner  has exported {name}")),
             Err(error) => complain(format_args!("scanner: {error}")),
         }

@@ -56,7 +56,7 @@ pub struct Booth {
     signal: watch::Sender<Signal>,
     /// Notified at each press: what is in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
-    orders_look: Arc<Notify>,
+    orders_look: Notify,
     /// Notified at each press: the light answers it at once.
     pressed: Notify,
 }
@@ -191,7 +191,7 @@ impl Booth {
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, sights) = (Mutex::new(inner), Mutex::new(vec![Sights::default(); folders]));
-        let (orders_look, pressed) = (Arc::default(), Notify::new());
+        let (orders_look, pressed) = (Notify::new(), Notify::new());
         Ok(Booth { core, inner, sights, signal, looks, orders_look, pressed })
     }
 
@@ -257,11 +257,6 @@ impl Booth {
     /// Locks the captures while an export is taken in. Blocks.
     pub fn hold(&self) -> Held<'_> {
         Held { booth: self, inner: self.inner() }
-    }
-
-    /// The signal that makes the station look for orders at once.
-    pub fn orders_look(&self) -> Arc<Notify> {
-        Arc::clone(&self.orders_look)
     }
 
     /// Notes what the looks at an export folder have found.

@@ -4,7 +4,6 @@
 //! itself never blocks, so it can always stop, send its heartbeat and report that the share stalls.
 
 pub(in crate::station) mod export_locks;
-mod gone;
 pub(in crate::station) mod ingest;
 mod inspection;
 mod memory;
@@ -20,8 +19,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gaiter_flow::export::mount::MountGuard;
-use gaiter_flow::settle::Memory;
-use gaiter_flow::{Look, LookTime, Mark, Settled, Settling};
+use gaiter_flow::settle::{Gone, Memory};
+use gaiter_flow::{Appeared, Look, LookTime, Mark, Settled, Settling};
 use tokio::sync::{Notify, mpsc};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -36,7 +35,7 @@ use super::runtime::beat::Beat;
 use super::runtime::clock::ASLEEP;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
-use super::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
+use super::share::stall::{DEADLINE, Pulse, patiently};
 use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.
@@ -121,12 +120,12 @@ pub async fn worker(
             let _ = looked.send(()).await;
         }
         let (rested, planned) = (core.now(), round.rest + round.pause);
-        let rest = intake.beating(sleep(round.rest));
+        let rest = intake.beat.during(sleep(round.rest));
         tokio::select! {
             () = stop.requested() => break,
             () = rest => {}
         }
-        let pause = intake.beating(sleep(round.pause));
+        let pause = intake.beat.during(sleep(round.pause));
         tokio::select! {
             () = stop.requested() => break,
             () = hint.notified() => {}
@@ -144,22 +143,6 @@ pub async fn worker(
 impl Intake {
     fn core(&self) -> &Core {
         self.booth.core()
-    }
-
-    fn beat(&self) {
-        self.beat.beat();
-    }
-
-    /// Waits, and sends heartbeats meanwhile.
-    async fn beating<T>(&self, wait: impl Future<Output = T>) -> T {
-        tokio::pin!(wait);
-        loop {
-            self.beat();
-            tokio::select! {
-                done = &mut wait => return done,
-                () = sleep(LOOK_UP) => {}
-            }
-        }
     }
 
     /// One look, and the intake of what has settled; `None` if a stop came in between.
@@ -204,7 +187,7 @@ impl Intake {
             (watch, armed, found, LookTime { began, ended: core.now() })
         };
         let looked =
-            patiently(DEADLINE, stop, look, || self.beat(), || self.notes.stalled()).await?;
+            patiently(DEADLINE, stop, look, || self.beat.beat(), || self.notes.stalled()).await?;
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
         let (look, passers, folders) = self.notes.found(found, &mut self.guard);
@@ -220,6 +203,25 @@ impl Intake {
         self.remember().await?;
         self.notes.waiting(&mut self.settling);
         Ok(Some((watch, due, when.ended.saturating_sub(when.began))))
+    }
+
+    /// Tells of contents that were seen and are gone before they were taken, but for those that the journal
+    /// knows: the booth before anything else is taken, then the operator.
+    async fn lose(&mut self, gone: Vec<Gone>) -> Result<(), JoinError> {
+        if gone.is_empty() {
+            return Ok(());
+        }
+        let booth = Arc::clone(&self.booth);
+        let lost = spawn_blocking(move || {
+            let journal = booth.core().custody.journal();
+            let is_known = |of: &Gone| journal.was_sighted(&of.path, of.stamp).unwrap_or(false);
+            let lost: Vec<Gone> = gone.into_iter().filter(|content| !is_known(content)).collect();
+            let appeared: Vec<Appeared> = lost.iter().map(|content| content.appeared).collect();
+            booth.gone(&appeared);
+            lost
+        });
+        self.notes.gone(lost.await?);
+        Ok(())
     }
 
     /// From time to time, unless the journal keeps its scans for ever, lets it forget files that are
@@ -266,7 +268,7 @@ impl Intake {
             if stop.is_requested() || began.elapsed() > budget {
                 break;
             }
-            self.beat();
+            self.beat.beat();
             if !self.take(settled, stop).await? {
                 return Ok(false);
             }
@@ -326,7 +328,7 @@ impl Intake {
             (settled, taken, mark, is_kept)
         });
         // Its inspection may take long.
-        let (settled, taken, mark, is_kept) = self.beating(take).await?;
+        let (settled, taken, mark, is_kept) = self.beat.during(take).await?;
         let now = self.core().now();
         mark.into_iter().for_each(|mark| self.settling.read(&settled, &mark));
         if is_kept {
@@ -353,6 +355,6 @@ impl Intake {
     ) -> Result<Option<Result<Option<Export>, TakeFault>>, JoinError> {
         let read =
             move |pulse: &Pulse| stable_read::read(&settled, pulse).map_err(TakeFault::Source);
-        patiently(DEADLINE, stop, read, || self.beat(), || self.notes.stalled()).await
+        patiently(DEADLINE, stop, read, || self.beat.beat(), || self.notes.stalled()).await
     }
 }

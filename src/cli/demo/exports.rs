@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use flate2::read::GzDecoder;
 
-use crate::station::demo::scanner::Export;
+use crate::station::demo::Export;
 
 const WOMAN: &[u8] = include_bytes!("../../../fixtures/scans/f_average_tc2.obj.gz");
 const MAN: &[u8] = include_bytes!("../../../fixtures/scans/m_average_clean.obj.gz");

@@ -97,7 +97,8 @@ impl Booth {
     }
 
     fn look_at_folders(&self) {
-        self.looks.iter().chain([&self.orders_look]).for_each(|look| look.notify_one());
+        self.looks.iter().for_each(|look| look.notify_one());
+        self.orders_look.notify_one();
     }
 
     fn pressed(&self) -> Result<(), JournalError> {

@@ -36,7 +36,7 @@ use crate::station::runtime::beat::Beat;
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::jitter;
 use crate::station::runtime::stop::Stop;
-use crate::station::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
+use crate::station::share::stall::{DEADLINE, Pulse, patiently};
 use take::{Before, Taken, take};
 
 /// Alarm: the station had lost its journal.
@@ -150,7 +150,13 @@ pub async fn worker(
             }
             orders.taken(&settled, taken, core.now());
         }
-        rest(&config, &booth, &beat, &mut stop).await;
+        let rest = beat.during(sleep(config.quiet));
+        // A press asks for a look at once: an order that was not there then came after it.
+        tokio::select! {
+            () = stop.requested() => {}
+            () = booth.orders_look.notified() => {}
+            () = rest => {}
+        }
     }
     Ok(())
 }
@@ -241,25 +247,6 @@ impl Orders {
                 self.unheard.entry(settled.path.clone()).or_insert(Before::Unnoted);
                 self.settling.failed(settled, now, jitter::unit());
             }
-        }
-    }
-}
-
-/// Waits for the next look and keeps beating. A press asks for one at once: an order that was not there then came
-/// after it.
-async fn rest(config: &OrdersConfig, booth: &Booth, beat: &Beat, stop: &mut Stop) {
-    let core = booth.core();
-    let (until, pressed) = (core.now() + config.quiet, booth.orders_look());
-    loop {
-        beat.beat();
-        let left = until.saturating_sub(core.now()).min(LOOK_UP);
-        if left == Duration::ZERO {
-            return;
-        }
-        tokio::select! {
-            () = stop.requested() => return,
-            () = pressed.notified() => return,
-            () = sleep(left) => {}
         }
     }
 }

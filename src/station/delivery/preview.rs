@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use gaiter_flow::ScanId;
 use gaiter_flow::facts::IntakeState;
-use tokio::task::{JoinError, JoinHandle, spawn_blocking};
+use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
 
@@ -38,9 +38,6 @@ const RECHECK: Duration = Duration::from_secs(5);
 
 /// How long to wait before a failed preview is tried again.
 const AGAIN: Duration = Duration::from_secs(60);
-
-/// How often the worker beats while a scan is measured.
-const BREATH: Duration = Duration::from_secs(5);
 
 /// The number of threads that measure a preview: nobody at the booth waits for it.
 const THREADS: usize = 1;
@@ -77,13 +74,14 @@ pub async fn worker(
     beat: Beat,
     mut stop: Stop,
 ) -> Result<(), JoinError> {
-    let mut round = Round::new(booth, previews);
+    let (trials, next) = (BTreeMap::new(), Duration::ZERO);
+    let mut round = Round { booth, previews, edition: None, next, trials, said: None };
     while !stop.is_requested() {
         let step = spawn_blocking(move || {
             let has_made = round.step();
             (round, has_made)
         });
-        let (back, has_made) = with_beats(step, &beat).await?;
+        let (back, has_made) = beat.during(step).await?;
         round = back;
         if has_made {
             continue;
@@ -96,23 +94,7 @@ pub async fn worker(
     Ok(())
 }
 
-/// Awaits a step and keeps beating, because a measurement may take long.
-async fn with_beats<T>(mut step: JoinHandle<T>, beat: &Beat) -> Result<T, JoinError> {
-    loop {
-        beat.beat();
-        tokio::select! {
-            done = &mut step => return done,
-            () = sleep(BREATH) => {}
-        }
-    }
-}
-
 impl Round {
-    fn new(booth: Arc<Booth>, previews: Arc<Previews>) -> Round {
-        let (trials, next) = (BTreeMap::new(), Duration::ZERO);
-        Round { booth, previews, edition: None, next, trials, said: None }
-    }
-
     fn core(&self) -> &Core {
         self.booth.core()
     }

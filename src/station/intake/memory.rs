@@ -48,7 +48,7 @@ impl Intake {
             marked.collect::<Vec<(PathBuf, Stamp, Option<Mark>)>>()
         };
         let marked =
-            patiently(DEADLINE, stop, read, || self.beat(), || self.notes.stalled()).await?;
+            patiently(DEADLINE, stop, read, || self.beat.beat(), || self.notes.stalled()).await?;
         for (path, stamp, mark) in marked.into_iter().flatten() {
             self.settling.marked(&path, stamp, mark);
         }

@@ -3,6 +3,11 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use tokio::time::sleep;
+
+/// How often a worker beats while it waits: a hung one is found after half a minute.
+const PACE: Duration = Duration::from_secs(1);
+
 /// The last sign of life of one worker, on a clock that stops while the machine sleeps: no worker runs
 /// then, and none hangs.
 #[derive(Debug, Clone)]
@@ -18,6 +23,18 @@ impl Beat {
     /// Notes that the worker is alive.
     pub fn beat(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+    }
+
+    /// Waits, and beats meanwhile.
+    pub async fn during<T>(&self, wait: impl Future<Output = T>) -> T {
+        tokio::pin!(wait);
+        loop {
+            self.beat();
+            tokio::select! {
+                done = &mut wait => return done,
+                () = sleep(PACE) => {}
+            }
+        }
     }
 
     /// The time since the last beat.

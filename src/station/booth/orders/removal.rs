@@ -23,15 +23,6 @@ use crate::store::durable;
 /// ignore these files.
 const ENDING: &[u8] = b".gaiter-taken";
 
-/// The outcome for an order that was to be removed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Removal {
-    /// It is gone for good.
-    Removed,
-    /// It is gone, and another order that was not heard has taken its place.
-    Replaced,
-}
-
 /// The hidden name of an order.
 pub fn hidden(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().as_bytes();
@@ -44,11 +35,11 @@ pub fn original(path: &Path) -> Option<PathBuf> {
     (!name.is_empty()).then(|| path.with_file_name(OsString::from(OsStr::from_bytes(name))))
 }
 
-/// Removes an order if it is still the one that was read.
+/// Removes an order if it is still the one that was read. Another one stays.
 ///
 /// # Errors
 /// If it cannot be renamed or deleted.
-pub fn remove(path: &Path, read: &Read, pulse: &Pulse) -> io::Result<Removal> {
+pub fn remove(path: &Path, read: &Read, pulse: &Pulse) -> io::Result<()> {
     remove_in_steps(path, read, pulse, || ())
 }
 
@@ -58,21 +49,20 @@ pub(super) fn remove_in_steps(
     read: &Read,
     pulse: &Pulse,
     between: impl FnOnce(),
-) -> io::Result<Removal> {
+) -> io::Result<()> {
     let taken = hidden(path);
     match durable::rename_new(path, &taken) {
         // Another process has removed it.
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Removal::Removed),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         other => other?,
     }
     between();
     if is_same(&taken, read, pulse) {
-        delete(&taken)?;
-        return Ok(Removal::Removed);
+        return delete(&taken);
     }
     // If it cannot be put back, the next look finds it.
     let _ = put_back(&taken, path);
-    Ok(Removal::Replaced)
+    Ok(())
 }
 
 /// Deletes a file under a hidden name durably: one that a power cut restores is heard again.

@@ -14,7 +14,7 @@ use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::read::{self, Read};
-use super::removal::{self, Removal};
+use super::removal;
 use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, aside};
 use crate::config::{AfterOrder, OrdersConfig};
 use crate::station::booth::Booth;
@@ -202,10 +202,7 @@ impl Taking<'_> {
     fn remove(&self, names: &[&Path]) -> Result<Taken, TakeFault> {
         let removed = match self.is_hidden {
             true => removal::delete(self.path()),
-            false => match removal::remove(self.path(), &self.read, self.pulse) {
-                Ok(Removal::Removed | Removal::Replaced) => Ok(()),
-                Err(error) => Err(error),
-            },
+            false => removal::remove(self.path(), &self.read, self.pulse),
         };
         match removed {
             Ok(()) => {

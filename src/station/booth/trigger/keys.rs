@@ -77,16 +77,6 @@ impl Port for OpenKeys {
         self.take(&events).map_err(|error| of_io(&error))?;
         Ok(self.inputs.pop_front().unwrap_or(Input::Nothing))
     }
-
-    fn write(&mut self, _: &[u8]) -> Result<(), PortFault> {
-        // The station does not control the lights of a keyboard.
-        Ok(())
-    }
-
-    fn is_in_place(&mut self) -> Result<(), PortFault> {
-        // Reading fails with ENODEV as soon as it is unplugged.
-        Ok(())
-    }
 }
 
 impl OpenKeys {

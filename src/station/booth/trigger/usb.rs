@@ -115,11 +115,6 @@ impl Port for OpenUsb {
         let sent = self.handle.write_control(to, SET_REPORT, kind, interface, report, ANSWER);
         sent.map(|_| ()).map_err(of_usb)
     }
-
-    fn is_in_place(&mut self) -> Result<(), PortFault> {
-        // Its transfers fail as soon as it is unplugged.
-        Ok(())
-    }
 }
 
 impl Drop for OpenUsb {
