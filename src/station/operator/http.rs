@@ -22,12 +22,10 @@ use tracing::{info, warn};
 
 use self::listeners::{Listeners, Opened, Way};
 use self::serve::{Answers, HEALTH, METRICS, PATIENCE};
-use self::shared_look::SharedLook;
 use super::metrics;
 use super::page::desk::Desk;
 use super::page::endpoint::HttpEndpoint;
 use super::page::{self, publish};
-use crate::station::core::Core;
 use crate::station::overview::Overview;
 use crate::station::runtime::stop::Stop;
 
@@ -99,33 +97,21 @@ async fn keep(desk: &Arc<Desk>, listeners: &Listeners, way: Way, mut stop: Stop)
 }
 
 fn routes(endpoint: &Arc<HttpEndpoint>) -> Router {
+    let monitors = Router::new().route(METRICS, get(metrics)).route(HEALTH, get(healthz));
+    page::routes(endpoint, monitors.with_state(Arc::clone(endpoint)))
+}
+
+/// An overview; `None` if the disk of the state folder does not answer.
+async fn overview(endpoint: &HttpEndpoint) -> Option<Arc<Overview>> {
     let core = Arc::clone(&endpoint.desk.core);
-    let monitors = Monitors { core, overview: SharedLook::default() };
-    let monitors =
-        Router::new().route(METRICS, get(metrics)).route(HEALTH, get(healthz)).with_state(monitors);
-    page::routes(endpoint, monitors)
-}
-
-/// What the requests of monitors share.
-#[derive(Debug, Clone)]
-struct Monitors {
-    core: Arc<Core>,
-    overview: SharedLook<Arc<Overview>>,
-}
-
-impl Monitors {
-    /// An overview; `None` if the disk of the state folder does not answer.
-    async fn overview(&self) -> Option<Arc<Overview>> {
-        let core = Arc::clone(&self.core);
-        self.overview.of(move || Arc::new(Overview::take(&core))).await
-    }
+    endpoint.overview.of(move || Arc::new(Overview::take(&core))).await
 }
 
 /// The code of a station that cannot report its state in time.
 const NO_ANSWER: &str = "state-disk-stalled";
 
-async fn metrics(State(monitors): State<Monitors>) -> Response {
-    let Some(overview) = monitors.overview().await else { return no_answer() };
+async fn metrics(State(endpoint): State<Arc<HttpEndpoint>>) -> Response {
+    let Some(overview) = overview(&endpoint).await else { return no_answer() };
     match metrics::text(&overview) {
         Ok(text) => ([(header::CONTENT_TYPE, metrics::CONTENT_TYPE)], text).into_response(),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
@@ -133,8 +119,8 @@ async fn metrics(State(monitors): State<Monitors>) -> Response {
 }
 
 /// 200 and "ready", or 503 and the codes of what is wrong, one per line.
-async fn healthz(State(monitors): State<Monitors>) -> Response {
-    match monitors.overview().await {
+async fn healthz(State(endpoint): State<Arc<HttpEndpoint>>) -> Response {
+    match overview(&endpoint).await {
         Some(overview) if overview.is_ready() => "ready\n".into_response(),
         Some(overview) => {
             let codes = overview.faults().map(|complaint| format!("{}\n", complaint.code));

@@ -20,7 +20,7 @@ use super::protocol::{Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request
 use super::status::{AlarmStatus, ComplaintStatus, PhantomStatus, SourceStatus, Status};
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
-use crate::station::journal::JournalError;
+use crate::station::journal::{JournalError, ScanRow};
 use crate::station::operator::act::{self, ActFault};
 use crate::station::operator::page::desk::Desk;
 use crate::station::overview::Overview;

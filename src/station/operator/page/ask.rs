@@ -44,7 +44,7 @@ pub async fn ask(State(endpoint): State<Arc<HttpEndpoint>>, request: Request) ->
     let language = endpoint.desk.core.config.language;
     let answered = spawn_blocking(move || {
         let answered = answer(&endpoint.desk, &asked);
-        endpoint.desk.refresh();
+        endpoint.desk.refresh.notify_one();
         answered
     });
     match answered.await {

@@ -3,10 +3,10 @@
 use std::net::SocketAddr;
 use std::sync::{Arc, OnceLock};
 
-use tokio::sync::Semaphore;
+use tokio::sync::{Notify, Semaphore, watch};
 use tracing::warn;
 
-use super::feed::Feed;
+use super::publish::Texts;
 use super::summaries::Summaries;
 use super::token::Token;
 use crate::station::booth::Booth;
@@ -26,7 +26,12 @@ pub struct Desk {
     pub booth: Arc<Booth>,
     /// The previews of held scans.
     pub previews: Arc<Previews>,
-    pub(super) feed: Feed,
+    /// The last snapshot, for all readers; `None` without readers.
+    pub(super) texts: watch::Sender<Option<Texts>>,
+    /// Notified when a reader subscribes.
+    pub(super) reader: Notify,
+    /// Notified when something has changed that an operator waits for.
+    pub(super) refresh: Notify,
     pub(in crate::station::operator) summaries: Summaries,
     pub(super) readers: Arc<Semaphore>,
     token: OnceLock<Token>,
@@ -40,7 +45,9 @@ impl Desk {
             core,
             booth,
             previews,
-            feed: Feed::default(),
+            texts: watch::Sender::new(None),
+            reader: Notify::new(),
+            refresh: Notify::new(),
             summaries: Summaries::default(),
             readers: Arc::new(Semaphore::new(MOST_READERS)),
             token: OnceLock::new(),
@@ -52,11 +59,6 @@ impl Desk {
     pub fn link(&self) -> Option<String> {
         let (token, local) = (self.token.get()?, self.local.get()?);
         Some(format!("http://{local}/#token={}", token.word()))
-    }
-
-    /// Notes that something has changed that an operator waits for.
-    pub fn refresh(&self) {
-        self.feed.refresh();
     }
 
     /// The token needed to decide on the page; `None` if no page is served.

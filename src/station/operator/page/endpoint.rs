@@ -7,9 +7,10 @@ use axum::http::HeaderMap;
 use tokio::sync::Semaphore;
 
 use super::desk::Desk;
-use super::feed::Texts;
+use super::publish::Texts;
 use crate::station::operator::http::listeners::Way;
 use crate::station::operator::http::shared_look::SharedLook;
+use crate::station::overview::Overview;
 use crate::station::runtime::stop::Stop;
 
 /// The number of streams served at once at each endpoint; later readers poll.
@@ -28,6 +29,8 @@ pub struct HttpEndpoint {
     pub(super) address: Option<SocketAddr>,
     pub(super) streams: Arc<Semaphore>,
     pub(super) state: SharedLook<Option<Texts>>,
+    /// What the requests of monitors share.
+    pub(in crate::station::operator) overview: SharedLook<Arc<Overview>>,
     pub(super) stop: Stop,
 }
 
@@ -45,8 +48,9 @@ impl HttpEndpoint {
             desk.is_served_at(address, was_lost);
         }
         let streams = Arc::new(Semaphore::new(MOST_STREAMS));
-        let state = SharedLook::default();
-        Arc::new(HttpEndpoint { desk: Arc::clone(desk), way, address, streams, state, stop })
+        let (state, overview) = (SharedLook::default(), SharedLook::default());
+        let desk = Arc::clone(desk);
+        Arc::new(HttpEndpoint { desk, way, address, streams, state, overview, stop })
     }
 
     /// Whether a reader holds the station's token, or is let in by the control socket.

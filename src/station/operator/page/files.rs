@@ -19,9 +19,8 @@ use serde::Deserialize;
 use tokio::sync::{Semaphore, mpsc};
 use tokio::task::spawn_blocking;
 
-use super::body::Pieces;
 use super::endpoint::HttpEndpoint;
-use super::snapshot;
+use super::{Pieces, snapshot};
 use crate::station::share::stamped_file::{PIECE_BYTES, READ};
 use crate::store::{revision, sums};
 

@@ -1,7 +1,7 @@
 //! The operator's page: the live state of the station, and what an operator can decide there.
 //!
 //! ```text
-//! journal, board, booth ─ snapshot ─▶ publish ─▶ feed ─▶ /state, /stream ─▶ page.js
+//! journal, board, booth ─ snapshot ─▶ publish ─▶ /state, /stream ─▶ page.js
 //! record folders, previews ─ summaries ──┘
 //! page.js ─▶ /ask ─ guard, token ─▶ control::answer ◀─ /ask ◀─ verbs, by the control socket
 //! page.js ─▶ /scan/ID/visits.html ─▶ visits: the patient's records, compared
@@ -12,13 +12,10 @@
 
 mod ask;
 mod assets;
-mod body;
 pub mod desk;
 pub mod endpoint;
-mod feed;
 mod files;
 mod guard;
-mod plain_page;
 pub mod publish;
 mod search;
 mod snapshot;
@@ -27,17 +24,22 @@ mod summaries;
 mod token;
 mod visits;
 
+use std::io;
+use std::pin::Pin;
 use std::sync::Arc;
+use std::task::{Context, Poll};
 
 use axum::Router;
 use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::from_fn_with_state;
-use axum::response::{IntoResponse, Response};
+use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
+use gaiter_language::Language;
+use hyper::body::{Bytes, Frame};
+use tokio::sync::mpsc;
 
 use self::endpoint::HttpEndpoint;
-use self::plain_page::plain_page;
 use super::http::listeners::Way;
 
 /// The routes of an endpoint; `others` are pages for monitors, on this machine only.
@@ -49,7 +51,7 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
         .route("/scan/{scan}", get(search::one))
         .route("/scan/{scan}/measures", get(search::measures))
         .route("/scan/{scan}/visits.html", get(visits::visits))
-        .route("/scan/{scan}/visits.pdf", get(visits::visits_paper))
+        .route("/scan/{scan}/visits.pdf", get(visits::visits))
         .route("/scan/{scan}/{file}", get(files::file))
         .merge(assets::routes(endpoint));
     let routes = match endpoint.way {
@@ -79,5 +81,37 @@ async fn state(
     match endpoint.state.of(move || publish::texts(&desk)).await.flatten() {
         Some(texts) => ([assets::JSON], texts.of(shows_ids)).into_response(),
         None => StatusCode::SERVICE_UNAVAILABLE.into_response(),
+    }
+}
+
+/// A page of one sentence, where there is no other answer: that of this key, with the way back to the
+/// operator's page.
+fn plain_page(status: StatusCode, key: &'static str, language: Language) -> Response {
+    let (tag, text) = (language.tag(), |key| language.text(key));
+    let (said, back) = (text(key), text("page.plain.back"));
+    let page = format!(
+        "<!doctype html>\n<html lang=\"{tag}\">\n<head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <meta name=\"color-scheme\" content=\"light dark\"><title>{said}</title>\
+         <link rel=\"stylesheet\" href=\"/page.css\"></head>\n\
+         <body><main><h1>{said}</h1><p><a href=\"/\">{back}</a></p></main></body>\n</html>\n"
+    );
+    (status, Html(page)).into_response()
+}
+
+/// The pieces of an answer that is made while it is sent. One that cannot be made breaks the connection, so
+/// that no reader takes half an answer for a whole one.
+struct Pieces(mpsc::Receiver<io::Result<Bytes>>);
+
+impl hyper::body::Body for Pieces {
+    type Data = Bytes;
+    type Error = io::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, io::Error>>> {
+        let piece = self.0.poll_recv(context);
+        piece.map(|piece| piece.map(|piece| piece.map(Frame::data)))
     }
 }

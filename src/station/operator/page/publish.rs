@@ -9,7 +9,6 @@ use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
 use super::desk::Desk;
-use super::feed::Texts;
 use super::{snapshot, summaries};
 use crate::station::booth::BoothState;
 use crate::station::runtime::stop::Stop;
@@ -19,6 +18,22 @@ const PACE: Duration = Duration::from_millis(400);
 
 /// A snapshot is taken again after this time even without a change: some faults grow with time alone.
 const ANEW: Duration = Duration::from_secs(5);
+
+/// A snapshot as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Texts {
+    /// For readers who may know whose scans these are.
+    pub with_ids: Arc<str>,
+    /// For all other readers.
+    pub without_ids: Arc<str>,
+}
+
+impl Texts {
+    /// The text for a reader.
+    pub fn of(&self, shows_ids: bool) -> String {
+        if shows_ids { self.with_ids.to_string() } else { self.without_ids.to_string() }
+    }
+}
 
 /// What a snapshot depends on; cheap to read.
 #[derive(PartialEq)]
@@ -67,22 +82,22 @@ fn read_summaries(desk: &Arc<Desk>, records: Vec<(String, PathBuf)>) {
             desk.summaries.note(scan, folder, told, desk.core.now());
         }
         desk.summaries.all_read();
-        desk.refresh();
+        desk.refresh.notify_one();
     });
 }
 
 /// Takes snapshots while there are readers, until asked to stop.
 pub async fn worker(desk: &Arc<Desk>, mut stop: Stop) {
-    let feed = &desk.feed;
     let mut signal = desk.booth.signal();
     let (mut ground, mut taken) = (None, Duration::ZERO);
     while !stop.is_requested() {
-        if !feed.has_readers() {
-            feed.forget();
+        if desk.texts.receiver_count() == 0 {
+            // The next reader must not see an old one.
+            desk.texts.send_replace(None);
             ground = None;
             tokio::select! {
                 () = stop.requested() => return,
-                () = feed.first_reader() => continue,
+                () = desk.reader.notified() => continue,
             }
         }
         let looked = Arc::clone(desk);
@@ -92,14 +107,18 @@ pub async fn worker(desk: &Arc<Desk>, mut stop: Stop) {
             (ground, taken) = (found, now);
             let looked = Arc::clone(desk);
             if let Some(texts) = spawn_blocking(move || texts(&looked)).await.ok().flatten() {
-                feed.publish(texts);
+                desk.texts.send_if_modified(|last| {
+                    let is_new = last.as_ref() != Some(&texts);
+                    *last = Some(texts);
+                    is_new
+                });
             }
         }
         tokio::select! {
             () = stop.requested() => return,
             () = sleep(PACE) => {}
             _ = signal.changed() => {}
-            () = feed.refreshed() => {}
+            () = desk.refresh.notified() => {}
             () = desk.previews.changed() => {}
         }
     }

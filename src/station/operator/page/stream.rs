@@ -13,7 +13,7 @@ use hyper::body::Bytes;
 use tokio::sync::mpsc;
 use tokio::time::sleep;
 
-use super::body::Pieces;
+use super::Pieces;
 use super::endpoint::HttpEndpoint;
 use crate::station::operator::http::serve::EVENTS;
 
@@ -44,7 +44,8 @@ pub async fn stream(
 
 /// Sends snapshots to a reader until it disconnects or the station stops.
 async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<io::Result<Bytes>>) {
-    let mut snapshots = endpoint.desk.feed.subscribe();
+    let mut snapshots = endpoint.desk.texts.subscribe();
+    endpoint.desk.reader.notify_one();
     let mut stop = endpoint.stop.clone();
     let mut last = None;
     if sender.send(Ok(format!("retry: {RETRY_MS}\n\n").into())).await.is_err() {
