@@ -193,14 +193,6 @@ impl Bench {
         });
     }
 
-    /// Begins to put the record of a measured scan into these stores.
-    fn put(&mut self, booth: &Arc<Booth>, dues: Vec<Due>, ready: &Arc<Ready>) {
-        for due in dues {
-            let ready = Arc::clone(ready);
-            self.at_store(booth, due, move |booth, due| work::put(booth, due, &ready));
-        }
-    }
-
     /// Begins a step at a store.
     fn at_store(
         &mut self,
@@ -228,7 +220,10 @@ impl Bench {
                     let over = self.ready.len().saturating_sub(KEPT_READY);
                     self.ready.drain(..over);
                 }
-                self.put(booth, dues, &ready);
+                for due in dues {
+                    let ready = Arc::clone(&ready);
+                    self.at_store(booth, due, move |booth, due| work::put(booth, due, &ready));
+                }
             }
             Done::Prepared { dues, ready: Err(ended) } => {
                 for due in dues {

@@ -74,21 +74,12 @@ pub enum StationError {
     /// The start panicked.
     #[error("the start panicked")]
     Start(#[source] JoinError),
-    /// A worker panicked.
+    /// A worker panicked, or a step of its own.
     #[error("{worker} panicked")]
     WorkerPanicked {
         /// The worker.
         worker: Worker,
         /// The panic.
-        #[source]
-        source: JoinError,
-    },
-    /// A worker could not continue.
-    #[error("{worker} could not continue")]
-    WorkerFailed {
-        /// The worker.
-        worker: Worker,
-        /// Why.
         #[source]
         source: JoinError,
     },

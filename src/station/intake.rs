@@ -304,15 +304,13 @@ impl Intake {
         // Without a waiting capture it does not matter, and a backlog has many files to compare with.
         let asked = Arc::clone(&booth);
         let is_awaited = spawn_blocking(move || asked.last_opened().is_some()).await?;
-        let began_at = |export: &Export| match is_awaited {
-            true => self.settling.began(&settled, &export.bytes),
-            false => settled.writing.began(&export.bytes),
+        let times = |export: &Export| match is_awaited {
+            true => {
+                let began = self.settling.began(&settled, &export.bytes);
+                (began, self.settling.others(&settled, &export.bytes))
+            }
+            false => (settled.writing.began(&export.bytes), Vec::new()),
         };
-        let others = |export: &Export| match is_awaited {
-            true => self.settling.others(&settled, &export.bytes),
-            false => Vec::new(),
-        };
-        let times = |export: &Export| (began_at(export), others(export));
         let read = read.map(|export| export.map(|export| (times(&export), export)));
         let take = spawn_blocking(move || {
             let (mut mark, mut is_kept) = (None, false);

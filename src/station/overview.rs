@@ -49,26 +49,26 @@ impl Overview {
         let (facts, now) = (core.board.facts(), Timestamp::now());
         let tally = core.custody.journal().tally();
         let tally = tally.inspect_err(|error| core.check_corruption(error)).ok();
-        let found = match &tally {
-            None => vec![Complaint::journal()],
-            Some(tally) => {
-                let oldest = oldest(tally, &facts).map(|seen| seen.first_seen);
-                let backlog = Backlog {
-                    pending: pending(tally),
-                    oldest,
-                    revisions_refused: tally.revisions_refused,
-                    moved: tally.moved.clone(),
-                    certificates: certificates(core),
-                };
-                complaints(&facts, &backlog, core.config.status.overdue, now)
-            }
-        };
         let disk = rustix::fs::statvfs(&core.config.station.state_dir).ok().map(|found| Disk {
             free: found.f_bavail.saturating_mul(found.f_frsize),
             size: found.f_blocks.saturating_mul(found.f_frsize),
         });
         let running = core.clock.running();
-        Overview { facts, tally, disk, complaints: found, running, now }
+        let mut overview = Overview { facts, tally, disk, complaints: Vec::new(), running, now };
+        overview.complaints = match &overview.tally {
+            None => vec![Complaint::journal()],
+            Some(tally) => {
+                let backlog = Backlog {
+                    pending: overview.pending(),
+                    oldest: overview.oldest().map(|seen| seen.first_seen),
+                    revisions_refused: tally.revisions_refused,
+                    moved: tally.moved.clone(),
+                    certificates: certificates(core),
+                };
+                complaints(&overview.facts, &backlog, core.config.status.overdue, now)
+            }
+        };
+        overview
     }
 
     /// What keeps the station from being ready.
@@ -81,14 +81,19 @@ impl Overview {
         self.faults().next().is_none()
     }
 
-    /// The scan that has waited longest for its record.
+    /// The scan that has waited longest for its record in a store other than those that wait to be fetched from.
     pub fn oldest(&self) -> Option<&Seen> {
-        oldest(self.tally.as_ref()?, &self.facts)
+        let unfetched = self.facts.unfetched();
+        let waiting = self.tally.as_ref()?.oldest.iter();
+        let awaited = waiting.filter(|(store, _)| !unfetched.contains(store.as_str()));
+        awaited.map(|(_, seen)| seen).min_by_key(|seen| seen.first_seen)
     }
 
     /// How many records are to be delivered; zero if the journal cannot be read.
     pub fn pending(&self) -> u64 {
-        self.tally.as_ref().map_or(0, pending)
+        let deliveries = self.tally.iter().flat_map(|tally| &tally.deliveries);
+        let pending = deliveries.filter(|((_, state), _)| state == "pending");
+        pending.map(|(_, count)| count).sum()
     }
 }
 
@@ -99,17 +104,4 @@ fn certificates(core: &Core) -> BTreeMap<String, Timestamp> {
         Some((store.name().to_owned(), until))
     };
     core.stores.iter().filter_map(of).collect()
-}
-
-/// The oldest scan that a store other than those that wait to be fetched from has no record of.
-fn oldest<'a>(tally: &'a Tally, facts: &Facts) -> Option<&'a Seen> {
-    let unfetched = facts.unfetched();
-    let awaited = tally.oldest.iter().filter(|(store, _)| !unfetched.contains(store.as_str()));
-    awaited.map(|(_, seen)| seen).min_by_key(|seen| seen.first_seen)
-}
-
-/// Deliveries to be made.
-fn pending(tally: &Tally) -> u64 {
-    let pending = tally.deliveries.iter().filter(|((_, state), _)| state == "pending");
-    pending.map(|(_, count)| count).sum()
 }

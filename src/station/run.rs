@@ -189,7 +189,9 @@ async fn generation(
         if timeout(FIRST_LOOKS, first_looks(looked)).await.is_err() {
             warn!(event = "first-look-outstanding");
         }
-        tell_ready(&station.core);
+        info!(event = "station-ready");
+        service::tell_ready();
+        station.core.observer.tell(StationEvent::Ready);
     };
     let turn = {
         tokio::pin!(ready);
@@ -337,10 +339,4 @@ fn feel_pulse(workers: &Workers) {
         Some(worker) => error!(event = "worker-hangs", %worker),
         None => service::tell_alive(),
     }
-}
-
-fn tell_ready(core: &Core) {
-    info!(event = "station-ready");
-    service::tell_ready();
-    core.observer.tell(StationEvent::Ready);
 }

@@ -74,7 +74,10 @@ impl Workers {
         workers.start_one(Worker::Preview, task);
         let task = |beat| housekeeping::worker(Arc::clone(core), beat, stop.clone());
         workers.start_one(Worker::Housekeeping, task);
-        workers.start_endpoints(station, lasting, &endpoints_stop);
+        // They wait for people and monitors and have no heartbeat: nothing depends on them.
+        let (desk, listeners) = (Arc::clone(&station.desk), Arc::clone(&lasting.listeners));
+        let id = workers.endpoints.spawn(http::worker(desk, listeners, endpoints_stop)).id();
+        workers.names.insert(id, Worker::Http);
         (workers, first_looks)
     }
 
@@ -108,15 +111,6 @@ impl Workers {
             let task = |beat| trigger::worker(Arc::clone(booth), port, beat, stop.clone());
             self.start_one(worker, task);
         }
-    }
-
-    /// Starts the endpoints. They wait for people and monitors and have no heartbeat: nothing depends on
-    /// them.
-    fn start_endpoints(&mut self, station: &Station, lasting: &Lasting, stop: &Stop) {
-        let (desk, listeners) = (&station.desk, Arc::clone(&lasting.listeners));
-        let http = http::worker(Arc::clone(desk), listeners, stop.clone());
-        let id = self.endpoints.spawn(http).id();
-        self.names.insert(id, Worker::Http);
     }
 
     fn start_one<T>(&mut self, worker: Worker, task: impl FnOnce(Beat) -> T)
@@ -207,8 +201,7 @@ fn who(names: &BTreeMap<Id, Worker>, ended: &HasEnded) -> Worker {
 /// Adds the worker's name to the way it ended.
 fn judge(worker: Worker, ended: HasEnded) -> Result<(), StationError> {
     match ended {
-        Err(source) => Err(StationError::WorkerPanicked { worker, source }),
-        Ok((_, Err(source))) => Err(StationError::WorkerFailed { worker, source }),
+        Err(source) | Ok((_, Err(source))) => Err(StationError::WorkerPanicked { worker, source }),
         Ok((_, Ok(()))) => Ok(()),
     }
 }

@@ -125,26 +125,21 @@ pub fn take(
         core.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
         return Ok(awaits);
     }
-    let is_cut_short = end == End::CutShort;
     if let Some(phantom) = core.phantom_of(&name) {
         phantom::take(core, phantom, (settled, export), format)?;
         return Ok(Taken::Done);
     }
     let companions = fresh(core, settled, export)?;
-    let says = [core.identity.of_file_name(&name), beside(core, &companions)];
-    let read = settled.writing.read();
+    let named = core.identity.of_file_name(&name);
+    let says = [named.clone(), beside(core, &companions)];
+    let is_cut_short = end == End::CutShort;
     let fingerprint = fingerprint.unwrap_or_default();
-    let (fingerprint, companions) = (fingerprint.as_str(), companions.as_slice());
-    let found =
-        Found { began, others, settled, format, is_cut_short, read, fingerprint, companions };
-    let Admission { verdict, not_an_id, same_as } = admit(booth, export, &found, says)?;
+    let found = Found { began, others, settled, format, is_cut_short, fingerprint, companions };
+    let (verdict, same_as) = admit(booth, export, found, says)?;
     if let Verdict::Held(_) = verdict {
         booth.ended(&export.scan, &[]);
     }
     let scan = export.scan.short();
-    if not_an_id {
-        warn!(event = "finding", scan, code = ID_NOT_ALLOWED);
-    }
     if export.left_out > 0 {
         warn!(event = "companions-left-out", scan, count = export.left_out);
     }
@@ -152,8 +147,11 @@ pub fn take(
         warn!(event = "companion-shared", scan);
     }
     announce(core, settled, export, verdict);
-    let named = says_of(&core.identity.of_file_name(&name));
-    if core.custody.erasures().refuse(&export.scan, named.as_deref()) {
+    let named = match &named {
+        NameSays::Patient(patient) => Some(patient.id.as_str()),
+        NameSays::Nothing | NameSays::NotAnId => None,
+    };
+    if core.custody.erasures().refuse(&export.scan, named) {
         // Its path may name the person: it is read again at the next start, and known by its hash.
         return Ok(Taken::Done);
     }
@@ -167,14 +165,6 @@ pub fn take(
         journal.sighted_again(&settled.path, same_as)?;
     }
     Ok(Taken::Done)
-}
-
-/// The patient whom a name names.
-fn says_of(says: &NameSays) -> Option<String> {
-    match says {
-        NameSays::Patient(patient) => Some(patient.id.clone()),
-        NameSays::Nothing | NameSays::NotAnId => None,
-    }
 }
 
 /// The files that lie beside an export and were made for it, without those that an earlier scan under
@@ -206,29 +196,19 @@ struct Found<'a> {
     format: Format,
     /// Its format shows that more was to come.
     is_cut_short: bool,
-    /// The lengths at which the same file was read before, bytes.
-    read: &'a [u64],
     /// The fingerprint of what is read in it; '' if nothing is.
-    fingerprint: &'a str,
-    companions: &'a [Companion],
+    fingerprint: String,
+    companions: Vec<Companion>,
 }
 
-/// What custody says of an export.
-struct Admission {
-    verdict: Verdict,
-    /// A source named something that is not allowed as an id.
-    not_an_id: bool,
-    /// The earlier scan of other bytes with the same fingerprint.
-    same_as: Option<ScanId>,
-}
-
-/// Gives an export to custody, for the capture that it answers.
+/// Gives an export to custody, for the capture that it answers. Returns what custody says, and the earlier scan
+/// of other bytes with the same fingerprint.
 fn admit(
     booth: &Booth,
     export: &Export,
-    found: &Found<'_>,
+    found: Found<'_>,
     says: [NameSays; 2],
-) -> Result<Admission, TakeFault> {
+) -> Result<(Verdict, Option<ScanId>), TakeFault> {
     let core = booth.core();
     let (custody, scan) = (&core.custody, &export.scan);
     // No press and no other export may come between the judgement and its consequences.
@@ -237,17 +217,17 @@ fn admit(
         captures.answer(judged, kept, false, core.now());
         core.work.notify_one();
     })?;
-    let known = custody.known(scan, found.fingerprint)?;
+    let known = custody.known(scan, &found.fingerprint)?;
     let same_as = known.clone().filter(|known| known != scan);
-    let Settled { path, stamp, .. } = found.settled;
+    let Settled { path, stamp, writing, .. } = found.settled;
     let content = Content {
         began: found.began,
-        others: found.others.clone(),
+        others: found.others,
         is_known: known.is_some() || custody.is_sibling(path, *stamp)?,
         is_cut_short: found.is_cut_short,
         completes: match &known {
             Some(_) => None,
-            None => custody.completed_by(&export.bytes, found.read)?,
+            None => custody.completed_by(&export.bytes, writing.read())?,
         },
     };
     if let Some(known) = &known {
@@ -269,8 +249,8 @@ fn admit(
         whose,
         pressed_at: pressed_at(core, &judged)?,
         judged: judged.clone(),
-        companions: found.companions,
-        geometry: found.fingerprint,
+        companions: &found.companions,
+        geometry: &found.fingerprint,
         known,
     });
     let now = core.now();
@@ -282,7 +262,11 @@ fn admit(
         Err(_) if custody.spool().holds(scan) => captures.answer(&judged, scan, true, now),
         Err(_) => {}
     }
-    Ok(Admission { verdict: admitted?, not_an_id, same_as })
+    let verdict = admitted?;
+    if not_an_id {
+        warn!(event = "finding", scan = scan.short(), code = ID_NOT_ALLOWED);
+    }
+    Ok((verdict, same_as))
 }
 
 /// What the scanner's own measures beside a scan say about the patient; two such files say nothing.

@@ -126,9 +126,14 @@ impl<'a> Walk<'a> {
             } else if kind.is_dir() {
                 self.folder(path, depth)?;
             } else if Format::of_file_name(&text).is_ok() {
-                scans.extend(self.regular(path, &mut |walk| &mut walk.scans));
+                if let Some(stamp) = self.regular(&path) {
+                    self.scans.insert(path.clone(), stamp);
+                    scans.push(path);
+                }
             } else if companions::is_companion(&name) {
-                self.regular(path, &mut |walk| &mut walk.companions);
+                if let Some(stamp) = self.regular(&path) {
+                    self.companions.insert(path, stamp);
+                }
             } else {
                 self.passer(path.clone());
                 let why = match kind.is_symlink() {
@@ -145,19 +150,14 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Notes a regular file with its stamp and returns its path; ignores anything else.
-    fn regular(
-        &mut self,
-        path: PathBuf,
-        kept: &mut dyn for<'w> FnMut(&'w mut Self) -> &'w mut BTreeMap<PathBuf, Stamp>,
-    ) -> Option<PathBuf> {
+    /// The stamp of a regular file; ignores anything else.
+    fn regular(&mut self, path: &Path) -> Option<Stamp> {
         let metadata = path.symlink_metadata().ok()?;
         if !metadata.is_file() {
-            self.ignore(path, irregular(metadata.file_type()));
+            self.ignore(path.to_owned(), irregular(metadata.file_type()));
             return None;
         }
-        kept(self).insert(path.clone(), stamp(&metadata));
-        Some(path)
+        Some(stamp(&metadata))
     }
 
     /// Follows a file without the name of a scan.

@@ -24,6 +24,7 @@ use crate::station::journal::{JournalError, ScanRow};
 use crate::station::operator::act::{self, ActFault};
 use crate::station::operator::page::desk::Desk;
 use crate::station::overview::Overview;
+use crate::station::persons::visits;
 use crate::station::runtime::causes::chain;
 
 /// Answers a request.
@@ -76,11 +77,20 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         Request::CallOff => acted(desk, act::call_off(core, booth)),
         Request::Next => Ok(Answer::Sentence(next(desk))),
         Request::Order { bytes } => ordered(desk, bytes),
-        Request::Person { .. }
-        | Request::Visits { .. }
-        | Request::Disclosed { .. }
-        | Request::Erase { .. }
-        | Request::Erasure { .. } => persons::answer(desk, request),
+        Request::Person { patient } => {
+            persons::known(desk, patient).map(|person| Answer::Person(Box::new(person)))
+        }
+        Request::Visits { patient } => {
+            visits(&core.custody, patient).map(Answer::Visits).map_err(Fault::from)
+        }
+        Request::Disclosed { patient, by } => persons::disclosed(desk, patient, by),
+        Request::Erase { patient, again, by, leaves_owed } => {
+            persons::erase(desk, (patient, again), by, *leaves_owed)
+        }
+        Request::Erasure { patient } => {
+            let erasures = core.custody.erasures();
+            Ok(Answer::Erasure(erasures.of(&erasures.hash(patient))))
+        }
         Request::Pause => acted(desk, act::pause(core, true)),
         Request::Resume => acted(desk, act::pause(core, false)),
         Request::Page => page(desk),
@@ -280,7 +290,7 @@ fn status(desk: &Desk) -> Status {
         confinement: facts.confinement,
         measured: facts.measured,
         last_measurement_s: facts.last_measurement_s,
-        phantom: facts.phantom.as_ref().map(|phantom| PhantomStatus::of(phantom, due)),
+        phantom: facts.phantom.map(|phantom| PhantomStatus { due, checks: phantom.checks }),
         views: facts.views,
         alarms: alarms
             .map(|(code, alarm)| ((*code).to_owned(), AlarmStatus::of(code, alarm)))

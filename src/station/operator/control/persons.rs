@@ -4,35 +4,20 @@ use gaiter_flow::patient::person::Person;
 use gaiter_language::Language;
 use gaiter_record::SourceKind;
 
-use super::protocol::{Answer, Fault, FaultKind, Request};
+use super::protocol::{Answer, Fault, FaultKind};
 use crate::station::custody::CustodyFault;
 use crate::station::operator::page::desk::Desk;
-use crate::station::persons::{erase, person, stopped, visits};
+use crate::station::persons::{erase, person, stopped};
 use crate::station::runtime::causes::chain;
 
-/// Answers a request about a person.
-pub(super) fn answer(desk: &Desk, request: &Request) -> Result<Answer, Fault> {
-    match request {
-        Request::Person { patient } => {
-            known(desk, patient).map(|person| Answer::Person(Box::new(person)))
-        }
-        Request::Visits { patient } => Ok(Answer::Visits(visits(&desk.core.custody, patient)?)),
-        Request::Disclosed { patient, by } => {
-            stopped::disclosed(&desk.core.custody, patient, by)?;
-            Ok(Answer::Sentence(desk.core.config.language.text("act.disclosed").to_owned()))
-        }
-        Request::Erase { patient, again, by, leaves_owed } => {
-            erase(desk, (patient, again), by, *leaves_owed)
-        }
-        Request::Erasure { patient } => {
-            let erasures = desk.core.custody.erasures();
-            Ok(Answer::Erasure(erasures.of(&erasures.hash(patient))))
-        }
-        _ => Err(Fault::new(FaultKind::Request, "request-malformed", "this is about no person")),
-    }
+/// Notes that a person's data was disclosed.
+pub(super) fn disclosed(desk: &Desk, patient: &str, by: &str) -> Result<Answer, Fault> {
+    stopped::disclosed(&desk.core.custody, patient, by)?;
+    Ok(Answer::Sentence(desk.core.config.language.text("act.disclosed").to_owned()))
 }
 
-fn known(desk: &Desk, patient: &str) -> Result<Person, Fault> {
+/// All that the station holds of a person.
+pub(super) fn known(desk: &Desk, patient: &str) -> Result<Person, Fault> {
     let core = &desk.core;
     if core.identity.patient(patient, SourceKind::Operator).is_none() {
         return Err(refused(desk, "patient-id-not-allowed", "act.fault.not_an_id"));
@@ -40,7 +25,8 @@ fn known(desk: &Desk, patient: &str) -> Result<Person, Fault> {
     Ok(person(&core.config, &core.identity, (&core.custody, &core.stores), patient)?)
 }
 
-fn erase(
+/// Asks for the erasure of a person, whose id was given twice.
+pub(super) fn erase(
     desk: &Desk,
     (patient, again): (&str, &str),
     by: &str,

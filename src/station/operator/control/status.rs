@@ -6,9 +6,7 @@ use gaiter_flow::account::Seen;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Complaint;
 use gaiter_flow::confinement::Confinement;
-use gaiter_flow::facts::{
-    Alarm, PhantomFacts, SourceFacts, StoreFacts, StoreRefusal, TriggerFacts,
-};
+use gaiter_flow::facts::{Alarm, SourceFacts, StoreFacts, StoreRefusal, TriggerFacts};
 use gaiter_flow::orders::habit::OrdersComeLate;
 use gaiter_flow::views::ViewsSeries;
 use gaiter_language::Language;
@@ -176,13 +174,6 @@ pub struct PhantomStatus {
     pub due: bool,
     /// The last checks, oldest first, a month at most.
     pub checks: Vec<LastCheck>,
-}
-
-impl PhantomStatus {
-    /// The status now.
-    pub fn of(phantom: &PhantomFacts, due: bool) -> PhantomStatus {
-        PhantomStatus { due, checks: phantom.checks.clone() }
-    }
 }
 
 /// The status of a record store.

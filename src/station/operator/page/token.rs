@@ -4,7 +4,7 @@
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{self, Read};
-use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
 use axum::http::{HeaderMap, header};
@@ -51,8 +51,7 @@ impl Token {
     /// # Errors
     /// If its file can be neither read nor created.
     pub fn take(state_dir: &Path) -> io::Result<Token> {
-        let path = state_dir.join(FILE);
-        match kept(&path)? {
+        match kept(&state_dir.join(FILE))? {
             Kept::Word(word) => return Ok(Token::of(&word)),
             Kept::NotOurs => warn!(event = "page-token-refused"),
             Kept::Nothing => {}
@@ -60,16 +59,7 @@ impl Token {
         let mut random = [0_u8; BYTES];
         File::open(RANDOM)?.read_exact(&mut random)?;
         let word = hex(&random);
-        // Written to another file and renamed, so that half a token is never found.
-        let beside = state_dir.join(format!(".{FILE}"));
-        match fs::remove_file(&beside) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-        durable::write_new(&beside, format!("{word}\n").as_bytes())?;
-        fs::set_permissions(&beside, fs::Permissions::from_mode(0o600))?;
-        fs::rename(&beside, &path)?;
-        durable::sync_folder(state_dir)?;
+        durable::replace_file(state_dir, FILE, format!("{word}\n").as_bytes())?;
         Ok(Token::of(&word))
     }
 
@@ -160,7 +150,7 @@ fn same(a: &str, b: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use std::os::unix::fs::{chown, symlink};
+    use std::os::unix::fs::{PermissionsExt, chown, symlink};
 
     use rustix::fs::{CWD, mkfifoat};
 
