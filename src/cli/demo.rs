@@ -223,9 +223,7 @@ async fn watch(
         let Some(event) = events.recv().await else {
             return Err(DemoFault::Unexpected("the station ended early".to_owned()));
         };
-        if let Some(line) = line(&event) {
-            teller.say(&line);
-        }
+        teller.say(&line(&event));
         match event {
             StationEvent::Delivered { folder, .. } => seen.records.push(folder),
             StationEvent::Refused { .. } => seen.refusals += 1,
@@ -240,26 +238,25 @@ async fn watch(
     Ok(seen)
 }
 
-/// An event in words. `None` if the scanner's own line already says it.
-fn line(event: &StationEvent) -> Option<String> {
-    Some(match event {
+/// An event in words.
+fn line(event: &StationEvent) -> String {
+    match event {
         StationEvent::Ready => "station  is ready".to_owned(),
         StationEvent::AwaitsRest { file } => {
             format!("station  waits for the rest of {}", file.to_string_lossy())
         }
-        StationEvent::Pressed { .. } => "station  heard the button".to_owned(),
-        StationEvent::NoExport { .. } => "station  got no export after a press".to_owned(),
+        StationEvent::Pressed => "station  heard the button".to_owned(),
+        StationEvent::NoExport => "station  got no export after a press".to_owned(),
         StationEvent::Spooled { file, scan } => {
             format!("station  has saved {} as {scan}", file.to_string_lossy())
         }
-        StationEvent::Refused { code, message, .. } => {
+        StationEvent::Refused { code, message } => {
             format!("station  made no record [{code}] {message}")
         }
         StationEvent::Delivered { scan, .. } => format!("station  delivered {scan}"),
         StationEvent::Held { scan } => format!("station  holds {scan}"),
         StationEvent::PutOff { scan, code } => format!("station  tries {scan} again [{code}]"),
-        StationEvent::Settled { .. } | StationEvent::Known { .. } => return None,
-    })
+    }
 }
 
 fn name_of(path: &Path) -> String {

@@ -15,11 +15,9 @@ use tracing::{info, warn};
 
 use super::board::Board;
 use super::custody::Custody;
-use super::error::StationError;
 use super::event::Observer;
 use super::journal::JournalError;
 use super::journal::integrity::suspicion::Suspicion;
-use super::rebuild;
 use super::runtime::causes::chain;
 use super::runtime::clock::Clock;
 use super::share::file_system;
@@ -162,14 +160,6 @@ impl Core {
     pub fn checked(&self, error: &(dyn std::error::Error + 'static)) -> Cause {
         self.check_corruption(error);
         chain(error).into()
-    }
-
-    /// Sets a journal aside that proved corrupt in use: opened again it may look intact.
-    ///
-    /// # Errors
-    /// If its files cannot be renamed.
-    pub fn give_up_journal(&self) -> Result<(), StationError> {
-        rebuild::give_up(&journal_file(&self.config), self.custody.journal())
     }
 }
 

@@ -14,20 +14,9 @@ pub enum StationEvent {
     /// The journal is open and every folder in reach has been looked at.
     Ready,
     /// The button was pressed.
-    Pressed {
-        /// The number of its capture.
-        capture: i64,
-    },
+    Pressed,
     /// No export came for a press.
-    NoExport {
-        /// The number of its capture.
-        capture: i64,
-    },
-    /// A file has been unchanged for the quiet time.
-    Settled {
-        /// Its name.
-        file: OsString,
-    },
+    NoExport,
     /// Its format shows that more data will come; the station waits for it.
     AwaitsRest {
         /// Its name.
@@ -40,13 +29,6 @@ pub enum StationEvent {
         /// First digits of its id.
         scan: String,
     },
-    /// A file holds a scan that is known already.
-    Known {
-        /// Its name.
-        file: OsString,
-        /// First digits of its id.
-        scan: String,
-    },
     /// The same bytes were seen for another patient; an operator decides.
     Held {
         /// First digits of the scan's id.
@@ -54,8 +36,6 @@ pub enum StationEvent {
     },
     /// A scan was refused and is in quarantine.
     Refused {
-        /// First digits of the scan's id; `None` for a file too large to be read.
-        scan: Option<String>,
         /// Stable code.
         code: String,
         /// Message for the operator.

@@ -14,10 +14,11 @@ use tokio::time::{interval, sleep, timeout};
 use tracing::{error, info, warn};
 
 use super::assembly::Station;
-use super::core::Core;
+use super::core::{Core, journal_file};
 use super::error::StationError;
 use super::event::{Observer, StationEvent};
 use super::operator::http::listeners::Way;
+use super::rebuild;
 use super::runtime::causes::chain;
 use super::runtime::jitter;
 use super::runtime::stop::Stopper;
@@ -114,7 +115,10 @@ pub async fn run(
             Ok(Turn::Reload(next)) => config = *next,
             Ok(Turn::Ruin) => {
                 let core = Arc::clone(&station.core);
-                let given_up = spawn_blocking(move || core.give_up_journal());
+                // It proved corrupt in use: opened again it may look intact.
+                let given_up = spawn_blocking(move || {
+                    rebuild::give_up(&journal_file(&core.config), core.custody.journal())
+                });
                 if let Err(error) = given_up.await.map_err(StationError::Start)? {
                     warn!(event = "journal-failed", error = chain(&error));
                 }
@@ -212,7 +216,11 @@ async fn generation(
                     break Ok(Turn::Ruin);
                 }
                 ended = workers.one_ended() => break Err(ended),
-                _ = pulse.tick() => feel_pulse(&workers),
+                // The watchdog is fed only while no worker hangs.
+                _ = pulse.tick() => match workers.hung(HUNG) {
+                    Some(worker) => error!(event = "worker-hangs", %worker),
+                    None => service::tell_alive(),
+                },
             }
         }
     };
@@ -331,12 +339,4 @@ fn only_with_restart(core: &Core, next: &Config) -> Option<&'static str> {
 /// How often the service manager's watchdog is fed: at half its interval.
 fn pulse() -> Duration {
     sd_notify::watchdog_enabled().map_or(PULSE, |time| (time / 2).min(PULSE))
-}
-
-/// Feeds the watchdog only while no worker hangs.
-fn feel_pulse(workers: &Workers) {
-    match workers.hung(HUNG) {
-        Some(worker) => error!(event = "worker-hangs", %worker),
-        None => service::tell_alive(),
-    }
 }

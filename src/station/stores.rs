@@ -1,6 +1,7 @@
 //! The stores of a station, each with its name in the journal.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gaiter_record::fhir::FhirRules;
@@ -29,23 +30,17 @@ impl Stores {
     /// The stores of a configuration, none of them opened yet.
     pub fn of(config: &Config) -> Stores {
         let station = &config.station.id;
-        let first = FolderStore::new(
-            FolderStore::FIRST,
-            config.store.folder.path.clone(),
-            station,
-            config.store.folder.access,
-        );
-        let copy = config
-            .store
-            .copy
-            .as_ref()
-            .map(|copy| FolderStore::new("copy", copy.path.clone(), station, copy.access));
-        let gdt = config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt));
-        let fhir = config.store.fhir.as_ref().map(|fhir| fhir_store(config, fhir));
-        let hl7 = config.store.hl7.as_ref().map(|hl7| hl7_store(config, hl7));
-        let servers = [fhir.map(boxed), hl7.map(boxed)];
-        let all = [Some(boxed(first)), copy.map(boxed), gdt.map(boxed)].into_iter().chain(servers);
-        Stores { all: all.flatten().collect(), opened: Mutex::default() }
+        let store = &config.store;
+        let folder = |name, path: &PathBuf, access| {
+            boxed(FolderStore::new(name, path.clone(), station, access))
+        };
+        let first = folder(FolderStore::FIRST, &store.folder.path, store.folder.access);
+        let copy = store.copy.as_ref().map(|copy| folder("copy", &copy.path, copy.access));
+        let gdt = store.gdt.as_ref().map(|gdt| boxed(gdt_store(config, gdt)));
+        let fhir = store.fhir.as_ref().map(|fhir| boxed(fhir_store(config, fhir)));
+        let hl7 = store.hl7.as_ref().map(|hl7| boxed(hl7_store(config, hl7)));
+        let all = [Some(first), copy, gdt, fhir, hl7].into_iter().flatten().collect();
+        Stores { all, opened: Mutex::default() }
     }
 
     /// All of them, in the configuration's order.

@@ -125,7 +125,7 @@ impl Booth {
         self.look_at_folders();
         let (number, has_patient) = (capture.number, patient.is_some());
         info!(event = "pressed", capture = number, has_patient);
-        self.core.observer.tell(StationEvent::Pressed { capture: number });
+        self.core.observer.tell(StationEvent::Pressed);
         Ok(())
     }
 
@@ -295,7 +295,12 @@ impl Booth {
         let detail = json!({ "captures": called_off.captures, "name": called_off.name });
         let event = any.then_some((Event::CalledOff, detail));
         self.change_booth(&mut inner, after, "called_off", event)?;
-        let any = self.clear_gone() || any;
+        let had_gone = self.core.board.note(|facts| {
+            let had_gone = facts.gone() > 0;
+            facts.sources.iter_mut().for_each(|source| source.gone_count = 0);
+            had_gone
+        });
+        let any = had_gone || any;
         if any {
             info!(event = "called-off", captures = called_off.captures.len());
         }
@@ -372,7 +377,7 @@ impl Booth {
         inner.missed |= !passed.expired.is_empty();
         for capture in &passed.expired {
             warn!(event = "no-export", capture);
-            self.core.observer.tell(StationEvent::NoExport { capture: *capture });
+            self.core.observer.tell(StationEvent::NoExport);
         }
         if passed.name_expired {
             warn!(event = "patient-name-expired");
@@ -394,14 +399,5 @@ impl Booth {
             none if none.is_empty() => board.clear(EXPORT_PASSED_OVER),
             counts => board.raise(EXPORT_PASSED_OVER, Figures::default().unread(counts)),
         }
-    }
-
-    /// Forgets the exports that are gone. Returns whether there were any.
-    fn clear_gone(&self) -> bool {
-        self.core.board.note(|facts| {
-            let any = facts.gone() > 0;
-            facts.sources.iter_mut().for_each(|source| source.gone_count = 0);
-            any
-        })
     }
 }

@@ -262,9 +262,8 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
                     core.journal_failed(&error);
                 }
                 warn!(event = "scan-refused", scan, code);
-                let scan = Some(scan);
                 booth.ended(&due.scan, &[]);
-                core.observer.tell(StationEvent::Refused { scan, code, message });
+                core.observer.tell(StationEvent::Refused { code, message });
                 return Ended::ForGood;
             }
             Err(fault) => custody_failed(fault),

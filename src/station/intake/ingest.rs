@@ -94,8 +94,6 @@ pub fn admitted(core: &Core, settled: &Settled) -> Result<Admitted, TakeFault> {
     if core.intake_gate(bytes) != IntakeState::Open {
         return Ok(Admitted::Shut);
     }
-    let file = settled.path.file_name().unwrap_or_default().to_owned();
-    core.observer.tell(StationEvent::Settled { file });
     Ok(Admitted::ToBeRead)
 }
 
@@ -289,17 +287,16 @@ fn pressed_at(core: &Core, judged: &Judged) -> Result<Option<Timestamp>, Journal
 }
 
 fn announce(core: &Core, settled: &Settled, export: &Export, verdict: Verdict) {
-    let file = settled.path.file_name().unwrap_or_default().to_owned();
     let scan = short(&export.scan);
     match verdict {
         Verdict::New => {
             info!(event = "scan-spooled", scan, bytes = export.bytes.len());
+            let file = settled.path.file_name().unwrap_or_default().to_owned();
             core.observer.tell(StationEvent::Spooled { file, scan });
             core.work.notify_one();
         }
         Verdict::Already => {
             info!(event = "scan-known", scan);
-            core.observer.tell(StationEvent::Known { file, scan });
         }
         Verdict::Held(code) => {
             warn!(event = "scan-held", scan, code);
@@ -319,6 +316,6 @@ fn refuse_unread(core: &Core, settled: &Settled) -> Result<(), CustodyFault> {
     let name = quarantine::unread(sums::scan_id(&state).short());
     core.custody.refuse_unread(&name, &reason)?;
     warn!(event = "scan-refused", scan = name, code, bytes = size);
-    core.observer.tell(StationEvent::Refused { scan: None, code: code.to_owned(), message });
+    core.observer.tell(StationEvent::Refused { code: code.to_owned(), message });
     Ok(())
 }

@@ -141,18 +141,15 @@ impl Noted {
         }
     }
 
-    /// Notes what has changed; does nothing if nothing has.
+    /// Notes the port's state.
     fn note(&mut self, core: &Core, attendant: &mut Attendant) {
-        let garbage = attendant.garbage();
-        let lifecycle = attendant.lifecycle();
         let known = &mut self.facts;
+        known.garbage = attendant.garbage();
+        let lifecycle = attendant.lifecycle();
         if known.state != lifecycle.state() {
             (known.state, known.since) = (lifecycle.state(), Timestamp::now());
         }
-        known.garbage = garbage;
-        if known.why.as_ref() != lifecycle.why() {
-            known.why = lifecycle.why().cloned();
-        }
+        known.why = lifecycle.why().cloned();
         if self.unsound_since != lifecycle.unsound_since() {
             self.unsound_since = lifecycle.unsound_since();
             known.unsound_since = self.unsound_since.map(|since| {
@@ -161,10 +158,6 @@ impl Noted {
                 age.ok().and_then(|age| now.checked_sub(age).ok()).unwrap_or(now)
             });
         }
-        core.board.note(|facts| {
-            if facts.triggers.get(self.name) != Some(known) {
-                facts.triggers.insert(self.name, known.clone());
-            }
-        });
+        core.board.note(|facts| facts.triggers.insert(self.name, known.clone()));
     }
 }
