@@ -59,14 +59,9 @@ pub enum StationEvent {
 
 /// An observer, if there is one.
 #[derive(Debug, Clone, Default)]
-pub struct Observer(Option<UnboundedSender<StationEvent>>);
+pub struct Observer(pub Option<UnboundedSender<StationEvent>>);
 
 impl Observer {
-    /// An observer with this receiver, if there is one.
-    pub fn new(sender: Option<UnboundedSender<StationEvent>>) -> Observer {
-        Observer(sender)
-    }
-
     /// Sends an event. A receiver that is gone is not an error.
     pub fn tell(&self, event: StationEvent) {
         if let Some(sender) = &self.0 {

@@ -90,7 +90,7 @@ pub async fn run(
     mut orders: Orders<impl Future<Output = ()>>,
     observer: Option<UnboundedSender<StationEvent>>,
 ) -> Result<(), StationError> {
-    let observer = Observer::new(observer);
+    let observer = Observer(observer);
     let state_dir = config.station.state_dir.clone();
     let lock = spawn_blocking(move || take_state_dir(&state_dir)).await;
     let lock = lock.map_err(StationError::Start)??;

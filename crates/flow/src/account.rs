@@ -101,8 +101,9 @@ gaiter_record::word_enum! {
     }
 }
 
-/// What to search for among all scans.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+/// What to search for among all scans, as the page asks.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(default)]
 pub struct Search {
     /// The beginning of a scan's id, or a part of a patient's id; everything if empty.
     pub text: String,
@@ -116,7 +117,8 @@ pub struct Search {
     pub incomplete: bool,
     /// How many of the newest to leave out.
     pub offset: u32,
-    /// The largest number of scans.
+    /// The largest number of scans; not for the page to say.
+    #[serde(skip)]
     pub limit: u32,
 }
 

@@ -165,7 +165,7 @@ impl Round {
             Outcome::Waits { error, .. } => return self.put_off(row, &error),
         };
         info!(event = "preview-impossible", scan, code);
-        self.previews.cannot_be(&row.scan, code);
+        self.previews.note(&row.scan, Preview::Impossible(code));
         // Another export of the same scan is expected.
         let noted = booth.reopen_capture(&row.scan);
         _ = noted.inspect_err(|error| booth.core().journal_failed(error));

@@ -49,16 +49,9 @@ impl ExportLocks {
             return Ok(true);
         }
         all.remove(folder);
-        let file = match lock_file(folder) {
-            Ok(file) => file,
-            Err(error) => {
-                info!(event = "export-dir-not-locked", %error);
-                all.insert(folder.to_owned(), Held { id, _file: None });
-                return Ok(true);
-            }
-        };
-        let _file = match file.try_lock() {
-            Ok(()) => Some(file),
+        let locked = lock_file(folder).map_err(TryLockError::Error);
+        let _file = match locked.and_then(|file| file.try_lock().map(|()| file)) {
+            Ok(file) => Some(file),
             Err(TryLockError::WouldBlock) => return Ok(false),
             Err(TryLockError::Error(error)) => {
                 info!(event = "export-dir-not-locked", %error);

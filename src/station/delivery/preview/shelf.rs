@@ -117,17 +117,13 @@ impl Previews {
         Ok(())
     }
 
-    /// Notes that a scan cannot be measured, for the reason of this code.
-    pub fn cannot_be(&self, scan: &ScanId, code: String) {
-        self.note(scan, Preview::Impossible(code));
-    }
-
     /// Returns when a preview has been made or cannot be made.
     pub async fn changed(&self) {
         self.news.notified().await;
     }
 
-    fn note(&self, scan: &ScanId, preview: Preview) {
+    /// Notes what is known about a scan's legs.
+    pub(super) fn note(&self, scan: &ScanId, preview: Preview) {
         let mut inner = self.inner();
         inner.known.insert(scan.clone(), preview);
         inner.edition += 1;
@@ -228,7 +224,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let previews = Previews::of(dir.path());
         previews.keep(&scan(1), &files()).unwrap();
-        previews.cannot_be(&scan(2), "no-leg".to_owned());
+        previews.note(&scan(2), Preview::Impossible("no-leg".to_owned()));
         assert!(previews.has(&scan(1)) && previews.has(&scan(2)) && !previews.has(&scan(3)));
         fs::remove_dir_all(dir.path().join(NAME)).unwrap();
         assert!(!previews.has(&scan(1)) && previews.has(&scan(2)));

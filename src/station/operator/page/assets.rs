@@ -53,14 +53,11 @@ pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
 pub fn version(language: Language) -> &'static str {
     static ALL: [OnceLock<String>; Language::ALL.len()] =
         [const { OnceLock::new() }; Language::ALL.len()];
-    ALL[language as usize].get_or_init(|| computed_version(language))
-}
-
-fn computed_version(language: Language) -> String {
-    let (labels, viewer) = (labels(language), viewer(language, &[]).unwrap_or_default());
-    let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, &viewer, &labels];
-    let hash = sha256(parts.join("\0").as_bytes());
-    hash.chars().take(16).collect()
+    ALL[language as usize].get_or_init(|| {
+        let (labels, viewer) = (labels(language), viewer(language, &[]).unwrap_or_default());
+        let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, &viewer, &labels];
+        sha256(parts.join("\0").as_bytes()).chars().take(16).collect()
+    })
 }
 
 /// The labels as an object for the script. `<` is escaped because it could end the enclosing element.

@@ -6,10 +6,9 @@ use axum::extract::{Path as Asked, Query, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use gaiter_flow::ScanId;
-use gaiter_flow::account::{Search, SearchState};
+use gaiter_flow::account::Search;
 use gaiter_flow::page::ScanShown;
-use jiff::Timestamp;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use tokio::task::spawn_blocking;
 
 use super::desk::Desk;
@@ -19,20 +18,6 @@ use super::{assets, snapshot};
 
 /// How many scans one answer lists.
 const LIMIT: u32 = 50;
-
-/// The query of a search.
-#[derive(Debug, Deserialize)]
-pub struct Asks {
-    #[serde(default)]
-    text: String,
-    state: Option<SearchState>,
-    from: Option<Timestamp>,
-    until: Option<Timestamp>,
-    #[serde(default)]
-    incomplete: bool,
-    #[serde(default)]
-    offset: u32,
-}
 
 /// The scans that were found.
 #[derive(Debug, Serialize)]
@@ -46,17 +31,16 @@ struct Found {
 /// reader who may not see whose scans these are.
 pub async fn scans(
     State(endpoint): State<Arc<HttpEndpoint>>,
-    Query(asks): Query<Asks>,
+    Query(search): Query<Search>,
     headers: HeaderMap,
 ) -> Response {
     if !endpoint.shows_ids(&headers, None) {
         return StatusCode::FORBIDDEN.into_response();
     }
-    let Asks { text, state, from, until, incomplete, offset } = asks;
-    let search = Search { text, state, from, until, incomplete, offset, limit: LIMIT };
+    let search = Search { limit: LIMIT, ..search };
     let found = spawn_blocking(move || {
         let (scans, has_more) = snapshot::found(&endpoint.desk, &search);
-        Found { scans, next: has_more.then_some(offset.saturating_add(LIMIT)) }
+        Found { scans, next: has_more.then_some(search.offset.saturating_add(LIMIT)) }
     });
     answer(found.await.ok())
 }
