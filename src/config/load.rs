@@ -261,7 +261,7 @@ fn twice<T: PartialEq>(
 type Named<'f> = (&'static str, &'f Found<PathBuf>);
 
 /// Those of these folders that are configured.
-fn named(folders: [(&'static str, &Option<Found<PathBuf>>); 3]) -> Vec<Named<'_>> {
+fn named<'f>(folders: [(&'static str, &'f Option<Found<PathBuf>>); 3]) -> Vec<Named<'f>> {
     folders.into_iter().filter_map(|(key, folder)| Some((key, folder.as_ref()?))).collect()
 }
 
