@@ -2,9 +2,10 @@
 //!
 //! tobj gets the statements with geometry alone, because it refuses a whole file for a Latin-1 letter in a name, for
 //! colours at some points, for line ends of old systems and for decimal commas, and does not know `fo` and `\`. Plain
-//! lines, which are nearly all of a scan's, it gets as they are, the others rewritten. What it refuses is read a second
-//! time by what knows the lines.
+//! lines, which are nearly all of a scan's, it gets as they are, the others rewritten. It gets the points first, since it
+//! looks them up whenever an object ends. What it refuses is read a second time by what knows the lines.
 
+use std::io::Read;
 use std::path::Path;
 
 use nalgebra::Point3;
@@ -44,7 +45,8 @@ pub(super) fn mesh(bytes: &[u8]) -> Result<Mesh, ScanFault> {
     let options = tobj::LoadOptions::default();
     let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
     let placed = |said: &str| first_fault(bytes, given.point_count).unwrap_or(unplaced(said));
-    let (models, _) = tobj::load_obj_buf(&mut given.text.as_slice(), &options, no_materials)
+    let mut text = given.points.as_slice().chain(given.faces.as_slice());
+    let (models, _) = tobj::load_obj_buf(&mut text, &options, no_materials)
         .map_err(|fault| placed(&fault.to_string()))?;
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for tobj::Model { mesh, .. } in models {
@@ -83,8 +85,10 @@ pub(super) fn all_points(bytes: &[u8]) -> Result<Vec<Point3<f64>>, ScanFault> {
 /// What tobj gets of a file.
 #[derive(Default)]
 struct Given {
-    /// `v` statements with three coordinates, and `f` statements of triangles.
-    text: Vec<u8>,
+    /// `v` statements with three coordinates.
+    points: Vec<u8>,
+    /// `f` statements of triangles, which count from the first point, in objects.
+    faces: Vec<u8>,
     point_count: usize,
     triangle_count: usize,
     has_commas: bool,
@@ -94,9 +98,8 @@ struct Given {
 
 impl Given {
     fn new(bytes: &[u8]) -> Result<Given, ScanFault> {
-        let text = Vec::with_capacity(bytes.len());
         let used = vec![false; bytes.len() / POINT_BYTES_MIN + 1];
-        let mut given = Given { text, used, ..Given::default() };
+        let mut given = Given { used, ..Given::default() };
         let mut geometry = Geometry::of(bytes);
         while !geometry.lines.rest().is_empty() {
             given.add_plain(&mut geometry.lines);
@@ -111,22 +114,22 @@ impl Given {
 
     /// Adds the plain lines up to the next other one.
     fn add_plain(&mut self, lines: &mut Lines<'_>) {
-        let text = lines.rest();
-        let (mut rest, mut count) = (text, 0);
+        let (mut rest, mut count) = (lines.rest(), 0);
         loop {
-            if let Some(after) = plain_point(rest) {
+            let (text, after) = if let Some(after) = plain_point(rest) {
                 self.point_count += 1;
-                rest = after;
+                (&mut self.points, after)
             } else if let Some((points, after)) = plain_triangle(rest)
                 && self.counts_plain(points)
             {
-                rest = after;
+                (&mut self.faces, after)
             } else {
                 break;
-            }
+            };
+            text.extend_from_slice(&rest[..rest.len() - after.len()]);
+            rest = after;
             count += 1;
         }
-        self.text.extend_from_slice(&text[..text.len() - rest.len()]);
         lines.pass(count, rest);
     }
 
@@ -143,15 +146,15 @@ impl Given {
 
     fn add_point(&mut self, statement: &[u8], line: usize) -> Result<(), ScanFault> {
         self.point_count += 1;
-        let start = self.text.len();
+        let start = self.points.len();
         let mut count = 0;
         for word in words(statement).take(WORDS_OF_POINT) {
-            self.text.extend_from_slice(word);
-            self.text.push(b' ');
+            self.points.extend_from_slice(word);
+            self.points.push(b' ');
             count += 1;
         }
-        self.text.push(b'\n');
-        let written = &mut self.text[start..];
+        self.points.push(b'\n');
+        let written = &mut self.points[start..];
         // tobj also parts words at white space that is not ASCII.
         let is_usual = |byte: &u8| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\n');
         if count < WORDS_OF_POINT || !written.iter().all(is_usual) {
@@ -174,30 +177,26 @@ impl Given {
         while let Some(corner) = next(self)? {
             let (Some(first), Some(previous)) = (first, last.replace(corner)) else { break };
             let triangle = [first, previous, corner];
-            let [a, b, c] = triangle.map(|(point, _)| point);
-            [a, b, c].into_iter().for_each(|point| self.used[point] = true);
+            triangle.into_iter().for_each(|point| self.used[point] = true);
+            let [a, b, c] = triangle;
             if a != b && b != c && c != a {
-                self.add_triangle(triangle.map(|(_, written)| written));
+                self.add_triangle(triangle);
             }
         }
         Ok(())
     }
 
-    fn add_triangle(&mut self, corners: [&[u8]; 3]) {
+    fn add_triangle(&mut self, triangle: [usize; 3]) {
         if self.triangle_count.is_multiple_of(TRIANGLES_PER_OBJECT) {
-            self.text.extend_from_slice(b"o\n");
+            self.faces.extend_from_slice(b"o\n");
         }
         self.triangle_count += 1;
-        self.text.push(b'f');
-        for corner in corners {
-            self.text.push(b' ');
-            self.text.extend_from_slice(corner);
-        }
-        self.text.push(b'\n');
+        let [a, b, c] = triangle.map(|point| point + 1);
+        self.faces.extend_from_slice(format!("f {a} {b} {c}\n").as_bytes());
     }
 
-    /// The 0-based point of a word such as `3`, `-1`, `3/1` or `3//2`, and its number as written.
-    fn corner<'a>(&self, word: &'a [u8], line: usize) -> Result<(usize, &'a [u8]), ScanFault> {
+    /// The 0-based point of a word such as `3`, `-1`, `3/1` or `3//2`.
+    fn corner(&self, word: &[u8], line: usize) -> Result<usize, ScanFault> {
         let written = word.split(|&byte| byte == b'/').next().unwrap_or_default();
         let index = match written.strip_prefix(b"-") {
             None => digits(written).and_then(|number| number.checked_sub(1)),
@@ -206,7 +205,7 @@ impl Given {
                 .and_then(|back| self.point_count.checked_sub(back)),
         };
         let index = index.filter(|index| *index < self.used.len());
-        Ok((index.ok_or_else(|| no_corner(word, line))?, written))
+        index.ok_or_else(|| no_corner(word, line))
     }
 }
 

@@ -60,6 +60,8 @@ fn a_large_mesh_is_the_same_however_its_lines_are_written() {
     let plain: String = points.chain(faces).collect();
     let scan = read(plain.as_bytes()).unwrap();
     assert_eq!((scan.points.len(), scan.triangles.len()), (20_000, 19_998));
+    let (points, faces) = plain.split_at(plain.find('f').unwrap());
+    assert!(read(format!("{faces}{points}").as_bytes()).as_ref() == Ok(&scan), "faces first");
     assert_eq!(scan.triangles[19_997], [19_997, 19_998, 19_999]);
     assert_eq!(scan.points[19_999], Point3::new(19_999.0, 0.5, -4.0));
     let ways =
