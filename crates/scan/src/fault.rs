@@ -1,7 +1,6 @@
 //! Why bytes are not a scan: the fault, its place and its details.
 
-use super::content::Content;
-use super::format::Format;
+use super::format::{Content, Format};
 
 /// Why bytes are not a scan. `code` is stable and goes into `reason.json`.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

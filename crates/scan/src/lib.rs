@@ -6,10 +6,8 @@
 //! points (24 each) and triangles (12 each) read so far. Counts in a header are trusted only as far
 //! as the bytes for them are present.
 
-pub mod content;
 pub mod ending;
 pub mod fault;
-mod fingerprint;
 mod format;
 mod obj;
 pub mod ord;
@@ -23,9 +21,8 @@ mod xyz;
 
 use nalgebra::Point3;
 
-pub use content::Content;
 pub use fault::{CutSign, Place, ScanFault};
-pub use format::Format;
+pub use format::{Content, Format};
 
 /// One export of the scanner as it is: without unit or up axis, and in arbitrary order.
 ///
@@ -39,6 +36,33 @@ pub struct Scan {
     pub points: Vec<Point3<f64>>,
     /// Triangles as indices into `points`; which way round they are wound may be wrong.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// How many points or triangles make a piece of a fingerprint: so many that the calls cost nothing.
+const PIECE: usize = 4096;
+
+impl Scan {
+    /// Gives `each` the number of points, the points and the triangles as bytes, in order and in pieces:
+    /// what a fingerprint is the hash of. Scans are equal exactly if these bytes are.
+    pub fn each_piece(&self, mut each: impl FnMut(&[u8])) {
+        let mut piece = Vec::new();
+        each(&(self.points.len() as u64).to_le_bytes());
+        for points in self.points.chunks(PIECE) {
+            piece.clear();
+            for value in points.iter().flat_map(|point| point.iter()) {
+                // The two zeros are one place.
+                piece.extend_from_slice(&(value + 0.0).to_le_bytes());
+            }
+            each(&piece);
+        }
+        for triangles in self.triangles.chunks(PIECE) {
+            piece.clear();
+            for corner in triangles.as_flattened() {
+                piece.extend_from_slice(&corner.to_le_bytes());
+            }
+            each(&piece);
+        }
+    }
 }
 
 /// How a file ends.

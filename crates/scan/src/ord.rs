@@ -139,8 +139,9 @@ pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
     let mut lines = 0;
     for (line, text) in (1..).zip(text.lines()) {
         lines = line;
-        match statement(text) {
-            Some((Keyword::Option, rest)) => {
+        let (keyword, rest) = text.trim().split_once([' ', '\t']).unwrap_or_default();
+        match keyword.to_ascii_uppercase().as_str() {
+            "OPTION" => {
                 let Some(found) = units(rest) else { continue };
                 let unknown = || OrdFault::UnknownUnit { line, found: excerpt(found) };
                 let now = OrdUnit::of_word(found).ok_or_else(unknown)?;
@@ -151,8 +152,8 @@ pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
                     _ => unit = Some(now),
                 }
             }
-            Some((Keyword::Measure, rest)) => written.extend(measure(rest, line)?),
-            None => {}
+            "MEASURE" => written.extend(measure(rest.trim(), line)?),
+            _ => {}
         }
     }
     if written.is_empty() {
@@ -191,24 +192,6 @@ fn decoded(bytes: &[u8]) -> String {
         Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(),
         Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
     }
-}
-
-/// The keywords of lines that are read.
-#[derive(Debug, Clone, Copy)]
-enum Keyword {
-    Option,
-    Measure,
-}
-
-/// The keyword of a line and the rest of the line.
-fn statement(line: &str) -> Option<(Keyword, &str)> {
-    let (word, rest) = line.trim().split_once([' ', '\t'])?;
-    let keyword = match word.to_ascii_uppercase().as_str() {
-        "OPTION" => Keyword::Option,
-        "MEASURE" => Keyword::Measure,
-        _ => return None,
-    };
-    Some((keyword, rest.trim()))
 }
 
 /// The word of `UNITS=word`; `None` for other options.

@@ -10,7 +10,7 @@ mod binary;
 mod header;
 mod values;
 
-use super::fault::{CutSign, ScanFault, cut_short};
+use super::fault::ScanFault;
 use super::weld::welded;
 use super::{Scan, text};
 use header::{Encoding, Header};
@@ -61,8 +61,7 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     let mut lines = ascii::line_count(bytes, &header);
     for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
         if lines < element.count {
-            let what = element.kind.plural();
-            return Err(cut_short(CutSign::Missing { what, has: lines, of: element.count }));
+            return Err(element.missing(lines));
         }
         lines -= element.count;
     }

@@ -1,7 +1,6 @@
 //! Detects the content of a file from its head, regardless of its name.
 
-use super::content::Content;
-use super::format::Format;
+use super::format::{Content, Format};
 use super::{ply, stl, text, xyz};
 
 /// Number of bytes at the head of a file that are examined.

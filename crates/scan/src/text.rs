@@ -1,5 +1,7 @@
 //! Common parts of all text formats: lines, words, numbers, and detection of binary content.
 
+use nalgebra::Point3;
+
 use super::fault::{CutSign, Place, ScanFault, cut_short, malformed};
 
 /// The mark that some editors and exporters put before UTF-8 text.
@@ -200,6 +202,19 @@ impl Decimals {
             }
         };
         if value.is_finite() { Ok(value) } else { Err(not_finite(word, line)) }
+    }
+
+    /// The point of the first three words.
+    pub(super) fn point<'a>(
+        &mut self,
+        mut words: impl Iterator<Item = &'a [u8]>,
+        line: usize,
+    ) -> Result<Point3<f64>, ScanFault> {
+        let mut next = || match words.next() {
+            Some(word) => self.number(word, line),
+            None => Err(malformed(line, "fewer than three coordinates")),
+        };
+        Ok(Point3::new(next()?, next()?, next()?))
     }
 
     fn refuse_both(&self) -> Result<(), ScanFault> {

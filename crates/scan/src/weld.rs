@@ -39,8 +39,9 @@ pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
 fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
     let mut firsts: Vec<u32> = (0..points.len() as u32).collect();
     // Upper half: hash; lower half: index.
-    let keyed = (0..points.len()).map(|number| hash(&points[number]) << 32 | number as u64);
-    let mut keys = grouped(keyed);
+    let keyed = points.iter().zip(0_u64..).map(|(point, number)| hash(point) << 32 | number);
+    let mut keys: Vec<u64> = keyed.collect();
+    keys.sort_unstable();
     let place = |key: u64| points[key as u32 as usize];
     for alike in keys.chunk_by_mut(|a, b| a >> 32 == b >> 32).filter(|alike| alike.len() > 1) {
         alike.sort_unstable_by(|&a, &b| {
@@ -53,34 +54,6 @@ fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
         }
     }
     firsts
-}
-
-/// The keys with those of equal upper halves next to each other. They are distributed to about as many
-/// groups as there are keys, and only a group of several is sorted.
-fn grouped(keys: impl ExactSizeIterator<Item = u64> + Clone) -> Vec<u64> {
-    let bits = keys.len().max(2).ilog2();
-    let group = |key: u64| (key >> (u64::BITS - bits)) as usize;
-    let mut ends = vec![0_u32; 1 << bits];
-    keys.clone().for_each(|key| ends[group(key)] += 1);
-    let mut passed = 0;
-    for end in &mut ends {
-        // For now where the group starts: each key of the group moves it on by one.
-        passed += std::mem::replace(end, passed);
-    }
-    let mut grouped = vec![0; keys.len()];
-    for key in keys {
-        let at = &mut ends[group(key)];
-        grouped[*at as usize] = key;
-        *at += 1;
-    }
-    let mut start = 0;
-    for end in ends.into_iter().map(|end| end as usize) {
-        if end > start + 1 {
-            grouped[start..end].sort_unstable();
-        }
-        start = end;
-    }
-    grouped
 }
 
 /// A 32-bit hash that is equal for equal positions; +0 and −0 are equal (after Fx, rustc's hash).

@@ -14,7 +14,7 @@ mod scene;
 mod walk;
 mod words;
 
-use super::fault::{CutSign, ScanFault, cut_short, malformed};
+use super::fault::{ScanFault, malformed};
 use super::format::Format;
 use super::weld::welded;
 use super::{Scan, text};
@@ -48,7 +48,7 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     if words::is_closed(text::without_mark(bytes)) {
         return Ok(());
     }
-    Err(cut_short(CutSign::NoEnd { mark: "the last \"}\"" }))
+    Err(reader::no_end())
 }
 
 /// The version in the first line, which is mandatory.

@@ -75,7 +75,7 @@ pub(super) fn all_points(bytes: &[u8]) -> Result<Vec<Point3<f64>>, ScanFault> {
     let mut decimals = Decimals::default();
     each_geometry(bytes, |line, statement| {
         if keyword(statement) == b"v" {
-            found.push(point(statement, line, &mut decimals)?);
+            found.push(decimals.point(words(statement).skip(1), line)?);
         }
         Ok(())
     })?;
@@ -158,7 +158,7 @@ impl Given {
         // tobj also parts words at white space that is not ASCII.
         let is_usual = |byte: &u8| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\n');
         if count < WORDS_OF_POINT || !written.iter().all(is_usual) {
-            point(statement, line, &mut Decimals::default())?;
+            Decimals::default().point(words(statement).skip(1), line)?;
         }
         for byte in written.iter_mut().filter(|byte| **byte == b',') {
             *byte = b'.';
@@ -219,21 +219,12 @@ fn corners(statement: &[u8]) -> impl Iterator<Item = &[u8]> {
     words(statement).skip(1).take_while(|word| !word.starts_with(b"#"))
 }
 
-fn point(statement: &[u8], line: usize, decimals: &mut Decimals) -> Result<Point3<f64>, ScanFault> {
-    let mut words = words(statement).skip(1);
-    let mut next = || match words.next() {
-        Some(word) => decimals.number(word, line),
-        None => Err(malformed(line, "fewer than three coordinates")),
-    };
-    Ok(Point3::new(next()?, next()?, next()?))
-}
-
 /// The first fault of a file of so many points, with its line; `None` if there is none that is known here.
 fn first_fault(bytes: &[u8], point_count: usize) -> Option<ScanFault> {
     let mut decimals = Decimals::default();
     let found = each_geometry(bytes, |line, statement| {
         if keyword(statement) == b"v" {
-            return point(statement, line, &mut decimals).map(drop);
+            return decimals.point(words(statement).skip(1), line).map(drop);
         }
         // Those that count back are known to be there.
         let is_there = |word: &[u8]| {

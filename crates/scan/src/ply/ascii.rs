@@ -1,6 +1,6 @@
 //! The elements of a text PLY: one record per line; blank lines are ignored.
 
-use super::super::fault::{CutSign, Place, ScanFault, cut_short, malformed};
+use super::super::fault::{Place, ScanFault, malformed};
 use super::super::text::{self, Decimals, excerpt};
 use super::header::{Header, Scalar};
 use super::values::{Record, Values};
@@ -53,9 +53,7 @@ impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Lines<'a, L> {
 impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Values for Lines<'a, L> {
     fn begin(&mut self, record: Record) -> Result<(), ScanFault> {
         let Some((line, rest)) = self.lines.next() else {
-            let what = record.element.kind.plural();
-            let has = record.number - 1;
-            return Err(cut_short(CutSign::Missing { what, has, of: record.element.count }));
+            return Err(record.element.missing(record.number - 1));
         };
         self.line = self.header_lines + line;
         self.rest = rest;

@@ -16,7 +16,7 @@ pub(super) fn extent(bytes: &[u8], header: &Header) -> Result<usize, ScanFault> 
         if let Some(stride) = stride(element) {
             let room = (bytes.len() - values.at) / stride;
             if room < element.count {
-                return Err(missing(element, room));
+                return Err(element.missing(room));
             }
             values.at += stride * element.count;
             values.refuse_unwritten_points(element)?;
@@ -44,11 +44,6 @@ fn stride(element: &Element) -> Option<usize> {
         .sum()
 }
 
-fn missing(element: &Element, has: usize) -> ScanFault {
-    let what = element.kind.plural();
-    cut_short(CutSign::Missing { what, has, of: element.count })
-}
-
 /// The records of a binary file.
 pub(super) struct Bytes<'a> {
     bytes: &'a [u8],
@@ -72,7 +67,7 @@ impl<'a> Bytes<'a> {
     /// The next bytes in little-endian order.
     fn next<const N: usize>(&mut self, record: Record) -> Result<[u8; N], ScanFault> {
         let part = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<N>());
-        let mut part = *part.ok_or_else(|| missing(record.element, record.number - 1))?;
+        let mut part = *part.ok_or_else(|| record.element.missing(record.number - 1))?;
         self.last = self.at;
         self.at += N;
         if self.is_big_endian {
@@ -147,7 +142,7 @@ impl Values for Bytes<'_> {
     fn skip(&mut self, kind: Scalar, count: usize, record: Record) -> Result<(), ScanFault> {
         let room = (self.bytes.len() - self.at) / kind.bytes();
         if room < count {
-            return Err(missing(record.element, record.number - 1));
+            return Err(record.element.missing(record.number - 1));
         }
         self.last = self.at;
         self.at += count * kind.bytes();

@@ -109,7 +109,7 @@ impl Kind {
     }
 
     /// The name of several such elements.
-    pub(super) fn plural(self) -> &'static str {
+    fn plural(self) -> &'static str {
         match self {
             Kind::Vertex => "vertices",
             Kind::Face => "faces",
@@ -146,6 +146,13 @@ pub(super) struct Element {
     /// The number of records that the header announces; they may not be present.
     pub count: usize,
     pub properties: Vec<Property>,
+}
+
+impl Element {
+    /// The fault of a file that has only so many of its records.
+    pub(super) fn missing(&self, has: usize) -> ScanFault {
+        cut_short(CutSign::Missing { what: self.kind.plural(), has, of: self.count })
+    }
 }
 
 /// A header that was read successfully.

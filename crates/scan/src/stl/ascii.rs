@@ -75,11 +75,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
             (Within::Solid, b"facet") => Within::Facet,
             (Within::Facet, b"outer") => Within::Loop,
             (Within::Loop, b"vertex") => {
-                let mut next = || match rest.next() {
-                    Some(word) => decimals.number(word, line),
-                    None => Err(malformed(line, "fewer than three coordinates")),
-                };
-                points.push(Point3::new(next()?, next()?, next()?));
+                points.push(decimals.point(rest, line)?);
                 Within::Loop
             }
             (Within::Loop, b"endloop") => {

@@ -220,7 +220,7 @@ impl<'a> Reader<'a> {
                 let what = "two numbers joined by commas in turn: decimal commas? VRML has points";
                 return Err(self.fault(what));
             }
-            point[count % 3] = self.coordinate(text)?;
+            point[count % 3] = Decimals::default().number(text, self.words.line())?;
             count += 1;
             if count % 3 == 0 {
                 found.push(point);
@@ -248,15 +248,6 @@ impl<'a> Reader<'a> {
         Ok(found)
     }
 
-    fn coordinate(&mut self, word: &[u8]) -> Result<f64, ScanFault> {
-        let text = std::str::from_utf8(word).unwrap_or_default();
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            // Parses again to get the message.
-            _ => Decimals::default().number(word, self.words.line()),
-        }
-    }
-
     /// The next word, if it is a number.
     fn next_number(&mut self) -> Option<&'a [u8]> {
         let before = self.words.clone();
@@ -282,114 +273,69 @@ impl<'a> Reader<'a> {
         }
         let body = self.body(kind, depth + 1)?;
         let holds = body.children.iter().any(|&child| self.carries[child]);
-        let meaning = meaning(kind, self.version);
-        let carries = match meaning {
-            Meaning::Coordinates | Meaning::Faces | Meaning::Points => true,
-            Meaning::Group { .. } => holds,
-            Meaning::Placement | Meaning::Hints | Meaning::Lines | Meaning::Unknown => false,
+        let node = self.meant(kind, body, line).map_err(|field| {
+            malformed(line, format!("the field \"{field}\" of \"{}\" is wrong", excerpt(kind)))
+        })?;
+        let carries = match node {
+            Node::Coordinates(_) | Node::Faces { .. } | Node::Points { .. } => true,
+            Node::Group { .. } => holds,
+            Node::Placement(_) | Node::Hints { .. } | Node::Other => false,
         };
-        if holds && !carries && meaning != Meaning::Lines {
+        // The points of lines are not skin.
+        if holds && !carries && kind != b"IndexedLineSet" {
             let what = format!("points within \"{}\", which gaiter does not know", excerpt(kind));
             return Err(malformed(line, what));
         }
-        let node = self.meant(meaning, body, line).map_err(|field| {
-            malformed(line, format!("the field \"{field}\" of \"{}\" is wrong", excerpt(kind)))
-        })?;
         self.carries.push(carries);
         self.keep(node)
     }
 
     /// The node with these contents; otherwise the name of an invalid field.
-    fn meant(&self, meaning: Meaning, body: Body, line: usize) -> Result<Node, &'static str> {
+    fn meant(&self, kind: &[u8], body: Body, line: usize) -> Result<Node, &'static str> {
+        let is_two = self.version == Version::Two;
         let fields = Fields(&body.fields);
         let is_coordinates = |id: &&NodeId| matches!(self.nodes[**id], Node::Coordinates(_));
         let coordinates = body.children.iter().find(is_coordinates).copied();
         let number = |name, default: f64| fields.get(name, [default]).map(|[value]| value as i64);
-        Ok(match meaning {
-            Meaning::Coordinates => Node::Coordinates(body.points),
-            Meaning::Faces => Node::Faces {
-                coordinates,
-                corners: body.corners,
-                is_clockwise: body.is_clockwise,
-                line,
-            },
-            Meaning::Hints => Node::Hints { is_clockwise: body.is_clockwise },
-            Meaning::Points => Node::Points {
+        let (corners, is_clockwise) = (body.corners, body.is_clockwise);
+        let children = body.children;
+        let group = |is_closed: bool, choice: Option<i64>| -> Result<Node, &'static str> {
+            let matrix = Some(Box::new(placement::matrix(&fields)?));
+            Ok(Node::Group { children, matrix, is_closed, choice })
+        };
+        match kind {
+            b"IndexedFaceSet" => Ok(Node::Faces { coordinates, corners, is_clockwise, line }),
+            b"PointSet" => Ok(Node::Points {
                 coordinates,
                 start: number("startIndex", 0.0)?,
                 count: number("numPoints", -1.0)?,
                 line,
-            },
-            Meaning::Placement => Node::Placement(Box::new(placement::matrix(&fields)?)),
-            Meaning::Group { is_closed, chooses } => Node::Group {
-                matrix: Some(Box::new(placement::matrix(&fields)?)),
-                is_closed,
-                choice: match chooses {
-                    Chooses::All => None,
-                    Chooses::First => Some(0),
-                    Chooses::Named => {
-                        let chosen = number("whichChoice", number("whichChild", -1.0)? as f64)?;
-                        (chosen != ALL_CHILDREN).then_some(chosen)
-                    }
-                },
-                children: body.children,
-            },
-            Meaning::Lines | Meaning::Unknown => Node::Other,
-        })
+            }),
+            b"ShapeHints" if !is_two => Ok(Node::Hints { is_clockwise }),
+            b"Coordinate" if is_two => Ok(Node::Coordinates(body.points)),
+            b"Coordinate3" if !is_two => Ok(Node::Coordinates(body.points)),
+            b"Group" | b"Anchor" | b"Billboard" | b"Collision" | b"Shape" | b"Transform"
+                if is_two =>
+            {
+                group(true, None)
+            }
+            b"Separator" | b"TransformSeparator" | b"WWWAnchor" if !is_two => group(true, None),
+            b"Group" => group(false, None),
+            b"Switch" => {
+                let chosen = number("whichChoice", number("whichChild", -1.0)? as f64)?;
+                group(is_two, (chosen != ALL_CHILDREN).then_some(chosen))
+            }
+            b"LOD" => group(true, Some(0)),
+            b"Transform" | b"Translation" | b"Rotation" | b"Scale" | b"MatrixTransform" => {
+                Ok(Node::Placement(Box::new(placement::matrix(&fields)?)))
+            }
+            _ => Ok(Node::Other),
+        }
     }
 }
 
 /// The choice of a VRML 1 `Switch` that selects all its children.
 const ALL_CHILDREN: i64 = -3;
-
-/// Which children of a group are used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Chooses {
-    All,
-    First,
-    Named,
-}
-
-/// The meaning of a node type for this reader.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Meaning {
-    Group {
-        is_closed: bool,
-        chooses: Chooses,
-    },
-    Placement,
-    Coordinates,
-    Faces,
-    Points,
-    Hints,
-    /// Has points, but they are not skin.
-    Lines,
-    Unknown,
-}
-
-fn meaning(kind: &[u8], version: Version) -> Meaning {
-    let is_two = version == Version::Two;
-    let group = |is_closed, chooses| Meaning::Group { is_closed, chooses };
-    match kind {
-        b"IndexedFaceSet" => Meaning::Faces,
-        b"PointSet" => Meaning::Points,
-        b"IndexedLineSet" => Meaning::Lines,
-        b"ShapeHints" if !is_two => Meaning::Hints,
-        b"Coordinate" if is_two => Meaning::Coordinates,
-        b"Coordinate3" if !is_two => Meaning::Coordinates,
-        b"Group" | b"Anchor" | b"Billboard" | b"Collision" | b"Shape" | b"Transform" if is_two => {
-            group(true, Chooses::All)
-        }
-        b"Separator" | b"TransformSeparator" | b"WWWAnchor" if !is_two => group(true, Chooses::All),
-        b"Group" => group(false, Chooses::All),
-        b"Switch" => group(is_two, Chooses::Named),
-        b"LOD" => group(true, Chooses::First),
-        b"Transform" | b"Translation" | b"Rotation" | b"Scale" | b"MatrixTransform" => {
-            Meaning::Placement
-        }
-        _ => Meaning::Unknown,
-    }
-}
 
 /// Whether a word begins like a number, or is a substitute that exporters write for a missing one.
 fn begins_number(word: &[u8]) -> bool {
@@ -398,6 +344,6 @@ fn begins_number(word: &[u8]) -> bool {
         || word.first().is_some_and(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.'))
 }
 
-fn no_end() -> ScanFault {
+pub(super) fn no_end() -> ScanFault {
     cut_short(CutSign::NoEnd { mark: "the last \"}\"" })
 }
