@@ -1,4 +1,4 @@
-//! The header of a file: its name, product and writer.
+//! What the files of all formats have in common: the header, with name, product and writer, and the notation of reals.
 
 /// The program that wrote the file.
 pub(crate) const SYSTEM: &str = concat!("gaiter ", env!("CARGO_PKG_VERSION"));
@@ -10,4 +10,17 @@ pub struct FileHeader<'a> {
     pub file_name: &'a str,
     /// What a CAD system shows in its tree, such as `left leg`.
     pub product: &'a str,
+}
+
+/// A real with its mandatory decimal point, in the fewest digits that read back as it was, and with this letter before
+/// an exponent. It must be finite.
+pub(crate) fn real(value: f64, exponent_letter: char) -> String {
+    let shortest = format!("{value:?}");
+    match shortest.split_once('e') {
+        None => shortest,
+        Some((mantissa, exponent)) => {
+            let point = if mantissa.contains('.') { "" } else { "." };
+            format!("{mantissa}{point}{exponent_letter}{exponent}")
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! The fixed format of IGES files: lines of 80 columns in five sections (IGES 5.3, chapter 2).
 
+use crate::header;
+
 /// Columns for parameters in a line; the rest points back to the entity.
 const PARAMETER_COLUMNS: usize = 64;
 
@@ -138,15 +140,9 @@ fn wrapped(parameters: impl Iterator<Item = String>, columns: usize) -> Vec<Stri
     lines
 }
 
-/// A real with its decimal point, in the fewest digits that read back as `value`; the exponent
-/// letter D means double precision. `value` must be finite.
+/// A real in the notation of IGES: the exponent letter D means double precision. `value` must be finite.
 pub fn real(value: f64) -> String {
-    let shortest = format!("{value:?}");
-    match shortest.split_once('e') {
-        None => shortest,
-        Some((mantissa, exponent)) if mantissa.contains('.') => format!("{mantissa}D{exponent}"),
-        Some((mantissa, exponent)) => format!("{mantissa}.D{exponent}"),
-    }
+    header::real(value, 'D')
 }
 
 /// A text with its length before it: `8Hleft leg`. IGES is ASCII: other characters are written as `?`.

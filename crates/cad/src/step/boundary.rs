@@ -3,7 +3,7 @@
 use gaiter_spline::Surface;
 use gaiter_spline::basis::DEGREE;
 
-use super::exchange::{Id, Instances, lines, list, logical};
+use super::exchange::{Id, Instances, lines, list, logical, real};
 use crate::ends::EndPlane;
 
 /// The surface and the edges of the faces on it.
@@ -20,7 +20,7 @@ impl Boundary {
     pub fn new(file: &mut Instances, surface: &Surface) -> Boundary {
         let net = Net::new(file, surface);
         let Net { points, columns, along, around } = &net;
-        let rows = lines(points.chunks_exact(*columns).map(|row| row.iter().copied()));
+        let rows = lines(points.chunks_exact(*columns).map(list));
         let surface = file.add(&format!(
             "B_SPLINE_SURFACE_WITH_KNOTS('',{DEGREE},{DEGREE},{rows},.UNSPECIFIED.,.F.,.T.,.F.,\n\
              {},{},\n{},\n{},.UNSPECIFIED.)",
@@ -37,9 +37,9 @@ impl Boundary {
                  {multiplicities},{values},.UNSPECIFIED.)"
             ))
         };
-        let bottom = curve(list(low.iter().copied()), true, around);
-        let top = curve(list(high.iter().copied()), true, around);
-        let seam = curve(list(points.iter().step_by(*columns).copied()), false, along);
+        let bottom = curve(list(low), true, around);
+        let top = curve(list(high), true, around);
+        let seam = curve(list(points.iter().step_by(*columns)), false, along);
 
         let mut edge = |from: Id, to: Id, curve: Id| {
             file.add(&format!("EDGE_CURVE('',{from},{to},{curve},.T.)"))
@@ -128,7 +128,7 @@ impl Knots {
         let distinct = || knots.chunk_by(|a, b| a == b);
         Knots {
             multiplicities: list(distinct().map(<[f64]>::len)),
-            values: list(distinct().map(|equal| equal[0])),
+            values: list(distinct().map(|equal| real(equal[0]))),
         }
     }
 }

@@ -1,6 +1,8 @@
 //! The clear text of STEP files, ISO 10303-21: numbered instances, reals, lists, strings.
 
-use std::fmt::{self, Write};
+use std::fmt;
+
+use crate::header;
 
 /// The number of an instance; displayed as a reference, `#12`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,39 +11,6 @@ pub struct Id(usize);
 impl fmt::Display for Id {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "#{}", self.0)
-    }
-}
-
-/// What can be in a list. It is appended to the text, because a file has tens of thousands of them and a
-/// text of its own for each takes longer than its digits.
-pub trait Item {
-    /// Appends its notation.
-    fn push(self, text: &mut String);
-}
-
-impl Item for Id {
-    fn push(self, text: &mut String) {
-        // Writing to memory never fails, here and below.
-        let _ = write!(text, "{self}");
-    }
-}
-
-impl Item for usize {
-    fn push(self, text: &mut String) {
-        let _ = write!(text, "{self}");
-    }
-}
-
-/// A real with its mandatory decimal point, in the fewest digits that read back as it was. It must be
-/// finite.
-impl Item for f64 {
-    fn push(self, text: &mut String) {
-        let from = text.len();
-        let _ = write!(text, "{self:?}");
-        if let Some(exponent) = text[from..].find('e') {
-            let point = if text[from..].contains('.') { "" } else { "." };
-            text.replace_range(from + exponent..=from + exponent, &format!("{point}E"));
-        }
     }
 }
 
@@ -56,27 +25,15 @@ pub struct Instances {
 impl Instances {
     /// Adds one instance, without number and semicolon: `VERTEX_POINT('',#1)`.
     pub fn add(&mut self, instance: &str) -> Id {
-        self.add_with(|text| text.push_str(instance))
+        self.count += 1;
+        let id = Id(self.count);
+        self.text.push_str(&format!("{id}={instance};\n"));
+        id
     }
 
     /// Adds an instance of a kind that has only a list of numbers, such as a point.
     pub fn add_numbers(&mut self, kind: &str, numbers: &[f64]) -> Id {
-        self.add_with(|text| {
-            text.push_str(kind);
-            text.push_str("('',");
-            push_list(text, numbers.iter().copied());
-            text.push(')');
-        })
-    }
-
-    fn add_with(&mut self, push: impl FnOnce(&mut String)) -> Id {
-        self.count += 1;
-        let id = Id(self.count);
-        id.push(&mut self.text);
-        self.text.push('=');
-        push(&mut self.text);
-        self.text.push_str(";\n");
-        id
+        self.add(&format!("{kind}('',{})", list(numbers.iter().copied().map(real))))
     }
 
     /// The whole file: `header` is the lines between HEADER and ENDSEC.
@@ -89,35 +46,21 @@ impl Instances {
     }
 }
 
-/// A list in parentheses.
-pub fn list<T: Item>(items: impl IntoIterator<Item = T>) -> String {
-    let mut text = String::new();
-    push_list(&mut text, items);
-    text
+/// A real in the notation of STEP. `value` must be finite.
+pub fn real(value: f64) -> String {
+    header::real(value, 'E')
 }
 
-fn push_list<T: Item>(text: &mut String, items: impl IntoIterator<Item = T>) {
-    text.push('(');
-    for (index, item) in items.into_iter().enumerate() {
-        if index > 0 {
-            text.push(',');
-        }
-        item.push(text);
-    }
-    text.push(')');
+/// A list in parentheses.
+pub fn list(items: impl IntoIterator<Item = impl ToString>) -> String {
+    let items: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
+    format!("({})", items.join(","))
 }
 
 /// A list of lists, one per line, because some readers limit the length of a line.
-pub fn lines<T: Item, L: IntoIterator<Item = T>>(lists: impl IntoIterator<Item = L>) -> String {
-    let mut text = String::from("(");
-    for (index, list) in lists.into_iter().enumerate() {
-        if index > 0 {
-            text.push_str(",\n");
-        }
-        push_list(&mut text, list);
-    }
-    text.push(')');
-    text
+pub fn lines(lists: impl IntoIterator<Item = String>) -> String {
+    let lists: Vec<String> = lists.into_iter().collect();
+    format!("({})", lists.join(",\n"))
 }
 
 /// `.T.` or `.F.`.
@@ -146,12 +89,6 @@ pub fn text(value: &str) -> String {
 mod tests {
     use super::*;
 
-    fn real(value: f64) -> String {
-        let mut text = String::new();
-        value.push(&mut text);
-        text
-    }
-
     #[test]
     fn reals_have_a_point_and_read_back_as_they_were() {
         let written = [0.0, 1.0, -2.5, 1e-4, 1e-7, -1.25e-9, 1e16, 744.5].map(real);
@@ -163,9 +100,12 @@ mod tests {
 
     #[test]
     fn lists_have_commas_between_their_items_and_one_line_each() {
-        assert_eq!(list::<usize>([]), "()");
+        assert_eq!(list(Vec::<usize>::new()), "()");
         assert_eq!(list([Id(1), Id(23)]), "(#1,#23)");
-        assert_eq!(lines([[1.0, 0.5], [1e-9, 2.0]]), "((1.0,0.5),\n(1.E-9,2.0))");
+        assert_eq!(
+            lines([[1.0, 0.5], [1e-9, 2.0]].map(|row| list(row.map(real)))),
+            "((1.0,0.5),\n(1.E-9,2.0))"
+        );
         let mut file = Instances::default();
         assert_eq!(file.add("A()"), Id(1));
         file.add_numbers("DIRECTION", &[1.0, 0.0, -0.5]);

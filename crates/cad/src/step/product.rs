@@ -6,7 +6,7 @@ use crate::ends::Shape;
 
 /// The faces as a shape representation with units.
 pub fn shape(file: &mut Instances, shape: Shape, faces: &[Id]) -> Id {
-    let faces = list(faces.iter().copied());
+    let faces = list(faces);
     let (shell, model, representation) = match shape {
         Shape::Tube => {
             ("OPEN_SHELL", "SHELL_BASED_SURFACE_MODEL", "MANIFOLD_SURFACE_SHAPE_REPRESENTATION")
