@@ -340,7 +340,7 @@ impl Basis {
     }
 }
 
-fn equidistant(from: f64, to: f64, intervals: usize) -> Vec<f64> {
+pub(super) fn equidistant(from: f64, to: f64, intervals: usize) -> Vec<f64> {
     let step = (to - from) / intervals as f64;
     // The last value is exactly `to`, so that rounding does not put data at the end outside.
     (0..intervals).map(|i| from + step * i as f64).chain([to]).collect()

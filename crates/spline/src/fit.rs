@@ -225,6 +225,13 @@ impl Spline {
     }
 }
 
+/// Coefficient of determination from the sums of squared residuals, of squared deviations from the
+/// mean, and of squared values; 1 if the values differ only by rounding.
+pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
+    const ROUNDING: f64 = 1e-18;
+    if deviations > ROUNDING * values { 1.0 - residuals / deviations } else { 1.0 }
+}
+
 /// The spline of a solution, with its quality statistics.
 pub(super) fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spline {
     let Solution { lambda, coefficients, inverse, edf, rss } = solution;
@@ -236,7 +243,7 @@ pub(super) fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Soluti
     let freedom = data - edf;
     let sigma = if freedom > LEAST_FREEDOM { (rss / freedom).sqrt() } else { f64::INFINITY };
     // Values that differ only by rounding count as constant.
-    let r2 = if spread > 1e-18 * mean * mean * total { 1.0 - rss / spread } else { 1.0 };
+    let r2 = r2(rss, spread, mean * mean * total);
     let rms = (rss / total).sqrt();
     Spline { basis: basis.clone(), coefficients, lambda, edf, sigma, r2, rms, inverse }
 }

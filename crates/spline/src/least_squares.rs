@@ -31,11 +31,6 @@ impl LeastSquares {
         Ok(LeastSquares { rows, factor, count: basis.count() })
     }
 
-    /// See [`Cholesky::smallest_pivot`].
-    pub fn smallest_pivot(&self) -> f64 {
-        self.factor.smallest_pivot()
-    }
-
     /// The coefficients for each column of `values`, which has one row per position; row-major, one
     /// row per function.
     pub fn coefficients(&self, values: &[f64]) -> Vec<f64> {

@@ -14,7 +14,7 @@
 //! | [`tensor`] | [`Tensor`]: a function of two variables, fitted to scattered data |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface, downhill from an initial guess |
-//! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
+//! | [`measure`] | area, volume, girths |
 //! | [`tessellate`] | [`Facets`]: triangles that approximate a surface within a tolerance |
 //! | [`grid`] | the surface through a grid of points |
 //! | [`knots`] | the placement of its knots |
@@ -22,7 +22,6 @@
 //! All splines have degree 3. Nothing in this crate depends on the unit of the abscissa.
 
 pub mod basis;
-pub mod curvature;
 pub mod fit;
 pub mod foot;
 mod gauss;
@@ -39,11 +38,10 @@ pub mod tensor;
 pub mod tessellate;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
-pub use curvature::Curvatures;
-pub use fit::{FitFault, Smoothing, Spline, fit};
+pub use fit::{FitFault, Smoothing, Spline, fit, r2};
 pub use foot::Foot;
 pub use grid::{GridData, GridMethod, SurfaceFit, fit_grid, fit_grid_by};
-pub use knots::{GridDomain, Knots, KnotsUsed, Undetermined, determines};
+pub use knots::{GridDomain, Knots, KnotsUsed, undetermined};
 pub use robust::{Robust, robust_fit};
 pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use tensor::{Scatter, Tensor, TensorFit, fit_scatter};

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::basis::{Basis, Row};
 use super::penalty::roughness;
 use super::solve::trial::Trials;
-use super::solve::{Singular, Skyline};
+use super::solve::{Cholesky, Singular, Skyline};
 
 /// The relative lambda that remains if nothing is to be smoothed.
 pub const RIDGE: f64 = 1e-12;
@@ -93,19 +93,17 @@ impl<'a> NormalEquations<'a> {
         NormalEquations { design, y, weights, gram, moments, penalty }
     }
 
-    /// The coefficients at `lambda`, without the statistics needed to judge them.
-    pub fn coefficients(&self, lambda: f64) -> Result<Vec<f64>, Singular> {
+    /// The factor and the coefficients at `lambda`, without the statistics needed to judge them.
+    pub fn solved(&self, lambda: f64) -> Result<(Cholesky, Vec<f64>), Singular> {
         let factor = self.gram.plus(lambda, &self.penalty).factor()?;
         let mut coefficients = self.moments.clone();
         factor.solve(&mut coefficients, 1);
-        Ok(coefficients)
+        Ok((factor, coefficients))
     }
 
     /// The fit at `lambda`.
     pub fn solution(&self, lambda: f64) -> Result<Solution, Singular> {
-        let factor = self.gram.plus(lambda, &self.penalty).factor()?;
-        let mut coefficients = self.moments.clone();
-        factor.solve(&mut coefficients, 1);
+        let (factor, coefficients) = self.solved(lambda)?;
         let inverse = factor.into_inverse();
         let edf = inverse.trace_of_product(&self.gram);
         let rss = self.rss(&coefficients);

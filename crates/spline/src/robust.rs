@@ -44,7 +44,7 @@ pub fn robust_fit(
     check(basis, x, y, &weights)?;
     let design = Design::new(basis, x);
     for _ in 0..ROUNDS_MAX {
-        let coefficients = NormalEquations::new(&design, y, &weights).coefficients(lambda)?;
+        let (_, coefficients) = NormalEquations::new(&design, y, &weights).solved(lambda)?;
         let fitted = design.values(&coefficients);
         let residuals: Vec<f64> = y.iter().zip(&fitted).map(|(y, fit)| y - fit).collect();
         let next = biweights(&residuals, least_scale);

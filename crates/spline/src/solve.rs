@@ -112,20 +112,18 @@ impl Skyline {
     /// [`Singular`] if the matrix is not positive definite beyond rounding.
     pub fn factor(self) -> Result<Cholesky, Singular> {
         let mut lower = self;
-        let mut smallest_pivot = f64::INFINITY;
         let mut above = [[0.0, 0.0, 0.0, 1.0]; DEGREE];
         for i in 0..lower.full_from {
             let (start, end) = (lower.starts[i], lower.starts[i + 1]);
             let (row, relative_pivot) = band::factored(lower.band_row(i), above);
-            smallest_pivot = smallest_pivot.min(large_enough(i, relative_pivot)?);
+            large_enough(i, relative_pivot)?;
             lower.entries[start..end].copy_from_slice(&row[DEGREE + 1 - (end - start)..]);
             above = [row, above[0], above[1]];
         }
         for i in lower.full_from..lower.size() {
-            let relative_pivot = lower.factor_row(i);
-            smallest_pivot = smallest_pivot.min(large_enough(i, relative_pivot)?);
+            large_enough(i, lower.factor_row(i))?;
         }
-        Ok(Cholesky { lower, smallest_pivot })
+        Ok(Cholesky { lower })
     }
 
     /// Turns a full row into that of the Cholesky factor, whose rows above are known. Returns the share of
@@ -178,16 +176,9 @@ impl Skyline {
 #[derive(Debug, Clone)]
 pub struct Cholesky {
     lower: Skyline,
-    smallest_pivot: f64,
 }
 
 impl Cholesky {
-    /// The fraction of its diagonal entry that the worst-determined coefficient kept, in (0, 1];
-    /// near 1e-12 and below, the ridge determines it and the data do not.
-    pub fn smallest_pivot(&self) -> f64 {
-        self.smallest_pivot
-    }
-
     /// Solves in place for `width` right-hand sides at once. `rows` is row-major, one row of
     /// `width` values per row of the matrix.
     pub fn solve(&self, rows: &mut [f64], width: usize) {
@@ -280,9 +271,9 @@ impl Cholesky {
 }
 
 /// Refuses a pivot, relative to its diagonal entry, that consists of rounding errors.
-fn large_enough(row: usize, relative_pivot: f64) -> Result<f64, Singular> {
+fn large_enough(row: usize, relative_pivot: f64) -> Result<(), Singular> {
     let is_none = relative_pivot.is_nan() || relative_pivot <= SMALLEST_RELATIVE_PIVOT;
-    if is_none { Err(Singular { row, relative_pivot }) } else { Ok(relative_pivot) }
+    if is_none { Err(Singular { row, relative_pivot }) } else { Ok(()) }
 }
 
 fn first_column(row: usize, full_from: usize) -> usize {

@@ -33,10 +33,7 @@ impl Line<'_> {
         let (span, values) = self.around.rows_to_second(v);
         let indices = self.around.indices(span);
         let [curve, slope, bend] = &self.curves;
-        let sum = |of: &[Lanes], [at_a, at_b, at_c, at_d]: [f64; 4]| {
-            let [a, b, c, d] = indices.map(|j| &of[j]);
-            vector(plus(plus(plus(plus([0.0; 4], at_a, a), at_b, b), at_c, c), at_d, d))
-        };
+        let sum = |of: &[Lanes], shares: [f64; 4]| vector(blended(indices.map(|j| &of[j]), shares));
         let [value, first, second] = values;
         Derivatives {
             point: sum(curve, value).into(),
@@ -98,7 +95,8 @@ pub struct Derivatives {
 }
 
 impl Derivatives {
-    /// See [`Surface::normal`].
+    /// The unit normal dv × du: outward if u grows upwards and v counter-clockwise seen from above.
+    /// `None` if the surface has no tangent plane.
     pub fn normal(&self) -> Option<Unit<Vector3<f64>>> {
         let Derivatives { du, dv, .. } = self;
         // Relative to the tangents' own lengths, so that the unit of u and v does not matter.
@@ -199,19 +197,10 @@ impl Surface {
         let columns = self.around.count();
         let [a, b, c, d] =
             self.along.indices(span).map(|i| &self.lanes[i * columns..(i + 1) * columns]);
-        let curve = |[at_a, at_b, at_c, at_d]: [f64; 4]| {
-            let point = |j: usize| {
-                plus(plus(plus(plus([0.0; 4], at_a, &a[j]), at_b, &b[j]), at_c, &c[j]), at_d, &d[j])
-            };
-            (0..columns).map(point).collect()
+        let curve = |shares: [f64; 4]| {
+            (0..columns).map(|j| blended([&a[j], &b[j], &c[j], &d[j]], shares)).collect()
         };
         Line { around: &self.around, curves: along.map(curve) }
-    }
-
-    /// The unit normal dv × du: outward if u grows upwards and v counter-clockwise seen from above.
-    /// `None` if the surface has no tangent plane.
-    pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
-        self.derivatives(u, v).normal()
     }
 
     /// The same surface with clamped knots around, for CAD: the knot vector around and the control
@@ -256,11 +245,7 @@ impl Surface {
     ) -> [Lanes; N] {
         let columns = self.around.count();
         let row = &self.lanes[row * columns..(row + 1) * columns];
-        let [a, b, c, d] = around.map(|j| &row[j]);
-        std::array::from_fn(|n| {
-            let [at_a, at_b, at_c, at_d] = values[n];
-            plus(plus(plus(plus([0.0; 4], at_a, a), at_b, b), at_c, c), at_d, d)
-        })
+        values.map(|values| blended(around.map(|j| &row[j]), values))
     }
 }
 
@@ -273,6 +258,12 @@ fn plus(sum: Lanes, share: f64, lanes: &Lanes) -> Lanes {
         sum[2] + share * lanes[2],
         sum[3] + share * lanes[3],
     ]
+}
+
+/// The sum of four control points, weighted by the shares.
+#[inline]
+fn blended([a, b, c, d]: [&Lanes; 4], [of_a, of_b, of_c, of_d]: [f64; 4]) -> Lanes {
+    plus(plus(plus(plus([0.0; 4], of_a, a), of_b, b), of_c, c), of_d, d)
 }
 
 #[inline]

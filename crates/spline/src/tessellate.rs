@@ -128,7 +128,8 @@ fn tube(surface: &Surface, u: &[f64], v: &[f64], sense: f64) -> Result<Facets, T
     for &u in u {
         for &v in v {
             // `normal` is v × u.
-            let normal = surface.normal(u, v).ok_or(TessellationFault::Degenerate { u, v })?;
+            let normal = surface.derivatives(u, v).normal();
+            let normal = normal.ok_or(TessellationFault::Degenerate { u, v })?;
             normals.push(Unit::new_unchecked(normal.into_inner() * -sense));
         }
     }

@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
-use gaiter_spline::{Basis, Smoothing, Spline, fit, robust_fit};
+use gaiter_spline::{Basis, Smoothing, Spline, fit, r2, robust_fit};
 use nalgebra::Point2;
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ use super::centroid::outline_centroid;
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
 use super::plane_frame::PlaneFrame;
 use super::polynomial;
-use super::section::{Curve, Section, girth, r2};
+use super::section::{Curve, Section, girth};
 use super::slice::Crossing;
 
 /// Pieces of the periodic curve: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh; the

@@ -154,13 +154,6 @@ impl Section {
     }
 }
 
-/// Coefficient of determination from the sums of squared residuals, of squared deviations from the
-/// mean, and of squared values; 1 if the values differ only by rounding.
-pub(crate) fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
-    const ROUNDING: f64 = 1e-18;
-    if deviations > ROUNDING * values { 1.0 - residuals / deviations } else { 1.0 }
-}
-
 /// Circumference of a closed curve; `None` if it encloses no area.
 pub fn girth(curve: &Curve) -> Option<Girth> {
     let points = curve.points(GIRTH_ANGLES);

@@ -10,7 +10,7 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use gaiter_spline::{Basis, Row, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
+use gaiter_spline::{Basis, Row, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter, r2};
 use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
@@ -20,7 +20,7 @@ use super::gap::largest_gap_deg;
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::sag::Sag;
-use super::section::{Curve, Outline, Section, Spokes, r2};
+use super::section::{Curve, Outline, Section, Spokes};
 use crate::parting::segment::Leg;
 
 /// Pieces of the function around: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh.

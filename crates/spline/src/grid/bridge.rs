@@ -7,7 +7,7 @@
 
 use nalgebra::Point3;
 
-use super::given::{GridData, transposed};
+use super::given::{self, GridData, points, transposed};
 use crate::knots::profiles::{Domain, Profiles};
 
 /// A range without data is a gap if it exceeds this many median line distances …
@@ -25,22 +25,20 @@ pub struct Bridged {
     pub around: Vec<f64>,
     /// The points, row-major.
     pub points: Vec<Point3<f64>>,
-    /// The gaps along and around, each from the last position before it to the first one after it.
-    pub gaps: [Vec<[f64; 2]>; 2],
 }
 
 impl Bridged {
     /// Fills the gaps of a grid, for these numbers of spans along and around.
     pub fn new(data: &GridData, domains: [Domain; 2], spans: [usize; 2]) -> Bridged {
         let mut rows = data.profiles_along();
-        let along = fill(&mut rows, &domains[0], spans[0]);
+        fill(&mut rows, &domains[0], spans[0]);
         let points = points(&rows.values);
         let mut columns =
             GridData { along: &rows.places, points: &points, ..*data }.profiles_around();
-        let around = fill(&mut columns, &domains[1], spans[1]);
+        fill(&mut columns, &domains[1], spans[1]);
         let values = transposed(&columns.values, columns.places.len(), rows.places.len());
-        let points = self::points(&values);
-        Bridged { along: rows.places, around: columns.places, points, gaps: [along, around] }
+        let points = given::points(&values);
+        Bridged { along: rows.places, around: columns.places, points }
     }
 
     /// The grid as data.
@@ -49,17 +47,15 @@ impl Bridged {
     }
 }
 
-/// Inserts lines into the gaps and returns the gaps.
-fn fill(profiles: &mut Profiles, domain: &Domain, spans: usize) -> Vec<[f64; 2]> {
+/// Inserts lines into the gaps.
+fn fill(profiles: &mut Profiles, domain: &Domain, spans: usize) {
     let lines = Lines::new(profiles, domain);
     let mut lengths: Vec<f64> = lines.at.windows(2).map(|pair| pair[1] - pair[0]).collect();
     lengths.sort_by(f64::total_cmp);
-    let Some(usual) = lengths.get(lengths.len() / 2).copied() else { return Vec::new() };
+    let Some(usual) = lengths.get(lengths.len() / 2).copied() else { return };
     let wide = (WIDE * usual).max(WIDE_SPANS * (domain.to - domain.from) / spans as f64);
     let mut added = (Vec::new(), Vec::new());
-    let mut gaps = Vec::new();
     for (i, pair) in lines.at.windows(2).enumerate().filter(|(_, p)| p[1] - p[0] > wide) {
-        gaps.push([pair[0], pair[1]]);
         let count = ((pair[1] - pair[0]) / usual).floor() as usize;
         for line in 1..count {
             let share = line as f64 / count as f64;
@@ -71,7 +67,6 @@ fn fill(profiles: &mut Profiles, domain: &Domain, spans: usize) -> Vec<[f64; 2]>
     }
     profiles.places.extend(added.0);
     profiles.values.extend(added.1);
-    gaps
 }
 
 /// Lines in ascending order; if periodic, followed by the first line again, one period later.
@@ -137,8 +132,4 @@ impl Lines {
         let column = |c| (far * slope(second, c) - near * slope(third, c)) / (far - near);
         Some((0..y.len()).map(column).collect())
     }
-}
-
-fn points(values: &[f64]) -> Vec<Point3<f64>> {
-    values.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect()
 }

@@ -46,9 +46,5 @@ pub fn fit_grid_by(
     let around = chosen(&grid.profiles_around(), &requests[1])?;
     let solver = solver(&grid, [&along.basis, &around.basis])?;
     let surface = surface(&solver, grid.points, along.basis, around.basis)?;
-    Ok(SurfaceFit {
-        knots: [along.used, around.used],
-        gaps: whole.gaps.clone(),
-        ..judged(surface, data, &solver)
-    })
+    Ok(judged(surface, data, [along.used, around.used]))
 }

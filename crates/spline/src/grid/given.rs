@@ -45,14 +45,8 @@ pub struct SurfaceFit {
     pub rms_mm: f64,
     /// The largest such distance, mm.
     pub max_mm: f64,
-    /// The smaller [`crate::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12
-    /// the grid does not determine all control points, and the ridge selected one of the solutions.
-    pub smallest_pivot: f64,
     /// The origin of the knots along and around.
     pub knots: [KnotsUsed; 2],
-    /// Ranges along and around without data that were bridged, each from the last position before
-    /// it to the first one after it: the surface is a guess there.
-    pub gaps: [Vec<[f64; 2]>; 2],
 }
 
 /// The tensor-product least-squares surface C = (AᵀA + ridge)⁻¹ Aᵀ P B (BᵀB + ridge)⁻¹.
@@ -72,7 +66,7 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check_places(&around, data.around, data.around)?;
     let solver = solver(data, [&along, &around])?;
     let surface = surface(&solver, data.points, along, around)?;
-    Ok(judged(surface, data, &solver))
+    Ok(judged(surface, data, [KnotsUsed::Given; 2]))
 }
 
 /// The equations along and around.
@@ -92,12 +86,11 @@ pub fn surface(
     let by_row = along.coefficients(&flat(points));
     let by_column = around.coefficients(&transposed(&by_row, rows, by_row.len() / (3 * rows)));
     let control = transposed(&by_column, columns, rows);
-    let control = control.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect();
-    Surface::new(basis_along, basis_around, control)
+    Surface::new(basis_along, basis_around, self::points(&control))
 }
 
 /// The statistics of a surface fit for the data.
-pub fn judged(surface: Surface, data: &GridData, solver: &[LeastSquares; 2]) -> SurfaceFit {
+pub fn judged(surface: Surface, data: &GridData, knots: [KnotsUsed; 2]) -> SurfaceFit {
     let fitted = surface.grid(data.along, data.around);
     let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
     let squares: Vec<f64> = squares.collect();
@@ -106,15 +99,18 @@ pub fn judged(surface: Surface, data: &GridData, solver: &[LeastSquares; 2]) -> 
         surface,
         rms_mm: (sum / count).sqrt(),
         max_mm: squares.iter().copied().fold(0.0, f64::max).sqrt(),
-        smallest_pivot: solver[0].smallest_pivot().min(solver[1].smallest_pivot()),
-        knots: [KnotsUsed::Given; 2],
-        gaps: [Vec::new(), Vec::new()],
+        knots,
     }
 }
 
 /// The coordinates of points, one after the other.
 pub fn flat(points: &[Point3<f64>]) -> Vec<f64> {
     points.iter().flat_map(|point| [point.x, point.y, point.z]).collect()
+}
+
+/// The points with these coordinates, one after the other.
+pub fn points(values: &[f64]) -> Vec<Point3<f64>> {
+    values.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect()
 }
 
 /// A grid of xyz triples with rows and columns swapped.

@@ -4,7 +4,7 @@ use super::adaptive::adaptive;
 use super::marks::{Marked, marked};
 use super::profiles::{Domain, Profiles};
 use super::request::{KnotRequest, Knots};
-use super::schoenberg_whitney::{determines, undetermined};
+use super::schoenberg_whitney::undetermined;
 use crate::basis::Basis;
 use crate::fit::FitFault;
 
@@ -98,9 +98,8 @@ fn widened(found: &Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
         let pairs = found.breakpoints.iter().zip(&even);
         let drawn: Vec<f64> = pairs.map(|(found, even)| found + share * (even - found)).collect();
         let basis = domain.basis(&drawn).ok()?;
-        determines(&basis, places).ok()?;
         let used = if step == 0 { KnotsUsed::Adaptive } else { KnotsUsed::Widened };
-        Some(Choice { basis, used })
+        undetermined(&basis, places).is_empty().then_some(Choice { basis, used })
     })
 }
 

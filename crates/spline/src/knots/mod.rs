@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `adaptive` | placement where the data bend |
 //! | `marks` | placement at positions requested by the caller |
-//! | `schoenberg_whitney` | [`determines`]: whether data determine a basis |
+//! | `schoenberg_whitney` | [`undetermined`]: the functions of a basis that data do not determine |
 //! | `choice` | [`KnotsUsed`]: which placement is used, and the fallback |
 //! | `request` | [`Knots`], [`GridDomain`]: the request for each direction |
 //! | `profiles` | the data of one direction |
@@ -18,4 +18,4 @@ mod schoenberg_whitney;
 
 pub use choice::KnotsUsed;
 pub use request::{GridDomain, Knots};
-pub use schoenberg_whitney::{Undetermined, determines};
+pub use schoenberg_whitney::undetermined;

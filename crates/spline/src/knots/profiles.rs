@@ -1,6 +1,6 @@
 //! Data of one direction; for a grid, all points of the other direction side by side.
 
-use crate::basis::{Basis, BasisFault};
+use crate::basis::{Basis, BasisFault, equidistant};
 use crate::least_squares::LeastSquares;
 use crate::normal::RIDGE;
 use crate::solve::Singular;
@@ -47,8 +47,7 @@ impl Domain {
 
     /// Breakpoints of `spans` equal spans.
     pub fn equal(&self, spans: usize) -> Vec<f64> {
-        let step = (self.to - self.from) / spans as f64;
-        (0..spans).map(|i| self.from + step * i as f64).chain([self.to]).collect()
+        equidistant(self.from, self.to, spans)
     }
 
     /// Positions in ascending order; if periodic, within one period from `start`.

@@ -2,42 +2,15 @@
 
 use crate::basis::{Basis, DEGREE};
 
-/// A function of a basis that no datum is left for.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("no data is left for basis function {function}, which extends from {from} to {to}")]
-pub struct Undetermined {
-    /// 0-based index of the function.
-    pub function: usize,
-    /// Start of its support; for a periodic basis it may lie a period early.
-    pub from: f64,
-    /// End of its support.
-    pub to: f64,
-}
-
 /// Positions closer than this share of the domain count as one.
 const ONE_PLACE: f64 = 1e-9;
 
-/// Checks whether each function can be assigned a datum of its own within its support.
+/// The functions that remain without a datum of their own within their support when as many as possible have one,
+/// ascending. Order does not matter; periodic positions are wrapped.
 ///
-/// On a clamped basis this holds exactly if a least-squares fit has a unique solution (Schoenberg,
-/// Whitney 1953; The NURBS Book 9.4). On a periodic basis it is only necessary: uniform knots with
-/// the same, even number of data in the middles of the spans are still singular, so check the
-/// smallest pivot too. Order does not matter; periodic positions are wrapped.
-///
-/// # Errors
-/// The first function without a datum. If several assignments leave equally few functions empty,
-/// the choice of the reported one is a convention.
-pub fn determines(basis: &Basis, places: &[f64]) -> Result<(), Undetermined> {
-    match undetermined(basis, places).first() {
-        Some(&function) => {
-            let [from, to] = [basis.knots()[function], basis.knots()[function + DEGREE + 1]];
-            Err(Undetermined { function, from, to })
-        }
-        None => Ok(()),
-    }
-}
-
-/// The functions that remain without a datum when as many as possible have one, ascending.
+/// On a clamped basis none does exactly if a least-squares fit has a unique solution (Schoenberg, Whitney 1953; The
+/// NURBS Book 9.4). On a periodic basis it is only necessary: uniform knots with the same, even number of data in the
+/// middles of the spans are still singular.
 pub fn undetermined(basis: &Basis, places: &[f64]) -> Vec<usize> {
     let places = distinct(basis, places);
     let supports = Supports::of(basis);

@@ -1,6 +1,6 @@
 //! A scalar function of two variables: clamped cubic along, periodic cubic around.
 
-use crate::basis::{Basis, Row};
+use crate::basis::Basis;
 
 /// A tensor-product spline f(u, v).
 #[derive(Debug, Clone)]
@@ -31,7 +31,9 @@ impl Tensor {
     /// The value at (u, v); see [`Basis::rows`] for positions outside the domain.
     pub fn value(&self, u: f64, v: f64) -> f64 {
         let (along, around) = (self.along.row(u), self.around.row(v));
-        self.contracted(&along, &around)
+        let width = self.around.count();
+        let line = |i: usize| around.dot(&self.coefficients[i * width..(i + 1) * width]);
+        along.indices.into_iter().zip(along.values).map(|(i, share)| share * line(i)).sum()
     }
 
     /// The coefficients of the periodic function of v at one u.
@@ -49,15 +51,5 @@ impl Tensor {
             let own = &self.coefficients[i * width..(i + 1) * width];
             coefficients.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
         }
-    }
-
-    /// Sum of the coefficients, weighted by two rows of basis values.
-    fn contracted(&self, along: &Row, around: &Row) -> f64 {
-        let width = self.around.count();
-        let line = |i: usize| {
-            let own = &self.coefficients[i * width..(i + 1) * width];
-            around.dot(own)
-        };
-        along.indices.into_iter().zip(along.values).map(|(i, share)| share * line(i)).sum()
     }
 }

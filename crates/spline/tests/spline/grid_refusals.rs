@@ -145,7 +145,7 @@ fn an_end_without_data_is_refused() {
 }
 
 #[test]
-fn a_small_gap_is_bridged_and_told() {
+fn a_small_gap_is_bridged() {
     // Eight sections are missing, above the knee and below the calf.
     for (first, limit_mm) in [(52, 0.5), (20, 0.6)] {
         let part = Part::new(|i| !(first..first + 8).contains(&i), |_| true);
@@ -155,10 +155,6 @@ fn a_small_gap_is_bridged_and_told() {
             let there = (0..72).map(|j| fit.surface.point(middle, f64::from(j) / 72.0));
             let missed = there.map(|point| test_leg::outside_mm(&point).abs()).fold(0.0, f64::max);
             assert!(missed < limit_mm, "{first} {knots:?}: {missed} mm");
-            let [from, to] = fit.gaps[0][0];
-            let told = [from * 79.0, to * 79.0].map(f64::round);
-            assert_eq!(told, [first as f64 - 1.0, first as f64 + 8.0]);
-            assert!(fit.gaps[0].len() == 1 && fit.gaps[1].is_empty());
         }
     }
 }
@@ -190,7 +186,6 @@ fn a_gap_between_parabolas_is_bridged_as_if_it_were_not_there() {
         part.fit(&GridMethod { knots: Knots::Uniform, ..plain([16, 12]) }).unwrap()
     };
     let (whole, gap) = (tube(&|_| true), tube(&|i| !(17..24).contains(&i)));
-    assert_eq!((whole.gaps[0].len(), gap.gaps[0].len()), (0, 1));
     for i in 0..=50 {
         let u = f64::from(i) / 50.0;
         let apart = (whole.surface.point(u, 0.3) - gap.surface.point(u, 0.3)).norm();
@@ -211,7 +206,6 @@ fn a_section_alone_at_the_end_is_enough_to_bridge() {
 fn columns_are_bridged_across_the_seam() {
     let part = Part::new(|_| true, |j| (3..69).contains(&j));
     let fit = part.fit(&plain([30, 24])).unwrap();
-    assert_eq!((fit.gaps[0].len(), fit.gaps[1].len()), (0, 1));
     let seam = (0..40).map(|i| fit.surface.point(f64::from(i) / 39.0, 0.0));
     let missed = seam.map(|point| test_leg::outside_mm(&point).abs()).fold(0.0, f64::max);
     assert!(missed < 3.0, "{missed} mm");
@@ -223,7 +217,6 @@ fn knots_are_widened_where_the_data_are_too_thin_for_them() {
     let part = Part::new(|i| i % 2 == 0, |_| true);
     let fit = part.fit(&plain([40, 24])).unwrap();
     assert_eq!(fit.knots[0], KnotsUsed::Widened);
-    assert!(fit.smallest_pivot > 1e-9, "{}", fit.smallest_pivot);
     assert!(fit.rms_mm < 0.05 && fit.max_mm < 1.0, "{} {}", fit.rms_mm, fit.max_mm);
 }
 

@@ -46,7 +46,6 @@ fn three_right_hand_sides_are_solved_at_once() {
         factor.solve(&mut rows, 3);
         let solved = DMatrix::from_row_slice(count, 3, &rows);
         assert!((solved - known).amax() < 1e-11, "{basis:?}");
-        assert!((1e-4..1.0).contains(&factor.smallest_pivot()), "{}", factor.smallest_pivot());
     }
 }
 

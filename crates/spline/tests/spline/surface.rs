@@ -85,7 +85,7 @@ fn the_distance_alone_is_that_of_the_nearest_point() {
         // A parameter that is off by up to 0.3 mm, as that of a section is, or by far more.
         let off = if i % 4 == 0 { 10.0 } else { 1.0 };
         let start = [(u + 2e-4 * off * wave(0.3)).clamp(0.0, 1.0), v + 3e-4 * off * wave(5.1)];
-        let normal = surface.normal(u, v).unwrap().into_inner();
+        let normal = surface.derivatives(u, v).normal().unwrap().into_inner();
         for offset_mm in [0.0, 0.01, -0.2, 1.5, -4.0] {
             let point = surface.point(u, v) + normal * offset_mm;
             let here = surface.derivatives(start[0], start[1]);
@@ -124,7 +124,7 @@ fn normals_are_square_to_the_surface_and_point_outward() {
     let surface = tube();
     for i in 0..60 {
         let (u, v) = (f64::from(i) / 59.0, 0.2 + f64::from(i * 7 % 60) / 60.0);
-        let normal = surface.normal(u, v).unwrap();
+        let normal = surface.derivatives(u, v).normal().unwrap();
         let found = surface.derivatives(u, v);
         assert!(normal.dot(&found.du).abs() < 1e-10 * found.du.norm());
         assert!(normal.dot(&found.dv).abs() < 1e-10 * found.dv.norm());
@@ -133,7 +133,7 @@ fn normals_are_square_to_the_surface_and_point_outward() {
     let (along, around) = bases();
     let count = along.count() * around.count();
     let shrunk = Surface::new(along, around, vec![Point3::origin(); count]).unwrap();
-    assert_eq!(shrunk.normal(0.5, 0.5), None);
+    assert_eq!(shrunk.derivatives(0.5, 0.5).normal(), None);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn clamped_knots_around_describe_the_same_surface() {
 fn the_foot_is_found_across_the_seam() {
     let surface = tube();
     for (v, v0) in [(1.17, 0.23), (0.23, 1.17), (0.2, 1.19), (1.16, 1.3)] {
-        let normal = surface.normal(0.4, v).unwrap();
+        let normal = surface.derivatives(0.4, v).normal().unwrap();
         let point = surface.point(0.4, v) + 6.0 * normal.into_inner();
         let foot = surface.closest(&point, 0.43, v0);
         assert!(foot.converged && !foot.at_end, "{foot:?}");
@@ -242,7 +242,7 @@ proptest! {
         u in 0.0..1.0, v in 0.2..1.2, du in -0.05..0.05, dv in -0.04..0.04, out in -15.0..40.0,
     ) {
         let surface = tube();
-        let point = surface.point(u, v) + out * surface.normal(u, v).unwrap().into_inner();
+        let point = surface.point(u, v) + out * surface.derivatives(u, v).normal().unwrap().into_inner();
         let foot = surface.closest(&point, u + du, v + dv);
         prop_assert!(foot.converged);
         prop_assert!(((surface.point(foot.u, foot.v) - point).norm() - foot.distance_mm).abs() < 1e-10);

@@ -120,7 +120,6 @@ fn a_surface_is_fitted_back_from_its_own_points() {
     for (found, expected) in fit.surface.control_points().iter().zip(truth.control_points()) {
         assert!((found - expected).norm() < 1e-7, "{found} {expected}");
     }
-    assert!(fit.smallest_pivot > 1e-4);
 }
 
 /// The test leg without the rows from 0.45 to 0.55 of its height.
@@ -142,7 +141,6 @@ fn the_ridge_carries_the_surface_over_missing_rows() {
         (along, Basis::uniform_periodic(0.0, 1.0, 24).unwrap())
     };
     let fit = fit_grid(&data, bases().0, bases().1).unwrap();
-    assert!(fit.smallest_pivot < 1e-4, "{}", fit.smallest_pivot);
     assert!(fit.rms_mm < 0.2, "{}", fit.rms_mm);
     assert!(fit.surface.control_points().iter().all(|point| point.coords.norm() < 2000.0));
 }
