@@ -38,6 +38,7 @@ pub mod report;
 pub mod sectioned_leg;
 pub mod sections;
 pub mod side;
+mod statistics;
 pub mod surface;
 
 use rayon::prelude::*;

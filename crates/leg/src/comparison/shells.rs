@@ -11,6 +11,7 @@ use nalgebra::{Matrix2x4, Matrix4, Vector4};
 
 use crate::frame::union_find::DisjointSets;
 use crate::sections::placed::Placed;
+use crate::statistics::median;
 
 /// The part of the legs that is looked at, as shares of the stature: above the ankle bones, below the groin.
 pub const SPAN_SHARE: [f64; 2] = [0.06, 0.44];
@@ -180,9 +181,8 @@ fn shift(shared: &[Shared]) -> Option<(Vector4<f64>, Matrix4<f64>)> {
 /// The standard deviation of normally distributed values, from the median of their sizes.
 fn scatter(values: &[f64]) -> f64 {
     const NORMAL: f64 = 1.4826;
-    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    NORMAL * sizes.get(sizes.len() / 2).copied().unwrap_or_default() + SCATTER_MIN_MM
+    let sizes = values.iter().map(|value| value.abs()).collect();
+    NORMAL * median(sizes).unwrap_or_default() + SCATTER_MIN_MM
 }
 
 /// What of a shift is certain, at the height where it is most, mm.

@@ -21,10 +21,10 @@ use super::winding;
 use crate::method::{Axis, FacingChoice, Method, Scope, Unit, UnitChoice, Up};
 use crate::parting::cluster::clusters;
 use crate::parting::leg_tracking::{link_mm, slices};
-use crate::sections::gap::{GAP_MAX_DEG, largest_gap_deg};
 use crate::sections::hull::Hull;
 use crate::sections::slice::Mesh;
 use crate::side::{Side, Sides};
+use crate::statistics::{GAP_MAX_DEG, largest_gap_deg};
 
 /// A declared facing and the feet must agree within this angle, degrees.
 const DECLARED_FACING_MAX_DEG: f64 = 45.0;

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Point3, Vector2};
 
 use crate::sections::slice::Mesh;
+use crate::statistics::quantile;
 
 /// Directions in which the top of a body is looked at.
 const DIRECTIONS: usize = 16;
@@ -85,9 +86,7 @@ fn reaches<const N: usize>(mesh: &Mesh, top: f64, depths: [[f64; 2]; N]) -> [[f6
 
 /// The value below which this share of the finite ones lies.
 fn at_share(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    values.get((share * values.len() as f64) as usize).copied()
+    quantile(values.filter(|value| value.is_finite()).collect(), share)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::soles::{FloorDoubt, Soles, is_sole_seen, lowest_mm, soles};
+use crate::statistics::quantile;
 
 /// Radius of the edge of a standing foot's sole, as a share of the stature. Judgement; on generated
 /// bodies of 1 650 mm the direction of the skin changes with height as on an edge of about 13 mm.
@@ -73,10 +74,8 @@ pub(crate) fn floor(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Option<Floor> {
     let low: Vec<&Vector3<f64>> = rims.iter().filter(|p| p.z < lowest_mm + BAND_MM).collect();
     let stride = low.len().div_ceil(PATCHES).max(1);
     let patches = low.into_iter().step_by(stride);
-    let mut floors: Vec<f64> =
-        patches.filter_map(|middle| floor_below(middle, &rims, edge_mm)).collect();
-    floors.sort_by(f64::total_cmp);
-    let contact = floors.get((CONTACT_SHARE * floors.len() as f64) as usize);
+    let floors = patches.filter_map(|middle| floor_below(middle, &rims, edge_mm)).collect();
+    let contact = quantile(floors, CONTACT_SHARE);
     let below_mm = contact.map_or(0.0, |floor| (lowest_mm - floor).max(0.0));
     let mut standing = feet.iter().filter(|foot| !foot.is_empty());
     let (height_mm, share) = if standing.all(|foot| is_sole_seen(foot, stature_mm)) {

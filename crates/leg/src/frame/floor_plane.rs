@@ -10,6 +10,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::components::renumbered;
 use super::winding::volume;
+use crate::statistics::range;
 
 /// Heights up to this share of the scan's may be a floor: what a patient is made to stand on is hardly higher than
 /// 250 mm.
@@ -49,9 +50,7 @@ const UNDER_MIN_SHARE: f64 = 0.9;
 pub(crate) fn above_floor(scan: &Scan, upright: &Rotation3<f64>) -> Option<(Scan, f64)> {
     let up = upright.inverse() * Vector3::z();
     let heights: Vec<f64> = scan.points.iter().map(|point| up.dot(&point.coords)).collect();
-    let [low, high] = heights
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(*z), high.max(*z)]);
+    let [low, high] = range(heights.iter().copied());
     let height = high - low;
     let height_of = |corners: &[u32; 3]| heights[corners[0] as usize];
     let area_min = AREA_MIN_SHARE * height * height;

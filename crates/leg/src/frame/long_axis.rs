@@ -2,6 +2,8 @@
 
 use nalgebra::{Rotation2, Vector2};
 
+use crate::statistics::range;
+
 /// The long axis of points seen from above, and their extents.
 pub struct LongAxis {
     /// Unit vector along it, of arbitrary sign.
@@ -22,9 +24,7 @@ pub fn long_axis(of: &[[f64; 3]]) -> LongAxis {
     }
     let direction = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
     let [length, width] = [direction, Vector2::new(-direction.y, direction.x)].map(|axis| {
-        let reach = points.iter().map(|p| p.dot(&axis));
-        let (low, high) = reach
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
+        let [low, high] = range(points.iter().map(|p| p.dot(&axis)));
         high - low
     });
     LongAxis { direction, length, width }

@@ -4,6 +4,7 @@
 use nalgebra::Point3;
 
 use super::union_find::DisjointSets;
+use crate::statistics::median;
 
 /// Points at which the spacing is sampled; their median is accurate to some percent.
 const SAMPLES: usize = 64;
@@ -33,7 +34,7 @@ pub fn places(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
 /// Distance of neighbouring points, in the unit of the points; 0 where there are fewer than four.
 pub fn spacing(points: &[Point3<f64>]) -> f64 {
     let stride = points.len().div_ceil(SAMPLES).max(1);
-    let mut found: Vec<f64> = points
+    let found = points
         .iter()
         .step_by(stride)
         .filter_map(|sample| {
@@ -48,8 +49,7 @@ pub fn spacing(points: &[Point3<f64>]) -> f64 {
             nearest[NEIGHBOUR].is_finite().then(|| nearest[NEIGHBOUR].sqrt())
         })
         .collect();
-    found.sort_by(f64::total_cmp);
-    found.get(found.len() / 2).copied().unwrap_or(0.0)
+    median(found).unwrap_or(0.0)
 }
 
 /// For each point the index of the point that represents its connected group; points are connected
@@ -77,14 +77,9 @@ pub fn roots(points: &[Point3<f64>], spacing: f64) -> Vec<u32> {
 
 /// The 13 of the 26 surrounding cells that come after this one in order.
 fn cells_after([x, y, z]: Cell) -> impl Iterator<Item = Cell> {
-    let near = -1..=1;
-    let offsets = near.clone().flat_map(move |dx| {
-        let near = near.clone();
-        near.clone().flat_map(move |dy| near.clone().map(move |dz| [dx, dy, dz]))
-    });
-    let after = offsets.filter(|offset| *offset > [0, 0, 0]);
-    after
-        .map(move |[dx, dy, dz]| [x.saturating_add(dx), y.saturating_add(dy), z.saturating_add(dz)])
+    (14..27).map(move |at| {
+        [(x, at / 9), (y, at / 3 % 3), (z, at % 3)].map(|(own, step)| own.saturating_add(step - 1))
+    })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 use nalgebra::Vector2;
 
 use super::long_axis::{LongAxis, long_axis};
+use crate::statistics::{median, quantile, range};
 
 /// Share of a foot's points that may lie below its lowest skin: noise and stray points.
 const STRAY_SHARE: f64 = 0.002;
@@ -159,21 +160,17 @@ impl Foot {
 /// How high the skin near the tip reaches above the lowest of an end, mm.
 fn reach_mm(end: &[[f64; 2]]) -> Option<f64> {
     let near = end.iter().filter(|[share, _]| (TOES_SHARE[0]..TOES_SHARE[1]).contains(share));
-    let mut heights: Vec<f64> = near.map(|[_, z]| *z).collect();
+    let heights: Vec<f64> = near.map(|[_, z]| *z).collect();
     if heights.len() < TOES_POINTS_MIN {
         return None;
     }
-    heights.sort_by(f64::total_cmp);
-    let top = heights.get((TOES_TOP_SHARE * heights.len() as f64) as usize)?;
-    Some(top - lowest(end.iter().map(|[_, z]| *z))?)
+    Some(quantile(heights, TOES_TOP_SHARE)? - lowest(end.iter().map(|[_, z]| *z))?)
 }
 
 /// How far apart the lowest skin of heels and balls is, mm; 0 if there is one at most.
 fn spread_mm(feet: &[Foot]) -> f64 {
     let ends = feet.iter().flat_map(|foot| &foot.ends);
-    let heights: Vec<f64> = ends.filter_map(|end| lowest(end.iter().map(|[_, z]| *z))).collect();
-    let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    let [least, highest] = range(ends.filter_map(|end| lowest(end.iter().map(|[_, z]| *z))));
     (highest - least).max(0.0)
 }
 
@@ -211,17 +208,13 @@ pub(crate) fn lowest_mm(foot: &[[f64; 3]]) -> Option<f64> {
 
 /// The lowest of heights, stray ones left out.
 fn lowest(heights: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut heights: Vec<f64> = heights.collect();
-    let stray = (STRAY_SHARE * heights.len() as f64) as usize;
-    (stray < heights.len()).then(|| *heights.select_nth_unstable_by(stray, f64::total_cmp).1)
+    quantile(heights.collect(), STRAY_SHARE)
 }
 
 /// How far the skin of the feet runs inwards at its lower end, mm per mm of height: the median of
 /// directions around each foot. `None` if no direction shows it.
 fn undercut(feet: &[Vec<[f64; 3]>]) -> Option<f64> {
-    let mut shares: Vec<f64> = feet.iter().flat_map(|foot| undercuts(foot)).collect();
-    shares.sort_by(f64::total_cmp);
-    shares.get(shares.len() / 2).copied()
+    median(feet.iter().flat_map(|foot| undercuts(foot)).collect())
 }
 
 /// As [`undercut`], in each direction around one foot that shows it.

@@ -7,6 +7,7 @@ use super::level_reading::doubts;
 use crate::doubt::Doubt;
 use crate::sections::axis_length::AxisLength;
 use crate::sections::section::{Girth, SPACING_MM, Section};
+use crate::statistics::range;
 
 /// The result at a requested height.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,9 +67,7 @@ pub const PROFILE_STEP_MM: f64 = 40.0;
 /// The heights above the floor at which both legs are compared, mm: multiples of [`PROFILE_STEP_MM`] where
 /// sections of the leg were measured.
 pub(crate) fn profile_heights_mm(curve: &GirthCurve) -> Vec<f64> {
-    let measured = curve.rows.iter().filter_map(|row| Some(row.measured?.0));
-    let (low, high) = measured
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| (low.min(mm), high.max(mm)));
+    let [low, high] = range(curve.rows.iter().filter_map(|row| Some(row.measured?.0)));
     let steps = |mm: f64| (mm / PROFILE_STEP_MM).max(0.0);
     let (first, last) = (steps(low).ceil() as u32, steps(high).floor() as u32);
     (first..=last).map(|step| PROFILE_STEP_MM * f64::from(step)).collect()

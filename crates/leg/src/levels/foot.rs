@@ -16,10 +16,10 @@ use crate::method::SectionFit;
 use crate::parting::segment::Leg;
 use crate::sections::axis::LegAxis;
 use crate::sections::equidistant::sections;
-use crate::sections::gap::{GAP_MAX_DEG, largest_gap_deg};
 use crate::sections::hull::Hull;
 use crate::sections::plane_frame::PlaneFrame;
 use crate::sections::section::Section;
+use crate::statistics::{GAP_MAX_DEG, largest_gap_deg, range};
 
 /// The foot's outline is taken below this height, as a share of stature: under the malleoli.
 const TOP_STATURE_SHARE: f64 = 0.035;
@@ -146,9 +146,7 @@ impl Frame {
         let ends = [[0.0, END_MM], [self.length_mm - END_MM, self.length_mm]];
         ends.iter().all(|&[from_mm, to_mm]| {
             let end = self.points.iter().filter(|p| (from_mm..=to_mm).contains(&p.x));
-            let (low, high) = end.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-                (low.min(p.y), high.max(p.y))
-            });
+            let [low, high] = range(end.map(|p| p.y));
             high - low <= END_BREADTH_SHARE * self.breadth_mm
         })
     }

@@ -5,6 +5,7 @@ use gaiter_spline::{Basis, Smoothing, Spline, fit};
 
 use crate::sections::equidistant::Sections;
 use crate::sections::section::{Girth, SPACING_MM};
+use crate::statistics::median;
 
 /// Length of the pieces of the fitted curve, mm: shorter than half of any muscle's bulge (60 mm).
 const INTERVAL_MM: f64 = 12.0;
@@ -98,9 +99,7 @@ fn lambda(basis: &Basis, along: &[f64], tape_mm: &[f64], weights: &[f64]) -> Opt
         let data = [along, tape_mm, weights].map(|values| every(values, first));
         fit(basis, &data[0], &data[1], &data[2], Smoothing::Gcv).ok().map(|fit| fit.lambda)
     };
-    let mut found: Vec<f64> = (0..INDEPENDENT_ROWS).filter_map(one).collect();
-    found.sort_by(f64::total_cmp);
-    found.get(found.len() / 2).copied()
+    median((0..INDEPENDENT_ROWS).filter_map(one).collect())
 }
 
 impl GirthCurve {

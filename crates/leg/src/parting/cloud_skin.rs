@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::skin_border::{OFF_SKIN_MAX_SHARE, SAME_SKIN_MIN_COSINE};
 use crate::frame::point_cloud::spacing;
-use crate::sections::gap::largest_gap_deg;
+use crate::statistics::largest_gap_deg;
 
 /// The plane of the skin is that of at least this many points.
 const PLANE_POINTS_MIN: usize = 5;

@@ -3,6 +3,8 @@
 
 use nalgebra::Point2;
 
+use crate::statistics::range;
+
 /// Step across the body in the search for the notches, mm.
 const STEP_MM: f64 = 2.0;
 
@@ -50,10 +52,7 @@ impl Neck {
         let [from_mm, to_mm] = between_mm;
         let halfway_mm = (from_mm + to_mm) / 2.0;
         let reaches = reaches(outline, from_mm, to_mm);
-        let (front_mm, back_mm) =
-            outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(front, back), point| {
-                (front.min(point.y), back.max(point.y))
-            });
+        let [front_mm, back_mm] = range(outline.iter().map(|point| point.y));
         let depth_mm = (back_mm - front_mm).max(f64::MIN_POSITIVE);
         let front = deepest(&reaches, |reach| reach.front_mm);
         let back = deepest(&reaches, |reach| -reach.back_mm);

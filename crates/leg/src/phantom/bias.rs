@@ -1,5 +1,7 @@
 //! How measured girths differ from the known ones.
 
+use crate::statistics::range;
+
 /// Known girths must differ by this much for scale and offset to be told apart, mm …
 const SPREAD_MIN_MM: f64 = 50.0;
 
@@ -72,9 +74,7 @@ impl PhantomCheck {
     /// cylinders.
     pub fn line(&self) -> Option<BiasLine> {
         let known = || self.girths.iter().map(|girth| girth.known_mm);
-        let (least, most) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| {
-            (low.min(mm), high.max(mm))
-        });
+        let [least, most] = range(known());
         let is_conical = self.girths.iter().any(|girth| girth.slope.abs() > SLOPE_MAX);
         if most - least < SPREAD_MIN_MM || is_conical {
             return None;

@@ -10,7 +10,6 @@ pub(super) mod centroid;
 pub mod cloth;
 mod edges;
 pub mod equidistant;
-pub(super) mod gap;
 pub(super) mod hull;
 pub(super) mod low_harmonics;
 pub mod placed;

@@ -14,11 +14,11 @@ use rayon::prelude::*;
 
 use super::axis::LegAxis;
 use super::centroid::outline_centroid;
-use super::gap::{GAP_MAX_DEG, largest_gap_deg};
 use super::plane_frame::PlaneFrame;
 use super::polynomial;
 use super::section::{Curve, Section, girth};
 use super::slice::Crossing;
+use crate::statistics::{GAP_MAX_DEG, largest_gap_deg, median};
 
 /// Pieces of the periodic curve: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh; the
 /// smoothing determines how much of this resolution is used.
@@ -63,10 +63,8 @@ pub(crate) fn lambda(axis: &LegAxis, along_mm: &[f64], slices: &[Vec<Crossing>])
         let weights = vec![1.0; radii.len()];
         fit(&basis()?, &angles, &radii, &weights, Smoothing::Gcv).ok().map(|fit| fit.lambda)
     };
-    let mut found: Vec<f64> =
-        along_mm.par_iter().zip(slices).step_by(SMOOTHING_STRIDE).filter_map(one).collect();
-    found.sort_by(f64::total_cmp);
-    found.get(found.len() / 2).copied().unwrap_or(0.0)
+    let found = along_mm.par_iter().zip(slices).step_by(SMOOTHING_STRIDE).filter_map(one);
+    median(found.collect()).unwrap_or(0.0)
 }
 
 /// The basis of every periodic section curve.

@@ -16,12 +16,12 @@ use nalgebra::{Point2, Vector2};
 use super::axis::LegAxis;
 use super::centroid::outline_centroid;
 use super::cloth::{Cloth, DIRECTIONS, cloth, direction};
-use super::gap::largest_gap_deg;
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::sag::Sag;
 use super::section::{Curve, Outline, Section, Spokes};
 use crate::parting::segment::Leg;
+use crate::statistics::largest_gap_deg;
 
 /// Pieces of the function around: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh.
 const INTERVALS_AROUND: usize = 48;

@@ -15,6 +15,7 @@ use std::f64::consts::{PI, TAU};
 use super::shells;
 pub use super::shells::SPAN_SHARE;
 use crate::sections::placed::Placed;
+use crate::statistics::median;
 
 /// Directions of the skin: 5° each, 4 mm of a calf, about an edge.
 const DIRECTIONS: usize = 72;
@@ -424,12 +425,6 @@ fn direction(radians: f64) -> usize {
 fn middle(a: f64, b: f64) -> f64 {
     let turn = (b - a + PI).rem_euclid(TAU) - PI;
     a + 0.5 * turn
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    let is_there = middle < values.len();
-    is_there.then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]

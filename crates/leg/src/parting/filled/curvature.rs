@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::sections::slice::Mesh;
+use crate::statistics;
 
 /// The usual curvature at a height is the median over this length of the leg on either side, mm, of this step.
 const STEP_MM: f64 = 20.0;
@@ -81,11 +82,7 @@ pub(super) fn sides(points: usize, edges: &[[u32; 2]], triangles: &[[u32; 3]]) -
 }
 
 /// The middle of some values, or of every so many if they are very many; `None` if there are none.
-pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
+pub(super) fn median(values: Vec<f64>) -> Option<f64> {
     let stride = values.len().div_ceil(SAMPLE_MAX).max(1);
-    if stride > 1 {
-        values = values.into_iter().step_by(stride).collect();
-    }
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+    statistics::median(values.into_iter().step_by(stride).collect())
 }

@@ -22,6 +22,7 @@ use curvature::{by_usual, cross, mean_curvature, median, sides};
 
 use crate::frame::union_find::DisjointSets;
 use crate::sections::slice::Mesh;
+use crate::statistics::range;
 
 /// An edge is long from so many median edges on: on no mesh of good scans is one, also not if it was
 /// decimated to a fifth of its facets.
@@ -428,15 +429,13 @@ impl Skin<'_> {
         let corners = part.iter().flat_map(|triangle| self.mesh.triangles()[*triangle]);
         let points: Vec<Point3<f64>> =
             corners.map(|corner| self.mesh.points()[corner as usize]).collect();
-        let range = |direction: &Vector3<f64>| {
-            let places = points.iter().map(|point| direction.dot(&point.coords));
-            let none = [f64::INFINITY, f64::NEG_INFINITY];
-            places.fold(none, |[low, high], place| [low.min(place), high.max(place)])
+        let along = |direction: &Vector3<f64>| {
+            range(points.iter().map(|point| direction.dot(&point.coords)))
         };
         let aside = self.directions(part).map_or(Vector3::x(), |[_, aside]| aside);
-        let [from_mm, to_mm] = range(&aside);
+        let [from_mm, to_mm] = along(&aside);
         Patch {
-            height_mm: range(&Vector3::z()),
+            height_mm: along(&Vector3::z()),
             width_mm: to_mm - from_mm,
             middle: self.middle_of(part),
             area_mm2: self.area(part),
