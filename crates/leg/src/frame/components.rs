@@ -40,7 +40,7 @@ fn large(roots: &[u32]) -> (impl Fn(u32) -> bool, usize) {
 }
 
 /// For each point the index of the point that represents its shell.
-pub(super) fn connected(count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+pub(crate) fn connected(count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut shells = DisjointSets::new(count);
     for &[a, b, c] in triangles {
         shells.join(a, b);

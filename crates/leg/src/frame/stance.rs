@@ -134,7 +134,12 @@ impl FeetUnclear {
 }
 
 /// What was seen where two shanks, or a single one, were expected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
+     stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
+     hidden, do the legs touch, or is another person or an object beside the patient?"
+)]
 pub struct NoLegs {
     /// Heights at which exactly two were seen.
     pub pairs: usize,
@@ -157,7 +162,9 @@ pub(crate) fn stance(
 ) -> Result<Stance, NoLegs> {
     let shanks = found_shanks(mesh, stature_mm)?;
     let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
-    let directions = toe_directions(&shanks, &feet_points, stature_mm);
+    let stands = shanks.iter().zip(&feet_points);
+    let directions: Result<Vec<Vector2<f64>>, FeetUnclear> =
+        stands.map(|(shank, foot)| toe_direction(*shank, foot, stature_mm)).collect();
     let middle = |(points, shank): (&Vec<[f64; 3]>, &Point2<f64>)| match points.len() {
         0 => *shank,
         n => {
@@ -304,17 +311,6 @@ fn foot_under(mesh: &Mesh, shank: Point2<f64>, top_mm: f64) -> Vec<[f64; 3]> {
     let mut own = own.into_iter().peekable();
     let is_own = |point: &&&Point3<f64>| own.next_if(|place| *place == point.xy()).is_some();
     low.iter().filter(is_own).map(|point| [point.x, point.y, point.z]).collect()
-}
-
-/// Where the toes of each foot point.
-fn toe_directions(
-    shanks: &[Point2<f64>],
-    feet: &[Vec<[f64; 3]>],
-    stature_mm: f64,
-) -> Result<Vec<Vector2<f64>>, FeetUnclear> {
-    let one =
-        |(shank, foot): (&Point2<f64>, &Vec<[f64; 3]>)| toe_direction(*shank, foot, stature_mm);
-    shanks.iter().zip(feet).map(one).collect()
 }
 
 /// How far one shank stands ahead of the other where the toes of both feet point, mm.

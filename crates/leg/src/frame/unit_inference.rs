@@ -57,24 +57,12 @@ pub(crate) fn whole_body(
             let mut found: Vec<Unit> = Unit::ALL.into_iter().filter(plausible).collect();
             found.sort_by(|a, b| a.in_mm().total_cmp(&b.in_mm()));
             match found.as_slice() {
-                &[unit] => unit,
-                &[child, .., adult] => {
-                    if is_child() {
-                        child
-                    } else {
-                        adult
-                    }
-                }
+                &[child, _, ..] if is_child() => child,
+                &[.., adult] => adult,
                 [] => {
-                    let own = (upright.inverse() * extent).abs();
+                    let [x, y, z]: [f64; 3] = (upright.inverse() * extent).abs().into();
                     let (up, height) = (method.up, extent.z);
-                    return Err(BodyFault::NoPlausibleUnit {
-                        up,
-                        height,
-                        x: own.x,
-                        y: own.y,
-                        z: own.z,
-                    });
+                    return Err(BodyFault::NoPlausibleUnit { up, height, x, y, z });
                 }
             }
         }

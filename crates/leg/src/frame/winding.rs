@@ -39,10 +39,7 @@ pub fn check(mesh: &Mesh, declared: Winding) -> Result<bool, BodyFault> {
 /// not, encloses a volume with its own middle.
 fn outward_share(mesh: &Mesh) -> f64 {
     let at = |corner: u32| mesh.points()[corner as usize].coords;
-    let is_skin = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(at);
-        (a - b).norm().max((b - c).norm()).max((c - a).norm()) <= EDGE_MAX_MM
-    };
+    let is_skin = |triangle: &[u32; 3]| mesh.facet(triangle).longest_edge_mm() <= EDGE_MAX_MM;
     let skin: Vec<[u32; 3]> = mesh.triangles().iter().copied().filter(is_skin).collect();
     let pieces = pieces(&skin);
     let mut corners = vec![(0.0, Vector3::zeros()); skin.len()];

@@ -41,8 +41,9 @@ impl<'a> CloudSkin<'a> {
             within.map(|(point, index)| (cell(point, reach_mm), index)).collect();
         by_cell.sort_unstable();
         let mut skin = CloudSkin { points, by_cell, reach_mm, normals: vec![None; points.len()] };
-        for (_, index) in &skin.by_cell {
-            skin.normals[*index as usize] = normal(&skin.near(*index));
+        for &(_, index) in &skin.by_cell {
+            let steps = skin.indices_near(index).map(|other| skin.step(index, other));
+            skin.normals[index as usize] = normal(&steps.collect::<Vec<_>>());
         }
         skin
     }
@@ -96,11 +97,6 @@ impl<'a> CloudSkin<'a> {
         columns.map(|(_, other)| *other).filter(move |other| {
             *other != own && self.step(own, *other).norm_squared() <= self.reach_mm.powi(2)
         })
-    }
-
-    /// Steps to the points within reach.
-    fn near(&self, own: u32) -> Vec<Vector3<f64>> {
-        self.indices_near(own).map(|other| self.step(own, other)).collect()
     }
 }
 

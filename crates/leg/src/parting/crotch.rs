@@ -65,20 +65,19 @@ word_enum! {
 }
 
 impl Crotch {
+    /// A crotch up to which the legs are apart.
+    pub(super) fn at(height_mm: f64, sd_mm: f64, from: CrotchFrom) -> Crotch {
+        Crotch { height_mm, sd_mm, from, touching_from_mm: None }
+    }
+
     /// The crotch at the height where one leg, followed alone, reaches the trunk.
     pub(super) fn of_one_leg(end_mm: f64) -> Crotch {
-        let from = CrotchFrom::OneLeg;
-        Crotch { height_mm: end_mm, sd_mm: ONE_LEG_SD_MM, from, touching_from_mm: None }
+        Crotch::at(end_mm, ONE_LEG_SD_MM, CrotchFrom::OneLeg)
     }
 
     /// A crotch outside the scan.
     pub fn unseen(stature_mm: f64) -> Crotch {
-        Crotch {
-            height_mm: MEAN_SHARE * stature_mm,
-            sd_mm: SD_SHARE * stature_mm,
-            from: CrotchFrom::Proportion,
-            touching_from_mm: None,
-        }
+        Crotch::at(MEAN_SHARE * stature_mm, SD_SHARE * stature_mm, CrotchFrom::Proportion)
     }
 
     /// A crotch hidden between legs that are joined from some height on.

@@ -38,18 +38,13 @@ pub fn crotch(mesh: &Mesh, steps: &[Step], join: usize, growth_mm: f64, stature_
     let notched = joined.iter().take_while(|step| notch_share(step) >= NOTCH_END_SHARE).last();
     let by_notch_mm = notched.map(|step| step.height_mm - NOTCH_ABOVE_CROTCH_SHARE * stature_mm);
     if let Some(height_mm) = by_notch_mm.filter(|mm| *mm > join_mm + TOUCHING_MIN_MM) {
-        let touching_from_mm = Some(join_mm);
-        return Crotch {
-            height_mm,
-            sd_mm: HIDDEN_SD_MM,
-            from: CrotchFrom::Notch,
-            touching_from_mm,
-        };
+        let crotch = Crotch::at(height_mm, HIDDEN_SD_MM, CrotchFrom::Notch);
+        return Crotch { touching_from_mm: Some(join_mm), ..crotch };
     }
     let last = below.iter().rfind(|step| step.neck.is_none());
     let beneath = (join_mm, HIDDEN_SD_MM);
     let (height_mm, sd_mm) = last.map_or(beneath, |last| closed(mesh, last, join_mm, growth_mm));
-    Crotch { height_mm, sd_mm, from: CrotchFrom::Thighs, touching_from_mm: None }
+    Crotch::at(height_mm, sd_mm, CrotchFrom::Thighs)
 }
 
 fn notch_share(step: &Step) -> f64 {

@@ -70,8 +70,8 @@ pub fn crotch(
 /// The crotch at the end of the fold between thighs that are joined from a height on.
 fn grown_together(end: &FoldEnd, join_mm: f64) -> Crotch {
     let touching_from_mm = Some(join_mm).filter(|mm| *mm < end.crotch_mm - TOUCHING_MIN_MM);
-    let from = CrotchFrom::GrownTogether;
-    Crotch { height_mm: end.crotch_mm, sd_mm: end.sd_mm, from, touching_from_mm }
+    let crotch = Crotch::at(end.crotch_mm, end.sd_mm, CrotchFrom::GrownTogether);
+    Crotch { touching_from_mm, ..crotch }
 }
 
 /// The crotch where the skins of the legs are connected.
@@ -84,6 +84,7 @@ fn by_skin(
     stature_mm: f64,
 ) -> Crotch {
     let by_slices = || crotch_by_slices::crotch(mesh, steps, join, growth_mm, stature_mm);
+    let seen = |saddle: Saddle| Crotch::at(saddle.height_mm, APART_SD_MM, CrotchFrom::Saddle);
     let Some(saddle) = saddle else { return by_slices() };
     if mesh.triangles().is_empty() {
         let by_slices = by_slices();
@@ -102,11 +103,6 @@ fn by_skin(
     Crotch { touching_from_mm, ..found }
 }
 
-fn seen(saddle: Saddle) -> Crotch {
-    let (height_mm, from) = (saddle.height_mm, CrotchFrom::Saddle);
-    Crotch { height_mm, sd_mm: APART_SD_MM, from, touching_from_mm: None }
-}
-
 /// The crotch at a saddle that lies on a border of the skin. The way from leg to leg goes around what
 /// was not seen, and no further up than to the end of the notch in front; so the crotch lies between
 /// the lower end of that border, or of that notch, and the saddle.
@@ -114,8 +110,7 @@ fn beside_border(saddle_mm: f64, bottom_mm: f64, stature_mm: f64) -> Crotch {
     let notch_mm = NOTCH_ABOVE_CROTCH_SHARE * stature_mm;
     let below_mm = ((saddle_mm - bottom_mm) / 2.0).min(notch_mm);
     let sd_mm = APART_SD_MM.hypot(HIDDEN_SD_MM * below_mm / notch_mm);
-    let (height_mm, from) = (saddle_mm - below_mm, CrotchFrom::Border);
-    Crotch { height_mm, sd_mm, from, touching_from_mm: None }
+    Crotch::at(saddle_mm - below_mm, sd_mm, CrotchFrom::Border)
 }
 
 /// Whether a saddle in the skin lies on a web between the thighs: the body above it is thin from front to back, or
@@ -194,7 +189,7 @@ mod tests {
     fn a_saddle_just_below_the_end_of_the_fold_is_the_crotch() {
         for (steepness, fold_to_mm) in [(1.0, 700.0), (1.0, 720.0), (0.2, 808.5)] {
             let found = crotch_of(steepness, fold_to_mm);
-            let seen = seen(Saddle { height_mm: 700.0, border_bottom_mm: None });
+            let seen = Crotch::at(700.0, APART_SD_MM, CrotchFrom::Saddle);
             assert_eq!(found, seen, "{steepness} {fold_to_mm}");
         }
     }

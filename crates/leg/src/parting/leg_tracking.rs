@@ -165,12 +165,11 @@ fn add_across_facets(mesh: &Mesh, heights_mm: &[f64], slices: &mut [Vec<Point2<f
     let points = mesh.points();
     for triangle in mesh.triangles() {
         let corners = triangle.map(|corner| points[corner as usize]);
-        let [a, b, c] = corners;
-        let longest_mm = (a - b).norm().max((b - c).norm()).max((c - a).norm());
+        let longest_mm = mesh.facet(triangle).longest_edge_mm();
         if !(LINK_MIN_MM..=EDGE_MAX_MM).contains(&longest_mm) {
             continue;
         }
-        let lowest_mm = a.z.min(b.z).min(c.z);
+        let lowest_mm = corners.iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min);
         let first = heights_mm.partition_point(|height_mm| *height_mm <= lowest_mm);
         for (height_mm, slice) in heights_mm[first..].iter().zip(&mut slices[first..]) {
             let Some([from, to]) = cut_of(&corners, *height_mm) else { break };

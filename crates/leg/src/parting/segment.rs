@@ -59,46 +59,37 @@ pub struct Legs {
     pub crotch: Crotch,
 }
 
-/// Why the legs cannot be separated.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum SegmentFault {
-    /// Every leg ends below where a crotch could be.
-    #[error(
-        "no leg continues above {height_mm:.0} mm: the upper part of the legs is missing in the \
-         scan; scan again"
-    )]
-    LegsEnd {
-        /// Height of the last slice that shows a leg, mm.
-        height_mm: f64,
-    },
-    /// The legs join at the height of the calves.
-    #[error(
-        "the legs merge at {height_mm:.0} mm, on the calf: is there cloth around them? scan \
-         again with the legs bare and apart"
-    )]
-    JoinTooLow {
-        /// The height, mm.
-        height_mm: f64,
-    },
-    /// The legs never join.
-    #[error(
-        "the legs are still separate at {height_mm:.0} mm, above any possible crotch: is the upper body \
-         missing in the scan?"
-    )]
-    NeverJoin {
-        /// Height of the last slice, mm.
-        height_mm: f64,
-    },
-}
-
-impl SegmentFault {
-    /// The stable code of this fault, for `reason.json` and programs.
-    pub fn code(&self) -> &'static str {
-        match self {
-            SegmentFault::LegsEnd { .. } => "segment-legs-end",
-            SegmentFault::JoinTooLow { .. } => "segment-join-too-low",
-            SegmentFault::NeverJoin { .. } => "segment-never-join",
-        }
+coded_enum! {
+    /// Why the legs cannot be separated.
+    #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+    pub enum SegmentFault {
+        /// Every leg ends below where a crotch could be.
+        #[error(
+            "no leg continues above {height_mm:.0} mm: the upper part of the legs is missing in the \
+             scan; scan again"
+        )]
+        LegsEnd {
+            /// Height of the last slice that shows a leg, mm.
+            height_mm: f64,
+        } => "segment-legs-end",
+        /// The legs join at the height of the calves.
+        #[error(
+            "the legs merge at {height_mm:.0} mm, on the calf: is there cloth around them? scan \
+             again with the legs bare and apart"
+        )]
+        JoinTooLow {
+            /// The height, mm.
+            height_mm: f64,
+        } => "segment-join-too-low",
+        /// The legs never join.
+        #[error(
+            "the legs are still separate at {height_mm:.0} mm, above any possible crotch: is the upper body \
+             missing in the scan?"
+        )]
+        NeverJoin {
+            /// Height of the last slice, mm.
+            height_mm: f64,
+        } => "segment-never-join",
     }
 }
 
@@ -110,7 +101,7 @@ pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
     let stature_mm = body.scale_mm;
     let start_mm = START_SHARE * stature_mm;
     let top_mm = CROTCH_SHARE[1] * stature_mm + ABOVE_CROTCH_MM;
-    let mesh = &body.mesh.below(top_mm + EDGE_MAX_MM);
+    let mesh = &body.mesh.part(|facet| facet.middle().z < top_mm + EDGE_MAX_MM);
     let seeds = seeds(mesh, &body.shanks, start_mm);
     let up = follow(mesh, &seeds, &heights(start_mm, top_mm), GROWTH_UP_MM, Parting::Neck);
     let crotch = found_crotch(body, mesh, &up)?;

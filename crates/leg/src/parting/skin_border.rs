@@ -3,6 +3,7 @@
 
 use nalgebra::Point3;
 
+use crate::frame::components::connected;
 use crate::frame::union_find::DisjointSets;
 use crate::sections::slice::Mesh;
 
@@ -32,7 +33,10 @@ impl SkinBorder {
     /// like one skin.
     pub fn above(mesh: &Mesh, from_mm: f64, link_mm: f64) -> SkinBorder {
         let points = open_points(mesh, from_mm);
-        let shells = shells(mesh, &points);
+        if points.is_empty() {
+            return SkinBorder { points, is_seam: Vec::new(), seams: Vec::new() };
+        }
+        let shells = connected(mesh.points().len(), mesh.triangles());
         let mut seams = Vec::new();
         let mut is_seam = vec![false; points.len()];
         for (own, &a) in points.iter().enumerate() {
@@ -41,7 +45,7 @@ impl SkinBorder {
             let near =
                 next.take_while(|(_, b)| mesh.points()[**b as usize].z <= height_mm + link_mm);
             for (other, &b) in near {
-                if shells[own] != shells[other] && goes_on(mesh, a, b, link_mm) {
+                if shells[a as usize] != shells[b as usize] && goes_on(mesh, a, b, link_mm) {
                     seams.push([a, b]);
                     (is_seam[own], is_seam[other]) = (true, true);
                 }
@@ -94,19 +98,6 @@ fn open_points(mesh: &Mesh, from_mm: f64) -> Vec<u32> {
     let mut open: Vec<u32> = (0..points.len() as u32).filter(open).collect();
     open.sort_by(|a, b| points[*a as usize].z.total_cmp(&points[*b as usize].z));
     open
-}
-
-/// For each border point the shell to which it belongs.
-fn shells(mesh: &Mesh, border: &[u32]) -> Vec<u32> {
-    if border.is_empty() {
-        return Vec::new();
-    }
-    let mut sets = DisjointSets::new(mesh.points().len());
-    for &[a, b, c] in mesh.triangles() {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    border.iter().map(|point| sets.root(*point)).collect()
 }
 
 /// Whether the skin goes on from one border point to another.

@@ -133,10 +133,7 @@ impl Mesh {
 
     /// Median length of the triangles' edges, mm; `None` for a point cloud.
     pub fn edge_mm(&self) -> Option<f64> {
-        let at = |point: u32| self.points[point as usize];
-        let stride = self.triangles.len().div_ceil(EDGES_MAX).max(1);
-        let sample = self.triangles.iter().step_by(stride);
-        let mut lengths: Vec<f64> = sample.map(|&[a, b, _]| (at(a) - at(b)).norm()).collect();
+        let mut lengths: Vec<f64> = self.sampled_edges_mm().collect();
         let middle = lengths.len() / 2;
         (middle > 0).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
@@ -157,12 +154,17 @@ impl Mesh {
 
     /// The share of edges that are longer than this, mm, by as many of them as for [`Mesh::edge_mm`].
     pub(crate) fn share_longer(&self, than_mm: f64) -> f64 {
-        let at = |point: u32| self.points[point as usize];
+        let count = self.sampled_edges_mm().len().max(1);
+        let longer = self.sampled_edges_mm().filter(|length_mm| *length_mm > than_mm).count();
+        longer as f64 / count as f64
+    }
+
+    /// Lengths of edges of as many triangles as tell what is usual, mm.
+    fn sampled_edges_mm(&self) -> impl ExactSizeIterator<Item = f64> {
+        let at = move |point: u32| self.points[point as usize];
         let stride = self.triangles.len().div_ceil(EDGES_MAX).max(1);
         let sample = self.triangles.iter().step_by(stride);
-        let count = sample.len().max(1);
-        let longer = sample.filter(|[a, b, _]| (at(*a) - at(*b)).norm() > than_mm).count();
-        longer as f64 / count as f64
+        sample.map(move |&[a, b, _]| (at(a) - at(b)).norm())
     }
 
     /// Triangles as indices into the points.
@@ -173,6 +175,11 @@ impl Mesh {
     /// Edges of the triangles, each once and in ascending order, smaller index first.
     pub fn edges(&self) -> &[[u32; 2]] {
         self.edges.get_or_init(|| edges(self.points.len(), &self.triangles))
+    }
+
+    /// A triangle with its corners.
+    pub(crate) fn facet(&self, triangle: &[u32; 3]) -> Facet {
+        Facet(triangle.map(|corner| self.points[corner as usize].coords))
     }
 
     /// What meets at each point.
@@ -186,11 +193,6 @@ impl Mesh {
     /// Unit normal of the skin at a point, of arbitrary sign; zero for a point cloud.
     pub fn normal(&self, point: u32) -> Vector3<f64> {
         self.normals.get(point as usize).copied().unwrap_or_default()
-    }
-
-    /// The part below a height.
-    pub fn below(&self, height_mm: f64) -> Mesh {
-        self.part(|facet| facet.middle().z < height_mm)
     }
 
     /// The triangles that `keeps` accepts, with their points; for a point cloud the points, as facets
@@ -214,8 +216,7 @@ impl Mesh {
         }
         let mut parts: [Vec<[u32; 3]>; N] = std::array::from_fn(|_| Vec::new());
         for triangle in &self.triangles {
-            let facet = Facet(triangle.map(|corner| self.points[corner as usize].coords));
-            if let Some(part) = which(&facet) {
+            if let Some(part) = which(&self.facet(triangle)) {
                 parts[part].push(*triangle);
             }
         }

@@ -33,8 +33,6 @@ pub struct Edge {
     pub along_mm: f64,
     /// How far the radius grows upwards, mm; negative where cloth ends.
     pub step_mm: f64,
-    /// Its standard error, mm.
-    pub sd_mm: f64,
     /// Whether it is sharper than flesh.
     pub is_sharp: bool,
 }
@@ -73,12 +71,6 @@ impl Cover {
     /// How thick the cloth is, mm.
     pub fn thickness_mm(&self) -> f64 {
         self.edge().map_or(0.0, |edge| edge.step_mm.abs())
-    }
-
-    /// Whether a place is covered, or lies within a distance of an edge.
-    pub fn reaches(&self, along_mm: f64, within_mm: f64) -> bool {
-        self.lower.is_none_or(|edge| along_mm > edge.along_mm - within_mm)
-            && self.upper.is_none_or(|edge| along_mm < edge.along_mm + within_mm)
     }
 }
 

@@ -227,8 +227,7 @@ impl Reading {
     }
 
     pub(super) fn edge(&self, is_sharp: bool) -> Edge {
-        let Reading { along_mm, sd_mm, .. } = *self;
-        Edge { along_mm, step_mm: self.step.height_mm, sd_mm, is_sharp }
+        Edge { along_mm: self.along_mm, step_mm: self.step.height_mm, is_sharp }
     }
 
     /// Whether another one is the other side of a fold.

@@ -52,7 +52,6 @@ fn trousers_begin_at_their_hem_and_stand_off_by_what_they_do() {
     let found = sure(&leg(|along, _| if along > 90.0 { 42.0 } else { 30.0 }));
     assert_edge(found.lower, 90.0, 12.0);
     assert_eq!(found.upper, None);
-    assert!(found.reaches(300.0, 0.0) && !found.reaches(80.0, 0.0) && found.reaches(80.0, 25.0));
 }
 
 #[test]
@@ -100,7 +99,6 @@ fn a_sock_covers_what_lies_below_its_edge() {
     let found = sure(&leg(|along, _| if along > 150.0 { 30.0 } else { 33.0 }));
     assert_eq!(found.lower, None);
     assert_edge(found.upper, 150.0, -3.0);
-    assert!(found.reaches(60.0, 0.0) && !found.reaches(180.0, 25.0));
 }
 
 #[test]
