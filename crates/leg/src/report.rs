@@ -17,7 +17,6 @@ use crate::levels::foot::{Foot, foot};
 use crate::levels::girth::GirthCurve;
 use crate::levels::landmark::{Estimate, Landmark};
 use crate::levels::level_reading::Ruler;
-use crate::levels::medial_length::surface_length_mm;
 use crate::levels::search::{Levels, levels};
 use crate::levels::thigh::{KNEE_STATURE_SHARE, g, knee_and_thigh};
 use crate::levels::tilt;
@@ -225,7 +224,7 @@ fn measures(
     let g = g(&ruler, crotch, choices.g_below_crotch_mm);
     levels.found.extend(g.clone().filter(|_| crotch.is_seen()));
     for landmark in &mut levels.found {
-        landmark.surface_length_mm = surface_length_mm(sections, landmark.along_mm);
+        landmark.surface_length_mm = sections.surface_length_mm(landmark.along_mm);
     }
     let d = levels.found.iter().find(|landmark| landmark.level == Level::D);
     let stature_mm = [scale_mm, body.scale_sd_share * scale_mm];

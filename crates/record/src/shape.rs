@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use gaiter_leg::features::feature::curvatures;
 use gaiter_leg::sections::axis::LegAxis;
 use gaiter_leg::surface::error_map::ErrorMap;
-use gaiter_leg::surface::shape::{COLUMNS, Shape, radii};
+use gaiter_leg::surface::shape::{COLUMNS, Shape};
 use gaiter_leg::{LegReport, LevelSection};
 use nalgebra::{Point3, Vector3};
 use serde::de::Error;
@@ -260,7 +260,7 @@ pub(super) fn outline(leg: &LegAxis, at: &LevelSection) -> OutlineFigures {
         centre_mm: plane.point(&section.centre).coords.map(mm).into(),
         front: direction(&plane.front),
         lateral: direction(&plane.lateral),
-        radius_mm: radii(section, OUTLINE_ANGLES).into_iter().map(mm).collect(),
+        radius_mm: section.curve.radii(OUTLINE_ANGLES, None).into_iter().map(mm).collect(),
         curvature_per_mm: curvatures(section, OUTLINE_ANGLES).into_iter().map(per_mm).collect(),
         scan_angle_deg: at.scan.iter().map(|point| degrees(point.angle_deg)).collect(),
         scan_radius_mm: at.scan.iter().map(|point| mm(point.radius_mm)).collect(),

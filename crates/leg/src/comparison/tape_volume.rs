@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 /// Cubic millimetres in a millilitre.
-const MM3_PER_ML: f64 = 1000.0;
+pub(super) const MM3_PER_ML: f64 = 1000.0;
 
 word_enum! {
     /// How a volume is made of girths at fixed places.

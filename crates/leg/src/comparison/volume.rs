@@ -3,6 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::tape_volume::MM3_PER_ML;
 use crate::level::Level;
 use crate::levels::girth::GirthCurve;
 use crate::levels::landmark::Landmark;
@@ -12,9 +13,6 @@ use crate::sections::section::{Curve, Section};
 
 /// Length of the slices that clinics chart, mm: tape measurements are taken every 4 cm from the floor.
 const SLICE_MM: f64 = 40.0;
-
-/// Cubic millimetres in a millilitre.
-const MM3_PER_ML: f64 = 1000.0;
 
 /// Nodes on (−1, 1) and weights of the four-point Gauss-Legendre rule, exact to degree 7.
 const GAUSS: [[f64; 2]; 4] = [
@@ -126,12 +124,6 @@ fn sweeps(axis: &LegAxis, run: &[&Section]) -> Vec<f64> {
     (0..run.len()).map(sweep).collect()
 }
 
-impl AreaRow {
-    fn swept(self, sweep: f64) -> AreaRow {
-        AreaRow { area_mm2: self.area_mm2.map(|area_mm2| area_mm2 * sweep), ..self }
-    }
-}
-
 impl AreaCurve {
     /// The areas of a leg's sections; `curve` provides the standard errors of their girths.
     pub fn of(sections: &Sections, curve: &GirthCurve) -> AreaCurve {
@@ -148,7 +140,11 @@ impl AreaCurve {
         let measured = |run: &[Row]| -> Vec<AreaRow> {
             let run: Vec<&Section> = run.iter().filter_map(|row| row.section.as_ref()).collect();
             let rows = run.iter().map(|section| row(section)).zip(sweeps(&sections.axis, &run));
-            rows.map(|(row, sweep)| row.swept(sweep)).collect()
+            let swept = |(row, sweep): (AreaRow, f64)| AreaRow {
+                area_mm2: row.area_mm2.map(|area_mm2| area_mm2 * sweep),
+                ..row
+            };
+            rows.map(swept).collect()
         };
         let runs = runs.map(measured);
         AreaCurve { runs: runs.filter(|run| !run.is_empty()).collect() }

@@ -13,7 +13,7 @@ use super::circular_extrema::{Place, Turn, standing_out};
 use super::harmonic::Harmonics;
 use super::{curvature, harmonic};
 use crate::sections::plane_frame::PlaneFrame;
-use crate::sections::section::{Curve, Section, Spokes};
+use crate::sections::section::{Section, Spokes};
 
 /// Angles at which the curvature is taken.
 const ANGLES: usize = 360;
@@ -106,11 +106,6 @@ impl Angles {
     pub fn of(section: &Section) -> Angles {
         Angles { harmonics: Harmonics::at(ANGLES), spokes: section.curve.spokes(ANGLES) }
     }
-
-    /// The radii of a curve at them, mm.
-    fn radii(&self, curve: &Curve) -> Vec<f64> {
-        curve.radii(ANGLES, self.spokes.as_ref())
-    }
 }
 
 /// The middles of a section's curvature peaks, radians in (−π, π]: what a column of the surface's grid
@@ -148,7 +143,8 @@ fn angle(index: f64) -> f64 {
 
 /// The section without its finest harmonics, relative to its centre, from −180° on.
 fn outline(section: &Section, angles: &Angles) -> Vec<Point2<f64>> {
-    let smooth = angles.harmonics.smoothed(&angles.radii(&section.curve));
+    let radii_mm = section.curve.radii(ANGLES, angles.spokes.as_ref());
+    let smooth = angles.harmonics.smoothed(&radii_mm);
     // The first angle is −180°, so each direction is inverted.
     let directions = angles.harmonics.directions().map(|(cos, sin)| (-cos, -sin));
     smooth

@@ -7,7 +7,6 @@ pub mod foot;
 pub mod girth;
 pub mod landmark;
 pub(super) mod level_reading;
-pub(super) mod medial_length;
 pub mod search;
 pub(super) mod thigh;
 pub(super) mod tilt;

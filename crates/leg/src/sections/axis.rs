@@ -42,42 +42,39 @@ impl LegAxis {
         self.bend.as_ref().map_or(0.0, Bend::angle_deg)
     }
 
+    /// The bend, at a distance along the axis of the shank above which the planes turn.
+    fn bend_at(&self, along_mm: f64) -> Option<&Bend> {
+        self.bend.as_ref().filter(|bend| along_mm > bend.from_mm())
+    }
+
     /// Distance along the axis of the plane in which a point lies, mm from the floor.
     pub fn along(&self, point: &Point3<f64>) -> f64 {
         let along_mm = self.foot.above(point);
-        match &self.bend {
-            Some(bend) if along_mm > bend.from_mm() => bend.along(point),
-            _ => along_mm,
-        }
+        self.bend_at(along_mm).map_or(along_mm, |bend| bend.along(point))
     }
 
     /// Distance along the axis at which it is this high above the floor, mm.
     pub fn along_at_height(&self, height_mm: f64) -> f64 {
         let along_mm = height_mm / self.foot.normal.z;
-        match &self.bend {
-            Some(bend) if along_mm > bend.from_mm() => bend.along_at_height(height_mm),
-            _ => along_mm,
-        }
+        self.bend_at(along_mm).map_or(along_mm, |bend| bend.along_at_height(height_mm))
     }
 
     /// The plane at a distance along the axis.
     pub fn plane(&self, along_mm: f64) -> PlaneFrame {
-        match &self.bend {
-            Some(bend) if along_mm > bend.from_mm() => bend.plane(along_mm),
-            _ => self.foot.raised(along_mm),
-        }
+        self.bend_at(along_mm)
+            .map_or_else(|| self.foot.raised(along_mm), |bend| bend.plane(along_mm))
     }
 
     /// The place of a point in the straightened leg: the distance along the axis of the plane in which it
     /// lies, and its coordinates (front, lateral) there, mm.
     pub fn place(&self, point: &Point3<f64>) -> (f64, Point2<f64>) {
         let along_mm = self.foot.above(point);
-        match &self.bend {
-            Some(bend) if along_mm > bend.from_mm() => {
+        match self.bend_at(along_mm) {
+            Some(bend) => {
                 let (along_mm, plane) = bend.plane_of(point);
                 (along_mm, plane.coordinates(point))
             }
-            _ => (along_mm, self.foot.coordinates(point)),
+            None => (along_mm, self.foot.coordinates(point)),
         }
     }
 

@@ -4,11 +4,10 @@
 //! up to 3.6° towards the better visible side. A line through the centroids of sections, all with
 //! equal weight, does not depend on how densely the skin was sampled.
 
-use gaiter_spline::{Basis, Smoothing, fit};
-use nalgebra::{Matrix3, Point3, SymmetricEigen, Unit, Vector3};
+use nalgebra::{Matrix3, Point2, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::axis::LegAxis;
-use super::bend::{self, Bend, Line, Middle};
+use super::bend::{self, Bend, Line, MIDDLE_INTERVAL_MM, Middle};
 use super::centroid::outline_centroid;
 use super::plane_frame::PlaneFrame;
 use crate::method::{AxisFit, Tape};
@@ -64,9 +63,6 @@ const BEND_MAX_DEG: f64 = 55.0;
 /// The middle of the leg is looked at over these shares of stature: beyond the turn of the planes, also
 /// if the stature is 4 % off.
 const MIDDLE_STATURE_SHARE: [f64; 2] = [0.265, 0.415];
-
-/// Length of the pieces of the middle's curve, mm.
-const MIDDLE_INTERVAL_MM: f64 = 60.0;
 
 coded_enum! {
     /// Why a leg has no axis.
@@ -170,7 +166,7 @@ pub(crate) fn for_stature(
     let straight = LegAxis::straight(shank.through, &shank.direction, leg.side);
     let Some(bend) = &axis.bend else { return Some(straight) };
     let thigh = next_line(leg, &bend.thigh, &thigh_stretch(stature_mm, top_mm)).ok()?;
-    let bend = Bend::of(&straight.foot, thigh, bend.middle().clone(), stature_mm, leg.side);
+    let bend = Bend::of(&straight.foot, thigh, bend.middle.clone(), stature_mm, leg.side);
     Some(LegAxis { bend: Some(bend), ..straight })
 }
 
@@ -272,14 +268,8 @@ fn middle(leg: &Leg, stature_mm: f64) -> Option<Middle> {
     if low - from_mm > MIDDLE_INTERVAL_MM / 2.0 || to_mm - high > MIDDLE_INTERVAL_MM / 2.0 {
         return None;
     }
-    let intervals = ((to_mm - from_mm) / MIDDLE_INTERVAL_MM).ceil() as usize;
-    let basis = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
-    let weights = vec![1.0; heights.len()];
-    let curve = |axis: usize| {
-        let values: Vec<f64> = centroids.iter().map(|centroid| centroid[axis]).collect();
-        fit(&basis, &heights, &values, &weights, Smoothing::None).ok()
-    };
-    Some([curve(0)?, curve(1)?])
+    let points: Vec<Point2<f64>> = centroids.iter().map(|centroid| centroid.xy()).collect();
+    bend::middle([from_mm, to_mm], &heights, &points)
 }
 
 /// The axis of a leg as in the paper: the first principal component of all its points below the

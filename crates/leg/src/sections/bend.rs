@@ -5,8 +5,8 @@
 //! along the axis is a cubic of z that continues the distances along shank and thigh with their
 //! slopes, so that the coordinates are smooth across both ends.
 
-use gaiter_spline::Spline;
-use nalgebra::{Point3, Unit, Vector3};
+use gaiter_spline::{Basis, Smoothing, Spline, fit};
+use nalgebra::{Point2, Point3, Unit, Vector3};
 
 use super::plane_frame::PlaneFrame;
 use crate::side::Side;
@@ -46,6 +46,25 @@ impl Line {
 /// The middle of a leg's horizontal sections, x and y over the height, as smooth curves, mm.
 pub type Middle = [Spline; 2];
 
+/// Length of the pieces of the middle's curves, mm.
+pub(super) const MIDDLE_INTERVAL_MM: f64 = 60.0;
+
+/// The middle from one place along a leg to another, as smooth curves through points at places.
+pub(super) fn middle(
+    [from_mm, to_mm]: [f64; 2],
+    places_mm: &[f64],
+    points: &[Point2<f64>],
+) -> Option<Middle> {
+    let intervals = ((to_mm - from_mm) / MIDDLE_INTERVAL_MM).ceil() as usize;
+    let basis = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
+    let weights = vec![1.0; places_mm.len()];
+    let curve = |axis: usize| {
+        let values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+        fit(&basis, places_mm, &values, &weights, Smoothing::None).ok()
+    };
+    Some([curve(0)?, curve(1)?])
+}
+
 /// The turn of the planes about the knee.
 #[derive(Debug, Clone)]
 pub struct Bend {
@@ -53,7 +72,7 @@ pub struct Bend {
     shank: Line,
     /// The axis of the thigh.
     pub thigh: Line,
-    middle: Middle,
+    pub(super) middle: Middle,
     /// The heights between which the planes turn, mm.
     height_mm: [f64; 2],
     /// The distances along the axis of the first and the last plane that turns, mm.
@@ -101,11 +120,6 @@ impl Bend {
     /// Angle between the axes of shank and thigh, degrees.
     pub fn angle_deg(&self) -> f64 {
         self.shank.direction.angle(&self.thigh.direction).to_degrees()
-    }
-
-    /// The middle of the leg on which the planes stand.
-    pub fn middle(&self) -> &Middle {
-        &self.middle
     }
 
     /// Distance along the axis up to which all planes are square to the shank, mm.

@@ -1,5 +1,7 @@
 //! The sections of a whole leg, equidistant along its axis (paper 1.1, fig. 2e).
 
+use std::f64::consts::FRAC_PI_2;
+
 use rayon::prelude::*;
 
 use super::axis::LegAxis;
@@ -11,6 +13,9 @@ use super::skin::Skin;
 use super::slice::Crossing;
 use crate::method::SectionFit;
 use crate::parting::segment::Leg;
+
+/// The medial side, where fitters place the tape along the leg, as an angle around a section.
+const MEDIAL: f64 = -FRAC_PI_2;
 
 /// The sections of a leg from the foot to the groin.
 #[derive(Debug, Clone)]
@@ -76,6 +81,26 @@ impl Sections {
         let far = |row: &&Row| (row.along_mm - along_mm).abs();
         let row = self.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
         row.and_then(|row| row.section.as_ref())
+    }
+
+    /// Length from the floor to a level along the medial skin, mm: straight lines from section to
+    /// section, across any gaps, and straight down from the lowest section, because the tape hangs
+    /// beside the foot there. `None` outside the measured sections.
+    pub(crate) fn surface_length_mm(&self, along_mm: f64) -> Option<f64> {
+        let measured = self.rows.iter().filter_map(|row| row.section.as_ref());
+        let point = |section: &Section| section.point(&self.axis.plane(section.along_mm), MEDIAL);
+        let mut below = measured.clone().next().filter(|section| section.along_mm <= along_mm)?;
+        let mut length_mm = point(below).z;
+        for section in measured.skip(1) {
+            let step_mm = (point(section) - point(below)).norm();
+            if section.along_mm >= along_mm {
+                let share = (along_mm - below.along_mm) / (section.along_mm - below.along_mm);
+                return Some(length_mm + share * step_mm);
+            }
+            length_mm += step_mm;
+            below = section;
+        }
+        None
     }
 
     /// What covers the leg between two distances along the axis; only the fit of all of the skin knows.

@@ -59,15 +59,9 @@ impl Pairs {
         let is_near = |point: &&Point3<f64>| (point.z - along_mm).abs() <= self.threshold_mm;
         let lower = below.iter().rev().take_while(is_near);
         let upper = above.iter().take_while(is_near);
-        let upwards = lower.filter_map(|own| {
-            let other = nearest(own, above.iter())?;
-            Some(meeting(own, other, along_mm))
-        });
-        let downwards = upper.filter_map(|own| {
-            let other = nearest(own, below.iter().rev())?;
-            Some(meeting(own, other, along_mm))
-        });
-        upwards.chain(downwards).collect()
+        let upwards = lower.filter_map(|own| Some((own, nearest(own, above.iter())?)));
+        let downwards = upper.filter_map(|own| Some((own, nearest(own, below.iter().rev())?)));
+        upwards.chain(downwards).map(|(own, other)| meeting(own, other, along_mm)).collect()
     }
 }
 

@@ -11,7 +11,7 @@ use super::plane_frame::PlaneFrame;
 use super::polynomial::Polynomial;
 
 /// Number of angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
-const GIRTH_ANGLES: usize = 720;
+pub(super) const GIRTH_ANGLES: usize = 720;
 
 /// Distance between neighbouring sections along the axis, mm.
 pub const SPACING_MM: f64 = 5.0;
@@ -106,8 +106,8 @@ impl Curve {
     /// Radii at equal angles from −180° on; quickest with spokes for so many angles in this curve's basis.
     pub fn radii(&self, count: usize, spokes: Option<&Spokes>) -> Vec<f64> {
         match (self, spokes) {
-            (Curve::Periodic { basis, coefficients }, Some(spokes)) if spokes.fit(basis) => {
-                spokes.radii(coefficients)
+            (Curve::Periodic { basis, coefficients }, Some(spokes)) if spokes.basis == *basis => {
+                spokes.spokes.iter().map(|(row, _)| row.dot(coefficients)).collect()
             }
             _ => (0..count)
                 .map(|index| self.radius(-PI + TAU * index as f64 / count as f64))
@@ -184,21 +184,6 @@ impl Spokes {
         let angles = (0..count).map(|index| -PI + TAU * index as f64 / count as f64);
         let spoke = |angle: f64| (basis.row(angle), Vector2::new(angle.cos(), angle.sin()));
         Spokes { basis: basis.clone(), spokes: angles.map(spoke).collect() }
-    }
-
-    /// The angles at which girths are measured.
-    pub(super) fn of_girths(basis: &Basis) -> Spokes {
-        Spokes::at(GIRTH_ANGLES, basis)
-    }
-
-    /// Whether they are for curves in this basis.
-    pub fn fit(&self, basis: &Basis) -> bool {
-        self.basis == *basis
-    }
-
-    /// The radii of the curve with these coefficients.
-    pub fn radii(&self, coefficients: &[f64]) -> Vec<f64> {
-        self.spokes.iter().map(|(row, _)| row.dot(coefficients)).collect()
     }
 
     /// Like [`girth`], for the curve with these coefficients.

@@ -10,16 +10,17 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use gaiter_spline::{Basis, Row, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter, r2};
+use gaiter_spline::{Basis, Row, Scatter, TensorFit, fit_scatter, r2};
 use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
+use super::bend::{self, Middle};
 use super::centroid::outline_centroid;
 use super::cloth::{Cloth, DIRECTIONS, cloth, direction};
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::sag::Sag;
-use super::section::{Curve, Outline, Section, Spokes};
+use super::section::{Curve, GIRTH_ANGLES, Outline, Section, Spokes};
 use crate::parting::segment::Leg;
 use crate::statistics::largest_gap_deg;
 
@@ -43,9 +44,6 @@ const STRAY_MM: f64 = 6.0;
 
 /// Distance between the outlines that determine the middle of the leg, mm.
 const MIDDLE_SPACING_MM: f64 = 20.0;
-
-/// Length of the pieces of the middle's curve, mm.
-const MIDDLE_INTERVAL_MM: f64 = 60.0;
 
 /// A section counts as seen in a direction if there is a point within this many point spacings of
 /// its plane.
@@ -83,7 +81,7 @@ const TILT_ANGLES: usize = 180;
 #[derive(Debug, Clone)]
 pub struct Skin {
     /// The middle of the leg, (front, lateral) in mm from the axis, over the distance along it.
-    middle: [Spline; 2],
+    middle: Middle,
     fit: TensorFit,
     /// The correction to the fitted radius.
     waves: Waves,
@@ -158,7 +156,7 @@ impl Skin {
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
-        let spokes = Spokes::of_girths(&around);
+        let spokes = Spokes::at(GIRTH_ANGLES, &around);
         Some(Skin { middle, fit, waves, sag, spokes, points, outliers, spacing_mm, points_per_mm })
     }
 
@@ -329,22 +327,14 @@ fn within(points: &[SkinPoint], along_mm: f64, reach_mm: f64) -> &[SkinPoint] {
 }
 
 /// The middle of the leg as two smooth curves through the centroids of outlines.
-fn middle(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<[Spline; 2]> {
+fn middle(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Middle> {
     let count = ((to_mm - from_mm) / MIDDLE_SPACING_MM).ceil() as usize;
     let step = (to_mm - from_mm) / count.max(1) as f64;
     let along: Vec<f64> = (0..=count).map(|index| from_mm + step * index as f64).collect();
     let slices = axis.slices(leg, &along);
     let centroids = along.iter().zip(&slices);
-    let centroids: Vec<(f64, Point2<f64>)> = centroids
+    let (places, points): (Vec<f64>, Vec<Point2<f64>>) = centroids
         .filter_map(|(along, slice)| Some((*along, outline_centroid(&axis.points(*along, slice))?)))
-        .collect();
-    let intervals = ((to_mm - from_mm) / MIDDLE_INTERVAL_MM).ceil() as usize;
-    let basis = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
-    let places: Vec<f64> = centroids.iter().map(|(along, _)| *along).collect();
-    let weights = vec![1.0; places.len()];
-    let one = |axis: usize| {
-        let values: Vec<f64> = centroids.iter().map(|(_, centroid)| centroid[axis]).collect();
-        fit(&basis, &places, &values, &weights, Smoothing::None).ok()
-    };
-    Some([one(0)?, one(1)?])
+        .unzip();
+    bend::middle([from_mm, to_mm], &places, &points)
 }

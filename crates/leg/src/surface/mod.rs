@@ -3,10 +3,8 @@
 
 pub(super) mod cylindrical;
 pub mod error_map;
-pub(super) mod extent;
 pub mod fit_error;
 pub mod foot_skin;
-mod grid;
 pub mod hole;
 pub mod nurbs;
 pub mod ridge;

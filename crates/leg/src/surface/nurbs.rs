@@ -6,13 +6,12 @@ use gaiter_spline::{
     DEGREE, FitFault, GridData, GridDomain, GridMethod, Knots, KnotsUsed, Surface, SurfaceFit,
     fit_grid_by,
 };
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::cylindrical::Unrolled;
 use super::error_map::ErrorMap;
-use super::extent::span;
 use super::fit_error::{FitError, Off, Place};
-use super::grid::Grid;
 use super::hole::{Coverage, Hole};
 use super::ridge::ridges;
 use super::ridge_parametrization::Columns;
@@ -28,6 +27,17 @@ const ROW_MM: f64 = 12.0;
 
 /// Default number of columns of control points.
 const COLUMNS: usize = 36;
+
+/// Columns of the grid: one every 5°, about as many as the skin has pieces.
+const GRID_COLUMNS: usize = 72;
+
+/// A section that is not measured still contributes its seen part to the surface, unless its gap is
+/// wider than this, degrees.
+const BRIDGED_GAP_DEG: f64 = 180.0;
+
+/// A band longer than this without a measured section is not bridged, mm, because the girth of a
+/// calf may have an extremum within it.
+const BAND_MAX_MM: f64 = 40.0;
 
 /// Rows of the grid needed for each row of control points, so that none is determined only by the
 /// ridge term.
@@ -159,8 +169,8 @@ pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSur
     let columns = Columns::following(&ridges(&measured), low, high)?;
     let unrolled = Unrolled::new(axis, &outlines, &columns);
     let points = unrolled.points(leg, low - BEYOND_MM, high + BEYOND_MM);
-    let grid = Grid::of(axis, &outlines, &columns);
-    let SurfaceFit { surface, knots, .. } = fitted(&grid, levels, wanted.control_points)?;
+    let SurfaceFit { surface, knots, .. } =
+        fitted(axis, &outlines, &columns, levels, wanted.control_points)?;
     let surface = with_plane_ends(axis, &surface)?;
     if let Some(height_mm) = fold(&unrolled, &surface) {
         return Err(NoSurface::Folded { height_mm });
@@ -200,6 +210,26 @@ pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSur
     })
 }
 
+/// The outlines, ascending, of the part of the leg that covers most of the heights and has no
+/// longer band without a measured section. The part begins with the highest section that is not
+/// above the lower height.
+fn span(sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> Vec<Outline> {
+    let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
+    let measured: Vec<&Section> = measured.collect();
+    let parts = measured.chunk_by(|low, high| high.along_mm - low.along_mm <= BAND_MAX_MM);
+    let covered_mm = |part: &&[&Section]| {
+        let (Some(first), Some(last)) = (part.first(), part.last()) else { return 0.0 };
+        last.height_mm.min(high_mm) - first.height_mm.max(low_mm)
+    };
+    let Some(part) = parts.max_by(|a, b| covered_mm(a).total_cmp(&covered_mm(b))) else {
+        return Vec::new();
+    };
+    let first = part.iter().rposition(|section| section.height_mm <= low_mm).unwrap_or(0);
+    let (from_mm, to_mm) = (part[first].along_mm, part[part.len() - 1].along_mm);
+    let rows = sections.rows.iter().filter(|row| (from_mm..=to_mm).contains(&row.along_mm));
+    rows.filter_map(|row| sections.outline(row, BRIDGED_GAP_DEG)).collect()
+}
+
 /// The levels (which ascend) without those too close to the previous one or to an end.
 fn apart(levels_mm: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
     let is_inner = |mm: &f64| (low + APART_MM..=high - APART_MM).contains(mm);
@@ -208,13 +238,25 @@ fn apart(levels_mm: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
     inner
 }
 
-/// The surface through a grid, with a row of knots at each level.
+/// The surface through the quasi-grid of outlines, which must ascend, with a row of knots at each level. The rows of the
+/// grid have one common sequence of columns (paper 2), so that every row has the same number of points and a column keeps
+/// its meaning along the leg.
 fn fitted(
-    grid: &Grid,
+    axis: &LegAxis,
+    outlines: &[Outline],
+    columns: &Columns,
     levels: Vec<f64>,
     control_points: Option<[usize; 2]>,
 ) -> Result<SurfaceFit, FitFault> {
-    let along = &grid.along_mm;
+    let along: Vec<f64> = outlines.iter().map(|outline| outline.along_mm).collect();
+    let around: Vec<f64> =
+        (0..GRID_COLUMNS).map(|c| -PI + TAU * c as f64 / GRID_COLUMNS as f64).collect();
+    let row = |outline: &Outline| {
+        let angle = columns.angles_at(outline.along_mm);
+        let plane = axis.plane(outline.along_mm);
+        around.iter().map(|v| outline.point(&plane, angle(*v))).collect::<Vec<_>>()
+    };
+    let points: Vec<Point3<f64>> = outlines.iter().flat_map(row).collect();
     let (low, high) = (along[0], along[along.len() - 1]);
     let rows = ((high - low) / ROW_MM).round() as usize + DEGREE;
     let most = (along.len() as f64 / ROWS_PER_CONTROL_ROW) as usize;
@@ -224,7 +266,7 @@ fn fitted(
         marks: levels,
     };
     let domain = GridDomain { along: [low, high], around_from: -PI, period: TAU };
-    let data = GridData { along, around: &grid.columns, points: &grid.points };
+    let data = GridData { along: &along, around: &around, points: &points };
     fit_grid_by(&data, &domain, &method)
 }
 
@@ -310,7 +352,7 @@ impl LegSurface {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Point2, Point3, Vector3};
+    use nalgebra::{Point2, Vector3};
 
     use super::*;
     use crate::sections::section::Curve;

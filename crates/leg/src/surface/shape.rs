@@ -1,7 +1,5 @@
 //! The shape of a leg for pictures: coarser than the measured data, and not used for measurements.
 
-use std::f64::consts::{PI, TAU};
-
 use gaiter_spline::Surface;
 use nalgebra::Point3;
 
@@ -13,6 +11,7 @@ use crate::parting::segment::Leg;
 use crate::sections::axis::LegAxis;
 use crate::sections::equidistant::Sections;
 use crate::sections::section::Section;
+use crate::sections::slice::Crossing;
 
 /// Number of points around a row, at equal angles from −180° on.
 pub const COLUMNS: usize = error_map::ANGLES;
@@ -85,7 +84,7 @@ fn rows_of(surface: &Surface, columns: &Columns, map: &ErrorMap) -> Vec<Vec<Poin
 pub(crate) fn on_planes(axis: &LegAxis, leg: &Leg, sections: &[&Section]) -> Vec<Vec<OnPlane>> {
     let along_mm: Vec<f64> = sections.iter().map(|section| section.along_mm).collect();
     let slices = axis.slices(leg, &along_mm);
-    let of = |(section, slice): (&&Section, &Vec<crate::sections::slice::Crossing>)| {
+    let of = |(section, slice): (&&Section, &Vec<Crossing>)| {
         let on_plane = share(&axis.points(section.along_mm, slice), SECTION_POINTS);
         let mut points: Vec<OnPlane> = on_plane
             .iter()
@@ -98,11 +97,6 @@ pub(crate) fn on_planes(axis: &LegAxis, leg: &Leg, sections: &[&Section]) -> Vec
         points
     };
     sections.iter().zip(&slices).map(of).collect()
-}
-
-/// The radius of a section at `count` equal angles from −180° on, mm.
-pub fn radii(section: &Section, count: usize) -> Vec<f64> {
-    (0..count).map(|i| section.curve.radius(-PI + TAU * i as f64 / count as f64)).collect()
 }
 
 /// At most about `most` of the items, spread evenly over their order.
