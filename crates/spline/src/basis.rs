@@ -240,17 +240,7 @@ impl Basis {
     /// The value and the slope at `x` of the spline with these coefficients ([`Basis::count`] of them).
     #[inline]
     pub fn value_and_slope(&self, x: f64, coefficients: &[f64]) -> [f64; 2] {
-        let x = self.wrapped(x);
-        let (span, values, slopes) = match self.even_place(x) {
-            Some((span, t)) => {
-                (span, even::values(t), even::slopes(t).map(|slope| slope * self.density))
-            }
-            None => {
-                let span = self.span(x);
-                let [values, slopes, _] = self.triangle_to_second(span, x);
-                (span, values, slopes)
-            }
-        };
+        let (span, [values, slopes, _]) = self.rows_to_second(x);
         let indices = self.indices(span);
         [values, slopes].map(|values| Row { indices, values }.dot(coefficients))
     }

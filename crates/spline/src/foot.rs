@@ -13,11 +13,6 @@ pub struct Foot {
     pub v: f64,
     /// Distance from the point, mm, not negative.
     pub distance_mm: f64,
-    /// Whether the steps converged; otherwise the foot is only the best point found.
-    pub converged: bool,
-    /// Whether the foot lies on the first or last row, so that the connecting line need not be
-    /// perpendicular to the surface.
-    pub at_end: bool,
 }
 
 /// Newton needs 3 to 6 steps from a guess within a knot interval.
@@ -47,11 +42,9 @@ impl Surface {
     pub fn closest(&self, point: &Point3<f64>, u0: f64, v0: f64) -> Foot {
         let (first, last) = self.along().domain();
         let start = Place::at(self, point, u0.clamp(first, last), v0);
-        let (here, step) = self.downhill(point, start, |_| REST_MM);
+        let (here, _) = self.downhill(point, start, |_| REST_MM);
         let v = self.around().wrapped(here.v);
-        let at_end = here.u <= first || here.u >= last;
-        let converged = step.is_some();
-        Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }
+        Foot { u: here.u, v, distance_mm: here.distance_mm }
     }
 
     /// Only the distance that [`Surface::closest`] finds, to 5e-5 mm, in half the time. `derivatives` are

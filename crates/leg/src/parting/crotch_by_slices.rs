@@ -2,7 +2,7 @@
 //! crotch.
 
 use super::crotch::{APART_SD_MM, Crotch, CrotchFrom, HIDDEN_SD_MM, NOTCH_ABOVE_CROTCH_SHARE};
-use super::leg_tracking::{Parting, Step, follow};
+use super::leg_tracking::{GROWTH_UP_MM, Parting, Step, follow};
 use crate::sections::slice::Mesh;
 
 /// Distance between the fine slices that locate the crotch, mm.
@@ -32,7 +32,7 @@ const TOUCHING_MIN_MM: f64 = 2.0 * HIDDEN_SD_MM;
 
 /// The crotch of legs that were followed upwards and are joined from the step `join` on. Slices
 /// `mesh` again in finer steps.
-pub fn crotch(mesh: &Mesh, steps: &[Step], join: usize, growth_mm: f64, stature_mm: f64) -> Crotch {
+pub fn crotch(mesh: &Mesh, steps: &[Step], join: usize, stature_mm: f64) -> Crotch {
     let (below, joined) = steps.split_at(join);
     let join_mm = joined.first().map_or(0.0, |step| step.height_mm);
     let notched = joined.iter().take_while(|step| notch_share(step) >= NOTCH_END_SHARE).last();
@@ -43,7 +43,7 @@ pub fn crotch(mesh: &Mesh, steps: &[Step], join: usize, growth_mm: f64, stature_
     }
     let last = below.iter().rfind(|step| step.neck.is_none());
     let beneath = (join_mm, HIDDEN_SD_MM);
-    let (height_mm, sd_mm) = last.map_or(beneath, |last| closed(mesh, last, join_mm, growth_mm));
+    let (height_mm, sd_mm) = last.map_or(beneath, |last| closed(mesh, last, join_mm));
     Crotch::at(height_mm, sd_mm, CrotchFrom::Thighs)
 }
 
@@ -57,11 +57,11 @@ fn notch_share(step: &Step) -> f64 {
 ///
 /// Below the top of an arch the width grows with the square root of the depth, so the square of the
 /// distance is what decreases linearly.
-fn closed(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> (f64, f64) {
+fn closed(mesh: &Mesh, last: &Step, join_mm: f64) -> (f64, f64) {
     let from_mm = last.height_mm - FINE_BELOW_MM;
     let count = ((join_mm + FINE_BELOW_MM - from_mm) / FINE_STEP_MM) as usize + 1;
     let heights: Vec<f64> = (0..count).map(|index| from_mm + FINE_STEP_MM * index as f64).collect();
-    let fine = follow(mesh, &last.prints, &heights, growth_mm, Parting::Neck);
+    let fine = follow(mesh, &last.prints, &heights, GROWTH_UP_MM, Parting::Neck);
     let gaps = fine.steps.iter().take_while(|step| step.neck.is_none());
     let gaps: Vec<(f64, f64)> =
         gaps.filter_map(|step| Some((step.height_mm, step.gap_mm?))).collect();

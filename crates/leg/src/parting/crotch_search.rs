@@ -49,10 +49,9 @@ pub fn crotch(
     steps: &[Step],
     join: usize,
     saddle: Option<Saddle>,
-    growth_mm: f64,
     stature_mm: f64,
 ) -> Crotch {
-    let found = by_skin(mesh, steps, join, saddle, growth_mm, stature_mm);
+    let found = by_skin(mesh, steps, join, saddle, stature_mm);
     let Some(end) = fold_end(&steps[join..], stature_mm) else { return found };
     if found.from == CrotchFrom::Notch {
         return Crotch { height_mm: end.crotch_mm, sd_mm: end.sd_mm, ..found };
@@ -80,10 +79,9 @@ fn by_skin(
     steps: &[Step],
     join: usize,
     saddle: Option<Saddle>,
-    growth_mm: f64,
     stature_mm: f64,
 ) -> Crotch {
-    let by_slices = || crotch_by_slices::crotch(mesh, steps, join, growth_mm, stature_mm);
+    let by_slices = || crotch_by_slices::crotch(mesh, steps, join, stature_mm);
     let seen = |saddle: Saddle| Crotch::at(saddle.height_mm, APART_SD_MM, CrotchFrom::Saddle);
     let Some(saddle) = saddle else { return by_slices() };
     if mesh.triangles().is_empty() {
@@ -174,7 +172,7 @@ mod tests {
         let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2]]);
         let saddle = Saddle { height_mm: 700.0, border_bottom_mm: None };
         let join = join(&steps).unwrap();
-        crotch(&mesh, &steps, join, Some(saddle), 12.0, 1700.0)
+        crotch(&mesh, &steps, join, Some(saddle), 1700.0)
     }
 
     #[test]

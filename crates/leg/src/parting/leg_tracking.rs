@@ -17,6 +17,9 @@ pub const LINK_MIN_MM: f64 = 12.0;
 /// Distance between the slices in which a leg is followed, mm.
 pub(super) const STEP_MM: f64 = 10.0;
 
+/// A leg may widen by this from one slice to the next, mm: a slope of 45° and some noise.
+pub(super) const GROWTH_UP_MM: f64 = 12.0;
+
 /// … or so many edges of the mesh: a slice has a point on each edge that it crosses, and the longest edge
 /// of a triangle is rarely longer.
 const LINK_EDGES: f64 = 1.6;

@@ -11,7 +11,7 @@ use super::cloud_skin::CloudSkin;
 use super::leg_tracking::LINK_MIN_MM;
 use super::skin_border::SkinBorder;
 use crate::frame::union_find::DisjointSets;
-use crate::sections::slice::Mesh;
+use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::side::{Side, Sides};
 
 /// The thighs are told apart in this band of heights, as shares of stature: below every crotch, above
@@ -35,12 +35,12 @@ pub struct Saddle {
 }
 
 /// The saddle of a skin whose legs are told apart by `owner`, up to a height; `None` if the legs are
-/// not connected below, or are one already where they are told apart (cloth). Triangles with an edge longer than `edge_max_mm` are no skin.
+/// not connected below, or are one already where they are told apart (cloth). Triangles with an edge longer
+/// than `EDGE_MAX_MM` are no skin.
 pub fn saddle(
     mesh: &Mesh,
     stature_mm: f64,
     highest_mm: f64,
-    edge_max_mm: f64,
     owner: impl Fn(&Point3<f64>) -> Option<Side>,
 ) -> Option<Saddle> {
     let [from_mm, to_mm] = BAND_SHARE.map(|share| share * stature_mm);
@@ -63,8 +63,8 @@ pub fn saddle(
     }
     let border = SkinBorder::above(mesh, from_mm, LINK_MIN_MM);
     let seams = border.seams.iter().copied();
-    let edges = if has_long_edge(mesh, edge_max_mm) {
-        above(points, to_mm, sides(mesh, to_mm, edge_max_mm).chain(seams)).collect()
+    let edges = if has_long_edge(mesh) {
+        above(points, to_mm, sides(mesh, to_mm).chain(seams)).collect()
     } else {
         above(points, to_mm, mesh.edges().iter().copied().chain(seams)).collect()
     };
@@ -147,22 +147,22 @@ fn above(
     })
 }
 
-/// Whether any edge of a mesh is longer than `edge_max_mm`.
-fn has_long_edge(mesh: &Mesh, edge_max_mm: f64) -> bool {
+/// Whether any edge of a mesh is longer than `EDGE_MAX_MM`.
+fn has_long_edge(mesh: &Mesh) -> bool {
     let point = |index: u32| mesh.points()[index as usize];
-    let is_long = |&[a, b]: &[u32; 2]| (point(a) - point(b)).norm_squared() > edge_max_mm.powi(2);
+    let is_long = |&[a, b]: &[u32; 2]| (point(a) - point(b)).norm_squared() > EDGE_MAX_MM.powi(2);
     mesh.edges().iter().any(is_long)
 }
 
-/// The sides of the triangles that reach above a height and have no side longer than `edge_max_mm`.
-fn sides(mesh: &Mesh, from_mm: f64, edge_max_mm: f64) -> impl Iterator<Item = [u32; 2]> {
+/// The sides of the triangles that reach above a height and have no side longer than `EDGE_MAX_MM`.
+fn sides(mesh: &Mesh, from_mm: f64) -> impl Iterator<Item = [u32; 2]> {
     let points = mesh.points();
     let is_high = move |triangle: &&[u32; 3]| {
         triangle.iter().any(|corner| points[*corner as usize].z > from_mm)
     };
-    let length_mm = move |[a, b]: [u32; 2]| (points[a as usize] - points[b as usize]).norm();
-    let high = mesh.triangles().iter().filter(is_high).map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    high.filter(move |sides| sides.iter().all(|side| length_mm(*side) <= edge_max_mm)).flatten()
+    let high = mesh.triangles().iter().filter(is_high);
+    let skin = high.filter(move |triangle| mesh.facet(triangle).longest_edge_mm() <= EDGE_MAX_MM);
+    skin.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
 }
 
 #[cfg(test)]
@@ -170,7 +170,6 @@ mod tests {
     use super::*;
 
     const STATURE_MM: f64 = 1700.0;
-    const EDGE_MAX_MM: f64 = 60.0;
     const CROTCH_MM: f64 = 805.0;
 
     /// Distance of the slices of the skin, mm.
@@ -248,7 +247,7 @@ mod tests {
         let triangles = triangles.iter().map(|corners| corners.map(&mut number)).collect();
         let owner = |p: &Point3<f64>| Some(if p.x > 0.0 { Side::Left } else { Side::Right });
         let highest_mm = 0.56 * STATURE_MM;
-        saddle(&Mesh::new(points, triangles), STATURE_MM, highest_mm, EDGE_MAX_MM, owner)
+        saddle(&Mesh::new(points, triangles), STATURE_MM, highest_mm, owner)
     }
 
     #[test]

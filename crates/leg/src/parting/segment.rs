@@ -9,16 +9,13 @@ use nalgebra::{Point2, Point3};
 use super::crotch::{CROTCH_SHARE, Crotch};
 use super::crotch_search::{crotch, join};
 use super::footprint::Footprint;
-use super::leg_tracking::{Parting, STEP_MM, Step, Track, follow, slices};
+use super::leg_tracking::{GROWTH_UP_MM, Parting, STEP_MM, Step, Track, follow, slices};
 use super::saddle::saddle;
 use crate::frame::body::Body;
 use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::side::{Side, Sides};
 
-/// A leg may widen by this from one slice to the next, mm: a slope of 45° and some noise.
-const GROWTH_UP_MM: f64 = 12.0;
-
-/// Downwards, the instep and the heel widen faster, mm.
+/// A leg may widen by this from one slice to the next downwards, mm: the instep and the heel widen faster.
 const GROWTH_DOWN_MM: f64 = 30.0;
 
 /// Height at which tracking starts, as a share of stature: the middle of the heights at which the
@@ -165,8 +162,8 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
         Some((steps, join)) => {
             let zone = Zone { track: up, margin_mm: GROWTH_UP_MM };
             let owner = |point: &Point3<f64>| zone.owner(&point.xy(), point.z);
-            let saddle = saddle(mesh, stature_mm, highest_mm, EDGE_MAX_MM, owner);
-            let found = crotch(mesh, steps, join, saddle, GROWTH_UP_MM, stature_mm);
+            let saddle = saddle(mesh, stature_mm, highest_mm, owner);
+            let found = crotch(mesh, steps, join, saddle, stature_mm);
             let joined_mm = found.touching_from_mm.unwrap_or(found.height_mm).min(found.height_mm);
             if joined_mm < LEG_MIN_SHARE * stature_mm {
                 return Err(SegmentFault::JoinTooLow { height_mm: joined_mm });

@@ -1,7 +1,5 @@
 //! Where something lies around a leg, in words, because degrees are a language of machines.
 
-use std::fmt;
-
 /// Within so many degrees of the front, the back or a side, a place lies there and not between two of them.
 const STRAIGHT_DEG: f64 = 15.0;
 
@@ -45,21 +43,6 @@ impl Around {
             eighth + parts - 1
         };
         Around::ALL[index % parts]
-    }
-}
-
-impl fmt::Display for Around {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Around::Front => "front",
-            Around::FrontOuter => "front, outer side",
-            Around::Outer => "outer side",
-            Around::BackOuter => "back, outer side",
-            Around::Back => "back",
-            Around::BackInner => "back, inner side",
-            Around::Inner => "inner side",
-            Around::FrontInner => "front, inner side",
-        })
     }
 }
 

@@ -30,8 +30,6 @@ pub struct TensorFit {
     pub sigma: f64,
     /// Effective degrees of freedom.
     pub edf: f64,
-    /// Smoothing along and around, relative to the roughness on the grid of cells.
-    pub lambdas: [f64; 2],
     /// The direction along.
     direction: Direction,
     /// For each of its eigenvectors the variance of the mean over a turn, for σ² = 1.
@@ -134,7 +132,7 @@ pub fn fit_scatter(
         mean_variances(&direction, &around, pieces_around, lambdas, equations.density());
     drop(equations);
     let function = Tensor::new(along, circle.basis, coefficients.as_slice().to_vec());
-    Ok(TensorFit { function, weights, residuals, sigma, edf, lambdas, direction, mean_variances })
+    Ok(TensorFit { function, weights, residuals, sigma, edf, direction, mean_variances })
 }
 
 /// The data without a function, whose coefficients are around × along.
