@@ -217,7 +217,7 @@ mod tests {
             words: "</text><script>&\"".to_owned(),
         };
         let svg = file("a < b", SIZE, &marks(&picture(vec![words])));
-        assert!(svg.contains("&lt;/text&gt;&lt;script&gt;&amp;\"</text>"), "{svg}");
+        assert!(svg.contains("&lt;/text&gt;&lt;script&gt;&amp;&quot;</text>"), "{svg}");
         assert!(svg.contains("<title>a &lt; b</title>"), "{svg}");
     }
 

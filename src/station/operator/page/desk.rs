@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 use tokio::sync::{Notify, Semaphore, watch};
 use tracing::warn;
 
-use super::publish::Texts;
 use super::summaries::Summaries;
 use super::token::Token;
 use crate::station::booth::Booth;
@@ -16,6 +15,22 @@ use crate::station::runtime::causes::chain;
 
 /// The number of record files read at once: a share that does not answer blocks no more threads.
 const MOST_READERS: usize = 4;
+
+/// A snapshot as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Texts {
+    /// For readers who may know whose scans these are.
+    pub with_ids: Arc<str>,
+    /// For all other readers.
+    pub without_ids: Arc<str>,
+}
+
+impl Texts {
+    /// The text for a reader.
+    pub fn of(&self, shows_ids: bool) -> String {
+        if shows_ids { self.with_ids.to_string() } else { self.without_ids.to_string() }
+    }
+}
 
 /// The operator's desk.
 #[derive(Debug)]

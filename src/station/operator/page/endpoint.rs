@@ -6,8 +6,7 @@ use std::sync::Arc;
 use axum::http::HeaderMap;
 use tokio::sync::Semaphore;
 
-use super::desk::Desk;
-use super::publish::Texts;
+use super::desk::{Desk, Texts};
 use crate::station::operator::http::listeners::Way;
 use crate::station::operator::http::shared_look::SharedLook;
 use crate::station::overview::Overview;

@@ -8,7 +8,7 @@ use gaiter_flow::Facts;
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
-use super::desk::Desk;
+use super::desk::{Desk, Texts};
 use super::{snapshot, summaries};
 use crate::station::booth::BoothState;
 use crate::station::runtime::stop::Stop;
@@ -18,22 +18,6 @@ const PACE: Duration = Duration::from_millis(400);
 
 /// A snapshot is taken again after this time even without a change: some faults grow with time alone.
 const ANEW: Duration = Duration::from_secs(5);
-
-/// A snapshot as text.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Texts {
-    /// For readers who may know whose scans these are.
-    pub with_ids: Arc<str>,
-    /// For all other readers.
-    pub without_ids: Arc<str>,
-}
-
-impl Texts {
-    /// The text for a reader.
-    pub fn of(&self, shows_ids: bool) -> String {
-        if shows_ids { self.with_ids.to_string() } else { self.without_ids.to_string() }
-    }
-}
 
 /// What a snapshot depends on; cheap to read.
 #[derive(PartialEq)]
