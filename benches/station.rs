@@ -118,11 +118,11 @@ fn idle(what: &str, scans: usize) {
     booth.export("4711_scan.obj", &body(0));
     wait_for_records(&booth, 1, LOOK_UP);
     sleep(QUIET * 2);
-    let (before, began) = (CpuTicks::of(daemon.id()), Instant::now());
+    let (before, began) = (CpuTicks::read(daemon.id()), Instant::now());
     sleep(IDLE);
-    let ticks = CpuTicks::of(daemon.id()).since(before);
+    let ticks = CpuTicks::read(daemon.id()).since(before);
     let share = 100.0 * seconds(ticks.own + ticks.children);
-    let vitals = Vitals::of(daemon.id()).unwrap();
+    let vitals = Vitals::read(daemon.id()).unwrap();
     println!(
         "idle, {what}: {:.2} % of a core over {:.0} s; {:.1} MB resident, {} threads, {} files",
         share / began.elapsed().as_secs_f64(),
@@ -172,7 +172,7 @@ fn way(name: &str, bodies: Bodies, known: usize) {
     booth.wait_long_for_journal("SELECT count(*) FROM sightings", sighted);
     booth.wait_for("the start", || booth.log().contains("station-ready"));
     let (mut ways, mut extractions) = (Vec::new(), Vec::new());
-    let before = CpuTicks::of(daemon.id());
+    let before = CpuTicks::read(daemon.id());
     for n in 0..WAYS {
         let bytes = bodies(n);
         extractions.push(extraction(&booth, n, &bytes));
@@ -181,7 +181,7 @@ fn way(name: &str, bodies: Bodies, known: usize) {
         wait_for_records(&booth, n + 1, LOOK_UP);
         ways.push(last_byte.elapsed());
     }
-    let cpu = cpu_a_scan(CpuTicks::of(daemon.id()).since(before), WAYS);
+    let cpu = cpu_a_scan(CpuTicks::read(daemon.id()).since(before), WAYS);
     daemon.stop();
     let (way, extraction) = (median(ways).as_secs_f64(), median(extractions).as_secs_f64());
     let quiet = QUIET.as_secs_f64();
@@ -202,10 +202,10 @@ fn backlog(name: &str, bodies: Bodies) {
     let mut peak_kb = 0;
     for tenth in 1..=10 {
         wait_for_records(&booth, BACKLOG * tenth / 10, LOOK_UP_BACKLOG);
-        peak_kb = peak_kb.max(Vitals::of(daemon.id()).unwrap().resident_kb);
+        peak_kb = peak_kb.max(Vitals::read(daemon.id()).unwrap().resident_kb);
     }
     let took = began.elapsed().as_secs_f64();
-    let cpu = cpu_a_scan(CpuTicks::of(daemon.id()), BACKLOG);
+    let cpu = cpu_a_scan(CpuTicks::read(daemon.id()), BACKLOG);
     let scans = f64::from(u32::try_from(BACKLOG).unwrap());
     println!(
         "backlog, {BACKLOG} {name} bodies: {took:.1} s with the start and the quiet time, {:.1} \

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let records = found.records.into_iter().map(|of| of.record).collect();
         let records: Vec<Record> = last_of_days(records, |record| record);
         let choice = Choice { volume: None, affected: None, girth_common_mm: GIRTH_COMMON_MM };
-        let course = Course::of(&records, choice)?;
+        let course = Course::from_records(&records, choice)?;
         let report = ReportOf {
             course: &course,
             records: &records,

@@ -11,7 +11,7 @@ use gaiter_record::gdt::order::ORDER_MOST;
 
 use super::args::{AskArgs, AssignArgs, GdtOrderArgs, PatientVerb, UnassignArgs};
 use super::ask::read_patient;
-use super::{Exit, ask, compare, complain, person, shown};
+use super::{Exit, ask, compare, complain, person, terminal_safe};
 use crate::station::operator::control::protocol::Request;
 pub use amend::amend;
 
@@ -97,7 +97,7 @@ pub fn order(args: &GdtOrderArgs) -> Exit {
     match read {
         Ok(_) => ask::sentence(&args.ask, &Request::Order { bytes }),
         Err(error) => {
-            complain(format_args!("gaiter: {}: {error}", shown(args.file.display())));
+            complain(format_args!("gaiter: {}: {error}", terminal_safe(args.file.display())));
             match error.kind() {
                 io::ErrorKind::NotFound => Exit::NoFile,
                 _ => Exit::Io,

@@ -13,9 +13,11 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::args::AskArgs;
-use super::{Exit, complain, exit_of, exit_of_printing, explain_config, print, shown};
+use super::{Exit, complain, exit_of, exit_of_printing, explain_config, print, terminal_safe};
 use crate::config::{self, ConfigError, control_path};
-use crate::station::operator::control::protocol::{Answer, Fault, FaultKind, Request};
+use crate::station::operator::control::protocol::{
+    ControlAnswer, ControlFault, ControlFaultKind, Request,
+};
 
 /// The longest wait for an answer. The station's own time limits are shorter.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -45,7 +47,7 @@ pub enum AskFault {
     /// The answer cannot be parsed.
     Answer(serde_json::Error),
     /// The station refused the request.
-    Refused(Fault),
+    Refused(ControlFault),
 }
 
 impl AskFault {
@@ -94,9 +96,9 @@ impl AskFault {
             AskFault::NoStation { .. } | AskFault::Denied | AskFault::Io(_) => Exit::Io,
             AskFault::Answer(_) => Exit::Internal,
             AskFault::Refused(fault) => match fault.kind {
-                FaultKind::Request => Exit::Usage,
-                FaultKind::Unknown => Exit::NoFile,
-                FaultKind::Failed => Exit::Io,
+                ControlFaultKind::Request => Exit::Usage,
+                ControlFaultKind::Unknown => Exit::NoFile,
+                ControlFaultKind::Failed => Exit::Io,
             },
         }
     }
@@ -117,7 +119,7 @@ impl AskFault {
     pub fn hint(&self, language: Language) -> Option<String> {
         match self {
             AskFault::NoStation { config, .. } => {
-                let config = shown(config.display());
+                let config = terminal_safe(config.display());
                 Some(language.filled("terminal.fault.start", &[("config", &config)]))
             }
             AskFault::Denied => Some(language.text("terminal.fault.sudo").to_owned()),
@@ -148,12 +150,12 @@ impl Error for AskFault {
 ///
 /// # Errors
 /// See [`AskFault`].
-pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
+pub fn ask(config: &Path, request: &Request) -> Result<ControlAnswer, AskFault> {
     let stream = connect(&state_dir(config).map_err(AskFault::Config)?, config)?;
     let body = serde_json::to_vec(request).map_err(AskFault::Answer)?;
     let body = exchange(stream, &body).map_err(AskFault::Io)?;
     match serde_json::from_slice(&body).map_err(AskFault::Answer)? {
-        Answer::Fault(fault) => Err(AskFault::Refused(fault)),
+        ControlAnswer::Fault(fault) => Err(AskFault::Refused(fault)),
         answer => Ok(answer),
     }
 }
@@ -210,7 +212,7 @@ pub fn language(config: &Path) -> Language {
 pub fn told<T: Serialize>(
     args: &AskArgs,
     request: &Request,
-    taken: impl FnOnce(Answer) -> Option<T>,
+    taken: impl FnOnce(ControlAnswer) -> Option<T>,
     table: impl FnOnce(&T, Language) -> String,
     exit: impl FnOnce(&T) -> Exit,
 ) -> Exit {
@@ -234,11 +236,11 @@ pub fn told<T: Serialize>(
 /// Sends a request and prints the sentence in the answer.
 pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
     let taken = |answer| match answer {
-        Answer::Sentence(sentence) => Some(json!({ "sentence": sentence })),
+        ControlAnswer::Sentence(sentence) => Some(json!({ "sentence": sentence })),
         _ => None,
     };
     let table = |answer: &serde_json::Value, _| {
-        format!("{}\n", shown(answer["sentence"].as_str().unwrap_or_default()))
+        format!("{}\n", terminal_safe(answer["sentence"].as_str().unwrap_or_default()))
     };
     told(args, request, taken, table, |_| Exit::Done)
 }
@@ -255,7 +257,7 @@ pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
         return explain_config(error);
     }
     let language = language(&args.config);
-    complain(format_args!("gaiter: {}", shown(fault.said(language))));
+    complain(format_args!("gaiter: {}", terminal_safe(fault.said(language))));
     if let Some(hint) = fault.hint(language) {
         complain(format_args!("  {}: {hint}", language.text("terminal.hint")));
     }

@@ -13,7 +13,7 @@ use jiff::Timestamp;
 use super::args::CalibrateArgs;
 use super::extract::scan_at;
 use super::terminal::paint::{self, painted};
-use super::{Exit, complain, exit_of_printing, explain_config, print, shown};
+use super::{Exit, complain, exit_of_printing, explain_config, print, terminal_safe};
 use crate::config;
 
 /// The tolerance without a configuration, mm: a tape reads to 1 to 2 mm.
@@ -22,9 +22,9 @@ const TOLERANCE_MM: f64 = 2.0;
 /// Measures and prints. Returns [`Exit::Unmeasurable`] if the body cannot be measured, or if a girth is
 /// beyond the tolerance.
 pub fn calibrate(args: &CalibrateArgs) -> Result<Exit, Exit> {
-    let choices = Choices::of(args)?;
+    let choices = Choices::from_args(args)?;
     let check = checked(args, &choices).map_err(|(exit, why)| {
-        complain(format_args!("gaiter: {}: {why}", shown(args.scan.display())));
+        complain(format_args!("gaiter: {}: {why}", terminal_safe(args.scan.display())));
         exit
     })?;
     let printed = match args.json {
@@ -49,7 +49,7 @@ struct Choices {
 
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
-    fn of(args: &CalibrateArgs) -> Result<Choices, Exit> {
+    fn from_args(args: &CalibrateArgs) -> Result<Choices, Exit> {
         let config = args.config.as_deref().map(config::read).transpose();
         let config = config.map_err(|error| explain_config(&error))?;
         let (mut method, configured) =

@@ -16,9 +16,9 @@ use serde::Serialize;
 
 use super::args::CheckArgs;
 use super::terminal::paint::{self, painted};
-use super::{Exit, ask, complain, exit_of, exit_of_printing, explain_config, print, shown};
+use super::{Exit, ask, complain, exit_of, exit_of_printing, explain_config, print, terminal_safe};
 use crate::config::{self, Config, ConfigError, ConfigFault};
-use crate::station::operator::control::protocol::{Answer, Request};
+use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::operator::control::status::{ComplaintStatus, Status};
 use row::{Example, Row, Verdict};
 
@@ -54,7 +54,7 @@ pub fn check(args: &CheckArgs) -> Exit {
 /// booth; and what the running station advises.
 fn around(file: &Path, config: &Config) -> Vec<Row> {
     let running = match ask::ask(file, &Request::Status) {
-        Ok(Answer::Status(status)) => Some(status),
+        Ok(ControlAnswer::Status(status)) => Some(status),
         _ => None,
     };
     let mut rows = environment::rows(config);
@@ -120,7 +120,7 @@ fn table(rows: &[Row]) -> String {
 
 /// A file name and the patient it names, printed below the check that found them.
 fn example(example: &Example) -> String {
-    format!("      {} → {}\n", shown(&example.name), shown(&example.patient))
+    format!("      {} → {}\n", terminal_safe(&example.name), terminal_safe(&example.patient))
 }
 
 /// What `--json` prints: one object in every case.

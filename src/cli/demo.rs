@@ -274,7 +274,7 @@ struct Teller {
 
 impl Teller {
     fn new(scans: usize, is_silent: bool) -> Teller {
-        let progress = Arc::new(Progress::of(scans, "scans"));
+        let progress = Arc::new(Progress::new(scans, "scans"));
         Teller { began: Instant::now(), progress, is_silent }
     }
 
@@ -303,7 +303,7 @@ fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
     let records = records(seen)?;
     for (folder, record) in &records {
         let patient = record.patient.as_ref().map_or("unassigned", |patient| &patient.id);
-        let table = table::of(record, &Garment::default(), screen::columns());
+        let table = table::render(record, &Garment::default(), screen::columns());
         paint::print(format_args!("\npatient {patient}: {}\n{table}\n", folder.display()))?;
     }
     print(format_args!(

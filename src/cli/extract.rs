@@ -23,7 +23,9 @@ use super::args::ExtractArgs;
 use super::parallel::{in_order, usual_jobs};
 use super::terminal::progress::Progress;
 use super::terminal::{paint, screen, table};
-use super::{Exit, complain, exit_of_printing, explain_config, ord, print, report_choice, shown};
+use super::{
+    Exit, complain, exit_of_printing, explain_config, ord, print, report_choice, terminal_safe,
+};
 use crate::config::{self, words};
 use found::{FolderFault, found};
 use names::Names;
@@ -32,7 +34,7 @@ use summary::{Row, summary};
 
 /// Measures every file, prints a table or a JSON line for each, and returns the worst exit.
 pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
-    let choices = Choices::of(args)?;
+    let choices = Choices::from_args(args)?;
     let scans = found(&args.scans, args.recursive);
     if let Some(out) = &args.out
         && let Some([one, other]) = same_folder(&scans)
@@ -40,15 +42,15 @@ pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
         let stem = one.file_stem().unwrap_or_default();
         complain(format_args!(
             "gaiter: {} and {} would both go to {}; rename one, or measure them with different --out",
-            shown(one.display()),
-            shown(other.display()),
-            shown(out.join(stem).display()),
+            terminal_safe(one.display()),
+            terminal_safe(other.display()),
+            terminal_safe(out.join(stem).display()),
         ));
         return Err(Exit::Usage);
     }
     // A folder may hold one scan today and many tomorrow, so the output has the same form for both.
     let several = scans.len() > 1 || args.scans.iter().any(|scan| scan.is_dir());
-    let names = Names::of(scans.iter().flatten().map(PathBuf::as_path));
+    let names = Names::for_scans(scans.iter().flatten().map(PathBuf::as_path));
     let columns = screen::columns();
     let run = Run { args, choices, names, columns, is_one_of_several: several };
     if several
@@ -59,10 +61,10 @@ pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
         let _ = print(format_args!("{folder}:\n\n"));
     }
     let jobs = args.jobs.unwrap_or_else(usual_jobs);
-    let progress = Progress::of(scans.len(), "measuring");
+    let progress = Progress::new(scans.len(), "measuring");
     let (mut worst, mut rows) = (Exit::Done, Vec::new());
     let work = |scan: &Result<PathBuf, FolderFault>| {
-        let measured = scan.as_ref().ok().map(|path| Measured::of(path, args, &run.choices));
+        let measured = scan.as_ref().ok().map(|path| Measured::measure(path, args, &run.choices));
         progress.advance();
         measured
     };
@@ -103,7 +105,7 @@ impl Run<'_> {
     /// Prints the result for a file and writes its folder. Returns the exit and the file's summary row.
     fn delivered(&self, path: &Path, measured: Result<Measured, FileFault>) -> (Exit, Option<Row>) {
         let complain = |fault: &dyn Display| {
-            complain(format_args!("gaiter: {}: {fault}", shown(path.display())));
+            complain(format_args!("gaiter: {}: {fault}", terminal_safe(path.display())));
         };
         let name = self.names.name(path);
         match measured {
@@ -132,7 +134,7 @@ impl Run<'_> {
             print(format_args!("{}\n", serde_json::to_string(record)?))?;
         } else {
             let name = screen::shortened(&self.names.name(path), self.columns);
-            let table = table::of(record, &self.choices.report.garment, self.columns);
+            let table = table::render(record, &self.choices.report.garment, self.columns);
             paint::print(format_args!("{name}\n{table}\n"))?;
         }
         // Written next to its place first, then moved there as a whole. It replaces an earlier record of
@@ -153,7 +155,7 @@ impl Run<'_> {
     /// Where a record was written, and its files.
     fn written(&self, folder: &Path, files: &[RecordFile]) -> String {
         let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-        let said = format!("written to {}: {}", shown(folder.display()), names.join(", "));
+        let said = format!("written to {}: {}", terminal_safe(folder.display()), names.join(", "));
         screen::indented(&said, "  ", self.columns)
     }
 }
@@ -167,7 +169,7 @@ struct Choices {
 
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
-    fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
+    fn from_args(args: &ExtractArgs) -> Result<Choices, Exit> {
         let config = args.config.as_deref().map(config::read).transpose();
         let config = config.map_err(|error| explain_config(&error))?;
         let (configured, garments) = report_choice(config.as_ref());
@@ -288,7 +290,7 @@ struct Measured {
 }
 
 impl Measured {
-    fn of(path: &Path, args: &ExtractArgs, choices: &Choices) -> Result<Measured, FileFault> {
+    fn measure(path: &Path, args: &ExtractArgs, choices: &Choices) -> Result<Measured, FileFault> {
         let Choices { method, output, report } = choices;
         let (bytes, format) = scan_at(path)?;
         let refused = |refusal: Refusal| {
@@ -353,7 +355,7 @@ enum Undelivered {
     #[error("the record cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
     /// A file or folder of the record cannot be written.
-    #[error("cannot write {}: {source}", shown(path.display()))]
+    #[error("cannot write {}: {source}", terminal_safe(path.display()))]
     Write {
         /// Its path.
         path: PathBuf,
@@ -364,7 +366,7 @@ enum Undelivered {
     #[error(
         "{} is not an unchanged record of this scan: {what}; nothing was written there; move it \
          away or choose another --out",
-        shown(folder.display())
+        terminal_safe(folder.display())
     )]
     Occupied {
         /// The record's folder.

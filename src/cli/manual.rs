@@ -7,7 +7,7 @@ use clap::Command;
 use gaiter_record::{order, schema};
 
 use super::args::{self, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
-use super::{Exit, complain, exit_of_printing, print, print_to, shown};
+use super::{Exit, complain, exit_of_printing, print, print_to, terminal_safe};
 
 /// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> Exit {
@@ -30,7 +30,7 @@ pub fn man(args: &ManArgs) -> Exit {
     match clap_mangen::generate_to(visible(), dir) {
         Ok(()) => Exit::Done,
         Err(error) => {
-            complain(format_args!("gaiter: {}: {error}", shown(dir.display())));
+            complain(format_args!("gaiter: {}: {error}", terminal_safe(dir.display())));
             if error.kind() == io::ErrorKind::NotFound { Exit::NoFile } else { Exit::Io }
         }
     }

@@ -132,7 +132,7 @@ pub fn complain(text: impl Display) {
 /// Text from outside, typically a file name, on one line. Control characters, line separators and marks
 /// that change the writing direction are escaped, so that no name can forge a line or move the
 /// cursor.
-pub fn shown(text: impl Display) -> String {
+pub fn terminal_safe(text: impl Display) -> String {
     let mut shown = String::new();
     for c in text.to_string().chars() {
         match c {
@@ -184,7 +184,7 @@ pub fn exit_of(error: &ConfigError) -> Exit {
 pub fn explain_config(error: &ConfigError) -> Exit {
     match error {
         ConfigError::Unreadable { source, .. } => {
-            complain(format_args!("gaiter: {}: {source}", shown(error)));
+            complain(format_args!("gaiter: {}: {source}", terminal_safe(error)));
             complain(match source.kind() {
                 io::ErrorKind::PermissionDenied => {
                     "  hint: the station's user must be able to read it: chmod 644"
@@ -194,7 +194,7 @@ pub fn explain_config(error: &ConfigError) -> Exit {
         }
         ConfigError::Faults { faults, .. } => {
             faults.iter().for_each(|fault| complain(format_args!("{fault:#}")));
-            complain(format_args!("gaiter: {}", shown(error)));
+            complain(format_args!("gaiter: {}", terminal_safe(error)));
         }
     }
     exit_of(error)
@@ -208,8 +208,8 @@ mod tests {
     fn a_name_cannot_forge_a_line() {
         let forged = "a\r\n\u{1b}[2Jgaiter: b.obj\u{9b}\u{2028}\u{202e}\t\u{7f}";
         let escaped = r"a\r\n\u{1b}[2Jgaiter: b.obj\u{9b}\u{2028}\u{202e}\t\u{7f}";
-        assert_eq!(shown(forged), escaped);
+        assert_eq!(terminal_safe(forged), escaped);
         let honest = "Jürgen's \"Müßig\" – 扫描.obj";
-        assert_eq!(shown(honest), honest);
+        assert_eq!(terminal_safe(honest), honest);
     }
 }

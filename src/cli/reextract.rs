@@ -15,18 +15,18 @@ use super::args::ReextractArgs;
 use super::parallel::{in_order, usual_jobs};
 use super::terminal::paint;
 use super::terminal::progress::Progress;
-use super::{Exit, complain, exit_of_printing, print, shown};
+use super::{Exit, complain, exit_of_printing, print, terminal_safe};
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::access::Access;
 use crate::store::revision::{Family, clear_staging, families};
-use again::{Again, Fault, Intent, Outcome, again};
+use again::{Again, Intent, ReextractFault, ReextractOutcome, again};
 use choices::Choices;
-use report::{Told, report};
+use report::{ReextractEntry, report};
 
 /// Measures the scan of every record again and returns the worst exit.
 pub fn reextract(args: &ReextractArgs) -> Result<Exit, Exit> {
-    let choices = Choices::of(args.config.as_deref())?;
+    let choices = Choices::from_config(args.config.as_deref())?;
     let mut records = records(&args.records)?;
     let all = records.len();
     records.retain(|family| args.since.is_none_or(|since| family.latest().0.first_seen >= since));
@@ -36,7 +36,7 @@ pub fn reextract(args: &ReextractArgs) -> Result<Exit, Exit> {
     Access::open_umask();
     let intent = Intent { complete: args.complete, dry_run: args.dry_run };
     let jobs = args.jobs.unwrap_or_else(usual_jobs);
-    let progress = Progress::of(records.len(), "measuring again");
+    let progress = Progress::new(records.len(), "measuring again");
     let (mut worst, mut told) = (Exit::Done, Vec::new());
     let work = |family: &Family| {
         let done = again(family, &choices, intent);
@@ -44,7 +44,7 @@ pub fn reextract(args: &ReextractArgs) -> Result<Exit, Exit> {
         done
     };
     in_order(&records, jobs, work, |family, done| {
-        let done = done.unwrap_or_else(|panic| Err(Fault::Panic(panic)));
+        let done = done.unwrap_or_else(|panic| Err(ReextractFault::Panic(panic)));
         let (exit, one) = progress.aside(|| tell(args, family, done));
         worst = worst.max(exit);
         told.extend(one);
@@ -64,14 +64,21 @@ fn records(at: &Path) -> Result<Vec<Family>, Exit> {
     let whole = at.canonicalize().unwrap_or_else(|_| at.to_owned());
     let fault = match families(&whole) {
         Ok(records) if records.is_empty() => {
-            complain(format_args!("gaiter: {}: no record was found there", shown(at.display())));
+            complain(format_args!(
+                "gaiter: {}: no record was found there",
+                terminal_safe(at.display())
+            ));
             complain("  hint: name the store's folder, [store.folder] path in the configuration");
             return Err(Exit::NoFile);
         }
         Ok(records) => return Ok(records),
         Err(fault) => fault,
     };
-    complain(format_args!("gaiter: {}: {}", shown(at.display()), shown(chain(&fault))));
+    complain(format_args!(
+        "gaiter: {}: {}",
+        terminal_safe(at.display()),
+        terminal_safe(chain(&fault))
+    ));
     match fault {
         StoreFault::Transient { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
             Err(Exit::NoFile)
@@ -92,16 +99,20 @@ fn clear(records: &[Family]) {
 
 /// Prints the part of a record's result that cannot wait for the final report. Returns the exit and the
 /// report's entry.
-fn tell(args: &ReextractArgs, family: &Family, done: Result<Again, Fault>) -> (Exit, Option<Told>) {
+fn tell(
+    args: &ReextractArgs,
+    family: &Family,
+    done: Result<Again, ReextractFault>,
+) -> (Exit, Option<ReextractEntry>) {
     let (name, folder) = family.latest();
-    let name = if args.names { shown(folder.display()) } else { name.scan.clone() };
-    let exit = done.as_ref().map_or_else(Fault::exit, |_| Exit::Done);
+    let name = if args.names { terminal_safe(folder.display()) } else { name.scan.clone() };
+    let exit = done.as_ref().map_or_else(ReextractFault::exit, |_| Exit::Done);
     if args.json {
         let printed = exit_of_printing("the result", json_line(args, family, &done));
-        return (exit.max(printed), done.ok().map(|again| Told { name, again }));
+        return (exit.max(printed), done.ok().map(|again| ReextractEntry { name, again }));
     }
     match done {
-        Ok(again) => (exit, Some(Told { name, again })),
+        Ok(again) => (exit, Some(ReextractEntry { name, again })),
         Err(fault) => {
             let code = fault.code();
             complain(format_args!("gaiter: {name}: not measured again [{code}]: {fault}"));
@@ -114,7 +125,7 @@ fn tell(args: &ReextractArgs, family: &Family, done: Result<Again, Fault>) -> (E
 fn json_line(
     args: &ReextractArgs,
     family: &Family,
-    done: &Result<Again, Fault>,
+    done: &Result<Again, ReextractFault>,
 ) -> std::io::Result<()> {
     let (name, folder) = family.latest();
     let mut line = match done {

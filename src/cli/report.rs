@@ -17,7 +17,7 @@ use serde_json::json;
 
 use super::args::ReportArgs;
 use super::sizes::tables;
-use super::{Exit, complain, print, shown};
+use super::{Exit, complain, print, terminal_safe};
 use crate::station::runtime::causes::chain;
 use crate::store::revision::families;
 use crate::store::sums::{self, SumsFault};
@@ -44,26 +44,26 @@ pub fn told(paths: &[PathBuf], as_json: bool) -> String {
         let files: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         return format!("{}\n", json!({ "files": files }));
     }
-    paths.iter().map(|path| format!("{}\n", shown(path.display()))).collect()
+    paths.iter().map(|path| format!("{}\n", terminal_safe(path.display()))).collect()
 }
 
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
-pub enum Fault {
+pub enum ReportFault {
     /// Nothing has this name.
     #[error(
         "{}: there is no such file or folder; name a record's folder, its record.json, or a \
-         patient's folder", shown(.0.display())
+         patient's folder", terminal_safe(.0.display())
     )]
     Nothing(PathBuf),
     /// It is a folder without a record.
     #[error(
         "{}: neither a record.json nor a record's folder is in this folder; name a record's folder, its \
-         record.json, or a patient's folder", shown(.0.display())
+         record.json, or a patient's folder", terminal_safe(.0.display())
     )]
     NoRecordIn(PathBuf),
     /// It is a folder that cannot be listed.
-    #[error("{}: {}", shown(path.display()), shown(chain(source)))]
+    #[error("{}: {}", terminal_safe(path.display()), terminal_safe(chain(source)))]
     Unlisted {
         /// The path.
         path: PathBuf,
@@ -71,7 +71,7 @@ pub enum Fault {
         source: StoreFault,
     },
     /// The record cannot be looked at or read.
-    #[error("{}: {}", shown(path.display()), shown(source))]
+    #[error("{}: {}", terminal_safe(path.display()), terminal_safe(source))]
     Unreadable {
         /// Its path.
         path: PathBuf,
@@ -79,7 +79,7 @@ pub enum Fault {
         source: io::Error,
     },
     /// It is not a record.
-    #[error("{}: is not a gaiter record: {source}", shown(path.display()))]
+    #[error("{}: is not a gaiter record: {source}", terminal_safe(path.display()))]
     NoRecord {
         /// Its path.
         path: PathBuf,
@@ -90,7 +90,7 @@ pub enum Fault {
     #[error(
         "{}: cannot be trusted, because something in its folder changed after it was written: {}: \
          restore the folder from a backup, or measure the scan again with gaiter extract",
-        shown(path.display()), shown(source)
+        terminal_safe(path.display()), terminal_safe(source)
     )]
     Changed {
         /// Its path.
@@ -99,7 +99,7 @@ pub enum Fault {
         source: SumsFault,
     },
     /// Its figures are impossible for a leg.
-    #[error("{}: is not a record of a leg: {source}", shown(path.display()))]
+    #[error("{}: is not a record of a leg: {source}", terminal_safe(path.display()))]
     Impossible {
         /// Its path.
         path: PathBuf,
@@ -107,7 +107,7 @@ pub enum Fault {
         source: RecordFault,
     },
     /// It has another schema.
-    #[error("{}: has the schema {}, this program knows {SCHEMA}", shown(path.display()), shown(schema))]
+    #[error("{}: has the schema {}, this program knows {SCHEMA}", terminal_safe(path.display()), terminal_safe(schema))]
     OtherSchema {
         /// Its path.
         path: PathBuf,
@@ -118,17 +118,17 @@ pub enum Fault {
     #[error(
         "{} is the folder of a record, and {SUMS} covers every file in it; nothing was written: \
          choose another folder with --out DIR",
-        shown(.0.display())
+        terminal_safe(.0.display())
     )]
     RecordFolder(PathBuf),
     /// A file of the report's name is there.
-    #[error("{} is there already; nothing was replaced: --force replaces it", shown(.0.display()))]
+    #[error("{} is there already; nothing was replaced: --force replaces it", terminal_safe(.0.display()))]
     There(PathBuf),
     /// The report cannot be created.
     #[error("the report cannot be made: {0}")]
     Files(#[from] FilesFault),
     /// It cannot be written.
-    #[error("cannot write {}: {source}", shown(path.display()))]
+    #[error("cannot write {}: {source}", terminal_safe(path.display()))]
     Write {
         /// The file or folder.
         path: PathBuf,
@@ -137,18 +137,20 @@ pub enum Fault {
     },
 }
 
-impl Fault {
+impl ReportFault {
     /// The exit of the verb.
     pub fn exit(&self) -> Exit {
         match self {
-            Fault::Nothing(_) | Fault::NoRecordIn(_) => Exit::NoFile,
-            Fault::NoRecord { .. }
-            | Fault::OtherSchema { .. }
-            | Fault::Changed { .. }
-            | Fault::Impossible { .. } => Exit::Unmeasurable,
-            Fault::RecordFolder(_) | Fault::There(_) => Exit::Usage,
-            Fault::Files(_) => Exit::Internal,
-            Fault::Unreadable { .. } | Fault::Unlisted { .. } | Fault::Write { .. } => Exit::Io,
+            ReportFault::Nothing(_) | ReportFault::NoRecordIn(_) => Exit::NoFile,
+            ReportFault::NoRecord { .. }
+            | ReportFault::OtherSchema { .. }
+            | ReportFault::Changed { .. }
+            | ReportFault::Impossible { .. } => Exit::Unmeasurable,
+            ReportFault::RecordFolder(_) | ReportFault::There(_) => Exit::Usage,
+            ReportFault::Files(_) => Exit::Internal,
+            ReportFault::Unreadable { .. }
+            | ReportFault::Unlisted { .. }
+            | ReportFault::Write { .. } => Exit::Io,
         }
     }
 }
@@ -156,11 +158,11 @@ impl Fault {
 /// The record at a path; which of several it is, is told.
 ///
 /// # Errors
-/// See [`Fault`].
-pub fn record_at(path: &Path) -> Result<Record, Fault> {
+/// See [`ReportFault`].
+pub fn record_at(path: &Path) -> Result<Record, ReportFault> {
     let found = found(path)?;
     if let Some(remark) = found.remark {
-        complain(format_args!("gaiter: {}: {remark}", shown(path.display())));
+        complain(format_args!("gaiter: {}: {remark}", terminal_safe(path.display())));
     }
     record_of_file(found.path)
 }
@@ -177,15 +179,15 @@ struct Found {
 /// Finds the record at a path.
 ///
 /// # Errors
-/// See [`Fault`]. A file whose content cannot be read is found all the same.
-fn found(path: &Path) -> Result<Found, Fault> {
+/// See [`ReportFault`]. A file whose content cannot be read is found all the same.
+fn found(path: &Path) -> Result<Found, ReportFault> {
     let whole = path.to_owned();
     let is_folder = match fs::metadata(path) {
         Ok(metadata) => metadata.is_dir(),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            return Err(Fault::Nothing(whole));
+            return Err(ReportFault::Nothing(whole));
         }
-        Err(source) => return Err(Fault::Unreadable { path: whole, source }),
+        Err(source) => return Err(ReportFault::Unreadable { path: whole, source }),
     };
     if !is_folder {
         return Ok(Found { path: whole, remark: None });
@@ -195,12 +197,12 @@ fn found(path: &Path) -> Result<Found, Fault> {
         return Ok(Found { path: own, remark: None });
     }
     // A store's folder holds patients: none of them is taken unasked.
-    let unlisted = |source| Fault::Unlisted { path: path.to_owned(), source };
+    let unlisted = |source| ReportFault::Unlisted { path: path.to_owned(), source };
     let mut records = families(path).map_err(unlisted)?;
     records.retain(|record| record.patient_folder == path);
-    let newest = records.last().ok_or_else(|| Fault::NoRecordIn(path.to_owned()))?;
+    let newest = records.last().ok_or_else(|| ReportFault::NoRecordIn(path.to_owned()))?;
     let folder = &newest.latest().1;
-    let shown = shown(folder.display());
+    let shown = terminal_safe(folder.display());
     let remark = match records.len() {
         1 => format!("its only record is reported: {shown}"),
         count => format!("the newest of its {count} records is reported: {shown}"),
@@ -211,20 +213,24 @@ fn found(path: &Path) -> Result<Found, Fault> {
 /// As [`record_at`]; that nothing vouches for its figures is told, too.
 ///
 /// # Errors
-/// See [`Fault`].
-pub fn told_record_at(path: &Path) -> Result<Record, Fault> {
+/// See [`ReportFault`].
+pub fn told_record_at(path: &Path) -> Result<Record, ReportFault> {
     let record = record_at(path)?;
     if record.has_finding(NOT_VOUCHED) {
         complain(format_args!(
             "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it",
-            shown(path.display())
+            terminal_safe(path.display())
         ));
     }
     Ok(record)
 }
 
 /// Writes the report's files and returns their paths.
-fn made(args: &ReportArgs, sizes: SizeChoice, garment: Garment) -> Result<Vec<PathBuf>, Fault> {
+fn made(
+    args: &ReportArgs,
+    sizes: SizeChoice,
+    garment: Garment,
+) -> Result<Vec<PathBuf>, ReportFault> {
     let record = told_record_at(&args.record)?;
     let print = Print { paper: args.paper, has_appendix: args.appendix };
     let choice =
@@ -235,19 +241,21 @@ fn made(args: &ReportArgs, sizes: SizeChoice, garment: Garment) -> Result<Vec<Pa
 /// Writes files to a folder and returns their paths.
 ///
 /// # Errors
-/// See [`Fault`].
-pub fn placed(files: &[RecordFile], out: &Path, force: bool) -> Result<Vec<PathBuf>, Fault> {
+/// See [`ReportFault`].
+pub fn placed(files: &[RecordFile], out: &Path, force: bool) -> Result<Vec<PathBuf>, ReportFault> {
     if out.join(SUMS).symlink_metadata().is_ok() {
-        return Err(Fault::RecordFolder(out.to_owned()));
+        return Err(ReportFault::RecordFolder(out.to_owned()));
     }
     let tried = |path: &Path, result: io::Result<()>| {
-        result.map_err(|source| Fault::Write { path: path.to_owned(), source })
+        result.map_err(|source| ReportFault::Write { path: path.to_owned(), source })
     };
     tried(out, fs::create_dir_all(out))?;
     let place = |file: &RecordFile| {
         let path = out.join(&file.name);
         match put(&path, file, force) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(Fault::There(path)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                Err(ReportFault::There(path))
+            }
             put => tried(&path, put).map(|()| path),
         }
     };
@@ -270,27 +278,27 @@ fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     put
 }
 
-fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
+fn record_of_file(path: PathBuf) -> Result<Record, ReportFault> {
     let bytes = match fs::read(&path) {
         Ok(bytes) => bytes,
-        Err(source) => return Err(Fault::Unreadable { path, source }),
+        Err(source) => return Err(ReportFault::Unreadable { path, source }),
     };
-    let schema = |source| Fault::NoRecord { path: path.clone(), source };
+    let schema = |source| ReportFault::NoRecord { path: path.clone(), source };
     let record: Record = serde_json::from_slice(&bytes).map_err(schema)?;
     if record.schema != SCHEMA {
-        return Err(Fault::OtherSchema { path, schema: record.schema });
+        return Err(ReportFault::OtherSchema { path, schema: record.schema });
     }
     let (folder, name) = (path.parent(), path.file_name().and_then(OsStr::to_str));
     let is_vouched = match (folder, name) {
         (Some(folder), Some(name)) => {
             let vouched = sums::check_file(folder, name, &bytes);
-            let vouched =
-                vouched.map_err(|source| Fault::Unreadable { path: folder.join(SUMS), source })?;
-            vouched.map_err(|source| Fault::Changed { path: path.clone(), source })?
+            let vouched = vouched
+                .map_err(|source| ReportFault::Unreadable { path: folder.join(SUMS), source })?;
+            vouched.map_err(|source| ReportFault::Changed { path: path.clone(), source })?
         }
         _ => false,
     };
-    let mut record = record.checked().map_err(|source| Fault::Impossible { path, source })?;
+    let mut record = record.checked().map_err(|source| ReportFault::Impossible { path, source })?;
     if !is_vouched {
         record.findings.insert(0, FindingNote::not_vouched());
     }
@@ -324,12 +332,12 @@ mod tests {
         let of_record = Found { path: folder(names[0]).join(RECORD), remark: None };
         assert_eq!(found(&folder(names[0])).unwrap(), of_record);
         let store = store.path();
-        assert!(matches!(found(store), Err(Fault::NoRecordIn(path)) if path == store));
+        assert!(matches!(found(store), Err(ReportFault::NoRecordIn(path)) if path == store));
         let missing = store.join("4712");
-        assert!(matches!(found(&missing), Err(Fault::Nothing(path)) if path == missing));
+        assert!(matches!(found(&missing), Err(ReportFault::Nothing(path)) if path == missing));
         let of_a_file = folder(names[0]).join(RECORD).join("4711");
         assert!(
-            matches!(found(&of_a_file), Err(Fault::Unreadable { path, .. }) if path == of_a_file)
+            matches!(found(&of_a_file), Err(ReportFault::Unreadable { path, .. }) if path == of_a_file)
         );
     }
 }

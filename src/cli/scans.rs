@@ -12,8 +12,8 @@ use serde_json::Value;
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
 use super::terminal::local;
 use super::terminal::screen::width;
-use super::{Exit, ask, complain, shown};
-use crate::station::operator::control::protocol::{Answer, Request};
+use super::{Exit, ask, complain, terminal_safe};
+use crate::station::operator::control::protocol::{ControlAnswer, Request};
 
 /// The labels of the columns of a list.
 const LIST_LABELS: [&str; 6] = [
@@ -38,7 +38,7 @@ const NO_ROW: (&str, String) = ("", String::new());
 pub fn scans(args: &ScansArgs) -> Exit {
     let request = Request::Scans { filter: args.state, limit: args.limit };
     let taken = |answer| match answer {
-        Answer::Scans(scans) => Some(scans),
+        ControlAnswer::Scans(scans) => Some(scans),
         _ => None,
     };
     ask::told(&args.ask, &request, taken, |scans, language| list(scans, language), |_| Exit::Done)
@@ -59,7 +59,7 @@ pub fn list(scans: &[Listed], language: Language) -> String {
     let rows = scans.iter().map(|scan| {
         let (seen, size) = (local(scan.first_seen), bytes(scan.size, language));
         let state = language.word("terminal.state", scan.disposition.word());
-        row([&scan.scan, &seen, state, &scan.format, &size, &shown(why(scan, language))])
+        row([&scan.scan, &seen, state, &scan.format, &size, &terminal_safe(why(scan, language))])
     });
     [row(labels)].into_iter().chain(rows).collect()
 }
@@ -78,7 +78,7 @@ fn why(scan: &Listed, language: Language) -> String {
 pub fn show(args: &OneArgs) -> Exit {
     let request = Request::Show { scan: args.scan.clone() };
     let taken = |answer| match answer {
-        Answer::Scan(whole) => Some(*whole),
+        ControlAnswer::Scan(whole) => Some(*whole),
         _ => None,
     };
     ask::told(&args.ask, &request, taken, detail, |_| Exit::Done)
@@ -113,7 +113,7 @@ fn detail(whole: &Whole, language: Language) -> String {
     let label = |key: &'static str| if key.is_empty() { "" } else { language.text(key) };
     let width = width(rows.iter().map(|(key, _)| label(key)), LABEL_LEAST);
     let lines = rows.iter().map(|(key, value)| {
-        let line = format!("{:<width$}  {}", label(key), shown(value));
+        let line = format!("{:<width$}  {}", label(key), terminal_safe(value));
         format!("{}\n", line.trim_end())
     });
     lines.collect()
@@ -165,12 +165,12 @@ fn plain(value: &Value) -> String {
 
 /// Explains why a file or scan is where it is.
 pub fn explain(args: &ExplainArgs) -> Exit {
-    let request = match Named::of(&args.what) {
+    let request = match Named::from_arg(&args.what) {
         Named::Scan(scan) => Request::ExplainScan { scan },
         Named::File(path) => match std::path::absolute(&path) {
             Ok(path) => Request::ExplainFile { path: path.into_os_string().into_vec() },
             Err(error) => {
-                complain(format_args!("gaiter: {}: {error}", shown(path.display())));
+                complain(format_args!("gaiter: {}: {error}", terminal_safe(path.display())));
                 return Exit::Usage;
             }
         },

@@ -19,8 +19,8 @@ use super::ask::{self, AskFault};
 use super::terminal::local;
 use super::terminal::paint::{self, painted};
 use super::terminal::screen::{self, width, wrapped};
-use super::{Exit, exit_of_printing, scans, shown};
-use crate::station::operator::control::protocol::{Answer, Request};
+use super::{Exit, exit_of_printing, scans, terminal_safe};
+use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::operator::control::status::{
     ComplaintStatus, SourceStatus, Status, TriggerStatus,
 };
@@ -58,9 +58,9 @@ fn exit(status: &Status) -> Exit {
     if status.ready { Exit::Done } else { Exit::Io }
 }
 
-fn taken(answer: Answer) -> Option<Status> {
+fn taken(answer: ControlAnswer) -> Option<Status> {
     match answer {
-        Answer::Status(status) => Some(*status),
+        ControlAnswer::Status(status) => Some(*status),
         _ => None,
     }
 }
@@ -79,7 +79,7 @@ impl Look {
         // A station that only answers the status request is still shown.
         let listed = |filter, limit| match ask::ask(&args.config, &Request::Scans { filter, limit })
         {
-            Ok(Answer::Scans(scans)) => scans,
+            Ok(ControlAnswer::Scans(scans)) => scans,
             _ => Vec::new(),
         };
         let is_any_held = status.scans.get("held").is_some_and(|count| *count > 0);
@@ -112,7 +112,7 @@ fn table(look: &Look, language: Language, columns: Option<usize>) -> String {
     let gap = width + GAP;
     let within = columns.map(|columns| columns.saturating_sub(gap));
     for (label, value) in rows {
-        let lines = wrapped(&shown(value), within).join(&format!("\n{:gap$}", ""));
+        let lines = wrapped(&terminal_safe(value), within).join(&format!("\n{:gap$}", ""));
         let label = painted(paint::LABEL, format_args!("{label:<width$}"));
         let _ = writeln!(text, "{label}{:GAP$}{lines}", "");
     }
@@ -129,13 +129,13 @@ fn complained(complaint: &Complaint, language: Language, columns: Option<usize>)
         Severity::Fault => ("terminal.not_ready", paint::BAD),
         Severity::Notice => ("terminal.note", paint::CARE),
     };
-    let said = format!("{}: {} [{}]", language.text(key), shown(message), complaint.code);
+    let said = format!("{}: {} [{}]", language.text(key), terminal_safe(message), complaint.code);
     let lines = wrapped(&said, columns).into_iter();
     let mut text: String = lines.map(|line| painted(colour, line) + "\n").collect();
     let before = format!("    {}: ", language.text("terminal.do"));
     let indent = before.chars().count();
     let within = columns.map(|columns| columns.saturating_sub(indent));
-    let lines = wrapped(&shown(remedy), within).join(&format!("\n{:indent$}", ""));
+    let lines = wrapped(&terminal_safe(remedy), within).join(&format!("\n{:indent$}", ""));
     let _ = writeln!(text, "{before}{lines}");
     text
 }

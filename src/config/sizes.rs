@@ -2,7 +2,7 @@
 
 pub mod beside;
 
-use gaiter_sizes::{Fault, Garment, Mapping, SizeTable, mapping};
+use gaiter_sizes::{DocumentFault, Garment, Mapping, SizeTable, mapping};
 use gaiter_toml::What::{NotAWord, Twice};
 
 use self::beside::{Files, TextFile};
@@ -72,7 +72,7 @@ fn read_files<T>(
     reader: &mut Reader,
     key: &'static str,
     files: &mut FilesBeside,
-    read: fn(&[u8]) -> Result<T, Vec<Fault>>,
+    read: fn(&[u8]) -> Result<T, Vec<DocumentFault>>,
     name: fn(&T) -> &str,
 ) -> Vec<T> {
     let mut all: Vec<T> = Vec::new();

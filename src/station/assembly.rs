@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gaiter_flow::cause::Cause;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::facts::{Alarm, IntakeState};
 use gaiter_flow::phantom::PHANTOM_ALARM;
 use gaiter_flow::{Facts, Identity};
@@ -63,7 +63,7 @@ impl Station {
             &patient.pattern,
             patient.check_digit,
         )?;
-        let stores = Stores::of(&config);
+        let stores = Stores::from_config(&config);
         let (custody, rebuilt) = open_custody(&config, &stores, first_start)?;
         // The station that lost its journal had begun these stores, so their marks must be found.
         let begun = stores.iter().filter(|_| !first_start);
@@ -77,7 +77,7 @@ impl Station {
             facts.alarms.extend(known.alarm().map(|alarm| (PHANTOM_ALARM, alarm)));
             facts.phantom = Some(known);
         }
-        let previews = Arc::new(Previews::of(&config.station.state_dir));
+        let previews = Arc::new(Previews::new(&config.station.state_dir));
         let core = Arc::new(Core::new(config, identity, custody, stores, facts, observer));
         let booth = Booth::open(Arc::clone(&core)).map_err(CustodyFault::from);
         let booth = booth.map_err(|fault| failed(fault, &core.config, &core.custody))?;
@@ -128,13 +128,14 @@ fn recover<'a>(
         }
         custody.journal().filled()?;
         error!(event = "journal-rebuilt", why, adopted, quarantined);
-        let alarm = Alarm { figures: Figures::why(&Cause::said(why)), since: Timestamp::now() };
+        let alarm =
+            Alarm { figures: ComplaintFigures::why(&Cause::said(why)), since: Timestamp::now() };
         facts.alarms.insert("journal-rebuilt", alarm);
     }
     // After the scans, which a lost journal must learn of first.
     let unreadable = custody.carry_out()?;
     if !unreadable.is_empty() {
-        let figures = Figures::counted(unreadable.len());
+        let figures = ComplaintFigures::counted(unreadable.len());
         facts.alarms.insert("decisions-unreadable", Alarm { figures, since: Timestamp::now() });
     }
     Ok(adopted)

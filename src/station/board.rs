@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use gaiter_flow::Facts;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::facts::Alarm;
 use jiff::Timestamp;
 
@@ -24,7 +24,7 @@ impl Board {
     }
 
     /// Raises an alarm. One that is raised already keeps its time and gets these figures.
-    pub fn raise(&self, code: &'static str, figures: Figures) {
+    pub fn raise(&self, code: &'static str, figures: ComplaintFigures) {
         self.note(|facts| {
             let known = facts.alarms.get(code).map(|known| known.since);
             let since = known.unwrap_or_else(Timestamp::now);

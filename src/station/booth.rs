@@ -12,10 +12,10 @@ use std::time::Duration;
 
 use gaiter_flow::account::Whole;
 use gaiter_flow::booth::Signal;
-use gaiter_flow::light::{self, Last, Light, Outcome, Progress, Scene};
+use gaiter_flow::light::{self, Last, LastOutcome, Light, Progress, Scene};
 use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
-use gaiter_flow::round::{Capture, Content, Judged, Rounds, Rules};
+use gaiter_flow::round::{Capture, CaptureMatch, ExportContent, Rounds, Rules};
 use gaiter_flow::settle::Sights;
 use gaiter_flow::words::stepped;
 use gaiter_flow::{Appeared, OrdersWhen, ScanId};
@@ -27,7 +27,7 @@ use tokio::time::sleep;
 use super::core::Core;
 use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
-use super::runtime::beat::Beat;
+use super::runtime::beat::Heartbeat;
 use super::runtime::clock::ASLEEP;
 use super::runtime::stop::Stop;
 pub use hearing::NameFault;
@@ -145,7 +145,8 @@ fn last_before(journal: &Journal, next_capture: i64) -> Result<Option<Last>, Jou
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
     let captured = journal.captured_at(next_capture - 1)?;
     let is_last = captured.is_none_or(|at| at <= whole.summary.first_seen) && is_of_today(&whole);
-    let needs_person = Outcome::of(&whole, &[]).is_some_and(|outcome| outcome.needs_person());
+    let needs_person =
+        LastOutcome::from_whole(&whole, &[]).is_some_and(|outcome| outcome.needs_person());
     Ok((is_last && needs_person).then(|| Last::Scan { scan, to_do: Vec::new() }))
 }
 
@@ -156,7 +157,7 @@ fn is_of_today(whole: &Whole) -> bool {
 
 /// The captures, locked while an export is taken in: no press or other export comes in between.
 #[derive(Debug)]
-pub struct Held<'a> {
+pub struct LockedCaptures<'a> {
     booth: &'a Booth,
     inner: MutexGuard<'a, Inner>,
 }
@@ -255,8 +256,8 @@ impl Booth {
     }
 
     /// Locks the captures while an export is taken in. Blocks.
-    pub fn hold(&self) -> Held<'_> {
-        Held { booth: self, inner: self.inner() }
+    pub fn hold(&self) -> LockedCaptures<'_> {
+        LockedCaptures { booth: self, inner: self.inner() }
     }
 
     /// Notes what the looks at an export folder have found.
@@ -282,8 +283,9 @@ impl Booth {
         let now = self.core.now();
         let mut inner = self.inner();
         let Some(whole) = self.whole(scan) else { return };
-        let outcome = Outcome::of(&whole, to_do);
-        let needs_person = matches!(outcome, Some(Outcome::Held { .. } | Outcome::Refused { .. }));
+        let outcome = LastOutcome::from_whole(&whole, to_do);
+        let needs_person =
+            matches!(outcome, Some(LastOutcome::Held { .. } | LastOutcome::Refused { .. }));
         let was_in_work = inner.in_work.contains_key(scan);
         if whole.is_in_work(&self.core.board.unfetched()) {
             inner.in_work.entry(scan.clone()).and_modify(|known| *known = to_do.to_owned());
@@ -310,17 +312,17 @@ impl Booth {
     }
 
     /// What the light tells of what happened last, and of whose scan.
-    fn last(&self, inner: &Inner) -> Option<(Outcome, Vec<String>)> {
+    fn last(&self, inner: &Inner) -> Option<(LastOutcome, Vec<String>)> {
         let (last, _) = inner.last.as_ref()?;
         match last {
             Last::Scan { scan, to_do } => {
                 let whole = self.whole(scan)?;
-                Some((Outcome::of(&whole, to_do)?, whole.possible_owners()))
+                Some((LastOutcome::from_whole(&whole, to_do)?, whole.possible_owners()))
             }
-            Last::NameUnread => Some((Outcome::NameUnread, Vec::new())),
+            Last::NameUnread => Some((LastOutcome::NameUnread, Vec::new())),
             Last::Known(scan) => {
                 let owners = self.whole(scan).map(|whole| whole.possible_owners());
-                Some((Outcome::Known, owners.unwrap_or_default()))
+                Some((LastOutcome::Known, owners.unwrap_or_default()))
             }
         }
     }
@@ -415,10 +417,10 @@ impl Booth {
     }
 }
 
-impl Held<'_> {
+impl LockedCaptures<'_> {
     /// Which capture an export belongs to; its times are on the station's clock.
-    pub fn judge(&self, content: &Content) -> Judged {
-        self.inner.captures.judge_content(content, self.booth.core.now())
+    pub fn match_content(&self, content: &ExportContent) -> CaptureMatch {
+        self.inner.captures.match_content(content, self.booth.core.now())
     }
 
     /// A known scan was exported again: if another export is expected, or somebody named, the light says so.
@@ -434,9 +436,9 @@ impl Held<'_> {
     }
 
     /// Applies an export that is in the journal, or whose bytes are in the spool with what it answers.
-    pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool, now: Duration) {
+    pub fn answer(&mut self, judged: &CaptureMatch, scan: &ScanId, held: bool, now: Duration) {
         self.inner.captures.answer(judged, now);
-        if !matches!(judged, Judged::Unpressed | Judged::Known) {
+        if !matches!(judged, CaptureMatch::Unpressed | CaptureMatch::Known) {
             self.inner.missed = false;
         }
         if !held {
@@ -449,7 +451,7 @@ impl Held<'_> {
 ///
 /// # Errors
 /// If a step panicked.
-pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+pub async fn worker(booth: Arc<Booth>, beat: Heartbeat, mut stop: Stop) -> Result<(), JoinError> {
     let core = Arc::clone(booth.core());
     let mut light = Light::switched_on();
     let (mut not_ready, mut next_ready) = (false, core.now());
@@ -460,7 +462,7 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
         let (looked, asks) = (Arc::clone(&booth), began >= next_ready);
         let step = spawn_blocking(move || {
             if slept {
-                looked.slept();
+                looked.note_sleep();
             }
             let passed = looked.pass();
             let complaints = || Overview::take(&looked.core).complaints;

@@ -27,7 +27,7 @@ use std::time::Duration;
 
 use gaiter_flow::account::Whole;
 use gaiter_flow::patient::identity;
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_flow::{DeliveryState, ScanId, ScanState, Verdict, Whose};
 use gaiter_record::Patient;
 use gaiter_scan::Format;
@@ -83,7 +83,7 @@ pub struct Arrival<'a> {
     /// The patient it belongs to, from all sources.
     pub whose: Whose,
     /// The press it answers.
-    pub judged: Judged,
+    pub judged: CaptureMatch,
     /// When the button was pressed for it.
     pub pressed_at: Option<Timestamp>,
     /// What the scanner wrote beside it.
@@ -216,7 +216,7 @@ impl Custody {
             Some(known) => self.journal.patients(known)?,
             None => Vec::new(),
         };
-        let verdict = match identity::judge(patients.iter().map(Option::as_deref), named) {
+        let verdict = match identity::verdict(patients.iter().map(Option::as_deref), named) {
             Verdict::Already => return Ok(Verdict::Already),
             Verdict::New => arrival.whose.held.map_or(Verdict::New, Verdict::Held),
             held @ Verdict::Held(_) => held,

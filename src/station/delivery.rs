@@ -1,4 +1,4 @@
-//! The delivery: works on as many scans at once as there are hands, each store at its own pace.
+//! The delivery: works on as many scans at once as there are jobs allowed, each store at its own pace.
 //!
 //! What is to be done is in the journal and is read from there each time that something can start; a
 //! hint only makes the next read come sooner. [`Outbox`] decides what is tried when. Its pauses use the
@@ -31,7 +31,7 @@ use tracing::info;
 use self::work::Ready;
 use super::booth::Booth;
 use super::journal::{Due, KEPT, Task};
-use super::runtime::beat::Beat;
+use super::runtime::beat::Heartbeat;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
 
@@ -39,10 +39,10 @@ use super::runtime::stop::Stop;
 const RECHECK: Duration = Duration::from_secs(5);
 
 /// At most this many scans at a time, however many cores there are.
-const MOST_HANDS: usize = 5;
+const JOBS_MAX: usize = 5;
 
 /// While a step at a store takes longer than this, nothing else is begun there, and it keeps no other store
-/// waiting: a server that hangs would otherwise take all hands.
+/// waiting: a server that hangs would otherwise take all jobs.
 const SLOW: Duration = Duration::from_secs(5);
 
 /// So many measured scans are kept, the latest, until every store has their records: a store that is slow or away
@@ -60,7 +60,7 @@ enum Done {
 type ScanOf = (ScanId, Option<Patient>);
 
 #[derive(Default)]
-struct Bench {
+struct Scheduler {
     outbox: Outbox,
     dues: BTreeMap<Key, Due>,
     jobs: JoinSet<Done>,
@@ -74,45 +74,46 @@ struct Bench {
 ///
 /// # Errors
 /// If a job panicked.
-pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+pub async fn worker(booth: Arc<Booth>, beat: Heartbeat, mut stop: Stop) -> Result<(), JoinError> {
     let cores = available_parallelism().map_or(1, usize::from);
     // One more than cores: while a record is being synced, no core is idle.
-    let hands = (cores + 1).min(MOST_HANDS);
-    let mut bench = Bench::default();
+    let jobs_max = (cores + 1).min(JOBS_MAX);
+    let mut scheduler = Scheduler::default();
     for store in booth.core().stores.iter() {
-        bench.outbox.asking(store.name());
-        bench.ask(&booth, store.name().to_owned());
+        scheduler.outbox.asking(store.name());
+        scheduler.ask(&booth, store.name().to_owned());
     }
     while !stop.is_requested() {
         beat.beat();
         let now = booth.core().now();
         // A backlog is long, and each step of a scan wakes this loop.
-        if !booth.core().is_paused() && bench.outbox.can_start(now, hands) {
-            bench.take_up(&booth, now, hands, cores).await?;
+        if !booth.core().is_paused() && scheduler.outbox.can_start(now, jobs_max) {
+            scheduler.start_ready(&booth, now, jobs_max, cores).await?;
         }
-        bench.find_stalled(&booth);
-        let wait = bench.outbox.next_in(now, hands).map_or(RECHECK, |next| next.min(RECHECK));
+        scheduler.find_stalled(&booth);
+        let wait =
+            scheduler.outbox.next_in(now, jobs_max).map_or(RECHECK, |next| next.min(RECHECK));
         tokio::select! {
             () = stop.requested() => break,
-            Some(done) = bench.jobs.join_next() => bench.put_down(&booth, done?).await?,
+            Some(done) = scheduler.jobs.join_next() => scheduler.on_done(&booth, done?).await?,
             () = booth.core().work.notified() => {}
             () = sleep(wait) => {}
         }
     }
-    while let Some(done) = bench.jobs.join_next().await {
+    while let Some(done) = scheduler.jobs.join_next().await {
         beat.beat();
-        bench.put_down(&booth, done?).await?;
+        scheduler.on_done(&booth, done?).await?;
     }
     Ok(())
 }
 
-impl Bench {
-    /// Starts what the journal lists as to be done, as far as stores, hands and pauses allow.
-    async fn take_up(
+impl Scheduler {
+    /// Starts what the journal lists as to be done, as far as stores, free jobs and pauses allow.
+    async fn start_ready(
         &mut self,
         booth: &Arc<Booth>,
         now: Duration,
-        hands: usize,
+        jobs_max: usize,
         cores: usize,
     ) -> Result<(), JoinError> {
         let core = Arc::clone(booth.core());
@@ -134,7 +135,7 @@ impl Bench {
         let keys: Vec<Key> = pending.iter().map(key).collect();
         self.dues = keys.iter().cloned().zip(pending).collect();
         booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
-        let plan = self.outbox.plan(&keys, now, hands);
+        let plan = self.outbox.plan(&keys, now, jobs_max);
         let erasing = booth.core().custody.erasures().awaited_stores();
         for store in plan.ask.into_iter().chain(self.outbox.to_ask(erasing, now)) {
             self.ask(booth, store);
@@ -208,7 +209,7 @@ impl Bench {
         });
     }
 
-    async fn put_down(&mut self, booth: &Arc<Booth>, done: Done) -> Result<(), JoinError> {
+    async fn on_done(&mut self, booth: &Arc<Booth>, done: Done) -> Result<(), JoinError> {
         match done {
             Done::Asked { store, in_reach } => {
                 self.at_store.remove(&(store.clone(), None));

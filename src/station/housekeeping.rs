@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::retention::{WallClock, before};
 use jiff::Timestamp;
@@ -18,7 +18,7 @@ use super::core::Core;
 use super::custody::CustodyFault;
 use super::overview::Overview;
 use super::persons::erase;
-use super::runtime::beat::Beat;
+use super::runtime::beat::Heartbeat;
 use super::runtime::causes::chain;
 use super::runtime::stop::Stop;
 use super::service::{status_line, tell_status};
@@ -30,7 +30,7 @@ const ROUND: Duration = Duration::from_secs(3600);
 const STATUS: Duration = Duration::from_secs(30);
 
 /// Interval of the worker's heartbeat and of its looks at the wall clock.
-const BREATH: Duration = Duration::from_secs(1);
+const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Least time between checks of the journal: each reads the whole journal.
 const CHECK_PAUSE: Duration = Duration::from_secs(60);
@@ -42,7 +42,7 @@ const REFUSES: &str = "journal-refuses";
 ///
 /// # Errors
 /// If a round panicked.
-pub async fn worker(core: Arc<Core>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+pub async fn worker(core: Arc<Core>, beat: Heartbeat, mut stop: Stop) -> Result<(), JoinError> {
     let mut next = core.now();
     let (mut next_status, mut said) = (core.now(), String::new());
     let (mut next_check, mut wall_clock) = (Duration::ZERO, WallClock::default());
@@ -70,7 +70,7 @@ pub async fn worker(core: Arc<Core>, beat: Beat, mut stop: Stop) -> Result<(), J
         }
         tokio::select! {
             () = stop.requested() => break,
-            () = sleep(BREATH) => {}
+            () = sleep(HEARTBEAT_INTERVAL) => {}
             () = core.suspicion.told(), if core.now() >= next_check => {
                 next_check = core.now() + CHECK_PAUSE;
                 let core = Arc::clone(&core);
@@ -116,7 +116,10 @@ fn check_journal(core: &Core) {
     match core.custody.journal().check() {
         Ok(()) => {
             error!(event = "journal-refuses", error = why);
-            let alarm = Alarm { figures: Figures::why(&Cause::said(why)), since: Timestamp::now() };
+            let alarm = Alarm {
+                figures: ComplaintFigures::why(&Cause::said(why)),
+                since: Timestamp::now(),
+            };
             core.board.note(|facts| _ = facts.alarms.entry(REFUSES).or_insert(alarm));
         }
         Err(fault) => {

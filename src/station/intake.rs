@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use gaiter_flow::export::mount::MountGuard;
 use gaiter_flow::settle::{Gone, Memory};
-use gaiter_flow::{Appeared, Look, LookTime, Mark, Settled, Settling};
+use gaiter_flow::{Appeared, Fingerprint, Look, LookTime, Settled, Settling};
 use tokio::sync::{Notify, mpsc};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -31,15 +31,15 @@ use self::stable_read::Export;
 use self::watch::Watch;
 use super::booth::Booth;
 use super::core::Core;
-use super::runtime::beat::Beat;
+use super::runtime::beat::Heartbeat;
 use super::runtime::clock::ASLEEP;
 use super::runtime::jitter;
 use super::runtime::stop::Stop;
-use super::share::stall::{DEADLINE, Pulse, patiently};
+use super::share::stall::{DEADLINE, StepCounter, patiently};
 use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.
-const BREATH: Duration = Duration::from_millis(100);
+const LOOK_PAUSE_MIN: Duration = Duration::from_millis(100);
 
 /// A look at a large folder takes long; the rest after it is this many times as long.
 const REST_PER_LOOK: u32 = 10;
@@ -55,7 +55,7 @@ const TAKING: Duration = Duration::from_secs(1);
 const FORGETTING: Duration = Duration::from_secs(3600);
 
 /// How soon a closed gate is tried again.
-const SHUT: Duration = Duration::from_secs(2);
+const GATE_RETRY: Duration = Duration::from_secs(2);
 
 /// One export folder and what is known of its files.
 struct Intake {
@@ -65,7 +65,7 @@ struct Intake {
     guard: MountGuard,
     settling: Settling,
     notes: Notes,
-    beat: Beat,
+    beat: Heartbeat,
     next_forgetting: Duration,
     /// The memory of the looks that the journal holds.
     kept: Option<Memory>,
@@ -88,7 +88,7 @@ struct Round {
 pub async fn worker(
     (booth, export_locks): (Arc<Booth>, Arc<ExportLocks>),
     (place, folder): (usize, PathBuf),
-    beat: Beat,
+    beat: Heartbeat,
     mut stop: Stop,
     looked: mpsc::Sender<()>,
 ) -> Result<(), JoinError> {
@@ -134,7 +134,7 @@ pub async fn worker(
         }
         if core.now().saturating_sub(rested) > planned + ASLEEP {
             // The machine was stopped, and so may the program that writes the export have been.
-            intake.settling.slept();
+            intake.settling.note_gap();
         }
     }
     Ok(())
@@ -152,14 +152,14 @@ impl Intake {
         let soon = self.core().now() + quiet;
         let is_settling = self.settling.next_due().is_some_and(|at| at <= soon);
         let rests = if is_settling { REST_PER_LOOK_SETTLING } else { REST_PER_LOOK };
-        let rest = BREATH.max(took * rests).min(rescan);
+        let rest = LOOK_PAUSE_MIN.max(took * rests).min(rescan);
         let began = Instant::now();
         let is_open = self.take_all(due, TAKING.max(rest), stop).await?;
         let took = began.elapsed();
         self.notes.waiting(&mut self.settling);
         let due = self.settling.next_due().map(|at| at.saturating_sub(self.core().now()));
         let pause = match due {
-            Some(_) if !is_open => SHUT.min(rescan),
+            Some(_) if !is_open => GATE_RETRY.min(rescan),
             Some(due) => due.min(rescan),
             None => rescan,
         };
@@ -175,13 +175,13 @@ impl Intake {
     ) -> Result<Option<(Watch, Vec<Settled>, Duration)>, JoinError> {
         let (core, folder) = (Arc::clone(self.booth.core()), self.folder.clone());
         let export_locks = Arc::clone(&self.export_locks);
-        let look = move |pulse: &Pulse| {
+        let look = move |counter: &StepCounter| {
             let armed = watch.keep_armed();
             let began = core.now();
             let is_ours = export_locks.hold(&folder);
             let found = is_ours.and_then(|is_ours| {
                 let found =
-                    is_ours.then(|| scan_dir::look(&folder, &core.config.scanner.watch, pulse));
+                    is_ours.then(|| scan_dir::look(&folder, &core.config.scanner.watch, counter));
                 found.transpose()
             });
             (watch, armed, found, LookTime { began, ended: core.now() })
@@ -190,11 +190,11 @@ impl Intake {
             patiently(DEADLINE, stop, look, || self.beat.beat(), || self.notes.stalled()).await?;
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
-        let (look, passers, folders) = self.notes.found(found, &mut self.guard);
+        let (look, unrelated, folders) = self.notes.found(found, &mut self.guard);
         if let Look::Seen(scans) = &look {
             self.forget_gone(scans.keys().cloned().collect()).await?;
             self.settling.found_in(folders);
-            self.settling.pass_over(passers, when);
+            self.settling.pass_over(unrelated, when);
         }
         let due = self.settling.observe(look, when);
         self.mark(stop).await?;
@@ -316,7 +316,7 @@ impl Intake {
             let (mut mark, mut is_kept) = (None, false);
             let taken = read.and_then(|export| match export {
                 Some((times, export)) => {
-                    mark = Some(Mark::of(began, booth.core().now(), &export.bytes));
+                    mark = Some(Fingerprint::whole(began, booth.core().now(), &export.bytes));
                     let taken = ingest::take(&booth, &settled, times, &export);
                     is_kept = taken.is_err() && booth.core().custody.spool().holds(&export.scan);
                     taken
@@ -351,8 +351,9 @@ impl Intake {
         settled: Settled,
         stop: &mut Stop,
     ) -> Result<Option<Result<Option<Export>, TakeFault>>, JoinError> {
-        let read =
-            move |pulse: &Pulse| stable_read::read(&settled, pulse).map_err(TakeFault::Source);
+        let read = move |counter: &StepCounter| {
+            stable_read::read(&settled, counter).map_err(TakeFault::Source)
+        };
         patiently(DEADLINE, stop, read, || self.beat.beat(), || self.notes.stalled()).await
     }
 }

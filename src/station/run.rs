@@ -24,7 +24,7 @@ use super::runtime::jitter;
 use super::runtime::stop::Stopper;
 use super::service;
 use super::state_dir::take_state_dir;
-use super::workers::{Lasting, Workers};
+use super::workers::{ProcessResources, Workers};
 use crate::config::Config;
 
 /// How long to wait for the first looks before the station reports that it is ready: a share that does
@@ -40,7 +40,7 @@ const GRACE: Duration = Duration::from_secs(20);
 const ENDPOINTS_CLOSE: Duration = Duration::from_secs(10);
 
 /// Interval between checks of the workers' heartbeats, unless a watchdog needs more.
-const PULSE: Duration = Duration::from_secs(5);
+const HEARTBEAT_CHECK: Duration = Duration::from_secs(5);
 
 /// A worker whose last heartbeat is older hangs: each sends one every few seconds, even while it waits.
 const HUNG: Duration = Duration::from_secs(30);
@@ -69,13 +69,13 @@ impl<S> Orders<S> {
 }
 
 /// Why a generation of workers ended.
-enum Turn {
+enum GenerationEnd {
     /// The station is to stop.
     Stop,
     /// It is to continue with this configuration.
     Reload(Box<Config>),
     /// The journal is to be rebuilt.
-    Ruin,
+    RebuildJournal,
 }
 
 /// Runs the station until it is asked to stop or cannot continue. `observer` receives its events.
@@ -97,23 +97,23 @@ pub async fn run(
     let mut config = config;
     let mut first_start = lock.first_start;
     let (mut ruins, mut first_generation) = (0, true);
-    let lasting = Lasting::default();
+    let resources = ProcessResources::default();
     // From now on verbs wait for the station. If this fails, its worker says so and tries again.
-    let _ = lasting.listeners.open(&config, Way::Control).await;
+    let _ = resources.listeners.open(&config, Way::Control).await;
     let stop = orders.stop;
     tokio::pin!(stop);
     let ended = loop {
-        take_exports(&lasting, &config, first_generation).await?;
+        take_exports(&resources, &config, first_generation).await?;
         first_generation = false;
         let (next, observer) = (config.clone(), observer.clone());
         let open = spawn_blocking(move || Station::open(next, observer, first_start));
         let station = open.await.map_err(StationError::Start)??;
         first_start = false;
         let began = station.core.now();
-        match generation(&station, &lasting, &mut stop, &mut orders.reload).await {
-            Ok(Turn::Stop) => break Ok(()),
-            Ok(Turn::Reload(next)) => config = *next,
-            Ok(Turn::Ruin) => {
+        match generation(&station, &resources, &mut stop, &mut orders.reload).await {
+            Ok(GenerationEnd::Stop) => break Ok(()),
+            Ok(GenerationEnd::Reload(next)) => config = *next,
+            Ok(GenerationEnd::RebuildJournal) => {
                 let core = Arc::clone(&station.core);
                 // It proved corrupt in use: opened again it may look intact.
                 let given_up = spawn_blocking(move || {
@@ -137,16 +137,16 @@ pub async fn run(
 /// Takes the export folders for this process. At its start it fails if another station keeps one. Later
 /// that is only reported, and the other folders are used.
 async fn take_exports(
-    lasting: &Lasting,
+    resources: &ProcessResources,
     config: &Config,
     is_start: bool,
 ) -> Result<(), StationError> {
     let folders = config.scanner.export_dirs.clone();
-    lasting.export_locks.keep_only(&folders);
+    resources.export_locks.keep_only(&folders);
     if !is_start {
         return Ok(());
     }
-    let export_locks = Arc::clone(&lasting.export_locks);
+    let export_locks = Arc::clone(&resources.export_locks);
     let asked = spawn_blocking(move || export_locks.kept_by_another(&folders));
     // A share that does not answer does not prevent the start.
     match timeout(FIRST_LOOKS, asked).await {
@@ -160,13 +160,13 @@ async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) 
     info!(event = "journal-rebuild-waits", seconds = length.as_secs());
     let length = sleep(length);
     tokio::pin!(length);
-    let mut pulse = interval(pulse());
+    let mut watchdog = interval(watchdog_interval());
     loop {
         tokio::select! {
             () = &mut *stop => return true,
             () = &mut length => return false,
             // Nothing is running that could hang.
-            _ = pulse.tick() => service::tell_alive(),
+            _ = watchdog.tick() => service::tell_alive(),
         }
     }
 }
@@ -182,13 +182,13 @@ fn tell_expired_tables(config: &Config) {
 /// One generation of workers, from their start to their end.
 async fn generation(
     station: &Station,
-    lasting: &Lasting,
+    resources: &ProcessResources,
     stop: &mut (impl Future<Output = ()> + Unpin),
     reload: &mut mpsc::Receiver<Reload>,
-) -> Result<Turn, StationError> {
+) -> Result<GenerationEnd, StationError> {
     tell_expired_tables(&station.core.config);
     let (stopper, asked) = Stopper::new();
-    let (mut workers, looked) = Workers::start(station, lasting, &asked);
+    let (mut workers, looked) = Workers::start(station, resources, &asked);
     let ready = async {
         if timeout(FIRST_LOOKS, first_looks(looked)).await.is_err() {
             warn!(event = "first-look-outstanding");
@@ -200,24 +200,24 @@ async fn generation(
     let turn = {
         tokio::pin!(ready);
         let mut is_ready = false;
-        let mut pulse = interval(pulse());
+        let mut watchdog = interval(watchdog_interval());
         loop {
             tokio::select! {
-                () = &mut *stop => break Ok(Turn::Stop),
+                () = &mut *stop => break Ok(GenerationEnd::Stop),
                 () = &mut ready, if !is_ready => is_ready = true,
                 Some(next) = reload.recv() => if let Some(config) = reloaded(&station.core, next) {
-                    break Ok(Turn::Reload(config));
+                    break Ok(GenerationEnd::Reload(config));
                 },
                 () = station.core.anew.notified() => {
-                    break Ok(Turn::Reload(Box::new(station.core.config.clone())));
+                    break Ok(GenerationEnd::Reload(Box::new(station.core.config.clone())));
                 }
                 () = station.core.ruin.notified() => {
                     error!(event = "journal-ruined");
-                    break Ok(Turn::Ruin);
+                    break Ok(GenerationEnd::RebuildJournal);
                 }
                 ended = workers.one_ended() => break Err(ended),
                 // The watchdog is fed only while no worker hangs.
-                _ = pulse.tick() => match workers.hung(HUNG) {
+                _ = watchdog.tick() => match workers.hung(HUNG) {
                     Some(worker) => error!(event = "worker-hangs", %worker),
                     None => service::tell_alive(),
                 },
@@ -229,26 +229,26 @@ async fn generation(
 
 /// Ends the workers of a generation, for this reason. Returns why it has ended.
 async fn wind_up(
-    turn: Result<Turn, StationError>,
+    turn: Result<GenerationEnd, StationError>,
     station: &Station,
     workers: &mut Workers,
     stopper: &Stopper,
     stop: &mut (impl Future<Output = ()> + Unpin),
-) -> Result<Turn, StationError> {
+) -> Result<GenerationEnd, StationError> {
     let turn = match turn {
-        Ok(next @ (Turn::Reload(_) | Turn::Ruin)) => {
-            if matches!(next, Turn::Ruin) {
+        Ok(next @ (GenerationEnd::Reload(_) | GenerationEnd::RebuildJournal)) => {
+            if matches!(next, GenerationEnd::RebuildJournal) {
                 // Nobody may work with that journal any longer.
                 stopper.request();
             }
             deliveries_over(station, workers, stop).await.map(|stops| match stops {
-                true => Turn::Stop,
+                true => GenerationEnd::Stop,
                 false => next,
             })
         }
         turn => turn,
     };
-    if matches!(turn, Ok(Turn::Stop) | Err(_)) {
+    if matches!(turn, Ok(GenerationEnd::Stop) | Err(_)) {
         service::tell_stopping();
     }
     info!(event = "station-stopping");
@@ -263,7 +263,9 @@ async fn wind_up(
     match (turn, rest) {
         (Ok(_), Ok(Err(error))) => Err(error),
         // Work that still runs could meet the next generation on the same scan.
-        (Ok(Turn::Reload(_) | Turn::Ruin), Err(_)) => Err(StationError::Stuck),
+        (Ok(GenerationEnd::Reload(_) | GenerationEnd::RebuildJournal), Err(_)) => {
+            Err(StationError::Stuck)
+        }
         (turn, _) => turn,
     }
 }
@@ -280,14 +282,14 @@ async fn deliveries_over(
     let longest = servers.map(|store| store.step_most()).max().unwrap_or_default();
     let ended = timeout(longest, workers.end_delivery());
     tokio::pin!(ended);
-    let mut pulse = interval(pulse());
+    let mut watchdog = interval(watchdog_interval());
     loop {
         tokio::select! {
             () = &mut *stop => return Ok(true),
             // What is not over by then has the grace of all work.
             ended = &mut ended => return ended.unwrap_or(Ok(())).map(|()| false),
             // The wait has an end.
-            _ = pulse.tick() => service::tell_alive(),
+            _ = watchdog.tick() => service::tell_alive(),
         }
     }
 }
@@ -337,6 +339,6 @@ fn only_with_restart(core: &Core, next: &Config) -> Option<&'static str> {
 }
 
 /// How often the service manager's watchdog is fed: at half its interval.
-fn pulse() -> Duration {
-    sd_notify::watchdog_enabled().map_or(PULSE, |time| (time / 2).min(PULSE))
+fn watchdog_interval() -> Duration {
+    sd_notify::watchdog_enabled().map_or(HEARTBEAT_CHECK, |time| (time / 2).min(HEARTBEAT_CHECK))
 }

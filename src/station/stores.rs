@@ -28,7 +28,7 @@ pub struct Stores {
 
 impl Stores {
     /// The stores of a configuration, none of them opened yet.
-    pub fn of(config: &Config) -> Stores {
+    pub fn from_config(config: &Config) -> Stores {
         let station = &config.station.id;
         let store = &config.store;
         let folder = |name, path: &PathBuf, access| {

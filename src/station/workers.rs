@@ -17,13 +17,13 @@ use super::intake;
 use super::intake::export_locks::ExportLocks;
 use super::operator::http;
 use super::operator::http::listeners::Listeners;
-use super::runtime::beat::Beat;
+use super::runtime::beat::Heartbeat;
 use super::runtime::stop::{Stop, Stopper};
 
 /// What belongs to the process and outlives a reload: its export folders, the addresses on which it listens
 /// and the control socket. No other process gets them while workers change.
 #[derive(Debug, Default)]
-pub struct Lasting {
+pub struct ProcessResources {
     /// The addresses of the page's endpoints, and the control socket.
     pub listeners: Arc<Listeners>,
     /// The export folders.
@@ -40,14 +40,14 @@ pub struct Workers {
     endpoints: JoinSet<Result<(), JoinError>>,
     endpoints_stopper: Stopper,
     names: BTreeMap<Id, Worker>,
-    beats: Vec<(Worker, Beat)>,
+    beats: Vec<(Worker, Heartbeat)>,
 }
 
 impl Workers {
     /// Starts the workers of a station. The receiver closes when every intake has looked once.
     pub fn start(
         station: &Station,
-        lasting: &Lasting,
+        resources: &ProcessResources,
         stop: &Stop,
     ) -> (Workers, mpsc::Receiver<()>) {
         let (endpoints_stopper, endpoints_stop) = Stopper::new();
@@ -61,10 +61,10 @@ impl Workers {
             names: BTreeMap::new(),
             beats: Vec::new(),
         };
-        let first_looks = workers.start_intakes(station, lasting, stop);
+        let first_looks = workers.start_intakes(station, resources, stop);
         workers.start_booth(station, stop);
         let Station { core, booth, previews, .. } = station;
-        let beat = Beat::default();
+        let beat = Heartbeat::default();
         workers.beats.push((Worker::Delivery, beat.clone()));
         let task = delivery::worker(Arc::clone(booth), beat, delivery_stop);
         let id = workers.delivery.spawn(task).id();
@@ -75,7 +75,7 @@ impl Workers {
         let task = |beat| housekeeping::worker(Arc::clone(core), beat, stop.clone());
         workers.start_one(Worker::Housekeeping, task);
         // They wait for people and monitors and have no heartbeat: nothing depends on them.
-        let (desk, listeners) = (Arc::clone(&station.desk), Arc::clone(&lasting.listeners));
+        let (desk, listeners) = (Arc::clone(&station.desk), Arc::clone(&resources.listeners));
         let id = workers.endpoints.spawn(http::worker(desk, listeners, endpoints_stop)).id();
         workers.names.insert(id, Worker::Http);
         (workers, first_looks)
@@ -84,12 +84,12 @@ impl Workers {
     fn start_intakes(
         &mut self,
         station: &Station,
-        lasting: &Lasting,
+        resources: &ProcessResources,
         stop: &Stop,
     ) -> mpsc::Receiver<()> {
         let (looked, first_looks) = mpsc::channel(1);
         for place in station.core.config.scanner.export_dirs.iter().cloned().enumerate() {
-            let shared = (Arc::clone(&station.booth), Arc::clone(&lasting.export_locks));
+            let shared = (Arc::clone(&station.booth), Arc::clone(&resources.export_locks));
             let (folder, stop, looked) = (place.0, stop.clone(), looked.clone());
             let task = |beat| intake::worker(shared, place, beat, stop, looked);
             self.start_one(Worker::Intake { folder }, task);
@@ -113,11 +113,11 @@ impl Workers {
         }
     }
 
-    fn start_one<T>(&mut self, worker: Worker, task: impl FnOnce(Beat) -> T)
+    fn start_one<T>(&mut self, worker: Worker, task: impl FnOnce(Heartbeat) -> T)
     where
         T: Future<Output = Result<(), JoinError>> + Send + 'static,
     {
-        let beat = Beat::default();
+        let beat = Heartbeat::default();
         self.beats.push((worker, beat.clone()));
         let id = self.tasks.spawn(task(beat)).id();
         self.names.insert(id, worker);
@@ -140,7 +140,7 @@ impl Workers {
         match ended {
             Some(ended) => {
                 let worker = who(&self.names, &ended);
-                judge(worker, ended).err().unwrap_or(StationError::WorkerStopped { worker })
+                with_worker(worker, ended).err().unwrap_or(StationError::WorkerStopped { worker })
             }
             None => StationError::WorkerStopped { worker: Worker::Delivery },
         }
@@ -185,7 +185,7 @@ async fn all_ended(
 ) -> Result<(), StationError> {
     let mut all = Ok(());
     while let Some(ended) = tasks.join_next_with_id().await {
-        all = all.and(judge(who(names, &ended), ended));
+        all = all.and(with_worker(who(names, &ended), ended));
     }
     all
 }
@@ -199,7 +199,7 @@ fn who(names: &BTreeMap<Id, Worker>, ended: &HasEnded) -> Worker {
 }
 
 /// Adds the worker's name to the way it ended.
-fn judge(worker: Worker, ended: HasEnded) -> Result<(), StationError> {
+fn with_worker(worker: Worker, ended: HasEnded) -> Result<(), StationError> {
     match ended {
         Err(source) | Ok((_, Err(source))) => Err(StationError::WorkerPanicked { worker, source }),
         Ok((_, Ok(()))) => Ok(()),

@@ -108,7 +108,7 @@ pub struct FileId {
 
 impl FileId {
     /// The id of the file a path leads to now.
-    pub fn of(path: &Path) -> io::Result<FileId> {
+    pub fn from_path(path: &Path) -> io::Result<FileId> {
         let metadata = fs::metadata(path)?;
         Ok(FileId { dev: metadata.dev(), ino: metadata.ino() })
     }

@@ -42,7 +42,7 @@ impl Endpoint {
     ///
     /// # Errors
     /// If the address names no host, or one of another machine without TLS.
-    pub fn of(uri: &Uri) -> Result<Endpoint, EndpointFault> {
+    pub fn from_uri(uri: &Uri) -> Result<Endpoint, EndpointFault> {
         let authority = uri.authority().ok_or(EndpointFault::Address)?;
         let host = authority.host();
         if host.is_empty() || authority.as_str().contains('@') {
@@ -115,24 +115,24 @@ impl fmt::Display for Secret {
 mod tests {
     use super::*;
 
-    fn of(address: &str) -> Result<Endpoint, EndpointFault> {
-        Endpoint::of(&address.parse().unwrap())
+    fn parsed(address: &str) -> Result<Endpoint, EndpointFault> {
+        Endpoint::from_uri(&address.parse().unwrap())
     }
 
     #[test]
     fn without_tls_only_this_machine_is_asked() {
         for host in ["localhost", "127.0.0.1", "127.8.8.8", "[::1]"] {
-            assert!(!of(&format!("http://{host}:8080/r4")).unwrap().is_encrypted, "{host}");
+            assert!(!parsed(&format!("http://{host}:8080/r4")).unwrap().is_encrypted, "{host}");
         }
         for host in
             ["fhir.clinic.example", "10.0.0.7", "[fe80::1]", "localhost.example", "128.0.0.1"]
         {
             assert_eq!(
-                of(&format!("http://{host}/r4")),
+                parsed(&format!("http://{host}/r4")),
                 Err(EndpointFault::NotEncrypted),
                 "{host}"
             );
-            assert!(of(&format!("https://{host}/r4")).unwrap().is_encrypted, "{host}");
+            assert!(parsed(&format!("https://{host}/r4")).unwrap().is_encrypted, "{host}");
         }
     }
 
@@ -141,17 +141,17 @@ mod tests {
         for address in
             ["/r4", "ftp://fhir.clinic.example", "https://user:secret@fhir.clinic.example/"]
         {
-            assert_eq!(of(address), Err(EndpointFault::Address), "{address}");
+            assert_eq!(parsed(address), Err(EndpointFault::Address), "{address}");
         }
     }
 
     #[test]
     fn a_usual_port_is_not_written() {
-        let written = |address: &str| of(address).unwrap().authority();
+        let written = |address: &str| parsed(address).unwrap().authority();
         assert_eq!(written("https://fhir.clinic.example/r4"), "fhir.clinic.example");
         assert_eq!(written("https://fhir.clinic.example:443/r4"), "fhir.clinic.example");
         assert_eq!(written("https://fhir.clinic.example:8443"), "fhir.clinic.example:8443");
         assert_eq!(written("http://[::1]:80"), "[::1]");
-        assert_eq!(of("http://[::1]:8080").unwrap().name(), "::1");
+        assert_eq!(parsed("http://[::1]:8080").unwrap().name(), "::1");
     }
 }

@@ -34,7 +34,7 @@ pub enum StoreFault {
     Server(#[from] ServerFault),
     /// The store will never take this record.
     #[error("the store cannot take this record: {0}")]
-    Permanent(Misfit),
+    Permanent(Rejection),
 }
 
 impl StoreFault {
@@ -46,7 +46,7 @@ impl StoreFault {
             }
             StoreFault::NotFetched => Cause::said(self),
             StoreFault::Server(fault) => fault.cause(),
-            StoreFault::Permanent(misfit) => misfit.cause(),
+            StoreFault::Permanent(rejection) => rejection.cause(),
         }
     }
 
@@ -55,17 +55,17 @@ impl StoreFault {
         match self {
             StoreFault::Transient { .. } | StoreFault::Server(_) => "store-unavailable",
             StoreFault::NotFetched => "result-not-fetched",
-            StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
-            StoreFault::Permanent(Misfit::InTheWay { .. }) => "store-place-occupied",
-            StoreFault::Permanent(Misfit::FolderIsLink) => "patient-folder-is-a-link",
-            StoreFault::Permanent(Misfit::FolderClash) => "patient-folder-clash",
-            StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
-            StoreFault::Permanent(Misfit::NotRegistered) => "patient-not-registered",
-            StoreFault::Permanent(Misfit::RegisteredTwice(_)) => "patient-registered-twice",
-            StoreFault::Permanent(Misfit::PatientNotInUse) => "patient-not-in-use",
-            StoreFault::Permanent(Misfit::TakenBackThere) => "taken-back-there",
-            StoreFault::Permanent(Misfit::ServerRefused { .. }) => "server-refused",
-            StoreFault::Permanent(Misfit::ReceiverRefused { .. }) => "server-refused",
+            StoreFault::Permanent(Rejection::Occupied(_)) => "store-place-occupied",
+            StoreFault::Permanent(Rejection::InTheWay { .. }) => "store-place-occupied",
+            StoreFault::Permanent(Rejection::FolderIsLink) => "patient-folder-is-a-link",
+            StoreFault::Permanent(Rejection::FolderClash) => "patient-folder-clash",
+            StoreFault::Permanent(Rejection::HandedOver) => "result-handed-over",
+            StoreFault::Permanent(Rejection::NotRegistered) => "patient-not-registered",
+            StoreFault::Permanent(Rejection::RegisteredTwice(_)) => "patient-registered-twice",
+            StoreFault::Permanent(Rejection::PatientNotInUse) => "patient-not-in-use",
+            StoreFault::Permanent(Rejection::TakenBackThere) => "taken-back-there",
+            StoreFault::Permanent(Rejection::ServerRefused { .. }) => "server-refused",
+            StoreFault::Permanent(Rejection::ReceiverRefused { .. }) => "server-refused",
             StoreFault::Permanent(_) => "store-misfit",
         }
     }
@@ -73,7 +73,7 @@ impl StoreFault {
 
 /// Why a store will never take a record.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Misfit {
+pub enum Rejection {
     /// The record's last file is not `SHA256SUMS`.
     #[error("its last file is not SHA256SUMS")]
     NoSums,
@@ -162,21 +162,21 @@ pub enum Misfit {
     HandedOver,
 }
 
-impl Misfit {
+impl Rejection {
     /// Why, for people. What only an expert can mend is in English.
     pub fn cause(&self) -> Cause {
         match self {
-            Misfit::NotRegistered => Cause::known("patient-not-registered", []),
-            Misfit::RegisteredTwice(count) => {
+            Rejection::NotRegistered => Cause::known("patient-not-registered", []),
+            Rejection::RegisteredTwice(count) => {
                 Cause::known("patient-registered-twice", [("count", count.to_string())])
             }
-            Misfit::PatientNotInUse => Cause::known("patient-not-in-use", []),
-            Misfit::TakenBackThere => Cause::known("taken-back-there", []),
-            Misfit::ServerRefused { status, why } => {
+            Rejection::PatientNotInUse => Cause::known("patient-not-in-use", []),
+            Rejection::TakenBackThere => Cause::known("taken-back-there", []),
+            Rejection::ServerRefused { status, why } => {
                 let names = [("status", status.to_string()), ("why", why.clone())];
                 Cause::known("server-refuses", names)
             }
-            Misfit::ReceiverRefused { code, why } => {
+            Rejection::ReceiverRefused { code, why } => {
                 let names = [("code", code.clone()), ("why", why.clone())];
                 Cause::known("receiver-refuses", names)
             }
@@ -194,19 +194,19 @@ mod tests {
     #[test]
     fn what_a_person_can_settle_is_told_in_each_language() {
         let why = "no such code".to_owned();
-        for misfit in [
-            Misfit::NotRegistered,
-            Misfit::RegisteredTwice(2),
-            Misfit::PatientNotInUse,
-            Misfit::TakenBackThere,
-            Misfit::ServerRefused { status: 422, why: why.clone() },
-            Misfit::ReceiverRefused { code: "AR".to_owned(), why },
+        for rejection in [
+            Rejection::NotRegistered,
+            Rejection::RegisteredTwice(2),
+            Rejection::PatientNotInUse,
+            Rejection::TakenBackThere,
+            Rejection::ServerRefused { status: 422, why: why.clone() },
+            Rejection::ReceiverRefused { code: "AR".to_owned(), why },
         ] {
-            let cause = misfit.cause();
-            assert_eq!(cause.to_string(), misfit.to_string());
-            assert_ne!(cause.in_words(Language::De), cause.to_string(), "{misfit:?}");
+            let cause = rejection.cause();
+            assert_eq!(cause.to_string(), rejection.to_string());
+            assert_ne!(cause.in_words(Language::De), cause.to_string(), "{rejection:?}");
         }
-        let cause = StoreFault::Permanent(Misfit::RegisteredTwice(2)).cause();
+        let cause = StoreFault::Permanent(Rejection::RegisteredTwice(2)).cause();
         assert_eq!(
             cause.in_words(Language::De),
             "der Server hat 2 Patienten mit dieser ID: dort zusammenführen lassen, dann noch einmal versuchen"

@@ -31,7 +31,7 @@ use self::existing::REPORT;
 use super::endpoint::EndpointFault;
 use super::https::{HttpAnswer, HttpFault, HttpRequest, HttpsClient};
 use super::server::ServerFault;
-use super::{Delivery, Misfit, Receipt, RecordStore, StoreFault};
+use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 pub use server::{FhirAccess, FhirServer, SmartAccess};
 
 /// The media type of FHIR as JSON.
@@ -81,7 +81,7 @@ impl FhirStore {
         patient: &str,
     ) -> Result<Vec<(Entry, Asked)>, StoreFault> {
         let answer = self.ask(Method::POST, "", Some(&fhir::created(&entries)), &[patient])?;
-        let done = Asked::of(&answer, &entries, &[patient])?;
+        let done = Asked::read(&answer, &entries, &[patient])?;
         Ok(entries.into_iter().zip(done).collect())
     }
 
@@ -199,14 +199,15 @@ impl RecordStore for FhirStore {
     fn try_out(&self) -> Result<(), StoreFault> {
         self.reach()?;
         match self.subject(TRIAL_PATIENT) {
-            Err(StoreFault::Permanent(Misfit::NotRegistered)) => Ok(()),
+            Err(StoreFault::Permanent(Rejection::NotRegistered)) => Ok(()),
             tried => tried.map(drop),
         }
     }
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         let (record, patient) = delivery.named_record().map_err(StoreFault::Permanent)?;
-        let (subject, key) = (self.subject(patient)?, FhirKey::of(delivery.scan.as_str(), patient));
+        let (subject, key) =
+            (self.subject(patient)?, FhirKey::new(delivery.scan.as_str(), patient));
         let sent = Sent {
             record: &record,
             files: delivery.files,
@@ -216,7 +217,7 @@ impl RecordStore for FhirStore {
         };
         let created = self.create(fhir::entries(&sent, &self.rules), patient)?;
         let stale = self.stale(&created, &key, record.revision, patient);
-        if matches!(stale, Err(StoreFault::Permanent(Misfit::TakenBackThere))) {
+        if matches!(stale, Err(StoreFault::Permanent(Rejection::TakenBackThere))) {
             // Nothing that was created beside the report holds.
             let there = self.of_record(&key, patient)?;
             self.replace(&FhirStore::in_error(&there, None)?, &[], patient)?;
@@ -240,7 +241,7 @@ impl RecordStore for FhirStore {
         receipt: Option<&str>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
-        let key = FhirKey::of(scan.as_str(), patient);
+        let key = FhirKey::new(scan.as_str(), patient);
         let mark = self.identifier(key.withdrawal(&self.station));
         let there = self.of_record(&key, patient)?;
         self.replace(&FhirStore::in_error(&there, Some(&mark))?, &[], patient)?;

@@ -26,8 +26,8 @@ use self::search::{KEEPS_IT, find};
 use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{
-    Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault, StoredScan, durable, folders,
-    tried,
+    Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault, StoredScan, durable,
+    folders, tried,
 };
 use crate::store::access::Access;
 pub use person::PersonFolder;
@@ -100,7 +100,7 @@ impl FolderStore {
         if already_there {
             let checked = sums::check(&place, delivery.scan);
             tried("checking", &place, checked)?
-                .map_err(|fault| StoreFault::Permanent(Misfit::Occupied(fault)))?;
+                .map_err(|fault| StoreFault::Permanent(Rejection::Occupied(fault)))?;
         }
         // Synced even if it was already there: the run that made it may have crashed before this.
         tried("syncing", &patient, durable::sync_folder(&patient))?;
@@ -114,7 +114,7 @@ impl FolderStore {
             StoreFault::Transient { what, path, source }
                 if kinds.contains(&source.kind()) && self.is_patients(&path) =>
             {
-                StoreFault::Permanent(Misfit::InTheWay { what, error: source.kind() })
+                StoreFault::Permanent(Rejection::InTheWay { what, error: source.kind() })
             }
             fault => fault,
         }
@@ -277,7 +277,8 @@ fn put_revision(patient: &Path, delivery: &Delivery<'_>) -> Result<Receipt, Stor
     let family =
         families.into_iter().find(|family| family.latest().0.scan == delivery.scan.short());
     // It was withdrawn, or the store was changed by hand.
-    let family = family.ok_or(StoreFault::Permanent(Misfit::Occupied(sums::SumsFault::NoSums)))?;
+    let family =
+        family.ok_or(StoreFault::Permanent(Rejection::Occupied(sums::SumsFault::NoSums)))?;
     let (name, latest) = family.latest();
     if name.revision >= delivery.revision {
         return Ok(Receipt { folder: latest.clone(), already_there: true });
@@ -302,10 +303,10 @@ fn whole(staged: &Path) -> PathBuf {
 /// Checks whether the record can be stored at all.
 fn fit(delivery: &Delivery<'_>) -> Result<(), StoreFault> {
     if delivery.files.last().is_none_or(|file| file.name != SUMS) {
-        return Err(StoreFault::Permanent(Misfit::NoSums));
+        return Err(StoreFault::Permanent(Rejection::NoSums));
     }
     match delivery.files.iter().find(|file| !sums::plain(&file.name)) {
-        Some(file) => Err(StoreFault::Permanent(Misfit::FileName { name: file.name.clone() })),
+        Some(file) => Err(StoreFault::Permanent(Rejection::FileName { name: file.name.clone() })),
         None => Ok(()),
     }
 }
@@ -329,7 +330,7 @@ fn stage(staged: &Path, delivery: &Delivery<'_>, access: Access) -> Result<(), S
     let (copy, digest) = tried("copying the scan", &scan, copied)?;
     if ScanId::of_digest(digest) != *delivery.scan {
         tried("clearing", staged, durable::remove_folder(staged))?;
-        return Err(StoreFault::Permanent(Misfit::OtherBytes));
+        return Err(StoreFault::Permanent(Rejection::OtherBytes));
     }
     written.push((scan, copy));
     written.extend(sums.map(write).transpose()?);

@@ -24,14 +24,14 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 use sha2::{Digest, Sha256};
 
-use super::{Delivery, FoundRecord, Misfit, Receipt, RecordStore, StoreFault};
+use super::{Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault};
 pub use attach::{Attach, Attached};
 use gaiter_flow::ScanId;
 use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{self, GdtRules};
 use gaiter_record::{FIRST_REVISION, hex};
 use gaiter_sizes::Garment;
-use place::Place;
+use place::ExchangeFolder;
 use register::{Entry, Register};
 
 /// Results for a practice's software.
@@ -40,7 +40,7 @@ pub struct GdtStore {
     rules: GdtRules,
     garment: Garment,
     attach: Attach,
-    place: Place,
+    place: ExchangeFolder,
     register: Register,
     zone: TimeZone,
     /// Ensures that one result at a time is given a name.
@@ -61,19 +61,19 @@ impl GdtStore {
         zone: TimeZone,
     ) -> GdtStore {
         let register = Register::new(state_dir.join("handed-over"));
-        let place = Place::new(folder, names, station);
+        let place = ExchangeFolder::new(folder, names, station);
         GdtStore { rules, garment, attach, place, register, zone, naming: Arc::default() }
     }
 
     /// Writes attachments and message, synced; the message goes to the staging folder.
     fn stage(&self, key: &str, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
-        let misfit = |misfit| StoreFault::Permanent(misfit);
-        let (record, _) = delivery.named_record().map_err(misfit)?;
+        let rejection = |rejection| StoreFault::Permanent(rejection);
+        let (record, _) = delivery.named_record().map_err(rejection)?;
         let acquired = record.acquired.as_ref().map_or(delivery.first_seen, |acquired| acquired.at);
         let taken = self.zone.to_datetime(acquired);
         let attachments = self.attach.attachments(key, delivery.files, self.place.folder());
         let message = gdt::result(&record, &self.garment, &self.rules, taken, &attachments);
-        let message = message.map_err(|fault| misfit(Misfit::Gdt(fault)))?;
+        let message = message.map_err(|fault| rejection(Rejection::Gdt(fault)))?;
         self.attach.write(key, delivery.files, &self.place)?;
         self.place.stage(key, &message)
     }
@@ -154,7 +154,7 @@ impl RecordStore for GdtStore {
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         let Some(patient) = delivery.patient else {
-            return Err(StoreFault::Permanent(Misfit::Unassigned));
+            return Err(StoreFault::Permanent(Rejection::Unassigned));
         };
         let _naming = self.naming.lock().unwrap_or_else(PoisonError::into_inner);
         // Checked each time: the share may have gone since.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gaiter_flow::ScanId;
-use gaiter_record::hl7::{self, Answer, Hl7Rules, PdfForm};
+use gaiter_record::hl7::{self, Acknowledgment, Hl7Rules, PdfForm};
 use gaiter_record::sha256;
 use jiff::Timestamp;
 
@@ -24,7 +24,7 @@ use self::mllp::Receiver;
 use self::sent::{Sent, SentMessages};
 use super::endpoint::{Secret, TlsFiles};
 use super::server::ServerFault;
-use super::{Delivery, Misfit, Receipt, RecordStore, StoreFault};
+use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 
 /// Digits of the hash that stands for a scan of a patient.
 const KEY_DIGITS: usize = 32;
@@ -229,7 +229,7 @@ impl RecordStore for Hl7Store {
         let control =
             hl7::control_id(&self.station, delivery.scan.as_str(), patient, number, false);
         let message = hl7::result(&control, &record, pdf, &gone, &self.rules, first_seen, now);
-        let message = message.ok_or(StoreFault::Permanent(Misfit::Unassigned))?;
+        let message = message.ok_or(StoreFault::Permanent(Rejection::Unassigned))?;
         codes.extend(gone);
         let folder = PathBuf::from(&control);
         let sent = Sent { revision, number, control, place, holds: true, is_answered: true, codes };
@@ -273,14 +273,14 @@ impl RecordStore for Hl7Store {
 
 /// Whether a receiver has the message of this control id, by its answer. A refusal is reported without the patient's id.
 fn accepted(answer: &[u8], control: &str, patient: &str) -> Result<(), StoreFault> {
-    let answer = hl7::answer(answer, control, &[patient]);
+    let answer = hl7::acknowledgment(answer, control, &[patient]);
     match answer.map_err(|fault| ServerFault::Answer(fault.to_string()))? {
-        Answer::Accepted => Ok(()),
-        Answer::Refused { code, why, is_passing: true } => {
+        Acknowledgment::Accepted => Ok(()),
+        Acknowledgment::Refused { code, why, is_passing: true } => {
             Err(ServerFault::Later(format!("{code}: {why}")).into())
         }
-        Answer::Refused { code, why, is_passing: false } => {
-            Err(StoreFault::Permanent(Misfit::ReceiverRefused { code, why }))
+        Acknowledgment::Refused { code, why, is_passing: false } => {
+            Err(StoreFault::Permanent(Rejection::ReceiverRefused { code, why }))
         }
     }
 }

@@ -26,7 +26,7 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-pub use fault::{Misfit, StoreFault};
+pub use fault::{Rejection, StoreFault};
 pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
@@ -138,7 +138,7 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
         _keeper: Option<&str>,
         _receipt: Option<&str>,
     ) -> Result<(), StoreFault> {
-        Err(StoreFault::Permanent(Misfit::HandedOver))
+        Err(StoreFault::Permanent(Rejection::HandedOver))
     }
 
     /// The head of the station's history, as [`RecordStore::keep_head`] left it; `None` if there is none.
@@ -230,14 +230,15 @@ impl<'a> Delivery<'a> {
     /// The record, and the patient whom it names: another one's figures must never go out under this id.
     ///
     /// # Errors
-    /// [`Misfit::Unassigned`], [`Misfit::NoRecord`], [`Misfit::OtherPatient`].
-    pub fn named_record(&self) -> Result<(Record, &'a str), Misfit> {
-        let patient = self.patient.ok_or(Misfit::Unassigned)?;
-        let json = self.file(RECORD).ok_or(Misfit::NoRecord)?;
-        let record: Record = serde_json::from_slice(&json.bytes).map_err(|_| Misfit::NoRecord)?;
+    /// [`Rejection::Unassigned`], [`Rejection::NoRecord`], [`Rejection::OtherPatient`].
+    pub fn named_record(&self) -> Result<(Record, &'a str), Rejection> {
+        let patient = self.patient.ok_or(Rejection::Unassigned)?;
+        let json = self.file(RECORD).ok_or(Rejection::NoRecord)?;
+        let record: Record =
+            serde_json::from_slice(&json.bytes).map_err(|_| Rejection::NoRecord)?;
         match record.patient.as_ref().is_some_and(|named| named.id == patient) {
             true => Ok((record, patient)),
-            false => Err(Misfit::OtherPatient),
+            false => Err(Rejection::OtherPatient),
         }
     }
 }

@@ -46,7 +46,7 @@ pub enum Added {
 
 impl Family {
     /// The revisions among these records of one patient's folder, in their order.
-    fn of(patient_folder: &Path, records: Vec<(RecordName, PathBuf)>) -> Vec<Family> {
+    fn group(patient_folder: &Path, records: Vec<(RecordName, PathBuf)>) -> Vec<Family> {
         let mut families: Vec<Family> = Vec::new();
         for record in records {
             match families.last_mut() {
@@ -122,17 +122,17 @@ fn publish(staged: &Path, place: PathBuf, beside: &Path, within: &Path) -> io::R
 pub fn families(at: &Path) -> Result<Vec<Family>, StoreFault> {
     let own_name = at.file_name().and_then(OsStr::to_str).and_then(RecordName::read);
     if let (Some(name), Some(patient)) = (own_name, at.parent()) {
-        let mut families = Family::of(patient, records_in(patient)?);
+        let mut families = Family::group(patient, records_in(patient)?);
         families.retain(|family| family.is_of(&name));
         return Ok(families);
     }
-    let mut found = Family::of(at, records_in(at)?);
+    let mut found = Family::group(at, records_in(at)?);
     let mut patients = folders(at)?;
     patients.sort();
     for patient in patients {
         let name = patient.file_name().and_then(OsStr::to_str);
         if name.and_then(naming::patient_of_folder).is_some() {
-            found.extend(Family::of(&patient, records_in(&patient)?));
+            found.extend(Family::group(&patient, records_in(&patient)?));
         }
     }
     Ok(found)

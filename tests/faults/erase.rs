@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use rig::faults::disk::{Disk, can_be_cut, power_cut};
 use rig::faults::matrix::{Struck, booth, empty_folders, strike_everywhere, thinned, what};
-use rig::faults::tracer::{self, Answer, Kind, Run, can_trace};
+use rig::faults::tracer::{self, CallFate, Kind, Run, can_trace};
 use rig::verb::program;
 use rig::{Booth, PATIENCE, names};
 use support::coarse_body;
@@ -32,14 +32,14 @@ const OTHER: &str = "51660018";
 const KEPT: [&str; 2] = ["state", "records"];
 
 /// A station that is stopped and holds scans of two persons, and how it was before a strike.
-struct Place {
+struct StoppedStation {
     booth: Booth,
     before: PathBuf,
     disks: Vec<Disk>,
 }
 
-impl Place {
-    fn new() -> Place {
+impl StoppedStation {
+    fn new() -> StoppedStation {
         let booth = booth();
         let daemon = booth.start_ready();
         booth.export(&format!("{ID}_a.obj"), &coarse_body(1));
@@ -53,12 +53,12 @@ impl Place {
         for folder in KEPT {
             copy(&booth.path(folder), &before.join(folder));
         }
-        Place { booth, before, disks: Vec::new() }
+        StoppedStation { booth, before, disks: Vec::new() }
     }
 
     /// The same on disks whose power can be cut.
-    fn on_disks() -> Place {
-        let mut place = Place::new();
+    fn on_disks() -> StoppedStation {
+        let mut place = StoppedStation::new();
         let disk = |name| Disk::new(place.booth.path(name));
         place.disks = KEPT.map(disk).into();
         place
@@ -75,19 +75,19 @@ impl Place {
     }
 
     /// Erases the person, struck before the nth call.
-    fn strike(&mut self, nth: usize, stroke: Answer) -> Struck {
+    fn strike(&mut self, nth: usize, stroke: CallFate) -> Struck {
         self.renew();
         let (mut at, mut count) = (None, 0);
         let run = erase(&self.booth, |call| {
             if call.kind == Kind::Mode {
-                return Answer::Do;
+                return CallFate::Do;
             }
             count += 1;
             if count == nth {
                 at = Some(what(&self.booth, call));
                 return stroke;
             }
-            Answer::Do
+            CallFate::Do
         });
         if !self.disks.is_empty() {
             power_cut(&self.disks);
@@ -138,7 +138,7 @@ impl Place {
 }
 
 /// Runs the verb under the tracer.
-fn erase(booth: &Booth, answer: impl FnMut(&tracer::Call) -> Answer) -> Run {
+fn erase(booth: &Booth, answer: impl FnMut(&tracer::Call) -> CallFate) -> Run {
     let gate = format!("read go; exec \"$0\" \"$@\" <{}", booth.path("twice").display());
     let mut command = Command::new("sh");
     command.arg("-c").arg(gate).arg(program()).args(["patient", "erase", "--config"]);
@@ -208,8 +208,8 @@ fn copy(from: &Path, to: &Path) {
 #[ignore = "needs ptrace and minutes, run by .ci/run"]
 fn an_erasure_killed_before_any_call_is_ended_by_the_next_start() {
     assert!(can_trace());
-    let strike = |place: &mut Place, nth| place.strike(nth, Answer::Kill);
-    let tally = strike_everywhere("erasure, kill -9", HANDS, 1, Place::new, strike);
+    let strike = |place: &mut StoppedStation, nth| place.strike(nth, CallFate::Kill);
+    let tally = strike_everywhere("erasure, kill -9", HANDS, 1, StoppedStation::new, strike);
     assert!(tally.violations.is_empty(), "{:#?}", tally.violations);
     assert!(tally.points >= POINTS_LEAST / thinned(), "{} points", tally.points);
 }
@@ -218,8 +218,8 @@ fn an_erasure_killed_before_any_call_is_ended_by_the_next_start() {
 #[ignore = "needs root, loop devices, ext4 and minutes, run by .ci/run"]
 fn an_erasure_cut_off_before_any_call_is_ended_by_the_next_start() {
     assert!(can_trace() && can_be_cut());
-    let strike = |place: &mut Place, nth| place.strike(nth, Answer::KillAll);
-    let tally = strike_everywhere("erasure, power cut", HANDS, 1, Place::on_disks, strike);
+    let strike = |place: &mut StoppedStation, nth| place.strike(nth, CallFate::KillAll);
+    let tally = strike_everywhere("erasure, power cut", HANDS, 1, StoppedStation::on_disks, strike);
     assert!(tally.violations.is_empty(), "{:#?}", tally.violations);
     assert!(tally.points >= POINTS_LEAST / thinned(), "{} points", tally.points);
 }

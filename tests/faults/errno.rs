@@ -17,7 +17,7 @@ use rig::faults::matrix::{
     DAY_HANDS, Struck, Tally, acknowledged, booth, day_step, faults, is_ready, renew, restarted,
     rests, strike_everywhere, strikes_all, struck_at_until, struck_until, what,
 };
-use rig::faults::tracer::{Answer, Call, Kind, Run, can_trace};
+use rig::faults::tracer::{Call, CallFate, Kind, Run, can_trace};
 use rig::invariants::Moment;
 
 /// Runs at a time: most of them wait most of the time.
@@ -37,7 +37,7 @@ const KEPT_UP: Duration = Duration::from_secs(1);
 const FAILING_MOST: usize = 100;
 
 /// One error, or one short write, after which all goes on as usual.
-fn once(booth: &mut Booth, nth: usize, answer: Answer, counts: fn(&Call) -> bool) -> Struck {
+fn once(booth: &mut Booth, nth: usize, answer: CallFate, counts: fn(&Call) -> bool) -> Struck {
     renew(booth);
     let (mut at, mut count) = (None, 0);
     let began = Instant::now();
@@ -51,7 +51,7 @@ fn once(booth: &mut Booth, nth: usize, answer: Answer, counts: fn(&Call) -> bool
                 at = Some(call.clone());
                 return answer;
             }
-            Answer::Do
+            CallFate::Do
         },
     );
     let at = at?;
@@ -78,7 +78,7 @@ fn for_good(booth: &mut Booth, nth: usize, errno: Errno, most: &AtomicUsize) -> 
         || over() || matrix::all_done(booth),
         |call| {
             if call.nth < nth {
-                return Answer::Do;
+                return CallFate::Do;
             }
             if call.nth == nth {
                 at.set(Some(what(booth, call)));
@@ -87,7 +87,7 @@ fn for_good(booth: &mut Booth, nth: usize, errno: Errno, most: &AtomicUsize) -> 
             if !over() {
                 failing.set(failing.get() + 1);
             }
-            Answer::Fail(errno)
+            CallFate::Fail(errno)
         },
     );
     let at = at.take()?;
@@ -107,7 +107,8 @@ fn once_on_a_day(day: &mut Day, nth: usize, errno: Errno) -> Struck {
     day.renew();
     let began = Instant::now();
     let is_over = || began.elapsed() > OVER || day.goes_on();
-    let (at, run) = struck_at_until(&day.booth, is_over, nth, Answer::Fail(errno), |_| Answer::Do);
+    let (at, run) =
+        struck_at_until(&day.booth, is_over, nth, CallFate::Fail(errno), |_| CallFate::Do);
     let at = at?;
     let mut found = ended_by_name(&day.booth, &run);
     found.extend(day.found_at_once(&run));
@@ -158,7 +159,8 @@ fn an_error_at_any_call_is_got_over() {
     assert!(can_trace());
     for (name, errors) in passes() {
         let errno = |nth: usize| errors[nth % errors.len()];
-        let strike = |booth: &mut Booth, nth| once(booth, nth, Answer::Fail(errno(nth)), |_| true);
+        let strike =
+            |booth: &mut Booth, nth| once(booth, nth, CallFate::Fail(errno(nth)), |_| true);
         assert_clean(&strike_everywhere(&format!("{name}, once"), HANDS, 1, booth, strike));
     }
 }
@@ -194,6 +196,6 @@ fn an_error_that_stays_loses_nothing_and_the_next_start_goes_on() {
 fn a_short_write_is_finished() {
     assert!(can_trace());
     let writes = |call: &Call| call.kind == Kind::Write;
-    let strike = |booth: &mut Booth, nth: usize| once(booth, nth, Answer::Short, writes);
+    let strike = |booth: &mut Booth, nth: usize| once(booth, nth, CallFate::Short, writes);
     assert_clean(&strike_everywhere("short write", HANDS, 1, booth, strike));
 }

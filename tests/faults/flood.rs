@@ -18,7 +18,7 @@ use rig::invariants::PutKind;
 use rig::{Booth, Daemon, names, sha256};
 use rustix::fs::{CWD, FileType, Mode};
 use rustix::process::{Pid, Signal, kill_process};
-use support::coarse_body as coarse;
+use support::coarse_body;
 
 /// What the kernel keeps of events that nobody has read yet; more overflow.
 const QUEUE: &str = "/proc/sys/fs/inotify/max_queued_events";
@@ -40,7 +40,7 @@ fn flood(booth: &Booth, count: usize) -> (Vec<Vec<u8>>, BTreeSet<Vec<u8>>) {
     let (mut scans, mut garbage) = (Vec::new(), BTreeSet::new());
     for n in 0..count {
         let bytes = match n {
-            n if n % 1000 == 500 => coarse(n),
+            n if n % 1000 == 500 => coarse_body(n),
             n if n % 10 == 0 => format!("garbage {n}\n").into_bytes(),
             n => format!("garbage of the kind {}\n", n % 7).into_bytes(),
         };
@@ -95,7 +95,7 @@ fn twenty_thousand_files_at_once_are_all_accounted_for() {
 pub struct ShortQueue(String);
 
 impl ShortQueue {
-    pub fn of(events: u32) -> Option<ShortQueue> {
+    pub fn new(events: u32) -> Option<ShortQueue> {
         let before = fs::read_to_string(QUEUE).ok()?;
         if fs::write(QUEUE, events.to_string()).is_err() {
             println!("the kernel's limit of events may not be changed here");
@@ -115,7 +115,7 @@ impl Drop for ShortQueue {
 #[ignore = "needs root to lower the kernel's limit of events, run by .ci/run"]
 fn a_queue_of_16_events_loses_no_file() {
     let booth = Booth::new();
-    let short = ShortQueue::of(16).unwrap();
+    let short = ShortQueue::new(16).unwrap();
     let daemon = booth.start_ready();
     drop(short);
     let mut flooded = None;
@@ -171,9 +171,9 @@ fn odd_names_are_taken_like_any_other_and_never_reach_the_log() {
         let path = booth.path("export").join(OsStr::from_bytes(&name));
         let hidden = name.starts_with(b".");
         let ends = name.to_ascii_lowercase().ends_with(b".obj");
-        fs::write(path, coarse(n)).unwrap();
+        fs::write(path, coarse_body(n)).unwrap();
         if ends && !hidden {
-            expected.push((patient, coarse(n)));
+            expected.push((patient, coarse_body(n)));
         }
     }
     assert!(expected.len() >= 15, "{}", expected.len());
@@ -193,11 +193,11 @@ fn what_is_no_file_is_left_alone_and_delays_nothing() {
     let booth = Booth::new();
     let at = |name: &str| booth.path("export").join(name);
     let secret = booth.path("secret.obj");
-    fs::write(&secret, coarse(98)).unwrap();
+    fs::write(&secret, coarse_body(98)).unwrap();
     rustix::fs::mkfifoat(CWD, at("4711_1.obj"), Mode::RUSR | Mode::WUSR).unwrap();
     let _socket = UnixListener::bind(at("4711_2.obj")).unwrap();
     fs::create_dir(at("4711_3.obj")).unwrap();
-    fs::write(at("4711_3.obj/4711_inside.obj"), coarse(97)).unwrap();
+    fs::write(at("4711_3.obj/4711_inside.obj"), coarse_body(97)).unwrap();
     symlink(&secret, at("4711_4.obj")).unwrap();
     symlink("/dev/zero", at("4711_5.obj")).unwrap();
     symlink(at("4711_6.obj"), at("4711_6.obj")).unwrap();
@@ -207,12 +207,15 @@ fn what_is_no_file_is_left_alone_and_delays_nothing() {
         println!("SKIPPED in part: a device needs root");
     }
     let daemon = booth.start();
-    booth.export("4711_8.obj", &coarse(8));
+    booth.export("4711_8.obj", &coarse_body(8));
     booth.wait_for_records(1);
-    booth.export("4711_9.obj", &coarse(9));
+    booth.export("4711_9.obj", &coarse_body(9));
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
-    holds_exactly(&booth, [("4711", coarse(8).as_slice()), ("4711", coarse(9).as_slice())]);
+    holds_exactly(
+        &booth,
+        [("4711", coarse_body(8).as_slice()), ("4711", coarse_body(9).as_slice())],
+    );
     assert_eq!(names(&booth.path("state/quarantine")), [""; 0]);
 }
 
@@ -233,25 +236,25 @@ fn swap(path: &Path, file: &Path, link: &Path, stop: &AtomicBool) {
 fn a_link_put_in_a_file_s_place_between_look_and_read_is_never_followed() {
     let booth = Booth::new();
     let (secret, link) = (booth.path("secret.obj"), booth.path("link"));
-    fs::write(&secret, coarse(98)).unwrap();
+    fs::write(&secret, coarse_body(98)).unwrap();
     symlink(&secret, &link).unwrap();
-    booth.export("4711_a.obj", &coarse(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     let path: PathBuf = booth.path("export/4711_a.obj");
     let stop = AtomicBool::new(false);
     let daemon = booth.start();
     thread::scope(|scope| {
         scope.spawn(|| swap(&path, &secret, &link, &stop));
         for n in 2..=6 {
-            booth.export(&format!("4711_{n}.obj"), &coarse(n));
-            let delivered = || booth.records().iter().any(|r| r.1 == sha256(&coarse(n)));
+            booth.export(&format!("4711_{n}.obj"), &coarse_body(n));
+            let delivered = || booth.records().iter().any(|r| r.1 == sha256(&coarse_body(n)));
             booth.wait_for("a scan beside the swapping", delivered);
         }
         stop.store(true, Ordering::Relaxed);
     });
-    booth.has_put("4711_a.obj", &coarse(1), PutKind::Whole);
+    booth.has_put("4711_a.obj", &coarse_body(1), PutKind::Whole);
     booth.wait_for_records(6);
     assert_eq!(daemon.stop().code(), Some(0));
-    let scans: Vec<Vec<u8>> = (1..=6).map(coarse).collect();
+    let scans: Vec<Vec<u8>> = (1..=6).map(coarse_body).collect();
     let expected: Vec<(&str, &[u8])> = scans.iter().map(|scan| ("4711", scan.as_slice())).collect();
     booth.assert_settled(&expected);
 }
@@ -273,13 +276,13 @@ fn files_without_end_are_refused_and_the_scans_beside_them_get_their_records() {
     booth.export("4711_4_one-vertex.obj", &line);
     let daemon = booth.start();
     for n in 5..=7 {
-        booth.export(&format!("4711_{n}.obj"), &coarse(n));
+        booth.export(&format!("4711_{n}.obj"), &coarse_body(n));
     }
     booth.wait_for_records(3);
     booth.wait_for("four refusals", || names(&booth.path("state/quarantine")).len() == 4);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'spooled'", 0);
     assert_eq!(daemon.stop().code(), Some(0));
-    let scans: Vec<Vec<u8>> = (5..=7).map(coarse).collect();
+    let scans: Vec<Vec<u8>> = (5..=7).map(coarse_body).collect();
     let expected: Vec<(&str, &[u8])> = scans.iter().map(|scan| ("4711", scan.as_slice())).collect();
     booth.assert_settled(&expected);
 }

@@ -14,7 +14,7 @@ use rig::faults::matrix::thinned;
 use rig::invariants::PutKind;
 use rig::{Booth, Setting, names, sha256};
 use rusqlite::Connection;
-use support::coarse_body as coarse;
+use support::coarse_body;
 
 /// What the log says where a journal was ruined and made anew.
 const ALARM: &str = "journal-rebuilt";
@@ -50,25 +50,25 @@ impl Past {
         fs::create_dir(booth.path("past")).unwrap();
         let daemon = booth.start();
         for n in 1..=3 {
-            booth.export(&format!("4711_{n}.obj"), &coarse(n));
+            booth.export(&format!("4711_{n}.obj"), &coarse_body(n));
         }
         booth.export("4711_bad.obj", b"garbage\n");
         booth.wait_for_records(3);
-        booth.export("0815_1.obj", &coarse(1));
+        booth.export("0815_1.obj", &coarse_body(1));
         booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'held'", 1);
         booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
         fs::remove_file(booth.path("export/4711_3.obj")).unwrap();
-        booth.has_put("4711_3.obj", &coarse(3), PutKind::Whole);
+        booth.has_put("4711_3.obj", &coarse_body(3), PutKind::Whole);
         assert_eq!(daemon.stop().code(), Some(0));
         copy(&booth.path("state"), &booth.path(OLDER));
 
         let daemon = booth.start();
-        booth.export("4712_4.obj", &coarse(4));
+        booth.export("4712_4.obj", &coarse_body(4));
         booth.wait_for_records(4);
         booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'delivered'", 4);
         fs::rename(booth.path("records"), booth.path(RECORDS)).unwrap();
-        booth.export("4713_5.obj", &coarse(5));
-        booth.export("4714_6.obj", &coarse(6));
+        booth.export("4713_5.obj", &coarse_body(5));
+        booth.export("4714_6.obj", &coarse_body(6));
         booth.wait_for_journal(DUE, 2);
         daemon.kill();
         copy(&booth.path("state"), &booth.path(KILLED));
@@ -117,13 +117,17 @@ impl Past {
         booth.asks();
         assert_eq!(daemon.stop().code(), Some(0), "{what}");
         assert!(self.record_folders().is_superset(&before), "{what}: records were moved");
-        let scans: Vec<Vec<u8>> = (0..=6).map(coarse).collect();
+        let scans: Vec<Vec<u8>> = (0..=6).map(coarse_body).collect();
         let patients = ["4711", "4711", "4711", "4712", "4713", "4714"];
         let expected: Vec<(&str, &[u8])> =
             patients.into_iter().zip(scans.iter().skip(1).map(Vec::as_slice)).collect();
         let _told = InCaseOfPanic(what);
         booth.assert_settled(&expected);
-        assert_eq!(names(&booth.path("state/spool")), [sha256(&coarse(1))], "{what}: the held one");
+        assert_eq!(
+            names(&booth.path("state/spool")),
+            [sha256(&coarse_body(1))],
+            "{what}: the held one"
+        );
         assert_eq!(names(&booth.path("state/quarantine")), [sha256(b"garbage\n")], "{what}");
         booth.reason(b"garbage\n");
         booth.log().contains(ALARM)
@@ -164,11 +168,11 @@ fn copy(from: &Path, to: &Path) {
 fn ruin_each(count: usize, ruin: impl Fn(&Past, usize) + Sync) {
     let ruin = &ruin;
     thread::scope(|scope| {
-        let hands = SIDE_BY_SIDE.min(count);
-        for hand in 0..hands {
+        let workers = SIDE_BY_SIDE.min(count);
+        for hand in 0..workers {
             scope.spawn(move || {
                 let past = Past::new();
-                (hand..count).step_by(hands).for_each(|n| ruin(&past, n));
+                (hand..count).step_by(workers).for_each(|n| ruin(&past, n));
             });
         }
     });
@@ -383,7 +387,7 @@ fn a_journal_deleted_under_the_running_station_loses_and_doubles_nothing() {
     for file in ["journal.db", "journal.db-wal", "journal.db-shm"] {
         fs::remove_file(booth.path("state").join(file)).unwrap();
     }
-    booth.export("4715_7.obj", &coarse(7));
+    booth.export("4715_7.obj", &coarse_body(7));
     booth.wait_for_records(7);
     let before = past.record_folders();
     assert_eq!(daemon.stop().code(), Some(0));

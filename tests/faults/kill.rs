@@ -12,7 +12,7 @@ use rig::faults::matrix::{
     DAY_HANDS, POINTS_MIN, Struck, Tally, booth, day_step, found_at_once, renew, restarted,
     strike_everywhere, struck_at, struck_at_until, thinned,
 };
-use rig::faults::tracer::{Answer, Call, can_trace};
+use rig::faults::tracer::{Call, CallFate, can_trace};
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;
@@ -23,7 +23,7 @@ const FEWER_WITH_BUTTON: usize = 2;
 
 fn killed(booth: &mut Booth, nth: usize) -> Struck {
     renew(booth);
-    let (at, run) = struck_at(booth, nth, Answer::Kill, |_| Answer::Do);
+    let (at, run) = struck_at(booth, nth, CallFate::Kill, |_| CallFate::Do);
     let at = at?;
     let mut found = found_at_once(booth, &run);
     found.extend(restarted(booth));
@@ -49,8 +49,8 @@ fn assert_clean(tally: &Tally) {
 /// A day with names that is cut off once, and goes on.
 fn killed_on_a_day(day: &mut Day, nth: usize) -> Struck {
     day.renew();
-    let usual = |_: &Call| Answer::Do;
-    let (at, run) = struck_at_until(&day.booth, || day.goes_on(), nth, Answer::Kill, usual);
+    let usual = |_: &Call| CallFate::Do;
+    let (at, run) = struck_at_until(&day.booth, || day.goes_on(), nth, CallFate::Kill, usual);
     let Some(at) = at else {
         assert!(day.is_all_delivered(), "without a fault; log:\n{}", day.booth.log());
         return None;

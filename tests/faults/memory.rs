@@ -29,7 +29,7 @@ fn start(booth: &Booth) -> Daemon {
     let limit = format!("--data={bytes}:");
     let mut command = booth.command_behind(&["prlimit", &limit]);
     let (name, value) = unit("Environment").split_once('=').unwrap();
-    let daemon = Daemon::of({
+    let daemon = Daemon::start({
         command.env(name, value);
         command
     });

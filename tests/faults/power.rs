@@ -12,7 +12,7 @@ use rig::faults::matrix::{
     DAY_HANDS, FOLDERS, POINTS_MIN, Struck, booth, day_step, found_at_once, renew, restarted,
     strike_everywhere, strike_until_violated, struck_at, struck_at_until, thinned,
 };
-use rig::faults::tracer::{Answer, Call, Kind, can_trace};
+use rig::faults::tracer::{Call, CallFate, Kind, can_trace};
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;
@@ -22,24 +22,24 @@ const CONTROL_STEP: usize = 4;
 
 /// A booth whose folders are disks. A disk of its own for each: the sync of a file makes the names
 /// of its whole file system durable, so the journal would hide a folder that was never synced.
-struct Place {
+struct BoothOnDisks {
     disks: Vec<Disk>,
     booth: Booth,
 }
 
-impl Place {
-    fn new() -> Place {
+impl BoothOnDisks {
+    fn new() -> BoothOnDisks {
         let booth = booth();
-        Place { disks: disks(&booth), booth }
+        BoothOnDisks { disks: disks(&booth), booth }
     }
 
     /// Cuts the power before the nth call, where `pretended` calls are not made at all.
     fn cut(&mut self, nth: usize, pretended: fn(&Call) -> bool) -> Struck {
-        let Place { disks, booth } = self;
+        let BoothOnDisks { disks, booth } = self;
         renew(booth);
         disks.iter().for_each(Disk::sync);
-        let usual = |call: &Call| if pretended(call) { Answer::Pretend } else { Answer::Do };
-        let (at, run) = struck_at(booth, nth, Answer::KillAll, usual);
+        let usual = |call: &Call| if pretended(call) { CallFate::Pretend } else { CallFate::Do };
+        let (at, run) = struck_at(booth, nth, CallFate::KillAll, usual);
         power_cut(disks);
         let mut found = found_at_once(booth, &run);
         if found.is_empty() {
@@ -73,8 +73,9 @@ impl DayPlace {
         let DayPlace { disks, day } = self;
         day.renew();
         disks.iter().for_each(Disk::sync);
-        let usual = |_: &Call| Answer::Do;
-        let (at, run) = struck_at_until(&day.booth, || day.goes_on(), nth, Answer::KillAll, usual);
+        let usual = |_: &Call| CallFate::Do;
+        let (at, run) =
+            struck_at_until(&day.booth, || day.goes_on(), nth, CallFate::KillAll, usual);
         if at.is_none() {
             assert!(day.is_all_delivered(), "without a fault; log:\n{}", day.booth.log());
         }
@@ -101,8 +102,8 @@ fn a_power_cut_on_a_day_with_names_gives_nobody_the_scan_of_another() {
 #[ignore = "needs root, loop devices, ext4 and minutes, run by .ci/run"]
 fn a_power_cut_before_any_call_loses_nothing_that_was_acknowledged() {
     assert!(can_trace() && can_be_cut());
-    let cut = |place: &mut Place, nth| place.cut(nth, |_| false);
-    let tally = strike_everywhere("power cut", HANDS, 1, Place::new, cut);
+    let cut = |place: &mut BoothOnDisks, nth| place.cut(nth, |_| false);
+    let tally = strike_everywhere("power cut", HANDS, 1, BoothOnDisks::new, cut);
     assert!(tally.violations.is_empty(), "{:#?}", tally.violations);
     assert!(tally.points * thinned() >= POINTS_MIN, "{} points", tally.points);
 }
@@ -111,9 +112,9 @@ fn a_power_cut_before_any_call_loses_nothing_that_was_acknowledged() {
 #[ignore = "needs root, loop devices, ext4 and minutes, run by .ci/run"]
 fn without_the_syncs_of_folders_power_cuts_lose_records() {
     assert!(can_trace() && can_be_cut());
-    let cut = |place: &mut Place, nth| place.cut(nth, |call| call.folder);
+    let cut = |place: &mut BoothOnDisks, nth| place.cut(nth, |call| call.folder);
     let name = "control: power cut without folder syncs";
-    let tally = strike_until_violated(name, HANDS, CONTROL_STEP, Place::new, cut);
+    let tally = strike_until_violated(name, HANDS, CONTROL_STEP, BoothOnDisks::new, cut);
     assert!(!tally.violations.is_empty(), "the matrix sees nothing");
 }
 
@@ -122,8 +123,8 @@ fn without_the_syncs_of_folders_power_cuts_lose_records() {
 fn without_the_syncs_of_files_power_cuts_leave_partial_records() {
     assert!(can_trace() && can_be_cut());
     let sync = |call: &Call| call.kind == Kind::Sync && !call.folder;
-    let cut = |place: &mut Place, nth| place.cut(nth, sync);
+    let cut = |place: &mut BoothOnDisks, nth| place.cut(nth, sync);
     let name = "control: power cut without file syncs";
-    let tally = strike_until_violated(name, HANDS, CONTROL_STEP, Place::new, cut);
+    let tally = strike_until_violated(name, HANDS, CONTROL_STEP, BoothOnDisks::new, cut);
     assert!(!tally.violations.is_empty(), "the matrix sees nothing");
 }

@@ -29,5 +29,5 @@ fn shares() {
 fn mounting() {
     let place = tempfile::TempDir::new().unwrap();
     assert!(super::root::Overlay::mount(place.path().to_owned()).is_some());
-    assert!(super::flood::ShortQueue::of(16).is_some());
+    assert!(super::flood::ShortQueue::new(16).is_some());
 }

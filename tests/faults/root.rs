@@ -11,20 +11,20 @@ use std::process::Command;
 use rig::invariants::PutKind;
 use rig::verb::stdout;
 use rig::{Booth, names};
-use support::coarse_body as coarse;
+use support::coarse_body;
 
 /// A station that has delivered one scan, `4711_1.obj`, that still lies in the export folder.
 fn booth_at_work() -> (Booth, rig::Daemon) {
     let booth = Booth::new();
     let daemon = booth.start();
-    booth.export("4711_1.obj", &coarse(1));
+    booth.export("4711_1.obj", &coarse_body(1));
     booth.wait_for_records(1);
     (booth, daemon)
 }
 
 fn settles(booth: &Booth, daemon: rig::Daemon, scans: usize) {
     assert_eq!(daemon.stop().code(), Some(0));
-    let scans: Vec<Vec<u8>> = (1..=scans).map(coarse).collect();
+    let scans: Vec<Vec<u8>> = (1..=scans).map(coarse_body).collect();
     let expected: Vec<(&str, &[u8])> = scans.iter().map(|scan| ("4711", scan.as_slice())).collect();
     booth.assert_settled(&expected);
 }
@@ -39,7 +39,7 @@ fn a_folder_removed_and_made_again_is_watched_again() {
             booth.wait_for("the outage", || booth.log().contains("out-of-reach"));
         }
         fs::create_dir(booth.path("export")).unwrap();
-        booth.export(&format!("4711_{n}.obj"), &coarse(n));
+        booth.export(&format!("4711_{n}.obj"), &coarse_body(n));
         booth.wait_for_records(n);
     }
     settles(&booth, daemon, 4);
@@ -50,10 +50,10 @@ fn what_happens_in_a_folder_that_was_renamed_away_is_no_business_of_the_station(
     let (booth, daemon) = booth_at_work();
     fs::rename(booth.path("export"), booth.path("old")).unwrap();
     booth.has_emptied_the_export();
-    fs::write(booth.path("old/4711_ghost.obj"), coarse(99)).unwrap();
+    fs::write(booth.path("old/4711_ghost.obj"), coarse_body(99)).unwrap();
     fs::create_dir(booth.path("export")).unwrap();
     for n in 2..=3 {
-        booth.export(&format!("4711_{n}.obj"), &coarse(n));
+        booth.export(&format!("4711_{n}.obj"), &coarse_body(n));
         booth.wait_for_records(n);
     }
     settles(&booth, daemon, 3);
@@ -65,7 +65,7 @@ fn a_folder_renamed_away_and_back_gives_no_scan_twice() {
     fs::rename(booth.path("export"), booth.path("old")).unwrap();
     booth.wait_for("the outage", || booth.log().contains("out-of-reach"));
     fs::rename(booth.path("old"), booth.path("export")).unwrap();
-    booth.export("4711_2.obj", &coarse(2));
+    booth.export("4711_2.obj", &coarse_body(2));
     booth.wait_for_records(2);
     settles(&booth, daemon, 2);
     assert_eq!(booth.log().matches("scan-known").count(), 0, "no export was read twice");
@@ -77,7 +77,7 @@ fn a_link_in_the_folder_s_place_is_followed_wherever_it_leads_next() {
     for n in 2..=3 {
         let target = booth.path(&format!("target-{n}"));
         fs::create_dir(&target).unwrap();
-        fs::write(target.join("4711_1.obj"), coarse(1)).unwrap();
+        fs::write(target.join("4711_1.obj"), coarse_body(1)).unwrap();
         let link = booth.path(&format!("link-{n}"));
         symlink(&target, &link).unwrap();
         if n == 2 {
@@ -85,8 +85,8 @@ fn a_link_in_the_folder_s_place_is_followed_wherever_it_leads_next() {
         }
         fs::rename(link, booth.path("export")).unwrap();
         booth.has_emptied_the_export();
-        booth.has_put("4711_1.obj", &coarse(1), PutKind::Whole);
-        booth.export(&format!("4711_{n}.obj"), &coarse(n));
+        booth.has_put("4711_1.obj", &coarse_body(1), PutKind::Whole);
+        booth.export(&format!("4711_{n}.obj"), &coarse_body(n));
         booth.wait_for_records(n);
     }
     settles(&booth, daemon, 3);
@@ -130,12 +130,12 @@ impl Drop for Overlay {
 fn what_is_mounted_over_the_folder_is_looked_at_and_what_lies_below_is_not_taken_twice() {
     let (booth, daemon) = booth_at_work();
     let overlay = Overlay::mount(booth.path("export")).unwrap();
-    booth.export("4711_2.obj", &coarse(2));
+    booth.export("4711_2.obj", &coarse_body(2));
     booth.wait_for_records(2);
     drop(overlay);
-    booth.has_put("4711_2.obj", &coarse(2), PutKind::Whole);
+    booth.has_put("4711_2.obj", &coarse_body(2), PutKind::Whole);
     assert_eq!(names(&booth.path("export")), ["4711_1.obj"]);
-    booth.export("4711_3.obj", &coarse(3));
+    booth.export("4711_3.obj", &coarse_body(3));
     booth.wait_for_records(3);
     settles(&booth, daemon, 3);
 }
@@ -148,7 +148,7 @@ fn a_file_in_the_folder_s_place_is_an_outage() {
     booth.wait_until_explained("4711_2.obj", "Not a directory");
     fs::remove_file(booth.path("export")).unwrap();
     fs::rename(booth.path("old"), booth.path("export")).unwrap();
-    booth.export("4711_2.obj", &coarse(2));
+    booth.export("4711_2.obj", &coarse_body(2));
     booth.wait_for_records(2);
     settles(&booth, daemon, 2);
 }
@@ -159,7 +159,7 @@ fn a_record_folder_that_is_full_is_a_fault_however_often_it_is_reached() {
     let booth = Booth::new();
     let disk = Overlay::of_size(booth.path("records"), "200k").unwrap();
     let daemon = booth.start();
-    booth.export("4711_1.obj", &coarse(1));
+    booth.export("4711_1.obj", &coarse_body(1));
     let is_reported = || {
         let status = stdout(&booth.gaiter(&["status"]));
         status.contains("[store-fault]") && status.contains("No space left on device")
@@ -172,5 +172,5 @@ fn a_record_folder_that_is_full_is_a_fault_however_often_it_is_reached() {
     booth.wait_for_records(1);
     booth.wait_for("the station", || !is_reported());
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &coarse(1))]);
+    booth.assert_settled(&[("4711", &coarse_body(1))]);
 }

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use rig::invariants::{Delivered, Vitals};
 use rig::{Booth, Setting, names, sha256};
-use support::coarse_body as coarse;
+use support::coarse_body;
 
 /// Scans where the environment says nothing else: enough for a tenth to fill the journal's pages.
 const SCANS: usize = 600;
@@ -49,7 +49,7 @@ fn reading(booth: &Booth, pid: u32, scans: usize) -> Reading {
     // What is still in the write-ahead log counts too.
     let journal_bytes = pragma("page_count") * pragma("page_size");
     let log_bytes = fs::metadata(log).map_or(0, |file| file.len());
-    Reading { scans, vitals: Vitals::of(pid).unwrap(), journal_bytes, log_bytes }
+    Reading { scans, vitals: Vitals::read(pid).unwrap(), journal_bytes, log_bytes }
 }
 
 fn count_from_environment() -> usize {
@@ -63,7 +63,7 @@ fn count_from_environment() -> usize {
 fn batch(booth: &Booth, first: usize) -> Vec<Delivered> {
     let mut expected = Vec::new();
     for n in first..first + BATCH {
-        let (patient, bytes) = (format!("P{}", n % 97), coarse(n));
+        let (patient, bytes) = (format!("P{}", n % 97), coarse_body(n));
         booth.export(&format!("{patient}_{n}.obj"), &bytes);
         expected.push((patient, sha256(&bytes)));
     }

@@ -7,7 +7,7 @@ use std::fs;
 use std::process::Command;
 
 use gaiter::store::fhir::FhirStore;
-use gaiter::store::{Delivery, Misfit, StoreFault};
+use gaiter::store::{Delivery, Rejection, StoreFault};
 use gaiter_flow::ScanId;
 use gaiter_language::Language;
 use gaiter_leg::Side;
@@ -20,9 +20,9 @@ use crate::records::{PATIENT, SCANS, SMALL, Scan};
 use crate::server::{House, fhir, python, script};
 
 #[track_caller]
-fn misfit(store: &Store, scan: &Scan) -> Misfit {
+fn rejection(store: &Store, scan: &Scan) -> Rejection {
     match store.put(&scan.delivery()) {
-        Err(StoreFault::Permanent(misfit)) => misfit,
+        Err(StoreFault::Permanent(rejection)) => rejection,
         other => panic!("{other:?}"),
     }
 }
@@ -54,7 +54,7 @@ fn a_record_is_there_once_however_often_it_is_sent_with_all_figures_of_the_sheet
         assert_eq!(house.counts(), ONE);
         let observations = house.resources("Observation");
         for side in Side::BOTH {
-            let part = FhirKey::of(scan.id.as_str(), PATIENT).part(side.word());
+            let part = FhirKey::new(scan.id.as_str(), PATIENT).part(side.word());
             let identifiers = |of: &Value| of["identifier"].as_array().cloned().unwrap();
             let is_its =
                 |of: &&Value| identifiers(of).iter().any(|id| id["value"] == part.as_str());
@@ -159,7 +159,7 @@ fn what_one_station_took_back_another_brings_back_only_after_a_decision_of_its_o
     withdraw(&first);
     let later = SMALL.amended(391.0);
     for _ in 0..2 {
-        assert_eq!(misfit(&second, &later), Misfit::TakenBackThere);
+        assert_eq!(rejection(&second, &later), Rejection::TakenBackThere);
         for kind in ["Observation", "DiagnosticReport", "DocumentReference"] {
             let found = house.statuses(kind, PATIENT);
             assert!(found.iter().all(|of| of == "entered-in-error"), "{kind}: {found:?}");
@@ -174,31 +174,31 @@ fn what_one_station_took_back_another_brings_back_only_after_a_decision_of_its_o
 #[test]
 #[ignore = "needs Medplum's FHIR router (npm --prefix tests/hospital ci), run by .ci/run"]
 fn a_record_goes_to_the_one_patient_of_its_id_and_to_no_other_and_none_is_created() {
-    let house = House::of(fhir());
+    let house = House::new(fhir());
     let store = house.store();
     house.register("47110");
-    assert_eq!(misfit(&store, &SMALL), Misfit::NotRegistered);
+    assert_eq!(rejection(&store, &SMALL), Rejection::NotRegistered);
     house.register(PATIENT);
     put(&store, &SMALL);
     house.register(PATIENT);
-    assert_eq!(misfit(&store, &SMALL), Misfit::RegisteredTwice(2));
+    assert_eq!(rejection(&store, &SMALL), Rejection::RegisteredTwice(2));
     assert_eq!((house.counts(), house.resources("Patient").len()), (ONE, 3));
     // In another system the same id is another patient.
-    let house = House::of(fhir());
+    let house = House::new(fhir());
     let store = house.store();
     let id = json!({ "system": "urn:oid:1.2", "value": PATIENT });
     house.create(&json!({ "resourceType": "Patient", "identifier": [id] }));
-    assert_eq!(misfit(&store, &SMALL), Misfit::NotRegistered);
+    assert_eq!(rejection(&store, &SMALL), Rejection::NotRegistered);
     let id = json!({ "system": PATIENTS, "value": PATIENT });
     house.create(&json!({ "resourceType": "Patient", "active": false, "identifier": [id] }));
-    assert_eq!(misfit(&store, &SMALL), Misfit::PatientNotInUse);
+    assert_eq!(rejection(&store, &SMALL), Rejection::PatientNotInUse);
     assert_eq!((house.counts(), house.resources("Patient").len()), ([0; 4], 2));
     // A record of another patient than the delivery is sent to neither.
     let house = House::with_patient();
     house.register("4712");
     let wrong = Delivery { patient: Some("4712"), ..SMALL.delivery() };
     match house.store().put(&wrong) {
-        Err(StoreFault::Permanent(Misfit::OtherPatient)) => {}
+        Err(StoreFault::Permanent(Rejection::OtherPatient)) => {}
         other => panic!("{other:?}"),
     }
     assert_eq!(house.counts(), [0; 4]);
@@ -226,7 +226,7 @@ fn every_resource_keeps_to_the_schema_of_r4() {
                 files: &scan.files,
                 first_seen: "2026-11-20T08:00:00Z".parse().unwrap(),
                 subject: "Patient/17",
-                key: &FhirKey::of(scan.id.as_str(), PATIENT),
+                key: &FhirKey::new(scan.id.as_str(), PATIENT),
             };
             let path = dir.path().join(format!("{number}-{}.json", language.tag()));
             fs::write(&path, created(&entries(&sent, &rules)).to_string()).unwrap();

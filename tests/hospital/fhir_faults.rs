@@ -7,7 +7,7 @@ use std::fs;
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use gaiter::store::{Misfit, StoreFault};
+use gaiter::store::{Rejection, StoreFault};
 
 use crate::fhir_house::{ONE, Store, put, server_at, setback, store_of};
 use crate::records::{PATIENT, SMALL, Scan};
@@ -162,7 +162,7 @@ fn what_a_server_will_never_take_waits_for_a_person_and_says_why_without_the_pat
     {
         house.becomes(&format!("{status} POST"));
         match store.put(&SMALL.delivery()) {
-            Err(StoreFault::Permanent(Misfit::ServerRefused { status: found, why })) => {
+            Err(StoreFault::Permanent(Rejection::ServerRefused { status: found, why })) => {
                 assert!(found == status && why.contains(said), "{found}: {why}");
                 assert!(!why.contains(PATIENT), "{why}");
             }

@@ -61,7 +61,7 @@ pub fn setback(store: &Store, scan: &Scan) -> String {
 impl House {
     /// A FHIR server that knows this patient.
     pub fn with_patient() -> House {
-        let house = House::of(fhir());
+        let house = House::new(fhir());
         house.register(PATIENT);
         house
     }

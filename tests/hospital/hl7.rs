@@ -12,13 +12,13 @@ use gaiter_leg::Side;
 use gaiter_record::hl7::{Charset, Hl7Rules, PdfForm};
 
 use crate::fhir_house::put;
-use crate::hl7_house::{LONG, Message, Sender, message, of, rules};
+use crate::hl7_house::{LONG, Message, Sender, message, rules, segments_named};
 use crate::records::{PATIENT, SCANS, SMALL, Scan};
 use crate::server::House;
 
 /// The figures of a message by their codes, as they stand in it.
 fn figures(message: &Message) -> BTreeMap<String, String> {
-    let numbers = of(message, "OBX").into_iter().filter(|obx| obx[2] == "NM");
+    let numbers = segments_named(message, "OBX").into_iter().filter(|obx| obx[2] == "NM");
     let figure = |obx: &Vec<String>| {
         assert_eq!((obx[6].as_str(), obx[11].as_str()), ("cm^cm^UCUM", "F"));
         (code(obx).to_owned(), obx[5].clone())
@@ -55,10 +55,10 @@ fn a_result_is_valid_in_every_version_with_all_figures_of_the_sheet_and_is_sent_
             let messages = house.messages();
             let [message] = &messages[..] else { panic!("{}", messages.len()) };
             assert_eq!(figures(message), expected(scan), "{version}");
-            assert_eq!(of(message, "PID")[0][3], "4711^^^KIS^PI");
+            assert_eq!(segments_named(message, "PID")[0][3], "4711^^^KIS^PI");
             let head = &message[0];
             assert_eq!((head[5].as_str(), head[11].as_str()), (r"House \T\ Co", version));
-            let pdf = &of(message, "OBX").last().unwrap()[5];
+            let pdf = &segments_named(message, "OBX").last().unwrap()[5];
             assert!(pdf.starts_with("^application^pdf^Base64^JVBER"), "{version}");
         }
     }
@@ -101,15 +101,15 @@ fn a_correction_is_one_and_a_take_back_marks_all_that_was_sent_as_wrong() {
     }
     let all = house.messages();
     let [first, correction, withdrawn] = &all[..] else { panic!("{}", all.len()) };
-    assert!(of(correction, "OBX").iter().all(|obx| obx[11] == "C"));
-    let c = of(correction, "OBX").into_iter().find(|obx| code(obx) == "cC-R").unwrap();
+    assert!(segments_named(correction, "OBX").iter().all(|obx| obx[11] == "C"));
+    let c = segments_named(correction, "OBX").into_iter().find(|obx| code(obx) == "cC-R").unwrap();
     assert_eq!(c[5], "39.1");
     let codes = |message: &Message| -> Vec<String> {
-        of(message, "OBX").into_iter().map(|obx| code(obx).to_owned()).collect()
+        segments_named(message, "OBX").into_iter().map(|obx| code(obx).to_owned()).collect()
     };
     assert_eq!(codes(withdrawn), codes(correction));
-    assert!(of(withdrawn, "OBX").iter().all(|obx| obx[11] == "W" && obx[5].is_empty()));
-    assert_eq!(of(first, "OBR")[0][3], of(withdrawn, "OBR")[0][3]);
+    assert!(segments_named(withdrawn, "OBX").iter().all(|obx| obx[11] == "W" && obx[5].is_empty()));
+    assert_eq!(segments_named(first, "OBR")[0][3], segments_named(withdrawn, "OBR")[0][3]);
     // The scan was this patient's after all.
     assert!(!put(store, &SMALL).already_there);
     assert_eq!(house.controls().len(), 4);

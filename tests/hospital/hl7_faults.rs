@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use gaiter::store::endpoint::{Secret, TlsFiles};
 use gaiter::store::hl7::Hl7Way;
-use gaiter::store::{Misfit, StoreFault};
+use gaiter::store::{Rejection, StoreFault};
 
 use crate::fhir_house::{put, setback};
 use crate::hl7_house::{LONG, SHORT, Sender, rules};
@@ -81,7 +81,7 @@ fn a_refused_message_waits_for_a_person_with_the_receivers_reason_and_without_th
     for code in ["AE", "AR", "CE", "CR"] {
         house.becomes(code);
         match sender.store.put(&SMALL.delivery()) {
-            Err(StoreFault::Permanent(Misfit::ReceiverRefused { code: found, why })) => {
+            Err(StoreFault::Permanent(Rejection::ReceiverRefused { code: found, why })) => {
                 assert!(found == code && why.contains("has no open case"), "{found}: {why}");
                 assert!(!why.contains(PATIENT), "{why}");
             }

@@ -46,7 +46,7 @@ impl Sender {
 
 impl House {
     pub fn of_hl7() -> House {
-        House::of(hl7())
+        House::new(hl7())
     }
 
     /// A way to it.
@@ -94,6 +94,6 @@ pub fn message(path: &Path) -> Message {
 }
 
 /// The segments of a name.
-pub fn of<'a>(message: &'a [Vec<String>], name: &str) -> Vec<&'a Vec<String>> {
+pub fn segments_named<'a>(message: &'a [Vec<String>], name: &str) -> Vec<&'a Vec<String>> {
     message.iter().filter(|segment| segment[0] == name).collect()
 }

@@ -5,11 +5,11 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use rig::faults::matrix::{Struck, faults, restarted, strike_everywhere, struck_at_until, thinned};
-use rig::faults::tracer::{Answer, can_trace};
+use rig::faults::tracer::{CallFate, can_trace};
 use rig::invariants::Moment;
 
 use crate::server::{fhir, hl7};
-use crate::station::Place;
+use crate::station::HospitalStation;
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;
@@ -17,10 +17,10 @@ const HANDS: usize = 3;
 /// Fewer points than this and the matrix has not seen the delivery.
 const POINTS_LEAST: usize = 60;
 
-fn killed(place: &mut Place, nth: usize) -> Struck {
+fn killed(place: &mut HospitalStation, nth: usize) -> Struck {
     place.renew();
     let finished = || place.is_delivered();
-    let (at, run) = struck_at_until(&place.booth, finished, nth, Answer::Kill, |_| Answer::Do);
+    let (at, run) = struck_at_until(&place.booth, finished, nth, CallFate::Kill, |_| CallFate::Do);
     let at = at?;
     let mut found = faults(&place.booth, Moment::Any);
     found.extend(run.hung.then(|| "it did not end".to_owned()));
@@ -37,7 +37,7 @@ fn a_station_killed_before_any_call_delivers_to_every_server_once() {
     // Here, because a hand that traces waits for all that it started itself.
     fhir();
     hl7();
-    let tally = strike_everywhere("kill -9 with servers", HANDS, 1, Place::new, killed);
+    let tally = strike_everywhere("kill -9 with servers", HANDS, 1, HospitalStation::new, killed);
     for (kind, times) in &tally.kinds {
         println!("  {times:4} {kind}");
     }

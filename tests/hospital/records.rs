@@ -55,7 +55,7 @@ pub static SMALL: LazyLock<Scan> = LazyLock::new(|| {
 
 fn scan_of(body: &str) -> Scan {
     let bytes = export(body);
-    let sources = vec![Source::of(SourceKind::Reader)];
+    let sources = vec![Source::from_kind(SourceKind::Reader)];
     let acquired = Acquired::new("2026-11-19T23:30:00Z".parse().unwrap(), AcquiredFrom::Press);
     let provenance = Provenance {
         station: Some("booth-1".to_owned()),

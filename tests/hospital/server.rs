@@ -90,7 +90,7 @@ impl Server {
 }
 
 impl House {
-    pub fn of(server: &'static Server) -> House {
+    pub fn new(server: &'static Server) -> House {
         static COUNT: AtomicUsize = AtomicUsize::new(1);
         let name = format!("house-{}", COUNT.fetch_add(1, Ordering::Relaxed));
         fs::create_dir(server.path(&name)).unwrap();

@@ -11,7 +11,7 @@ use rig::verb::{code, gaiter_told, stderr};
 use support::coarse_body;
 
 use crate::fhir_house::{ONE, PATIENTS};
-use crate::hl7_house::of;
+use crate::hl7_house::segments_named;
 use crate::records::PATIENT;
 use crate::server::{House, fhir, hl7};
 
@@ -19,7 +19,7 @@ use crate::server::{House, fhir, hl7};
 const STORES: usize = 3;
 
 /// A station with its servers.
-pub struct Place {
+pub struct HospitalStation {
     pub booth: Booth,
     pub fhir: House,
     pub hl7: House,
@@ -27,11 +27,12 @@ pub struct Place {
     alone: String,
 }
 
-impl Place {
-    pub fn new() -> Place {
+impl HospitalStation {
+    pub fn new() -> HospitalStation {
         let booth = booth();
         let alone = fs::read_to_string(booth.path("station.toml")).unwrap();
-        let place = Place { booth, fhir: House::of(fhir()), hl7: House::of(hl7()), alone };
+        let place =
+            HospitalStation { booth, fhir: House::new(fhir()), hl7: House::new(hl7()), alone };
         place.configure();
         place
     }
@@ -40,7 +41,7 @@ impl Place {
     /// patient is exported.
     pub fn renew(&mut self) {
         empty_folders(&self.booth);
-        (self.fhir, self.hl7) = (House::with_patient(), House::of(hl7()));
+        (self.fhir, self.hl7) = (House::with_patient(), House::new(hl7()));
         self.configure();
         self.booth.export(&format!("{PATIENT}_a.obj"), &coarse_body(1));
     }
@@ -96,32 +97,32 @@ impl Place {
 }
 
 /// A server of a station.
-type Of = fn(&Place) -> &House;
+type HouseOf = fn(&HospitalStation) -> &House;
 
-const FHIR: Of = |place| &place.fhir;
-const HL7: Of = |place| &place.hl7;
+const FHIR: HouseOf = |place| &place.fhir;
+const HL7: HouseOf = |place| &place.hl7;
 
 #[test]
 #[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn a_station_killed_while_a_server_owes_an_answer_delivers_once() {
-    let mut place = Place::new();
+    let mut place = HospitalStation::new();
     let gates = [
         (FHIR, "hang-after"),
         (FHIR, "hang-before POST"),
         (HL7, "hang-before"),
         (HL7, "hang-after"),
     ];
-    for (of, gate) in gates {
+    for (house, gate) in gates {
         // Each request in turn, until there is none left to be killed at.
         for nth in 1.. {
             place.renew();
-            of(&place).becomes(&format!("{gate} {nth}"));
+            house(&place).becomes(&format!("{gate} {nth}"));
             let daemon = place.booth.start();
-            let is_over = || of(&place).strikes() > 0 || place.is_delivered();
+            let is_over = || house(&place).strikes() > 0 || place.is_delivered();
             place.booth.wait_for("a request or the end", is_over);
-            let strikes = of(&place).strikes();
+            let strikes = house(&place).strikes();
             daemon.kill();
-            of(&place).becomes("");
+            house(&place).becomes("");
             let mut found = place.twice();
             found.extend(restarted(&place.booth));
             found.extend(place.wrong());
@@ -137,7 +138,7 @@ fn a_station_killed_while_a_server_owes_an_answer_delivers_once() {
 #[test]
 #[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn a_server_that_is_away_keeps_no_other_store_waiting_and_gets_the_record_later() {
-    let mut place = Place::new();
+    let mut place = HospitalStation::new();
     place.renew();
     place.fhir.becomes("503");
     let daemon = place.booth.start();
@@ -154,7 +155,7 @@ fn a_server_that_is_away_keeps_no_other_store_waiting_and_gets_the_record_later(
 #[test]
 #[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn a_take_back_reaches_a_receiver_that_has_the_result_and_whose_answer_was_lost() {
-    let mut place = Place::new();
+    let mut place = HospitalStation::new();
     place.renew();
     place.hl7.becomes("cut-after");
     let daemon = place.booth.start();
@@ -164,7 +165,8 @@ fn a_take_back_reaches_a_receiver_that_has_the_result_and_whose_answer_was_lost(
     place.hl7.becomes("");
     let is_withdrawn = || {
         let messages = place.hl7.messages();
-        let last = messages.last().map(|message| of(message, "OBX")).unwrap_or_default();
+        let last =
+            messages.last().map(|message| segments_named(message, "OBX")).unwrap_or_default();
         !last.is_empty() && last.iter().all(|obx| obx[11] == "W")
     };
     place.booth.wait_for("the withdrawal", is_withdrawn);
@@ -174,9 +176,9 @@ fn a_take_back_reaches_a_receiver_that_has_the_result_and_whose_answer_was_lost(
 #[test]
 #[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn a_record_of_a_patient_whom_the_server_does_not_know_waits_for_a_person() {
-    let mut place = Place::new();
+    let mut place = HospitalStation::new();
     place.renew();
-    place.fhir = House::of(fhir());
+    place.fhir = House::new(fhir());
     place.configure();
     let daemon = place.booth.start();
     let said = "SELECT count(*) FROM scans WHERE code = 'patient-not-registered'";
@@ -194,7 +196,7 @@ fn a_record_of_a_patient_whom_the_server_does_not_know_waits_for_a_person() {
 #[test]
 #[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn a_take_back_at_the_station_is_entered_in_error_there() {
-    let mut place = Place::new();
+    let mut place = HospitalStation::new();
     place.renew();
     place.fhir.register("4712");
     let daemon = place.booth.start();
@@ -209,10 +211,11 @@ fn a_take_back_at_the_station_is_entered_in_error_there() {
     let is_withdrawn = || {
         let messages = place.hl7.messages();
         let mut withdrawn = messages.iter().filter(|message| {
-            let all = of(message, "OBX");
+            let all = segments_named(message, "OBX");
             !all.is_empty() && all.iter().all(|obx| obx[11] == "W")
         });
-        withdrawn.any(|message| of(message, "PID")[0][3].starts_with(&format!("{PATIENT}^")))
+        withdrawn
+            .any(|message| segments_named(message, "PID")[0][3].starts_with(&format!("{PATIENT}^")))
     };
     place.booth.wait_for("the withdrawal", is_withdrawn);
     assert_eq!(daemon.stop().code(), Some(0));
@@ -222,7 +225,7 @@ fn a_take_back_at_the_station_is_entered_in_error_there() {
 #[test]
 #[ignore = "needs Medplum's FHIR router and Python with hl7apy, run by .ci/run"]
 fn an_erasure_comes_after_the_take_back_at_a_server_that_was_away() {
-    let mut place = Place::new();
+    let mut place = HospitalStation::new();
     place.renew();
     let daemon = place.booth.start();
     place.booth.wait_for("the delivery", || place.is_delivered());

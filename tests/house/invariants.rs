@@ -6,7 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rig::invariants;
-use rig::invariants::{Evidence, Moment, NOBODY, Put, PutKind, Told, Vitals, left_at, patient_of};
+use rig::invariants::{
+    Evidence, Moment, NOBODY, Put, PutKind, StatusCounts, Vitals, left_at, patient_of,
+};
 use rig::whole::{names, sha256};
 use rusqlite::Connection;
 use tempfile::TempDir;
@@ -20,7 +22,7 @@ struct World {
     dir: TempDir,
     puts: Vec<Put>,
     log: String,
-    told: Option<Told>,
+    told: Option<StatusCounts>,
     released: Vec<(String, String)>,
 }
 
@@ -262,16 +264,16 @@ fn i6_work_that_is_left_is_seen() {
 #[test]
 fn i7_open_files_threads_and_memory_are_counted() {
     let myself = std::process::id();
-    let before = Vitals::of(myself).unwrap();
+    let before = Vitals::read(myself).unwrap();
     // More than all tests beside it close meanwhile.
     let open: Vec<_> = (0..400).map(|_| fs::File::open("/dev/null").unwrap()).collect();
     let memory = vec![1_u8; 64 << 20];
-    let after = Vitals::of(myself).unwrap();
+    let after = Vitals::read(myself).unwrap();
     assert!(after.files >= before.files + 200, "{before:?} {after:?}");
     assert!(after.resident_kb >= before.resident_kb + 50_000, "{before:?} {after:?}");
     assert!(after.threads > 0);
     drop((open, memory));
-    assert_eq!(Vitals::of(u32::MAX), None);
+    assert_eq!(Vitals::read(u32::MAX), None);
 }
 
 #[test]
@@ -286,10 +288,14 @@ fn i8_a_name_in_the_log_is_seen() {
 #[test]
 fn i9_a_station_that_tells_something_else_is_seen() {
     let mut world = World::at_rest();
-    let so = Told { pending: 0, held: 1, refused: 1 };
+    let so = StatusCounts { pending: 0, held: 1, refused: 1 };
     world.told = Some(so);
     assert_eq!(world.broken(), [0; 0]);
-    for told in [Told { pending: 1, ..so }, Told { held: 0, ..so }, Told { refused: 0, ..so }] {
+    for told in [
+        StatusCounts { pending: 1, ..so },
+        StatusCounts { held: 0, ..so },
+        StatusCounts { refused: 0, ..so },
+    ] {
         world.told = Some(told);
         assert_eq!(world.broken(), [9]);
     }

@@ -71,7 +71,7 @@ const BY_CODE: [(&str, &str); 65] = [
     ("sizes.not_comparable", "`NotComparable::word`"),
     ("sizes.not_given", "`NotGiven::word`"),
     ("sizes.status", "`Status::word`"),
-    ("statement", "`Statement::of` and the codes of `gaiter_leg`"),
+    ("statement", "`Statement::new` and the codes of `gaiter_leg`"),
     ("terminal.event", "`Event::word` of the journal"),
     ("terminal.intake", "whether scans are taken in"),
     ("terminal.port_state", "`PortState::word`"),

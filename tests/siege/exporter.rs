@@ -48,7 +48,7 @@ pub type Fleeting = Vec<(String, Vec<u8>)>;
 
 /// Exports for as long as the siege lasts; gives what was there for a moment only.
 pub fn export(field: &Field, events: Vec<Event<Act>>) -> Fleeting {
-    let said = Tail::of(&field.booth);
+    let said = Tail::from_now(&field.booth);
     let (lying, fleeting) = (Vec::new(), Vec::new());
     let mut exporter =
         Exporter { field, scans: 0, names: 0, lying, said, taken: BTreeSet::new(), fleeting };

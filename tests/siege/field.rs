@@ -183,7 +183,7 @@ pub struct Tail {
 
 impl Tail {
     /// What is said from now on.
-    pub fn of(booth: &Booth) -> Tail {
+    pub fn from_now(booth: &Booth) -> Tail {
         let path = booth.path("log");
         let at = fs::metadata(&path).map_or(0, |log| log.len());
         Tail { path, at, rest: Vec::new() }

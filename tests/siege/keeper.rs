@@ -55,7 +55,7 @@ pub struct Count {
     pub ends: usize,
 }
 
-struct Held {
+struct RunningStation {
     daemon: Daemon,
     said: Tail,
 }
@@ -63,7 +63,7 @@ struct Held {
 /// The keeper.
 #[derive(Default)]
 pub struct Keeper {
-    held: Mutex<Option<Held>>,
+    held: Mutex<Option<RunningStation>>,
     /// Whoever holds it for reading knows that no station is on its way up.
     life: RwLock<Life>,
     /// Held while nobody may start, reload or end the station.
@@ -104,10 +104,10 @@ impl Keeper {
         if let Some(clock) = &field.clock {
             clock.lie_to(&mut command);
         }
-        let said = Tail::of(&field.booth);
-        let daemon = Daemon::of(command);
+        let said = Tail::from_now(&field.booth);
+        let daemon = Daemon::start(command);
         self.is(|life| *life = Life { pid: Some(daemon.id()), is_ready: false, ..*life });
-        *held = Some(Held { daemon, said });
+        *held = Some(RunningStation { daemon, said });
     }
 
     /// Kills it, does what must be done without it, and starts it.

@@ -111,7 +111,7 @@ fn warmed_up(field: &Field) -> Vitals {
     }
     booth.wait_for_records(3);
     let pid = field.keeper.life().pid.unwrap();
-    Vitals::of(pid).unwrap()
+    Vitals::read(pid).unwrap()
 }
 
 /// All four adversaries, each in its own thread.
@@ -140,7 +140,7 @@ fn rests(field: &Field, mut fleeting: Fleeting) {
     let booth = &field.booth;
     let pause = field.plan.length.min(PAUSE_MOST).max(SILENCE);
     let (began, limit) = (Instant::now(), REST + pause);
-    let (mut said, mut last_said) = (Tail::of(booth), Instant::now());
+    let (mut said, mut last_said) = (Tail::from_now(booth), Instant::now());
     loop {
         exporter::account_for(booth, &mut fleeting);
         let violations = booth.violations(Moment::Rest);
@@ -196,7 +196,7 @@ fn rests_after_another_start(field: &Field) {
 
 /// When all is over the station holds little more than it did before.
 fn flat(field: &Field, before: Vitals, samples: &Samples) {
-    let now = || field.keeper.life().pid.and_then(Vitals::of);
+    let now = || field.keeper.life().pid.and_then(Vitals::read);
     let is_flat = |now: Vitals| {
         now.files <= before.files + FILES_UNREST
             && now.threads <= before.threads + THREADS_UNREST

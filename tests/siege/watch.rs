@@ -136,7 +136,7 @@ fn read(answer: &[u8]) -> Option<(u16, bool)> {
 
 impl Samples {
     fn weigh(&self, pid: u32) {
-        let Some(now) = Vitals::of(pid) else { return };
+        let Some(now) = Vitals::read(pid) else { return };
         let mut most = self.most_held.lock().unwrap();
         let before = most.unwrap_or(now);
         *most = Some(Vitals {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use rig::{Booth, sha256, verb};
 use serde_json::Value;
-use support::coarse_body as coarse;
+use support::coarse_body;
 
 /// The body of the fixture in the hundredth of its unit, as a scanner set otherwise writes it.
 const WRONG_UNIT: &str = "OPTION UNITS=cm\nMEASURE Height=16043\n";
@@ -43,11 +43,11 @@ fn the_scanners_own_measures_are_compared_and_follow_the_scan_to_its_patient() {
     let booth = Booth::new();
     let daemon = booth.start();
     fs::write(booth.path("export/nobody.ord"), WRONG_UNIT).unwrap();
-    booth.export("nobody.obj", &coarse(1));
+    booth.export("nobody.obj", &coarse_body(1));
     booth.wait_for_records(1);
     assert_has_measures(&record(&booth, "_unassigned"));
 
-    let (config, assign) = (booth.path("station.toml"), &sha256(&coarse(1))[..8]);
+    let (config, assign) = (booth.path("station.toml"), &sha256(&coarse_body(1))[..8]);
     let assigned = verb::gaiter_told(&config, &["assign", assign], "4711\n");
     assert_eq!(verb::code(&assigned), Some(0), "{}", verb::stderr(&assigned));
     let delivered =
@@ -64,7 +64,7 @@ fn of_two_files_of_measures_none_is_believed_and_none_is_taken_for_the_scans() {
     for name in ["4711_a.ord", "4711 a.ord"] {
         fs::write(booth.path("export").join(name), WRONG_UNIT).unwrap();
     }
-    booth.export("4711_a.obj", &coarse(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     let record = record(&booth, "4711");
     assert_eq!(opinions(&record), ["ord-ambiguous"]);
@@ -80,8 +80,8 @@ fn what_lies_beside_two_scans_of_one_stem_names_neither() {
         config.replace("[patient]\n", sidecar)
     });
     fs::write(booth.path("export/x_a.ord"), "PATIENT=4711\n").unwrap();
-    booth.export("x a.obj", &coarse(1));
-    booth.export("x_a.obj", &coarse(2));
+    booth.export("x a.obj", &coarse_body(1));
+    booth.export("x_a.obj", &coarse_body(2));
     let daemon = booth.start();
     booth.wait_for_records(2);
     assert_eq!(fs::read_dir(booth.path("records/_unassigned")).unwrap().count(), 2);
@@ -90,7 +90,7 @@ fn what_lies_beside_two_scans_of_one_stem_names_neither() {
     assert_eq!(log.matches("companion-shared").count(), 2, "{log}");
 
     fs::write(booth.path("export/y.ord"), "PATIENT=4712\n").unwrap();
-    booth.export("y.obj", &coarse(3));
+    booth.export("y.obj", &coarse_body(3));
     booth.wait_for_records(3);
     record(&booth, "4712");
     assert_eq!(daemon.stop().code(), Some(0));
@@ -118,7 +118,7 @@ fn a_thousand_links_to_what_lies_beside_a_scan_cost_next_to_nothing() {
         fs::hard_link(&first, booth.path("export").join(format!("4711_{name}a.mtl"))).unwrap();
     }
     let daemon = booth.start();
-    booth.export("4711___________a.obj", &coarse(1));
+    booth.export("4711___________a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     let taken = size(&booth.path("state"));
     assert!((4_000_000..6_000_000).contains(&taken), "{taken} bytes");
@@ -126,7 +126,7 @@ fn a_thousand_links_to_what_lies_beside_a_scan_cost_next_to_nothing() {
     let left_out = log.lines().find(|line| line.contains("companions-left-out")).unwrap();
     assert!(left_out.contains("count=996"), "{left_out}");
 
-    booth.export("4712_a.obj", &coarse(2));
+    booth.export("4712_a.obj", &coarse_body(2));
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
 }

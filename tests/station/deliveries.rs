@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use rig::invariants::PutKind;
 use rig::{Booth, PATIENCE, QUIET, Setting, names, sha256};
-use support::coarse_body as body;
+use support::coarse_body;
 
 /// Longer than any test.
 const A_LONG_WAIT: Duration = Duration::from_secs(3600);
@@ -29,7 +29,7 @@ fn write_slowly(path: &std::path::Path, bytes: &[u8], pieces: usize, pause: Dura
 fn a_slow_writer_s_scan_is_taken_once_and_whole() {
     let booth = Booth::new();
     let daemon = booth.start();
-    let bytes = body(1);
+    let bytes = coarse_body(1);
     write_slowly(&booth.path("export/4711_a.obj"), &bytes, 12, QUIET / 3);
     booth.has_put("4711_a.obj", &bytes, PutKind::Whole);
     booth.wait_for_records(1);
@@ -42,7 +42,7 @@ fn a_writer_that_stalls_longer_than_the_quiet_time_in_the_middle_of_a_line_is_aw
     // The wait for its rest does not end before the rest comes, however slow the machine is.
     let booth = Booth::set(&Setting { short_wait: A_LONG_WAIT, ..Setting::default() });
     let daemon = booth.start();
-    let bytes = body(1);
+    let bytes = coarse_body(1);
     let (first, rest) = bytes.split_at(bytes.len() - 7);
     let mut file = File::create(booth.path("export/4711_a.obj")).unwrap();
     file.write_all(first).unwrap();
@@ -63,37 +63,46 @@ fn a_scan_written_under_another_name_and_renamed_is_taken_once() {
     for (n, unfinished) in ["4711_1.obj.part", ".4711_2.obj", "4711_3.tmp"].into_iter().enumerate()
     {
         let path = booth.path("export").join(unfinished);
-        write_slowly(&path, &body(n), 3, QUIET);
+        write_slowly(&path, &coarse_body(n), 3, QUIET);
         let name = format!("4711_{n}.obj");
         fs::rename(path, booth.path("export").join(&name)).unwrap();
-        booth.has_put(&name, &body(n), PutKind::Whole);
+        booth.has_put(&name, &coarse_body(n), PutKind::Whole);
     }
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(0)), ("4711", &body(1)), ("4711", &body(2))]);
+    booth.assert_settled(&[
+        ("4711", &coarse_body(0)),
+        ("4711", &coarse_body(1)),
+        ("4711", &coarse_body(2)),
+    ]);
 }
 
 #[test]
 fn a_file_replaced_by_new_bytes_is_a_new_scan() {
     let booth = Booth::new();
     let daemon = booth.start();
-    booth.export("4711_scan.obj", &body(1));
+    booth.export("4711_scan.obj", &coarse_body(1));
     booth.wait_for_records(1);
-    booth.export("4711_scan.obj", &body(2));
+    booth.export("4711_scan.obj", &coarse_body(2));
     booth.wait_for_records(2);
     let other = booth.path("export/.other");
-    fs::write(&other, body(3)).unwrap();
+    fs::write(&other, coarse_body(3)).unwrap();
     fs::rename(other, booth.path("export/4711_scan.obj")).unwrap();
-    booth.has_put("4711_scan.obj", &body(3), PutKind::Whole);
+    booth.has_put("4711_scan.obj", &coarse_body(3), PutKind::Whole);
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(1)), ("4711", &body(2)), ("4711", &body(3))]);
+    booth.assert_settled(&[
+        ("4711", &coarse_body(1)),
+        ("4711", &coarse_body(2)),
+        ("4711", &coarse_body(3)),
+    ]);
 }
 
 #[test]
 fn twelve_scans_at_once_are_twelve_records() {
     let booth = Booth::new();
-    let scans: Vec<(String, Vec<u8>)> = (0..12).map(|n| (format!("P{}", n % 5), body(n))).collect();
+    let scans: Vec<(String, Vec<u8>)> =
+        (0..12).map(|n| (format!("P{}", n % 5), coarse_body(n))).collect();
     let daemon = booth.start();
     thread::scope(|scope| {
         for (n, (patient, bytes)) in scans.iter().enumerate() {
@@ -114,16 +123,17 @@ fn twelve_scans_at_once_are_twelve_records() {
 #[test]
 fn scans_that_lay_there_before_the_start_are_taken_and_not_taken_again_after_a_restart() {
     let booth = Booth::new();
-    booth.export("4711_a.obj", &body(1));
-    booth.export("nobody.obj", &body(2));
+    booth.export("4711_a.obj", &coarse_body(1));
+    booth.export("nobody.obj", &coarse_body(2));
     let daemon = booth.start();
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
     let daemon = booth.start();
-    booth.export("0815_b.obj", &body(3));
+    booth.export("0815_b.obj", &coarse_body(3));
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
-    let expected = [("4711", body(1)), ("_unassigned", body(2)), ("0815", body(3))];
+    let expected =
+        [("4711", coarse_body(1)), ("_unassigned", coarse_body(2)), ("0815", coarse_body(3))];
     booth.assert_settled(&expected.each_ref().map(|(id, bytes)| (*id, bytes.as_slice())));
     assert_eq!(booth.log().matches("scan-spooled").count(), 3);
     assert_eq!(booth.log().matches("scan-known").count(), 0, "no export was read twice");
@@ -137,13 +147,13 @@ fn a_bad_file_is_quarantined_with_its_reason_and_does_not_stop_those_after_it() 
     let empty = Vec::new();
     booth.export("4711_bad.obj", &garbage);
     booth.export("4711_empty.obj", &empty);
-    booth.export("4711_good.obj", &body(1));
+    booth.export("4711_good.obj", &coarse_body(1));
     booth.wait_for_records(1);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 2);
-    booth.export("4711_later.obj", &body(2));
+    booth.export("4711_later.obj", &coarse_body(2));
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(1)), ("4711", &body(2))]);
+    booth.assert_settled(&[("4711", &coarse_body(1)), ("4711", &coarse_body(2))]);
     let reason = booth.reason(&garbage);
     assert_eq!(reason["schema"], "gaiter.reason/1");
     assert_eq!(reason["stage"], "measure");
@@ -156,7 +166,7 @@ fn a_bad_file_is_quarantined_with_its_reason_and_does_not_stop_those_after_it() 
 fn an_aborted_export_is_awaited_then_quarantined_and_delivered_once_it_is_made_whole() {
     let booth = Booth::new();
     let daemon = booth.start();
-    let bytes = body(1);
+    let bytes = coarse_body(1);
     let aborted = &bytes[..bytes.len() - 7];
     fs::write(booth.path("export/4711_a.obj"), aborted).unwrap();
     booth.has_put("4711_a.obj", aborted, PutKind::Short);
@@ -175,7 +185,7 @@ fn a_file_too_large_is_refused_unread() {
     let daemon = booth.start();
     File::create(booth.path("export/4711_huge.obj")).unwrap().set_len(1 << 40).unwrap();
     booth.has_put("4711_huge.obj", &[], PutKind::Huge);
-    booth.export("4711_good.obj", &body(1));
+    booth.export("4711_good.obj", &coarse_body(1));
     booth.wait_for_records(1);
     booth.wait_for("a refusal", || names(&booth.path("state/quarantine")).len() == 1);
     assert_eq!(daemon.stop().code(), Some(0));
@@ -183,34 +193,34 @@ fn a_file_too_large_is_refused_unread() {
     assert_eq!(names(&place), ["reason.json"]);
     let reason = fs::read_to_string(place.join("reason.json")).unwrap();
     assert!(reason.contains("scan-too-large"), "{reason}");
-    booth.assert_settled(&[("4711", &body(1))]);
+    booth.assert_settled(&[("4711", &coarse_body(1))]);
 }
 
 #[test]
 fn the_same_bytes_for_the_same_patient_are_one_record() {
     let booth = Booth::new();
     let daemon = booth.start();
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
-    booth.export("4711_again.obj", &body(1));
-    booth.export("whose.obj", &body(1));
+    booth.export("4711_again.obj", &coarse_body(1));
+    booth.export("whose.obj", &coarse_body(1));
     booth.wait_for_journal("SELECT count(*) FROM sightings", 3);
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(1))]);
+    booth.assert_settled(&[("4711", &coarse_body(1))]);
 }
 
 #[test]
 fn the_same_bytes_for_another_patient_are_held_and_no_second_record_appears() {
     let booth = Booth::new();
     let daemon = booth.start();
-    booth.export("4711_a.obj", &body(1));
-    booth.export("whose.obj", &body(2));
+    booth.export("4711_a.obj", &coarse_body(1));
+    booth.export("whose.obj", &coarse_body(2));
     booth.wait_for_records(2);
-    booth.export("0815_a.obj", &body(1));
-    booth.export("0815_b.obj", &body(2));
+    booth.export("0815_a.obj", &coarse_body(1));
+    booth.export("0815_b.obj", &coarse_body(2));
     booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'held'", 2);
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(1)), ("_unassigned", &body(2))]);
+    booth.assert_settled(&[("4711", &coarse_body(1)), ("_unassigned", &coarse_body(2))]);
     assert_eq!(booth.log().matches("same-scan-other-patient").count(), 2);
 }
 
@@ -221,15 +231,15 @@ fn an_export_folder_that_is_missing_or_replaced_is_taken_up_when_it_is_there() {
     let daemon = booth.start();
     booth.wait_for("the outage to be noticed", || booth.log().contains("out-of-reach"));
     fs::create_dir(booth.path("export")).unwrap();
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     fs::rename(booth.path("export"), booth.path("old")).unwrap();
     booth.has_emptied_the_export();
     fs::create_dir(booth.path("export")).unwrap();
-    booth.export("4711_b.obj", &body(2));
+    booth.export("4711_b.obj", &coarse_body(2));
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(1)), ("4711", &body(2))]);
+    booth.assert_settled(&[("4711", &coarse_body(1)), ("4711", &coarse_body(2))]);
 }
 
 #[test]
@@ -237,19 +247,19 @@ fn an_unreachable_store_is_tried_until_it_is_back_and_nothing_is_written_in_its_
     let booth = Booth::new();
     let daemon = booth.start_ready();
     booth.take_records_away();
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for("the outage to be told", || booth.log().contains("store-unavailable"));
     assert!(!booth.path("records").exists());
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(1))]);
+    booth.assert_settled(&[("4711", &coarse_body(1))]);
 }
 
 #[test]
 fn a_station_killed_at_any_moment_loses_nothing_and_delivers_nothing_twice() {
     let booth = Booth::new();
-    let scans: Vec<Vec<u8>> = (0..8).map(body).collect();
+    let scans: Vec<Vec<u8>> = (0..8).map(coarse_body).collect();
     // A fixed sequence: what fails, fails again.
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut random = |below: u64| {
@@ -286,7 +296,7 @@ fn a_station_killed_at_any_moment_loses_nothing_and_delivers_nothing_twice() {
 #[test]
 fn a_stop_in_the_middle_of_work_ends_with_0_and_the_next_start_goes_on() {
     let booth = Booth::new();
-    let scans: Vec<Vec<u8>> = (0..6).map(body).collect();
+    let scans: Vec<Vec<u8>> = (0..6).map(coarse_body).collect();
     let daemon = booth.start();
     for (n, bytes) in scans.iter().enumerate() {
         booth.export(&format!("4711_{n}.obj"), bytes);
@@ -341,21 +351,21 @@ fn the_log_names_no_patient_no_file_and_no_folder() {
     let booth = Booth::new();
     let daemon = booth.start();
     let garbage = b"Mustermann\n".to_vec();
-    booth.export("990011_Mustermann.obj", &body(1));
+    booth.export("990011_Mustermann.obj", &coarse_body(1));
     booth.export("990011_Mustermann-bad.obj", &garbage);
-    booth.export("1234567890123_Mustermann.obj", &body(2));
+    booth.export("1234567890123_Mustermann.obj", &coarse_body(2));
     booth.wait_for_records(2);
-    booth.export("990012_Mustermann.obj", &body(1));
+    booth.export("990012_Mustermann.obj", &coarse_body(1));
     booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'held'", 1);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
     booth.take_records_away();
-    booth.export("990013_Mustermann.obj", &body(3));
+    booth.export("990013_Mustermann.obj", &coarse_body(3));
     booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE attempts > 0", 1);
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
     let log = booth.log();
-    assert!(log.contains(&sha256(&body(1))[..8]), "the log speaks of scans:\n{log}");
+    assert!(log.contains(&sha256(&coarse_body(1))[..8]), "the log speaks of scans:\n{log}");
     for planted in ["99001", "123456789", "Mustermann", "/export", "/records"] {
         assert!(!log.contains(planted), "{planted} is in the log:\n{log}");
     }
@@ -366,7 +376,7 @@ fn the_record_holds_the_files_that_the_configuration_asks_for() {
     let files = r#"["iges-solid", "stl"]"#;
     let booth = Booth::set(&Setting { files, ..Setting::default() });
     let daemon = booth.start();
-    let bytes = body(1);
+    let bytes = coarse_body(1);
     booth.export("4711_a.obj", &bytes);
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));

@@ -236,7 +236,7 @@ fn a_result_that_nobody_fetched_is_no_fault_and_the_next_patients_scan_is_done()
     let booth = practice("file_name = \"{receiver}{sender}.GDT\"");
     booth.reconfigure(|config| format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n"));
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     booth.export("4711_a.obj", &body(1));
     let results = booth.path("results");
     booth.wait_for("the first", || !visible(&results).is_empty());

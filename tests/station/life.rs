@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use rig::faults::disk;
 use rig::{Booth, PATIENCE, names, sha256};
 use rustix::process::{Pid, Signal, kill_process};
-use support::coarse_body as body;
+use support::coarse_body;
 
 /// A service manager that listens, and a station that tells it.
 struct Manager {
@@ -106,7 +106,7 @@ fn a_reload_is_told_from_its_beginning_to_its_end_and_takes_up_the_new_configura
     let told = manager.wait_for("RELOADING=1");
     assert!(told.iter().any(|line| line.starts_with("MONOTONIC_USEC=")), "{told:?}");
     manager.wait_for("READY=1");
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     booth.wait_for("the copy", || names(&other.join("4711")).len() == 1);
     manager.signal(Signal::TERM);
@@ -132,7 +132,7 @@ fn a_configuration_with_a_fault_is_refused_as_a_whole_and_the_old_one_holds() {
             booth.log().matches("configuration-refused").count() > refusals
         });
     }
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for("the record", || {
         hears();
         booth.records().len() == 1
@@ -172,7 +172,7 @@ fn the_watchdog_starves_while_a_worker_hangs_and_is_fed_again_when_it_turns() {
     });
     manager.wait_for("WATCHDOG=1");
     let frozen = state.freeze();
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     let hangs = || booth.log().matches("worker-hangs").count();
     // What is not heard fills the socket, and the station would wait for its manager.
     booth.wait_for("the hanging worker", || {
@@ -197,12 +197,12 @@ fn the_watchdog_starves_while_a_worker_hangs_and_is_fed_again_when_it_turns() {
 fn the_service_manager_is_told_in_one_line_how_the_station_is() {
     let booth = Booth::new();
     let manager = Manager::start(&booth, |_| {});
-    booth.export("4711_0.obj", &body(0));
+    booth.export("4711_0.obj", &coarse_body(0));
     booth.wait_for_records(1);
     manager.wait_for("STATUS=ready; 0 records to be delivered");
     booth.take_records_away();
     fs::create_dir(booth.path("records")).unwrap();
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     let told = manager.wait_until(|line| line.starts_with("STATUS=not ready"));
     assert_eq!(
         told,
@@ -219,7 +219,7 @@ fn a_store_that_is_away_does_not_keep_the_other_from_its_records_and_gets_its_ow
     booth.wait_until_begun("copy");
     fs::rename(&other, booth.path("unmounted")).unwrap();
     fs::create_dir(&other).unwrap();
-    let scans: Vec<Vec<u8>> = (0..3).map(body).collect();
+    let scans: Vec<Vec<u8>> = (0..3).map(coarse_body).collect();
     for (n, bytes) in scans.iter().enumerate() {
         booth.export(&format!("4711_{n}.obj"), bytes);
     }

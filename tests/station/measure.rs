@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use gaiter::config;
-use gaiter::station::measure::{Answer, Inspection, Job, Limits, Purpose, RecordJob};
+use gaiter::station::measure::{Inspection, Job, JobAnswer, Limits, Purpose, RecordJob};
 use gaiter_flow::confinement::Confine;
 use gaiter_record::Provenance;
 use gaiter_scan::End;
@@ -91,9 +91,9 @@ fn generous() -> Limits {
     Limits { memory_bytes: 2_000_000_000, wall: Duration::from_secs(60) }
 }
 
-fn answer(mut child: Child, bytes: &[u8]) -> Answer {
+fn answer(mut child: Child, bytes: &[u8]) -> JobAnswer {
     child.stdin.take().unwrap().write_all(bytes).unwrap();
-    let answer = Answer::read(&mut BufReader::new(child.stdout.take().unwrap()), 1 << 30);
+    let answer = JobAnswer::read(&mut BufReader::new(child.stdout.take().unwrap()), 1 << 30);
     child.wait().unwrap();
     answer.unwrap()
 }
@@ -123,7 +123,8 @@ fn the_process_is_confined_before_it_reads_the_first_byte_of_the_scan() {
 
 #[test]
 fn bytes_that_are_not_those_of_the_hash_are_not_measured() {
-    let Answer::Refused { code, .. } = answer(begun(generous(), b"v 0 0 0\n"), b"v 0 0 1\n") else {
+    let JobAnswer::Refused { code, .. } = answer(begun(generous(), b"v 0 0 0\n"), b"v 0 0 1\n")
+    else {
         panic!("it was measured");
     };
     assert_eq!(code, "spool-damaged");
@@ -133,7 +134,7 @@ fn bytes_that_are_not_those_of_the_hash_are_not_measured() {
 fn an_inspection_says_how_a_file_ends_and_what_identifies_its_scan() {
     let inspected = |scan: &[u8]| {
         let child = begun_for(Purpose::Inspection, &["measure"], generous(), scan);
-        let Answer::Inspected(Inspection { end, fingerprint }) = answer(child, scan) else {
+        let JobAnswer::Inspected(Inspection { end, fingerprint }) = answer(child, scan) else {
             panic!("it was not inspected");
         };
         (end, fingerprint)
@@ -154,7 +155,7 @@ fn an_inspection_says_how_a_file_ends_and_what_identifies_its_scan() {
 #[test]
 fn the_answer_is_the_record_that_extract_makes() {
     let scan = coarse_body(31);
-    let Answer::Files { files, .. } = answer(begun(generous(), &scan), &scan) else {
+    let JobAnswer::Files { files, .. } = answer(begun(generous(), &scan), &scan) else {
         panic!("it was refused");
     };
     let booth = Booth::new();
@@ -247,7 +248,7 @@ fn waits_behind(front: &[&str], more: &str) {
     let booth = booth(more);
     let scan = coarse_body(65);
     booth.export("4711_a.obj", &scan);
-    let daemon = Daemon::of(booth.command_behind(front));
+    let daemon = Daemon::start(booth.command_behind(front));
     // The scan has failed more often than any scan may by its own fault.
     let put_off = || booth.log().matches("intake-failed").count();
     booth.wait_for("its failures", || put_off() > 4);

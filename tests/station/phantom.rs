@@ -9,7 +9,7 @@ use std::fs;
 use rig::Booth;
 use rig::invariants::PutKind;
 use serde_json::Value;
-use support::coarse_body as body;
+use support::coarse_body;
 use support::mesh::{Mesh, Ring};
 
 /// Two cylinders on top of each other, radius 80 mm up to 250 mm and 50 mm above; `scale` is the scanner's.
@@ -54,7 +54,7 @@ fn a_check_is_in_the_series_and_in_the_next_record_and_in_no_store() {
         "{first}"
     );
     assert_eq!(booth.status()["phantom"]["due"], false);
-    booth.export("4711_a.obj", &body(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     let folder = fs::read_dir(booth.path("records/4711")).unwrap().next().unwrap().unwrap().path();
     let record: Value =
@@ -62,7 +62,7 @@ fn a_check_is_in_the_series_and_in_the_next_record_and_in_no_store() {
     assert_eq!(record["phantom_check"], first);
     booth.wait_until_explained("PHANTOM_1.obj", "known body");
     assert_eq!(daemon.stop().code(), Some(0));
-    booth.assert_settled(&[("4711", &body(1))]);
+    booth.assert_settled(&[("4711", &coarse_body(1))]);
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_scanner_that_is_off_raises_an_alarm_until_a_check_is_good_again() {
 fn what_is_not_the_phantom_is_no_check_and_says_so() {
     let booth = booth();
     let daemon = booth.start_ready();
-    fs::write(booth.path("export/PHANTOM.obj"), body(1)).unwrap();
+    fs::write(booth.path("export/PHANTOM.obj"), coarse_body(1)).unwrap();
     booth.wait_for("the alarm", || complains(&booth));
     assert_eq!(checks(&booth)[0]["result"], "not_measured");
     assert!(booth.path("export/PHANTOM.obj").exists());
@@ -107,7 +107,7 @@ fn cameras_that_do_not_meet_on_most_scans_are_told_and_a_check_is_asked_for_also
         let complaints = status["complaints"].as_array().cloned().unwrap_or_default();
         complaints.into_iter().find(|complaint| complaint["code"] == "scanner-views-apart")
     };
-    let off = |by_mm: f64| Mesh::of_obj(&body(1)).with_camera_off(0.4, 1.0, by_mm).obj();
+    let off = |by_mm: f64| Mesh::of_obj(&coarse_body(1)).with_camera_off(0.4, 1.0, by_mm).obj();
     for (number, by_mm) in [(1, 4.0), (2, 4.2), (3, 4.4)] {
         assert!(notice().is_none(), "{number}");
         booth.export(&format!("471{number}_a.obj"), &off(by_mm));

@@ -133,7 +133,7 @@ fn a_flood_takes_no_memory_and_the_press_after_it_is_heard() {
     let booth = booth(TOKENS);
     let mut button = pty::Box::behind(&booth.path("button"));
     let daemon = listening(&booth);
-    let resident = || rig::invariants::Vitals::of(daemon.id()).unwrap().resident_kb;
+    let resident = || rig::invariants::Vitals::read(daemon.id()).unwrap().resident_kb;
     let before = resident();
     let noise: Vec<u8> = (0..4096_u32).map(|n| (n * 37 % 251) as u8 | 0x80).collect();
     let mut poured = 0;

@@ -62,7 +62,7 @@ pub struct Listed {
 
 impl Listed {
     /// A scan as it stands in a list.
-    pub fn of(whole: &Whole) -> Listed {
+    pub fn from_whole(whole: &Whole) -> Listed {
         let Whole { scan, summary, deliveries, .. } = whole;
         let is_any = |state| deliveries.iter().any(|of| of.state == state);
         let codes = deliveries.iter().filter_map(|of| of.code.as_ref());
@@ -160,7 +160,7 @@ impl Whole {
         let Whole { summary, deliveries, .. } = self;
         let deliveries = deliveries.iter();
         let told = deliveries.map(|of| (of.state, of.patient.is_some() && of.is_there()));
-        Disposition::of(summary.state, summary.closed.is_some(), told)
+        Disposition::from_states(summary.state, summary.closed.is_some(), told)
     }
 
     /// Whether a record is to be removed from its store. One in a store that gets no other in its place is left

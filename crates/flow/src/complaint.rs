@@ -47,19 +47,19 @@ pub struct Complaint {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subject: Option<String>,
     /// The figures in its message.
-    #[serde(default, skip_serializing_if = "Figures::is_empty")]
-    pub figures: Figures,
+    #[serde(default, skip_serializing_if = "ComplaintFigures::is_empty")]
+    pub figures: ComplaintFigures,
 }
 
 /// The figures of a complaint, by name. Names end with the unit.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Figures(BTreeMap<String, Figure>);
+pub struct ComplaintFigures(BTreeMap<String, ComplaintFigure>);
 
 /// A figure of a complaint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Figure {
+pub enum ComplaintFigure {
     /// A number of things, seconds or bytes.
     Count(u64),
     /// A measure.
@@ -72,52 +72,52 @@ pub enum Figure {
     Cause(Cause),
 }
 
-impl Figures {
+impl ComplaintFigures {
     /// The cause, and nothing else.
-    pub fn why(why: &Cause) -> Figures {
-        Figures::default().cause(WHY, why)
+    pub fn why(why: &Cause) -> ComplaintFigures {
+        ComplaintFigures::default().cause(WHY, why)
     }
 
     /// A number of things, with which of the complaint's texts tells it: `one` or `more`.
-    pub fn counted(count: usize) -> Figures {
+    pub fn counted(count: usize) -> ComplaintFigures {
         let case = if count == 1 { "one" } else { "more" };
-        Figures::default().count("count", count as u64).words("case", case)
+        ComplaintFigures::default().count("count", count as u64).words("case", case)
     }
 
     /// With a number of things, or of bytes.
-    pub fn count(self, name: &str, count: u64) -> Figures {
-        self.with(name, Figure::Count(count))
+    pub fn count(self, name: &str, count: u64) -> ComplaintFigures {
+        self.with(name, ComplaintFigure::Count(count))
     }
 
     /// With a duration in seconds. One that is not known is left out.
-    pub fn seconds(self, name: &str, duration: Option<Duration>) -> Figures {
+    pub fn seconds(self, name: &str, duration: Option<Duration>) -> ComplaintFigures {
         match duration {
-            Some(duration) => self.with(name, Figure::Count(duration.as_secs())),
+            Some(duration) => self.with(name, ComplaintFigure::Count(duration.as_secs())),
             None => self,
         }
     }
 
     /// With a measure.
-    pub fn number(self, name: &str, value: f64) -> Figures {
-        self.with(name, Figure::Number(value))
+    pub fn number(self, name: &str, value: f64) -> ComplaintFigures {
+        self.with(name, ComplaintFigure::Number(value))
     }
 
     /// With how much is passed over, by its reason.
-    pub fn unread(self, counts: BTreeMap<PassedOver, usize>) -> Figures {
-        self.with("unread", Figure::Unread(counts))
+    pub fn unread(self, counts: BTreeMap<PassedOver, usize>) -> ComplaintFigures {
+        self.with("unread", ComplaintFigure::Unread(counts))
     }
 
     /// With a name, the key of one of the complaint's texts, or the system's own words.
-    pub fn words(self, name: &str, words: impl Display) -> Figures {
-        self.with(name, Figure::Words(words.to_string()))
+    pub fn words(self, name: &str, words: impl Display) -> ComplaintFigures {
+        self.with(name, ComplaintFigure::Words(words.to_string()))
     }
 
     /// With a cause: its English words, and itself beside them if other languages have words for it.
-    pub fn cause(self, name: &str, cause: &Cause) -> Figures {
+    pub fn cause(self, name: &str, cause: &Cause) -> ComplaintFigures {
         let beside = format!("{name}{AS_DATA}");
         let figures = self.words(name, cause);
         match cause.is_known() {
-            true => figures.with(&beside, Figure::Cause(cause.clone())),
+            true => figures.with(&beside, ComplaintFigure::Cause(cause.clone())),
             false => figures,
         }
     }
@@ -127,7 +127,7 @@ impl Figures {
         self.0.is_empty()
     }
 
-    fn with(mut self, name: &str, figure: Figure) -> Figures {
+    fn with(mut self, name: &str, figure: ComplaintFigure) -> ComplaintFigures {
         self.0.insert(name.to_owned(), figure);
         self
     }
@@ -135,12 +135,12 @@ impl Figures {
 
 impl Complaint {
     /// A fault with this code.
-    pub fn new(code: &str, figures: Figures) -> Complaint {
+    pub fn new(code: &str, figures: ComplaintFigures) -> Complaint {
         Complaint { code: code.to_owned(), severity: Severity::Fault, subject: None, figures }
     }
 
     /// A notice with this code.
-    pub(crate) fn notice(code: &str, figures: Figures) -> Complaint {
+    pub(crate) fn notice(code: &str, figures: ComplaintFigures) -> Complaint {
         Complaint { severity: Severity::Notice, ..Complaint::new(code, figures) }
     }
 
@@ -151,7 +151,7 @@ impl Complaint {
 
     /// The journal cannot be read.
     pub fn journal() -> Complaint {
-        Complaint::new("journal-failed", Figures::default())
+        Complaint::new("journal-failed", ComplaintFigures::default())
     }
 
     /// Whether it keeps the station from being ready.
@@ -163,7 +163,7 @@ impl Complaint {
     pub fn message(&self, language: Language) -> String {
         let Some(what) = self.text("message", language) else { return self.code.clone() };
         match self.figures.0.get(WHY) {
-            Some(Figure::Words(why)) => {
+            Some(ComplaintFigure::Words(why)) => {
                 let why = self.told(WHY, why, language);
                 language.filled("complaint.because", &[("what", &what), ("why", &why)])
             }
@@ -182,7 +182,7 @@ impl Complaint {
     pub(crate) fn own_code(&self) -> Option<String> {
         let own = format!("{}-{}", self.code, self.subject.as_ref()?);
         let why = self.figures.0.get(&format!("{WHY}{AS_DATA}"));
-        let is_of_disk = matches!(why, Some(Figure::Cause(why)) if why.is_of_disk());
+        let is_of_disk = matches!(why, Some(ComplaintFigure::Cause(why)) if why.is_of_disk());
         let has_advice = Language::En.find(&format!("complaint.{own}.remedy")).is_some();
         Some(if is_of_disk && has_advice { format!("{}-{DISK}", self.code) } else { own })
     }
@@ -201,24 +201,26 @@ impl Complaint {
             return subject.clone();
         }
         match (form, self.figures.0.get(name)) {
-            ("time", Some(Figure::Count(s))) => duration(Duration::from_secs(*s), language),
+            ("time", Some(ComplaintFigure::Count(s))) => {
+                duration(Duration::from_secs(*s), language)
+            }
             ("time", _) => language.text("duration.unknown").to_owned(),
-            ("size", Some(Figure::Count(size))) => bytes(*size, language),
-            ("signed", Some(Figure::Number(value))) => signed(*value, 1, language),
-            ("tenths", Some(Figure::Number(value))) => decimals(*value, 1, language),
-            ("word", Some(Figure::Words(which))) => {
+            ("size", Some(ComplaintFigure::Count(size))) => bytes(*size, language),
+            ("signed", Some(ComplaintFigure::Number(value))) => signed(*value, 1, language),
+            ("tenths", Some(ComplaintFigure::Number(value))) => decimals(*value, 1, language),
+            ("word", Some(ComplaintFigure::Words(which))) => {
                 self.text(which, language).unwrap_or_else(|| which.clone())
             }
-            (_, Some(Figure::Count(count))) => count.to_string(),
-            (_, Some(Figure::Number(value))) => {
+            (_, Some(ComplaintFigure::Count(count))) => count.to_string(),
+            (_, Some(ComplaintFigure::Number(value))) => {
                 value.to_string().replace('.', language.decimal_sign())
             }
-            (_, Some(Figure::Unread(counts))) => {
+            (_, Some(ComplaintFigure::Unread(counts))) => {
                 let counts = counts.iter().map(|(why, count)| (why.word(), *count));
                 passed_over::listed(counts, language)
             }
-            (_, Some(Figure::Words(words))) => self.told(name, words, language),
-            (_, Some(Figure::Cause(cause))) => cause.in_words(language),
+            (_, Some(ComplaintFigure::Words(words))) => self.told(name, words, language),
+            (_, Some(ComplaintFigure::Cause(cause))) => cause.in_words(language),
             (_, None) => NOT_KNOWN.to_owned(),
         }
     }
@@ -226,7 +228,7 @@ impl Complaint {
     /// The words of a figure, in the language if they are those of a cause.
     fn told(&self, name: &str, words: &str, language: Language) -> String {
         match self.figures.0.get(&format!("{name}{AS_DATA}")) {
-            Some(Figure::Cause(cause)) => cause.in_words(language),
+            Some(ComplaintFigure::Cause(cause)) => cause.in_words(language),
             _ => words.to_owned(),
         }
     }

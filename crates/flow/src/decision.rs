@@ -52,7 +52,7 @@ impl Ruling {
         Ruling { is_exclusive: false, patients: BTreeSet::new(), is_given_up: false };
 
     /// The ruling of decisions in their order; without any, every patient may have the scan.
-    pub fn of(decisions: &[Decision]) -> Ruling {
+    pub fn from_decisions(decisions: &[Decision]) -> Ruling {
         let mut ruling = Ruling::OPEN;
         for Decision { what, patient, .. } in decisions {
             ruling.is_given_up = *what == Decided::GivenUp;
@@ -90,7 +90,7 @@ mod tests {
             what: *what,
             patient: patient.map(str::to_owned),
         };
-        Ruling::of(&decisions.iter().map(decision).collect::<Vec<_>>())
+        Ruling::from_decisions(&decisions.iter().map(decision).collect::<Vec<_>>())
     }
 
     #[test]

@@ -32,7 +32,7 @@ gaiter_record::word_enum! {
 impl Disposition {
     /// That of a scan with these deliveries: of each its state, and whether its record lies with a patient to whom
     /// the scan belongs. `is_closed`: it needs no decision any more.
-    pub fn of(
+    pub fn from_states(
         scan: ScanState,
         is_closed: bool,
         deliveries: impl Iterator<Item = (DeliveryState, bool)> + Clone,
@@ -107,7 +107,7 @@ mod tests {
             (done, true, vec![(Delivered, false)], Is::Left),
             (done, false, vec![(Withdrawn, false), (Delivered, false)], Is::Unassigned),
         ] {
-            let found = Disposition::of(scan, is_closed, deliveries.iter().copied());
+            let found = Disposition::from_states(scan, is_closed, deliveries.iter().copied());
             assert_eq!(found, disposition, "{scan:?} {is_closed} {deliveries:?}");
             assert!(!(is_closed && found.needs_decision()), "{found:?}");
         }

@@ -16,7 +16,7 @@ use super::words::bytes;
 
 /// What the journal knows about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Known {
+pub struct FileHistory {
     /// The outcome for its scan, in words that follow the scan: "was delivered", "was refused
     /// (scan-cut-short) and is in quarantine".
     pub state: String,
@@ -50,7 +50,7 @@ impl Asked<'_> {
 }
 
 /// Explains where a file is and why.
-pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>, asked: Asked<'_>) -> String {
+pub fn of_file(facts: &Facts, path: &Path, known: Option<FileHistory>, asked: Asked<'_>) -> String {
     let source = facts.sources.iter().find(|source| {
         source.folder.as_ref().is_some_and(|folder| path != folder && path.starts_with(folder))
     });
@@ -85,7 +85,7 @@ fn waits(file: &WaitingFile, intake: IntakeState, asked: Asked<'_>) -> String {
     language.filled(if file.overdue { "explain.waits_late" } else { "explain.waits" }, &words)
 }
 
-fn said(known: &Known, asked: Asked<'_>) -> String {
+fn said(known: &FileHistory, asked: Asked<'_>) -> String {
     let language = asked.language;
     let state = match known.at {
         None => known.state.clone(),
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_known_file_says_what_became_of_it_unless_it_has_changed() {
-        let known = Known {
+        let known = FileHistory {
             state: "was delivered".into(),
             why: None,
             at: Some(at(5)),
@@ -227,10 +227,10 @@ mod tests {
             of_file(&facts(|_| ()), path, Some(known.clone()), in_english()),
             "The file's scan 0123abcd was delivered (1970-01-01 00:00:05)."
         );
-        let held = Known { why: Some("Nobody pressed the button for it."), ..known.clone() };
+        let held = FileHistory { why: Some("Nobody pressed the button for it."), ..known.clone() };
         let said = of_file(&facts(|_| ()), path, Some(held), in_english());
         assert!(said.ends_with("00:00:05). Nobody pressed the button for it."), "{said}");
-        let again = Known { again_since: Some(at(3)), ..known.clone() };
+        let again = FileHistory { again_since: Some(at(3)), ..known.clone() };
         assert_eq!(
             of_file(&facts(|_| ()), path, Some(again), in_english()),
             "The file has the points and triangles of scan 0123abcd, taken 1970-01-01 00:00:03, \

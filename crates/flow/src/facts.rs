@@ -10,7 +10,7 @@ use gaiter_record::phantom::LastCheck;
 use jiff::Timestamp;
 
 use super::cause::Cause;
-use super::complaint::Figures;
+use super::complaint::ComplaintFigures;
 use super::confinement::Confinement;
 use super::export::passed_over::{Ignored, PassedOver};
 use super::settle::Wait;
@@ -276,7 +276,7 @@ impl IntakeState {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alarm {
     /// The figures in its message.
-    pub figures: Figures,
+    pub figures: ComplaintFigures,
     /// Since when.
     pub since: Timestamp,
 }

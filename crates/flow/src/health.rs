@@ -12,7 +12,7 @@ use jiff::{SignedDuration, Timestamp};
 
 use super::Facts;
 use super::cause::Cause;
-use super::complaint::{Complaint, Figures};
+use super::complaint::{Complaint, ComplaintFigures};
 use super::facts::{IntakeState, SourceFacts, SourceState, StoreFacts, StoreRefusal, TriggerFacts};
 use super::lifecycle::REVISION_REFUSED;
 use super::trigger::PortState;
@@ -64,17 +64,17 @@ pub fn complaints(
     );
     complaints
         .extend(facts.triggers.iter().filter_map(|(port, facts)| of_trigger(port, facts, now)));
-    complaints.extend(
-        facts.endpoints.iter().map(|(way, why)| {
-            Complaint::new("page-unavailable", Figures::why(why).words("way", way))
-        }),
-    );
+    complaints.extend(facts.endpoints.iter().map(|(way, why)| {
+        Complaint::new("page-unavailable", ComplaintFigures::why(why).words("way", way))
+    }));
     complaints.extend(late(backlog, overdue, now));
     let alarms = facts.alarms.iter();
     complaints.extend(alarms.map(|(code, alarm)| Complaint::new(code, alarm.figures.clone())));
     let refused = facts.refused_reload.iter();
     complaints.extend(
-        refused.map(|fault| Complaint::new("reload-refused", Figures::why(&Cause::said(fault)))),
+        refused.map(|fault| {
+            Complaint::new("reload-refused", ComplaintFigures::why(&Cause::said(fault)))
+        }),
     );
     complaints.extend(unfetched(facts, now));
     complaints.extend(revisions_refused(backlog));
@@ -87,9 +87,9 @@ pub fn complaints(
 fn intake(facts: &Facts) -> Option<Complaint> {
     match facts.intake {
         IntakeState::Open => None,
-        IntakeState::Paused => Some(Complaint::new("paused", Figures::default())),
+        IntakeState::Paused => Some(Complaint::new("paused", ComplaintFigures::default())),
         IntakeState::DiskLow { free, floor } => {
-            let figures = Figures::default().count("free_bytes", free);
+            let figures = ComplaintFigures::default().count("free_bytes", free);
             Some(Complaint::new("disk-low", figures.count("floor_bytes", floor)))
         }
     }
@@ -97,13 +97,13 @@ fn intake(facts: &Facts) -> Option<Complaint> {
 
 fn gone(facts: &Facts) -> Option<Complaint> {
     let count = facts.gone();
-    (count > 0).then(|| Complaint::new(EXPORT_GONE, Figures::counted(count)))
+    (count > 0).then(|| Complaint::new(EXPORT_GONE, ComplaintFigures::counted(count)))
 }
 
 fn stores(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
     facts.stores.iter().filter_map(move |(store, facts)| {
         let fault = facts.refusal.as_ref().and_then(StoreRefusal::fault)?;
-        let complaint = Complaint::new("store-fault", Figures::why(fault)).about(store);
+        let complaint = Complaint::new("store-fault", ComplaintFigures::why(fault)).about(store);
         has_lasted(facts.since, now, BLIP).then_some(complaint)
     })
 }
@@ -114,28 +114,28 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
         move |facts: &StoreFacts| facts.waits_for_fetch() && has_lasted(facts.since, now, BLIP);
     let stores = facts.stores.iter().filter(move |(_, facts)| waiting(facts));
     stores.map(move |(store, facts)| {
-        let figures = Figures::default().seconds("since_s", age(facts.since, now));
+        let figures = ComplaintFigures::default().seconds("since_s", age(facts.since, now));
         Complaint::notice("result-not-fetched", figures).about(store)
     })
 }
 
 fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complaint> {
-    let folder = |figures: Figures| figures.count("export_dir", place as u64);
+    let folder = |figures: ComplaintFigures| figures.count("export_dir", place as u64);
     let state = match &source.state {
         SourceState::NotLooked | SourceState::Watched => None,
-        SourceState::OutOfReach(why) => Some(("source-out-of-reach", Figures::why(why))),
-        SourceState::NotMounted(why) => Some(("source-not-mounted", Figures::why(why))),
-        SourceState::Taken => Some(("source-taken", Figures::default())),
+        SourceState::OutOfReach(why) => Some(("source-out-of-reach", ComplaintFigures::why(why))),
+        SourceState::NotMounted(why) => Some(("source-not-mounted", ComplaintFigures::why(why))),
+        SourceState::Taken => Some(("source-taken", ComplaintFigures::default())),
         SourceState::Stalled => {
             let since = age(source.since, now);
-            Some(("source-stalled", Figures::default().seconds("since_s", since)))
+            Some(("source-stalled", ComplaintFigures::default().seconds("since_s", since)))
         }
     };
     let state = state.filter(|_| has_lasted(source.since, now, BLIP));
     let state = state.map(|(code, figures)| Complaint::new(code, folder(figures)));
     let overdue = source.waiting.values().filter(|file| file.overdue).count();
     let files = (overdue > 0)
-        .then(|| Complaint::new("export-not-taken", folder(Figures::counted(overdue))));
+        .then(|| Complaint::new("export-not-taken", folder(ComplaintFigures::counted(overdue))));
     state.into_iter().chain(files).collect()
 }
 
@@ -150,7 +150,8 @@ fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Comp
         PortState::Hung => "trigger-hung",
         PortState::NotLooked | PortState::Settling | PortState::Open => "trigger-unsteady",
     };
-    let figures = trigger.why.as_ref().map_or_else(Figures::default, Figures::why);
+    let figures =
+        trigger.why.as_ref().map_or_else(ComplaintFigures::default, ComplaintFigures::why);
     let figures = figures.seconds("since_s", age(since, now));
     Some(Complaint::new(code, figures).about(port))
 }
@@ -161,20 +162,20 @@ fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complain
         return None;
     }
     let case = if waited.is_some() { "waits" } else { "set_back" };
-    let figures = Figures::default().words("case", case).seconds("waited_s", waited);
+    let figures = ComplaintFigures::default().words("case", case).seconds("waited_s", waited);
     Some(Complaint::new("delivery-overdue", figures))
 }
 
 /// The records are kept, and stores still have earlier ones.
 fn revisions_refused(backlog: &Backlog) -> Option<Complaint> {
     let count = usize::try_from(backlog.revisions_refused).unwrap_or(usize::MAX);
-    (count > 0).then(|| Complaint::notice(REVISION_REFUSED, Figures::counted(count)))
+    (count > 0).then(|| Complaint::notice(REVISION_REFUSED, ComplaintFigures::counted(count)))
 }
 
 /// Records for the wrong patient are at a server whose address is no longer the store's.
 fn moved(backlog: &Backlog) -> impl Iterator<Item = Complaint> {
     backlog.moved.iter().map(|(store, count)| {
-        let figures = Figures::counted(usize::try_from(*count).unwrap_or(usize::MAX));
+        let figures = ComplaintFigures::counted(usize::try_from(*count).unwrap_or(usize::MAX));
         Complaint::notice("store-moved", figures).about(store)
     })
 }
@@ -185,7 +186,7 @@ fn certificates(backlog: &Backlog, now: Timestamp) -> impl Iterator<Item = Compl
         let left = until.duration_since(now);
         let case = if left.is_negative() { "ended" } else { "soon" };
         let days = u64::try_from(left.as_hours() / 24).unwrap_or_default();
-        let figures = Figures::default().words("case", case).count("days", days);
+        let figures = ComplaintFigures::default().words("case", case).count("days", days);
         let notice = Complaint::notice("certificate-ends", figures).about(store);
         (left < CERTIFICATE_ENDS_SOON).then_some(notice)
     })

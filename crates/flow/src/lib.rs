@@ -36,7 +36,7 @@ pub use export::file_system::FileSystem;
 pub use export::mask::Mask;
 pub use export::space::Space;
 pub use export::stamp::Stamp;
-pub use export::writing::{Appeared, Mark, Writing};
+pub use export::writing::{Appeared, Fingerprint, Writing};
 pub use facts::Facts;
 pub use lifecycle::{Closed, DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
 pub use orders::OrdersWhen;

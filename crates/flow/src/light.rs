@@ -35,7 +35,7 @@ pub enum Last {
 
 /// What the light tells of what happened last.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
+pub enum LastOutcome {
     /// Its record is stored.
     Delivered,
     /// Its record is stored, and some measures must be taken by hand or the patient scanned again.
@@ -75,22 +75,22 @@ pub enum Progress {
     Stopped,
 }
 
-impl Outcome {
+impl LastOutcome {
     /// That of a scan that is not in work; `None` if it needs nothing any more.
-    pub fn of(whole: &Whole, to_do: &[String]) -> Option<Outcome> {
+    pub fn from_whole(whole: &Whole, to_do: &[String]) -> Option<LastOutcome> {
         match whole.disposition() {
             Disposition::Refused => {
                 let code = whole.summary.code.clone().unwrap_or_default();
-                Some(Outcome::Refused { code })
+                Some(LastOutcome::Refused { code })
             }
             Disposition::Held => {
-                Some(Outcome::Held { code: whole.held_as().unwrap_or_default().to_owned() })
+                Some(LastOutcome::Held { code: whole.held_as().unwrap_or_default().to_owned() })
             }
             Disposition::Spooled if !whole.has_record() => None,
-            Disposition::Unassigned => Some(Outcome::Unassigned { to_do: to_do.to_owned() }),
+            Disposition::Unassigned => Some(LastOutcome::Unassigned { to_do: to_do.to_owned() }),
             Disposition::Spooled | Disposition::Delivered => Some(match whole.summary.incomplete {
-                true => Outcome::Incomplete { to_do: to_do.to_owned() },
-                false => Outcome::Delivered,
+                true => LastOutcome::Incomplete { to_do: to_do.to_owned() },
+                false => LastOutcome::Delivered,
             }),
             Disposition::Withdrawing | Disposition::Closed | Disposition::Left => None,
         }
@@ -98,7 +98,7 @@ impl Outcome {
 
     /// Whether a person must see it before the next patient.
     pub fn needs_person(&self) -> bool {
-        !matches!(self, Outcome::Delivered)
+        !matches!(self, LastOutcome::Delivered)
     }
 }
 
@@ -118,7 +118,7 @@ pub struct Scene {
     /// A file is arriving, or a scan that has arrived is on its way to its record: how far it is.
     pub progress: Option<Progress>,
     /// How the last scan since the last press ended, and when.
-    pub last: Option<(Outcome, Duration)>,
+    pub last: Option<(LastOutcome, Duration)>,
 }
 
 /// The alarm for an export that did not arrive. The light has its own signal for it.
@@ -173,7 +173,7 @@ fn wanted(scene: &Scene, now: Duration) -> Signal {
         Scene { armed: true, .. } => Signal::Armed,
         Scene { is_button_away: true, .. } => Signal::Attention,
         Scene { missed: true, .. } => Signal::NoExport,
-        Scene { last: Some((Outcome::Delivered, at)), .. }
+        Scene { last: Some((LastOutcome::Delivered, at)), .. }
             if now.saturating_sub(*at) < DONE_STANDS =>
         {
             Signal::Done
@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(light.show(&scene, at(21)), Signal::Armed);
         scene.progress = Some(Progress::ComingIn);
         assert_eq!(light.show(&scene, at(40)), Signal::Receiving);
-        let delivered = Some((Outcome::Delivered, at(60)));
+        let delivered = Some((LastOutcome::Delivered, at(60)));
         scene = Scene { last: delivered, ..Scene::default() };
         assert_eq!(light.show(&scene, at(60)), Signal::Done);
         assert_eq!(light.show(&scene, at(60) + DONE_STANDS), Signal::Ready);
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn done_is_never_shown_while_a_record_is_still_to_be_delivered() {
-        let last = Some((Outcome::Delivered, at(0)));
+        let last = Some((LastOutcome::Delivered, at(0)));
         let mut light = Light::switched_on();
         let scene = Scene { progress: Some(Progress::Measuring), last, ..Scene::default() };
         for tenths in 0..100 {
@@ -222,7 +222,7 @@ mod tests {
     fn a_record_that_lacks_measures_is_never_done_and_stays_until_the_next_press() {
         let mut light = Light::switched_on();
         let scene = Scene {
-            last: Some((Outcome::Incomplete { to_do: Vec::new() }, at(10))),
+            last: Some((LastOutcome::Incomplete { to_do: Vec::new() }, at(10))),
             ..Scene::default()
         };
         for later in [20, 400, 36_000] {
@@ -264,7 +264,7 @@ mod tests {
     #[test]
     fn what_a_person_must_see_stays_until_the_next_press() {
         let mut light = Light::switched_on();
-        let outcome = Outcome::Held { code: "capture-unclear".to_owned() };
+        let outcome = LastOutcome::Held { code: "capture-unclear".to_owned() };
         let held = Scene { last: Some((outcome, at(10))), ..Scene::default() };
         assert_eq!(light.show(&held, at(20)), Signal::Attention);
         assert_eq!(light.show(&held, at(20) + 3600 * SECOND), Signal::Attention);
@@ -280,12 +280,12 @@ mod tests {
     fn a_held_or_refused_scan_is_shown_although_another_export_is_expected() {
         let code = || "scan-empty".to_owned();
         for outcome in [
-            Outcome::Held { code: code() },
-            Outcome::Refused { code: code() },
-            Outcome::Incomplete { to_do: Vec::new() },
-            Outcome::Unassigned { to_do: Vec::new() },
-            Outcome::NameUnread,
-            Outcome::Known,
+            LastOutcome::Held { code: code() },
+            LastOutcome::Refused { code: code() },
+            LastOutcome::Incomplete { to_do: Vec::new() },
+            LastOutcome::Unassigned { to_do: Vec::new() },
+            LastOutcome::NameUnread,
+            LastOutcome::Known,
         ] {
             let mut light = Light::switched_on();
             let last = Some((outcome, at(10)));
@@ -298,7 +298,10 @@ mod tests {
     fn without_its_button_the_station_is_not_ready_and_a_scan_that_is_measured_goes_on() {
         let away = Scene { is_button_away: true, ..Scene::default() };
         let scenes = [
-            (Scene { last: Some((Outcome::Delivered, at(10))), ..away.clone() }, Signal::Attention),
+            (
+                Scene { last: Some((LastOutcome::Delivered, at(10))), ..away.clone() },
+                Signal::Attention,
+            ),
             (Scene { armed: true, ..away.clone() }, Signal::Armed),
             (Scene { missed: true, ..away.clone() }, Signal::Attention),
             (Scene { progress: Some(Progress::Measuring), ..away.clone() }, Signal::Receiving),

@@ -88,14 +88,14 @@ struct Pause {
 
 impl Outbox {
     /// Decides what to start. `due` are all deliveries to be made, in the order in which they are
-    /// wanted; at most `hands` scans are in progress at a time, not counting those at stalled stores.
-    pub fn plan(&mut self, due: &[Key], now: Duration, hands: usize) -> Plan {
+    /// wanted; at most `jobs_max` scans are in progress at a time, not counting those at stalled stores.
+    pub fn plan(&mut self, due: &[Key], now: Duration, jobs_max: usize) -> Plan {
         let ask = self.to_ask(due.iter().map(|key| key.store.clone()), now);
         let mut plan = Plan { ask, attempts: Vec::new() };
         // A delivery that is no longer due needs no pause; so nothing here grows over the years.
         let names: BTreeSet<&Key> = due.iter().collect();
         self.pauses.retain(|key, _| names.contains(key));
-        let mut free = hands.saturating_sub(self.busy());
+        let mut free = jobs_max.saturating_sub(self.busy());
         for key in due {
             let Some(store) = self.stores.get(&key.store) else { continue };
             let paused = self.pauses.get(key).is_some_and(|pause| pause.until > now);
@@ -222,17 +222,16 @@ impl Outbox {
 
     /// Whether a plan could start anything: a hand is free, or a store wants asking. If not, what is due
     /// does not matter.
-    pub fn can_start(&self, now: Duration, hands: usize) -> bool {
-        self.busy() < hands || self.stores.values().any(|store| store.wants_asking(now))
+    pub fn can_start(&self, now: Duration, jobs_max: usize) -> bool {
+        self.busy() < jobs_max || self.stores.values().any(|store| store.wants_asking(now))
     }
 
     /// How long after the plan of `now` something can start by the passing of time alone; `None` if
     /// nothing waits. What that plan could have started but did not waits for something else: a store
     /// that is away, or a delivery in progress.
-    pub fn next_in(&self, now: Duration, hands: usize) -> Option<Duration> {
-        let has_hands = self.busy() < hands;
-        let waiting =
-            self.pauses.iter().filter(|(key, _)| has_hands && !self.in_hand.contains(key));
+    pub fn next_in(&self, now: Duration, jobs_max: usize) -> Option<Duration> {
+        let has_room = self.busy() < jobs_max;
+        let waiting = self.pauses.iter().filter(|(key, _)| has_room && !self.in_hand.contains(key));
         let pauses = waiting.map(|(_, pause)| pause.until);
         let away = self.stores.values().filter_map(|store| match store.reach {
             Reach::Away { until } => Some(until),

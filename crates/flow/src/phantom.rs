@@ -4,7 +4,7 @@
 use gaiter_record::phantom::CheckResult;
 use jiff::Timestamp;
 
-use super::complaint::{Complaint, Figures};
+use super::complaint::{Complaint, ComplaintFigures};
 use super::facts::{Alarm, Facts, PhantomFacts};
 use super::words::age;
 
@@ -34,11 +34,11 @@ impl PhantomFacts {
         let figures = match (last.result, last.worst_mm) {
             (CheckResult::Within, _) => return None,
             (CheckResult::Beyond, Some(worst_mm)) => {
-                let figures = Figures::default().words("case", "beyond");
+                let figures = ComplaintFigures::default().words("case", "beyond");
                 figures.number("worst_mm", worst_mm).number("tolerance_mm", last.tolerance_mm)
             }
             (CheckResult::Beyond | CheckResult::NotMeasured, _) => {
-                Figures::default().words("case", "not_measured")
+                ComplaintFigures::default().words("case", "not_measured")
             }
         };
         Some(Alarm { figures, since: last.at })

@@ -39,11 +39,11 @@ use std::time::Duration;
 use super::export::writing::Appeared;
 use super::orders::OrdersWhen;
 use capture::distinct;
-pub use capture::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
+pub use capture::{Capture, CaptureState, Doubt, ExportContent, Named, Opener, Rules, Why};
 use gaiter_record::SourceKind;
 pub use held_next::{HeldNext, HoldReason};
 pub use names::{Names, Next, Said, Unsure};
-pub use outcome::{CalledOff, Judged, NamedNext, Passed};
+pub use outcome::{CalledOff, CaptureMatch, NamedNext, Passed};
 
 /// Finding: the export could belong to captures of different patients.
 pub(crate) const AMBIGUOUS: &str = Why::Ambiguous.word();
@@ -248,7 +248,7 @@ impl Rounds {
     }
 
     /// Which capture an export belongs to; nothing changes before [`Rounds::answer`].
-    pub fn judge(&self, export: Appeared, now: Duration) -> Judged {
+    pub fn match_export(&self, export: Appeared, now: Duration) -> CaptureMatch {
         let late = self.rules.late;
         let all: Vec<&Capture> =
             self.open.iter().filter(|capture| capture.may_have(export, late)).collect();
@@ -263,7 +263,7 @@ impl Rounds {
         let its_own = its_own.map(|capture| (*capture).clone());
         let whose: BTreeSet<Option<&str>> = all.iter().flat_map(|capture| ids(capture)).collect();
         if whose.iter().flatten().next().is_none() {
-            return its_own.map_or(Judged::Unpressed, Judged::Of);
+            return its_own.map_or(CaptureMatch::Unpressed, CaptureMatch::Of);
         }
         let shared = (whose.len() > 1).then_some(Doubt::Shared);
         if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)) {
@@ -272,11 +272,11 @@ impl Rounds {
         match its_own {
             Some(capture) => match self.named_meanwhile(&capture, export) {
                 others if !others.is_empty() => held(Why::Ambiguous, &all, export).or_of(others),
-                _ if now <= capture.until + late => Judged::Of(capture),
+                _ if now <= capture.until + late => CaptureMatch::Of(capture),
                 _ => held(Why::Late, &all, export),
             },
             // A second export of a scan that is being measured.
-            None if !all.iter().any(|capture| capture.is_waiting()) => Judged::Unpressed,
+            None if !all.iter().any(|capture| capture.is_waiting()) => CaptureMatch::Unpressed,
             None if all.iter().all(|capture| export.absent < Some(capture.opened)) => {
                 held(Why::Unclear, &all, export)
             }
@@ -298,13 +298,13 @@ impl Rounds {
     }
 
     /// Which capture a content belongs to; nothing changes before [`Rounds::answer`].
-    pub fn judge_content(&self, content: &Content, now: Duration) -> Judged {
+    pub fn match_content(&self, content: &ExportContent, now: Duration) -> CaptureMatch {
         if content.is_known {
-            return Judged::Known;
+            return CaptureMatch::Known;
         }
-        let mut judged = self.judge(content.began, now);
+        let mut judged = self.match_export(content.began, now);
         let late = self.rules.late;
-        if let Judged::Of(capture) = &judged
+        if let CaptureMatch::Of(capture) = &judged
             && !capture.is_unnamed()
             && content.others.iter().any(|other| capture.may_have(*other, late))
         {
@@ -312,7 +312,7 @@ impl Rounds {
             let all: Vec<&Capture> = self.open.iter().filter(may_have).collect();
             judged = held(Why::Beside, &all, content.began);
         }
-        if let Judged::Held { answered, doubtful, .. } = &mut judged
+        if let CaptureMatch::Held { answered, doubtful, .. } = &mut judged
             && content.is_cut_short
         {
             // Another export of the same body is still to come.
@@ -320,9 +320,9 @@ impl Rounds {
         }
         match (&content.completes, judged) {
             // The earlier part is being measured for its capture, so this belongs to that capture too.
-            (Some(whose), Judged::Unpressed) => self
+            (Some(whose), CaptureMatch::Unpressed) => self
                 .measuring_of(whose, content.began)
-                .map_or(Judged::Unpressed, |capture| Judged::Of(capture.clone())),
+                .map_or(CaptureMatch::Unpressed, |capture| CaptureMatch::Of(capture.clone())),
             (Some(whose), judged) => judged.completing(whose),
             (None, judged) => judged,
         }
@@ -344,7 +344,7 @@ fn ids(capture: &Capture) -> BTreeSet<Option<&str>> {
 
 /// An export that a person must decide on, because each of these captures may be meant: all of them are
 /// in doubt from now on, and the oldest waits no more if the export was written after it was opened.
-fn held(why: Why, all: &[&Capture], export: Appeared) -> Judged {
+fn held(why: Why, all: &[&Capture], export: Appeared) -> CaptureMatch {
     let candidates = distinct(all.iter().flat_map(|capture| capture.named()));
     let patient = match candidates.as_slice() {
         [one] => Some(one.clone()),
@@ -355,7 +355,7 @@ fn held(why: Why, all: &[&Capture], export: Appeared) -> Judged {
     let answered = answered.map(|capture| capture.number);
     let numbers = all.iter().map(|capture| capture.number);
     let doubtful = numbers.filter(|number| Some(*number) != answered).collect();
-    Judged::Held { why, patient, candidates, answered, doubtful }
+    CaptureMatch::Held { why, patient, candidates, answered, doubtful }
 }
 
 #[cfg(test)]

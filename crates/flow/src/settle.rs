@@ -23,13 +23,13 @@ use std::time::Duration;
 use super::backoff;
 use super::export::companions::{Companion, Done, Group};
 use super::export::stamp::Stamp;
-use super::export::writing::{Appeared, Mark, Writing};
+use super::export::writing::{Appeared, Fingerprint, Writing};
 use above::Above;
 pub use above::Folders;
 pub use gone::Gone;
 use gone::Missing;
-use lineage::Departed;
-pub use lineage::Passer;
+pub use lineage::UnrelatedFile;
+use lineage::VanishedFile;
 pub use memory::{Memory, Remembered};
 pub use sights::Sights;
 pub use wait::{Wait, Waiting};
@@ -87,12 +87,12 @@ pub struct Settling {
     companion_wait: Option<Duration>,
     files: BTreeMap<PathBuf, Watched>,
     /// Files that are not scans, by their present names: temporary names of scans to come.
-    passers: BTreeMap<PathBuf, Passer>,
+    unrelated: BTreeMap<PathBuf, UnrelatedFile>,
     /// What the previous run knew about files that were not taken, and what is known about files that
     /// have just left a name that is not a scan's.
     remembered: Vec<Remembered>,
     /// Files that were not taken and have disappeared; see [`lineage`].
-    departed: Vec<Departed>,
+    departed: Vec<VanishedFile>,
     /// Contents that may be gone; see [`gone`].
     missing: Vec<Missing>,
     /// The folders above the files.
@@ -198,7 +198,7 @@ impl Settling {
     /// few turns one that has waited long.
     pub fn observe(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         let Look::Seen(seen) = look else {
-            self.slept();
+            self.note_gap();
             return Vec::new();
         };
         let mut news = self.news(&seen, when);
@@ -223,7 +223,7 @@ impl Settling {
 
     /// Time has passed that is not quiet time: the folder was out of reach, or the machine slept, and
     /// the writer may have been cut off, too.
-    pub fn slept(&mut self) {
+    pub fn note_gap(&mut self) {
         for file in self.files.values_mut() {
             file.is_lost = file.next != Next::Taken;
         }
@@ -319,7 +319,7 @@ impl Settling {
     }
 
     /// The file was read whole in the state that settled.
-    pub fn read(&mut self, settled: &Settled, mark: &Mark) {
+    pub fn read(&mut self, settled: &Settled, mark: &Fingerprint) {
         let offered = self.files.get_mut(&settled.path);
         if let Some(file) = offered.filter(|file| file.group.stamp == settled.stamp) {
             file.writing.known(mark.clone());

@@ -5,7 +5,7 @@ use gaiter_record::phantom::{CheckResult, LastCheck};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use super::complaint::{Complaint, Figures};
+use super::complaint::{Complaint, ComplaintFigures};
 
 /// The code of the notice that views do not meet.
 const VIEWS_NOTICE: &str = "scanner-views-apart";
@@ -60,7 +60,7 @@ impl ViewsSeries {
         let after = &self.0[self.0.partition_point(|seen| seen.at < since)..];
         let judged = &after[after.len().saturating_sub(JUDGED)..];
         let (count, largest_mm) = apart(judged).filter(|(count, _)| *count >= APART_LEAST)?;
-        let figures = Figures::default().count("count", count as u64);
+        let figures = ComplaintFigures::default().count("count", count as u64);
         let figures = figures.count("scans", judged.len() as u64).number("step_mm", largest_mm);
         Some(Complaint::notice(VIEWS_NOTICE, figures))
     }

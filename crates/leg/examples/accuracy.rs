@@ -93,7 +93,8 @@ fn errors(leg: &LegReport, level: Level, truth: &Value) -> String {
 /// The true slope at the reported B1 as a share of the largest.
 fn slope_share(leg: &LegReport, truth: &Value) -> String {
     let largest = truth["landmarks"]["B1"]["slope"].as_f64();
-    let slope = found(leg, Level::B1).and_then(|b1| Profile::of(truth, "slope").at(b1.height_mm));
+    let slope =
+        found(leg, Level::B1).and_then(|b1| Profile::named(truth, "slope").at(b1.height_mm));
     match (slope, largest) {
         (Some(slope), Some(largest)) => format!("{:.1} %", 100.0 * slope / largest),
         _ => "-".to_owned(),

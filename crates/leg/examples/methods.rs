@@ -77,7 +77,7 @@ fn as_they_are(out: &mut impl Write, cases: &[Case]) -> io::Result<()> {
     let mut refusals = Vec::new();
     for kind in METHODS {
         let one =
-            |case: &Case| Tally::of(&case.bytes, &method(case, kind), &case.truth, &case.name);
+            |case: &Case| Tally::measure(&case.bytes, &method(case, kind), &case.truth, &case.name);
         let tally: Tally = cases.par_iter().map(one).collect::<Vec<_>>().into_iter().sum();
         writeln!(out, "| {} | {tally} |", kind.0)?;
         refusals.extend(tally.refusals.into_iter().map(|why| format!("{}: {why}", kind.0)));
@@ -104,7 +104,7 @@ fn degraded_table(out: &mut impl Write, clean: &[Case]) -> Result<(), Box<dyn Er
                 let thin = thinned(&scan, one_in, seed as u64);
                 let found: Vec<Row> = NOISE_MM
                     .par_iter()
-                    .map(|noise_mm| Row::of(case, &thin, *noise_mm, seed as u64))
+                    .map(|noise_mm| Row::measure(case, &thin, *noise_mm, seed as u64))
                     .collect();
                 let all = rows.iter_mut().skip(density).step_by(ONE_IN.len());
                 all.zip(found).for_each(|(sum, row)| sum.add(row));
@@ -131,10 +131,10 @@ struct Row {
 
 impl Row {
     /// One draw of noise on a body.
-    fn of(case: &Case, thin: &Scan, noise_mm: f64, seed: u64) -> Row {
+    fn measure(case: &Case, thin: &Scan, noise_mm: f64, seed: u64) -> Row {
         let in_mm = unit_in_mm(case);
         let bytes = obj(&noisy(thin, noise_mm / in_mm, seed));
-        let one = |kind| Tally::of(&bytes, &method(case, kind), &case.truth, &case.name);
+        let one = |kind| Tally::measure(&bytes, &method(case, kind), &case.truth, &case.name);
         Row { apart_mm: in_mm * mean_edge(thin), tallies: METHODS.map(one) }
     }
 

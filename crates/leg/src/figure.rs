@@ -45,7 +45,7 @@ impl AsFigure for String {
 }
 
 impl Said {
-    pub(crate) fn of(code: &'static str) -> Said {
+    pub(crate) fn new(code: &'static str) -> Said {
         Said { code, figures: Vec::new() }
     }
 
@@ -91,7 +91,7 @@ macro_rules! coded_enum {
             pub fn said(&self) -> $crate::figure::Said {
                 match self {
                     $(Self::$variant $({ $($field,)+ })? => {
-                        $crate::figure::Said::of($code)$($(.with(stringify!($field), $field))+)?
+                        $crate::figure::Said::new($code)$($(.with(stringify!($field), $field))+)?
                     })+
                     $($(Self::$other(inner) => inner.said(),)+)?
                 }

@@ -109,7 +109,7 @@ pub fn leg_report(
     let volume = leg_volume(sections, curve, &landmarks);
     let mut at = at_heights(curve, &method.at_heights_mm, near);
     let mut profile = at_heights(curve, &profile_heights_mm(curve), near);
-    let lengths = AxisLength::of(sections, scale_mm, method.tape);
+    let lengths = AxisLength::new(sections, scale_mm, method.tape);
     let mut along = at_lengths(curve, &lengths, near);
     let at_heights = at.iter_mut().chain(&mut profile).map(|at| &mut at.found);
     for girth in at_heights.chain(along.iter_mut().map(|at| &mut at.found)).flatten() {
@@ -131,7 +131,7 @@ pub fn leg_report(
     let report = LegReport {
         side: leg.side,
         level_sections: level_sections.collect(),
-        shape: Shape::of(leg, sections, surface.as_ref()),
+        shape: Shape::new(leg, sections, surface.as_ref()),
         lengths,
         axis: of.sections.axis,
         landmarks,

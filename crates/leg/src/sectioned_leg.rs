@@ -119,7 +119,7 @@ fn traces(leg: &Leg, sections: &Sections, scale_mm: f64) -> Traces {
     let girths: Vec<[f64; 2]> =
         measured.map(|section| [section.height_mm, section.girth.contour_mm]).collect();
     let span_mm = SPAN_SHARE.map(|share| share * scale_mm);
-    Traces::of(&placed(leg, sections, span_mm), leg.mesh.edges(), &girths, scale_mm)
+    Traces::new(&placed(leg, sections, span_mm), leg.mesh.edges(), &girths, scale_mm)
 }
 
 /// Makes sure of what is only suspected to cover one leg, if the other has nothing like it.

@@ -12,7 +12,7 @@ use std::{env, fs};
 use gaiter_language::Language;
 use gaiter_record::Record;
 use gaiter_record::picture::figures;
-use gaiter_record::report::{self, Content, Print};
+use gaiter_record::report::{self, Print, ReportContent};
 use gaiter_sizes::Garment;
 
 /// The other work of a machine makes single times longer, never shorter.
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let record: Record = serde_json::from_slice(&fs::read(&path)?)?;
         for language in Language::ALL {
             let drawn = figures::all(&record, language);
-            let content = Content::of(&record, language, &Garment::default());
+            let content = ReportContent::from_record(&record, language, &Garment::default());
             let document = content.document(&record, &drawn);
             let paper = report::paper(&document, Print::default())?;
             let milliseconds = fastest_ms(|| report::paper(&document, Print::default()));

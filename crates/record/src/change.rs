@@ -15,9 +15,9 @@ pub struct Changes {
     /// Levels in both records, in the order of legs and names.
     pub levels: Vec<LevelChange>,
     /// Levels that are only in the later record.
-    pub came: Vec<Place>,
+    pub came: Vec<LegLevel>,
     /// Levels that are only in the earlier record.
-    pub went: Vec<Place>,
+    pub went: Vec<LegLevel>,
     /// Findings that are only in the later record.
     pub new_findings: Vec<FindingNote>,
     /// Findings that are only in the earlier record.
@@ -38,7 +38,7 @@ pub enum Sameness {
 
 /// A level of a leg.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct Place {
+pub struct LegLevel {
     /// `left` or `right`.
     pub leg: String,
     /// The level's name.
@@ -50,7 +50,7 @@ pub struct Place {
 pub struct LevelChange {
     /// The level.
     #[serde(flatten)]
-    pub place: Place,
+    pub place: LegLevel,
     /// Tape girth, mm.
     pub girth_mm: Change,
     /// Height above the floor, mm.
@@ -93,7 +93,7 @@ pub fn changes(old: &Record, old_json: &Value, new: &Record) -> Result<Changes, 
     }
     let places = |record: &Record| record.legs.iter().flat_map(places).collect::<Vec<_>>();
     let (was, is) = (places(old), places(new));
-    let only = |of: &[Place], other: &[Place]| {
+    let only = |of: &[LegLevel], other: &[LegLevel]| {
         of.iter().filter(|place| !other.contains(place)).cloned().collect()
     };
     let new_notes = |of: &Record, other: &Record| {
@@ -111,11 +111,11 @@ pub fn changes(old: &Record, old_json: &Value, new: &Record) -> Result<Changes, 
 }
 
 /// The levels of a leg.
-fn places(leg: &LegFigures) -> impl Iterator<Item = Place> + '_ {
-    leg.landmarks.keys().map(|level| Place { leg: leg.side.clone(), level: level.clone() })
+fn places(leg: &LegFigures) -> impl Iterator<Item = LegLevel> + '_ {
+    leg.landmarks.keys().map(|level| LegLevel { leg: leg.side.clone(), level: level.clone() })
 }
 
-fn level(place: &Place, old: &Record, new: &Record) -> Option<LevelChange> {
+fn level(place: &LegLevel, old: &Record, new: &Record) -> Option<LevelChange> {
     let [old, new] = [old, new].map(|record| {
         let leg = record.legs.iter().find(|leg| leg.side == place.leg);
         leg.and_then(|leg| leg.landmarks.get(&place.level))

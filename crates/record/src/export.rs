@@ -9,7 +9,7 @@ use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 
 use super::measure::{Length, Measure};
-use super::report::Mark;
+use super::report::Reliability;
 use super::rounding;
 use super::schema::Record;
 
@@ -52,8 +52,8 @@ impl ExportFigure {
     }
 
     fn of_level(record: &Record, side: Side, level: Level) -> Vec<ExportFigure> {
-        let Ok(measure) = Measure::of(record, side, level) else { return Vec::new() };
-        let is_told = |length: &Length| measure.mark_of(*length) != Mark::Estimated;
+        let Ok(measure) = Measure::find(record, side, level) else { return Vec::new() };
+        let is_told = |length: &Length| measure.mark_of(*length) != Reliability::Estimated;
         let lengths = [(What::Girth, Some(measure.girth)), (What::Height, measure.height)];
         let told = lengths.into_iter().filter_map(|(what, length)| {
             let Length { mm, sd_mm, is_by_hand } = length.filter(is_told)?;

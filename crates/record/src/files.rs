@@ -128,7 +128,8 @@ pub fn amended_files(
 /// The measures as tables, and the files of the order.
 fn tables(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, serde_json::Error> {
     let ReportChoice { garment, language, sizes, orders, age_max, .. } = choice;
-    let order = Order::of(record, garment, None, sizes.scanner_girth_mm).on(sizes.today, *age_max);
+    let order =
+        Order::from_record(record, garment, None, sizes.scanner_girth_mm).on(sizes.today, *age_max);
     let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
     let mut files = vec![
         file(MEASUREMENTS, csv::measurements(record, garment, *language).into_bytes()),

@@ -11,7 +11,7 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 
 use self::amendment::{ByHand, Subject};
-use super::report::Mark;
+use super::report::Reliability;
 use super::rounding;
 use super::schema::{EstimateFigures, LandmarkFigures, LegFigures, Record};
 
@@ -123,7 +123,7 @@ impl Measure<'_> {
     ///
     /// # Errors
     /// See [`Absent`].
-    pub fn of(record: &Record, side: Side, level: Level) -> Result<Measure<'_>, Absent> {
+    pub fn find(record: &Record, side: Side, level: Level) -> Result<Measure<'_>, Absent> {
         let scanned = record.leg(side).and_then(|leg| Measure::scanned(leg, level));
         match record.by_hand(side, Subject::Level(level)) {
             None => scanned.ok_or(Absent::NotFound),
@@ -150,22 +150,22 @@ impl Measure<'_> {
     }
 
     /// How to read its girth.
-    pub fn mark(&self) -> Mark {
+    pub fn mark(&self) -> Reliability {
         self.mark_of(self.girth)
     }
 
     /// How to read one of its lengths.
-    pub fn mark_of(&self, length: Length) -> Mark {
+    pub fn mark_of(&self, length: Length) -> Reliability {
         match (length.is_by_hand, self.is_estimate, self.doubts.is_empty()) {
-            (true, _, _) => Mark::ByHand,
-            (false, true, _) => Mark::Estimated,
-            (false, false, false) => Mark::Doubtful,
-            (false, false, true) => Mark::Sure,
+            (true, _, _) => Reliability::ByHand,
+            (false, true, _) => Reliability::Estimated,
+            (false, false, false) => Reliability::Doubtful,
+            (false, false, true) => Reliability::Sure,
         }
     }
 
     /// How to read its lengths, each once.
-    pub fn marks(&self) -> impl Iterator<Item = Mark> {
+    pub fn marks(&self) -> impl Iterator<Item = Reliability> {
         [Some(self.girth), self.height].into_iter().flatten().map(|length| self.mark_of(length))
     }
 
@@ -247,7 +247,7 @@ impl Length {
     ///
     /// # Errors
     /// See [`Absent`].
-    pub fn of(record: &Record, side: Side, subject: Subject) -> Result<Length, Absent> {
+    pub fn find(record: &Record, side: Side, subject: Subject) -> Result<Length, Absent> {
         match record.by_hand(side, subject) {
             Some(hand) if hand.is_not_measurable => Err(Absent::NotMeasurable),
             hand => {

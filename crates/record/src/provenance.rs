@@ -81,7 +81,7 @@ pub enum Confidence {
 
 impl Source {
     /// A source of this kind, with the confidence of the kind.
-    pub fn of(kind: SourceKind) -> Source {
+    pub fn from_kind(kind: SourceKind) -> Source {
         let confidence = match kind {
             SourceKind::Reader | SourceKind::Order => Some(Confidence::High),
             SourceKind::Operator | SourceKind::FileName => Some(Confidence::Medium),

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Record;
 use super::file::{RecordFile, file};
-use super::picture::figures::{self, Figure};
+use super::picture::figures::{self, DrawnFigure};
 use super::picture::svg;
-use super::report::{self, AgeMax, Content, Document, PdfFault, Print};
+use super::report::{self, AgeMax, Document, PdfFault, Print, ReportContent};
 use super::sizing::{SizeChoice, SizeVerdicts};
 
 /// The report as an HTML page.
@@ -72,7 +72,7 @@ pub(super) fn all(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFi
 pub(super) fn page(
     record: &Record,
     choice: &ReportChoice,
-    figures: &[Figure],
+    figures: &[DrawnFigure],
 ) -> Result<RecordFile, serde_json::Error> {
     Ok(file(
         PAGE,
@@ -83,26 +83,26 @@ pub(super) fn page(
 pub(super) fn paper(
     record: &Record,
     choice: &ReportChoice,
-    figures: &[Figure],
+    figures: &[DrawnFigure],
 ) -> Result<RecordFile, PdfFault> {
     Ok(file(PAPER, report::paper(&document(record, choice, figures), choice.print)?))
 }
 
-fn document(record: &Record, choice: &ReportChoice, figures: &[Figure]) -> Document {
+fn document(record: &Record, choice: &ReportChoice, figures: &[DrawnFigure]) -> Document {
     let ReportChoice { language, garment, sizes, age_max, .. } = choice;
-    let sizes = SizeVerdicts::of(record, garment, sizes);
-    let content = Content::with_sizes(record, *language, garment, &sizes, *age_max);
+    let sizes = SizeVerdicts::new(record, garment, sizes);
+    let content = ReportContent::with_sizes(record, *language, garment, &sizes, *age_max);
     content.document(record, figures)
 }
 
 /// Both legs and their girths as one drawing, shown by practice software and pages.
-pub(super) fn drawing(figures: &[Figure], language: Language) -> RecordFile {
+pub(super) fn drawing(figures: &[DrawnFigure], language: Language) -> RecordFile {
     file(DRAWING, figures::overview(figures, language).into_bytes())
 }
 
 /// The figures as files of their own.
-pub(super) fn figure_files(figures: &[Figure]) -> Vec<RecordFile> {
-    let svg = |figure: &Figure| {
+pub(super) fn figure_files(figures: &[DrawnFigure]) -> Vec<RecordFile> {
+    let svg = |figure: &DrawnFigure| {
         let drawn = svg::file(&figure.picture.title, figure.picture.size, &figure.marks);
         file(&format!("figure-{}.svg", figure.name), drawn.into_bytes())
     };

@@ -27,14 +27,14 @@ pub struct Statement {
     pub is: String,
     /// The figures in the text, by name. Names end with the unit.
     #[serde(flatten)]
-    pub figures: BTreeMap<String, Figure>,
+    pub figures: BTreeMap<String, StatementFigure>,
 }
 
 /// A figure in a statement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Figure"))]
 #[serde(untagged)]
-pub enum Figure {
+pub enum StatementFigure {
     /// A number, to 10⁻⁶.
     Number(f64),
     /// The name of a level or file, or quoted words.
@@ -44,11 +44,11 @@ pub enum Figure {
 }
 
 impl Statement {
-    fn of(key: &str) -> Statement {
+    fn new(key: &str) -> Statement {
         Statement { is: key.to_owned(), figures: BTreeMap::new() }
     }
 
-    fn with(mut self, name: &str, figure: Figure) -> Statement {
+    fn with(mut self, name: &str, figure: StatementFigure) -> Statement {
         self.figures.insert(name.to_owned(), figure);
         self
     }
@@ -56,7 +56,7 @@ impl Statement {
     /// A figure that is not finite is left out, because JSON cannot say it, and told as [`NOT_KNOWN`].
     fn number(self, name: &str, value: f64) -> Statement {
         if value.is_finite() {
-            self.with(name, Figure::Number(rounding::share(value)))
+            self.with(name, StatementFigure::Number(rounding::share(value)))
         } else {
             self
         }
@@ -73,7 +73,7 @@ impl Statement {
         fill(template, |name, decimals| {
             let Some(figure) = self.figures.get(name) else { return Some(NOT_KNOWN.to_owned()) };
             Some(match figure {
-                Figure::Number(value) => match decimals {
+                StatementFigure::Number(value) => match decimals {
                     "*" => rounding::shortest(*value, language),
                     "around" => {
                         let part = Around::at(*value).word();
@@ -83,8 +83,8 @@ impl Statement {
                     "" => rounding::number(*value, 0, language),
                     places => rounding::number(*value, places.parse().ok()?, language),
                 },
-                Figure::Name(name) => name.clone(),
-                Figure::Statement(within) => within.in_words(language)?,
+                StatementFigure::Name(name) => name.clone(),
+                StatementFigure::Statement(within) => within.in_words(language)?,
             })
         })
     }
@@ -97,23 +97,23 @@ impl Statement {
                     End::First => "lower-end-not-plane",
                     End::Last => "upper-end-not-plane",
                 };
-                Statement::of(key).number("off_mm", fault.off_mm)
+                Statement::new(key).number("off_mm", fault.off_mm)
             }
             CadFault::Tessellation(TessellationFault::NoTolerance { tolerance_mm }) => {
-                Statement::of("mesh-no-tolerance").number("tolerance_mm", tolerance_mm)
+                Statement::new("mesh-no-tolerance").number("tolerance_mm", tolerance_mm)
             }
             CadFault::Tessellation(TessellationFault::TooFine { tolerance_mm, triangles }) => {
-                let fine = Statement::of("mesh-too-fine").number("tolerance_mm", tolerance_mm);
+                let fine = Statement::new("mesh-too-fine").number("tolerance_mm", tolerance_mm);
                 fine.number("triangles", triangles)
             }
             CadFault::Tessellation(TessellationFault::Degenerate { u, v }) => {
-                Statement::of("surface-no-tube").number("u", u).number("v", v)
+                Statement::new("surface-no-tube").number("u", u).number("v", v)
             }
         };
-        let file = Figure::Name(name.to_owned());
-        Statement::of("file-not-made")
+        let file = StatementFigure::Name(name.to_owned());
+        Statement::new("file-not-made")
             .with("file", file)
-            .with("why", Figure::Statement(Box::new(why)))
+            .with("why", StatementFigure::Statement(Box::new(why)))
     }
 
     /// The statement of a finding.
@@ -148,12 +148,12 @@ fn text_key(what: &What) -> Option<&'static str> {
 
 impl From<Said> for Statement {
     fn from(said: Said) -> Statement {
-        said.figures.into_iter().fold(Statement::of(said.code), |statement, (name, figure)| {
+        said.figures.into_iter().fold(Statement::new(said.code), |statement, (name, figure)| {
             match figure {
                 figure::Figure::Number(value) => statement.number(name, value),
-                figure::Figure::Name(words) => statement.with(name, Figure::Name(words)),
+                figure::Figure::Name(words) => statement.with(name, StatementFigure::Name(words)),
                 figure::Figure::Reason(why) => {
-                    statement.with(name, Figure::Statement(Box::new(why.into())))
+                    statement.with(name, StatementFigure::Statement(Box::new(why.into())))
                 }
             }
         })

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::completeness::Completeness;
 use super::measure::amendment::Subject;
 use super::measure::{Absent, Length, Measure, why_absent};
-use super::report::{Content, Mark};
+use super::report::{Reliability, ReportContent};
 use super::rounding;
 use super::schema::Record;
 
@@ -65,15 +65,15 @@ pub struct SummaryFigures {
 
 impl RecordSummary {
     /// The measures of a record as text in a language, for an order of this garment.
-    pub fn of(record: &Record, language: Language, garment: &Garment) -> RecordSummary {
+    pub fn from_record(record: &Record, language: Language, garment: &Garment) -> RecordSummary {
         let is_shown = |level: &Level| LEVELS.contains(level) || garment.levels().contains(level);
         let levels = Level::ALL.into_iter().rev().filter(is_shown);
         let foot = garment.needs(Point::Foot).then_some(Subject::FootLength);
         let shown = levels.map(Subject::Level).chain(foot);
-        let completeness = Completeness::of(record, garment);
+        let completeness = Completeness::from_record(record, garment);
         RecordSummary {
-            levels: shown.map(|of| SummaryLevel::of(record, of, language)).collect(),
-            notes: Content::counted(record, language),
+            levels: shown.map(|of| SummaryLevel::new(record, of, language)).collect(),
+            notes: ReportContent::counted(record, language),
             verdict: completeness.kind().word(),
             to_do: completeness.sentences(language),
         }
@@ -81,13 +81,13 @@ impl RecordSummary {
 }
 
 impl SummaryLevel {
-    fn of(record: &Record, subject: Subject, language: Language) -> SummaryLevel {
+    fn new(record: &Record, subject: Subject, language: Language) -> SummaryLevel {
         let figures = |side: Side| match subject {
-            Subject::Level(level) => match Measure::of(record, side, level) {
-                Ok(measure) => Ok(SummaryFigures::of(&measure, language)),
+            Subject::Level(level) => match Measure::find(record, side, level) {
+                Ok(measure) => Ok(SummaryFigures::from_measure(&measure, language)),
                 Err(absent) => Err(language.text(why_absent(record, side, level, absent))),
             },
-            length => match Length::of(record, side, length) {
+            length => match Length::find(record, side, length) {
                 Ok(length) => Ok(SummaryFigures::of_length(length, language)),
                 Err(absent) => Err(absent.words(language)),
             },
@@ -105,8 +105,8 @@ impl SummaryLevel {
 }
 
 impl SummaryFigures {
-    fn of(measure: &Measure<'_>, language: Language) -> SummaryFigures {
-        let is_doubted = |length: Length| measure.mark_of(length) == Mark::Doubtful;
+    fn from_measure(measure: &Measure<'_>, language: Language) -> SummaryFigures {
+        let is_doubted = |length: Length| measure.mark_of(length) == Reliability::Doubtful;
         let words = |length: Length| rounding::cm_words(length.mm, language);
         SummaryFigures {
             girth_cm: words(measure.girth),
@@ -157,12 +157,12 @@ pub struct SheetCell {
 
 /// The whole measuring sheet of a record, for an order of this garment.
 pub fn sheet(record: &Record, language: Language, garment: &Garment) -> Vec<SheetLine> {
-    let Completeness { by_hand, .. } = Completeness::of(record, garment);
+    let Completeness { by_hand, .. } = Completeness::from_record(record, garment);
     let cell = |side: Side, subject: Subject| {
         let items = Side::FROM_FRONT.into_iter().zip(&by_hand).find(|(of, _)| *of == side);
         let items = items.into_iter().flat_map(|(_, items)| items);
         let asked = items.flat_map(|item| item.values_of(subject)).copied().collect();
-        SheetCell { asked, ..SheetCell::of(record, side, subject, language) }
+        SheetCell { asked, ..SheetCell::new(record, side, subject, language) }
     };
     let line = |subject: Subject| SheetLine {
         measure: subject.word(),
@@ -179,13 +179,13 @@ pub fn sheet(record: &Record, language: Language, garment: &Garment) -> Vec<Shee
 }
 
 impl SheetCell {
-    fn of(record: &Record, side: Side, subject: Subject, language: Language) -> SheetCell {
+    fn new(record: &Record, side: Side, subject: Subject, language: Language) -> SheetCell {
         let is_by_hand = record.by_hand(side, subject).is_some();
         let words = |length: Length| rounding::cm_words(length.mm, language);
         let found = match subject {
-            Subject::Level(level) => Measure::of(record, side, level)
+            Subject::Level(level) => Measure::find(record, side, level)
                 .map(|of| (words(of.girth), of.height.map(words).unwrap_or_default())),
-            length => Length::of(record, side, length).map(|of| (words(of), String::new())),
+            length => Length::find(record, side, length).map(|of| (words(of), String::new())),
         };
         let or_why = |absent: Absent| (absent.words(language).to_owned(), String::new());
         let (value, height) = found.unwrap_or_else(or_why);

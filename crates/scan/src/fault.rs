@@ -63,7 +63,7 @@ pub enum ScanFault {
     #[error("{place}the coordinate \"{found}\" is not a finite number")]
     NotFinite {
         /// Its place.
-        place: Place,
+        place: SourcePosition,
         /// The text of the coordinate.
         found: String,
     },
@@ -74,7 +74,7 @@ pub enum ScanFault {
     #[error("{place}{what}")]
     Malformed {
         /// Its place.
-        place: Place,
+        place: SourcePosition,
         /// What is wrong, what was found and how to correct it.
         what: String,
     },
@@ -82,7 +82,7 @@ pub enum ScanFault {
 
 /// The place of a fault in a file. Displayed as the beginning of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum SourcePosition {
     /// Unknown.
     Unknown,
     /// A 1-based line of a text file.
@@ -98,12 +98,14 @@ pub enum Place {
     },
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for SourcePosition {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Place::Unknown => Ok(()),
-            Place::Line(line) => write!(out, "line {line}: "),
-            Place::Record { name, number, byte } => write!(out, "{name} {number}, byte {byte}: "),
+            SourcePosition::Unknown => Ok(()),
+            SourcePosition::Line(line) => write!(out, "line {line}: "),
+            SourcePosition::Record { name, number, byte } => {
+                write!(out, "{name} {number}, byte {byte}: ")
+            }
         }
     }
 }
@@ -189,5 +191,5 @@ pub(super) fn cut_short(what: CutSign) -> ScanFault {
 
 /// Creates a [`ScanFault::Malformed`] for a line of text.
 pub(super) fn malformed(line: usize, what: impl Into<String>) -> ScanFault {
-    ScanFault::Malformed { place: Place::Line(line), what: what.into() }
+    ScanFault::Malformed { place: SourcePosition::Line(line), what: what.into() }
 }

@@ -21,7 +21,7 @@ mod xyz;
 
 use nalgebra::Point3;
 
-pub use fault::{CutSign, Place, ScanFault};
+pub use fault::{CutSign, ScanFault, SourcePosition};
 pub use format::{Content, Format};
 
 /// One export of the scanner as it is: without unit or up axis, and in arbitrary order.
@@ -149,6 +149,6 @@ pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
 
 /// The fault if the content clearly has another format than the ending says.
 fn misnamed(bytes: &[u8], format: Format) -> Option<ScanFault> {
-    let content = sniff::of(bytes)?;
+    let content = sniff::detect(bytes)?;
     (content != Content::Scan(format)).then_some(ScanFault::LooksLike { content, format })
 }

@@ -24,7 +24,7 @@ pub(super) use header::opens;
 /// See [`ScanFault`]; the first fault found, with its line, or its element and byte.
 pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let bytes = text::without_mark(bytes);
-    let header = Header::of(bytes)?;
+    let header = Header::read(bytes)?;
     let (has, says, what) = match header.encoding {
         Encoding::Ascii => (ascii::line_count(bytes, &header), header.record_count(), "lines"),
         _ => (bytes.len(), binary::extent(bytes, &header)?, "bytes"),
@@ -33,8 +33,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
         return Err(ScanFault::TooLong { what, has, says });
     }
     let mesh = match header.encoding {
-        Encoding::Ascii => values::mesh(&header, ascii::Lines::of(bytes, &header)),
-        _ => values::mesh(&header, binary::Bytes::of(bytes, &header)),
+        Encoding::Ascii => values::mesh(&header, ascii::Lines::after_header(bytes, &header)),
+        _ => values::mesh(&header, binary::Bytes::after_header(bytes, &header)),
     }?;
     Ok(welded(mesh))
 }
@@ -46,7 +46,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
 /// [`ScanFault::CutShort`] with details; a header that cannot be read is left to [`read`].
 pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     let bytes = text::without_mark(bytes);
-    let header = match Header::of(bytes) {
+    let header = match Header::read(bytes) {
         Ok(header) => header,
         Err(cut @ ScanFault::CutShort { .. }) => return Err(cut),
         Err(_) => return text::refuse_reserved(bytes),

@@ -10,7 +10,7 @@ const HEAD_BYTES: usize = 4096;
 const OBJ_OPENINGS: [&[u8]; 8] = [b"v", b"vn", b"vt", b"f", b"o", b"g", b"mtllib", b"usemtl"];
 
 /// The detected content; `None` if the head is inconclusive.
-pub(super) fn of(bytes: &[u8]) -> Option<Content> {
+pub(super) fn detect(bytes: &[u8]) -> Option<Content> {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Some(Content::Utf16);
     }

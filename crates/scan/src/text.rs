@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::fault::{CutSign, Place, ScanFault, cut_short, malformed};
+use super::fault::{CutSign, ScanFault, SourcePosition, cut_short, malformed};
 
 /// The mark that some editors and exporters put before UTF-8 text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -243,7 +243,7 @@ fn with_comma(word: &[u8]) -> Option<f64> {
 }
 
 fn not_finite(word: &[u8], line: usize) -> ScanFault {
-    ScanFault::NotFinite { place: Place::Line(line), found: excerpt(word) }
+    ScanFault::NotFinite { place: SourcePosition::Line(line), found: excerpt(word) }
 }
 
 /// Microsoft's library writes `-1.#IND` and `1.#QNAN`, glibc `-nan(0x1)`.

@@ -35,7 +35,7 @@ enum Version {
 pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let bytes = text::without_mark(bytes);
     let version = version(bytes)?;
-    let scene = scene::Scene::of(bytes, version)?;
+    let scene = scene::Scene::read(bytes, version)?;
     Ok(welded(walk::geometry(scene)?))
 }
 

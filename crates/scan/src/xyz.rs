@@ -30,7 +30,7 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
 
 /// Whether a line begins with three numbers, as a point does.
 pub(super) fn is_point(line: &[u8]) -> bool {
-    let mut columns = Separator::of(line).columns(line);
+    let mut columns = Separator::detect(line).columns(line);
     (0..3).all(|_| columns.next().is_some_and(is_number))
 }
 
@@ -41,7 +41,7 @@ pub(super) fn is_point(line: &[u8]) -> bool {
 pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     text::refuse_binary(bytes)?;
     let mut lines = statements(text::without_mark(bytes));
-    let Ok(head) = Head::of(&mut lines) else { return text::refuse_open_line(bytes) };
+    let Ok(head) = Head::read(&mut lines) else { return text::refuse_open_line(bytes) };
     if let Some(of) = head.count {
         let has = lines.count() + usize::from(head.first.is_some());
         if has < of {
@@ -57,9 +57,9 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
 /// See [`ScanFault`]; the first fault found, with its line.
 pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let mut lines = statements(text::without_mark(bytes));
-    let head = Head::of(&mut lines)?;
+    let head = Head::read(&mut lines)?;
     let Some(first) = head.first else { return Err(ScanFault::NoPoints) };
-    let separator = Separator::of(first.1);
+    let separator = Separator::detect(first.1);
     let column_count = separator.columns(first.1).count();
     if column_count < 3 {
         return Err(malformed(first.0, format!("{column_count} columns; a point has three")));
@@ -106,10 +106,10 @@ struct Head<'a> {
 }
 
 impl<'a> Head<'a> {
-    fn of(lines: &mut impl Iterator<Item = (usize, &'a [u8])>) -> Result<Head<'a>, ScanFault> {
+    fn read(lines: &mut impl Iterator<Item = (usize, &'a [u8])>) -> Result<Head<'a>, ScanFault> {
         let mut head = Head { names: None, count: None, first: None };
         for (line, statement) in lines {
-            let first_column = Separator::of(statement).columns(statement).next();
+            let first_column = Separator::detect(statement).columns(statement).next();
             if head.count.is_none() && whole::<usize>(statement).is_some() {
                 head.count = whole(statement);
             } else if first_column.is_some_and(is_number) {

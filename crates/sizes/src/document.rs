@@ -2,7 +2,7 @@
 
 use gaiter_toml::nearest;
 
-use super::fault::{Fault, RANGE, What};
+use super::fault::{DocumentFault, RANGE, What};
 use super::point::Point;
 
 pub(super) use gaiter_toml::{Value, number};
@@ -18,7 +18,7 @@ pub(super) fn read<T>(
     bytes: &[u8],
     (expected, example): (&'static str, &'static str),
     read: impl FnOnce(Section<'_, '_>) -> Option<T>,
-) -> Result<T, Vec<Fault>> {
+) -> Result<T, Vec<DocumentFault>> {
     gaiter_toml::read::<T, What>(bytes, BYTES_MAX, slip, |whole| {
         let found = whole.required_text("format", example)?;
         if found != expected {
@@ -32,7 +32,7 @@ pub(super) fn read<T>(
 
 /// The keys of a section.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Known {
+pub(super) struct SectionKeys {
     /// The names of those of this section. `note_…` stands for any that begins so.
     pub words: &'static str,
     /// That points are keys, too, in words that follow the names; empty if they are not.
@@ -41,10 +41,10 @@ pub(super) struct Known {
     pub above: &'static str,
 }
 
-impl Known {
+impl SectionKeys {
     /// The keys of a section without points, and without others above it.
-    pub fn here(words: &'static str) -> Known {
-        Known { words, points: "", above: "" }
+    pub fn here(words: &'static str) -> SectionKeys {
+        SectionKeys { words, points: "", above: "" }
     }
 
     /// Notes every other key of a section.
@@ -58,7 +58,7 @@ impl Known {
         self.words.split_whitespace().any(|word| match word {
             "note_…" => name.starts_with("note_"),
             word => word == name,
-        }) || !self.points.is_empty() && Point::of(name).is_some()
+        }) || !self.points.is_empty() && Point::named(name).is_some()
     }
 
     /// The fault of an unknown key, with what it was probably meant to be.
@@ -66,12 +66,12 @@ impl Known {
         let upper = name.to_uppercase();
         let points = [format!("c{upper}"), format!("l{upper}")];
         let cased = name.get(1..).map(|rest| name[..1].to_lowercase() + &rest.to_uppercase());
-        let is_point = |of: &String| Point::of(of).is_some() && self.has(of);
+        let is_point = |of: &String| Point::named(of).is_some() && self.has(of);
         let point = cased.into_iter().chain(points).find(is_point);
         if point.is_none() && self.above.split_whitespace().any(|word| word == name) {
             return What::OfTheWholeFile;
         }
-        let words = self.words.split_whitespace().filter(|word| Point::of(word).is_none());
+        let words = self.words.split_whitespace().filter(|word| Point::named(word).is_none());
         let similar = point.or_else(|| nearest(name, words).map(str::to_owned));
         let known = [self.words, self.points].join(" ").trim_end().to_owned();
         gaiter_toml::What::Unknown { similar, known: vec![known] }.into()
@@ -86,7 +86,7 @@ fn slip(line: &str) -> Option<(&'static str, &'static str)> {
         return Some(("a space in this line is not an ordinary one", hint));
     }
     let (key, value) = line.split_once('=')?;
-    if Point::of(key.trim()).is_some() {
+    if Point::named(key.trim()).is_some() {
         return Some(("these are not two limits in [ ]", RANGE));
     }
     let hint = "write year-month-day without quotes: 2027-01-31";

@@ -5,7 +5,7 @@ use gaiter_toml::Hint;
 use super::mapping::MappingWhat;
 
 /// One fault in a file.
-pub type Fault = gaiter_toml::Fault<What>;
+pub type DocumentFault = gaiter_toml::Fault<What>;
 
 /// What is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use gaiter_leg::Level;
 use serde::{Deserialize, Serialize};
 
-use super::fault::Fault;
+use super::fault::DocumentFault;
 use super::point::Point;
 pub use profile::{FORMAT, FormBox, FormUnit, Profile};
 
@@ -37,7 +37,7 @@ impl Garment {
     }
 
     /// The shipped garment of a name such as `AD`.
-    pub fn of(name: &str) -> Option<Garment> {
+    pub fn named(name: &str) -> Option<Garment> {
         Garment::shipped().iter().find(|of| of.name() == name).cloned()
     }
 
@@ -45,7 +45,7 @@ impl Garment {
     ///
     /// # Errors
     /// Every fault of the file, in the order of its lines; at least one.
-    pub fn read(bytes: &[u8]) -> Result<Garment, Vec<Fault>> {
+    pub fn read(bytes: &[u8]) -> Result<Garment, Vec<DocumentFault>> {
         profile::parse(bytes).map(Garment::from)
     }
 
@@ -176,7 +176,7 @@ mod tests {
         let names: Vec<&str> = Garment::shipped().iter().map(Garment::name).collect();
         assert_eq!(names, ["AD", "AF", "AG", "AT"]);
         assert_eq!(Garment::default().name(), "AD");
-        let levels = |name: &str| Garment::of(name).unwrap().levels().to_vec();
+        let levels = |name: &str| Garment::named(name).unwrap().levels().to_vec();
         let mut calf = vec![Level::D, Level::C, Level::B1, Level::B, Level::Y];
         assert_eq!(levels("AD"), calf);
         calf.splice(0..0, [Level::F, Level::E]);
@@ -186,7 +186,7 @@ mod tests {
         let inside = Garment::shipped().iter().filter(|of| of.needs(Point::InsideLeg));
         assert_eq!(inside.map(Garment::name).collect::<Vec<_>>(), ["AT"]);
         assert!(Garment::shipped().iter().all(|of| of.needs(Point::Foot)));
-        assert_eq!(Garment::of("BC"), None);
+        assert_eq!(Garment::named("BC"), None);
     }
 
     #[test]

@@ -14,7 +14,7 @@ pub mod table;
 pub mod verdict;
 
 pub use document::BYTES_MAX;
-pub use fault::{Fault, What};
+pub use fault::{DocumentFault, What};
 pub use garment::Garment;
 pub use mapping::Mapping;
 pub use parse::parse;

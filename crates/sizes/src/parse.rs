@@ -10,8 +10,8 @@ use sha2::{Digest, Sha256};
 use toml::de::DeValue;
 
 use self::sizes::{lengths, sizes, variants};
-use super::document::{Known, Section, Value, number, read};
-use super::fault::{Fault, What};
+use super::document::{Section, SectionKeys, Value, number, read};
+use super::fault::{DocumentFault, What};
 use super::point::Point;
 use super::table::{Basis, FORMAT, Limits, Ranged, Required, SizeTable, Status};
 
@@ -44,14 +44,14 @@ const UNITS: [(&str, Unit); 2] =
 ///
 /// # Errors
 /// Every fault of the file, in the order of its lines; at least one.
-pub fn parse(bytes: &[u8]) -> Result<SizeTable, Vec<Fault>> {
+pub fn parse(bytes: &[u8]) -> Result<SizeTable, Vec<DocumentFault>> {
     let format = (FORMAT, "format = \"gaiter-size-table/1\"");
     read(bytes, format, |whole| table(whole, hex(&Sha256::digest(bytes))))
 }
 
 /// The table of a file. What is wrong is noted, and the rest is read all the same.
 fn table(whole: Section<'_, '_>, sha256: String) -> Option<SizeTable> {
-    Known::here(KEYS).only(whole);
+    SectionKeys::here(KEYS).only(whole);
     let id = whole.required_text("id", "id = \"maker-product-2026\"");
     let maker = whole.required_text("maker", "maker = \"…\"");
     let product = whole.required_text("product", "product = \"…\"");
@@ -114,7 +114,7 @@ fn decides(whole: Section<'_, '_>) -> Option<Option<(Point, Range<usize>)>> {
         return Some(None);
     }
     let at = whole.get("decides").map(Value::span)?;
-    match Point::of(&found) {
+    match Point::named(&found) {
         Some(point) => Some(Some((point, at))),
         None => {
             whole.note(&at, "decides", What::NoPoint(found));
@@ -205,7 +205,7 @@ pub(super) fn points(section: Section<'_, '_>, value: &Value<'_>, key: &str) -> 
     }
     let mut points = Vec::new();
     for name in names {
-        match Point::of(&name) {
+        match Point::named(&name) {
             None => section.note(&value.span(), key, What::NoPoint(name)),
             Some(point) if points.contains(&point) => {
                 section.note(&value.span(), key, Twice(name));

@@ -47,7 +47,7 @@ const INSIDE_LEG: &str = "lK";
 
 impl Point {
     /// The point of a name such as `cB1`, `lD`, `lBD`, `foot` or `lK`.
-    pub fn of(name: &str) -> Option<Point> {
+    pub fn named(name: &str) -> Option<Point> {
         match name {
             FOOT => return Some(Point::Foot),
             INSIDE_LEG => return Some(Point::InsideLeg),
@@ -115,7 +115,7 @@ impl Serialize for Point {
 impl<'de> Deserialize<'de> for Point {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Point, D::Error> {
         let name = String::deserialize(from)?;
-        Point::of(&name).ok_or_else(|| D::Error::custom(format_args!("{name:?} names no point")))
+        Point::named(&name).ok_or_else(|| D::Error::custom(format_args!("{name:?} names no point")))
     }
 }
 
@@ -129,16 +129,16 @@ mod tests {
             "cA", "cY", "cB", "cB1", "cC", "cG", "lB", "lB1", "lG", "lBD", "lBB1", "lB1C", "lBG",
             "foot", "lK", "cH", "cT", "lH", "lT",
         ] {
-            assert_eq!(Point::of(name).map(|point| point.to_string()).as_deref(), Some(name));
+            assert_eq!(Point::named(name).map(|point| point.to_string()).as_deref(), Some(name));
         }
-        assert_eq!(Point::of("lB1D"), Some(Point::Between(Level::B1, Level::D)));
+        assert_eq!(Point::named("lB1D"), Some(Point::Between(Level::B1, Level::D)));
     }
 
     #[test]
     fn what_no_form_has_is_no_point() {
         for name in ["", "c", "l", "B", "cX", "cb", "lA", "lY", "lDB", "lBB", "lAB", "cBD", "girth"]
         {
-            assert_eq!(Point::of(name), None, "{name}");
+            assert_eq!(Point::named(name), None, "{name}");
         }
     }
 }

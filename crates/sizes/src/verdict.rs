@@ -148,7 +148,7 @@ gaiter_leg::word_enum! {
 ///
 /// # Errors
 /// See [`NotComparable`].
-pub fn judged(
+pub fn leg_verdict(
     table: &SizeTable,
     garment: &Garment,
     reading: impl Fn(Point) -> Reading,

@@ -190,7 +190,7 @@ pub fn fit(
         Smoothing::Fixed(lambda) => equations.solution(ridged(lambda)?)?,
         Smoothing::Gcv => equations.best_by_gcv()?,
     };
-    Ok(judged(basis, y, weights, solution))
+    Ok(with_statistics(basis, y, weights, solution))
 }
 
 /// Raises a given lambda to at least the ridge.
@@ -233,7 +233,12 @@ pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
 }
 
 /// The spline of a solution, with its quality statistics.
-pub(super) fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spline {
+pub(super) fn with_statistics(
+    basis: &Basis,
+    y: &[f64],
+    weights: &[f64],
+    solution: Solution,
+) -> Spline {
     let Solution { lambda, coefficients, inverse, edf, rss } = solution;
     let total: f64 = weights.iter().sum();
     let data = weights.iter().filter(|weight| **weight > 0.0).count() as f64;

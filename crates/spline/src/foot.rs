@@ -41,7 +41,7 @@ impl Surface {
     /// NURBS Book 6.1, with inverted negative curvatures and step halving.
     pub fn closest(&self, point: &Point3<f64>, u0: f64, v0: f64) -> Foot {
         let (first, last) = self.along().domain();
-        let start = Place::at(self, point, u0.clamp(first, last), v0);
+        let start = SurfacePosition::at(self, point, u0.clamp(first, last), v0);
         let (here, _) = self.downhill(point, start, |_| REST_MM);
         let v = self.around().wrapped(here.v);
         Foot { u: here.u, v, distance_mm: here.distance_mm }
@@ -56,8 +56,8 @@ impl Surface {
         derivatives: Derivatives,
     ) -> f64 {
         let (first, last) = self.along().domain();
-        let start = Place::of(point, u0, v0, derivatives);
-        let (here, step) = self.downhill(point, start, Place::foreseen_mm);
+        let start = SurfacePosition::new(point, u0, v0, derivatives);
+        let (here, step) = self.downhill(point, start, SurfacePosition::foreseen_mm);
         match step {
             Some(step) if (first..=last).contains(&(here.u + step.x)) => {
                 here.distance_after_mm(step)
@@ -71,9 +71,9 @@ impl Surface {
     fn downhill(
         &self,
         point: &Point3<f64>,
-        start: Place,
-        rest_mm: impl Fn(&Place) -> f64,
-    ) -> (Place, Option<Vector2<f64>>) {
+        start: SurfacePosition,
+        rest_mm: impl Fn(&SurfacePosition) -> f64,
+    ) -> (SurfacePosition, Option<Vector2<f64>>) {
         let (first, last) = self.along().domain();
         let mut here = start;
         for _ in 0..MOST_STEPS {
@@ -89,11 +89,16 @@ impl Surface {
     }
 
     /// The first of ever shorter steps that does not lead away from the point.
-    fn improved(&self, point: &Point3<f64>, here: &Place, step: Vector2<f64>) -> Option<Place> {
+    fn improved(
+        &self,
+        point: &Point3<f64>,
+        here: &SurfacePosition,
+        step: Vector2<f64>,
+    ) -> Option<SurfacePosition> {
         let (first, last) = self.along().domain();
         (0..30).map(|halvings| 0.5_f64.powi(halvings)).find_map(|share| {
             let u = (here.u + share * step.x).clamp(first, last);
-            let place = Place::at(self, point, u, here.v + share * step.y);
+            let place = SurfacePosition::at(self, point, u, here.v + share * step.y);
             (place.distance_mm <= here.distance_mm + ROUNDING_MM).then_some(place)
         })
     }
@@ -101,7 +106,7 @@ impl Surface {
 
 /// A position on the surface relative to the point. Gradient and Hessian are those of half the squared
 /// distance, for steps in mm along the tangents, so that the units of u and v do not matter.
-struct Place {
+struct SurfacePosition {
     u: f64,
     v: f64,
     distance_mm: f64,
@@ -112,12 +117,12 @@ struct Place {
     hessian: Matrix2<f64>,
 }
 
-impl Place {
-    fn at(surface: &Surface, point: &Point3<f64>, u: f64, v: f64) -> Place {
-        Place::of(point, u, v, surface.derivatives(u, v))
+impl SurfacePosition {
+    fn at(surface: &Surface, point: &Point3<f64>, u: f64, v: f64) -> SurfacePosition {
+        SurfacePosition::new(point, u, v, surface.derivatives(u, v))
     }
 
-    fn of(point: &Point3<f64>, u: f64, v: f64, derivatives: Derivatives) -> Place {
+    fn new(point: &Point3<f64>, u: f64, v: f64, derivatives: Derivatives) -> SurfacePosition {
         let Derivatives { du, dv, duu, duv, dvv, .. } = derivatives;
         let lengths = Vector2::new(du.norm(), dv.norm()).map(|length| length.max(REST_MM));
         let away = derivatives.point - point;
@@ -126,7 +131,7 @@ impl Place {
         let (first, second) = (du.dot(&du) + away.dot(&duu), dv.dot(&dv) + away.dot(&dvv));
         let hessian = Matrix2::new(first, mixed, mixed, second);
         let hessian = hessian.component_div(&(lengths * lengths.transpose()));
-        Place { u, v, distance_mm: away.norm(), derivatives, lengths, gradient, hessian }
+        SurfacePosition { u, v, distance_mm: away.norm(), derivatives, lengths, gradient, hessian }
     }
 
     /// The length below which a step from here need not be taken, mm.

@@ -121,7 +121,7 @@ impl<'a> NormalEquations<'a> {
     /// The fit with the smallest score RSS / (m − edf)² (Craven, Wahba 1979).
     pub fn best_by_gcv(&self) -> Result<Solution, Singular> {
         let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
-        let mut trials = Trials::of(&self.gram, &self.penalty, &self.moments);
+        let mut trials = Trials::new(&self.gram, &self.penalty, &self.moments);
         let mut tried = |exponent: f64| {
             let lambda = 10.0_f64.powf(exponent);
             let (rss, edf) = match &mut trials {

@@ -88,7 +88,7 @@ pub fn facets(
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         return Err(TessellationFault::NoTolerance { tolerance_mm });
     }
-    let Steps { along, around } = Steps::of(surface, tolerance_mm);
+    let Steps { along, around } = Steps::new(surface, tolerance_mm);
     let triangles = 2.0 * along.iter().sum::<f64>() * around.iter().sum::<f64>();
     // Written this way to refuse NaN too.
     let bounded = triangles <= TRIANGLES_MAX as f64;

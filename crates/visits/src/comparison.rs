@@ -104,7 +104,7 @@ impl Course {
         let times = visits.map(|visit| self.visits[visit].acquired.as_ref());
         let is_first = group.visits.first() == visits.first();
         let is_next = group.visits.windows(2).any(|pair| *pair == visits);
-        StandIns::of(&self.left_out, times, [is_first, is_next])
+        StandIns::find(&self.left_out, times, [is_first, is_next])
     }
 
     /// The comparisons that clinics read: the last visit of a group with its first one, and with the one

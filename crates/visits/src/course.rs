@@ -169,11 +169,11 @@ impl Course {
     ///
     /// # Errors
     /// If the records are not two or more different scans of one patient.
-    pub fn of(records: &[Record], choice: Choice) -> Result<Course, CourseFault> {
+    pub fn from_records(records: &[Record], choice: Choice) -> Result<Course, CourseFault> {
         if records.len() < 2 {
             return Err(CourseFault::TooFew { found: records.len() });
         }
-        let visit = |(at, record)| Visit::of(at, record, choice.girth_common_mm);
+        let visit = |(at, record)| Visit::new(at, record, choice.girth_common_mm);
         let mut visits: Vec<Visit> = records.iter().enumerate().map(visit).collect();
         for other in 1..visits.len() {
             if visits[other].patient != visits[0].patient {
@@ -194,9 +194,9 @@ impl Course {
     /// The course of records that must all be comparable.
     ///
     /// # Errors
-    /// As [`Course::of`], and if one of them cannot be compared with the others.
+    /// As [`Course::from_records`], and if one of them cannot be compared with the others.
     pub fn comparable(records: &[Record], choice: Choice) -> Result<Course, CourseFault> {
-        let course = Course::of(records, choice)?;
+        let course = Course::from_records(records, choice)?;
         if let Some(visit) = course.visits.iter().find(|visit| !has_places(visit)) {
             return Err(CourseFault::NoPlaces { at: visit.record + 1 });
         }

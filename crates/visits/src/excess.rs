@@ -160,13 +160,13 @@ mod tests {
         Quantity::new(value, Parts { random, ..Parts::default() })
     }
 
-    fn of(before: Quantity, after: Quantity, stance: f64) -> Result<Reduction, NoReduction> {
+    fn between(before: Quantity, after: Quantity, stance: f64) -> Result<Reduction, NoReduction> {
         reduction(&before, &after, &Change::between(&before, &after).with_stance(stance))
     }
 
     #[test]
     fn the_reduction_is_a_share_of_the_earlier_excess_with_the_uncertainty_of_both() {
-        let found = of(quantity(800.0, 30.0), quantity(520.0, 40.0), 0.0).unwrap();
+        let found = between(quantity(800.0, 30.0), quantity(520.0, 40.0), 0.0).unwrap();
         assert!((found.percent - 35.0).abs() < 1e-9, "{found:?}");
         let expected = 200.0 * (0.05_f64.powi(2) + (0.65_f64 * 0.0375).powi(2)).sqrt();
         assert!((found.expanded - expected).abs() < 1e-9, "{found:?}");
@@ -175,10 +175,10 @@ mod tests {
     #[test]
     fn another_stance_makes_the_reduction_less_certain_and_never_less_so_than_its_change() {
         let [before, after] = [quantity(800.0, 0.0), quantity(520.0, 0.0)];
-        let found = of(before, after, 40.0).unwrap();
+        let found = between(before, after, 40.0).unwrap();
         assert!((found.expanded - 10.0).abs() < 1e-9, "{found:?}");
         // An excess that doubles: an error of the earlier one counts twice.
-        let found = of(quantity(400.0, 0.0), quantity(800.0, 0.0), 40.0).unwrap();
+        let found = between(quantity(400.0, 0.0), quantity(800.0, 0.0), 40.0).unwrap();
         assert!((found.expanded - 40.0).abs() < 1e-9, "{found:?}");
     }
 
@@ -191,10 +191,10 @@ mod tests {
             (-60.0, 400.0, NoReduction::WithinUncertainty),
             (-800.0, -400.0, NoReduction::SmallerLeg),
         ] {
-            assert_eq!(of(quantity(before, 30.0), quantity(after, 30.0), 0.0), Err(why));
+            assert_eq!(between(quantity(before, 30.0), quantity(after, 30.0), 0.0), Err(why));
         }
         assert_eq!(
-            of(quantity(800.0, 30.0), quantity(520.0, 30.0), 200.0),
+            between(quantity(800.0, 30.0), quantity(520.0, 30.0), 200.0),
             Err(NoReduction::NoChange)
         );
     }

@@ -60,7 +60,7 @@ impl StandIns {
     /// it, the first of the group, the one before the last, or the last would be another. `is_first` says whether
     /// the earlier visit is the first of its group, `is_next` whether the later one follows it. A visit without a
     /// time may stand in.
-    pub(super) fn of(
+    pub(super) fn find(
         left_out: &[LeftOut],
         [before, after]: [Option<&Acquired>; 2],
         [is_first, is_next]: [bool; 2],

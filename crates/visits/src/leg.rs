@@ -15,7 +15,7 @@ use super::stance::Stance;
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegAtVisit {
     /// Girths at the places where there are any.
-    pub places: BTreeMap<Step, Place>,
+    pub places: BTreeMap<Step, GirthAtPlace>,
     /// Standard error of the whole leg's volume as the report of its scan tells it, mL; `None` if the record states
     /// none.
     pub volume_sd_ml: Option<f64>,
@@ -25,7 +25,7 @@ pub struct LegAtVisit {
 
 /// The girth at a fixed place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct GirthAtPlace {
     /// Vertical height above the floor, mm; `None` if it is not known.
     pub height_mm: Option<f64>,
     /// Tape girth, mm.
@@ -47,11 +47,11 @@ pub struct Common {
 
 impl LegAtVisit {
     /// The leg of a record. A girth of unknown uncertainty is left out: nothing can be said about its change.
-    pub fn of(body: &BodyFigures, leg: &LegFigures) -> LegAtVisit {
+    pub fn new(body: &BodyFigures, leg: &LegFigures) -> LegAtVisit {
         LegAtVisit {
             places: leg.along.iter().filter_map(place).collect(),
             volume_sd_ml: leg.volume.sd_ml,
-            stance: Stance::of(body, leg),
+            stance: Stance::new(body, leg),
         }
     }
 
@@ -118,8 +118,8 @@ impl LegAtVisit {
     }
 }
 
-fn place(at: &AlongFigures) -> Option<(Step, Place)> {
-    let place = Place {
+fn place(at: &AlongFigures) -> Option<(Step, GirthAtPlace)> {
+    let place = GirthAtPlace {
         height_mm: at.height_mm,
         girth_mm: at.girth_tape_mm?,
         girth_sd_mm: at.girth_sd_mm?,
@@ -137,7 +137,7 @@ mod tests {
     fn cone(slope: f64, girth_sd_mm: f64) -> LegAtVisit {
         let place = |step: Step| {
             let girth_mm = 200.0 + slope * along_mm(step);
-            (step, Place { height_mm: None, girth_mm, girth_sd_mm, is_doubtful: false })
+            (step, GirthAtPlace { height_mm: None, girth_mm, girth_sd_mm, is_doubtful: false })
         };
         LegAtVisit { places: (2..=16).map(place).collect(), volume_sd_ml: None, stance: None }
     }

@@ -25,17 +25,17 @@ const SHARE: f64 = 0.99;
 
 impl Overlay {
     /// Lays the legs of the earlier record over those of the later one. `None` if no leg can be.
-    pub fn of(earlier: &Record, later: &Record) -> Option<Overlay> {
+    pub fn new(earlier: &Record, later: &Record) -> Option<Overlay> {
         let mut record = later.clone();
         let mut error_mm = Sides::of_each(|_| None);
         let mut all: Vec<f64> = Vec::new();
         let mut lay = |leg: &mut LegFigures| {
             let side = Side::of_word(&leg.side)?;
             let before = earlier.leg(side)?;
-            let registration = Registration::of(later, before, leg)?;
+            let registration = Registration::new(later, before, leg)?;
             let surface = leg.shape.surface.as_mut()?;
             let skin = before.shape.surface.as_ref()?;
-            let laid = Rings::of(&skin.points, skin.columns).laid(&registration);
+            let laid = Rings::new(&skin.points, skin.columns).laid(&registration);
             let distances: Vec<Option<f64>> = surface
                 .points
                 .as_points()

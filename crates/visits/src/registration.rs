@@ -61,11 +61,11 @@ struct Ring {
 
 impl Registration {
     /// Lays the earlier leg over the later one. `None` if one of them has too little of the shank.
-    pub fn of(record: &Record, earlier: &LegFigures, later: &LegFigures) -> Option<Registration> {
+    pub fn new(record: &Record, earlier: &LegFigures, later: &LegFigures) -> Option<Registration> {
         let (from, to) = (&earlier.axis, &later.axis);
         let knee_mm = record.body.stature_mm.map_or(KNEE_UNKNOWN_MM, |mm| KNEE_SHARE * mm);
         let [skin, target] =
-            [earlier, later].map(|leg| Rings::of(&leg.shape.skin.points, leg.shape.skin.columns));
+            [earlier, later].map(|leg| Rings::new(&leg.shape.skin.points, leg.shape.skin.columns));
         let shank = SHANK_MM[0]..knee_mm - SHANK_MM[1];
         let shank: Vec<&Ring> =
             skin.rings.iter().filter(|ring| shank.contains(&ring.height_mm)).collect();
@@ -146,7 +146,7 @@ impl Registration {
 
 impl Rings {
     /// The rings of so many points each; those that do not close are left out.
-    pub fn of(points: &Packed, columns: usize) -> Rings {
+    pub fn new(points: &Packed, columns: usize) -> Rings {
         let points = points.as_points();
         let rows = points.chunks(columns.max(3));
         let rows: Vec<Vec<Point3<f64>>> =

@@ -4,7 +4,7 @@
 use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::Acquired;
-use gaiter_record::report::Mark;
+use gaiter_record::report::Reliability;
 use gaiter_record::rounding::{ml, mm, percent};
 use serde::Serialize;
 
@@ -287,7 +287,7 @@ fn visit(course: &Course, at: usize) -> VisitFigures {
             level: of.level.name(),
             girth_mm: of.girth_mm,
             height_mm: of.height_mm,
-            is_by_hand: of.mark == Mark::ByHand,
+            is_by_hand: of.mark == Reliability::ByHand,
         });
         Some(LegAtVisitFigures {
             side: side.word(),

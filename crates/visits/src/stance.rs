@@ -53,7 +53,7 @@ pub struct StanceChange {
 
 impl Stance {
     /// The stance of a record's leg; `None` if its sections are not square to shank and thigh.
-    pub fn of(body: &BodyFigures, leg: &LegFigures) -> Option<Stance> {
+    pub fn new(body: &BodyFigures, leg: &LegFigures) -> Option<Stance> {
         let (axis, axes) = (&leg.axis, leg.axes.as_ref()?);
         let shank = axes.shank.direction;
         let bend_deg = axes.thigh.as_ref().map(|thigh| {

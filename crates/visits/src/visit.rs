@@ -6,7 +6,7 @@ use gaiter_leg::comparison::tape_volume::VolumeBy;
 use gaiter_leg::side::Sides;
 use gaiter_leg::{Level, Side};
 use gaiter_record::measure::Measure;
-use gaiter_record::report::Mark;
+use gaiter_record::report::Reliability;
 use gaiter_record::sizing::SCANNER_GIRTH_MM;
 use gaiter_record::{Acquired, Record};
 use jiff::Timestamp;
@@ -73,14 +73,14 @@ pub struct LevelAtVisit {
     /// Its height above the floor, mm; `None` on the foot.
     pub height_mm: Option<f64>,
     /// How to read the girth; a value by hand counts and is marked.
-    pub mark: Mark,
+    pub mark: Reliability,
 }
 
 impl Visit {
     /// The visit of a record at this place among those that were given. `girth_common_mm` is the standard error that all girths of a scan have in
     /// common; a phantom that was off by more counts instead.
-    pub fn of(at: usize, record: &Record, girth_common_mm: f64) -> Visit {
-        let leg = |side: Side| record.leg(side).map(|leg| LegAtVisit::of(&record.body, leg));
+    pub fn new(at: usize, record: &Record, girth_common_mm: f64) -> Visit {
+        let leg = |side: Side| record.leg(side).map(|leg| LegAtVisit::new(&record.body, leg));
         let check = record.phantom_check.as_ref();
         let phantom_mm = check.and_then(|check| check.bias_mm);
         let floor_mm = record.body.floor_sd_mm.unwrap_or(FLOOR_UNKNOWN_MM);
@@ -91,7 +91,7 @@ impl Visit {
             sha256: record.scan.sha256.clone(),
             revision: record.revision,
             station: record.station.clone(),
-            definition: Definition::of(record),
+            definition: Definition::from_record(record),
             posture: record.made_by.method.get("posture").cloned(),
             phantom_mm,
             common: Common {
@@ -110,12 +110,12 @@ impl Visit {
 
     /// Whether a person set a measure of a leg.
     pub fn has_by_hand(&self, side: Side) -> bool {
-        self.levels.get(side).iter().any(|level| level.mark == Mark::ByHand)
+        self.levels.get(side).iter().any(|level| level.mark == Reliability::ByHand)
     }
 }
 
 impl Definition {
-    fn of(record: &Record) -> Definition {
+    fn from_record(record: &Record) -> Definition {
         let said = |key: &str| record.made_by.method.get(key).map_or("", String::as_str);
         let words = ["scope", "tape", "axis", "fit"].map(said);
         let words = words.into_iter().filter(|word| !word.is_empty());
@@ -144,7 +144,7 @@ pub fn last_of_days<T>(scans: Vec<T>, record: impl Fn(&T) -> &Record) -> Vec<T> 
 
 fn levels(record: &Record, side: Side) -> Vec<LevelAtVisit> {
     let level = |level: Level| {
-        let of = Measure::of(record, side, level).ok()?;
+        let of = Measure::find(record, side, level).ok()?;
         Some(LevelAtVisit {
             level,
             girth_mm: of.girth.mm,

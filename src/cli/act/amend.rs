@@ -11,11 +11,11 @@ use serde_json::json;
 use super::with_patient;
 use crate::cli::args::{AmendArgs, Named};
 use crate::cli::terminal::{paint, screen, table};
-use crate::cli::{Exit, ask, complain, config_if_any, print, report_choice, shown};
+use crate::cli::{Exit, ask, complain, config_if_any, print, report_choice, terminal_safe};
 use crate::station::operator::act::{Measured, Setting};
 use crate::station::operator::control::protocol::Request;
 use crate::station::runtime::causes::chain;
-use crate::store::revision::amend::{Amended, Fault, amend as amend_record};
+use crate::store::revision::amend::{AmendRecordFault, Amended, amend_record};
 
 /// Sets the measure.
 pub fn amend(args: &AmendArgs) -> Exit {
@@ -25,7 +25,7 @@ pub fn amend(args: &AmendArgs) -> Exit {
         by: args.by.clone(),
         is_sure: args.sure,
     };
-    match Named::of(&args.record) {
+    match Named::from_arg(&args.record) {
         Named::Scan(scan) => {
             let request = |patient| Request::Amend { scan, patient, setting };
             match args.of {
@@ -67,7 +67,7 @@ fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
     let folder = path.parent().filter(|_| is_record && path.is_file()).unwrap_or(path);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     if folder.is_file() {
-        return refused(args, path, &Fault::NoRecord);
+        return refused(args, path, &AmendRecordFault::NoRecord);
     }
     match amend_record(folder, &setting.amendments(Timestamp::now()), args.sure, &choice) {
         Ok(amended) => told(args, &amended, &choice),
@@ -83,8 +83,8 @@ fn told(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
             format!("{}\n", json!({ "folder": folder, "revision": record.revision }))
         }
         false => {
-            let table = table::of(record, &choice.garment, screen::columns());
-            format!("{}\n{table}\n", shown(folder.display()))
+            let table = table::render(record, &choice.garment, screen::columns());
+            format!("{}\n{table}\n", terminal_safe(folder.display()))
         }
     };
     match paint::print(text) {
@@ -96,19 +96,23 @@ fn told(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
     }
 }
 
-fn refused(args: &AmendArgs, path: &Path, fault: &Fault) -> Exit {
+fn refused(args: &AmendArgs, path: &Path, fault: &AmendRecordFault) -> Exit {
     let (code, exit) = match fault {
-        Fault::NoRecord => ("no-record", Exit::NoFile),
-        Fault::Amend(fault) if fault.is_far_off() => ("measure-far-off", Exit::Usage),
-        Fault::Amend(_) => ("measure-not-possible", Exit::Usage),
-        Fault::Stored(fault) => (fault.code(), Exit::Unmeasurable),
-        Fault::OtherVersion(_) | Fault::Withdrawn | Fault::Meanwhile => {
-            ("record-not-amended", Exit::Unmeasurable)
-        }
-        Fault::Files(_) => ("record-not-written", Exit::Internal),
-        Fault::Unlisted(_) | Fault::Io(_) => ("record-io", Exit::Io),
+        AmendRecordFault::NoRecord => ("no-record", Exit::NoFile),
+        AmendRecordFault::Amend(fault) if fault.is_far_off() => ("measure-far-off", Exit::Usage),
+        AmendRecordFault::Amend(_) => ("measure-not-possible", Exit::Usage),
+        AmendRecordFault::Stored(fault) => (fault.code(), Exit::Unmeasurable),
+        AmendRecordFault::OtherVersion(_)
+        | AmendRecordFault::Withdrawn
+        | AmendRecordFault::Meanwhile => ("record-not-amended", Exit::Unmeasurable),
+        AmendRecordFault::Files(_) => ("record-not-written", Exit::Internal),
+        AmendRecordFault::Unlisted(_) | AmendRecordFault::Io(_) => ("record-io", Exit::Io),
     };
-    let said = format!("{}: nothing was set: {}", shown(path.display()), shown(chain(fault)));
+    let said = format!(
+        "{}: nothing was set: {}",
+        terminal_safe(path.display()),
+        terminal_safe(chain(fault))
+    );
     if args.ask.json {
         let fault = json!({ "fault": { "code": code, "message": said, "exit": exit.code() } });
         // If printing fails, the exit code still tells the caller.

@@ -112,7 +112,7 @@ pub enum Named {
 
 impl Named {
     /// A text of digits that can begin an id is a scan, unless a file has that name; else it is a file.
-    pub fn of(what: &OsString) -> Named {
+    pub fn from_arg(what: &OsString) -> Named {
         let file = PathBuf::from(what);
         match what.to_str().map(digits) {
             Some(Ok(scan)) if !file.exists() => Named::Scan(scan),
@@ -146,11 +146,11 @@ mod tests {
 
     #[test]
     fn what_could_be_an_id_is_one_unless_a_file_has_its_name() {
-        assert_eq!(Named::of(&"abcd1234".into()), Named::Scan("abcd1234".into()));
-        assert_eq!(Named::of(&"4711_a.obj".into()), Named::File("4711_a.obj".into()));
+        assert_eq!(Named::from_arg(&"abcd1234".into()), Named::Scan("abcd1234".into()));
+        assert_eq!(Named::from_arg(&"4711_a.obj".into()), Named::File("4711_a.obj".into()));
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("abcd");
         std::fs::write(&path, "").unwrap();
-        assert_eq!(Named::of(&path.clone().into()), Named::File(path));
+        assert_eq!(Named::from_arg(&path.clone().into()), Named::File(path));
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use gaiter_sizes::Garment;
 
 use crate::cli::sizes::read_all;
-use crate::cli::{Exit, complain, shown};
+use crate::cli::{Exit, complain, terminal_safe};
 use crate::config::sizes::add;
 
 /// The garment.
@@ -41,7 +41,7 @@ impl GarmentArgs {
         match (&self.garment, own.as_slice()) {
             (Some(name), _) => all.iter().find(|of| of.name() == name).cloned().ok_or_else(|| {
                 let names: Vec<&str> = all.iter().map(Garment::name).collect();
-                let (name, names) = (shown(name), shown(names.join(", ")));
+                let (name, names) = (terminal_safe(name), terminal_safe(names.join(", ")));
                 complain(format_args!("gaiter: --garment {name}: known are {names}"));
                 Exit::Usage
             }),

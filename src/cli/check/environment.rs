@@ -21,19 +21,21 @@ use crate::store::access::OTHERS;
 pub(super) fn rows(config: &Config) -> Vec<Row> {
     let (state, store) = (&config.station.state_dir, &config.store.folder.path);
     let exports = &config.scanner.export_dirs;
-    let mut rows: Vec<Row> =
-        exports.iter().map(|folder| Row::of("export folder", folder, readable(folder))).collect();
+    let mut rows: Vec<Row> = exports
+        .iter()
+        .map(|folder| Row::from_attempt("export folder", folder, readable(folder)))
+        .collect();
     rows.extend(exports.iter().filter_map(|folder| mounted(folder, &config.scanner.watch)));
     rows.extend(names::rows(config));
-    let record_store = Row::of("record store", store, writable(store));
+    let record_store = Row::from_attempt("record store", store, writable(store));
     for (row, folder) in [(state_folder(state), state), (record_store, store)] {
         rows.push(row);
         rows.push(room(folder, config.scanner.max_scan_bytes));
     }
     let gdt = config.store.gdt.as_ref().map(|gdt| &gdt.path);
-    rows.extend(gdt.map(|folder| Row::of("exchange folder", folder, writable(folder))));
+    rows.extend(gdt.map(|folder| Row::from_attempt("exchange folder", folder, writable(folder))));
     let orders = config.patient.orders.as_ref().map(|orders| &orders.path);
-    rows.extend(orders.map(|folder| Row::of("order folder", folder, readable(folder))));
+    rows.extend(orders.map(|folder| Row::from_attempt("order folder", folder, readable(folder))));
     rows.push(local(state));
     rows.extend(linked_into_one_another(exports, state, store));
     rows.extend(slow_rescan(config));
@@ -62,7 +64,7 @@ fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
     config.marker.as_ref()?;
     let seen = file_system::mount(folder, config).ok()?;
     let check = "export mounted";
-    Some(match MountGuard::default().judge(seen) {
+    Some(match MountGuard::default().check(seen) {
         Ok(()) => Row::ok(check, folder, format!("as configured, on {}", seen.file_system)),
         Err(why) => Row::new(check, folder, Verdict::Fail, format!("the export folder {why}")),
     })
@@ -109,7 +111,7 @@ pub(super) fn writable(folder: &Path) -> io::Result<String> {
 /// cannot tell.
 fn state_folder(folder: &Path) -> Row {
     let check = "state folder";
-    let row = Row::of(check, folder, writable(folder));
+    let row = Row::from_attempt(check, folder, writable(folder));
     let found = match fs::metadata(folder) {
         Ok(found) if row.verdict == Verdict::Ok => found,
         _ => return row,
@@ -191,7 +193,7 @@ fn network(folder: &Path) -> Option<FileSystem> {
 }
 
 fn file_system(folder: &Path) -> Option<FileSystem> {
-    file_system::of(footing(folder).ok()?).ok()
+    file_system::detect(footing(folder).ok()?).ok()
 }
 
 /// Links can lead one folder into another even though their paths differ.

@@ -9,7 +9,7 @@ use gaiter_flow::{Group, Identity, NameSays};
 use super::row::{Example, Row, Verdict};
 use crate::config::Config;
 use crate::station::intake::scan_dir::{self, Found};
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 
 /// The check's name in the table.
 const CHECK: &str = "file names";
@@ -34,7 +34,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     // The pattern was already compiled when the configuration was read.
     let Ok(identity) = identity else { return Vec::new() };
     let look = |folder: &PathBuf| {
-        let found = scan_dir::look(folder, &scanner.watch, &Pulse::default()).ok()?;
+        let found = scan_dir::look(folder, &scanner.watch, &StepCounter::default()).ok()?;
         Some(of_folder(folder, found, &identity))
     };
     scanner.export_dirs.iter().filter_map(look).flatten().collect()

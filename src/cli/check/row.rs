@@ -71,7 +71,7 @@ impl Row {
         Row { check, place, verdict, detail, examples: Vec::new() }
     }
 
-    pub fn of(check: &'static str, place: &Path, tried: io::Result<String>) -> Row {
+    pub fn from_attempt(check: &'static str, place: &Path, tried: io::Result<String>) -> Row {
         match tried {
             Ok(detail) => Row::ok(check, place, detail),
             Err(error) => Row::new(check, place, Verdict::Fail, error.to_string()),

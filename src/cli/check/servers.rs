@@ -20,7 +20,7 @@ use crate::store::{FhirStore, Hl7Store, RecordStore};
 
 /// A row for each server, each secret and each certificate of the station.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
-    let stores = Stores::of(config);
+    let stores = Stores::from_config(config);
     let fhir = config.store.fhir.as_ref().zip(stores.named(FhirStore::NAME));
     let hl7 = config.store.hl7.as_ref().zip(stores.named(Hl7Store::NAME));
     let fhir = fhir.map(|(fhir, store)| fhir_rows(fhir, store)).unwrap_or_default();
@@ -39,7 +39,9 @@ fn fhir_rows(config: &FhirStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
 
 fn hl7_rows(config: &Hl7StoreConfig, store: &dyn RecordStore) -> Vec<Row> {
     let (host, tls) = match &config.way {
-        Hl7Way::Files(folder) => return vec![Row::of("message folder", folder, writable(folder))],
+        Hl7Way::Files(folder) => {
+            return vec![Row::from_attempt("message folder", folder, writable(folder))];
+        }
         Hl7Way::Mllp { host, tls, .. } => (host, tls),
     };
     let own = config.way.secret();

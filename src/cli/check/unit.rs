@@ -28,7 +28,7 @@ pub(super) fn rows(file: &Path, config: &Config) -> Vec<Row> {
     let Some(shown) = systemctl(&["show", SERVICE, "--property", PROPERTIES]) else {
         return Vec::new();
     };
-    let unit = Unit::of(&shown);
+    let unit = Unit::new(&shown);
     if !unit.runs_with(file) {
         return Vec::new();
     }
@@ -73,7 +73,7 @@ enum Need {
 struct Unit<'a>(Vec<(&'a str, &'a str)>);
 
 impl<'a> Unit<'a> {
-    fn of(shown: &'a str) -> Unit<'a> {
+    fn new(shown: &'a str) -> Unit<'a> {
         Unit(shown.lines().filter_map(|line| line.split_once('=')).collect())
     }
 
@@ -124,7 +124,7 @@ mod tests {
         ProtectHome=yes\nPrivateTmp=yes\n";
 
     fn refused(folder: &str, need: Need) -> Option<String> {
-        Unit::of(SHIPPED).refuses(Path::new(folder), need)
+        Unit::new(SHIPPED).refuses(Path::new(folder), need)
     }
 
     #[test]
@@ -150,16 +150,16 @@ mod tests {
 
     #[test]
     fn a_service_without_a_sandbox_refuses_nothing() {
-        let unit = Unit::of("LoadState=loaded\nProtectSystem=no\nProtectHome=no\nPrivateTmp=no\n");
+        let unit = Unit::new("LoadState=loaded\nProtectSystem=no\nProtectHome=no\nPrivateTmp=no\n");
         assert_eq!(unit.refuses(Path::new("/home/x"), Need::Write), None);
     }
 
     #[test]
     fn only_the_service_of_this_configuration_is_looked_at() {
-        let unit = Unit::of(SHIPPED);
+        let unit = Unit::new(SHIPPED);
         assert!(unit.runs_with(Path::new("/etc/gaiter/station.toml")));
         assert!(!unit.runs_with(Path::new("/tmp/other.toml")));
         let text = SHIPPED.replace("=loaded", "=not-found");
-        assert!(!Unit::of(&text).runs_with(Path::new("/etc/gaiter/station.toml")));
+        assert!(!Unit::new(&text).runs_with(Path::new("/etc/gaiter/station.toml")));
     }
 }

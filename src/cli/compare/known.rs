@@ -7,9 +7,9 @@ use std::path::Path;
 use gaiter_flow::patient::person::KnownVisits;
 
 use crate::cli::ask::{AskFault, ask};
-use crate::cli::{complain, shown};
+use crate::cli::{complain, terminal_safe};
 use crate::config;
-use crate::station::operator::control::protocol::{Answer, Request};
+use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::persons::stopped::{Stopped, StoppedFault};
 use crate::station::runtime::causes::chain;
 
@@ -20,12 +20,12 @@ pub(super) fn known(config: &Path, patient: &str) -> KnownVisits {
         complain(format_args!(
             "gaiter: the station does not say what it knows of this patient, so no record that was \
              removed is noticed, and only --affected names a leg: {}",
-            shown(chain(fault))
+            terminal_safe(chain(fault))
         ));
         KnownVisits::default()
     };
     match ask(config, &Request::Visits { patient: patient.to_owned() }) {
-        Ok(Answer::Visits(known)) => known,
+        Ok(ControlAnswer::Visits(known)) => known,
         Ok(_) => untold(&AskFault::another_answer()),
         Err(AskFault::NoStation { .. }) => match config::read(config) {
             Ok(config) => match Stopped::take(config).and_then(|of| of.visits(patient)) {

@@ -18,7 +18,7 @@ use super::args::{CompareArgs, CompareChoice};
 use super::ask::read_patient;
 use super::report::{self, placed, told};
 use super::terminal::{paint, screen};
-use super::{Exit, complain, config_if_any, exit_of_printing, print, report_choice, shown};
+use super::{Exit, complain, config_if_any, exit_of_printing, print, report_choice, terminal_safe};
 use crate::config::{Config, FolderStoreConfig};
 use crate::station::runtime::causes::chain;
 use crate::store::revision::visits::PlacedRecord;
@@ -26,10 +26,10 @@ use crate::store::{FolderStore, RecordStore, StoreFault};
 
 /// Why nothing was compared, or not written.
 #[derive(Debug, thiserror::Error)]
-enum Fault {
+enum CompareFault {
     /// A record cannot be read, or the files cannot be written.
     #[error(transparent)]
-    Files(#[from] report::Fault),
+    Files(#[from] report::ReportFault),
     /// The records cannot be compared.
     #[error("{fault}; the records: {names}")]
     Course {
@@ -44,7 +44,7 @@ enum Fault {
     )]
     NoStore,
     /// The store is out of reach.
-    #[error("the store is out of reach: {}", shown(chain(.0)))]
+    #[error("the store is out of reach: {}", terminal_safe(chain(.0)))]
     Unreached(StoreFault),
     /// The patient's id cannot be read.
     #[error("the patient's id cannot be read: {0}")]
@@ -69,15 +69,17 @@ enum Fault {
     Paper(#[from] PdfFault),
 }
 
-impl Fault {
+impl CompareFault {
     fn exit(&self) -> Exit {
         match self {
-            Fault::Files(fault) => fault.exit(),
-            Fault::Course { .. } | Fault::OneVisit | Fault::OneUsable => Exit::Unmeasurable,
-            Fault::NoStore | Fault::EmptyId => Exit::Usage,
-            Fault::NoRecords => Exit::NoFile,
-            Fault::NoId(_) | Fault::Unreached(_) => Exit::Io,
-            Fault::Json(_) | Fault::Paper(_) => Exit::Internal,
+            CompareFault::Files(fault) => fault.exit(),
+            CompareFault::Course { .. } | CompareFault::OneVisit | CompareFault::OneUsable => {
+                Exit::Unmeasurable
+            }
+            CompareFault::NoStore | CompareFault::EmptyId => Exit::Usage,
+            CompareFault::NoRecords => Exit::NoFile,
+            CompareFault::NoId(_) | CompareFault::Unreached(_) => Exit::Io,
+            CompareFault::Json(_) | CompareFault::Paper(_) => Exit::Internal,
         }
     }
 }
@@ -95,26 +97,32 @@ pub fn compare(args: &CompareArgs) -> Exit {
 /// Compares the visits of a patient in the station's store. The id comes from the operator.
 pub fn visits(how: &CompareChoice) -> Exit {
     ended(how, |config| {
-        let config = config.ok_or(Fault::NoStore)?;
+        let config = config.ok_or(CompareFault::NoStore)?;
         let FolderStoreConfig { path: root, access } = &config.store.folder;
         let (first, station) = (FolderStore::FIRST, &config.station.id);
         let store = FolderStore::new(first, root.clone(), station, *access);
-        store.reach().map_err(Fault::Unreached)?;
-        let patient = read_patient().map_err(Fault::NoId)?;
+        store.reach().map_err(CompareFault::Unreached)?;
+        let patient = read_patient().map_err(CompareFault::NoId)?;
         if patient.is_empty() {
-            return Err(Fault::EmptyId);
+            return Err(CompareFault::EmptyId);
         }
         // First what was delivered, then what is there: a delivery in between is not told as removed.
         let known = known(&how.config, &patient);
         let (found, left_out) = records::of_patient(root, &patient, &known.delivered)?;
         match (found.len(), left_out.is_empty()) {
-            (0, true) => Err(Fault::NoRecords),
-            (0 | 1, false) => Err(Fault::OneUsable),
-            (1, true) => Err(Fault::OneVisit),
+            (0, true) => Err(CompareFault::NoRecords),
+            (0 | 1, false) => Err(CompareFault::OneUsable),
+            (1, true) => Err(CompareFault::OneVisit),
             _ => {
                 let affected = known.affected.as_deref().and_then(Affected::of_word);
                 let is_affected_unreadable = known.is_affected_unreadable;
-                Ok(Chosen { found, left_out, affected, is_affected_unreadable, make: Course::of })
+                Ok(Chosen {
+                    found,
+                    left_out,
+                    affected,
+                    is_affected_unreadable,
+                    make: Course::from_records,
+                })
             }
         }
     })
@@ -134,7 +142,7 @@ struct Chosen {
 
 fn ended(
     how: &CompareChoice,
-    chosen: impl FnOnce(Option<&Config>) -> Result<Chosen, Fault>,
+    chosen: impl FnOnce(Option<&Config>) -> Result<Chosen, CompareFault>,
 ) -> Exit {
     let config = match config_if_any(&how.config) {
         Ok(config) => config,
@@ -151,7 +159,7 @@ fn compared(
     how: &CompareChoice,
     config: Option<&Config>,
     Chosen { found, left_out, affected, is_affected_unreadable, make }: Chosen,
-) -> Result<Exit, Fault> {
+) -> Result<Exit, CompareFault> {
     let (configured, _) = report_choice(config);
     let thresholds = config.map(|config| config.visits.thresholds.as_slice()).unwrap_or_default();
     let records: Vec<Record> = found.iter().map(|of| of.record.clone()).collect();
@@ -162,8 +170,9 @@ fn compared(
     };
     let course = make(&records, choice).map_err(|fault| {
         let named = found.iter().enumerate();
-        let named = named.map(|(at, of)| format!("{} {}", at + 1, shown(of.folder.display())));
-        Fault::Course { fault, names: named.collect::<Vec<_>>().join(", ") }
+        let named =
+            named.map(|(at, of)| format!("{} {}", at + 1, terminal_safe(of.folder.display())));
+        CompareFault::Course { fault, names: named.collect::<Vec<_>>().join(", ") }
     })?;
     let course = course.with_left_out(left_out);
     let course = course.with_affected_unreadable(is_affected_unreadable);
@@ -182,7 +191,7 @@ fn compared(
             print(told(&paths, false))
         }
         (None, true) => print(json),
-        (None, false) => paint::print(text::of(&report.document(), screen::columns())),
+        (None, false) => paint::print(text::render(&report.document(), screen::columns())),
     };
     Ok(exit_of_printing("the comparison", printed))
 }
@@ -191,7 +200,7 @@ fn compared(
 const PAPER_NAME: &str = "visits.pdf";
 
 /// The page, the PDF and the figures.
-fn files(report: &ReportOf, paper: Paper, json: String) -> Result<[RecordFile; 3], Fault> {
+fn files(report: &ReportOf, paper: Paper, json: String) -> Result<[RecordFile; 3], CompareFault> {
     let document = report.document_beside(PAPER_NAME);
     let page = page(&document, paper)?;
     let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };

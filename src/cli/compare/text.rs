@@ -2,13 +2,13 @@
 
 use gaiter_record::report::content::{Section, Table, VerdictPart};
 use gaiter_record::report::document::{Block, Document};
-use gaiter_record::report::{Figure, Mark};
+use gaiter_record::report::{Reliability, ReportFigure};
 
 use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::indented;
 
 /// The report in lines of at most this many characters; pictures and what reports of visits do not have are left out.
-pub(super) fn of(document: &Document, columns: usize) -> String {
+pub(super) fn render(document: &Document, columns: usize) -> String {
     let head = &document.head;
     let mut text = format!("{}: {} · {}\n", head.title, head.patient, head.taken);
     for block in &document.blocks {
@@ -42,11 +42,11 @@ fn section(of: &Section, columns: usize) -> String {
 
 /// A table; its rows are broken between columns if they do not fit.
 fn table(of: &Table, columns: usize) -> String {
-    let cells: Vec<Vec<(String, Mark)>> = of
+    let cells: Vec<Vec<(String, Reliability)>> = of
         .rows
         .iter()
         .map(|row| {
-            let head = (row.head.clone(), Mark::Sure);
+            let head = (row.head.clone(), Reliability::Sure);
             std::iter::once(head).chain(row.figures.iter().map(figure)).collect()
         })
         .collect();
@@ -59,8 +59,8 @@ fn table(of: &Table, columns: usize) -> String {
     let mut text = format!("\n{}\n", of.title);
     text.extend(of.explanation.as_ref().map(|said| indented(said, "  ", columns)));
     for part in parts(&widths, columns.saturating_sub(2)) {
-        let head: Vec<(String, Mark)> =
-            of.columns.iter().map(|head| (head.clone(), Mark::Sure)).collect();
+        let head: Vec<(String, Reliability)> =
+            of.columns.iter().map(|head| (head.clone(), Reliability::Sure)).collect();
         for row in std::iter::once(&head).chain(&cells) {
             text += &line(row, &widths, &part);
         }
@@ -71,7 +71,7 @@ fn table(of: &Table, columns: usize) -> String {
 
 /// Whether a change is shown in it, which the sheet has in bold.
 fn has_bold(of: &Table) -> bool {
-    of.rows.iter().flat_map(|row| &row.figures).any(|figure| figure.mark == Mark::Real)
+    of.rows.iter().flat_map(|row| &row.figures).any(|figure| figure.mark == Reliability::Real)
 }
 
 /// The columns of each part of a table that fits into this many characters; every part begins with the
@@ -94,13 +94,13 @@ fn parts(widths: &[usize], most: usize) -> Vec<Vec<usize>> {
 /// Blanks between two columns.
 const GAP: usize = 2;
 
-fn line(row: &[(String, Mark)], widths: &[usize], columns: &[usize]) -> String {
+fn line(row: &[(String, Reliability)], widths: &[usize], columns: &[usize]) -> String {
     let mut line = String::from("  ");
     for (place, column) in columns.iter().enumerate() {
         let Some((cell, mark)) = row.get(*column) else { continue };
         let blanks = " ".repeat(widths[*column].saturating_sub(cell.chars().count()));
         let cell = match mark {
-            Mark::Real => painted(paint::CARE, cell),
+            Reliability::Real => painted(paint::CARE, cell),
             _ => cell.clone(),
         };
         line += &match place {
@@ -113,8 +113,8 @@ fn line(row: &[(String, Mark)], widths: &[usize], columns: &[usize]) -> String {
 
 /// A figure with its uncertainty and its sign; one that is shown to have changed ends in an exclamation mark,
 /// because a terminal may have no colour.
-fn figure(of: &Figure) -> (String, Mark) {
+fn figure(of: &ReportFigure) -> (String, Reliability) {
     let margin = of.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
-    let sign = if of.mark == Mark::Real { "!" } else { of.mark.sign() };
+    let sign = if of.mark == Reliability::Real { "!" } else { of.mark.sign() };
     (format!("{}{margin}{sign}", of.value), of.mark)
 }

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use gaiter_scan::Format;
 
-use crate::cli::{Exit, shown};
+use crate::cli::{Exit, terminal_safe};
 
 /// Why a folder gave no scans.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderFault {
     /// The folder, or a folder within it, cannot be listed.
-    #[error("{}: {source}", shown(folder.display()))]
+    #[error("{}: {source}", terminal_safe(folder.display()))]
     Unreadable {
         /// The folder.
         folder: PathBuf,
@@ -22,7 +22,7 @@ pub enum FolderFault {
     /// No file in it has a scan's file ending.
     #[error(
         "{}: the folder holds no scan (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt){}",
-        shown(folder.display()),
+        terminal_safe(folder.display()),
         if *recursive { "" } else { "; --recursive looks into its folders, too" }
     )]
     NoScan {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::shown;
+use crate::cli::terminal_safe;
 
 /// The folder that holds all scans, and the name of each within it.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub struct Names {
 
 impl Names {
     /// The names for these scans.
-    pub fn of<'a>(scans: impl Iterator<Item = &'a Path>) -> Names {
+    pub fn for_scans<'a>(scans: impl Iterator<Item = &'a Path>) -> Names {
         let folders = scans.map(|scan| scan.parent().unwrap_or(Path::new("")).to_owned());
         Names { folder: folders.reduce(|a, b| common(&a, &b)).unwrap_or_default() }
     }
@@ -20,12 +20,12 @@ impl Names {
     /// The folder, safe to print; `None` if it is the current one.
     pub fn folder(&self) -> Option<String> {
         let is_here = self.folder.as_os_str().is_empty() || self.folder == Path::new(".");
-        (!is_here).then(|| shown(self.folder.display()))
+        (!is_here).then(|| terminal_safe(self.folder.display()))
     }
 
     /// The name of one of the scans, safe to print.
     pub fn name(&self, scan: &Path) -> String {
-        shown(scan.strip_prefix(&self.folder).unwrap_or(scan).display())
+        terminal_safe(scan.strip_prefix(&self.folder).unwrap_or(scan).display())
     }
 }
 
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     fn names(scans: &[&str]) -> (Option<String>, Vec<String>) {
-        let names = Names::of(scans.iter().map(Path::new));
+        let names = Names::for_scans(scans.iter().map(Path::new));
         (names.folder(), scans.iter().map(|scan| names.name(Path::new(scan))).collect())
     }
 

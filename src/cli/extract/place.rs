@@ -9,7 +9,7 @@ use rustix::fs::{CWD, RenameFlags, renameat_with};
 use rustix::io::Errno;
 
 use super::Undelivered;
-use crate::cli::shown;
+use crate::cli::terminal_safe;
 use crate::store::durable;
 use crate::store::sums::{self, SUMS};
 
@@ -22,9 +22,9 @@ pub enum Foreign {
     NoSums,
     #[error("it holds the record of another scan")]
     OtherScan,
-    #[error("its {} does not belong to the record", shown(.0))]
+    #[error("its {} does not belong to the record", terminal_safe(.0))]
     Stranger(String),
-    #[error("its {} was changed", shown(.0))]
+    #[error("its {} was changed", terminal_safe(.0))]
     Changed(String),
 }
 

@@ -57,9 +57,10 @@ impl Row {
     /// The row of a scan that was measured, with the verdict for an order of this garment; `is_delivered` unless its
     /// record could not be printed or written.
     pub fn measured(name: String, record: &Record, garment: &Garment, is_delivered: bool) -> Row {
-        let girths_mm = Side::FROM_FRONT
-            .map(|side| LEVELS.map(|level| Some(Measure::of(record, side, level).ok()?.girth.mm)));
-        let verdict = Completeness::of(record, garment).kind();
+        let girths_mm = Side::FROM_FRONT.map(|side| {
+            LEVELS.map(|level| Some(Measure::find(record, side, level).ok()?.girth.mm))
+        });
+        let verdict = Completeness::from_record(record, garment).kind();
         Row { name, came: Came::Measured { girths_mm, verdict, is_delivered } }
     }
 

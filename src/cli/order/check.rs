@@ -4,12 +4,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 use gaiter_sizes::mapping::parse;
-use gaiter_sizes::{Fault, Mapping};
+use gaiter_sizes::{DocumentFault, Mapping};
 use serde_json::{Value, json};
 
 use crate::cli::args::OrderCheckArgs;
 use crate::cli::sizes::{files_at, read_all};
-use crate::cli::{Exit, complain, exit_of_printing, print, shown};
+use crate::cli::{Exit, complain, exit_of_printing, print, terminal_safe};
 use crate::config::sizes::beside::TextFile;
 
 /// Name and number of the schema of the result as JSON.
@@ -20,7 +20,7 @@ pub fn check(args: &OrderCheckArgs) -> Exit {
     let (mut worst, mut checked) = (Exit::Done, Vec::new());
     for path in &args.files {
         match files_at(path) {
-            Ok(files) => checked.extend(files.into_iter().map(Checked::of)),
+            Ok(files) => checked.extend(files.into_iter().map(Checked::check)),
             Err(exit) => worst = worst.max(exit),
         }
     }
@@ -53,20 +53,20 @@ pub fn mapping(path: &Path) -> Result<Mapping, Exit> {
 /// A file, and what was found in it.
 struct Checked {
     path: String,
-    found: Result<Mapping, Vec<Fault>>,
+    found: Result<Mapping, Vec<DocumentFault>>,
 }
 
 impl Checked {
-    fn of(file: TextFile) -> Checked {
+    fn check(file: TextFile) -> Checked {
         let path = file.path.display().to_string();
         Checked { path, found: parse(file.text.as_bytes()) }
     }
 
     fn text(&self) -> String {
-        let path = shown(&self.path);
+        let path = terminal_safe(&self.path);
         match &self.found {
             Ok(Mapping { id, columns, .. }) => {
-                format!("{path}: {}: no fault, {} columns\n", shown(id), columns.len())
+                format!("{path}: {}: no fault, {} columns\n", terminal_safe(id), columns.len())
             }
             Err(faults) => {
                 let count = match faults.len() {
@@ -84,7 +84,7 @@ impl Checked {
     }
 
     fn json(&self) -> Value {
-        let faults: &[Fault] = self.found.as_ref().err().map_or(&[], Vec::as_slice);
+        let faults: &[DocumentFault] = self.found.as_ref().err().map_or(&[], Vec::as_slice);
         let id = self.found.as_ref().ok().map(|mapping| &mapping.id);
         json!({ "path": self.path, "id": id, "faults": faults })
     }

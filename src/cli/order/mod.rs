@@ -19,7 +19,8 @@ use jiff::Zoned;
 
 use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat};
 use super::{
-    Exit, complain, config_if_any, exit_of_printing, print, print_to, report, report_choice, shown,
+    Exit, complain, config_if_any, exit_of_printing, print, print_to, report, report_choice,
+    terminal_safe,
 };
 
 /// Checks mappings, or writes an order.
@@ -32,12 +33,12 @@ pub fn order(args: &OrderArgs) -> Result<Exit, Exit> {
 
 /// Why there is no order.
 #[derive(Debug, thiserror::Error)]
-enum Fault {
+enum OrderVerbFault {
     /// The reference cannot be used.
     #[error("--ref {0}")]
     Ref(#[from] RefFault),
     /// The last order cannot be read.
-    #[error("{}: {source}", shown(path.display()))]
+    #[error("{}: {source}", terminal_safe(path.display()))]
     Unreadable {
         /// Its path.
         path: PathBuf,
@@ -45,7 +46,7 @@ enum Fault {
         source: io::Error,
     },
     /// It is none.
-    #[error("{}: {}", shown(path.display()), shown(source))]
+    #[error("{}: {}", terminal_safe(path.display()), terminal_safe(source))]
     Last {
         /// Its path.
         path: PathBuf,
@@ -53,7 +54,7 @@ enum Fault {
         source: LastFault,
     },
     /// It cannot be repeated for this record.
-    #[error("{}: {}", shown(path.display()), shown(source))]
+    #[error("{}: {}", terminal_safe(path.display()), terminal_safe(source))]
     Reorder {
         /// Its path.
         path: PathBuf,
@@ -65,27 +66,29 @@ enum Fault {
     Json(#[from] serde_json::Error),
     /// The record cannot be read, or the files cannot be written.
     #[error(transparent)]
-    Files(#[from] report::Fault),
+    Files(#[from] report::ReportFault),
 }
 
-impl Fault {
+impl OrderVerbFault {
     fn exit(&self) -> Exit {
         match self {
-            Fault::Ref(_) => Exit::Usage,
-            Fault::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
+            OrderVerbFault::Ref(_) => Exit::Usage,
+            OrderVerbFault::Unreadable { source, .. }
+                if source.kind() == io::ErrorKind::NotFound =>
+            {
                 Exit::NoFile
             }
-            Fault::Unreadable { .. } => Exit::Io,
-            Fault::Last { .. } | Fault::Reorder { .. } => Exit::Unmeasurable,
-            Fault::Json(_) => Exit::Internal,
-            Fault::Files(fault) => fault.exit(),
+            OrderVerbFault::Unreadable { .. } => Exit::Io,
+            OrderVerbFault::Last { .. } | OrderVerbFault::Reorder { .. } => Exit::Unmeasurable,
+            OrderVerbFault::Json(_) => Exit::Internal,
+            OrderVerbFault::Files(fault) => fault.exit(),
         }
     }
 }
 
 /// Writes or prints the order, and says what is open.
 fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
-    let complained = |fault: Fault| {
+    let complained = |fault: OrderVerbFault| {
         complain(format_args!("gaiter: {fault}"));
         fault.exit()
     };
@@ -101,11 +104,11 @@ fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
     let garment = named.chosen(&garments, &choice.garment)?;
     let record = report::record_at(path).map_err(|fault| complained(fault.into()))?;
     if record.has_finding(NOT_VOUCHED) {
-        let name = shown(path.display());
+        let name = terminal_safe(path.display());
         let said = language.filled("ordering.not_vouched", &[("record", &name), ("sums", &SUMS)]);
         complain(format_args!("gaiter: {said}"));
     }
-    let order = of(args, &record, &garment, last, choice.sizes.scanner_girth_mm);
+    let order = order_from_args(args, &record, &garment, last, choice.sizes.scanner_girth_mm);
     let order = order.map_err(complained)?.on(Zoned::now().date(), choice.age_max);
     let files = files(&order, mapping.as_ref(), &record, language)
         .map_err(|fault| complained(fault.into()))?;
@@ -128,24 +131,24 @@ fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
 }
 
 /// The order of the command line.
-fn of(
+fn order_from_args(
     args: &OrderOf,
     record: &Record,
     garment: &Garment,
     last: Option<(&Path, Order)>,
     scanner_girth_mm: f64,
-) -> Result<Order, Fault> {
+) -> Result<Order, OrderVerbFault> {
     let order_ref =
         args.order_ref.as_deref().map(|text| OrderRef::new(text, record)).transpose()?;
     let order_ref = order_ref.as_ref();
     let Some((path, last)) = last else {
-        return Ok(Order::of(record, garment, order_ref, scanner_girth_mm));
+        return Ok(Order::from_record(record, garment, order_ref, scanner_girth_mm));
     };
     let again = match args.reorder {
         Some(Repeat::Exact) => Order::exact(&last, record, garment, order_ref),
         _ => Order::with_changes(&last, record, garment, order_ref, scanner_girth_mm),
     };
-    again.map_err(|source| Fault::Reorder { path: path.to_owned(), source })
+    again.map_err(|source| OrderVerbFault::Reorder { path: path.to_owned(), source })
 }
 
 /// The files of the order: the mapping's that was asked for, else the tables for programs and for people, and the
@@ -166,12 +169,12 @@ fn files(
 }
 
 /// The last order. Its length is looked at first: a scan in the wrong place is not read whole.
-fn last_order(path: &Path) -> Result<Order, Fault> {
-    let unreadable = |source| Fault::Unreadable { path: path.to_owned(), source };
+fn last_order(path: &Path) -> Result<Order, OrderVerbFault> {
+    let unreadable = |source| OrderVerbFault::Unreadable { path: path.to_owned(), source };
     let file = File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
     file.take(BYTES_MAX as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    read(&bytes).map_err(|source| Fault::Last { path: path.to_owned(), source })
+    read(&bytes).map_err(|source| OrderVerbFault::Last { path: path.to_owned(), source })
 }
 
 /// The garment that the command line names, else that of the last order.

@@ -8,15 +8,15 @@ use serde_json::json;
 
 use super::files::Bundle;
 use super::overview;
-use super::reach::{Fault, Reached};
+use super::reach::{PersonFault, Reached};
 use crate::cli::args::DiscloseArgs;
-use crate::cli::{Exit, complain, print, shown};
+use crate::cli::{Exit, complain, print, terminal_safe};
 
 /// What the station notes of a scan that comes in: it also names others to whom the scan might have belonged.
 const INTAKE: &str = "intake.json";
 
-pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, Fault> {
-    let (reached, patient, person) = Reached::of(&args.ask.config)?;
+pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, PersonFault> {
+    let (reached, patient, person) = Reached::find(&args.ask.config)?;
     let language = reached.language;
     let bundle = Bundle::begin(&args.out)?;
     write(&bundle, &person, language)?;
@@ -24,7 +24,7 @@ pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, Fault> {
     let files = bundle.finish(&args.out)?;
     let away: Vec<&str> =
         person.stores.iter().filter(|of| of.fault.is_some()).map(|of| of.store.as_str()).collect();
-    let place = shown(args.out.display());
+    let place = terminal_safe(args.out.display());
     let text = match args.ask.json {
         true => format!("{:#}\n", json!({ "folder": args.out, "files": files, "missing": away })),
         false => {
@@ -32,7 +32,7 @@ pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, Fault> {
             format!("{said}\n")
         }
     };
-    print(text).map_err(Fault::Print)?;
+    print(text).map_err(PersonFault::Print)?;
     if away.is_empty() {
         return Ok(Exit::Done);
     }
@@ -43,7 +43,7 @@ pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, Fault> {
     Ok(Exit::Io)
 }
 
-fn write(bundle: &Bundle, person: &Person, language: Language) -> Result<(), Fault> {
+fn write(bundle: &Bundle, person: &Person, language: Language) -> Result<(), PersonFault> {
     for of in &person.stores {
         for record in &of.records {
             bundle.copy(&record.folder, &format!("records/{}", of.store), |_| true)?;

@@ -7,24 +7,24 @@ use gaiter_language::Language;
 use serde_json::json;
 
 use super::preview;
-use super::reach::{Fault, Reached};
+use super::reach::{PersonFault, Reached};
 use super::watch::Watch;
 use crate::cli::args::EraseArgs;
 use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print};
 
-pub(super) fn erased(args: &EraseArgs) -> Result<Exit, Fault> {
-    let (reached, patient, person) = Reached::of(&args.ask.config)?;
+pub(super) fn erased(args: &EraseArgs) -> Result<Exit, PersonFault> {
+    let (reached, patient, person) = Reached::find(&args.ask.config)?;
     if person.is_awaited() {
-        return Err(Fault::Awaited);
+        return Err(PersonFault::Awaited);
     }
     let language = reached.language;
-    complain(preview::of(&person, args.leave_at_servers, language));
-    let again = read_again(language).map_err(Fault::NoId)?;
+    complain(preview::render(&person, args.leave_at_servers, language));
+    let again = read_again(language).map_err(PersonFault::NoId)?;
     if again != patient {
-        return Err(Fault::NotAgain);
+        return Err(PersonFault::NotAgain);
     }
-    let watch = Watch::of(&reached, &patient, args.leave_at_servers);
+    let watch = Watch::new(&reached, &patient, args.leave_at_servers);
     let erasure = match reached.erase(&patient, args.leave_at_servers) {
         Ok(Some(erasure)) => Some(erasure),
         Ok(None) => watch.noted().until_known()?,
@@ -45,14 +45,18 @@ fn read_again(language: Language) -> io::Result<String> {
 }
 
 /// Tells what is known of an erasure; `None` if nobody could be asked to the end.
-fn told(args: &EraseArgs, erasure: Option<&Erasure>, language: Language) -> Result<Exit, Fault> {
+fn told(
+    args: &EraseArgs,
+    erasure: Option<&Erasure>,
+    language: Language,
+) -> Result<Exit, PersonFault> {
     let ended = erasure.and_then(|erasure| erasure.ended);
     let text = match erasure {
         _ if args.ask.json => format!("{:#}\n", as_json(erasure)),
         None => format!("{}\n", language.text("erase.unknown")),
         Some(erasure) => in_words(erasure, language),
     };
-    print(text).map_err(Fault::Print)?;
+    print(text).map_err(PersonFault::Print)?;
     Ok(if ended.is_some() { Exit::Done } else { Exit::Io })
 }
 

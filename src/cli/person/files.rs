@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::ScanId;
 use gaiter_record::SUMS;
 
-use super::reach::Fault;
-use crate::cli::shown;
+use super::reach::PersonFault;
+use crate::cli::terminal_safe;
 use crate::store::access::Access;
 use crate::store::{durable, sums};
 
@@ -23,9 +23,9 @@ pub(super) struct Bundle {
 
 impl Bundle {
     /// Begins a disclosure that is to be named `out`.
-    pub(super) fn begin(out: &Path) -> Result<Bundle, Fault> {
+    pub(super) fn begin(out: &Path) -> Result<Bundle, PersonFault> {
         if out.symlink_metadata().is_ok() {
-            return Err(Fault::There(shown(out.display())));
+            return Err(PersonFault::There(terminal_safe(out.display())));
         }
         let name = out.file_name().unwrap_or_default().to_string_lossy();
         let staged = out.with_file_name(format!(".{name}.partial"));
@@ -41,7 +41,7 @@ impl Bundle {
         from: &Path,
         within: &str,
         takes: impl Fn(&str) -> bool + Copy,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), PersonFault> {
         let name = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let found = durable::if_there(fs::symlink_metadata(from));
         // It may have been removed, or moved by the station, since the list was made.
@@ -66,7 +66,7 @@ impl Bundle {
     }
 
     /// Writes a file of the disclosure.
-    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Fault> {
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), PersonFault> {
         let path = self.staged.join(name);
         tried("cannot write", &path, durable::write_new(&path, bytes))?;
         self.listed.borrow_mut().push((sums::scan_id(bytes), name.to_owned()));
@@ -74,7 +74,7 @@ impl Bundle {
     }
 
     /// Writes the sums and gives the folder its name. Returns how many files it has.
-    pub(super) fn finish(self, out: &Path) -> Result<usize, Fault> {
+    pub(super) fn finish(self, out: &Path) -> Result<usize, PersonFault> {
         let mut listed = self.listed.into_inner();
         listed.sort_by(|one, other| one.1.cmp(&other.1));
         let text: String = listed.iter().map(|(sum, name)| sums::line(sum, name)).collect();
@@ -82,13 +82,13 @@ impl Bundle {
         tried("cannot write", &path, durable::write_new(&path, text.as_bytes()))?;
         match durable::rename_new(&self.staged, out) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                Err(Fault::There(shown(out.display())))
+                Err(PersonFault::There(terminal_safe(out.display())))
             }
             renamed => tried("cannot name", out, renamed).map(|()| listed.len()),
         }
     }
 
-    fn folder(&self, within: &str) -> Result<PathBuf, Fault> {
+    fn folder(&self, within: &str) -> Result<PathBuf, PersonFault> {
         let mut folder = self.staged.clone();
         for part in within.split('/') {
             folder.push(part);
@@ -98,6 +98,6 @@ impl Bundle {
     }
 }
 
-fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, Fault> {
-    result.map_err(|source| Fault::File { what, path: shown(path.display()), source })
+fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, PersonFault> {
+    result.map_err(|source| PersonFault::File { what, path: terminal_safe(path.display()), source })
 }

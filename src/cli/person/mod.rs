@@ -10,7 +10,7 @@ mod watch;
 
 use super::args::{DiscloseArgs, EraseArgs};
 use super::{Exit, complain};
-use reach::Fault;
+use reach::PersonFault;
 
 /// Writes all that the station holds of a person into a folder.
 pub fn disclose(args: &DiscloseArgs) -> Exit {
@@ -22,7 +22,7 @@ pub fn erase(args: &EraseArgs) -> Exit {
     ended(erase::erased(args))
 }
 
-fn ended(done: Result<Exit, Fault>) -> Exit {
+fn ended(done: Result<Exit, PersonFault>) -> Exit {
     done.unwrap_or_else(|fault| {
         complain(format_args!("gaiter: {fault}"));
         if let Some(hint) = fault.hint() {

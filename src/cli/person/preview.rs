@@ -6,10 +6,10 @@ use gaiter_flow::patient::erasure::{Owed, OwedStep};
 use gaiter_flow::patient::person::{OnServer, Person, PersonScan, PersonStore, WhoseScan};
 use gaiter_language::Language;
 
-use crate::cli::shown;
+use crate::cli::terminal_safe;
 
 /// The text for the terminal. `leaves_owed`: whether what servers are owed is left undone.
-pub(super) fn of(person: &Person, leaves_owed: bool, language: Language) -> String {
+pub(super) fn render(person: &Person, leaves_owed: bool, language: Language) -> String {
     let part = |heading, lines: &[String]| format!("{}\n{}\n", language.text(heading), list(lines));
     let mut text = part("erase.will", &removed(person, language));
     text += &part("erase.will_not", &left(person, language));
@@ -34,7 +34,7 @@ pub(super) fn owed(owed: &[Owed], language: Language) -> Vec<String> {
         };
         let store = language.word("page.part.store", &of.store);
         let unknown = || language.text("erase.not_known").to_owned();
-        let known = |text: Option<&str>| text.map_or_else(unknown, shown);
+        let known = |text: Option<&str>| text.map_or_else(unknown, terminal_safe);
         let (place, reference) = (known(of.place.as_deref()), known(of.reference.as_deref()));
         let scan = of.sha256.get(..8).unwrap_or_default();
         let words: [(&str, &dyn Display); 4] =
@@ -72,7 +72,7 @@ fn removed(person: &Person, language: Language) -> Vec<String> {
 }
 
 fn of_store(of: &PersonStore, language: Language) -> String {
-    let place = shown(of.place.display());
+    let place = terminal_safe(of.place.display());
     let name: &dyn Display = &language.word("page.part.store", &of.store);
     let own = of.cause.as_ref().map(|cause| cause.in_words(language));
     match own.or_else(|| of.fault.clone()) {
@@ -94,20 +94,20 @@ fn left(person: &Person, language: Language) -> Vec<String> {
     let mut lines = Vec::new();
     for of in &person.handed_over {
         let key = if of.waits { "erase.handed_waits" } else { "erase.handed" };
-        let file = shown(of.file.display());
+        let file = terminal_safe(of.file.display());
         lines.push(language.filled(key, &[("file", &file), ("at", &of.at)]));
         for path in &of.attachments {
-            let file = shown(path.display());
+            let file = terminal_safe(path.display());
             lines.push(language.filled("erase.attachment", &[("file", &file)]));
         }
     }
     lines.extend(person.on_servers.iter().map(|of| on_server(of, language)));
     for path in &person.exports {
-        let file = shown(path.display());
+        let file = terminal_safe(path.display());
         lines.push(language.filled("erase.export", &[("file", &file)]));
     }
     for of in person.stores.iter().filter(|of| of.of_another > 0) {
-        let place = shown(of.place.display());
+        let place = terminal_safe(of.place.display());
         let words: [(&str, &dyn Display); 2] = [("count", &of.of_another), ("place", &place)];
         lines.push(language.filled("erase.of_another", &words));
     }
@@ -124,11 +124,11 @@ fn on_server(of: &OnServer, language: Language) -> String {
         (None, false, Some(_)) => "erase.on_server",
     };
     let at = of.at.map(|at| at.to_string()).unwrap_or_default();
-    let file = of.unfetched.as_ref().map(|file| shown(file.display()));
+    let file = of.unfetched.as_ref().map(|file| terminal_safe(file.display()));
     let file = file.unwrap_or_default();
-    let place = shown(&of.place);
+    let place = terminal_safe(&of.place);
     let store = language.word("page.part.store", &of.store);
-    let reference = shown(of.reference.as_deref().unwrap_or_default());
+    let reference = terminal_safe(of.reference.as_deref().unwrap_or_default());
     let words: [(&str, &dyn Display); 5] = [
         ("store", &store),
         ("place", &place),
@@ -161,13 +161,13 @@ mod tests {
                 "unfetched": null,
             })
         };
-        let of = |reference: Option<&str>| {
+        let row = |reference: Option<&str>| {
             let of: OnServer = serde_json::from_value(on_server(reference)).unwrap();
             super::on_server(&of, Language::En)
         };
-        let unsure = of(None);
+        let unsure = row(None);
         assert!(unsure.contains("(https://fhir.clinic.example/r4): may have a record"), "{unsure}");
-        assert!(of(Some("DiagnosticReport/17")).contains("DiagnosticReport/17, given on"));
+        assert!(row(Some("DiagnosticReport/17")).contains("DiagnosticReport/17, given on"));
         let mut waits = on_server(Some("DiagnosticReport/17"));
         waits["is_withdrawing"] = true.into();
         let waits: OnServer = serde_json::from_value(waits).unwrap();
@@ -189,7 +189,7 @@ mod tests {
             "captures": [], "orders": [], "exports": [], "journals": [], "history": [], "on_servers": [],
         });
         let person: Person = serde_json::from_value(person).unwrap();
-        let told = of(&person, false, Language::En);
+        let told = render(&person, false, Language::En);
         for line in [
             "this person's part of 1 scans that others have, too",
             "this person's name at 1 held scans, which may be another's and stay held",
@@ -198,7 +198,7 @@ mod tests {
             assert!(told.contains(&format!("  - {line}\n")), "{line}: {told}");
         }
         assert!(
-            of(&person, false, Language::De).contains("2 zurückgehaltene Scans, die sonst nur")
+            render(&person, false, Language::De).contains("2 zurückgehaltene Scans, die sonst nur")
         );
     }
 }

@@ -10,21 +10,21 @@ use gaiter_language::Language;
 use jiff::Timestamp;
 
 use crate::cli::ask::{AskFault, ask, language, read_patient};
-use crate::cli::{Exit, shown};
+use crate::cli::{Exit, terminal_safe};
 use crate::config;
 use crate::station::StationError;
-use crate::station::operator::control::protocol::{Answer, Request};
+use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::persons::stopped::{Stopped, StoppedFault};
 use crate::station::runtime::causes::chain;
 
 /// Why a person was neither disclosed nor erased.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum Fault {
+pub(super) enum PersonFault {
     /// The running station did not answer, or refused.
-    #[error("{}", shown(.0))]
+    #[error("{}", terminal_safe(.0))]
     Ask(#[from] AskFault),
     /// The state folder of the stopped one cannot be used.
-    #[error("{}", shown(chain(.0)))]
+    #[error("{}", terminal_safe(chain(.0)))]
     Stopped(#[from] StoppedFault),
     /// The id cannot be read.
     #[error("the patient's id cannot be read: {0}")]
@@ -59,32 +59,38 @@ pub(super) enum Fault {
     Print(io::Error),
 }
 
-impl Fault {
+impl PersonFault {
     pub(super) fn exit(&self) -> Exit {
         match self {
-            Fault::Ask(fault) => fault.exit(),
-            Fault::EmptyId | Fault::NotAgain | Fault::Awaited | Fault::There(_) => Exit::Usage,
-            Fault::Unknown | Fault::Stopped(StoppedFault::NoStation(_)) => Exit::NoFile,
-            Fault::Stopped(_) | Fault::NoId(_) | Fault::File { .. } | Fault::Print(_) => Exit::Io,
+            PersonFault::Ask(fault) => fault.exit(),
+            PersonFault::EmptyId
+            | PersonFault::NotAgain
+            | PersonFault::Awaited
+            | PersonFault::There(_) => Exit::Usage,
+            PersonFault::Unknown | PersonFault::Stopped(StoppedFault::NoStation(_)) => Exit::NoFile,
+            PersonFault::Stopped(_)
+            | PersonFault::NoId(_)
+            | PersonFault::File { .. }
+            | PersonFault::Print(_) => Exit::Io,
         }
     }
 
     /// Whether the station ended, or was away, before it answered.
     pub(super) fn is_silence(&self) -> bool {
-        matches!(self, Fault::Ask(AskFault::Io(_) | AskFault::NoStation { .. }))
+        matches!(self, PersonFault::Ask(AskFault::Io(_) | AskFault::NoStation { .. }))
     }
 
     /// What the operator can do, if anything.
     pub(super) fn hint(&self) -> Option<String> {
         match self {
-            Fault::Ask(fault) => fault.hint(Language::En),
-            Fault::Stopped(StoppedFault::OtherUser(_)) => {
+            PersonFault::Ask(fault) => fault.hint(Language::En),
+            PersonFault::Stopped(StoppedFault::OtherUser(_)) => {
                 Some("run it as the station's user, usually: sudo -u gaiter gaiter …".to_owned())
             }
-            Fault::Stopped(StoppedFault::Station(StationError::Lock(_))) => {
+            PersonFault::Stopped(StoppedFault::Station(StationError::Lock(_))) => {
                 Some("the station is about to start or to end: try again".to_owned())
             }
-            Fault::Awaited => Some("gaiter patient clear, then try again".to_owned()),
+            PersonFault::Awaited => Some("gaiter patient clear, then try again".to_owned()),
             _ => None,
         }
     }
@@ -100,13 +106,13 @@ pub(super) struct Reached<'a> {
 
 impl<'a> Reached<'a> {
     /// Reads a patient's id; finds the station of a configuration, and what it holds of the patient.
-    pub(super) fn of(config: &'a Path) -> Result<(Reached<'a>, String, Person), Fault> {
-        let patient = read_patient().map_err(Fault::NoId)?;
+    pub(super) fn find(config: &'a Path) -> Result<(Reached<'a>, String, Person), PersonFault> {
+        let patient = read_patient().map_err(PersonFault::NoId)?;
         if patient.is_empty() {
-            return Err(Fault::EmptyId);
+            return Err(PersonFault::EmptyId);
         }
         let (stopped, person) = match ask(config, &Request::Person { patient: patient.clone() }) {
-            Ok(Answer::Person(person)) => (None, *person),
+            Ok(ControlAnswer::Person(person)) => (None, *person),
             Ok(_) => return Err(AskFault::another_answer().into()),
             Err(AskFault::NoStation { .. }) => {
                 let stopped = Stopped::take(config::read(config).map_err(AskFault::Config)?)?;
@@ -116,13 +122,13 @@ impl<'a> Reached<'a> {
             Err(fault) => return Err(fault.into()),
         };
         if person.is_unknown() {
-            return Err(Fault::Unknown);
+            return Err(PersonFault::Unknown);
         }
         Ok((Reached { config, stopped, language: language(config) }, patient, person))
     }
 
     /// Notes in the station's history that a person's data was disclosed.
-    pub(super) fn disclosed(&self, patient: &str) -> Result<(), Fault> {
+    pub(super) fn disclosed(&self, patient: &str) -> Result<(), PersonFault> {
         match &self.stopped {
             Some(stopped) => Ok(stopped.disclosed(patient, &user())?),
             None => {
@@ -134,7 +140,11 @@ impl<'a> Reached<'a> {
     }
 
     /// Asks for the erasure of a person. Returns what has become of it if that is known at once.
-    pub(super) fn erase(&self, patient: &str, leaves_owed: bool) -> Result<Option<Erasure>, Fault> {
+    pub(super) fn erase(
+        &self,
+        patient: &str,
+        leaves_owed: bool,
+    ) -> Result<Option<Erasure>, PersonFault> {
         match &self.stopped {
             Some(stopped) => Ok(stopped.erase(patient, &user(), leaves_owed)?),
             None => {
@@ -156,7 +166,7 @@ impl<'a> Reached<'a> {
         asked: Timestamp,
         is_noted: bool,
         leaves_owed: bool,
-    ) -> Result<Option<Erasure>, Fault> {
+    ) -> Result<Option<Erasure>, PersonFault> {
         let whole = config::read(self.config).map_err(AskFault::Config)?;
         let stopped = Stopped::take(whole)?;
         let is_this = |erasure: &Erasure| is_noted || erasure.at >= asked;
@@ -168,10 +178,10 @@ impl<'a> Reached<'a> {
     }
 
     /// What has become of the erasure of a person at a running station.
-    pub(super) fn erasure(&self, patient: &str) -> Result<Option<Erasure>, Fault> {
+    pub(super) fn erasure(&self, patient: &str) -> Result<Option<Erasure>, PersonFault> {
         let request = Request::Erasure { patient: patient.to_owned() };
         match ask(self.config, &request)? {
-            Answer::Erasure(erasure) => Ok(erasure),
+            ControlAnswer::Erasure(erasure) => Ok(erasure),
             _ => Err(AskFault::another_answer().into()),
         }
     }

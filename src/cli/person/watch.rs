@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use gaiter_flow::patient::erasure::Erasure;
 use jiff::Timestamp;
 
-use super::reach::{Fault, Reached};
+use super::reach::{PersonFault, Reached};
 use crate::store::polling::poll;
 
 /// How long the station may take to begin anew and to clear its folder and the stores.
@@ -35,7 +35,7 @@ pub(super) struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     /// The watch of an erasure that is asked for next.
-    pub(super) fn of(reached: &'a Reached<'a>, patient: &'a str, leaves_owed: bool) -> Watch<'a> {
+    pub(super) fn new(reached: &'a Reached<'a>, patient: &'a str, leaves_owed: bool) -> Watch<'a> {
         let (asked, heard) = (Timestamp::now(), Heard::default());
         Watch { reached, patient, leaves_owed, asked, is_noted: false, heard }
     }
@@ -50,14 +50,14 @@ impl<'a> Watch<'a> {
     ///
     /// # Errors
     /// If a station that had not noted the wish refuses it.
-    pub(super) fn until_known(mut self) -> Result<Option<Erasure>, Fault> {
+    pub(super) fn until_known(mut self) -> Result<Option<Erasure>, PersonFault> {
         match poll(PATIENCE, || self.look().transpose()) {
             Some(known) => known.map(Some),
             None => Ok(self.heard.last),
         }
     }
 
-    fn look(&mut self) -> Result<Option<Erasure>, Fault> {
+    fn look(&mut self) -> Result<Option<Erasure>, PersonFault> {
         match self.reached.erasure(self.patient) {
             Ok(Some(erasure)) if self.is_noted || erasure.at >= self.asked => {
                 self.is_noted = true;

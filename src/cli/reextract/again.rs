@@ -15,7 +15,7 @@ use crate::store::revision::{Added, Family};
 
 /// Why a record was not measured again.
 #[derive(Debug, thiserror::Error)]
-pub enum Fault {
+pub enum ReextractFault {
     /// It cannot be read.
     #[error(transparent)]
     Stored(#[from] StoredFault),
@@ -37,24 +37,24 @@ pub enum Fault {
     Io(#[from] io::Error),
 }
 
-impl Fault {
+impl ReextractFault {
     /// The stable code.
     pub fn code(&self) -> &'static str {
         match self {
-            Fault::Stored(fault) => fault.code(),
-            Fault::Refused { refusal } => refusal.code(),
-            Fault::NotMade(_) => "record-not-written",
-            Fault::Panic(_) => "panic",
-            Fault::Io(_) => "record-io",
+            ReextractFault::Stored(fault) => fault.code(),
+            ReextractFault::Refused { refusal } => refusal.code(),
+            ReextractFault::NotMade(_) => "record-not-written",
+            ReextractFault::Panic(_) => "panic",
+            ReextractFault::Io(_) => "record-io",
         }
     }
 
     /// The exit of a verb that meets this fault.
     pub fn exit(&self) -> Exit {
         match self {
-            Fault::Stored(StoredFault::Io(_)) | Fault::Io(_) => Exit::Io,
-            Fault::Stored(_) | Fault::Refused { .. } => Exit::Unmeasurable,
-            Fault::NotMade(_) | Fault::Panic(_) => Exit::Internal,
+            ReextractFault::Stored(StoredFault::Io(_)) | ReextractFault::Io(_) => Exit::Io,
+            ReextractFault::Stored(_) | ReextractFault::Refused { .. } => Exit::Unmeasurable,
+            ReextractFault::NotMade(_) | ReextractFault::Panic(_) => Exit::Internal,
         }
     }
 }
@@ -62,7 +62,7 @@ impl Fault {
 /// The outcome for a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum ReextractOutcome {
     /// Today's method gives the same result, as far as the old record goes.
     Unchanged,
     /// It gives a different or more complete result, and a revision was added.
@@ -77,7 +77,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Again {
     /// The outcome.
-    pub outcome: Outcome,
+    pub outcome: ReextractOutcome,
     /// The revision it was compared with: the latest.
     pub from_revision: u32,
     /// The new revision; null if none was added.
@@ -99,9 +99,9 @@ pub struct Intent {
 /// Measures the scan of a record again.
 ///
 /// # Errors
-/// See [`Fault`]; the record stays unchanged.
-pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again, Fault> {
-    let stored = Stored::of(family)?;
+/// See [`ReextractFault`]; the record stays unchanged.
+pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again, ReextractFault> {
+    let stored = Stored::read(family)?;
     let format = Format::of_file_name(&stored.scan_file).map_err(Refusal::from)?;
     let scan = stored.listed_file(&stored.scan_file)?;
     let ord = stored.optional_file(ORD)?;
@@ -133,13 +133,13 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
         Sameness::Differs => true,
     };
     let outcome = match (written, intent.dry_run) {
-        (false, _) => Outcome::Unchanged,
-        (true, true) => Outcome::WouldBeRevised,
+        (false, _) => ReextractOutcome::Unchanged,
+        (true, true) => ReextractOutcome::WouldBeRevised,
         (true, false) => match family.add(revision, &files)? {
-            Added::There(_) => Outcome::Revised,
-            Added::Withdrawn => Outcome::Withdrawn,
+            Added::There(_) => ReextractOutcome::Revised,
+            Added::Withdrawn => ReextractOutcome::Withdrawn,
         },
     };
-    let revision = (outcome == Outcome::Revised).then_some(revision);
+    let revision = (outcome == ReextractOutcome::Revised).then_some(revision);
     Ok(Again { outcome, from_revision: old.revision, revision, changes })
 }

@@ -22,7 +22,7 @@ impl Choices {
     ///
     /// # Errors
     /// The exit of a verb if the configuration has faults.
-    pub fn of(config: Option<&Path>) -> Result<Choices, Exit> {
+    pub fn from_config(config: Option<&Path>) -> Result<Choices, Exit> {
         let config = config.map(config::read).transpose();
         let config = config.map_err(|error| explain_config(&error))?;
         Ok(Choices(config.map(|config| {

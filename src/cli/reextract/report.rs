@@ -5,9 +5,9 @@ use std::fmt::Write;
 
 use gaiter_flow::health::counted;
 use gaiter_leg::Level;
-use gaiter_record::change::{Change, LevelChange, Place};
+use gaiter_record::change::{Change, LegLevel, LevelChange};
 
-use super::{Again, Outcome};
+use super::{Again, ReextractOutcome};
 use crate::cli::terminal::paint::{self, painted};
 
 /// The most records that are named: those that changed most.
@@ -15,16 +15,16 @@ const WORST: usize = 20;
 
 /// A record that was measured again, with its name in the report.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct ReextractEntry {
     /// Its name.
     pub name: String,
     /// What became of it.
     pub again: Again,
 }
 
-impl Told {
+impl ReextractEntry {
     /// The largest change of a figure, and its level.
-    fn largest(&self, figure: fn(&LevelChange) -> Change) -> Option<(f64, &Place)> {
+    fn largest(&self, figure: fn(&LevelChange) -> Change) -> Option<(f64, &LegLevel)> {
         let levels = self.again.changes.levels.iter();
         let changes = levels.map(|level| (figure(level).by(), &level.place));
         changes.max_by(|one, other| one.0.abs().total_cmp(&other.0.abs()))
@@ -42,10 +42,10 @@ impl Told {
 
 /// The whole report, with colours. `failed` records were not measured again. `left_out` records were
 /// first seen too early.
-pub fn report(told: &[Told], failed: usize, left_out: usize) -> String {
+pub fn report(told: &[ReextractEntry], failed: usize, left_out: usize) -> String {
     let mut text = totals(told, failed, left_out);
-    let changed: Vec<&Told> =
-        told.iter().filter(|told| told.again.outcome != Outcome::Unchanged).collect();
+    let changed: Vec<&ReextractEntry> =
+        told.iter().filter(|told| told.again.outcome != ReextractOutcome::Unchanged).collect();
     if changed.is_empty() {
         return text;
     }
@@ -57,14 +57,14 @@ pub fn report(told: &[Told], failed: usize, left_out: usize) -> String {
 }
 
 /// How many records had which outcome.
-fn totals(told: &[Told], failed: usize, left_out: usize) -> String {
+fn totals(told: &[ReextractEntry], failed: usize, left_out: usize) -> String {
     let count = |outcome| told.iter().filter(|told| told.again.outcome == outcome).count();
     let records = counted(told.len() + failed, "record");
-    let mut text = format!("{records}: {} unchanged", count(Outcome::Unchanged));
+    let mut text = format!("{records}: {} unchanged", count(ReextractOutcome::Unchanged));
     for (outcome, words) in [
-        (Outcome::Revised, "with a new revision"),
-        (Outcome::WouldBeRevised, "would have a new revision"),
-        (Outcome::Withdrawn, "taken back from their patients meanwhile"),
+        (ReextractOutcome::Revised, "with a new revision"),
+        (ReextractOutcome::WouldBeRevised, "would have a new revision"),
+        (ReextractOutcome::Withdrawn, "taken back from their patients meanwhile"),
     ] {
         let count = count(outcome);
         if count > 0 {
@@ -91,9 +91,9 @@ struct Row<'a> {
 }
 
 /// One row per level, both legs together.
-fn levels(told: &[Told]) -> String {
+fn levels(told: &[ReextractEntry]) -> String {
     let mut rows: BTreeMap<&str, Row<'_>> = BTreeMap::new();
-    for Told { name, again } in told {
+    for ReextractEntry { name, again } in told {
         for level in &again.changes.levels {
             let row = rows.entry(&level.place.level).or_default();
             row.girths.push((level.girth_mm.by(), name));
@@ -140,7 +140,7 @@ fn signed(by: f64) -> String {
 }
 
 /// The records that changed most.
-fn worst(mut changed: Vec<&Told>) -> String {
+fn worst(mut changed: Vec<&ReextractEntry>) -> String {
     changed.sort_by(|one, other| {
         let ((a, b, c), (d, e, f)) = (one.weight(), other.weight());
         d.cmp(&a).then(e.total_cmp(&b)).then(f.total_cmp(&c)).then(one.name.cmp(&other.name))
@@ -173,14 +173,14 @@ fn worst(mut changed: Vec<&Told>) -> String {
     text
 }
 
-fn named(place: &Place) -> String {
+fn named(place: &LegLevel) -> String {
     format!("{} {}", place.leg, place.level)
 }
 
 /// Findings that came or went, by code.
-fn findings(told: &[Told]) -> String {
+fn findings(told: &[ReextractEntry]) -> String {
     let mut codes: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
-    for Told { again, .. } in told {
+    for ReextractEntry { again, .. } in told {
         for (which, notes) in
             [&again.changes.new_findings, &again.changes.gone_findings].iter().enumerate()
         {
@@ -203,24 +203,33 @@ mod tests {
     use gaiter_record::change::{Changes, Sameness};
     use gaiter_record::schema::FindingNote;
 
-    fn place(leg: &str, level: &str) -> Place {
-        Place { leg: leg.to_owned(), level: level.to_owned() }
+    fn place(leg: &str, level: &str) -> LegLevel {
+        LegLevel { leg: leg.to_owned(), level: level.to_owned() }
     }
 
-    fn level(place: Place, girth_by: f64, height_by: f64) -> LevelChange {
+    fn level(place: LegLevel, girth_by: f64, height_by: f64) -> LevelChange {
         let change = |old: f64, by: f64| Change { old, new: old + by };
         let (girth_mm, height_mm) = (change(200.0, girth_by), change(120.0, height_by));
         LevelChange { place, girth_mm, height_mm }
     }
 
-    fn told(name: &str, levels: Vec<LevelChange>, came: Vec<Place>, revision: Option<u32>) -> Told {
+    fn told(
+        name: &str,
+        levels: Vec<LevelChange>,
+        came: Vec<LegLevel>,
+        revision: Option<u32>,
+    ) -> ReextractEntry {
         let sameness = if revision.is_some() { Sameness::Differs } else { Sameness::Same };
         let (new_findings, gone_findings) = (Vec::new(), Vec::new());
         let went = Vec::new();
         let changes = Changes { sameness, levels, came, went, new_findings, gone_findings };
-        let outcome = if revision.is_some() { Outcome::Revised } else { Outcome::Unchanged };
+        let outcome = if revision.is_some() {
+            ReextractOutcome::Revised
+        } else {
+            ReextractOutcome::Unchanged
+        };
         let again = Again { outcome, from_revision: 1, revision, changes };
-        Told { name: name.to_owned(), again }
+        ReextractEntry { name: name.to_owned(), again }
     }
 
     #[test]
@@ -271,7 +280,7 @@ deadbeef  1 > 3         0.00                0.00            +left D
             let levels = vec![level(place("left", "B"), f64::from(n), 0.0)];
             told(&format!("{n:08}"), levels, vec![], Some(2))
         };
-        let told: Vec<Told> = (1..=25).map(one).collect();
+        let told: Vec<ReextractEntry> = (1..=25).map(one).collect();
         let said = report(&told, 0, 0);
         assert!(said.contains("00000025  1 > 2") && said.contains("00000006  1 > 2"), "{said}");
         assert!(!said.contains("00000005  1 > 2"), "{said}");

@@ -8,7 +8,7 @@ use gaiter_record::rounding::limit_words;
 use gaiter_record::shown::id;
 use gaiter_sizes::check::{Neighbours, Remark, remarks};
 use gaiter_sizes::table::Limits;
-use gaiter_sizes::{Fault, Garment, SizeTable, What, garment, parse};
+use gaiter_sizes::{DocumentFault, Garment, SizeTable, What, garment, parse};
 use jiff::Zoned;
 use jiff::civil::Date;
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use super::files_at;
 use crate::cli::args::{GarmentArgs, SizesCheckArgs};
 use crate::cli::terminal::screen::{self, indented};
-use crate::cli::{Exit, exit_of_printing, print, shown};
+use crate::cli::{Exit, exit_of_printing, print, terminal_safe};
 use crate::config::sizes::beside::TextFile;
 
 /// Name and number of the schema of the result as JSON.
@@ -48,7 +48,7 @@ pub fn check(args: &SizesCheckArgs) -> Result<Exit, Exit> {
 /// A file, and what was found in it.
 struct Checked {
     path: String,
-    found: Result<Sound, Vec<Fault>>,
+    found: Result<Sound, Vec<DocumentFault>>,
     remarks: Vec<Remark>,
 }
 
@@ -60,8 +60,8 @@ enum Sound {
 
 impl Sound {
     /// Reads a size table, or a garment if the file says that it is one.
-    fn read(bytes: &[u8]) -> Result<Sound, Vec<Fault>> {
-        let is_garment = |fault: &Fault| matches!(&fault.what, What::Format { found, .. } if found == garment::FORMAT);
+    fn read(bytes: &[u8]) -> Result<Sound, Vec<DocumentFault>> {
+        let is_garment = |fault: &DocumentFault| matches!(&fault.what, What::Format { found, .. } if found == garment::FORMAT);
         match parse(bytes) {
             Ok(table) => Ok(Sound::Table(Box::new(table))),
             Err(faults) if faults.iter().any(is_garment) => {
@@ -96,7 +96,7 @@ fn text(checked: &[Checked], language: Language, columns: usize) -> String {
             }
             Err(_) => None,
         };
-        let faults: &[Fault] = found.as_ref().err().map_or(&[], Vec::as_slice);
+        let faults: &[DocumentFault] = found.as_ref().err().map_or(&[], Vec::as_slice);
         let said = match (named, remarks.len()) {
             (None, _) => format!("{} {}", faults.len(), language.text("sizes.check.fault")),
             (Some(named), 0) => format!("{named}: {}", language.text("sizes.check.fine")),
@@ -104,12 +104,12 @@ fn text(checked: &[Checked], language: Language, columns: usize) -> String {
                 format!("{named}: {count} {}", language.text("sizes.check.remark"))
             }
         };
-        text += &indented(&format!("{}: {said}", shown(path)), "", columns);
+        text += &indented(&format!("{}: {said}", terminal_safe(path)), "", columns);
         for fault in faults {
             text += &indented(&fault.to_string(), "  ", columns);
         }
         for remark in remarks {
-            text += &indented(&in_words(remark, language), "  ", columns);
+            text += &indented(&remark_in_words(remark, language), "  ", columns);
         }
     }
     text
@@ -121,7 +121,7 @@ fn named(table: &SizeTable) -> String {
 }
 
 /// A remark in words.
-pub fn in_words(remark: &Remark, language: Language) -> String {
+pub fn remark_in_words(remark: &Remark, language: Language) -> String {
     let at = |key: &'static str, at: &Neighbours| {
         let [low, high] = at.names.each_ref().map(|name| id(name));
         let names: [(&str, &dyn Display); 3] = [
@@ -184,12 +184,12 @@ pub fn in_words(remark: &Remark, language: Language) -> String {
 fn json(checked: &[Checked], language: Language) -> Result<String, serde_json::Error> {
     let with_message = |remark: &Remark| -> Result<Value, serde_json::Error> {
         let mut said = serde_json::to_value(remark)?;
-        said["message"] = in_words(remark, language).into();
+        said["message"] = remark_in_words(remark, language).into();
         Ok(said)
     };
     let mut files = Vec::new();
     for Checked { path, found, remarks } in checked {
-        let (table, garment, faults): (_, _, &[Fault]) = match found {
+        let (table, garment, faults): (_, _, &[DocumentFault]) = match found {
             Ok(Sound::Table(table)) => (Some(table), None, &[]),
             Ok(Sound::Garment(garment)) => (None, Some(garment.name()), &[]),
             Err(faults) => (None, None, faults.as_slice()),

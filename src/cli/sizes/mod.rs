@@ -12,19 +12,19 @@ use jiff::Zoned;
 use super::args::{SizesArgs, SizesOf, SizesVerb};
 use super::terminal::{paint, screen};
 use super::{Exit, complain, config_if_any, exit_of_printing, print, report, report_choice};
-pub use check::in_words as remark_in_words;
+pub use check::remark_in_words;
 pub use tables::{files_at, read_all, tables};
 
 /// Checks tables, or judges a record.
 pub fn sizes(args: &SizesArgs) -> Result<Exit, Exit> {
     match &args.verb {
         Some(SizesVerb::Check(args)) => check::check(args),
-        None => judged(&args.of),
+        None => print_verdicts(&args.of),
     }
 }
 
 /// Judges a record and prints what the tables say.
-fn judged(args: &SizesOf) -> Result<Exit, Exit> {
+fn print_verdicts(args: &SizesOf) -> Result<Exit, Exit> {
     // clap asks for a record where no other verb is named.
     let path = args.record.as_ref().ok_or(Exit::Usage)?;
     let config = config_if_any(&args.config)?;
@@ -40,12 +40,12 @@ fn judged(args: &SizesOf) -> Result<Exit, Exit> {
     })?;
     let language = args.language.unwrap_or(configured.language);
     let choice = SizeChoice { tables, today: Zoned::now().date(), ..configured.sizes };
-    let verdicts = SizeVerdicts::of(&record, &garment, &choice);
+    let verdicts = SizeVerdicts::new(&record, &garment, &choice);
     let printed = match args.json {
         true => serde_json::to_string_pretty(&verdicts)
             .map_err(io::Error::other)
             .and_then(|json| print(json + "\n")),
-        false => paint::print(text::of(&verdicts, &garment, language, screen::columns())),
+        false => paint::print(text::render(&verdicts, &garment, language, screen::columns())),
     };
     Ok(exit_of_printing("the sizes", printed))
 }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use gaiter_sizes::{Fault, SizeTable, parse};
+use gaiter_sizes::{DocumentFault, SizeTable, parse};
 
-use crate::cli::{Exit, complain, shown};
+use crate::cli::{Exit, complain, terminal_safe};
 use crate::config::sizes::beside::{TextFile, on_disk};
 
 /// The file at a path, or the files of a folder there.
@@ -13,7 +13,7 @@ use crate::config::sizes::beside::{TextFile, on_disk};
 /// The exit of the verb if there are none, or if one cannot be read; it is told.
 pub fn files_at(path: &Path) -> Result<Vec<TextFile>, Exit> {
     on_disk(path).map_err(|why| {
-        complain(format_args!("gaiter: {}", shown(&why)));
+        complain(format_args!("gaiter: {}", terminal_safe(&why)));
         Exit::from(&why)
     })
 }
@@ -24,7 +24,7 @@ pub fn files_at(path: &Path) -> Result<Vec<TextFile>, Exit> {
 /// The exit of the verb if one of them cannot be read or has faults; all of them are told.
 pub fn read_all<T>(
     path: &Path,
-    read: impl Fn(&[u8]) -> Result<T, Vec<Fault>>,
+    read: impl Fn(&[u8]) -> Result<T, Vec<DocumentFault>>,
 ) -> Result<Vec<T>, Exit> {
     let (mut all, mut exit) = (Vec::new(), Exit::Done);
     for TextFile { path, text } in files_at(path)? {
@@ -32,7 +32,7 @@ pub fn read_all<T>(
             Ok(one) => all.push(one),
             Err(faults) => {
                 for fault in faults {
-                    complain(format_args!("{}:{fault}", shown(path.display())));
+                    complain(format_args!("{}:{fault}", terminal_safe(path.display())));
                 }
                 exit = Exit::Unmeasurable;
             }

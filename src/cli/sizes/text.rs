@@ -16,7 +16,7 @@ use crate::cli::terminal::screen::indented;
 const WIDTHS: [usize; 5] = [6, 15, 13, 17, 10];
 
 /// The verdicts in lines of at most this many characters.
-pub fn of(
+pub fn render(
     verdicts: &SizeVerdicts,
     garment: &Garment,
     language: Language,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gaiter_flow::account::Seen;
-use gaiter_flow::complaint::{Complaint, Figures};
+use gaiter_flow::complaint::{Complaint, ComplaintFigures};
 use gaiter_flow::confinement::{Confinement, Enforced};
 use gaiter_flow::views::ViewsSeries;
 use gaiter_flow::{Disposition, ScanState};
@@ -170,7 +170,7 @@ fn what_is_wrong_and_what_to_do_stands_first() {
     let mut status = status();
     status.ready = false;
     for code in ["paused", "journal-failed"] {
-        status.complaints.push(Complaint::new(code, Figures::default()).into());
+        status.complaints.push(Complaint::new(code, ComplaintFigures::default()).into());
     }
     let said = screen(status, Vec::new(), None);
     let first = "not ready: the operator has paused the station; exports stay where they are [paused]\n    \
@@ -182,7 +182,7 @@ fn what_is_wrong_and_what_to_do_stands_first() {
 #[test]
 fn in_german_every_row_is_german() {
     let mut status = status();
-    status.complaints.push(Complaint::new("paused", Figures::default()).into());
+    status.complaints.push(Complaint::new("paused", ComplaintFigures::default()).into());
     let look = Look { status, scans: vec![scan(ScanState::Spooled)] };
     let said = anstream::adapter::strip_str(&table(&look, Language::De, None)).to_string();
     for part in [
@@ -212,7 +212,7 @@ fn why_a_part_does_not_work_is_german_in_a_german_sentence() {
     status.stores.insert("folder".to_owned(), store);
     let order = Cause::from(&OrderFault::NoPatient);
     let figures =
-        Figures::default().words("fault", "order-without-patient").words("place", "aside");
+        ComplaintFigures::default().words("fault", "order-without-patient").words("place", "aside");
     status.complaints.push(Complaint::new("order-refused", figures.cause("said", &order)).into());
     // As another process reads it.
     let status = serde_json::from_str(&serde_json::to_string(&status).unwrap()).unwrap();

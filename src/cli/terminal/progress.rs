@@ -23,7 +23,7 @@ pub struct Progress {
 impl Progress {
     /// Work of this many parts. The bar is shown if there is more than one part and standard error is a
     /// terminal that can show it.
-    pub fn of(parts: usize, what: &'static str) -> Progress {
+    pub fn new(parts: usize, what: &'static str) -> Progress {
         let dumb = std::env::var_os("TERM").is_none_or(|term| term == "dumb" || term.is_empty());
         if parts < 2 || dumb || !io::stderr().is_terminal() {
             return Progress { bar: ProgressBar::hidden() };
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn the_bar_says_nothing_where_nobody_looks() {
         // Tests run without a terminal.
-        let progress = Progress::of(10, "scans");
-        assert!(progress.bar.is_hidden() && Progress::of(1, "scans").bar.is_hidden());
+        let progress = Progress::new(10, "scans");
+        assert!(progress.bar.is_hidden() && Progress::new(1, "scans").bar.is_hidden());
     }
 }

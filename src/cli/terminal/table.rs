@@ -10,7 +10,7 @@ use gaiter_record::chart::AtFigures;
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::measure::amendment::Subject;
 use gaiter_record::measure::{Absent, Length, Measure};
-use gaiter_record::report::{Content, Mark};
+use gaiter_record::report::{Reliability, ReportContent};
 use gaiter_record::rounding::{cm_margin, cm_words};
 use gaiter_record::schema::{FindingNote, LegFigures};
 use gaiter_sizes::Garment;
@@ -25,10 +25,10 @@ const NAME: usize = 12;
 const CELL: usize = 14;
 
 /// The marks before figures, as in the report, with what they mean.
-const LEGEND: [(Mark, &str); 3] = [
-    (Mark::ByHand, "set by hand"),
-    (Mark::Estimated, "estimated by the body's proportions, not measured"),
-    (Mark::Doubtful, "doubtful"),
+const LEGEND: [(Reliability, &str); 3] = [
+    (Reliability::ByHand, "set by hand"),
+    (Reliability::Estimated, "estimated by the body's proportions, not measured"),
+    (Reliability::Doubtful, "doubtful"),
 ];
 
 /// Instead of the height of a level on the foot, and of an uncertainty that is unknown.
@@ -36,7 +36,7 @@ const NOTHING: &str = "-";
 
 /// The verdict for an order of this garment, the measures and the findings of a record, in lines of at most
 /// this many characters; without a line end after the last one.
-pub fn of(record: &Record, garment: &Garment, columns: usize) -> String {
+pub fn render(record: &Record, garment: &Garment, columns: usize) -> String {
     let mut text = verdict(record, garment, columns);
     text += &body(record);
     let sides: Vec<Side> = record.sides().collect();
@@ -68,7 +68,7 @@ pub fn colour(kind: Kind) -> anstyle::Style {
 }
 
 fn verdict(record: &Record, garment: &Garment, columns: usize) -> String {
-    let verdict = Completeness::of(record, garment);
+    let verdict = Completeness::from_record(record, garment);
     let sentences = verdict.sentences(Language::En).join(" ");
     let lines = indented(&sentences, "  ", columns);
     lines.lines().map(|line| painted(colour(verdict.kind()), line) + "\n").collect()
@@ -93,7 +93,8 @@ fn measures(record: &Record, sides: &[Side]) -> String {
     let mut text = format!("  {:NAME$}{legs}\n  {:NAME$}{heads}\n", "", "");
     let mut marks = Vec::new();
     for level in Level::ALL.into_iter().rev() {
-        let measures: Vec<_> = sides.iter().map(|side| Measure::of(record, *side, level)).collect();
+        let measures: Vec<_> =
+            sides.iter().map(|side| Measure::find(record, *side, level)).collect();
         marks.extend(measures.iter().flatten().flat_map(Measure::marks));
         let cells: String = measures.iter().map(cells).collect();
         let _ = writeln!(text, "  {:<NAME$}{cells}", level.name());
@@ -110,13 +111,15 @@ fn measures(record: &Record, sides: &[Side]) -> String {
 /// Length and breadth of the feet, if one is known.
 fn feet(record: &Record, sides: &[Side]) -> String {
     const LENGTHS: [Subject; 2] = [Subject::FootLength, Subject::FootBreadth];
-    let of_leg = |side: &Side| LENGTHS.map(|subject| Length::of(record, *side, subject));
+    let of_leg = |side: &Side| LENGTHS.map(|subject| Length::find(record, *side, subject));
     let feet: Vec<_> = sides.iter().map(of_leg).collect();
     if feet.iter().flatten().all(|length| *length == Err(Absent::NotFound)) {
         return String::new();
     }
     let cell = |length: &Result<Length, Absent>| match length {
-        Ok(Length { mm, is_by_hand: true, .. }) => format!("{}{}", Mark::ByHand.sign(), cm(*mm)),
+        Ok(Length { mm, is_by_hand: true, .. }) => {
+            format!("{}{}", Reliability::ByHand.sign(), cm(*mm))
+        }
         Ok(length) => cm(length.mm),
         Err(_) => NOTHING.to_owned(),
     };
@@ -128,7 +131,7 @@ fn feet(record: &Record, sides: &[Side]) -> String {
 
 /// What people set in place of the scan's figures, a line for each measure.
 fn by_hand(record: &Record, columns: usize) -> String {
-    let lines = Content::by_hand(record, Language::En);
+    let lines = ReportContent::by_hand(record, Language::En);
     lines.iter().map(|line| indented(line, "  ", columns)).collect()
 }
 
@@ -149,7 +152,7 @@ fn at_cells(at: Option<&AtFigures>) -> String {
     let Some((at, girth_mm)) = at.and_then(|at| Some((at, at.girth_tape_mm?))) else {
         return format!("{:>1$}", Language::En.text("report.missing.level_absent"), 2 * CELL);
     };
-    let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
+    let mark = if at.doubts.is_empty() { Reliability::Sure } else { Reliability::Doubtful };
     let girth = with_margin(Length::scanned(girth_mm, at.girth_sd_mm));
     format!("{:>CELL$}{:>CELL$}", format!("{}{girth}", mark.sign()), cm(at.height_mm))
 }

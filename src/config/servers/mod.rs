@@ -34,7 +34,7 @@ fn address(text: &str) -> Result<String, What> {
             "write it without ? and #, and without user and password, which have keys of their own";
         return Err(no_address(hint));
     }
-    match Endpoint::of(&uri) {
+    match Endpoint::from_uri(&uri) {
         Ok(_) => Ok(base.to_owned()),
         Err(EndpointFault::NotEncrypted) => {
             Err(no_address("write https: http is for a server on this machine only"))

@@ -4,12 +4,12 @@
 use std::time::Duration;
 
 use gaiter_flow::booth::{Heard, Press};
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::health::EXPORT_PASSED_OVER;
 use gaiter_flow::light::{Last, NO_EXPORT};
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
-use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Rounds};
+use gaiter_flow::round::{Capture, CaptureMatch, Doubt, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};
 use gaiter_record::{Patient, SourceKind};
 use serde_json::{Value, json};
@@ -247,7 +247,8 @@ impl Booth {
     pub fn decided(&self, scan: &ScanId) -> Result<(), JournalError> {
         let custody = &self.core.custody;
         // Without its intake the scan has left the station, and its round ends by time.
-        let judged = custody.spool().intake(scan).map_or(Judged::Unpressed, |intake| intake.judged);
+        let judged =
+            custody.spool().intake(scan).map_or(CaptureMatch::Unpressed, |intake| intake.judged);
         let owners = custody.journal().owners(scan)?;
         let mut inner = self.inner();
         // The light tells how it ends, whatever it told last.
@@ -346,7 +347,7 @@ impl Booth {
 
     /// Notes that the machine slept, that the process was stopped, or that a slow disk kept a port waiting: what was
     /// said meanwhile lies in buffers and files, and is heard in any order. Blocks.
-    pub fn slept(&self) {
+    pub fn note_sleep(&self) {
         warn!(event = "booth-slept");
         self.missed_anything();
     }
@@ -383,7 +384,7 @@ impl Booth {
             warn!(event = "patient-name-expired");
         }
         if inner.missed {
-            self.core.board.raise(NO_EXPORT, Figures::default());
+            self.core.board.raise(NO_EXPORT, ComplaintFigures::default());
         }
         let opened = inner.captures.waiting().map(|capture| capture.opened).min();
         self.tell_unread(opened, now);
@@ -397,7 +398,7 @@ impl Booth {
         let counts = opened.map(|opened| board.note(|facts| facts.unread_since(opened, now)));
         match counts.unwrap_or_default() {
             none if none.is_empty() => board.clear(EXPORT_PASSED_OVER),
-            counts => board.raise(EXPORT_PASSED_OVER, Figures::default().unread(counts)),
+            counts => board.raise(EXPORT_PASSED_OVER, ComplaintFigures::default().unread(counts)),
         }
     }
 }

@@ -21,7 +21,7 @@ use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
 use gaiter_flow::cause::Cause;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
 use gaiter_record::gdt::{Order, OrderFault, order};
 use tokio::task::{JoinError, spawn_blocking};
@@ -32,11 +32,11 @@ use crate::config::OrdersConfig;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::journal::JournalError;
-use crate::station::runtime::beat::Beat;
+use crate::station::runtime::beat::Heartbeat;
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::jitter;
 use crate::station::runtime::stop::Stop;
-use crate::station::share::stall::{DEADLINE, Pulse, patiently};
+use crate::station::share::stall::{DEADLINE, StepCounter, patiently};
 use take::{Before, Taken, take};
 
 /// Alarm: the station had lost its journal.
@@ -101,7 +101,7 @@ struct Lying {
 pub async fn worker(
     booth: Arc<Booth>,
     config: OrdersConfig,
-    beat: Beat,
+    beat: Heartbeat,
     mut stop: Stop,
 ) -> Result<(), JoinError> {
     let (core, config) = (Arc::clone(booth.core()), Arc::new(config));
@@ -117,9 +117,9 @@ pub async fn worker(
         let alive = || beat.beat();
         let stalled = || Reach::stalled(&reach);
         let (theirs, of, ours) = (Arc::clone(&config), Arc::clone(&core), Arc::clone(&reach));
-        let look = move |pulse: &Pulse| {
+        let look = move |counter: &StepCounter| {
             let began = of.now();
-            let found = looked(&of, &theirs, forgotten, pulse);
+            let found = looked(&of, &theirs, forgotten, counter);
             (ours.told(found), LookTime { began, ended: of.now() })
         };
         let looked = patiently(DEADLINE, &mut stop, look, alive, stalled).await?;
@@ -130,9 +130,9 @@ pub async fn worker(
             let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&booth), settled.clone());
             let before = orders.unheard.get(&settled.path).cloned();
             let absent = orders.absent(&settled.path);
-            let taking = move |pulse: &Pulse| {
+            let taking = move |counter: &StepCounter| {
                 let is_first = before.is_none();
-                let taken = take(&of, &theirs, &order, before, absent, pulse);
+                let taken = take(&of, &theirs, &order, before, absent, counter);
                 if is_first && matches!(taken, Err(TakeFault::Io { .. })) {
                     // Its patient may be the one at the booth.
                     of.hear(&Heard::UnreadOrder { absent });
@@ -169,12 +169,12 @@ fn looked(
     core: &Core,
     config: &OrdersConfig,
     forgotten: bool,
-    pulse: &Pulse,
+    counter: &StepCounter,
 ) -> io::Result<list_orders::Found> {
-    let found = list_orders::look(&config.path, &config.files, pulse)?;
+    let found = list_orders::look(&config.path, &config.files, counter)?;
     let noted = match forgotten {
-        true => known::pass_over(core, &found, pulse),
-        false => known::update(core, config, &found, pulse),
+        true => known::pass_over(core, &found, counter),
+        false => known::update(core, config, &found, counter),
     };
     noted.map_err(|error| {
         core.check_corruption(&error);
@@ -296,7 +296,7 @@ impl Reach {
 
     /// The folder is out of reach. Logs it if it was in reach before; returns whether it was.
     fn lose(&self, why: &Cause) -> bool {
-        self.booth.core().board.raise(OUT_OF_REACH, Figures::why(why));
+        self.booth.core().board.raise(OUT_OF_REACH, ComplaintFigures::why(why));
         let was_in = self.is_in.swap(false, Ordering::Relaxed);
         if was_in {
             warn!(event = "orders-out-of-reach", error = why.to_string());

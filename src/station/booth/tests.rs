@@ -49,7 +49,7 @@ fn taken_before(journal: &Journal, boot: &str) -> ScanId {
         pressed_at: None,
         state: ScanState::Spooled,
     };
-    let judged = Judged::Of(capture);
+    let judged = CaptureMatch::Of(capture);
     let (patient, held, candidates) = (None, None, &[][..]);
     let entry =
         Entry { row: &row, patient, held, claims: &[], judged: &judged, geometry: "", candidates };

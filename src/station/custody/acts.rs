@@ -41,7 +41,7 @@ impl Custody {
             return Ok(Acted::NoBytes);
         }
         let decisions = io("reading decisions", self.decisions.of(scan))?;
-        match Ruling::of(&decisions).is_given_up {
+        match Ruling::from_decisions(&decisions).is_given_up {
             true => self.decide(scan, &[(Decided::Retried, None)], |journal, number| {
                 journal.retried(scan, &refused, Some(number))
             })?,

@@ -16,7 +16,7 @@ use crate::station::journal::{FoundThere, Journal, JournalError, ScanRow};
 use crate::store::{FoundRecord, StoredScan};
 
 /// The operators' decisions about a scan.
-struct Known {
+struct DecisionsOfScan {
     ruling: Ruling,
     /// The ids of those who have the scan no more.
     former: BTreeSet<String>,
@@ -24,7 +24,7 @@ struct Known {
     number: usize,
 }
 
-impl Known {
+impl DecisionsOfScan {
     /// The patients the scan belongs to according to the decisions.
     fn patients(&self) -> Vec<Patient> {
         self.ruling.patients.iter().map(|id| by_operator(id)).collect()
@@ -33,7 +33,7 @@ impl Known {
 
 /// The patient of this id, by an operator's decision.
 pub(super) fn by_operator(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::Operator)] }
+    Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::Operator)] }
 }
 
 impl Custody {
@@ -97,7 +97,7 @@ impl Custody {
     }
 
     /// The decisions about a scan; `None` if they cannot be read.
-    fn state_known(&self, scan: &ScanId) -> Result<Option<Known>, CustodyFault> {
+    fn state_known(&self, scan: &ScanId) -> Result<Option<DecisionsOfScan>, CustodyFault> {
         let decisions = match self.decisions.of(scan) {
             Err(error) if error.kind() == ErrorKind::InvalidData => {
                 warn!(event = "decisions-unreadable", scan = scan.short(), %error);
@@ -105,10 +105,10 @@ impl Custody {
             }
             decisions => io("reading decisions", decisions)?,
         };
-        let (ruling, number) = (Ruling::of(&decisions), decisions.len());
+        let (ruling, number) = (Ruling::from_decisions(&decisions), decisions.len());
         let named = decisions.into_iter().filter_map(|decision| decision.patient);
         let former = named.filter(|id| !ruling.allows(Some(id.as_str()))).collect();
-        Ok(Some(Known { ruling, former, number }))
+        Ok(Some(DecisionsOfScan { ruling, former, number }))
     }
 
     /// Reports whether a decision forbids a record that a store holds.
@@ -122,7 +122,7 @@ impl Custody {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let (row, patient, folder) = parts(record);
         let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
-        let known = self.state_known(&record.scan)?.unwrap_or(Known::NOTHING);
+        let known = self.state_known(&record.scan)?.unwrap_or(DecisionsOfScan::NOTHING);
         let number = (known.number > 0).then_some(known.number);
         self.journal.found(&found, &known.ruling.patients, number)?;
         if let Some(patient) = patient.as_ref().filter(|_| !self.servers.is_empty()) {
@@ -144,7 +144,7 @@ impl Custody {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let (row, patient, folder) = parts(record);
         let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
-        let known = self.state_known(&record.scan)?.unwrap_or(Known::NOTHING);
+        let known = self.state_known(&record.scan)?.unwrap_or(DecisionsOfScan::NOTHING);
         let patients = known.patients();
         let has_bytes = self.bring_back(&row, patients.first(), stored)?;
         let number = has_bytes.then_some(known.number);
@@ -191,8 +191,9 @@ impl Custody {
     }
 }
 
-impl Known {
-    const NOTHING: Known = Known { ruling: Ruling::OPEN, former: BTreeSet::new(), number: 0 };
+impl DecisionsOfScan {
+    const NOTHING: DecisionsOfScan =
+        DecisionsOfScan { ruling: Ruling::OPEN, former: BTreeSet::new(), number: 0 };
 }
 
 /// The journal row of a record found in a store, its patient, and its folder.
@@ -206,7 +207,7 @@ fn parts(record: &FoundRecord) -> (ScanRow, Option<Patient>, String) {
         pressed_at: None,
         state: ScanState::Delivered,
     };
-    let sources = vec![Source::of(SourceKind::Record)];
+    let sources = vec![Source::from_kind(SourceKind::Record)];
     let patient = record.patient.clone().map(|id| Patient { id, sources });
     (row, patient, record.folder.to_string_lossy().into_owned())
 }

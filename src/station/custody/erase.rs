@@ -9,13 +9,13 @@ use std::sync::PoisonError;
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::erasure::{ERASED, ErasedScan, Erasure, Owed};
 use gaiter_flow::patient::person::WhoseScan;
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use jiff::Timestamp;
 use serde_json::json;
 
 use super::spool::Intake;
 use super::{Custody, CustodyFault, io};
-use crate::station::journal::{Erasing, Event, Theirs};
+use crate::station::journal::{Erasing, Event, ScanOfPerson};
 use crate::store::durable;
 pub(in crate::station) use naming::{OLD_JOURNALS, REFUSED_ORDERS, files_naming};
 
@@ -202,7 +202,7 @@ impl Custody {
     ///
     /// # Errors
     /// If the journal cannot be read.
-    pub fn goes_whole(&self, of: &Theirs, patient: &str) -> Result<bool, CustodyFault> {
+    pub fn goes_whole(&self, of: &ScanOfPerson, patient: &str) -> Result<bool, CustodyFault> {
         match of.whose {
             WhoseScan::Theirs => Ok(true),
             WhoseScan::Uncertain => self.is_of_none_else(&of.scan, patient),
@@ -264,5 +264,5 @@ fn leave(intake: &mut Intake, patient: &str) {
             intake.candidates.push(ERASED.to_owned());
         }
     }
-    intake.judged = Judged::Unpressed;
+    intake.judged = CaptureMatch::Unpressed;
 }

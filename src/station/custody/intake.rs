@@ -3,7 +3,7 @@
 use gaiter_flow::patient::identity::{
     ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
 };
-use gaiter_flow::round::{Judged, Why};
+use gaiter_flow::round::{CaptureMatch, Why};
 use gaiter_flow::{ScanId, ScanState};
 use gaiter_record::Patient;
 use jiff::Timestamp;
@@ -45,8 +45,8 @@ pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<Strin
         return Vec::new();
     }
     let judged = match &arrival.judged {
-        Judged::Held { candidates, .. } => candidates.as_slice(),
-        Judged::Of(_) | Judged::Unpressed | Judged::Known => &[],
+        CaptureMatch::Held { candidates, .. } => candidates.as_slice(),
+        CaptureMatch::Of(_) | CaptureMatch::Unpressed | CaptureMatch::Known => &[],
     };
     let judged = judged.iter().map(|named| &named.id);
     let whose = &arrival.whose;
@@ -80,7 +80,7 @@ pub(super) fn intake_of(row: &ScanRow, patient: Option<&Patient>) -> Intake {
         held: false,
         findings: Vec::new(),
         geometry: String::new(),
-        judged: Judged::Unpressed,
+        judged: CaptureMatch::Unpressed,
         candidates: Vec::new(),
     }
 }

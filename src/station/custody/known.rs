@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use gaiter_flow::patient::erasure::ERASED;
-use gaiter_flow::round::{Judged, Named};
+use gaiter_flow::round::{CaptureMatch, Named};
 use gaiter_flow::{ScanId, Stamp};
 use gaiter_record::SourceKind;
 use gaiter_scan::Format;
@@ -34,7 +34,7 @@ impl Custody {
     /// See [`CustodyFault`]; the next call continues.
     pub fn enter_kept(
         &self,
-        mut entered: impl FnMut(&ScanId, &Judged),
+        mut entered: impl FnMut(&ScanId, &CaptureMatch),
     ) -> Result<(), CustodyFault> {
         if !self.unentered.load(Ordering::Relaxed) {
             return Ok(());

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::sync::PoisonError;
 use std::time::Duration;
 
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 
@@ -88,7 +88,10 @@ impl Custody {
 
     /// Enters a scan of the spool that the journal does not know. Refuses one with an unreadable intake: it must not
     /// block every start.
-    pub(super) fn adopt_or_refuse(&self, scan: &ScanId) -> Result<Option<Judged>, CustodyFault> {
+    pub(super) fn adopt_or_refuse(
+        &self,
+        scan: &ScanId,
+    ) -> Result<Option<CaptureMatch>, CustodyFault> {
         let intake = match self.spool.intake(scan) {
             Err(unreadable) if is_of_the_entry(&unreadable) => {
                 let message = format!("its intake.json cannot be read: {unreadable}");

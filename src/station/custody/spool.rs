@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_record::Patient;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,7 @@ pub struct Intake {
     /// The fingerprint of what was read in it; '' if nothing was.
     pub geometry: String,
     /// The capture it answers.
-    pub judged: Judged,
+    pub judged: CaptureMatch,
     /// All patients it may belong to, if that is uncertain.
     pub candidates: Vec<String>,
 }
@@ -242,7 +242,7 @@ mod tests {
             held: false,
             findings: Vec::new(),
             geometry: String::new(),
-            judged: Judged::Unpressed,
+            judged: CaptureMatch::Unpressed,
             candidates: Vec::new(),
         }
     }

@@ -2,7 +2,7 @@
 //! removed one while the station ran.
 
 use gaiter_flow::cause::Cause;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::facts::Alarm;
 use jiff::Timestamp;
 use tracing::{error, warn};
@@ -24,7 +24,7 @@ pub fn look_after(custody: &Custody, board: &Board) {
         return;
     }
     let names = missing.join(", ");
-    let raise = |code, figures: Figures| {
+    let raise = |code, figures: ComplaintFigures| {
         let figures = figures.words("folders", &names);
         let alarm = Alarm { figures, since: Timestamp::now() };
         board.note(|facts| {
@@ -32,7 +32,7 @@ pub fn look_after(custody: &Custody, board: &Board) {
         });
     };
     // First, so that nobody finds the folders there and the alarm not yet.
-    raise(MADE_ANEW, Figures::default());
+    raise(MADE_ANEW, ComplaintFigures::default());
     match custody.make_folders_anew() {
         Ok(()) => {
             error!(event = "custody-made-anew", folders = names);
@@ -42,7 +42,7 @@ pub fn look_after(custody: &Custody, board: &Board) {
         }
         Err(error) => {
             warn!(event = "custody-missing", folders = names, %error);
-            raise(MISSING, Figures::why(&Cause::of_system(&error)));
+            raise(MISSING, ComplaintFigures::why(&Cause::of_system(&error)));
         }
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn open_with_server(dir: &Path) -> Custody {
 }
 
 pub(super) fn patient(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] }
+    Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::FileName)] }
 }
 
 pub(super) fn says(id: &str) -> Whose {
@@ -47,7 +47,7 @@ pub(super) fn arrival(scan: &ScanId, whose: Whose) -> Arrival<'_> {
         format: Format::Obj,
         file_time: None,
         whose,
-        judged: Judged::Unpressed,
+        judged: CaptureMatch::Unpressed,
         pressed_at: None,
         companions: &[],
         geometry: "",

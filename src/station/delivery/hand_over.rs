@@ -6,7 +6,7 @@ use gaiter_flow::facts::StoreAttempt;
 use gaiter_flow::outbox::Ended;
 use tracing::info;
 
-use super::work::{self, Setback};
+use super::work::{self, DeliveryFault};
 use super::{store_reach, stored_record};
 use crate::station::booth::Booth;
 use crate::station::event::short;
@@ -17,16 +17,16 @@ use crate::store::{Delivery, StoreFault, revision};
 pub fn hand_over(booth: &Booth, due: &Due) -> Ended {
     match handed_over(booth, due) {
         Ok(()) => Ended::ForGood,
-        Err(setback) => work::set_back(booth, due, setback),
+        Err(fault) => work::note_fault(booth, due, fault),
     }
 }
 
-fn handed_over(booth: &Booth, due: &Due) -> Result<(), Setback> {
+fn handed_over(booth: &Booth, due: &Due) -> Result<(), DeliveryFault> {
     let core = booth.core();
     let row = work::row(core, due)?;
     let journal = core.custody.journal();
     let store = core.stores.named(&due.store).ok_or_else(|| work::no_store(due))?;
-    let put_off = |error: String| Setback::PutOff { code: "record-unreadable", error };
+    let put_off = |error: String| DeliveryFault::PutOff { code: "record-unreadable", error };
     let Some(folder) = journal.record_folder(&due.scan, due.patient_cell())? else {
         return Err(put_off("the record is in no folder that can be read".to_owned()));
     };
@@ -53,7 +53,7 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), Setback> {
         Err(fault @ StoreFault::Permanent(_)) => {
             let (code, error) = (fault.code(), fault.to_string());
             journal.revision_refused(due, code)?;
-            return Err(Setback::PutOff { code, error });
+            return Err(DeliveryFault::PutOff { code, error });
         }
         Err(fault) => return Err(work::of_store(fault, &row)),
     };

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::acquired::acquired;
 use gaiter_flow::cause::Cause;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::confinement::{Confine, Confinement};
 use gaiter_flow::facts::Alarm;
 use gaiter_flow::views::ViewsSeen;
@@ -17,7 +17,7 @@ use tracing::{info, warn};
 use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
-    self, Answer, Blame, ConfineFault, Job, MeasureFault, Measured, Purpose, RecordJob, Trouble,
+    self, Blame, ConfineFault, Job, JobAnswer, MeasureFault, Measured, Purpose, RecordJob, Trouble,
 };
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::clock::utc_offset_min;
@@ -33,7 +33,7 @@ const NOT_STARTED: &str = "measuring-not-started";
 
 /// The outcome of a measurement.
 #[derive(Debug)]
-pub enum Outcome {
+pub enum MeasureOutcome {
     /// It was measured.
     Files {
         /// The record's files.
@@ -70,7 +70,7 @@ pub fn measured(
     patient: Option<Patient>,
     threads: usize,
     count_try: impl FnOnce() -> Result<u32, JournalError>,
-) -> Result<Outcome, JournalError> {
+) -> Result<MeasureOutcome, JournalError> {
     let (job, ord_file) = match job(core, row, patient, threads) {
         Ok(job) => job,
         Err(error) => return Ok(unread(core, &error)),
@@ -80,14 +80,14 @@ pub fn measured(
         Ok(Measured::Answered(answer)) => {
             note_possible(core);
             Ok(match answer {
-                Answer::Files { files, to_do, views_apart_mm } => {
+                JobAnswer::Files { files, to_do, views_apart_mm } => {
                     note_views(core, ViewsSeen { at: row.first_seen, step_mm: views_apart_mm });
-                    Outcome::Files { files, to_do }
+                    MeasureOutcome::Files { files, to_do }
                 }
-                Answer::Refused { code, message } => Outcome::Refused { code, message },
-                Answer::Inspected(_) => {
+                JobAnswer::Refused { code, message } => MeasureOutcome::Refused { code, message },
+                JobAnswer::Inspected(_) => {
                     let message = "the measuring process gave no record".to_owned();
-                    Outcome::Refused { code: "record-not-written".to_owned(), message }
+                    MeasureOutcome::Refused { code: "record-not-written".to_owned(), message }
                 }
             })
         }
@@ -114,40 +114,40 @@ fn blamed(
     job: &Job,
     trouble: &Trouble,
     count_try: impl FnOnce() -> Result<u32, JournalError>,
-) -> Result<Outcome, JournalError> {
+) -> Result<MeasureOutcome, JournalError> {
     let (code, message) = (trouble.code(), trouble.to_string());
     let is_the_scans = match trouble.blame() {
         Blame::Scan => true,
         Blame::Machine => false,
         Blame::Either if count_try()? < TRIES_MAX => {
-            return Ok(Outcome::Waits { code, error: message });
+            return Ok(MeasureOutcome::Waits { code, error: message });
         }
         // If other bytes cannot be measured either, the machine is at fault.
         Blame::Either => measure::answers(job).unwrap_or(false),
     };
     Ok(match is_the_scans {
-        true => Outcome::Refused { code: code.to_owned(), message },
+        true => MeasureOutcome::Refused { code: code.to_owned(), message },
         false => waits(core, code, message),
     })
 }
 
 /// The spool could not be read. If it is there but lacks the bytes, they were removed from outside.
-fn unread(core: &Core, error: &io::Error) -> Outcome {
+fn unread(core: &Core, error: &io::Error) -> MeasureOutcome {
     if error.kind() == io::ErrorKind::NotFound && core.custody.spool().is_there() {
-        return Outcome::Lost;
+        return MeasureOutcome::Lost;
     }
     waits(core, NOT_STARTED, format!("the spool could not be read: {error}"))
 }
 
 /// The scan waits, and an alarm says why.
-fn waits(core: &Core, code: &'static str, error: String) -> Outcome {
+fn waits(core: &Core, code: &'static str, error: String) -> MeasureOutcome {
     note_impaired(core, &error);
-    Outcome::Waits { code, error }
+    MeasureOutcome::Waits { code, error }
 }
 
 /// Notes that scans cannot be measured on this machine, and why.
 pub fn note_impaired(core: &Core, error: &str) {
-    core.board.raise(IMPAIRED, Figures::why(&Cause::said(error)));
+    core.board.raise(IMPAIRED, ComplaintFigures::why(&Cause::said(error)));
 }
 
 /// Notes that scans can be measured on this machine.
@@ -173,7 +173,7 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
         Err(fault) if confine == Confine::Required => Err(fault),
         Err(fault) => {
             warn!(event = "confinement-failed", error = chain(&fault));
-            let figures = Figures::why(&Cause::said(chain(&fault)));
+            let figures = ComplaintFigures::why(&Cause::said(chain(&fault)));
             Ok(Err(Alarm { figures, since: Timestamp::now() }))
         }
     }

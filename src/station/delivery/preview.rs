@@ -17,12 +17,12 @@ use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
 
-use super::measuring::{self, Outcome};
+use super::measuring::{self, MeasureOutcome};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::event::short;
 use crate::station::journal::{JournalError, ScanRow};
-use crate::station::runtime::beat::Beat;
+use crate::station::runtime::beat::Heartbeat;
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::stop::Stop;
 pub use shelf::{Preview, Previews};
@@ -71,7 +71,7 @@ struct Trial {
 pub async fn worker(
     booth: Arc<Booth>,
     previews: Arc<Previews>,
-    beat: Beat,
+    beat: Heartbeat,
     mut stop: Stop,
 ) -> Result<(), JoinError> {
     let (trials, next) = (BTreeMap::new(), Duration::ZERO);
@@ -150,7 +150,7 @@ impl Round {
             Err(error) => return self.put_off(row, &chain(&error)),
         };
         let code = match outcome {
-            Outcome::Files { files, .. } => {
+            MeasureOutcome::Files { files, .. } => {
                 return match self.previews.keep(&row.scan, &files) {
                     Ok(()) => {
                         info!(event = "preview-made", scan);
@@ -160,9 +160,9 @@ impl Round {
                     Err(error) => self.put_off(row, &error.to_string()),
                 };
             }
-            Outcome::Refused { code, .. } => code,
-            Outcome::Lost => return self.put_off(row, "its bytes are not in the spool"),
-            Outcome::Waits { error, .. } => return self.put_off(row, &error),
+            MeasureOutcome::Refused { code, .. } => code,
+            MeasureOutcome::Lost => return self.put_off(row, "its bytes are not in the spool"),
+            MeasureOutcome::Waits { error, .. } => return self.put_off(row, &error),
         };
         info!(event = "preview-impossible", scan, code);
         self.previews.note(&row.scan, Preview::Impossible(code));

@@ -21,7 +21,7 @@ const READ_LIMIT: Duration = Duration::from_secs(10);
 pub(super) fn latest(folder: &Path) -> Result<(Stored, Vec<RecordFile>), StoredFault> {
     let family = families(folder).map_err(io::Error::other)?.pop();
     let stored = match &family {
-        Some(family) => Stored::of(family)?,
+        Some(family) => Stored::read(family)?,
         None => Stored::in_folder(folder)?,
     };
     let files = files_of(&stored)?;

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::facts::{StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
@@ -12,7 +12,7 @@ use gaiter_language::Language;
 use gaiter_record::{FIRST_REVISION, RecordFile};
 use tracing::{info, warn};
 
-use super::measuring::{self, Outcome};
+use super::measuring::{self, MeasureOutcome};
 use super::{store_reach, stored_record};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
@@ -21,7 +21,7 @@ use crate::station::custody::quarantine::{Reason, Stage};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::{Due, JournalError, KEPT, ScanRow};
 use crate::station::runtime::causes::chain;
-use crate::store::{Delivery, Misfit, RecordStore, StoreFault};
+use crate::store::{Delivery, RecordStore, Rejection, StoreFault};
 
 /// The code of a delivery that a server does not take now, while it may take others.
 pub const NOT_TAKEN: &str = "not-taken-now";
@@ -37,12 +37,12 @@ pub struct Ready {
 
 /// Why work did not finish.
 #[derive(Debug)]
-pub(super) enum Setback {
+pub(super) enum DeliveryFault {
     /// It never will finish.
     Refused(Reason),
-    /// The record that was to be taken back was changed, or something is in its way; the misfit says what.
+    /// The record that was to be taken back was changed, or something is in its way; the rejection says what.
     /// It stays where it is until an operator has checked it.
-    Kept(Misfit),
+    Kept(Rejection),
     /// It may finish later.
     PutOff { code: &'static str, error: String },
     /// It may finish later; the store may have something against this record alone.
@@ -63,26 +63,26 @@ pub fn prepare(
 ) -> Result<Ready, Ended> {
     let stored = if only_servers { stored(booth, due).transpose() } else { None };
     let ready = stored.unwrap_or_else(|| measured(booth, due, threads));
-    ready.map_err(|setback| set_back(booth, due, setback))
+    ready.map_err(|fault| note_fault(booth, due, fault))
 }
 
-fn stored(booth: &Booth, due: &Due) -> Result<Option<Ready>, Setback> {
+fn stored(booth: &Booth, due: &Due) -> Result<Option<Ready>, DeliveryFault> {
     let Some(files) = stored_record::first(booth.core(), due)? else { return Ok(None) };
     let row = row(booth.core(), due)?;
     Ok(Some(Ready { row, files, to_do: booth.to_do(&due.scan) }))
 }
 
-fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Setback> {
+fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, DeliveryFault> {
     let core = booth.core();
     let row = row(core, due)?;
     let began = Instant::now();
     let count_try = || core.custody.journal().crashed(&row.scan);
     let outcome = measuring::measured(core, &row, due.patient.clone(), threads, count_try)?;
     let refused = |code: &str, message: String, stage| {
-        Err(Setback::Refused(Reason::new(code, message, stage, row.first_seen)))
+        Err(DeliveryFault::Refused(Reason::new(code, message, stage, row.first_seen)))
     };
     match outcome {
-        Outcome::Files { files, to_do } => {
+        MeasureOutcome::Files { files, to_do } => {
             note_measured(core, began.elapsed());
             booth.scan_measured(&row.scan)?;
             if !to_do.is_empty() {
@@ -90,19 +90,19 @@ fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Setback> 
             }
             Ok(Ready { row, files, to_do })
         }
-        Outcome::Refused { code, message } => {
+        MeasureOutcome::Refused { code, message } => {
             note_measured(core, began.elapsed());
             refused(&code, message, Stage::Measure)
         }
-        Outcome::Lost => {
+        MeasureOutcome::Lost => {
             let message = "its bytes were removed from the spool by another program".to_owned();
             refused("spool-lost", message, Stage::Intake)
         }
-        Outcome::Waits { code, error } => Err(Setback::PutOff { code, error }),
+        MeasureOutcome::Waits { code, error } => Err(DeliveryFault::PutOff { code, error }),
     }
 }
 
-pub(super) fn row(core: &Core, due: &Due) -> Result<ScanRow, Setback> {
+pub(super) fn row(core: &Core, due: &Due) -> Result<ScanRow, DeliveryFault> {
     let row = core.custody.journal().scan(&due.scan)?;
     Ok(row.ok_or(JournalError::Unknown { what: "scan" })?)
 }
@@ -117,7 +117,7 @@ fn note_measured(core: &Core, took: Duration) {
 /// Puts the record of a measured scan into the delivery's store.
 pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
     let core = booth.core();
-    let put = || -> Result<(), Setback> {
+    let put = || -> Result<(), DeliveryFault> {
         let Ready { row, files, .. } = ready;
         if !core.custody.journal().is_to_be_made(due)? {
             // The decision changed during the measurement: no patient gets another's record.
@@ -150,7 +150,7 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
     };
     let ended = match put() {
         Ok(()) => Ended::ForGood,
-        Err(setback) => set_back(booth, due, setback),
+        Err(fault) => note_fault(booth, due, fault),
     };
     booth.ended(&due.scan, &ready.to_do);
     ended
@@ -162,7 +162,7 @@ pub(super) fn note_place(
     due: &Due,
     store: &dyn RecordStore,
     receipt: Option<&Path>,
-) -> Result<(), Setback> {
+) -> Result<(), DeliveryFault> {
     if store.is_server() {
         core.custody.journal().put_at(due, &store.place(), receipt)?;
     }
@@ -174,7 +174,7 @@ fn receipt_here(
     core: &Core,
     due: &Due,
     store: &dyn RecordStore,
-) -> Result<Option<String>, Setback> {
+) -> Result<Option<String>, DeliveryFault> {
     let places = core.custody.journal().places(due)?;
     match places.get(&store.place()) {
         Some(receipt) => Ok(Some(receipt.clone()).filter(|receipt| !receipt.is_empty())),
@@ -184,17 +184,17 @@ fn receipt_here(
 }
 
 /// The record is, or may be, at an earlier address of the store.
-fn moved() -> Setback {
+fn moved() -> DeliveryFault {
     let error = "the record is to be withdrawn at an earlier address of the store".to_owned();
-    Setback::PutOff { code: "store-moved", error }
+    DeliveryFault::PutOff { code: "store-moved", error }
 }
 
 /// Who keeps the record of a scan that is withdrawn from a folder.
-fn keeper(core: &Core, due: &Due, from: Option<&str>) -> Result<Option<String>, Setback> {
+fn keeper(core: &Core, due: &Due, from: Option<&str>) -> Result<Option<String>, DeliveryFault> {
     let keeper = core.custody.journal().keeper(&due.scan, &due.store)?;
     let early = || {
         let error = "nobody else has the record yet".to_owned();
-        Setback::PutOff { code: "withdrawal-early", error }
+        DeliveryFault::PutOff { code: "withdrawal-early", error }
     };
     keeper.filter(|keeper| keeper.as_deref() != from).ok_or_else(early)
 }
@@ -202,7 +202,7 @@ fn keeper(core: &Core, due: &Due, from: Option<&str>) -> Result<Option<String>, 
 /// Takes back the record of a scan that now belongs to another patient.
 pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
     let core = booth.core();
-    let withdraw = || -> Result<(), Setback> {
+    let withdraw = || -> Result<(), DeliveryFault> {
         let row = row(core, due)?;
         let journal = core.custody.journal();
         let store = core.stores.named(&due.store).ok_or_else(|| no_store(due))?;
@@ -213,12 +213,12 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         };
         let scan = short(&due.scan);
         match store.withdraw(&due.scan, from, keeper.as_deref(), receipt.as_deref()) {
-            Err(StoreFault::Permanent(Misfit::HandedOver)) => {
+            Err(StoreFault::Permanent(Rejection::HandedOver)) => {
                 warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);
                 journal.left_there(due)?;
                 return Ok(());
             }
-            Err(StoreFault::Permanent(misfit)) => return Err(Setback::Kept(misfit)),
+            Err(StoreFault::Permanent(rejection)) => return Err(DeliveryFault::Kept(rejection)),
             other => other.map_err(|fault| of_store(fault, &row))?,
         }
         if store.is_server() && journal.gone_from(due, &store.place())? {
@@ -235,25 +235,25 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
     };
     match withdraw() {
         Ok(()) => Ended::ForGood,
-        Err(setback) => set_back(booth, due, setback),
+        Err(fault) => note_fault(booth, due, fault),
     }
 }
 
-pub(super) fn no_store(due: &Due) -> Setback {
+pub(super) fn no_store(due: &Due) -> DeliveryFault {
     let error = format!("the configuration no longer has a store \"{}\"", due.store);
-    Setback::PutOff { code: "no-such-store", error }
+    DeliveryFault::PutOff { code: "no-such-store", error }
 }
 
-/// Reports a setback and notes it.
-pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
+/// Reports why work did not finish, and notes it.
+pub(super) fn note_fault(booth: &Booth, due: &Due, fault: DeliveryFault) -> Ended {
     let core = booth.core();
     let scan = short(&due.scan);
     let custody_failed = |fault: CustodyFault| {
         core.check_corruption(&fault);
         ("custody-failed", chain(&fault), Ended::PutOff)
     };
-    let (code, error, ended) = match setback {
-        Setback::Refused(reason) => match core.custody.refuse_delivery(due, reason) {
+    let (code, error, ended) = match fault {
+        DeliveryFault::Refused(reason) => match core.custody.refuse_delivery(due, reason) {
             Ok(None) => return Ended::ForGood,
             Ok(Some(Reason { code, message, stage, .. })) => {
                 if stage != Stage::Store
@@ -268,18 +268,18 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
             }
             Err(fault) => custody_failed(fault),
         },
-        Setback::Kept(misfit) => {
-            core.board.raise(KEPT, Figures::default());
-            (KEPT, misfit.to_string(), Ended::Kept)
+        DeliveryFault::Kept(rejection) => {
+            core.board.raise(KEPT, ComplaintFigures::default());
+            (KEPT, rejection.to_string(), Ended::Kept)
         }
-        Setback::StoreFailed { code, refusal } => {
+        DeliveryFault::StoreFailed { code, refusal } => {
             let error = refusal.in_words(Language::En);
             store_reach::note(core, &due.store, StoreAttempt::Delivery(Some(refusal)));
             (code, error, Ended::StoreFailed)
         }
-        Setback::NotTaken { error } => (NOT_TAKEN, error, Ended::NotTaken),
-        Setback::PutOff { code, error } => (code, error, Ended::PutOff),
-        Setback::Custody(fault) => custody_failed(fault),
+        DeliveryFault::NotTaken { error } => (NOT_TAKEN, error, Ended::NotTaken),
+        DeliveryFault::PutOff { code, error } => (code, error, Ended::PutOff),
+        DeliveryFault::Custody(fault) => custody_failed(fault),
     };
     warn!(event = "delivery-put-off", scan, store = due.store, code, error);
     core.observer.tell(StationEvent::PutOff { scan, code: code.to_owned() });
@@ -287,29 +287,33 @@ pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
 }
 
 /// Converts a store's fault. Its path holds the patient's id and stays out of logs and journal.
-pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
+pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> DeliveryFault {
     let code = fault.code();
     match fault {
-        StoreFault::NotFetched => Setback::StoreFailed { code, refusal: StoreRefusal::NotFetched },
-        StoreFault::Permanent(misfit) => {
-            let message = misfit.to_string();
-            Setback::Refused(Reason::new(code, message, Stage::Store, row.first_seen))
+        StoreFault::NotFetched => {
+            DeliveryFault::StoreFailed { code, refusal: StoreRefusal::NotFetched }
+        }
+        StoreFault::Permanent(rejection) => {
+            let message = rejection.to_string();
+            DeliveryFault::Refused(Reason::new(code, message, Stage::Store, row.first_seen))
         }
         StoreFault::Server(fault) if fault.is_of_a_record() => {
-            Setback::NotTaken { error: fault.to_string() }
+            DeliveryFault::NotTaken { error: fault.to_string() }
         }
-        passing => Setback::StoreFailed { code, refusal: StoreRefusal::Fault(passing.cause()) },
+        passing => {
+            DeliveryFault::StoreFailed { code, refusal: StoreRefusal::Fault(passing.cause()) }
+        }
     }
 }
 
-impl From<CustodyFault> for Setback {
-    fn from(fault: CustodyFault) -> Setback {
-        Setback::Custody(fault)
+impl From<CustodyFault> for DeliveryFault {
+    fn from(fault: CustodyFault) -> DeliveryFault {
+        DeliveryFault::Custody(fault)
     }
 }
 
-impl From<JournalError> for Setback {
-    fn from(error: JournalError) -> Setback {
-        Setback::Custody(error.into())
+impl From<JournalError> for DeliveryFault {
+    fn from(error: JournalError) -> DeliveryFault {
+        DeliveryFault::Custody(error.into())
     }
 }

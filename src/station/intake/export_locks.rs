@@ -27,10 +27,10 @@ const GIVEN_BACK: Duration = Duration::from_secs(3);
 
 /// The export folders that this process has locked. The kernel releases them when it ends.
 #[derive(Debug, Default)]
-pub struct ExportLocks(Mutex<BTreeMap<PathBuf, Held>>);
+pub struct ExportLocks(Mutex<BTreeMap<PathBuf, LockedFolder>>);
 
 #[derive(Debug)]
-struct Held {
+struct LockedFolder {
     /// Which folder it was: another may have taken its place.
     id: FileId,
     /// `None` if the file system has no locks.
@@ -43,7 +43,7 @@ impl ExportLocks {
     /// # Errors
     /// If the folder cannot be examined.
     pub fn hold(&self, folder: &Path) -> io::Result<bool> {
-        let id = FileId::of(folder)?;
+        let id = FileId::from_path(folder)?;
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if all.get(folder).is_some_and(|held| held.id == id) {
             return Ok(true);
@@ -58,7 +58,7 @@ impl ExportLocks {
                 None
             }
         };
-        all.insert(folder.to_owned(), Held { id, _file });
+        all.insert(folder.to_owned(), LockedFolder { id, _file });
         Ok(true)
     }
 
@@ -81,7 +81,7 @@ impl ExportLocks {
 
 /// The file to lock for a folder.
 fn lock_file(folder: &Path) -> io::Result<File> {
-    if !file_system::of(folder)?.is_network() {
+    if !file_system::detect(folder)?.is_network() {
         return File::open(folder);
     }
     let place = folder.canonicalize()?;

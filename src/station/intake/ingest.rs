@@ -6,7 +6,7 @@ use std::os::unix::ffi::OsStrExt;
 use gaiter_flow::export::companions;
 use gaiter_flow::facts::IntakeState;
 use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED, PATIENTS_DIFFER};
-use gaiter_flow::round::{Content, Judged, Opener};
+use gaiter_flow::round::{CaptureMatch, ExportContent, Opener};
 use gaiter_flow::{Appeared, NameSays, ScanId, Settled, Verdict};
 use gaiter_scan::{End, Format};
 use jiff::Timestamp;
@@ -218,7 +218,7 @@ fn admit(
     let known = custody.known(scan, &found.fingerprint)?;
     let same_as = known.clone().filter(|known| known != scan);
     let Settled { path, stamp, writing, .. } = found.settled;
-    let content = Content {
+    let content = ExportContent {
         began: found.began,
         others: found.others,
         is_known: known.is_some() || custody.is_sibling(path, *stamp)?,
@@ -231,7 +231,7 @@ fn admit(
     if let Some(known) = &known {
         captures.known(known);
     }
-    let judged = captures.judge(&content);
+    let judged = captures.match_content(&content);
     let hold = core.config.capture.without_trigger == WithoutTrigger::Hold;
     let whose = identity::of_judged(&judged, hold, says);
     let judged = match whose.held {
@@ -277,9 +277,9 @@ fn beside(core: &Core, companions: &[Companion]) -> NameSays {
 }
 
 /// When the button was pressed for an export that certainly answers that press.
-fn pressed_at(core: &Core, judged: &Judged) -> Result<Option<Timestamp>, JournalError> {
+fn pressed_at(core: &Core, judged: &CaptureMatch) -> Result<Option<Timestamp>, JournalError> {
     match judged {
-        Judged::Of(capture) if capture.by == Opener::Press => {
+        CaptureMatch::Of(capture) if capture.by == Opener::Press => {
             core.custody.journal().captured_at(capture.number)
         }
         _ => Ok(None),

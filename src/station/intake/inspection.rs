@@ -9,7 +9,7 @@ use super::stable_read::Export;
 use crate::station::core::Core;
 use crate::station::delivery::measuring::{self, TRIES_MAX};
 use crate::station::measure::{
-    self, Answer, Blame, Inspection, Job, MeasureFault, Measured, Purpose, Trouble,
+    self, Blame, Inspection, Job, JobAnswer, MeasureFault, Measured, Purpose, Trouble,
 };
 use crate::station::runtime::causes::chain;
 
@@ -51,9 +51,9 @@ fn asked(core: &Core, export: &Export, format: Format) -> Result<Inspection, Ins
     let mut tries = 0;
     loop {
         let trouble = match measure::measure_bytes(None, &job, &export.bytes)? {
-            Measured::Answered(Answer::Inspected(found)) => return Ok(found),
+            Measured::Answered(JobAnswer::Inspected(found)) => return Ok(found),
             // The reader panicked.
-            Measured::Answered(Answer::Files { .. } | Answer::Refused { .. }) => {
+            Measured::Answered(JobAnswer::Files { .. } | JobAnswer::Refused { .. }) => {
                 return Ok(NOTHING_SHOWN);
             }
             Measured::Trouble(trouble) => trouble,

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gaiter_flow::settle::Memory;
-use gaiter_flow::{Mark, Stamp};
+use gaiter_flow::{Fingerprint, Stamp};
 use tokio::task::{JoinError, spawn_blocking};
 
 use super::Intake;
 use crate::station::core::Core;
 use crate::station::intake::stable_read;
 use crate::station::runtime::stop::Stop;
-use crate::station::share::stall::{DEADLINE, Pulse, patiently};
+use crate::station::share::stall::{DEADLINE, StepCounter, patiently};
 
 /// What the last run knew about a folder; nothing if the journal cannot answer.
 pub(super) async fn recall(core: &Arc<Core>, folder: &Path) -> Result<Memory, JoinError> {
@@ -39,13 +39,13 @@ impl Intake {
             return Ok(());
         }
         let core = Arc::clone(self.booth.core());
-        let read = move |pulse: &Pulse| {
+        let read = move |counter: &StepCounter| {
             let marked = unmarked.into_iter().map(|(path, stamp)| {
-                pulse.beat();
+                counter.step();
                 let mark = stable_read::mark(&path, stamp, || core.now());
                 (path, stamp, mark)
             });
-            marked.collect::<Vec<(PathBuf, Stamp, Option<Mark>)>>()
+            marked.collect::<Vec<(PathBuf, Stamp, Option<Fingerprint>)>>()
         };
         let marked =
             patiently(DEADLINE, stop, read, || self.beat.beat(), || self.notes.stalled()).await?;

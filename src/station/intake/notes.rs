@@ -78,13 +78,13 @@ impl Notes {
             }
         };
         self.note(|source| source.file_system = Some(found.mount.file_system.to_string()));
-        if let Err(why) = guard.judge(found.mount) {
+        if let Err(why) = guard.check(found.mount) {
             self.state(SourceState::NotMounted(why));
             return out_of_reach;
         }
         self.state(SourceState::Watched);
         self.ignored(found.ignored, found.passed_over);
-        (Look::Seen(found.scans), found.passers, found.folders)
+        (Look::Seen(found.scans), found.unrelated, found.folders)
     }
 
     /// Notes what a look passed over, and logs it if there is more of it.

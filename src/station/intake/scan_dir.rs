@@ -17,7 +17,7 @@ use gaiter_scan::Format;
 
 use crate::config::WatchConfig;
 use crate::station::share::file_system::{self, folder_id};
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 use crate::station::share::stamped_file::stamp;
 
 /// How deep sub-folders are searched: a year, a month, a day and a patient. The limit also ends a loop
@@ -30,7 +30,7 @@ const IGNORED_MAX: usize = 1000;
 
 /// How many files without the name of a scan are followed, those that changed last. One of them may be
 /// the temporary name of a coming scan that is being written.
-const PASSERS_MAX: usize = 500;
+const UNRELATED_MAX: usize = 500;
 
 /// What a look found.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub struct Found {
     pub scans: BTreeMap<PathBuf, Group>,
     /// Regular files without the name of a scan, including hidden ones; if there are many, those that
     /// changed last.
-    pub passers: BTreeMap<PathBuf, Stamp>,
+    pub unrelated: BTreeMap<PathBuf, Stamp>,
     /// Others, except hidden and unfinished ones, and why they are ignored; limited in number.
     pub ignored: BTreeMap<PathBuf, Passed>,
     /// How many others there are, by the reason.
@@ -64,12 +64,12 @@ pub struct Passed {
 /// # Errors
 /// If the folder cannot be listed completely, or another folder has taken its place or that of a
 /// sub-folder meanwhile: half a list would make files seem to vanish.
-pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Found> {
+pub fn look(folder: &Path, config: &WatchConfig, counter: &StepCounter) -> io::Result<Found> {
     let before = folder_id(folder)?;
     let mount = file_system::mount(folder, config)?;
-    let mut walk = Walk::new(config, pulse);
+    let mut walk = Walk::new(config, counter);
     walk.list(folder, 0)?;
-    let is_same = folder_id(folder)? == before && file_system::of(folder)? == mount.file_system;
+    let is_same = folder_id(folder)? == before && file_system::detect(folder)? == mount.file_system;
     if !is_same {
         return Err(io::Error::other("it was replaced while it was searched"));
     }
@@ -79,11 +79,11 @@ pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Fo
 /// A walk through a folder and, if configured, its sub-folders.
 struct Walk<'a> {
     config: &'a WatchConfig,
-    pulse: &'a Pulse,
+    counter: &'a StepCounter,
     scans: BTreeMap<PathBuf, Stamp>,
     companions: BTreeMap<PathBuf, Stamp>,
     /// By the time of their last change and by name.
-    passers: BTreeMap<(i128, PathBuf), Stamp>,
+    unrelated: BTreeMap<(i128, PathBuf), Stamp>,
     done: BTreeMap<PathBuf, Stamp>,
     ignored: BTreeMap<PathBuf, Passed>,
     /// How many of these may be exports.
@@ -94,13 +94,13 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(config: &'a WatchConfig, pulse: &'a Pulse) -> Walk<'a> {
+    fn new(config: &'a WatchConfig, counter: &'a StepCounter) -> Walk<'a> {
         Walk {
             config,
-            pulse,
+            counter,
             scans: BTreeMap::new(),
             companions: BTreeMap::new(),
-            passers: BTreeMap::new(),
+            unrelated: BTreeMap::new(),
             done: BTreeMap::new(),
             ignored: BTreeMap::new(),
             unread: 0,
@@ -114,7 +114,7 @@ impl<'a> Walk<'a> {
         let mut scans = Vec::new();
         for entry in fs::read_dir(folder)? {
             let entry = entry?;
-            self.pulse.beat();
+            self.counter.step();
             let (path, name) = (entry.path(), entry.file_name());
             let text = name.to_string_lossy();
             let is_hidden = PassedOver::by_name(&text).is_some();
@@ -122,7 +122,7 @@ impl<'a> Walk<'a> {
             let Ok(kind) = entry.file_type() else { continue };
             if is_hidden {
                 // It may be a done file, or a scan that is being written.
-                self.passer(path);
+                self.note_unrelated(path);
             } else if kind.is_dir() {
                 self.folder(path, depth)?;
             } else if Format::of_file_name(&text).is_ok() {
@@ -135,7 +135,7 @@ impl<'a> Walk<'a> {
                     self.companions.insert(path, stamp);
                 }
             } else {
-                self.passer(path.clone());
+                self.note_unrelated(path.clone());
                 let why = match kind.is_symlink() {
                     true => PassedOver::Link,
                     false => PassedOver::of_no_scan(&text),
@@ -161,13 +161,13 @@ impl<'a> Walk<'a> {
     }
 
     /// Follows a file without the name of a scan.
-    fn passer(&mut self, path: PathBuf) {
+    fn note_unrelated(&mut self, path: PathBuf) {
         let metadata = path.symlink_metadata().ok().filter(Metadata::is_file);
         let Some(stamp) = metadata.map(|metadata| stamp(&metadata)) else { return };
         let changed_ns = stamp.ctime_ns.max(stamp.mtime_ns);
-        self.passers.insert((changed_ns, path), stamp);
-        if self.passers.len() > PASSERS_MAX {
-            self.passers.pop_first();
+        self.unrelated.insert((changed_ns, path), stamp);
+        if self.unrelated.len() > UNRELATED_MAX {
+            self.unrelated.pop_first();
         }
     }
 
@@ -232,16 +232,17 @@ impl<'a> Walk<'a> {
     }
 
     fn found(self, export: (u64, u64), mount: Mount) -> Found {
-        let Walk { config, scans, companions, passers, done, ignored, passed_over, below, .. } =
-            self;
+        let Walk {
+            config, scans, companions, unrelated, done, ignored, passed_over, below, ..
+        } = self;
         let done = |scan: &Path| match &config.done_file {
             None => Done::NotAsked,
             Some(rule) => done.get(&rule.of(scan)).copied().map_or(Done::Missing, Done::There),
         };
         let scans = companions::groups(scans, companions, done);
-        let passers = passers.into_iter().map(|((_, path), stamp)| (path, stamp)).collect();
+        let unrelated = unrelated.into_iter().map(|((_, path), stamp)| (path, stamp)).collect();
         let folders = Folders { export, below };
-        Found { scans, passers, ignored, passed_over, folders, mount }
+        Found { scans, unrelated, ignored, passed_over, folders, mount }
     }
 }
 

@@ -7,12 +7,12 @@ use std::path::Path;
 use std::time::Duration;
 
 use gaiter_flow::export::writing::END_BYTES;
-use gaiter_flow::{Mark, ScanId, Settled, Stamp};
+use gaiter_flow::{Fingerprint, ScanId, Settled, Stamp};
 use jiff::Timestamp;
 use rustix::fs::Mode;
 
 use crate::station::custody::spool::Companion;
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 use crate::station::share::stamped_file::{READ, bytes};
 use crate::store::sums;
 
@@ -36,12 +36,12 @@ pub struct Export {
 ///
 /// # Errors
 /// Any other I/O error at the scan itself.
-pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
-    let Some(scan_bytes) = bytes(&settled.path, settled.stamp, pulse)? else { return Ok(None) };
+pub fn read(settled: &Settled, counter: &StepCounter) -> io::Result<Option<Export>> {
+    let Some(scan_bytes) = bytes(&settled.path, settled.stamp, counter)? else { return Ok(None) };
     let (mut companions, mut left_out) = (Vec::new(), settled.left_out);
     for companion in &settled.companions {
         let name_ending = companion.name_ending.clone();
-        match bytes(&companion.path, companion.stamp, pulse) {
+        match bytes(&companion.path, companion.stamp, counter) {
             Ok(Some(bytes)) => companions.push(Companion { name_ending, bytes }),
             Ok(None) => return Ok(None),
             // A scan is not lost because of the files beside it.
@@ -55,7 +55,7 @@ pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
 
 /// The ends of the part of a file that a look found in this state; `None` if it cannot be read or is
 /// shorter by now. `now` returns the time.
-pub fn mark(path: &Path, stamp: Stamp, now: impl Fn() -> Duration) -> Option<Mark> {
+pub fn mark(path: &Path, stamp: Stamp, now: impl Fn() -> Duration) -> Option<Fingerprint> {
     let began = now();
     let file = File::from(rustix::fs::open(path, READ, Mode::empty()).ok()?);
     let end = |offset: u64| {
@@ -68,7 +68,7 @@ pub fn mark(path: &Path, stamp: Stamp, now: impl Fn() -> Duration) -> Option<Mar
         (metadata.dev(), metadata.ino()) == (stamp.dev, stamp.ino) && metadata.is_file()
     });
     let (head, tail) = (end(0)?, end(stamp.size.saturating_sub(END_BYTES as u64))?);
-    is_file.then(|| Mark::new(began, now(), stamp.size, &head, &tail))
+    is_file.then(|| Fingerprint::new(began, now(), stamp.size, &head, &tail))
 }
 
 #[cfg(test)]
@@ -95,7 +95,7 @@ mod tests {
     }
 
     fn read(settled: &Settled) -> Option<Export> {
-        super::read(settled, &Pulse::default()).unwrap()
+        super::read(settled, &StepCounter::default()).unwrap()
     }
 
     #[test]

@@ -53,7 +53,7 @@ impl Watch {
         }
         self.armed = None;
         let Some(on) = now else { return Err(notify::Error::path_not_found()) };
-        if file_system::of(&self.folder)?.is_network() {
+        if file_system::detect(&self.folder)?.is_network() {
             return Ok(false);
         }
         let (hint, broken) = (Arc::clone(&self.hint), Arc::clone(&self.broken));

@@ -7,7 +7,7 @@ mod next;
 use std::time::Duration;
 
 use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
-use gaiter_flow::round::{Capture, CaptureState, Judged, Named, Opener, Rounds};
+use gaiter_flow::round::{Capture, CaptureMatch, CaptureState, Named, Opener, Rounds};
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
 use rusqlite::{Row, Transaction, params};
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use super::integrity::seal;
 use super::row::{all, cell, first, json_cell, json_text, run, time, value};
 use super::{Event, Journal, JournalError, history};
-pub(super) use next::{clear as clear_names, names_patient};
+pub(super) use next::{clear_names, names_patient};
 
 /// The states of a capture that is over.
 const ANSWERED: &str = CaptureState::Taken.word();
@@ -171,7 +171,7 @@ impl Journal {
                 save(transaction, capture, boot)?;
             }
             if name {
-                next::clear(transaction)?;
+                next::clear_names(transaction)?;
             }
             let detail = json!({ "captures": captures, "name": name });
             history::append(transaction, None, Event::Expired, &detail)
@@ -183,12 +183,12 @@ impl Journal {
 pub(super) fn answer(
     transaction: &Transaction<'_>,
     scan: &ScanId,
-    judged: &Judged,
+    judged: &CaptureMatch,
 ) -> Result<(), JournalError> {
     let (answered, state, doubtful, candidates) = match judged {
-        Judged::Unpressed | Judged::Known => return Ok(()),
-        Judged::Of(capture) => (Some(capture.number), ANSWERED, &[][..], &[][..]),
-        Judged::Held { answered, doubtful, candidates, .. } => {
+        CaptureMatch::Unpressed | CaptureMatch::Known => return Ok(()),
+        CaptureMatch::Of(capture) => (Some(capture.number), ANSWERED, &[][..], &[][..]),
+        CaptureMatch::Held { answered, doubtful, candidates, .. } => {
             (*answered, HELD, doubtful.as_slice(), candidates.as_slice())
         }
     };

@@ -64,7 +64,7 @@ fn of_scan(connection: &Connection, scan: &str) -> Result<Option<Disposition>, J
     let deliveries = all(connection, &deliveries, [scan], |row| {
         Ok((cell(row, 0, DeliveryState::of_word)?, row.get(1)?))
     })?;
-    Ok(Some(Disposition::of(state, is_closed, deliveries.into_iter())))
+    Ok(Some(Disposition::from_states(state, is_closed, deliveries.into_iter())))
 }
 
 /// SQL: what became of a scan is one of these.

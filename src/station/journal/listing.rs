@@ -106,7 +106,7 @@ impl Journal {
         );
         let found =
             all(&connection, &latest, [limit], |row| whole(&connection, &scan_id(row, 0)?))?;
-        Ok(found.iter().flatten().map(Listed::of).collect())
+        Ok(found.iter().flatten().map(Listed::from_whole).collect())
     }
 
     /// The scans whose id begins with these digits, at most `limit`.

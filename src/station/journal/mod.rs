@@ -42,7 +42,7 @@ use tracing::warn;
 use crate::store::durable;
 pub use captures::{BoothChange, CaptureRow};
 pub use delivery_row::{Due, Task};
-pub use erasure::{Erasing, Theirs};
+pub use erasure::{Erasing, ScanOfPerson};
 pub use error::JournalError;
 pub use found::FoundThere;
 pub use history::Event;
@@ -125,7 +125,7 @@ impl Journal {
         // Syncs the names of the journal and of its write-ahead log, which exists since the first read.
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };
         durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
-        let file = durable::FileId::of(path).map_err(folder)?;
+        let file = durable::FileId::from_path(path).map_err(folder)?;
         let viewer = Mutex::new(open_viewer(path)?);
         let path = path.to_owned();
         Ok(Journal { viewer, connection: Mutex::new(connection), head, path, file })
@@ -148,7 +148,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Gone`] if it does not.
     pub fn is_in_place(&self) -> Result<(), JournalError> {
-        let found = durable::FileId::of(&self.path).ok();
+        let found = durable::FileId::from_path(&self.path).ok();
         if found == Some(self.file) { Ok(()) } else { Err(JournalError::Gone) }
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use gaiter_record::Patient;
 use jiff::Timestamp;
@@ -46,7 +46,7 @@ pub struct Entry<'a> {
     /// What each source says, if they differ.
     pub claims: &'a [Patient],
     /// The captures that it answers.
-    pub judged: &'a Judged,
+    pub judged: &'a CaptureMatch,
     /// The fingerprint of what was read in it; '' if nothing was.
     pub geometry: &'a str,
     /// The ids of all patients it may belong to, if an operator must decide.

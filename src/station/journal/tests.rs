@@ -10,7 +10,7 @@ mod one_state;
 mod ruin;
 
 use gaiter_flow::account::Filter;
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_flow::{DeliveryState, Disposition, ScanId, ScanState, Stamp};
 use gaiter_record::{Patient, Source, SourceKind};
 use ruin::edit;
@@ -53,12 +53,12 @@ fn row(digit: char) -> ScanRow {
 }
 
 fn patient(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] }
+    Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::FileName)] }
 }
 
 fn enter(journal: &Journal, row: &ScanRow, id: Option<&str>, state: DeliveryState) {
     let (patient, held) = (id.map(patient), (state == DeliveryState::Held).then_some("held"));
-    let (patient, judged) = (patient.as_ref(), &Judged::Unpressed);
+    let (patient, judged) = (patient.as_ref(), &CaptureMatch::Unpressed);
     let entry = Entry { row, patient, held, claims: &[], judged, geometry: "", candidates: &[] };
     journal.enter(&entry, &["folder"]).unwrap();
 }

@@ -13,7 +13,7 @@ use gaiter_scan::{self as scan, Format, Reading, ord};
 
 use super::confine::confine;
 use super::fingerprint::fingerprint;
-use super::job::{Answer, CheckJob, Inspection, Job, Purpose, RecordJob};
+use super::job::{CheckJob, Inspection, Job, JobAnswer, Purpose, RecordJob};
 use crate::station::runtime::caught::caught;
 use crate::station::runtime::causes::chain;
 use crate::store::sums;
@@ -50,7 +50,7 @@ fn take(input: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> Answer {
+fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> JobAnswer {
     if hash.is_some_and(|hash| sums::scan_id(scan).as_str() != hash) {
         let message = "its bytes in the spool differ from those that came in".to_owned();
         return refused("spool-damaged", message);
@@ -67,14 +67,14 @@ fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> Answer {
 }
 
 /// How an export ends, and what identifies it.
-fn inspected(scan: &[u8], format: Format) -> Answer {
+fn inspected(scan: &[u8], format: Format) -> JobAnswer {
     let Reading { scan, end } = scan::reading(scan, format);
     let fingerprint = scan.ok().map(|scan| fingerprint(&scan));
-    Answer::Inspected(Inspection { end, fingerprint })
+    JobAnswer::Inspected(Inspection { end, fingerprint })
 }
 
 /// The record of a patient's scan.
-fn recorded(job: &RecordJob, scan: &[u8], format: Format, ord: &[u8]) -> Answer {
+fn recorded(job: &RecordJob, scan: &[u8], format: Format, ord: &[u8]) -> JobAnswer {
     let RecordJob { method, output, report, provenance, ord_files } = job;
     let ord = (!ord.is_empty()).then_some(ord);
     let mut extraction = match leg::extract(scan, format, method) {
@@ -87,26 +87,26 @@ fn recorded(job: &RecordJob, scan: &[u8], format: Format, ord: &[u8]) -> Answer 
     // The station has the scan's own bytes already, in the spool.
     match record::files_beside_scan(&extraction, provenance, method, output, report, scan) {
         Ok((record, files)) => {
-            let completeness = Completeness::of(&record, &report.garment);
+            let completeness = Completeness::from_record(&record, &report.garment);
             let to_do = match completeness.kind() {
                 Kind::Complete | Kind::NotMeasurable => Vec::new(),
                 Kind::ByHand | Kind::ScanAgain => completeness.sentences(report.language),
             };
-            Answer::Files { files, to_do, views_apart_mm: extraction.views_apart_mm() }
+            JobAnswer::Files { files, to_do, views_apart_mm: extraction.views_apart_mm() }
         }
         Err(error) => refused("record-not-written", error.to_string()),
     }
 }
 
 /// The check with the phantom that is in the scan.
-fn checked(job: &CheckJob, scan: &[u8], format: Format) -> Answer {
+fn checked(job: &CheckJob, scan: &[u8], format: Format) -> JobAnswer {
     let CheckJob { method, phantom, tolerance_mm, at, sha256 } = job;
     let found = phantom::check(scan, format, phantom, method);
     let check = CheckRecord::new(*at, sha256.clone(), &found, *tolerance_mm);
     match serde_json::to_vec(&check) {
         Ok(bytes) => {
             let files = vec![RecordFile { name: "check.json".to_owned(), bytes }];
-            Answer::Files { files, to_do: Vec::new(), views_apart_mm: None }
+            JobAnswer::Files { files, to_do: Vec::new(), views_apart_mm: None }
         }
         Err(error) => refused("record-not-written", error.to_string()),
     }
@@ -122,6 +122,6 @@ fn opinions(extraction: &leg::Extraction, ord: Option<&[u8]>, files: usize) -> V
     }
 }
 
-fn refused(code: &str, message: String) -> Answer {
-    Answer::Refused { code: code.to_owned(), message }
+fn refused(code: &str, message: String) -> JobAnswer {
+    JobAnswer::Refused { code: code.to_owned(), message }
 }

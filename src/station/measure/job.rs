@@ -96,7 +96,7 @@ pub struct CheckJob {
 
 /// The answer of a measuring process that finished.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
+pub enum JobAnswer {
     /// It was inspected.
     Inspected(Inspection),
     /// It was measured.
@@ -174,14 +174,14 @@ impl Job {
     }
 }
 
-impl Answer {
+impl JobAnswer {
     /// Writes the whole answer.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         match self {
-            Answer::Inspected(inspection) => {
+            JobAnswer::Inspected(inspection) => {
                 write_line(to, &Header::Inspected(inspection.clone()))?;
             }
-            Answer::Files { files, to_do, views_apart_mm } => {
+            JobAnswer::Files { files, to_do, views_apart_mm } => {
                 let names = files.iter().map(|file| (file.name.clone(), file.bytes.len() as u64));
                 let (files_sent, to_do) = (names.collect(), to_do.clone());
                 let header =
@@ -189,7 +189,7 @@ impl Answer {
                 write_line(to, &header)?;
                 files.iter().try_for_each(|file| to.write_all(&file.bytes))?;
             }
-            Answer::Refused { code, message } => {
+            JobAnswer::Refused { code, message } => {
                 let (code, message) = (code.clone(), message.clone());
                 write_line(to, &Header::Refused { code, message })?;
             }
@@ -202,10 +202,10 @@ impl Answer {
     /// # Errors
     /// Any I/O error; `UnexpectedEof` if the process ended in the middle; `InvalidData` if it is not an
     /// answer.
-    pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<Answer> {
+    pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<JobAnswer> {
         let (names, to_do, views_apart_mm) = match read_line(from, LINE_MAX)? {
-            Header::Inspected(inspection) => return Ok(Answer::Inspected(inspection)),
-            Header::Refused { code, message } => return Ok(Answer::Refused { code, message }),
+            Header::Inspected(inspection) => return Ok(JobAnswer::Inspected(inspection)),
+            Header::Refused { code, message } => return Ok(JobAnswer::Refused { code, message }),
             Header::Files { files, to_do, views_apart_mm } => (files, to_do, views_apart_mm),
         };
         let mut left = most;
@@ -219,7 +219,7 @@ impl Answer {
             }
             files.push(RecordFile { name, bytes });
         }
-        Ok(Answer::Files { files, to_do, views_apart_mm })
+        Ok(JobAnswer::Files { files, to_do, views_apart_mm })
     }
 }
 
@@ -291,11 +291,11 @@ mod tests {
         RecordFile { name: name.to_owned(), bytes: bytes.to_vec() }
     }
 
-    fn complete(files: Vec<RecordFile>) -> Answer {
-        Answer::Files { files, to_do: Vec::new(), views_apart_mm: None }
+    fn complete(files: Vec<RecordFile>) -> JobAnswer {
+        JobAnswer::Files { files, to_do: Vec::new(), views_apart_mm: None }
     }
 
-    fn written(answer: &Answer) -> Vec<u8> {
+    fn written(answer: &JobAnswer) -> Vec<u8> {
         let mut bytes = Vec::new();
         answer.write(&mut bytes).unwrap();
         bytes
@@ -304,17 +304,17 @@ mod tests {
     #[test]
     fn an_answer_reads_back() {
         let files = vec![file("record.json", b"{\n}\n"), file("empty", b""), file("S", b"\0\xff")];
-        let refused = Answer::Refused { code: "no-leg".into(), message: "line\nbreak".into() };
+        let refused = JobAnswer::Refused { code: "no-leg".into(), message: "line\nbreak".into() };
         let to_do = vec!["Measure by hand: right leg: C.".to_owned()];
-        let measured = Answer::Files { files, to_do, views_apart_mm: Some(3.25) };
+        let measured = JobAnswer::Files { files, to_do, views_apart_mm: Some(3.25) };
         let ends = [End::Whole, End::NoLineEnd, End::CutShort];
         let fingerprints = [None, Some("read-1:0".to_owned())];
         let inspected = ends.into_iter().flat_map(|end| {
-            let of = |fingerprint| Answer::Inspected(Inspection { end, fingerprint });
+            let of = |fingerprint| JobAnswer::Inspected(Inspection { end, fingerprint });
             fingerprints.clone().map(of)
         });
         for answer in inspected.chain([measured, refused]) {
-            assert_eq!(Answer::read(&mut &written(&answer)[..], 100).unwrap(), answer);
+            assert_eq!(JobAnswer::read(&mut &written(&answer)[..], 100).unwrap(), answer);
         }
     }
 
@@ -322,7 +322,7 @@ mod tests {
     fn an_answer_that_ends_anywhere_before_its_end_is_none() {
         let whole = written(&complete(vec![file("a", b"abc"), file("b", b"defg")]));
         for end in 0..whole.len() {
-            let fault = Answer::read(&mut &whole[..end], 100).unwrap_err();
+            let fault = JobAnswer::read(&mut &whole[..end], 100).unwrap_err();
             assert_eq!(fault.kind(), io::ErrorKind::UnexpectedEof, "{end}");
         }
     }
@@ -330,6 +330,6 @@ mod tests {
     #[test]
     fn an_answer_that_would_fill_the_memory_is_not_read() {
         let long = written(&complete(vec![file("a", &[0; 60]), file("b", &[0; 60])]));
-        assert!(Answer::read(&mut &long[..], 100).is_err());
+        assert!(JobAnswer::read(&mut &long[..], 100).is_err());
     }
 }

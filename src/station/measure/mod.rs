@@ -17,7 +17,7 @@ mod parent;
 mod trouble;
 
 pub use confine::{ConfineFault, enough, tried};
-pub use job::{Answer, CheckJob, Inspection, Job, Limits, Purpose, RecordJob};
+pub use job::{CheckJob, Inspection, Job, JobAnswer, Limits, Purpose, RecordJob};
 pub use parent::{MeasureFault, Measured, answers, measure, measure_bytes};
 pub use trouble::{Blame, Trouble};
 

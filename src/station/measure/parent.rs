@@ -13,7 +13,7 @@ use std::time::Duration;
 use gaiter_flow::ScanId;
 
 use super::VERB;
-use super::job::{Answer, Job, Purpose};
+use super::job::{Job, JobAnswer, Purpose};
 use super::trouble::Trouble;
 
 /// This same program, even if the file it was started from has been replaced.
@@ -40,7 +40,7 @@ const COMPLAINT_MAX_BYTES: u64 = 400;
 #[derive(Debug)]
 pub enum Measured {
     /// With an answer.
-    Answered(Answer),
+    Answered(JobAnswer),
     /// Its process exceeded a limit, or ended without an answer.
     Trouble(Trouble),
 }
@@ -112,7 +112,7 @@ fn run(
         let fed = job.write(&mut &input).and_then(|()| feed(&input));
         // It may wait for more than the job tells of.
         drop(input);
-        let answer = Answer::read(&mut BufReader::new(output), ANSWER_MAX_BYTES);
+        let answer = JobAnswer::read(&mut BufReader::new(output), ANSWER_MAX_BYTES);
         drop(done);
         (fed, answer, killer.join().unwrap_or(None))
     });
@@ -139,7 +139,7 @@ fn run(
     }
     let status = child.wait().map_err(MeasureFault::NotStarted)?;
     let complaint = complaint(complaints);
-    Ok(Measured::Trouble(Trouble::of(status, too_late, &job.limits, &complaint)))
+    Ok(Measured::Trouble(Trouble::from_exit(status, too_late, &job.limits, &complaint)))
 }
 
 /// A process and its standard input, output and error output.

@@ -63,7 +63,7 @@ const FROM_OUTSIDE: [i32; 5] =
 impl Trouble {
     /// The trouble of a process that ended with this status. `too_late` is set if it was ended because
     /// it took too long; it holds the processor time that it had used.
-    pub(super) fn of(
+    pub(super) fn from_exit(
         status: ExitStatus,
         too_late: Option<Option<Duration>>,
         limits: &Limits,
@@ -114,7 +114,8 @@ mod tests {
     fn every_end_without_an_answer_has_its_name_and_who_is_to_blame() {
         let limits = Limits { memory_bytes: 256_000_000, wall: Duration::from_secs(10) };
         let end = |status: i32, complaint: &str| {
-            let trouble = Trouble::of(ExitStatus::from_raw(status), None, &limits, complaint);
+            let trouble =
+                Trouble::from_exit(ExitStatus::from_raw(status), None, &limits, complaint);
             (trouble.code(), trouble.blame())
         };
         let no_memory = "memory allocation of 4096 bytes failed";
@@ -126,7 +127,7 @@ mod tests {
 
         let too_late = |cpu_s: Option<u64>| {
             let killed = ExitStatus::from_raw(libc::SIGKILL);
-            Trouble::of(killed, Some(cpu_s.map(Duration::from_secs)), &limits, "").blame()
+            Trouble::from_exit(killed, Some(cpu_s.map(Duration::from_secs)), &limits, "").blame()
         };
         assert_eq!(too_late(Some(5)), Blame::Scan, "it computed half of the time");
         assert_eq!(too_late(Some(4)), Blame::Machine);

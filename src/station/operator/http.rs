@@ -67,7 +67,7 @@ async fn keep(desk: &Arc<Desk>, listeners: &Listeners, way: Way, mut stop: Stop)
                 core.board.note(|facts| drop(facts.endpoints.remove(way.word())));
                 let patience = if way == Way::Control { PATIENCE } else { Duration::ZERO };
                 let language = core.config.language;
-                answers.send_replace(Answers::of(routes(&endpoint), language, patience));
+                answers.send_replace(Answers::new(routes(&endpoint), language, patience));
                 if let Some(address) = address {
                     info!(event = "http-listening", way = way.word(), port = address.port());
                 }

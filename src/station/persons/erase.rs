@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use gaiter_flow::ScanId;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::facts::{Alarm, Facts};
 use gaiter_flow::patient::erasure::{Erasure, Next};
 use jiff::Timestamp;
@@ -106,7 +106,7 @@ pub(in crate::station) fn note(custody: &Custody, facts: &mut Facts) {
     facts.alarms.insert(PENDING, Alarm { figures, since });
 }
 
-fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> Figures {
+fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> ComplaintFigures {
     let (mut own, mut servers, mut stores) = (false, BTreeSet::new(), BTreeSet::new());
     for erasure in pending {
         own |= erasure.cleared.is_none() && erasure.owed.is_empty();
@@ -117,10 +117,10 @@ fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> Figures {
     }
     let case = |case: &str, names: BTreeSet<String>| {
         let names: Vec<String> = names.into_iter().collect();
-        Figures::default().words("case", case).words("stores", names.join(", "))
+        ComplaintFigures::default().words("case", case).words("stores", names.join(", "))
     };
     match own {
-        true => Figures::default().words("case", "own"),
+        true => ComplaintFigures::default().words("case", "own"),
         false if !servers.is_empty() => case("servers", servers),
         false => case("stores", stores),
     }

@@ -18,7 +18,7 @@ use tracing::warn;
 
 use crate::config::Config;
 use crate::station::custody::{Custody, CustodyFault, OLD_JOURNALS, REFUSED_ORDERS, files_naming};
-use crate::station::journal::Theirs;
+use crate::station::journal::ScanOfPerson;
 use crate::station::runtime::causes::chain;
 use crate::station::stores::Stores;
 use crate::store::brief::Brief;
@@ -43,7 +43,7 @@ pub(in crate::station) fn person(
     let alone: Vec<ScanId> = alone.map(|of| of.scan.clone()).collect();
     let mut scans = Vec::new();
     for of in &theirs {
-        let Theirs { scan, whose } = of;
+        let ScanOfPerson { scan, whose } = of;
         // It may just have been forgotten.
         let Some(whole) = journal.whole(scan)? else { continue };
         scans.push(PersonScan {
@@ -58,7 +58,7 @@ pub(in crate::station) fn person(
     let servers = stores.iter().filter(|store| store.is_server());
     let on_servers = servers.flat_map(|store| on_server(store, &scans)).collect();
     let mut exports = Vec::new();
-    for Theirs { scan, .. } in &theirs {
+    for ScanOfPerson { scan, .. } in &theirs {
         let paths = journal.paths_of(scan)?.into_iter();
         exports.extend(paths.map(|path| PathBuf::from(OsStr::from_bytes(&path))));
     }

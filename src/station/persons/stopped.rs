@@ -70,7 +70,7 @@ impl Stopped {
             patient.check_digit,
         )
         .map_err(StationError::from)?;
-        let stores = Stores::of(&config);
+        let stores = Stores::from_config(&config);
         let (custody, _) = open_custody(&config, &stores, own.first_start)?;
         Ok(Stopped { config, identity, custody, stores, _own: own })
     }

@@ -11,15 +11,15 @@ const PACE: Duration = Duration::from_secs(1);
 /// The last sign of life of one worker, on a clock that stops while the machine sleeps: no worker runs
 /// then, and none hangs.
 #[derive(Debug, Clone)]
-pub struct Beat(Arc<Mutex<Instant>>);
+pub struct Heartbeat(Arc<Mutex<Instant>>);
 
-impl Default for Beat {
-    fn default() -> Beat {
-        Beat(Arc::new(Mutex::new(Instant::now())))
+impl Default for Heartbeat {
+    fn default() -> Heartbeat {
+        Heartbeat(Arc::new(Mutex::new(Instant::now())))
     }
 }
 
-impl Beat {
+impl Heartbeat {
     /// Notes that the worker is alive.
     pub fn beat(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();

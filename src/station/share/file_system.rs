@@ -15,7 +15,7 @@ use crate::config::WatchConfig;
 ///
 /// # Errors
 /// If the folder does not exist or cannot be examined.
-pub fn of(folder: &Path) -> io::Result<FileSystem> {
+pub fn detect(folder: &Path) -> io::Result<FileSystem> {
     // The magic numbers have 32 bits; the field is wider, and signed, on most machines.
     Ok(FileSystem::of_magic(statfs(folder)?.f_type as u32))
 }
@@ -38,5 +38,8 @@ pub fn folder_id(folder: &Path) -> io::Result<(u64, u64)> {
 /// What can be found out about where an export folder lies.
 pub fn mount(folder: &Path, config: &WatchConfig) -> io::Result<Mount> {
     let lacks = |name: &String| folder.join(name).symlink_metadata().is_err();
-    Ok(Mount { file_system: of(folder)?, lacks_marker: config.marker.as_ref().is_some_and(lacks) })
+    Ok(Mount {
+        file_system: detect(folder)?,
+        lacks_marker: config.marker.as_ref().is_some_and(lacks),
+    })
 }

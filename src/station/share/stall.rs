@@ -19,11 +19,11 @@ pub const LOOK_UP: Duration = Duration::from_secs(1);
 
 /// The steps of one piece of work: entries listed, pieces read.
 #[derive(Debug, Clone, Default)]
-pub struct Pulse(Arc<AtomicU64>);
+pub struct StepCounter(Arc<AtomicU64>);
 
-impl Pulse {
+impl StepCounter {
     /// One step forward.
-    pub fn beat(&self) {
+    pub fn step(&self) {
         self.0.fetch_add(1, Ordering::Relaxed);
     }
 
@@ -67,13 +67,13 @@ impl Stall {
 pub async fn patiently<T: Send + 'static>(
     deadline: Duration,
     stop: &mut Stop,
-    work: impl FnOnce(&Pulse) -> T + Send + 'static,
+    work: impl FnOnce(&StepCounter) -> T + Send + 'static,
     beat: impl Fn(),
     stalled: impl FnOnce(),
 ) -> Result<Option<T>, JoinError> {
-    let (pulse, began) = (Pulse::default(), Instant::now());
+    let (counter, began) = (StepCounter::default(), Instant::now());
     let mut stall = Stall::new(deadline, began.elapsed());
-    let theirs = pulse.clone();
+    let theirs = counter.clone();
     let mut thread = spawn_blocking(move || work(&theirs));
     let mut stalled = Some(stalled);
     loop {
@@ -84,7 +84,7 @@ pub async fn patiently<T: Send + 'static>(
             () = sleep(LOOK_UP.min(deadline)) => {}
         }
         beat();
-        if stall.observe(pulse.count(), began.elapsed())
+        if stall.observe(counter.count(), began.elapsed())
             && let Some(stalled) = stalled.take()
         {
             stalled();

@@ -9,7 +9,7 @@ use gaiter_flow::Stamp;
 use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
 
-use super::stall::Pulse;
+use super::stall::StepCounter;
 
 /// How much is read at a time, bytes: a step that a slow share makes well within the deadline.
 pub const PIECE_BYTES: u64 = 1 << 20;
@@ -22,7 +22,7 @@ pub const READ: OFlags =
 ///
 /// # Errors
 /// Any other I/O error.
-pub fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<u8>>> {
+pub fn bytes(path: &Path, stamp: Stamp, counter: &StepCounter) -> io::Result<Option<Vec<u8>>> {
     let mut file = match rustix::fs::open(path, READ, Mode::empty()) {
         Ok(file) => File::from(file),
         Err(Errno::NOENT | Errno::LOOP | Errno::NXIO) => return Ok(None),
@@ -35,7 +35,7 @@ pub fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<
     // One byte more than expected reveals a file that grew; the read is bounded in any case.
     let mut rest = (&mut file).take(stamp.size.saturating_add(1));
     while (&mut rest).take(PIECE_BYTES).read_to_end(&mut bytes)? > 0 {
-        pulse.beat();
+        counter.step();
     }
     let is_whole = u64::try_from(bytes.len()) == Ok(stamp.size) && in_state(&file, stamp)?;
     Ok(is_whole.then_some(bytes))

@@ -45,7 +45,7 @@ impl FhirStore {
             FhirAccess::Bearer { token } => format!("Bearer {}", secret::read(token)?),
             FhirAccess::Smart(smart) => return self.token(smart).map(Some),
         };
-        Ok(Some(shown(&text)?))
+        Ok(Some(header_value(&text)?))
     }
 
     fn token(&self, smart: &SmartAccess) -> Result<HeaderValue, ServerFault> {
@@ -55,7 +55,7 @@ impl FhirStore {
             return Ok(token.shown.clone());
         }
         let (value, lasts) = smart::token(&self.client, smart, &self.server.base)?;
-        let shown = shown(&format!("Bearer {value}"))?;
+        let shown = header_value(&format!("Bearer {value}"))?;
         *kept = Some(Token::new(shown.clone(), now, lasts));
         Ok(shown)
     }
@@ -71,7 +71,7 @@ impl FhirStore {
     }
 }
 
-fn shown(text: &str) -> Result<HeaderValue, TokenFault> {
+fn header_value(text: &str) -> Result<HeaderValue, TokenFault> {
     // A header may have other letters, but the client sends none.
     let text = Some(text).filter(|text| text.is_ascii()).ok_or(TokenFault::Characters)?;
     let mut value = HeaderValue::from_str(text).map_err(|_| TokenFault::Characters)?;
@@ -96,7 +96,7 @@ mod tests {
     fn a_token_is_renewed_before_its_end_and_a_short_one_at_half_its_time() {
         let given = Instant::now();
         for (lasts_s, renewed_s) in [(300, 270), (60, 30), (40, 20), (1, 0), (0, 0)] {
-            let token = shown("Bearer x").unwrap();
+            let token = header_value("Bearer x").unwrap();
             let token = Token::new(token, given, Duration::from_secs(lasts_s));
             let at = |s: u64| given + Duration::from_secs(s);
             assert!(!token.holds(at(renewed_s) + Duration::from_millis(500)), "{lasts_s}");
@@ -107,15 +107,15 @@ mod tests {
 
     #[test]
     fn what_is_shown_is_in_no_debug_output_and_is_known_as_secret() {
-        let token = Token::new(shown("Bearer abc123").unwrap(), Instant::now(), BEFORE_END);
+        let token = Token::new(header_value("Bearer abc123").unwrap(), Instant::now(), BEFORE_END);
         assert!(!format!("{token:?}").contains("abc123"));
         assert_eq!(secret_words(&token.shown), ["abc123"]);
         let basic =
-            shown(&format!("Basic {}", STANDARD.encode("station:word:with colon"))).unwrap();
+            header_value(&format!("Basic {}", STANDARD.encode("station:word:with colon"))).unwrap();
         let words = secret_words(&basic);
         assert_eq!(words, [STANDARD.encode("station:word:with colon").as_str(), "word:with colon"]);
         for text in ["Bearer a\nb", "Bearer a€b"] {
-            assert_eq!(shown(text), Err(TokenFault::Characters));
+            assert_eq!(header_value(text), Err(TokenFault::Characters));
         }
     }
 }

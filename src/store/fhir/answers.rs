@@ -4,7 +4,7 @@ use gaiter_record::fhir::{Entry, outcome};
 use serde_json::Value;
 
 use crate::store::server::ServerFault;
-use crate::store::{Misfit, StoreFault};
+use crate::store::{Rejection, StoreFault};
 
 /// What became of an entry of a transaction.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub(super) struct Asked {
 
 impl Asked {
     /// What became of these entries.
-    pub(super) fn of(
+    pub(super) fn read(
         answer: &Value,
         entries: &[Entry],
         secret: &[&str],
@@ -90,7 +90,7 @@ pub(super) fn outcome_of(status: u16, answer: &Value, secret: &[&str]) -> StoreF
     let why = outcome::words(answer, secret).unwrap_or_else(|| "it does not say why".to_owned());
     match status {
         400 | 410 | 412 | 413 | 415 | 422 => {
-            StoreFault::Permanent(Misfit::ServerRefused { status, why })
+            StoreFault::Permanent(Rejection::ServerRefused { status, why })
         }
         401 | 403 | 404 | 405 | 407 => ServerFault::Forbidden { status, why }.into(),
         _ => ServerFault::Busy { status, why }.into(),
@@ -101,7 +101,7 @@ pub(super) fn outcome_of(status: u16, answer: &Value, secret: &[&str]) -> StoreF
 /// reads it anew.
 pub(super) fn of_replacing(fault: StoreFault) -> StoreFault {
     match fault {
-        StoreFault::Permanent(Misfit::ServerRefused { status: 412, why }) => {
+        StoreFault::Permanent(Rejection::ServerRefused { status: 412, why }) => {
             ServerFault::Busy { status: 412, why }.into()
         }
         other => other,
@@ -135,7 +135,7 @@ mod tests {
     fn an_answer_tells_what_is_new_and_where_everything_is() {
         let places = ["Device/a-1", "https://fhir.clinic.example/r4/Observation/7.b/_history/2"];
         let both = answer(done("200", places[0]), done("201 Created", places[1]));
-        let told = Asked::of(&both, &entries(), &[]).unwrap();
+        let told = Asked::read(&both, &entries(), &[]).unwrap();
         let expected = [("Device/a-1", false), ("Observation/7.b", true)];
         assert_eq!(
             told.iter().map(|of| (of.reference.as_str(), of.is_new)).collect::<Vec<_>>(),
@@ -145,7 +145,7 @@ mod tests {
             "response": { "status": "200 OK" }, "resource": { "resourceType": "Device", "id": "a-1" },
         });
         let both = answer(by_resource, done("200", "Observation/7.b"));
-        assert_eq!(Asked::of(&both, &entries(), &[]).unwrap()[0].reference, "Device/a-1");
+        assert_eq!(Asked::read(&both, &entries(), &[]).unwrap()[0].reference, "Device/a-1");
     }
 
     #[test]
@@ -158,14 +158,14 @@ mod tests {
             done("201", "Observation/7?x=1"),
             json!({}),
         ] {
-            let fault = Asked::of(&answer(first.clone(), second.clone()), &entries(), &[]);
+            let fault = Asked::read(&answer(first.clone(), second.clone()), &entries(), &[]);
             assert_eq!(fault.unwrap_err().code(), "store-unavailable", "{second}");
         }
         let one =
             json!({ "resourceType": "Bundle", "type": "transaction-response", "entry": [first] });
         let batch = json!({ "resourceType": "Bundle", "type": "batch-response", "entry": [] });
         for other in [one, batch, json!({ "resourceType": "Bundle" }), json!([]), Value::Null] {
-            let fault = Asked::of(&other, &entries(), &[]).unwrap_err();
+            let fault = Asked::read(&other, &entries(), &[]).unwrap_err();
             assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{other}");
         }
     }
@@ -174,7 +174,7 @@ mod tests {
     fn what_a_person_must_correct_waits_and_the_rest_is_asked_again() {
         for status in [400, 412, 413, 422] {
             let fault = outcome_of(status, &Value::Null, &[]);
-            assert!(matches!(fault, StoreFault::Permanent(Misfit::ServerRefused { .. })));
+            assert!(matches!(fault, StoreFault::Permanent(Rejection::ServerRefused { .. })));
             assert_eq!(fault.code(), "server-refused");
         }
         for status in [401, 403, 404, 408, 409, 429, 500, 502, 503, 599] {
@@ -191,7 +191,7 @@ mod tests {
             "issue": [{ "severity": "error", "code": "invalid", "diagnostics": "P4711 is closed" }],
         });
         let refused = json!({ "response": { "status": "422", "outcome": outcome } });
-        let fault = Asked::of(&answer(done("201", "Device/1"), refused), &entries(), &["P4711"]);
+        let fault = Asked::read(&answer(done("201", "Device/1"), refused), &entries(), &["P4711"]);
         let fault = fault.unwrap_err();
         assert_eq!(fault.code(), "server-refused");
         assert!(fault.to_string().contains("is closed"), "{fault}");

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::FhirStore;
 use super::answers::{Asked, reference};
 use crate::store::server::ServerFault;
-use crate::store::{Misfit, StoreFault};
+use crate::store::{Rejection, StoreFault};
 
 /// The kind that says of a whole record whether it holds.
 pub(super) const REPORT: &str = "DiagnosticReport";
@@ -23,7 +23,7 @@ impl FhirStore {
     /// revision or were withdrawn.
     ///
     /// # Errors
-    /// [`Misfit::TakenBackThere`] if another station, or somebody at the server, withdrew the report: whose it is was
+    /// [`Rejection::TakenBackThere`] if another station, or somebody at the server, withdrew the report: whose it is was
     /// decided there, and this station may not know it. Its own withdrawals come before what it sends now.
     pub(super) fn stale(
         &self,
@@ -43,7 +43,7 @@ impl FhirStore {
             let is_withdrawn = is_in_error(&there);
             let mark = self.identifier(key.withdrawal(&self.station));
             if is_withdrawn && entry.kind() == REPORT && !mark.is_of(&there) {
-                return Err(StoreFault::Permanent(Misfit::TakenBackThere));
+                return Err(StoreFault::Permanent(Rejection::TakenBackThere));
             }
             if is_withdrawn || self.revision_of(&there, key) < revision {
                 stale.push(Replacement {
@@ -117,7 +117,7 @@ impl FhirStore {
         }
         match self.ask(Method::GET, receipt, None, &[patient]) {
             // It was deleted there.
-            Err(StoreFault::Permanent(Misfit::ServerRefused { status: 410, .. })) => Ok(()),
+            Err(StoreFault::Permanent(Rejection::ServerRefused { status: 410, .. })) => Ok(()),
             Ok(_) | Err(StoreFault::Server(ServerFault::Forbidden { status: 404, .. })) => hidden(),
             Err(fault) => Err(fault),
         }

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::FhirStore;
 use super::answers::reference;
 use crate::store::server::ServerFault;
-use crate::store::{Misfit, StoreFault};
+use crate::store::{Rejection, StoreFault};
 
 /// The most patients of one id that a search asks for.
 const PATIENTS_MOST: usize = 10;
@@ -23,11 +23,11 @@ impl FhirStore {
         // A server keeps who was merged into another, often with the identifier that both have now.
         let left: Vec<&Value> = found.iter().filter(|patient| !is_replaced(patient)).collect();
         match left.as_slice() {
-            [] if found.is_empty() => Err(StoreFault::Permanent(Misfit::NotRegistered)),
-            [] => Err(StoreFault::Permanent(Misfit::PatientNotInUse)),
+            [] if found.is_empty() => Err(StoreFault::Permanent(Rejection::NotRegistered)),
+            [] => Err(StoreFault::Permanent(Rejection::PatientNotInUse)),
             [patient] if is_in_use(patient, &identifier) => reference(patient),
-            [_] => Err(StoreFault::Permanent(Misfit::PatientNotInUse)),
-            several => Err(StoreFault::Permanent(Misfit::RegisteredTwice(several.len()))),
+            [_] => Err(StoreFault::Permanent(Rejection::PatientNotInUse)),
+            several => Err(StoreFault::Permanent(Rejection::RegisteredTwice(several.len()))),
         }
     }
 

@@ -108,7 +108,7 @@ fn statement(
     let random = SystemRandom::new();
     let mut number = [0; 16];
     random.fill(&mut number).map_err(|_| TokenFault::NotSigned)?;
-    let key = SigningKey::of(key.secret_pkcs8_der(), &random)?;
+    let key = SigningKey::from_pkcs8(key.secret_pkcs8_der(), &random)?;
     let mut head = json!({ "alg": key.algorithm(), "typ": "JWT" });
     if !smart.key_id.is_empty() {
         head["kid"] = smart.key_id.clone().into();
@@ -131,7 +131,7 @@ enum SigningKey {
 
 impl SigningKey {
     /// The key of PKCS#8.
-    fn of(der: &[u8], random: &SystemRandom) -> Result<SigningKey, TokenFault> {
+    fn from_pkcs8(der: &[u8], random: &SystemRandom) -> Result<SigningKey, TokenFault> {
         if let Ok(key) = EcdsaKeyPair::from_pkcs8(&ECDSA_P384_SHA384_FIXED_SIGNING, der, random) {
             return Ok(SigningKey::P384(Box::new(key)));
         }

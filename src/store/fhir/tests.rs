@@ -15,7 +15,7 @@ use super::{FhirAccess, FhirServer, FhirStore, SmartAccess};
 use crate::store::endpoint::{Secret, TlsFiles};
 use crate::store::https::tests::{answer, serve_answers};
 use crate::store::server::ServerFault;
-use crate::store::{Misfit, RecordStore, StoreFault};
+use crate::store::{RecordStore, Rejection, StoreFault};
 
 const PATIENTS: &str = "urn:oid:1.2.276.0.76.3.1.999.1";
 const RECORDS: &str = "urn:gaiter:record";
@@ -173,7 +173,7 @@ fn a_patient_is_found_by_the_whole_identifier_or_not_at_all() {
     let of = |answer: String| answered(vec![answer]).0.subject("P/4711").unwrap_err();
     assert_eq!(of(found(&[])).code(), "patient-not-registered");
     let two = of(found(&[patient("17", "P/4711"), patient("18", "P/4711")]));
-    assert!(matches!(two, StoreFault::Permanent(Misfit::RegisteredTwice(2))), "{two}");
+    assert!(matches!(two, StoreFault::Permanent(Rejection::RegisteredTwice(2))), "{two}");
     let mut closed = patient("17", "P/4711");
     closed["active"] = false.into();
     assert_eq!(of(found(&[closed])).code(), "patient-not-in-use");
@@ -200,7 +200,7 @@ fn of_patients_who_were_merged_the_one_that_is_left_counts() {
     old["identifier"][0]["use"] = "old".into();
     assert_eq!(of(&[merged.clone(), old]).unwrap_err().code(), "patient-not-in-use");
     let two = of(&[merged, left.clone(), patient("19", "P4711")]).unwrap_err();
-    assert!(matches!(two, StoreFault::Permanent(Misfit::RegisteredTwice(2))), "{two}");
+    assert!(matches!(two, StoreFault::Permanent(Rejection::RegisteredTwice(2))), "{two}");
 }
 
 #[test]
@@ -256,7 +256,7 @@ fn observation(key: &FhirKey, status: &str) -> Value {
 #[test]
 fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
     let scan: ScanId = ScanId::parse(&"ab".repeat(32)).unwrap();
-    let key = FhirKey::of(scan.as_str(), "4711");
+    let key = FhirKey::new(scan.as_str(), "4711");
     let replaced = json!({
         "resourceType": "Bundle", "type": "transaction-response",
         "entry": [{ "response": { "status": "200 OK" } }],
@@ -293,7 +293,7 @@ fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
 #[test]
 fn a_take_back_that_does_not_find_what_the_server_has_confirmed_is_not_done() {
     let scan: ScanId = ScanId::parse(&"ab".repeat(32)).unwrap();
-    let key = FhirKey::of(scan.as_str(), "4711");
+    let key = FhirKey::new(scan.as_str(), "4711");
     let mark = json!({ "system": RECORDS, "value": key.withdrawal("") });
     let marked = |kind: &str, id: &str| {
         json!({
@@ -330,7 +330,7 @@ fn a_take_back_that_does_not_find_what_the_server_has_confirmed_is_not_done() {
 #[test]
 fn what_another_took_back_is_not_brought_back_by_a_later_revision() {
     let of = |station: Option<&str>| {
-        let key = FhirKey::of("ab", "4711");
+        let key = FhirKey::new("ab", "4711");
         let identifier = |value: String| json!({ "system": RECORDS, "value": value });
         let mark = station.map(|station| identifier(key.withdrawal(station)));
         let own = identifier(key.part("report"));

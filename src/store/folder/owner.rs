@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::patient::naming;
 
 use super::FolderStore;
-use crate::store::{Misfit, StoreFault, durable, tried};
+use crate::store::{Rejection, StoreFault, durable, tried};
 
 impl FolderStore {
     /// The patient's folder, made durable under the root.
@@ -23,7 +23,7 @@ impl FolderStore {
                 // This removes only an empty folder; another station may be using it.
                 let _ = fs::remove_dir(&folder);
             }
-            return Err(StoreFault::Permanent(Misfit::FolderClash));
+            return Err(StoreFault::Permanent(Rejection::FolderClash));
         }
         tried("syncing", &self.root, durable::sync_folder(&self.root))?;
         Ok(folder)
@@ -60,7 +60,7 @@ impl FolderStore {
 fn exists_and_is_no_link(folder: &Path) -> Result<bool, StoreFault> {
     let found = durable::if_there(fs::symlink_metadata(folder));
     match tried("examining", folder, found)? {
-        Some(found) if found.is_symlink() => Err(StoreFault::Permanent(Misfit::FolderIsLink)),
+        Some(found) if found.is_symlink() => Err(StoreFault::Permanent(Rejection::FolderIsLink)),
         found => Ok(found.is_some()),
     }
 }

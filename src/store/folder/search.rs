@@ -13,7 +13,7 @@ use gaiter_record::{ORD, RECORD};
 use super::FolderStore;
 use crate::store::sums::{self, SUMS};
 use crate::store::{
-    FoundRecord, Misfit, StoreFault, StoredScan, durable, folders, records_in, tried,
+    FoundRecord, Rejection, StoreFault, StoredScan, durable, folders, records_in, tried,
 };
 
 /// The beginning of the name of a file with measures that people set in a record that was withdrawn.
@@ -108,7 +108,7 @@ impl FolderStore {
         keeper: Option<&str>,
     ) -> Result<(), StoreFault> {
         let Some(from) = self.own_folder(from)? else { return Ok(()) };
-        let nowhere = StoreFault::Permanent(Misfit::Occupied(sums::SumsFault::NoSums));
+        let nowhere = StoreFault::Permanent(Rejection::Occupied(sums::SumsFault::NoSums));
         let theirs = self.own_folder(keeper)?;
         let gone = from.join(format!("{}withdrawn_{}", self.staging, scan.short()));
         if tried("examining", &gone, fs::exists(&gone))? {
@@ -143,7 +143,7 @@ fn whole_records(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFau
         match tried("checking", &place, sums::check(&place, scan))? {
             Ok(()) => whole.push(place),
             Err(sums::SumsFault::OtherScan) => {}
-            Err(fault) => return Err(StoreFault::Permanent(Misfit::Occupied(fault))),
+            Err(fault) => return Err(StoreFault::Permanent(Rejection::Occupied(fault))),
         }
     }
     Ok(whole)

@@ -90,7 +90,7 @@ fn an_occupied_place_is_a_permanent_fault_and_never_overwritten() {
     let fault = case.store().put(&case.delivery()).unwrap_err();
     let expected = SumsFault::Differs { name: "record.json".to_owned() };
     assert!(
-        matches!(&fault, StoreFault::Permanent(Misfit::Occupied(f)) if *f == expected),
+        matches!(&fault, StoreFault::Permanent(Rejection::Occupied(f)) if *f == expected),
         "{fault:?}"
     );
     assert_eq!(fs::read(&record).unwrap(), b"changed by hand");
@@ -100,10 +100,10 @@ fn an_occupied_place_is_a_permanent_fault_and_never_overwritten() {
     assert_eq!(fault.code(), "store-place-occupied");
     fs::remove_file(case.place().join(SUMS)).unwrap();
     let fault = case.store().put(&case.delivery()).unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::Occupied(SumsFault::NoSums))));
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::Occupied(SumsFault::NoSums))));
     fs::create_dir(case.place().join(SUMS)).unwrap();
     let fault = case.store().put(&case.delivery()).unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::Occupied(SumsFault::NoSums))));
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::Occupied(SumsFault::NoSums))));
     assert_eq!(case.store().records().unwrap(), [], "one odd record does not hide the store");
 }
 
@@ -159,14 +159,14 @@ fn a_record_without_sums_or_with_a_name_that_leaves_its_folder_is_refused() {
     let mut case = Case::new();
     let listing = case.files.pop().unwrap();
     let fault = case.store().put(&case.delivery()).unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::NoSums)));
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::NoSums)));
     for name in ["../x", ".hidden", "a/b", "", "ä"] {
         case.files = vec![
             RecordFile { name: name.to_owned(), bytes: Vec::new() },
             RecordFile { name: SUMS.to_owned(), bytes: listing.bytes.clone() },
         ];
         let fault = case.store().put(&case.delivery()).unwrap_err();
-        assert!(matches!(fault, StoreFault::Permanent(Misfit::FileName { .. })), "{name}");
+        assert!(matches!(fault, StoreFault::Permanent(Rejection::FileName { .. })), "{name}");
     }
     assert_eq!(names(&case.dir.path().join("records")), [".gaiter-store"]);
 }
@@ -176,7 +176,7 @@ fn spooled_bytes_that_are_not_the_scan_s_make_no_record() {
     let case = Case::new();
     fs::write(&case.scan_file, "v 0 0 1\n").unwrap();
     let fault = case.store().put(&case.delivery()).unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::OtherBytes)), "{fault:?}");
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::OtherBytes)), "{fault:?}");
     assert_eq!(names(&case.dir.path().join("records/4711")), [""; 0]);
 }
 
@@ -376,7 +376,7 @@ fn what_is_in_the_way_of_one_record_is_no_fault_of_the_store() {
     let stone = records.join("_unassigned").join(stone);
     fs::write(&stone, "a file").unwrap();
     let fault = case.store().withdraw(&case.scan, None, Some("4711"), None).unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::InTheWay { .. })), "{fault:?}");
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::InTheWay { .. })), "{fault:?}");
     assert!(kept.exists());
     fs::remove_file(stone).unwrap();
     case.store().withdraw(&case.scan, None, Some("4711"), None).unwrap();

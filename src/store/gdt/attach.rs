@@ -6,7 +6,7 @@ use gaiter_record::RecordFile;
 use gaiter_record::gdt::{Attachment, Reference};
 
 use super::super::StoreFault;
-use super::place::Place;
+use super::place::ExchangeFolder;
 
 /// The description of an attachment, as the practice software shows it.
 const DESCRIPTION: &str = "Beinvermessung";
@@ -53,7 +53,7 @@ impl Attach {
         &self,
         key: &str,
         files: &[RecordFile],
-        place: &Place,
+        place: &ExchangeFolder,
     ) -> Result<(), StoreFault> {
         for (attached, file) in self.of(files) {
             place.write_attachment(&attached.place(key, place.folder()), &file.bytes)?;

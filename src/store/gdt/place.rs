@@ -24,7 +24,7 @@ const FETCHED_MODE: u32 = 0o660;
 
 /// An exchange folder.
 #[derive(Debug, Clone)]
-pub(super) struct Place {
+pub(super) struct ExchangeFolder {
     folder: PathBuf,
     /// In the exchange folder, because it must be on the same disk; a folder of its own, because
     /// practice software may take every file it sees.
@@ -32,11 +32,11 @@ pub(super) struct Place {
     names: FileName,
 }
 
-impl Place {
+impl ExchangeFolder {
     /// The exchange folder of a station.
-    pub fn new(folder: PathBuf, names: FileName, station: &str) -> Place {
+    pub fn new(folder: PathBuf, names: FileName, station: &str) -> ExchangeFolder {
         let staging = folder.join(format!(".gaiter.{station}"));
-        Place { folder, staging, names }
+        ExchangeFolder { folder, staging, names }
     }
 
     /// The exchange folder itself.

@@ -263,7 +263,7 @@ fn a_journal_that_was_lost_finds_what_was_handed_over() {
 fn what_is_nobody_s_or_another_s_is_not_handed_over() {
     let case = Case::new(FIXED);
     let fault = case.put(None, b"a").unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::Unassigned)));
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::Unassigned)));
     let scan = sums::scan_id(b"a");
     let others = Delivery {
         scan: &scan,
@@ -275,9 +275,9 @@ fn what_is_nobody_s_or_another_s_is_not_handed_over() {
         ending: "obj",
     };
     let fault = case.store().put(&others).unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::OtherPatient)));
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::OtherPatient)));
     let fault = case.store().put(&Delivery { files: &[], ..others }).unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::NoRecord)));
+    assert!(matches!(fault, StoreFault::Permanent(Rejection::NoRecord)));
     let fault = case.put(Some("Ł"), b"a").unwrap_err();
     assert_eq!(fault.code(), "store-misfit");
     assert_eq!(visible(&case.exchange()), [""; 0]);

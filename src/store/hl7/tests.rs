@@ -204,7 +204,7 @@ fn a_refused_message_waits_for_a_person_who_reads_why_without_the_id() {
     let store = receiver.store(state.path());
     receiver.becomes(Mode::Refuse);
     match put(&store, Some("4711"), 1) {
-        Err(StoreFault::Permanent(Misfit::ReceiverRefused { code, why })) => {
+        Err(StoreFault::Permanent(Rejection::ReceiverRefused { code, why })) => {
             assert_eq!(code, "AE");
             assert!(why.contains("no case of") && !why.contains("4711"), "{why}");
         }
@@ -218,12 +218,12 @@ fn a_refused_message_waits_for_a_person_who_reads_why_without_the_id() {
 fn what_names_nobody_or_somebody_else_is_not_sent() {
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
-    let misfit = |patient| match put(&store, patient, 1) {
-        Err(StoreFault::Permanent(misfit)) => misfit,
+    let rejection = |patient| match put(&store, patient, 1) {
+        Err(StoreFault::Permanent(rejection)) => rejection,
         other => panic!("{other:?}"),
     };
-    assert_eq!(misfit(None), Misfit::Unassigned);
-    assert_eq!(misfit(Some("4712")), Misfit::OtherPatient);
+    assert_eq!(rejection(None), Rejection::Unassigned);
+    assert_eq!(rejection(Some("4712")), Rejection::OtherPatient);
     assert!(receiver.controls().is_empty());
 }
 

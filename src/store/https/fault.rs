@@ -121,7 +121,11 @@ impl HttpFault {
     }
 
     /// The fault of an error of the client, for a host that had this much time.
-    pub(super) fn of(error: ureq::Error, host: String, limit: Duration) -> HttpFault {
+    pub(super) fn from_client_error(
+        error: ureq::Error,
+        host: String,
+        limit: Duration,
+    ) -> HttpFault {
         match error {
             ureq::Error::Io(source) => HttpFault::of_io(source, host),
             ureq::Error::Rustls(error) => HttpFault::Tls { host, source: io::Error::other(error) },

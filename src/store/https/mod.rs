@@ -97,10 +97,12 @@ impl HttpsClient {
     /// # Errors
     /// See [`HttpFault`]; whether the server has carried the request out is then not known.
     pub fn send(&self, request: HttpRequest) -> Result<HttpAnswer, HttpFault> {
-        let endpoint = Endpoint::of(&request.uri)?;
+        let endpoint = Endpoint::from_uri(&request.uri)?;
         let agent = self.agent(endpoint.is_encrypted)?;
         let answer = exchange(&agent, request)
-            .map_err(|error| HttpFault::of(error, self.way_to(&endpoint), self.limit))
+            .map_err(|error| {
+                HttpFault::from_client_error(error, self.way_to(&endpoint), self.limit)
+            })
             .inspect_err(|_| *self.kept() = None)?;
         match answer.status {
             300..400 => Err(HttpFault::Redirect),

@@ -29,7 +29,7 @@ pub struct Amended {
 
 /// Why a record was not amended. It is unchanged then.
 #[derive(Debug, thiserror::Error)]
-pub enum Fault {
+pub enum AmendRecordFault {
     /// There is no record.
     #[error("{}", Cause::known("no-record", []))]
     NoRecord,
@@ -59,23 +59,25 @@ pub enum Fault {
     Io(#[from] io::Error),
 }
 
-impl Fault {
+impl AmendRecordFault {
     /// Why, as data.
     pub fn cause(&self) -> Cause {
         match self {
-            Fault::NoRecord => Cause::known("no-record", []),
-            Fault::OtherVersion(version) => other_version(version),
-            Fault::Withdrawn => Cause::known("record-withdrawn", []),
-            Fault::Meanwhile => Cause::known("revised-meanwhile", []),
-            Fault::Io(error) => Cause::of_system(error).after(self),
-            Fault::Stored(StoredFault::Io(error)) => {
+            AmendRecordFault::NoRecord => Cause::known("no-record", []),
+            AmendRecordFault::OtherVersion(version) => other_version(version),
+            AmendRecordFault::Withdrawn => Cause::known("record-withdrawn", []),
+            AmendRecordFault::Meanwhile => Cause::known("revised-meanwhile", []),
+            AmendRecordFault::Io(error) => Cause::of_system(error).after(self),
+            AmendRecordFault::Stored(StoredFault::Io(error)) => {
                 Cause::of_system(error).after("reading failed")
             }
-            Fault::Unlisted(StoreFault::Transient { source, .. }) => {
+            AmendRecordFault::Unlisted(StoreFault::Transient { source, .. }) => {
                 Cause::of_system(source).after(self)
             }
-            Fault::Files(fault) => Cause::said(format_args!("{self}: {fault}")),
-            Fault::Stored(_) | Fault::Amend(_) | Fault::Unlisted(_) => Cause::said(self),
+            AmendRecordFault::Files(fault) => Cause::said(format_args!("{self}: {fault}")),
+            AmendRecordFault::Stored(_)
+            | AmendRecordFault::Amend(_)
+            | AmendRecordFault::Unlisted(_) => Cause::said(self),
         }
     }
 }
@@ -97,21 +99,21 @@ enum Revisions {
 /// far off the scan's are only set if `is_sure`. `folder` is the folder of any of its revisions.
 ///
 /// # Errors
-/// See [`Fault`].
-pub fn amend(
+/// See [`AmendRecordFault`].
+pub fn amend_record(
     folder: &Path,
     amendments: &[Amendment],
     is_sure: bool,
     choice: &ReportChoice,
-) -> Result<Amended, Fault> {
+) -> Result<Amended, AmendRecordFault> {
     let whole = folder.canonicalize().map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => Fault::NoRecord,
-        _ => Fault::Io(error),
+        io::ErrorKind::NotFound => AmendRecordFault::NoRecord,
+        _ => AmendRecordFault::Io(error),
     })?;
-    let revisions = Revisions::of(&whole)?;
+    let revisions = Revisions::in_folder(&whole)?;
     let stored = revisions.read()?;
     if !is_kept_whole(&stored) {
-        return Err(Fault::OtherVersion(stored.record.made_by.gaiter));
+        return Err(AmendRecordFault::OtherVersion(stored.record.made_by.gaiter));
     }
     let mut record = stored.record.amended(amendments, is_sure)?;
     record.revision = revisions.number().max(record.revision).saturating_add(1);
@@ -123,14 +125,16 @@ pub fn amend(
     let files = amended_files(&record, choice, before)?;
     match revisions.add(record.revision, &files) {
         Ok(Added::There(folder)) => Ok(Amended { folder, record }),
-        Ok(Added::Withdrawn) => Err(Fault::Withdrawn),
-        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(Fault::Meanwhile),
+        Ok(Added::Withdrawn) => Err(AmendRecordFault::Withdrawn),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            Err(AmendRecordFault::Meanwhile)
+        }
         Err(error) => Err(error.into()),
     }
 }
 
 impl Revisions {
-    fn of(folder: &Path) -> Result<Revisions, Fault> {
+    fn in_folder(folder: &Path) -> Result<Revisions, AmendRecordFault> {
         let family = families(folder)?.into_iter().find(|family| {
             let mut all = family.revisions.iter();
             all.any(|(_, place)| place == folder)
@@ -138,16 +142,16 @@ impl Revisions {
         if let Some(family) = family {
             return Ok(Revisions::Stored(family));
         }
-        let name = folder.file_name().and_then(OsStr::to_str).ok_or(Fault::NoRecord)?;
+        let name = folder.file_name().and_then(OsStr::to_str).ok_or(AmendRecordFault::NoRecord)?;
         let name = numbered(name).map_or(name, |(name, _)| name).to_owned();
-        let within = folder.parent().ok_or(Fault::NoRecord)?;
-        let latest = latest_alone(within, &name)?.ok_or(Fault::NoRecord)?;
+        let within = folder.parent().ok_or(AmendRecordFault::NoRecord)?;
+        let latest = latest_alone(within, &name)?.ok_or(AmendRecordFault::NoRecord)?;
         Ok(Revisions::Alone { latest, name })
     }
 
     fn read(&self) -> Result<Stored, StoredFault> {
         match self {
-            Revisions::Stored(family) => Stored::of(family),
+            Revisions::Stored(family) => Stored::read(family),
             Revisions::Alone { latest, .. } => Stored::in_folder(latest),
         }
     }

@@ -62,7 +62,7 @@ impl Stored {
     ///
     /// # Errors
     /// See [`StoredFault`]; also if it names another scan or patient than its place does.
-    pub fn of(family: &Family) -> Result<Stored, StoredFault> {
+    pub fn read(family: &Family) -> Result<Stored, StoredFault> {
         let (name, folder) = family.latest();
         let stored = Stored::in_folder(folder)?;
         if !stored.record.scan.sha256.starts_with(&name.scan) {

@@ -5,7 +5,7 @@
 //! nothing is delivered twice, nor for somebody who was not named; I3 nothing partial lies under a
 //! final name; I4 the export is untouched; I5 an incomplete scan is never delivered; I6 the station
 //! comes to rest by itself; I7 open files and memory stay flat ([`Vitals`]); I8 the log names
-//! nobody; I9 what the station says of itself is so ([`Told`]).
+//! nobody; I9 what the station says of itself is so ([`StatusCounts`]).
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -58,7 +58,7 @@ pub struct Left {
 
 /// What the station says of itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Told {
+pub struct StatusCounts {
     /// Scans still to be delivered.
     pub pending: usize,
     /// Scans that wait for a person.
@@ -85,7 +85,7 @@ pub struct Evidence<'a> {
     /// What the log must not say, apart from the names of the files.
     pub planted: &'a [&'a str],
     /// What the station said, where it was asked.
-    pub told: Option<Told>,
+    pub told: Option<StatusCounts>,
 }
 
 /// When the invariants are read.
@@ -334,7 +334,7 @@ impl Found {
         // asks nobody.
         let asks = |name: &&String| !name.starts_with(UNREAD) && !journal.closed.contains(*name);
         let refused = quarantine.iter().filter(asks).count();
-        let so = Told { pending: journal.pending, held: held.len(), refused };
+        let so = StatusCounts { pending: journal.pending, held: held.len(), refused };
         if let Some(told) = evidence.told.filter(|told| *told != so) {
             self.say(9, format!("the station says {told:?}, and it is {so:?}"));
         }
@@ -377,7 +377,7 @@ pub struct Vitals {
 
 impl Vitals {
     /// The vitals of a running process; none where it has ended.
-    pub fn of(pid: u32) -> Option<Vitals> {
+    pub fn read(pid: u32) -> Option<Vitals> {
         let process = PathBuf::from(format!("/proc/{pid}"));
         let status = fs::read_to_string(process.join("status")).ok()?;
         let number = |key: &str| {

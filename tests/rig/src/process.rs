@@ -15,7 +15,7 @@ pub struct CpuTicks {
 
 impl CpuTicks {
     /// What a running process has taken so far.
-    pub fn of(pid: u32) -> CpuTicks {
+    pub fn read(pid: u32) -> CpuTicks {
         let stat = fs::read_to_string(format!("/proc/{pid}/stat")).expect("a running process");
         // Behind the name in brackets; utime, stime, cutime and cstime are fields 14 to 17.
         let (_, fields) = stat.rsplit_once(')').unwrap();

@@ -14,7 +14,9 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::invariants::{self, Delivered, Evidence, Left, Moment, Put, PutKind, Told, Violation};
+use crate::invariants::{
+    self, Delivered, Evidence, Left, Moment, Put, PutKind, StatusCounts, Violation,
+};
 use crate::verb;
 pub use crate::whole::{names, sha256};
 
@@ -29,7 +31,7 @@ pub const QUIET: Duration = Duration::from_millis(300);
 pub struct Booth {
     dir: TempDir,
     puts: Mutex<Vec<Put>>,
-    told: Mutex<Option<Told>>,
+    told: Mutex<Option<StatusCounts>>,
 }
 
 /// How the station of a booth is set.
@@ -138,7 +140,7 @@ files = {files}
 
     pub fn start(&self) -> Daemon {
         *self.told() = None;
-        Daemon::of(self.command())
+        Daemon::start(self.command())
     }
 
     /// Starts the station and waits until it is ready. The log may tell of earlier starts.
@@ -230,10 +232,10 @@ files = {files}
             usize::try_from(count.unwrap_or_else(|| panic!("{state}: {status}"))).unwrap()
         };
         let (pending, held, refused) = (count("spooled"), count("held"), count("refused"));
-        *self.told() = Some(Told { pending, held, refused });
+        *self.told() = Some(StatusCounts { pending, held, refused });
     }
 
-    fn told(&self) -> MutexGuard<'_, Option<Told>> {
+    fn told(&self) -> MutexGuard<'_, Option<StatusCounts>> {
         self.told.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -366,7 +368,7 @@ files = {files}
 
 impl Daemon {
     /// Starts a command of the station.
-    pub fn of(mut command: Command) -> Daemon {
+    pub fn start(mut command: Command) -> Daemon {
         Daemon { child: command.spawn().unwrap() }
     }
 

@@ -17,7 +17,7 @@ use gaiter_scan::Format;
 /// was first seen, as its folder tells it: 20261121T091500Z.
 pub fn store(root: &Path, patient: &str, at: &str, bytes: &[u8], method: &Method) -> PathBuf {
     let extraction = extract(bytes, Format::Obj, method).unwrap();
-    let sources = vec![Source::of(SourceKind::FileName)];
+    let sources = vec![Source::from_kind(SourceKind::FileName)];
     let acquired = "2026-11-21T09:14:59Z".parse().unwrap();
     let provenance = Provenance {
         station: Some("booth-1".to_owned()),

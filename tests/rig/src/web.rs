@@ -20,7 +20,7 @@ pub struct Site {
 }
 
 /// An answer.
-pub struct Answer {
+pub struct HttpAnswer {
     pub status: u16,
     head: String,
     pub body: String,
@@ -36,7 +36,7 @@ pub struct Stream {
 
 impl Site {
     /// The door of this way, once the station says that it is open.
-    pub fn of(booth: &Booth, way: &str) -> Site {
+    pub fn open(booth: &Booth, way: &str) -> Site {
         let said = || {
             let log = booth.log();
             let of_run = log.rsplit("station-open").next()?.to_owned();
@@ -66,15 +66,15 @@ impl Site {
         ]
     }
 
-    pub fn get(&self, path: &str, headers: &[Header]) -> Answer {
+    pub fn get(&self, path: &str, headers: &[Header]) -> HttpAnswer {
         self.request("GET", path, "", headers)
     }
 
-    pub fn post(&self, path: &str, body: &str, headers: &[Header]) -> Answer {
+    pub fn post(&self, path: &str, body: &str, headers: &[Header]) -> HttpAnswer {
         self.request("POST", path, body, headers)
     }
 
-    pub fn request(&self, method: &str, path: &str, body: &str, headers: &[Header]) -> Answer {
+    pub fn request(&self, method: &str, path: &str, body: &str, headers: &[Header]) -> HttpAnswer {
         let host = format!("127.0.0.1:{}", self.port);
         self.exchange(method, path, &host, body, headers)
     }
@@ -87,7 +87,7 @@ impl Site {
         host: &str,
         body: &str,
         headers: &[Header],
-    ) -> Answer {
+    ) -> HttpAnswer {
         let mut stream = self.send(method, path, host, body, headers);
         let mut answer = Vec::new();
         // A server that refuses a body closes before it has read all of it.
@@ -97,7 +97,7 @@ impl Site {
         let bytes = answer.split_off(end + 4);
         let head = String::from_utf8(answer).unwrap();
         let body = String::from_utf8_lossy(&bytes).into_owned();
-        Answer { status: status(&head), head, body, bytes }
+        HttpAnswer { status: status(&head), head, body, bytes }
     }
 
     fn send(
@@ -147,7 +147,7 @@ fn status(head: &str) -> u16 {
     head.split(' ').nth(1).unwrap().parse().unwrap()
 }
 
-impl Answer {
+impl HttpAnswer {
     pub fn header(&self, name: &str) -> Option<String> {
         let lines = self.head.lines().filter_map(|line| line.split_once(": "));
         let mut found = lines.filter(|(of, _)| of.eq_ignore_ascii_case(name));

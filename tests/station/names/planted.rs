@@ -111,7 +111,7 @@ fn nothing_planted_is_seen(level: &str) {
     let booth = planted_booth();
     let mut command: Command = booth.command();
     command.env("RUST_LOG", level);
-    let daemon = Daemon::of(command);
+    let daemon = Daemon::start(command);
     let (stop, seen) = (AtomicBool::new(false), Mutex::new(BTreeSet::new()));
     scope(|scope| {
         let watching = scope.spawn(|| watch_processes(daemon.id(), &stop, &seen));

@@ -19,7 +19,7 @@ fn every_file_of_a_record_is_served_as_it_was_made_and_no_other() {
         format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n")
     });
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);
     booth.wait_for_records(1);
@@ -74,7 +74,7 @@ fn every_file_of_a_record_is_served_as_it_was_made_and_no_other() {
 fn files_of_a_record_are_those_of_its_latest_revision_and_no_path_leads_elsewhere() {
     let booth = booth("[page]\npatient_ids = \"everyone\"\n");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);
     booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'delivered'", 1);

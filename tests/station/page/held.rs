@@ -6,7 +6,7 @@
 use std::fs;
 
 use rig::verb::{gaiter_told, stdout};
-use rig::web::{Answer, Site};
+use rig::web::{HttpAnswer, Site};
 use rig::{Booth, sha256};
 use rusqlite::Connection;
 use serde_json::{Value, json};
@@ -34,11 +34,11 @@ fn wait_for_state(booth: &Booth, site: &Site, what: &str, holds: impl Fn(&Value)
     last
 }
 
-fn decide(site: &Site, body: &Value) -> Answer {
+fn decide(site: &Site, body: &Value) -> HttpAnswer {
     site.post("/ask", &body.to_string(), &site.operator())
 }
 
-fn code(answer: &Answer) -> Value {
+fn code(answer: &HttpAnswer) -> Value {
     serde_json::from_str::<Value>(&answer.body).unwrap()["code"].clone()
 }
 
@@ -50,7 +50,7 @@ fn has_legs(state: &Value) -> bool {
 fn a_held_scan_shows_whose_legs_it_may_be_of_without_a_name_until_it_is_decided() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = coarse_body(0);
     let scan = sha256(&bytes);
     booth.export("4711_a.obj", &bytes);
@@ -88,7 +88,7 @@ fn a_held_scan_shows_whose_legs_it_may_be_of_without_a_name_until_it_is_decided(
 fn a_held_scan_that_cannot_be_measured_says_why_and_stays_held() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     booth.export("4711_a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let unmeasured = |state: &Value| !state["undecided"][0]["unmeasured"].is_null();
     let state = wait_for_state(&booth, &site, "the reason", unmeasured);
@@ -110,7 +110,7 @@ fn a_held_scan_that_cannot_be_measured_says_why_and_stays_held() {
 fn a_preview_that_is_missing_is_made_again_but_not_while_the_station_is_paused() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let place = |bytes: &[u8]| booth.path("state/previews").join(sha256(bytes));
     let (bytes, others) = (coarse_body(1), [2, 3].map(coarse_body));
     booth.export("4711_a.obj", &bytes);
@@ -158,7 +158,7 @@ fn the_candidates_of_a_held_scan_are_for_those_who_may_know_them_and_one_of_them
     assert_eq!(journal.execute(candidates, []).unwrap(), 1);
     drop(journal);
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let state = wait_for_state(&booth, &site, "the preview", has_legs);
     let held = &state["undecided"][0];
     let patient = |id: &str| json!({"id": id, "shown": id});
@@ -176,7 +176,7 @@ fn the_candidates_of_a_held_scan_are_for_those_who_may_know_them_and_one_of_them
 }
 
 /// Names the next patient as the page does.
-fn name(site: &Site, patient: &str, replace: bool) -> Answer {
+fn name(site: &Site, patient: &str, replace: bool) -> HttpAnswer {
     decide(site, &json!({"ask": "name_next", "patient": patient, "replace": replace}))
 }
 
@@ -188,7 +188,7 @@ fn next(booth: &Booth) -> String {
 fn who_is_named_without_a_button_is_shown_and_not_replaced_unasked() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     assert_eq!(next(&booth), "No patient is named.");
     assert_eq!(code(&name(&site, "no one", false)), "patient-id-not-allowed");
     assert_eq!(name(&site, "4711", false).status, 200);
@@ -211,7 +211,7 @@ fn who_is_named_without_a_button_is_shown_and_not_replaced_unasked() {
     assert_eq!(daemon.stop().code(), Some(0));
     booth.reconfigure(|config| format!("{config}[page]\npatient_ids = \"everyone\"\n"));
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let kiosk: Value = serde_json::from_str(&site.get("/state?kiosk", &[]).body).unwrap();
     assert!(kiosk["next"]["sentence"].as_str().unwrap().contains("0815"), "{kiosk}");
     assert_eq!(daemon.stop().code(), Some(0));
@@ -222,7 +222,7 @@ fn who_is_named_for_the_next_press_is_shown_and_replaced_by_the_one_who_is_named
     // The port is not there: nobody presses.
     let booth = booth("[trigger.serial]\nport = \"/dev/gaiter/none\"\ntokens = [\"PRESS\"]\n");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     assert_eq!(name(&site, "111", false).status, 200);
     assert_eq!(next(&booth), "Next: 111.");
     assert_eq!(code(&name(&site, "222", false)), "another-is-named");

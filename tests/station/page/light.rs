@@ -31,7 +31,7 @@ fn an_export_that_stopped_is_told_as_such_until_its_rest_comes() {
     let booth = booth("");
     booth.reconfigure(|config| config.replace("short_wait = \"3000ms\"", "short_wait = \"1m\""));
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = coarse_body(0);
     booth.wait_for_look();
     booth.export("4711_a.obj", &bytes[..bytes.len() / 2]);
@@ -49,7 +49,7 @@ fn an_export_that_stopped_is_told_as_such_until_its_rest_comes() {
 fn a_held_scan_that_a_person_decided_on_is_not_held_at_the_light() {
     let booth = booth("[capture]\nwithout_trigger = \"hold\"\n");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     for (n, ask, after, said) in [
         (0, "release", "done", "The record of 4711 is stored."),
         (1, "give_up", "ready", "Scan the next patient."),
@@ -67,20 +67,20 @@ fn a_held_scan_that_a_person_decided_on_is_not_held_at_the_light() {
 fn what_a_person_must_see_is_told_after_a_start_as_before_it() {
     let booth = booth("[capture]\nwithout_trigger = \"hold\"\n");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = body(0);
     booth.export("4711_a.obj", &bytes);
     wait_for_light(&booth, &site, "attention", "The scan of 4711 is held.");
     assert_eq!(daemon.stop().code(), Some(0));
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     wait_for_light(&booth, &site, "attention", "The scan of 4711 is held.");
     assert_eq!(code(&booth.gaiter(&["release", &sha256(&bytes)])), Some(0));
     wait_for_light(&booth, &site, "done", "The record of 4711 is stored.");
     assert_eq!(daemon.stop().code(), Some(0));
     // What is done needs nobody, and is not told again.
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     wait_for_light(&booth, &site, "ready", "Scan the next patient.");
     assert_eq!(daemon.stop().code(), Some(0));
 }
@@ -89,7 +89,7 @@ fn what_a_person_must_see_is_told_after_a_start_as_before_it() {
 fn a_scan_without_a_patient_is_not_done_until_a_person_has_said_whose_it_is() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = body(0);
     booth.export("body.obj", &bytes);
     let said = "The record of the last scan is stored, but without a patient.";
@@ -104,7 +104,7 @@ fn a_scan_without_a_patient_is_not_done_until_a_person_has_said_whose_it_is() {
 fn a_refused_scan_that_may_come_again_is_told_to_hold_the_next_until_it_is_given_up() {
     let mut room = Room::with_button("[status]\nlisten = \"127.0.0.1:0\"\n");
     let daemon = room.start();
-    let site = Site::of(&room.booth, "local");
+    let site = Site::open(&room.booth, "local");
     let bytes = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     room.name("4711");
     room.press();
@@ -129,7 +129,7 @@ fn a_refused_scan_that_may_come_again_is_told_to_hold_the_next_until_it_is_given
 fn a_refused_scan_that_a_person_gave_up_is_told_no_longer() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     booth.export("4711_a.obj", bytes);
     wait_for_light(&booth, &site, "attention", "The scan of 4711 cannot be used.");
@@ -143,7 +143,7 @@ fn a_refused_scan_that_a_person_gave_up_is_told_no_longer() {
 fn an_old_scan_that_is_exported_for_the_next_patient_is_told_with_whose_it_is_and_the_name_waits() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let old = body(0);
     booth.export("4711_a.obj", &old);
     wait_for_light(&booth, &site, "done", "The record of 4711 is stored.");
@@ -167,7 +167,7 @@ fn an_old_scan_that_is_exported_for_the_next_patient_is_told_with_whose_it_is_an
 fn a_record_that_lacks_measures_stands_with_what_a_person_must_do_and_marks_what_is_asked() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     // Of this body's ankle and heel too little is to be seen.
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);

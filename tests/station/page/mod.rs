@@ -12,7 +12,7 @@ use std::os::unix::fs::{PermissionsExt, chown};
 use std::path::{Path, PathBuf};
 
 use rig::verb::{code, stdout};
-use rig::web::{Answer, Site};
+use rig::web::{HttpAnswer, Site};
 use rig::{Booth, sha256};
 use serde_json::{Value, json};
 use support::{body, coarse_body};
@@ -48,7 +48,7 @@ fn record_of(booth: &Booth, patient: &str) -> PathBuf {
     folders.find(|path| path.join("record.json").exists()).unwrap()
 }
 
-fn decide(site: &Site, body: &Value) -> Answer {
+fn decide(site: &Site, body: &Value) -> HttpAnswer {
     site.post("/ask", &body.to_string(), &site.operator())
 }
 
@@ -56,7 +56,7 @@ fn decide(site: &Site, body: &Value) -> Answer {
 fn a_scan_is_shown_with_its_measures_as_its_record_has_them() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     assert_eq!(site.state()["light"]["signal"], "ready");
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);
@@ -91,7 +91,7 @@ fn a_scan_is_shown_with_its_measures_as_its_record_has_them() {
 fn only_those_with_the_token_learn_whose_a_scan_is() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);
     wait_for_state(&booth, &site, "measures", |state| !first_scan(state)["measures"].is_null());
@@ -124,7 +124,7 @@ fn only_those_with_the_token_learn_whose_a_scan_is() {
     assert_eq!(daemon.stop().code(), Some(0));
     booth.reconfigure(|config| format!("{config}[page]\npatient_ids = \"everyone\"\n"));
     let daemon = booth.start();
-    assert!(Site::of(&booth, "local").get("/state?kiosk", &[]).body.contains("\"4711\""));
+    assert!(Site::open(&booth, "local").get("/state?kiosk", &[]).body.contains("\"4711\""));
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
@@ -132,7 +132,7 @@ fn only_those_with_the_token_learn_whose_a_scan_is() {
 fn a_decision_needs_the_token_from_the_station_s_own_page_and_says_what_it_did() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let body = "{\"ask\":\"pause\"}";
     let own = |site: &Site| {
         vec![
@@ -184,7 +184,7 @@ fn a_decision_needs_the_token_from_the_station_s_own_page_and_says_what_it_did()
 fn who_calls_the_station_by_another_name_is_not_answered() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     for path in ["/", "/state", "/stream", "/metrics", "/healthz", "/page.js"] {
         let asked = |host: &str| site.exchange("GET", path, host, "", &[]).status;
         assert_eq!(asked("evil.example"), 421, "{path}");
@@ -214,7 +214,7 @@ fn who_calls_the_station_by_another_name_is_not_answered() {
 fn a_stream_tells_of_changes_and_ends_with_the_station() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let mut stream = site.stream(&site.operator());
     let first = stream.find(|state| state["light"]["signal"] == "ready").unwrap();
     assert_eq!(first["ids"], true);
@@ -235,7 +235,7 @@ fn a_stream_tells_of_changes_and_ends_with_the_station() {
 fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": "4711"})).status, 200);
     booth.wait_for_look();
     let stream = site.stream(&site.operator());
@@ -260,7 +260,7 @@ fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand()
 fn a_ninth_stream_is_told_to_ask_instead_and_eight_hold_up_nobody() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let mut streams: Vec<_> = (0..8).map(|_| site.stream(&[])).collect();
     streams.iter_mut().for_each(|stream| assert!(stream.next().is_some()));
     assert_eq!(site.get("/stream", &[]).status, 503);
@@ -277,7 +277,7 @@ fn a_ninth_stream_is_told_to_ask_instead_and_eight_hold_up_nobody() {
 fn the_link_opens_a_station_again_after_a_restart_and_is_for_its_user_only() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let said = booth.gaiter(&["page"]);
     let link = format!("http://127.0.0.1:{}/#token={}\n", site.port, site.token);
     assert_eq!((code(&said), stdout(&said)), (Some(0), link));
@@ -285,7 +285,7 @@ fn the_link_opens_a_station_again_after_a_restart_and_is_for_its_user_only() {
     assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
     assert_eq!(daemon.stop().code(), Some(0));
     let daemon = booth.start();
-    let again = Site::of(&booth, "local");
+    let again = Site::open(&booth, "local");
     assert_eq!(again.token, site.token);
     assert_eq!(decide(&again, &json!({"ask": "call_off"})).status, 200);
     assert_eq!(daemon.stop().code(), Some(0));
@@ -314,7 +314,7 @@ fn a_token_that_somebody_planted_in_an_open_state_folder_opens_nothing() {
     let daemon = booth.start_ready();
     let token = || fs::read_to_string(&file).is_ok_and(|token| token.trim() != planted);
     booth.wait_for("a token of its own", token);
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     assert_eq!((mode(&state), mode(&file)), (0o700, 0o600));
     for event in ["state-folder-closed", "page-token-refused"] {
         assert_eq!(booth.log().matches(event).count(), 1, "{event}");
@@ -330,8 +330,8 @@ fn over_the_network_the_page_is_for_reading_only() {
     // Every address of this machine, loopback among them: a network is not to be had everywhere.
     let booth = booth("[page]\nnetwork = \"0.0.0.0:0\"\n");
     let daemon = booth.start();
-    let local = Site::of(&booth, "local");
-    let network = Site::of(&booth, "network");
+    let local = Site::open(&booth, "local");
+    let network = Site::open(&booth, "network");
     assert_eq!(network.get("/", &[]).status, 200);
     assert_eq!(network.get("/state", &local.operator()).status, 200);
     assert_eq!(network.state_of(&local.operator())["ids"], false, "the token counts for nothing");
@@ -358,7 +358,7 @@ fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_c
         config.replace(pattern, "pattern = '^[^/.\\n][^/\\n]*$'")
     });
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let ids = ["<script>alert(1)<", "\"'`&amp;", "\u{202e}4711\u{2066}", "ab\u{300}\u{1f600}"];
     for (n, id) in ids.into_iter().enumerate() {
         let seen = id.replace('\u{202e}', "[U+202E]").replace('\u{2066}', "[U+2066]");
@@ -381,7 +381,7 @@ fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_c
 fn a_page_that_comes_later_is_told_of_what_was_decided_meanwhile() {
     let booth = booth("");
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let mut stream = site.stream(&[]);
     assert!(stream.next().is_some());
     drop(stream);

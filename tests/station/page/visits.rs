@@ -16,7 +16,7 @@ fn with_one_record() -> (Booth, Daemon, Site, String) {
     let booth = Booth::new();
     booth.reconfigure(|config| format!("{config}[status]\nlisten = \"127.0.0.1:0\"\n"));
     let daemon = booth.start();
-    let site = Site::of(&booth, "local");
+    let site = Site::open(&booth, "local");
     let bytes = coarse_body(0);
     booth.export("4711_a.obj", &bytes);
     booth.wait_for_records(1);

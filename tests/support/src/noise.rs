@@ -52,7 +52,7 @@ impl Fate {
     /// Follows the points of one section, `before`, to where they are `after`: those of one kind,
     /// the nearest pairs first, none over more than [`REACH_MM`].
     pub fn add(&mut self, section: &Section, before: &[Feature], after: &[Feature]) {
-        let along = Along::of(section);
+        let along = Along::from_section(section);
         let mut pairs = Vec::new();
         for (i, from) in before.iter().enumerate() {
             for (j, to) in after.iter().enumerate().filter(|(_, to)| to.kind == from.kind) {
@@ -113,7 +113,7 @@ pub fn quantile(values: &[f64], share: f64) -> f64 {
 struct Along(Vec<f64>);
 
 impl Along {
-    fn of(section: &Section) -> Along {
+    fn from_section(section: &Section) -> Along {
         let points = section.curve.points(SIDES);
         let mut lengths = vec![0.0];
         for (index, point) in points.iter().enumerate() {

@@ -52,7 +52,7 @@ pub struct Tube<'a> {
 
 impl<'a> Tube<'a> {
     /// An upright left tube with edges of about 5 mm, whole and exact.
-    pub fn of(radius: &'a dyn Fn(f64, f64) -> f64) -> Tube<'a> {
+    pub fn upright(radius: &'a dyn Fn(f64, f64) -> f64) -> Tube<'a> {
         Tube {
             radius,
             side: Side::Left,

@@ -44,7 +44,7 @@ const BEND_SHARE: f64 = 0.06;
 impl Stance {
     /// The body in this stance.
     pub fn of(self, body: Mesh, crotch_mm: f64) -> Mesh {
-        let legs = [-1.0, 1.0].map(|side| Joints::of(&body, crotch_mm, side));
+        let legs = [-1.0, 1.0].map(|side| Joints::new(&body, crotch_mm, side));
         let knee = self.bent_deg.to_radians();
         let hip = knee * (KNEE_SHARE - ANKLE_SHARE) / (HIP_SHARE - ANKLE_SHARE);
         body.moved(|at| {
@@ -70,7 +70,7 @@ impl Stance {
 
 /// The body with the joints of its right and of its left leg turned.
 pub fn posed(body: Mesh, crotch_mm: f64, poses: [LegPose; 2]) -> Mesh {
-    let legs = [-1.0, 1.0].map(|side| Joints::of(&body, crotch_mm, side));
+    let legs = [-1.0, 1.0].map(|side| Joints::new(&body, crotch_mm, side));
     body.moved(|at| {
         let own = usize::from(at[0] >= 0.0);
         let (leg, by) = (&legs[own], poses[own]);
@@ -92,7 +92,7 @@ struct Joints {
 }
 
 impl Joints {
-    fn of(body: &Mesh, crotch_mm: f64, side: f64) -> Joints {
+    fn new(body: &Mesh, crotch_mm: f64, side: f64) -> Joints {
         let middle = |share: f64| {
             let near = |p: &&[f64; 3]| {
                 side * p[0] > 0.0 && (p[1] / crotch_mm - share).abs() < BEND_SHARE / 3.0

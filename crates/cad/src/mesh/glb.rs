@@ -18,7 +18,7 @@ const METRES: f64 = 1e-3;
 
 /// The triangles as a GLB file.
 pub fn write(facets: &Facets, header: &FileHeader) -> Vec<u8> {
-    let Vertices { corners, indices } = Vertices::of(facets);
+    let Vertices { corners, indices } = Vertices::from_facets(facets);
     let point = |corner: &Corner| {
         turned(facets.points[corner.point as usize].coords.into()).map(|mm| (mm * METRES) as f32)
     };
@@ -49,7 +49,7 @@ struct Vertices {
 }
 
 impl Vertices {
-    fn of(facets: &Facets) -> Vertices {
+    fn from_facets(facets: &Facets) -> Vertices {
         let mut known = BTreeMap::new();
         let mut corners = Vec::new();
         let place = |corner: &Corner| {

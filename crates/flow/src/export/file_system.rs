@@ -17,40 +17,40 @@ pub struct Kind {
     pub name: &'static str,
     /// `f_type` of statfs(2); several if versions differ.
     magics: &'static [u32],
-    place: Place,
+    place: Medium,
 }
 
 #[derive(Debug, PartialEq, Eq)]
-enum Place {
+enum Medium {
     Disk,
     Memory,
     Network,
 }
 
-const fn kind(name: &'static str, place: Place, magics: &'static [u32]) -> Kind {
+const fn kind(name: &'static str, place: Medium, magics: &'static [u32]) -> Kind {
     Kind { name, magics, place }
 }
 
 /// Every kind that has a name. FUSE counts as a network because it mostly is one: sshfs, rclone. Local
 /// ones (the older NTFS driver, `mergerfs`) only lose a watch that makes looks happen sooner.
 pub static KINDS: [Kind; 17] = [
-    kind("SMB", Place::Network, &[0x0000_517B, 0xFF53_4D42, 0xFE53_4D42]),
-    kind("NFS", Place::Network, &[0x0000_6969]),
-    kind("FUSE", Place::Network, &[0x6573_5546]),
-    kind("9P", Place::Network, &[0x0102_1997]),
-    kind("Ceph", Place::Network, &[0x00C3_6400]),
-    kind("AFS", Place::Network, &[0x5346_414F]),
-    kind("Coda", Place::Network, &[0x7375_7245]),
-    kind("ext4", Place::Disk, &[0x0000_EF53]),
-    kind("xfs", Place::Disk, &[0x5846_5342]),
-    kind("btrfs", Place::Disk, &[0x9123_683E]),
-    kind("overlay", Place::Disk, &[0x794C_7630]),
-    kind("FAT", Place::Disk, &[0x0000_4D44]),
-    kind("exFAT", Place::Disk, &[0x2011_BAB0]),
-    kind("NTFS", Place::Disk, &[0x5346_544E, 0x7366_746E]),
-    kind("ZFS", Place::Disk, &[0x2FC1_2FC1]),
-    kind("tmpfs", Place::Memory, &[0x0102_1994]),
-    kind("ramfs", Place::Memory, &[0x8584_58F6]),
+    kind("SMB", Medium::Network, &[0x0000_517B, 0xFF53_4D42, 0xFE53_4D42]),
+    kind("NFS", Medium::Network, &[0x0000_6969]),
+    kind("FUSE", Medium::Network, &[0x6573_5546]),
+    kind("9P", Medium::Network, &[0x0102_1997]),
+    kind("Ceph", Medium::Network, &[0x00C3_6400]),
+    kind("AFS", Medium::Network, &[0x5346_414F]),
+    kind("Coda", Medium::Network, &[0x7375_7245]),
+    kind("ext4", Medium::Disk, &[0x0000_EF53]),
+    kind("xfs", Medium::Disk, &[0x5846_5342]),
+    kind("btrfs", Medium::Disk, &[0x9123_683E]),
+    kind("overlay", Medium::Disk, &[0x794C_7630]),
+    kind("FAT", Medium::Disk, &[0x0000_4D44]),
+    kind("exFAT", Medium::Disk, &[0x2011_BAB0]),
+    kind("NTFS", Medium::Disk, &[0x5346_544E, 0x7366_746E]),
+    kind("ZFS", Medium::Disk, &[0x2FC1_2FC1]),
+    kind("tmpfs", Medium::Memory, &[0x0102_1994]),
+    kind("ramfs", Medium::Memory, &[0x8584_58F6]),
 ];
 
 impl FileSystem {
@@ -62,12 +62,12 @@ impl FileSystem {
 
     /// Whether other machines may change files there without a watch noticing it.
     pub fn is_network(self) -> bool {
-        matches!(self, FileSystem::Known(Kind { place: Place::Network, .. }))
+        matches!(self, FileSystem::Known(Kind { place: Medium::Network, .. }))
     }
 
     /// Whether files there are lost when the power goes.
     pub fn is_memory(self) -> bool {
-        matches!(self, FileSystem::Known(Kind { place: Place::Memory, .. }))
+        matches!(self, FileSystem::Known(Kind { place: Medium::Memory, .. }))
     }
 }
 

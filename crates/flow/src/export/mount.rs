@@ -24,7 +24,7 @@ impl MountGuard {
     ///
     /// # Errors
     /// The first reason against it, in words that follow "the export folder".
-    pub fn judge(&mut self, seen: Mount) -> Result<(), Cause> {
+    pub fn check(&mut self, seen: Mount) -> Result<(), Cause> {
         let found = seen.file_system;
         if seen.lacks_marker {
             return Err(Cause::known("no-marker", []));
@@ -55,21 +55,21 @@ mod tests {
     #[test]
     fn a_folder_that_lacks_its_marker_is_not_trusted_and_any_other_is() {
         let mut guard = MountGuard::default();
-        assert_eq!(guard.judge(on("ext4")), Ok(()));
+        assert_eq!(guard.check(on("ext4")), Ok(()));
         let bare = Mount { lacks_marker: true, ..on("ext4") };
-        assert_eq!(guard.judge(bare), Err(Cause::known("no-marker", [])));
-        assert_eq!(guard.judge(on("NFS")), Ok(()));
+        assert_eq!(guard.check(bare), Err(Cause::known("no-marker", [])));
+        assert_eq!(guard.check(on("NFS")), Ok(()));
     }
 
     #[test]
     fn a_share_that_turns_into_a_local_folder_is_gone_until_it_is_back() {
         let mut guard = MountGuard::default();
-        assert_eq!(guard.judge(on("FUSE")), Ok(()));
+        assert_eq!(guard.check(on("FUSE")), Ok(()));
         for _ in 0..3 {
-            let gone = guard.judge(on("ext4"));
+            let gone = guard.check(on("ext4"));
             assert!(gone.unwrap_err().to_string().contains("ext4"));
         }
-        assert_eq!(guard.judge(on("SMB")), Ok(()), "another kind of share will do");
-        assert!(guard.judge(on("tmpfs")).is_err());
+        assert_eq!(guard.check(on("SMB")), Ok(()), "another kind of share will do");
+        assert!(guard.check(on("tmpfs")).is_err());
     }
 }

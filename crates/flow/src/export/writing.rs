@@ -1,7 +1,7 @@
 //! When the content of a file was written, as far as looks and short reads can tell.
 //!
 //! A look sees sizes and times, never content. So a few bytes of each file that is not taken yet are
-//! read whenever it has changed, and kept as a [`Mark`]. A later content that begins with the marked
+//! read whenever it has changed, and kept as a [`Fingerprint`]. A later content that begins with the marked
 //! part has grown since; one that does not was written anew. A capture's export is judged by when its
 //! content began, not by when its name appeared.
 
@@ -71,7 +71,7 @@ pub(crate) fn written_elsewhere(seen: Duration, moved: Duration) -> Option<Durat
 
 /// The part of a file that existed at some time.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Mark {
+pub struct Fingerprint {
     /// The time before it was read.
     pub began: Duration,
     /// The time after it was read.
@@ -86,16 +86,22 @@ pub struct Mark {
     pub written: Option<Duration>,
 }
 
-impl Mark {
+impl Fingerprint {
     /// The mark of a part of `size` bytes with these ends, each of [`END_BYTES`] or all of it.
-    pub fn new(began: Duration, ended: Duration, size: u64, head: &[u8], tail: &[u8]) -> Mark {
-        Mark { began, ended, size, sum: sum(head, tail), trunk: trunk(head), written: None }
+    pub fn new(
+        began: Duration,
+        ended: Duration,
+        size: u64,
+        head: &[u8],
+        tail: &[u8],
+    ) -> Fingerprint {
+        Fingerprint { began, ended, size, sum: sum(head, tail), trunk: trunk(head), written: None }
     }
 
     /// The mark of a whole content that was read at once.
-    pub fn of(began: Duration, ended: Duration, bytes: &[u8]) -> Mark {
+    pub fn whole(began: Duration, ended: Duration, bytes: &[u8]) -> Fingerprint {
         let (head, tail) = ends(bytes);
-        Mark::new(began, ended, bytes.len() as u64, head, tail)
+        Fingerprint::new(began, ended, bytes.len() as u64, head, tail)
     }
 
     /// Whether a content begins with this part.
@@ -162,7 +168,7 @@ pub struct Writing {
     first: Appeared,
     /// When its content was last seen to have changed since; `None` if it has not.
     changed: Option<Duration>,
-    marks: Vec<Mark>,
+    marks: Vec<Fingerprint>,
     /// When what it holds since part of it was last read was written at the latest, if its times say that it
     /// was written elsewhere.
     written: Option<Duration>,
@@ -212,19 +218,19 @@ impl Writing {
     }
 
     /// Part of it was read.
-    pub fn mark(&mut self, mark: Mark) {
+    pub fn mark(&mut self, mark: Fingerprint) {
         if mark.size < MARK_LEAST {
             return;
         }
         if self.marks.len() == MARKS_MOST {
             self.marks.remove(1);
         }
-        self.marks.push(Mark { written: self.written.take(), ..mark });
+        self.marks.push(Fingerprint { written: self.written.take(), ..mark });
     }
 
     /// All of it was read, in a state that is known from now on: what came before only matters if it
     /// grows.
-    pub fn known(&mut self, mark: Mark) {
+    pub fn known(&mut self, mark: Fingerprint) {
         self.marks.retain(|known| known.ended <= mark.began);
         if self.read.last() != Some(&mark.size) {
             self.read.drain(..(self.read.len() + 1).saturating_sub(READ_MOST));
@@ -258,7 +264,7 @@ impl Writing {
     }
 
     /// Whether this part is of another content than the one that was marked last and was not dealt with.
-    pub(crate) fn loses_to(&self, mark: &Mark) -> bool {
+    pub(crate) fn loses_to(&self, mark: &Fingerprint) -> bool {
         let Some(last) = self.marks.last() else { return false };
         let is_other = last.trunk.is_some() && mark.trunk.is_some() && last.trunk != mark.trunk;
         let is_kept = self
@@ -326,7 +332,7 @@ impl Writing {
     }
 
     /// Each mark, in their order, and whether it is of this content.
-    fn compared(&self, bytes: &[u8]) -> impl Iterator<Item = (&Mark, Match)> {
+    fn compared(&self, bytes: &[u8]) -> impl Iterator<Item = (&Fingerprint, Match)> {
         let trunk = trunk(ends(bytes).0);
         // What was dealt with is no part of what comes after it, unless that begins with it.
         let kept = self.kept.as_ref().map(|kept| kept.trunk.as_deref());
@@ -388,7 +394,7 @@ mod tests {
             if at > 10 {
                 writing.change(s(at));
             }
-            writing.mark(Mark::of(s(at), s(at), &whole[..size]));
+            writing.mark(Fingerprint::whole(s(at), s(at), &whole[..size]));
         }
         let began = Appeared { absent: Some(s(9)), seen: s(10) };
         assert_eq!(writing.began(&whole), began);
@@ -398,9 +404,9 @@ mod tests {
     fn a_content_that_does_not_begin_with_what_was_there_began_after_it() {
         let (first_body, second_body) = (content(1, 9_000), content(2, 30_000));
         let mut writing = first(9, 10);
-        writing.mark(Mark::of(s(10), s(11), &first_body));
+        writing.mark(Fingerprint::whole(s(10), s(11), &first_body));
         writing.change(s(60));
-        writing.mark(Mark::of(s(60), s(61), &second_body[..20_000]));
+        writing.mark(Fingerprint::whole(s(60), s(61), &second_body[..20_000]));
         writing.change(s(70));
         let began = Appeared { absent: Some(s(10)), seen: s(61) };
         assert_eq!(writing.began(&second_body), began);
@@ -409,7 +415,7 @@ mod tests {
     #[test]
     fn a_header_that_two_exports_share_is_no_evidence() {
         let mut writing = first(9, 10);
-        writing.mark(Mark::of(s(10), s(10), b"# exported\n"));
+        writing.mark(Fingerprint::whole(s(10), s(10), b"# exported\n"));
         writing.change(s(60));
         let began = Appeared { absent: Some(s(9)), seen: s(60) };
         assert_eq!(writing.began(&[b"# exported\n", content(2, 9_000).as_slice()].concat()), began);
@@ -428,10 +434,10 @@ mod tests {
         let began = Appeared { absent: Some(s(9)), seen: s(10) };
         for (before, seen) in [(&counted(0)[..7_000], 10), (&filled, 10), (&reserved, 30)] {
             let mut writing = first(9, 10);
-            writing.mark(Mark::of(s(10), s(10), before));
+            writing.mark(Fingerprint::whole(s(10), s(10), before));
             // A press comes in between, and a look at what lies there then.
             writing.change(s(20));
-            writing.mark(Mark::of(s(20), s(20), before));
+            writing.mark(Fingerprint::whole(s(20), s(20), before));
             writing.change(s(30));
             assert_eq!(writing.began(&whole), Appeared { seen: s(seen), ..began });
         }
@@ -443,18 +449,18 @@ mod tests {
         let [old, new] = [1, 2].map(|of| [alike.as_slice(), &content(of, 9_000)].concat());
         let stamp = Stamp { dev: 1, ino: 7, size: 12_000, mtime_ns: 5, ctime_ns: 5 };
         let mut writing = first(9, 10);
-        writing.mark(Mark::of(s(10), s(10), &old));
+        writing.mark(Fingerprint::whole(s(10), s(10), &old));
         writing.keep(stamp);
         writing.change(s(30));
-        writing.mark(Mark::of(s(30), s(30), &new));
+        writing.mark(Fingerprint::whole(s(30), s(30), &new));
         // Since when it is there is not known.
         assert_eq!(writing.began(&new), Appeared { absent: Some(s(9)), seen: s(30) });
         assert_eq!(writing.began(&old).seen, s(10), "the same again");
         let mut reserved = first(9, 10);
-        reserved.mark(Mark::of(s(10), s(10), &content(1, 9_000)));
+        reserved.mark(Fingerprint::whole(s(10), s(10), &content(1, 9_000)));
         reserved.keep(stamp);
         reserved.change(s(20));
-        reserved.mark(Mark::of(s(20), s(20), &[0; 9_000]));
+        reserved.mark(Fingerprint::whole(s(20), s(20), &[0; 9_000]));
         reserved.change(s(30));
         assert_eq!(reserved.began(&content(2, 9_000)).absent, Some(s(20)));
     }
@@ -463,14 +469,14 @@ mod tests {
     fn a_touched_file_began_when_it_did() {
         let body = content(1, 9_000);
         let mut writing = first(9, 10);
-        writing.mark(Mark::of(s(10), s(10), &body));
+        writing.mark(Fingerprint::whole(s(10), s(10), &body));
         writing.change(s(60));
         assert_eq!(writing.began(&body), Appeared { absent: Some(s(9)), seen: s(10) });
     }
 
     #[test]
     fn a_content_is_told_from_another_whatever_its_header_and_its_end_say() {
-        let mark = |at, bytes: &[u8]| Mark::of(s(at), s(at), bytes);
+        let mark = |at, bytes: &[u8]| Fingerprint::whole(s(at), s(at), bytes);
         let (body, other) = (content(1, 9_000), content(2, 9_000));
         let behind = |header: &[u8]| [header, body.as_slice()].concat();
         let counted = |count: u8| [&[b' '; 80][..], &[count, 0, 0, 0], body.as_slice()].concat();
@@ -501,8 +507,8 @@ mod tests {
         let (body, other) = (content(1, 9_000), content(2, 9_000));
         let stamp = Stamp { dev: 1, ino: 7, size: 9_000, mtime_ns: 5, ctime_ns: 5 };
         let mut writing = first(9, 10);
-        writing.mark(Mark::of(s(10), s(10), &body));
-        let later = Mark::of(s(20), s(20), &other);
+        writing.mark(Fingerprint::whole(s(10), s(10), &body));
+        let later = Fingerprint::whole(s(20), s(20), &other);
         assert!(writing.loses_to(&later) && !writing.is_kept(&stamp));
         writing.keep(stamp);
         assert!(!writing.loses_to(&later) && writing.is_kept(&stamp));
@@ -514,12 +520,12 @@ mod tests {
     fn the_last_content_began_when_its_first_part_was_read() {
         let mut writing = first(9, 10);
         assert_eq!(writing.last_began().seen, s(10));
-        writing.mark(Mark::of(s(11), s(11), &content(1, 5_000)));
+        writing.mark(Fingerprint::whole(s(11), s(11), &content(1, 5_000)));
         assert_eq!(writing.last_began().seen, s(10));
         writing.change(s(20));
         assert_eq!(writing.last_began().seen, s(20));
         for (at, length) in [(21, 5_000), (31, 9_000)] {
-            writing.mark(Mark::of(s(at), s(at), &content(2, length)));
+            writing.mark(Fingerprint::whole(s(at), s(at), &content(2, length)));
         }
         writing.change(s(31));
         assert_eq!(writing.last_began(), Appeared { absent: Some(s(9)), seen: s(21) });
@@ -531,7 +537,11 @@ mod tests {
         let mut writing = first(9, 10);
         for at in 0..20 {
             writing.change(s(10 + at));
-            writing.mark(Mark::of(s(10 + at), s(10 + at), &whole[..5_000 * (at as usize + 1)]));
+            writing.mark(Fingerprint::whole(
+                s(10 + at),
+                s(10 + at),
+                &whole[..5_000 * (at as usize + 1)],
+            ));
         }
         assert_eq!(writing.marks.len(), MARKS_MOST);
         assert_eq!(writing.began(&whole).seen, s(10));
@@ -553,15 +563,15 @@ mod tests {
     fn an_old_time_is_that_of_the_content_that_had_it() {
         let (old, new) = (content(1, 9_000), content(2, 9_000));
         let mut writing = first(9, 10);
-        writing.mark(Mark::of(s(10), s(10), &old));
+        writing.mark(Fingerprint::whole(s(10), s(10), &old));
         writing.change(s(20));
         writing.date(Some(s(3)));
         assert_eq!(writing.began(&old).absent, Some(s(3)), "before it is read again");
-        writing.mark(Mark::of(s(20), s(20), &old));
+        writing.mark(Fingerprint::whole(s(20), s(20), &old));
         // Somebody sets its time to now.
         writing.change(s(30));
         writing.date(None);
-        writing.mark(Mark::of(s(30), s(30), &old));
+        writing.mark(Fingerprint::whole(s(30), s(30), &old));
         assert_eq!(writing.began(&old), Appeared { absent: Some(s(3)), seen: s(10) });
         writing.change(s(40));
         assert_eq!(writing.began(&new).absent, Some(s(30)), "an export over it is new");
@@ -571,13 +581,13 @@ mod tests {
     fn the_lengths_at_which_a_file_was_read_whole_are_kept_the_last_ones_each_once() {
         let whole = content(1, 100_000);
         let mut writing = first(9, 10);
-        writing.mark(Mark::of(s(10), s(10), &whole[..4_500]));
+        writing.mark(Fingerprint::whole(s(10), s(10), &whole[..4_500]));
         for size in [5_000, 5_000, 6_000] {
-            writing.known(Mark::of(s(11), s(11), &whole[..size]));
+            writing.known(Fingerprint::whole(s(11), s(11), &whole[..size]));
         }
         assert_eq!(writing.read(), [5_000, 6_000]);
         for size in 7..=20 {
-            writing.known(Mark::of(s(12), s(12), &whole[..size * 1000]));
+            writing.known(Fingerprint::whole(s(12), s(12), &whole[..size * 1000]));
         }
         assert_eq!((writing.read().len(), writing.read()[7]), (READ_MOST, 20_000));
     }

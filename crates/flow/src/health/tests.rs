@@ -55,7 +55,7 @@ fn a_station_in_order_is_ready_before_its_first_look_too() {
 fn every_fault_has_its_code_and_something_to_do() {
     let stored =
         StoreFacts { refusal: fault("writing failed"), since: at(0), is_of_delivery: false };
-    let alarm = Alarm { figures: Figures::why(&"it was damaged".into()), since: at(0) };
+    let alarm = Alarm { figures: ComplaintFigures::why(&"it was damaged".into()), since: at(0) };
     let waiting = WaitingFile { wait: Wait::Turn, since: at(0), overdue: true };
     let cases: Vec<(&str, Facts)> = vec![
         ("paused", Facts { intake: IntakeState::Paused, ..facts() }),
@@ -117,7 +117,7 @@ fn a_complaint_is_said_with_its_figures_in_each_language() {
     assert!(english.ends_with(": lacks the file that scanner.marker names"), "{english}");
     assert!(german.ends_with(": ihm fehlt die Datei, die scanner.marker nennt"), "{german}");
     let counts = BTreeMap::from([(PassedOver::Packed, 2)]);
-    let alarm = Alarm { figures: Figures::default().unread(counts), since: at(0) };
+    let alarm = Alarm { figures: ComplaintFigures::default().unread(counts), since: at(0) };
     let passed = Facts { alarms: BTreeMap::from([(EXPORT_PASSED_OVER, alarm)]), ..facts() };
     let [english, german] = both(&passed);
     assert!(english.ends_with(": packed files 2"), "{english}");
@@ -236,7 +236,8 @@ fn a_revision_that_a_store_refuses_is_a_notice_until_none_is_left() {
 fn the_advice_for_a_server_is_that_of_disks_while_the_disk_is_full() {
     let of = |number: i32, store: &str| {
         let why = Cause::of_system(&std::io::Error::from_raw_os_error(number));
-        Complaint::new("store-fault", Figures::why(&why.after("noting failed"))).about(store)
+        Complaint::new("store-fault", ComplaintFigures::why(&why.after("noting failed")))
+            .about(store)
     };
     for language in Language::ALL {
         for store in ["fhir", "hl7"] {
@@ -282,7 +283,7 @@ fn a_certificate_of_the_station_is_a_notice_from_30_days_before_it_ends() {
 #[test]
 fn a_store_that_is_a_server_has_words_of_its_own() {
     let remedy = |store: &str, language| {
-        Complaint::new("store-fault", Figures::default()).about(store).remedy(language)
+        Complaint::new("store-fault", ComplaintFigures::default()).about(store).remedy(language)
     };
     for language in [Language::En, Language::De] {
         assert_ne!(remedy("fhir", language), remedy("folder", language));

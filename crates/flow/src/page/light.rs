@@ -12,7 +12,7 @@ use super::sentence::{Sentence, Text};
 use crate::Task;
 use crate::booth::Signal;
 use crate::complaint::Complaint;
-use crate::light::{Outcome, Progress};
+use crate::light::{LastOutcome, Progress};
 use crate::round::{HeldNext, HoldReason};
 use crate::words::at_most;
 
@@ -54,7 +54,7 @@ pub struct Situation<'a> {
     /// How far the export or scan is for which the light says "measuring".
     pub progress: Option<Progress>,
     /// How the last scan since the last press ended; `None` if none has ended since.
-    pub last: Option<&'a Outcome>,
+    pub last: Option<&'a LastOutcome>,
     /// The id of that scan; `None` if what happened last is of none.
     pub last_scan: Option<&'a str>,
     /// The ids of the patients to whom that scan belongs, or may belong if it is held.
@@ -62,7 +62,7 @@ pub struct Situation<'a> {
 }
 
 /// The light; `fault` is the most serious one, if there is one, `undecided` what a person must do something about.
-pub(super) fn shown(
+pub(super) fn light_shown(
     booth: &Situation<'_>,
     fault: Option<&Complaint>,
     undecided: &[ScanShown],
@@ -86,7 +86,7 @@ pub(super) fn shown(
             let said = [fault, last, away].into_iter().flatten().reduce(Words::then);
             said.unwrap_or_else(|| decide.map_or_else(step, Words::new))
         }
-        Signal::Done if booth.last == Some(&Outcome::Delivered) => {
+        Signal::Done if booth.last == Some(&LastOutcome::Delivered) => {
             Words::of_last(booth, DONE, language).and(also_away).and(decide).and(complete)
         }
         Signal::Armed => {
@@ -155,7 +155,7 @@ impl Words {
 
     /// A sentence on the last scan.
     fn of_last(booth: &Situation<'_>, keys: Keys, language: Language) -> Words {
-        let is_held = matches!(booth.last, Some(Outcome::Held { .. }));
+        let is_held = matches!(booth.last, Some(LastOutcome::Held { .. }));
         let before_last = if is_held { "page.next.or" } else { "page.next.and" };
         Words::naming(booth.last_of, keys, before_last, language)
     }
@@ -237,8 +237,8 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
         _ => words,
     };
     Some(match booth.last? {
-        Outcome::Delivered => return None,
-        Outcome::Incomplete { to_do } => {
+        LastOutcome::Delivered => return None,
+        LastOutcome::Incomplete { to_do } => {
             let named = of(LACKS).and(to_do.iter().map(String::as_str));
             match (to_do.as_slice(), booth.last_of) {
                 ([], _) => named,
@@ -246,7 +246,7 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
                 _ => Words { anonymous: to_do.join(" "), ..named },
             }
         }
-        Outcome::Held { code } => {
+        LastOutcome::Held { code } => {
             let why = of_held(code, language).what;
             let [why, next] = match unusable {
                 Some(advice) => [advice.what.as_str(), &advice.next],
@@ -254,15 +254,15 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
             };
             also_held(of(HELD).and([why, next]))
         }
-        Outcome::Unassigned { to_do } => {
+        LastOutcome::Unassigned { to_do } => {
             let to_do = to_do.iter().map(String::as_str);
             Words::new(text("page.step.unassigned")).and(to_do)
         }
-        Outcome::Refused { code } => {
+        LastOutcome::Refused { code } => {
             also_held(of(REFUSED).and([of_refused(code, language).in_a_row().as_str()]))
         }
-        Outcome::NameUnread => Words::new(text("page.step.name_unread")),
-        Outcome::Known => of(KNOWN).and([text("page.step.export_new")]),
+        LastOutcome::NameUnread => Words::new(text("page.step.name_unread")),
+        LastOutcome::Known => of(KNOWN).and([text("page.step.export_new")]),
     })
 }
 

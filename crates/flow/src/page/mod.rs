@@ -25,12 +25,10 @@ use super::facts::{Facts, IntakeState};
 use super::light::first_fault;
 use super::patient::identity::NO_PRESS;
 pub use light::{LightShown, Situation};
-pub use next::{NextShown, shown as next_shown};
+pub use next::{NextShown, next_shown};
 pub use parts::PartShown;
 pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
-pub use scans::{
-    ScanShown, Told, of as row_key, record_folder, record_patient, shown as scan_shown,
-};
+pub use scans::{ScanDetails, ScanShown, record_folder, record_patient, row_key, scan_shown};
 pub use sentence::Sentence;
 
 /// Name and number of the snapshot's schema.
@@ -98,7 +96,7 @@ pub struct PatientShown {
 
 impl PatientShown {
     /// The patient of this id.
-    pub fn of(id: &str) -> PatientShown {
+    pub fn new(id: &str) -> PatientShown {
         PatientShown { id: id.to_owned(), shown: shown::id(id) }
     }
 }
@@ -108,7 +106,7 @@ fn distinct<'a>(ids: impl IntoIterator<Item = &'a String>) -> Vec<PatientShown> 
     let mut found: Vec<PatientShown> = Vec::new();
     for id in ids {
         if found.iter().all(|patient| patient.id != *id) {
-            found.push(PatientShown::of(id));
+            found.push(PatientShown::new(id));
         }
     }
     found
@@ -128,7 +126,7 @@ pub struct ComplaintShown {
 
 /// What is known about the station apart from its scans.
 #[derive(Debug, Clone, Copy)]
-pub struct Known<'a> {
+pub struct StationView<'a> {
     /// The version of its page's files.
     pub page: &'a str,
     /// Its name.
@@ -144,8 +142,8 @@ pub struct Known<'a> {
 }
 
 /// Assembles the page.
-pub fn shown(
-    known: &Known<'_>,
+pub fn assemble(
+    known: &StationView<'_>,
     undecided: Vec<ScanShown>,
     more_undecided: u64,
     scans: Vec<ScanShown>,
@@ -158,21 +156,26 @@ pub fn shown(
     });
     let mut undecided = undecided;
     offer_named(&known.booth, &mut undecided);
-    let mut next = next::shown(&known.booth, language);
+    let mut next = next::next_shown(&known.booth, language);
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
     Shown {
         schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
-        light: light::shown(&known.booth, first_fault(known.complaints), &undecided, language),
+        light: light::light_shown(
+            &known.booth,
+            first_fault(known.complaints),
+            &undecided,
+            language,
+        ),
         next,
         paused: known.facts.intake == IntakeState::Paused,
         complaints: complaints.collect(),
         undecided,
         more_undecided,
         scans,
-        parts: parts::shown(known.facts, known.now, language),
+        parts: parts::parts_shown(known.facts, known.now, language),
         ids: true,
     }
 }

@@ -35,7 +35,7 @@ impl NextShown {
 }
 
 /// Who is next.
-pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
+pub fn next_shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let who = next(booth);
     NextShown {
         said: Sentence::new(told(booth, &who, language), anonymous(booth, &who, language)),

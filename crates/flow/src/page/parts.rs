@@ -25,7 +25,7 @@ pub struct PartShown {
 }
 
 /// All parts; a short fault that clears itself does not count, as in the complaints.
-pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<PartShown> {
+pub(super) fn parts_shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<PartShown> {
     let is_only = facts.sources.len() == 1;
     let sources = facts.sources.iter().enumerate().map(|(place, source)| {
         let name = match is_only {

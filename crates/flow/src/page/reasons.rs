@@ -42,7 +42,7 @@ impl Advice {
     }
 
     /// The advice for a code in a table of texts; `None` for an unknown code.
-    fn of(table: &str, code: &str, language: Language) -> Option<Advice> {
+    fn find(table: &str, code: &str, language: Language) -> Option<Advice> {
         let what = language.find(&format!("{table}.{code}.what"))?;
         Some(Advice::new(what, language.find(&format!("{table}.{code}.next"))?))
     }
@@ -50,7 +50,7 @@ impl Advice {
 
 /// Why a scan is held.
 pub fn of_held(code: &str, language: Language) -> Advice {
-    Advice::of("page.held", code, language).unwrap_or_else(|| {
+    Advice::find("page.held", code, language).unwrap_or_else(|| {
         let [what, next] = ["page.held.other.what", "page.held.other.next"];
         Advice::new(language.text(what), language.text(next))
     })
@@ -58,13 +58,13 @@ pub fn of_held(code: &str, language: Language) -> Advice {
 
 /// Why a scan was refused.
 pub fn of_refused(code: &str, language: Language) -> Advice {
-    Advice::of("page.refused", code, language)
+    Advice::find("page.refused", code, language)
         .unwrap_or_else(|| said_as_it_is(code, "page.do.retry", language))
 }
 
 /// That the button is not there, as its complaint says a minute later.
 pub(super) fn of_button_away(language: Language) -> String {
-    let advice = Advice::of("page.complaint", "trigger-absent", language);
+    let advice = Advice::find("page.complaint", "trigger-absent", language);
     advice.map(|advice| advice.in_a_row()).unwrap_or_default()
 }
 
@@ -76,7 +76,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let any = code.starts_with(OF_PORT).then_some("trigger-any");
     let codes = [own.as_deref(), of_reader, Some(code), any];
     let found =
-        codes.into_iter().flatten().find_map(|of| Advice::of("page.complaint", of, language));
+        codes.into_iter().flatten().find_map(|of| Advice::find("page.complaint", of, language));
     found.unwrap_or_else(|| said_as_it_is(code, "page.do.technician", language))
 }
 

@@ -61,7 +61,7 @@ pub struct ScanShown {
 
 /// What is known of a scan apart from the journal: read from its record, or from the preview of a held scan.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Told {
+pub struct ScanDetails {
     /// Its record is stored, and only a result that nobody has fetched yet keeps another from its place.
     pub is_to_be_fetched: bool,
     /// Its measures.
@@ -73,7 +73,7 @@ pub struct Told {
 }
 
 /// A scan as the page shows it.
-pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
+pub fn scan_shown(whole: &Whole, told: &ScanDetails, language: Language) -> ScanShown {
     let is = whole.disposition();
     let code = match is {
         Disposition::Refused | Disposition::Closed => whole.summary.code.clone(),
@@ -105,7 +105,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     };
     let mut acts = acts(is, code.as_deref(), whole);
     acts.sort_by_key(|act| unmeasured.is_some() && *act != "give_up");
-    let of = of(whole).unwrap_or_default();
+    let of = row_key(whole).unwrap_or_default();
     ScanShown {
         scan: whole.scan.clone(),
         of,
@@ -130,7 +130,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
 }
 
 /// The key of the row of the only patient who has a record of a scan.
-pub fn of(whole: &Whole) -> Option<String> {
+pub fn row_key(whole: &Whole) -> Option<String> {
     let theirs = whole.owners();
     let mut has_record = whole.deliveries.iter().filter(|of| of.is_there());
     let only = theirs.first().filter(|_| theirs.len() == 1)?;
@@ -188,7 +188,7 @@ fn candidates(is: Disposition, acts: &[&str], whole: &Whole) -> Vec<PatientShown
 fn only(is_there: bool, whole: &Whole) -> Option<PatientShown> {
     let theirs = whole.owners();
     let only = theirs.first().filter(|_| is_there && theirs.len() == 1);
-    only.map(|id| PatientShown::of(id))
+    only.map(|id| PatientShown::new(id))
 }
 
 /// The folder in `store` of the record that may be opened from a scan: one without a patient, or that of

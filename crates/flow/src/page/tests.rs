@@ -52,8 +52,9 @@ fn page_with(
     language: Language,
 ) -> Shown {
     let facts = Facts::new(at(0), 1);
-    let known = Known { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
-    shown(&known, undecided, 0, Vec::new(), language)
+    let known =
+        StationView { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
+    assemble(&known, undecided, 0, Vec::new(), language)
 }
 
 fn delivery(patient: Option<&str>, state: &str, code: Option<&str>) -> Delivered {
@@ -69,7 +70,7 @@ fn delivery(patient: Option<&str>, state: &str, code: Option<&str>) -> Delivered
 }
 
 fn scan(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> ScanShown {
-    scan_shown(&whole(state, code, deliveries), &Told::default(), Language::En)
+    scan_shown(&whole(state, code, deliveries), &ScanDetails::default(), Language::En)
 }
 
 fn whole(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> Whole {
@@ -131,7 +132,11 @@ fn a_refused_scan_whose_bytes_were_let_go_is_offered_for_no_retry() {
     let mut whole = whole("refused", Some("no-leg"), vec![delivery(Some("1"), "refused", None)]);
     for (closed, acts) in [(Closed::GivenUp, vec!["retry"]), (Closed::LetGo, vec![])] {
         whole.summary.closed = Some(closed);
-        assert_eq!(scan_shown(&whole, &Told::default(), Language::En).acts, acts, "{closed:?}");
+        assert_eq!(
+            scan_shown(&whole, &ScanDetails::default(), Language::En).acts,
+            acts,
+            "{closed:?}"
+        );
     }
 }
 
@@ -161,7 +166,7 @@ fn attention_says_first_what_is_most_wrong_and_what_to_do() {
 fn a_station_that_is_ready_says_that_a_scan_waits_for_a_decision() {
     let waiting = scan("refused", Some("no-leg"), vec![]);
     let facts = Facts::new(at(0), 1);
-    let known = Known {
+    let known = StationView {
         page: "1",
         station: "b",
         facts: &facts,
@@ -169,7 +174,7 @@ fn a_station_that_is_ready_says_that_a_scan_waits_for_a_decision() {
         booth: booth(Signal::Ready),
         now: at(1),
     };
-    let light = shown(&known, vec![waiting], 0, Vec::new(), Language::En).light;
+    let light = assemble(&known, vec![waiting], 0, Vec::new(), Language::En).light;
     assert_eq!(
         light.said.text,
         "Press the button, then scan. A scan waits for your decision on the page."
@@ -182,10 +187,11 @@ fn what_is_wrong_is_said_before_a_decision_is_asked_for_and_of_many_faults_the_f
     let facts = Facts::new(at(0), 1);
     let sentence = |complaints: &[Complaint]| {
         let booth = booth(Signal::Attention);
-        let known = Known { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
+        let known =
+            StationView { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
         let held = vec![delivery(Some("1"), "held", Some("export-late"))];
         let undecided = vec![scan("delivered", None, held)];
-        shown(&known, undecided, 0, Vec::new(), Language::En).light.said.text
+        assemble(&known, undecided, 0, Vec::new(), Language::En).light.said.text
     };
     let both = [complaint("disk-low"), complaint("paused")];
     assert!(sentence(&both).starts_with("The disk is nearly full."), "{}", sentence(&both));
@@ -223,7 +229,7 @@ fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
     let refusal = Some(StoreRefusal::Fault("No space left".into()));
     facts.stores.insert("folder", StoreFacts { refusal, since: at(0), is_of_delivery: false });
     let health = |second: i64| {
-        let parts = parts::shown(&facts, at(second), Language::En);
+        let parts = parts::parts_shown(&facts, at(second), Language::En);
         let store = parts.into_iter().find(|part| part.name == "Records").unwrap();
         (store.health, store.why)
     };
@@ -271,7 +277,7 @@ fn without_ids_no_patient_is_named_anywhere() {
     page.undecided.push(scan("delivered", None, vec![delivery(Some("4711"), "held", None)]));
     let mut doubtful = whole("delivered", None, vec![delivery(None, "held", Some("no-press"))]);
     doubtful.candidates = vec!["4711".to_owned()];
-    page.undecided.push(scan_shown(&doubtful, &Told::default(), Language::En));
+    page.undecided.push(scan_shown(&doubtful, &ScanDetails::default(), Language::En));
     let refused = vec![delivery(Some("4711"), "refused", Some("no-leg"))];
     page.undecided.push(scan("refused", Some("no-leg"), refused));
     assert!(page.undecided.iter().any(|scan| scan.again.is_some()));
@@ -408,7 +414,7 @@ fn ids_are_shown_to_whom_the_configuration_says() {
 fn a_part_that_fails_says_so_with_its_reason() {
     let mut facts = Facts::new(at(0), 2);
     facts.sources[1].state = SourceState::OutOfReach("No such device".into());
-    let known = Known {
+    let known = StationView {
         page: "1",
         station: "b",
         facts: &facts,
@@ -416,7 +422,7 @@ fn a_part_that_fails_says_so_with_its_reason() {
         booth: booth(Signal::Ready),
         now: at(1),
     };
-    let parts = shown(&known, Vec::new(), 0, Vec::new(), Language::De).parts;
+    let parts = assemble(&known, Vec::new(), 0, Vec::new(), Language::De).parts;
     assert_eq!((parts[0].name.as_str(), parts[0].health), ("Exportordner 0", "wait"));
     assert_eq!((parts[1].health, parts[1].why.as_deref()), ("bad", Some("No such device")));
 }

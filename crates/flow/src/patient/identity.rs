@@ -7,7 +7,7 @@ use gaiter_record::{Patient, Source, SourceKind};
 use regex::Regex;
 
 use crate::patient::check_digit::CheckDigit;
-use crate::round::{Judged, Named};
+use crate::round::{CaptureMatch, Named};
 
 /// The named group of the file-name expression that holds the id.
 const GROUP: &str = "patient";
@@ -121,23 +121,23 @@ impl Identity {
             && !id.contains(char::REPLACEMENT_CHARACTER)
             && self.whole_id.is_match(id)
             && self.check_digit.holds(id);
-        is_allowed.then(|| Patient { id: id.to_owned(), sources: vec![Source::of(kind)] })
+        is_allowed.then(|| Patient { id: id.to_owned(), sources: vec![Source::from_kind(kind)] })
     }
 }
 
 /// Whose scan it is, by the capture that it answers, its file name and the files beside it. A name in the
 /// file name binds to that content: it settles what is held for nobody else. `hold_unpressed` is whether
 /// exports without a press are held.
-pub fn of_judged(judged: &Judged, hold_unpressed: bool, says: [NameSays; 2]) -> Whose {
+pub fn of_judged(judged: &CaptureMatch, hold_unpressed: bool, says: [NameSays; 2]) -> Whose {
     let (named, held) = match judged {
-        Judged::Of(capture) => (capture.patient.as_ref(), None),
-        Judged::Held { why, patient, candidates, .. } => {
+        CaptureMatch::Of(capture) => (capture.patient.as_ref(), None),
+        CaptureMatch::Held { why, patient, candidates, .. } => {
             let is_settled = matches!(&says[0], NameSays::Patient(said)
                 if candidates.iter().all(|named| named.id == said.id));
             (patient.as_ref(), (!is_settled).then_some(why.word()))
         }
-        Judged::Unpressed => (None, hold_unpressed.then_some(NO_PRESS)),
-        Judged::Known => (None, None),
+        CaptureMatch::Unpressed => (None, hold_unpressed.then_some(NO_PRESS)),
+        CaptureMatch::Known => (None, None),
     };
     whose(named, held, says)
 }
@@ -150,8 +150,8 @@ pub(crate) fn whose(
     says: [NameSays; 2],
 ) -> Whose {
     let not_an_id = says.contains(&NameSays::NotAnId);
-    let named =
-        named.map(|named| Patient { id: named.id.clone(), sources: vec![Source::of(named.by)] });
+    let named = named
+        .map(|named| Patient { id: named.id.clone(), sources: vec![Source::from_kind(named.by)] });
     let said = says.into_iter().filter_map(|says| match says {
         NameSays::Patient(patient) => Some(patient),
         NameSays::Nothing | NameSays::NotAnId => None,
@@ -169,7 +169,7 @@ pub(crate) fn whose(
 
 /// What it means to see bytes for `sighted` that are known for the patients in `known`, including held
 /// ones; `None` stands for an unnamed patient. `known` is empty for new bytes.
-pub fn judge<'a>(
+pub fn verdict<'a>(
     known: impl IntoIterator<Item = Option<&'a str>>,
     sighted: Option<&str>,
 ) -> Verdict {
@@ -204,7 +204,7 @@ mod tests {
     }
 
     fn from(kind: SourceKind, id: &str) -> Patient {
-        Patient { id: id.to_owned(), sources: vec![Source::of(kind)] }
+        Patient { id: id.to_owned(), sources: vec![Source::from_kind(kind)] }
     }
 
     #[test]
@@ -241,18 +241,18 @@ mod tests {
     #[test]
     fn the_same_bytes_are_one_record_per_patient_and_another_patient_is_held() {
         let (a, b) = (Some("4711"), Some("0815"));
-        assert_eq!(judge([], a), Verdict::New);
-        assert_eq!(judge([], None), Verdict::New);
-        assert_eq!(judge([a], a), Verdict::Already);
-        assert_eq!(judge([a], b), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
-        assert_eq!(judge([a, b], b), Verdict::Already, "held once is enough");
+        assert_eq!(verdict([], a), Verdict::New);
+        assert_eq!(verdict([], None), Verdict::New);
+        assert_eq!(verdict([a], a), Verdict::Already);
+        assert_eq!(verdict([a], b), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
+        assert_eq!(verdict([a, b], b), Verdict::Already, "held once is enough");
     }
 
     #[test]
     fn naming_nobody_adds_nothing_and_a_name_after_nobody_is_held() {
-        assert_eq!(judge([Some("4711")], None), Verdict::Already);
-        assert_eq!(judge([None], None), Verdict::Already);
-        assert_eq!(judge([None], Some("4711")), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
+        assert_eq!(verdict([Some("4711")], None), Verdict::Already);
+        assert_eq!(verdict([None], None), Verdict::Already);
+        assert_eq!(verdict([None], Some("4711")), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
     }
 
     #[test]
@@ -276,7 +276,8 @@ mod tests {
         };
         assert_eq!(whose(None, &nothing), Whose::default());
         let agreed = whose(Some(&named("4711")), &file);
-        let sources = vec![Source::of(SourceKind::Reader), Source::of(SourceKind::FileName)];
+        let sources =
+            vec![Source::from_kind(SourceKind::Reader), Source::from_kind(SourceKind::FileName)];
         let both = Patient { id: "4711".into(), sources };
         assert_eq!(agreed, Whose { patient: Some(both), ..Whose::default() });
         let differ = whose(Some(&named("0815")), &file);

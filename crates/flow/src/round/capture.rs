@@ -142,7 +142,7 @@ impl Capture {
 
 /// What is known about the content of an export before it is judged.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Content {
+pub struct ExportContent {
     /// When it was written.
     pub began: Appeared,
     /// When the other contents appeared that were written beside it and are not taken

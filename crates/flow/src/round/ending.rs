@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use super::{
-    Appeared, Capture, CaptureState, DOUBTS_MOST, Doubt, Judged, Named, Opener, Passed, Rounds,
-    Rules,
+    Appeared, Capture, CaptureMatch, CaptureState, DOUBTS_MOST, Doubt, Named, Opener, Passed,
+    Rounds, Rules,
 };
 use crate::settle::Sights;
 
@@ -27,10 +27,10 @@ impl Rounds {
 
     /// An export was taken. The capture that it answers waits no more, and is in question until its own scan
     /// is measured, a person has decided, or its time is over.
-    pub fn answer(&mut self, judged: &Judged, now: Duration) {
+    pub fn answer(&mut self, judged: &CaptureMatch, now: Duration) {
         match judged {
-            Judged::Known => {}
-            Judged::Unpressed => {
+            CaptureMatch::Known => {}
+            CaptureMatch::Unpressed => {
                 // The press may have been forgotten, and the name that waits used.
                 if self.next().is_some() {
                     self.doubt_names(Doubt::Shared);
@@ -48,13 +48,13 @@ impl Rounds {
                     }
                 }
             }
-            Judged::Of(capture) => {
+            CaptureMatch::Of(capture) => {
                 let until = now + self.rules.window;
                 for own in self.open.iter_mut().filter(|own| own.number == capture.number) {
                     (own.state, own.until) = (CaptureState::Taken, until);
                 }
             }
-            Judged::Held { answered, doubtful, candidates, .. } => {
+            CaptureMatch::Held { answered, doubtful, candidates, .. } => {
                 for capture in &mut self.open {
                     let is_answered = Some(capture.number) == *answered;
                     if is_answered {
@@ -138,11 +138,11 @@ impl Rounds {
     /// theirs that was in question for it, whose number is returned: that ends once the scan is measured.
     /// A capture of somebody else that it seemed to answer waits for its own again. Whatever else waits for
     /// this patient is in doubt.
-    pub fn decided(&mut self, judged: &Judged, patient: &str, now: Duration) -> Option<i64> {
+    pub fn decided(&mut self, judged: &CaptureMatch, patient: &str, now: Duration) -> Option<i64> {
         let (seemed, doubtful) = match judged {
-            Judged::Of(capture) => (Some(capture.number), &[][..]),
-            Judged::Held { answered, doubtful, .. } => (*answered, doubtful.as_slice()),
-            Judged::Unpressed | Judged::Known => (None, &[][..]),
+            CaptureMatch::Of(capture) => (Some(capture.number), &[][..]),
+            CaptureMatch::Held { answered, doubtful, .. } => (*answered, doubtful.as_slice()),
+            CaptureMatch::Unpressed | CaptureMatch::Known => (None, &[][..]),
         };
         let is_theirs = |capture: &Capture| match &capture.patient {
             Some(own) => own.id == patient,

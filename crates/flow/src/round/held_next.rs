@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Appeared, Capture, CaptureState, Judged, Rounds, distinct};
+use super::{Appeared, Capture, CaptureMatch, CaptureState, Rounds, distinct};
 
 /// The trial press: no capture of the journal has its number.
 const TRIAL: i64 = i64::MAX;
@@ -48,7 +48,7 @@ impl Rounds {
             None => TRIAL,
         };
         let export = Appeared { absent: Some(now), seen: now + A_MOMENT };
-        if !matches!(trial.judge(export, now), Judged::Held { .. }) {
+        if !matches!(trial.match_export(export, now), CaptureMatch::Held { .. }) {
             return None;
         }
         let late = self.rules.late;

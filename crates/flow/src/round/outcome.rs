@@ -7,7 +7,7 @@ use super::capture::{Capture, Named, Why, distinct};
 /// Which capture an export belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Judged {
+pub enum CaptureMatch {
     /// None: the button was not pressed.
     Unpressed,
     /// None: the scan is known.
@@ -29,12 +29,12 @@ pub enum Judged {
     },
 }
 
-impl Judged {
+impl CaptureMatch {
     /// The result for an export whose own name is another patient's: of its capture it is not known whether
     /// this was its export.
-    pub fn contradicted(self) -> Judged {
-        let Judged::Of(capture) = self else { return self };
-        Judged::Held {
+    pub fn contradicted(self) -> CaptureMatch {
+        let CaptureMatch::Of(capture) = self else { return self };
+        CaptureMatch::Held {
             why: Why::Ambiguous,
             patient: None,
             candidates: capture.named().cloned().collect(),
@@ -44,8 +44,8 @@ impl Judged {
     }
 
     /// The same result with these candidates besides.
-    pub(super) fn or_of(mut self, others: Vec<Named>) -> Judged {
-        if let Judged::Held { patient, candidates, .. } = &mut self {
+    pub(super) fn or_of(mut self, others: Vec<Named>) -> CaptureMatch {
+        if let CaptureMatch::Held { patient, candidates, .. } = &mut self {
             *patient = None;
             candidates.extend(others);
         }
@@ -54,21 +54,23 @@ impl Judged {
 
     /// The result for an export that begins with an earlier scan of these patients, or of nobody: it is
     /// that scan, complete, and no other patient's.
-    pub(super) fn completing(self, whose: &[Named]) -> Judged {
+    pub(super) fn completing(self, whose: &[Named]) -> CaptureMatch {
         let (why, candidates, doubtful) = match self {
-            Judged::Of(capture) if capture.is_of_all(whose) => return Judged::Of(capture),
-            Judged::Of(capture) => {
+            CaptureMatch::Of(capture) if capture.is_of_all(whose) => {
+                return CaptureMatch::Of(capture);
+            }
+            CaptureMatch::Of(capture) => {
                 (Why::Ambiguous, capture.named().cloned().collect::<Vec<_>>(), vec![capture.number])
             }
             // Only its own name can identify the patient.
-            Judged::Unpressed | Judged::Known => return self,
-            Judged::Held { why, candidates, answered, doubtful, .. } => {
+            CaptureMatch::Unpressed | CaptureMatch::Known => return self,
+            CaptureMatch::Held { why, candidates, answered, doubtful, .. } => {
                 (why, candidates, doubtful.into_iter().chain(answered).collect())
             }
         };
         let candidates = distinct(candidates.iter().chain(whose));
         // The captures still wait for exports of their own.
-        Judged::Held { why, patient: None, candidates, answered: None, doubtful }
+        CaptureMatch::Held { why, patient: None, candidates, answered: None, doubtful }
     }
 }
 

@@ -50,27 +50,27 @@ fn all_seen(second: u64) -> Sights {
 }
 
 /// Judges and takes.
-fn taken(captures: &mut Rounds, appeared: Appeared) -> Judged {
-    let judged = captures.judge(appeared, appeared.seen);
+fn taken(captures: &mut Rounds, appeared: Appeared) -> CaptureMatch {
+    let judged = captures.match_export(appeared, appeared.seen);
     captures.answer(&judged, appeared.seen);
     judged
 }
 
 /// Judges, takes and measures.
-fn export(captures: &mut Rounds, appeared: Appeared) -> Judged {
+fn export(captures: &mut Rounds, appeared: Appeared) -> CaptureMatch {
     let judged = taken(captures, appeared);
     let answered = match &judged {
-        Judged::Unpressed | Judged::Known => None,
-        Judged::Of(capture) => Some(capture.number),
-        Judged::Held { answered, .. } => *answered,
+        CaptureMatch::Unpressed | CaptureMatch::Known => None,
+        CaptureMatch::Of(capture) => Some(capture.number),
+        CaptureMatch::Held { answered, .. } => *answered,
     };
     answered.into_iter().for_each(|number| captures.measured(number));
     judged
 }
 
-fn patient_of(judged: &Judged) -> Option<&str> {
+fn patient_of(judged: &CaptureMatch) -> Option<&str> {
     match judged {
-        Judged::Of(capture) => capture.patient.as_ref().map(|patient| patient.id.as_str()),
+        CaptureMatch::Of(capture) => capture.patient.as_ref().map(|patient| patient.id.as_str()),
         other => panic!("{other:?}"),
     }
 }
@@ -83,24 +83,26 @@ fn order(id: &str) -> Named {
     by_whom(id, SourceKind::Order)
 }
 
-fn candidates(judged: &Judged) -> Vec<&str> {
+fn candidates(judged: &CaptureMatch) -> Vec<&str> {
     match judged {
-        Judged::Held { candidates, .. } => candidates.iter().map(|named| &*named.id).collect(),
+        CaptureMatch::Held { candidates, .. } => {
+            candidates.iter().map(|named| &*named.id).collect()
+        }
         other => panic!("{other:?}"),
     }
 }
 
 /// The export of the capture that the last one answered is refused.
-fn refuse(captures: &mut Rounds, judged: &Judged, now: Duration) {
+fn refuse(captures: &mut Rounds, judged: &CaptureMatch, now: Duration) {
     match judged {
-        Judged::Of(capture) => assert!(captures.refused(capture.number, now).is_some()),
+        CaptureMatch::Of(capture) => assert!(captures.refused(capture.number, now).is_some()),
         other => panic!("{other:?}"),
     }
 }
 
-fn code(judged: &Judged) -> &'static str {
+fn code(judged: &CaptureMatch) -> &'static str {
     match judged {
-        Judged::Held { why, .. } => why.word(),
+        CaptureMatch::Held { why, .. } => why.word(),
         other => panic!("{other:?}"),
     }
 }
@@ -125,15 +127,15 @@ fn a_press_without_a_name_is_nobodys_and_the_second_export_is_unpressed() {
     let mut captures = captures();
     captures.pressed(1, at(0));
     assert_eq!(patient_of(&export(&mut captures, seen(20))), None);
-    assert_eq!(export(&mut captures, seen(21)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(21)), CaptureMatch::Unpressed);
 }
 
 #[test]
 fn an_export_that_was_seen_before_the_press_is_none_of_its_own() {
     let mut captures = captures();
     captures.pressed(1, at(10));
-    assert_eq!(export(&mut captures, seen(10)), Judged::Unpressed);
-    assert_eq!(export(&mut captures, seen(5)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(10)), CaptureMatch::Unpressed);
+    assert_eq!(export(&mut captures, seen(5)), CaptureMatch::Unpressed);
     assert!(captures.is_armed());
 }
 
@@ -163,7 +165,7 @@ fn two_presses_for_nobody_or_for_the_same_patient_are_answered_in_turn() {
         }
         for number in [1, 2] {
             let judged = export(&mut captures, seen(20));
-            assert!(matches!(&judged, Judged::Of(capture) if capture.number == number));
+            assert!(matches!(&judged, CaptureMatch::Of(capture) if capture.number == number));
             assert_eq!(patient_of(&judged), id);
         }
     }
@@ -178,7 +180,7 @@ fn exports_that_two_patients_may_claim_are_held_every_one_of_them() {
     }
     let first = export(&mut captures, seen(20));
     assert_eq!(code(&first), AMBIGUOUS);
-    assert!(matches!(first, Judged::Held { patient: None, answered: Some(1), .. }));
+    assert!(matches!(first, CaptureMatch::Held { patient: None, answered: Some(1), .. }));
     // That only one capture is left does not make the second export its own.
     assert_eq!(code(&export(&mut captures, seen(30))), AMBIGUOUS);
     // Of neither it is known whose it was, so a third may be theirs, too.
@@ -194,7 +196,9 @@ fn a_second_press_without_a_name_after_one_with_a_name_is_not_taken_for_the_same
     let judged = export(&mut captures, seen(20));
     assert_eq!(code(&judged), AMBIGUOUS);
     // The one patient who was named can be told to the person who decides.
-    assert!(matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711"));
+    assert!(
+        matches!(judged, CaptureMatch::Held { patient: Some(patient), .. } if patient.id == "4711")
+    );
 }
 
 #[test]
@@ -277,7 +281,7 @@ fn without_a_button_the_name_awaits_the_export_and_is_used_once() {
     let again = captures.named(named("4711"), 2, at(100), &[]);
     assert!(matches!(again, NamedNext::Prolonged(capture) if capture.until == at(700)));
     assert_eq!(patient_of(&export(&mut captures, seen(650))), Some("4711"));
-    assert_eq!(export(&mut captures, seen(651)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(651)), CaptureMatch::Unpressed);
 }
 
 #[test]
@@ -322,7 +326,7 @@ fn a_press_that_may_have_gone_unheard_casts_doubt_on_captures_with_a_patient() {
         let judged = export(&mut captures, seen(second));
         assert_eq!(code(&judged), UNHEARD);
         assert!(
-            matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711")
+            matches!(judged, CaptureMatch::Held { patient: Some(patient), .. } if patient.id == "4711")
         );
     }
     let mut long_back = captures();
@@ -341,9 +345,9 @@ fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
     assert_eq!(patient_of(&export(&mut captures, seen(5))), None);
     captures.pressed(2, at(10));
     let unclear = Appeared { absent: None, seen: at(11) };
-    assert_eq!(export(&mut captures, unclear), Judged::Unpressed);
+    assert_eq!(export(&mut captures, unclear), CaptureMatch::Unpressed);
     assert_eq!(captures.pass(at(71), &[all_seen(71)]).expired, [2]);
-    assert_eq!(export(&mut captures, seen(80)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(80)), CaptureMatch::Unpressed);
 }
 
 #[test]

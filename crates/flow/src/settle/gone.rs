@@ -12,7 +12,7 @@ use std::time::Duration;
 use super::{Next, Settled, Settling};
 use crate::export::companions::Group;
 use crate::export::stamp::Stamp;
-use crate::export::writing::{Appeared, Mark, Writing};
+use crate::export::writing::{Appeared, Fingerprint, Writing};
 
 /// How many contents may be missing at one time: with more, the oldest are gone.
 const MISSING_MOST: usize = 1000;
@@ -54,7 +54,7 @@ impl Settling {
     pub(super) fn miss(&mut self, seen: &BTreeMap<PathBuf, Group>, began: Duration) {
         let mut sizes: BTreeMap<(u64, u64), u64> = BTreeMap::new();
         let scans = seen.values().map(|group| group.stamp);
-        for stamp in scans.chain(self.passers.values().map(|file| file.stamp)) {
+        for stamp in scans.chain(self.unrelated.values().map(|file| file.stamp)) {
             let size = sizes.entry(stamp.inode()).or_default();
             *size = stamp.size.max(*size);
         }
@@ -82,7 +82,7 @@ impl Settling {
     }
 
     /// Part of a scan was read: the content that was read there before is written over if it is another.
-    pub(super) fn read_over(&mut self, path: &Path, mark: &Mark) {
+    pub(super) fn read_over(&mut self, path: &Path, mark: &Fingerprint) {
         let file = self.files.get(path).filter(|file| file.next != Next::Taken);
         let lost = file.and_then(|file| {
             let content = lost_to(path, file.group.stamp, &file.writing, mark)?;
@@ -96,7 +96,7 @@ impl Settling {
     /// The content that a settled file held before, if these bytes were written over it and no look has
     /// told of it.
     pub fn overwritten_by(&self, settled: &Settled, bytes: &[u8]) -> Option<Gone> {
-        let whole = Mark::of(Duration::ZERO, Duration::ZERO, bytes);
+        let whole = Fingerprint::whole(Duration::ZERO, Duration::ZERO, bytes);
         let file = self.files.get(&settled.path)?;
         lost_to(&settled.path, settled.stamp, &file.writing, &whole)
     }
@@ -121,8 +121,8 @@ impl Settling {
 
     fn fate(&self, missing: &Missing) -> Fate {
         let files = self.files.values().map(|file| (file.group.stamp, &file.writing));
-        let passers = self.passers.values().map(|file| (file.stamp, &file.writing));
-        let there: Vec<(Stamp, &Writing)> = files.chain(passers).collect();
+        let unrelated = self.unrelated.values().map(|file| (file.stamp, &file.writing));
+        let there: Vec<(Stamp, &Writing)> = files.chain(unrelated).collect();
         let trunk = missing.trunk.as_deref();
         if trunk.is_some() && there.iter().any(|(_, writing)| writing.trunk() == trunk) {
             return Fate::There;
@@ -139,7 +139,7 @@ impl Settling {
 }
 
 /// The content that was read there before, if this part is of another one.
-fn lost_to(path: &Path, stamp: Stamp, writing: &Writing, mark: &Mark) -> Option<Gone> {
+fn lost_to(path: &Path, stamp: Stamp, writing: &Writing, mark: &Fingerprint) -> Option<Gone> {
     let appeared = writing.marked_began().filter(|_| writing.loses_to(mark))?;
     Some(Gone { path: path.to_owned(), stamp, appeared })
 }

@@ -17,7 +17,7 @@ use std::time::Duration;
 use super::above::Above;
 use super::{Remembered, Settled, Settling, Watched};
 use crate::export::stamp::Stamp;
-use crate::export::writing::{Appeared, Mark, Writing, written_elsewhere};
+use crate::export::writing::{Appeared, Fingerprint, Writing, written_elsewhere};
 use crate::settle::LookTime;
 
 /// How many files are marked after one look at most: a backlog of old files is no reason to read the
@@ -26,7 +26,7 @@ const MARKED_A_LOOK: usize = 16;
 
 /// A file whose present name is not a scan's.
 #[derive(Debug, Clone)]
-pub struct Passer {
+pub struct UnrelatedFile {
     pub(super) stamp: Stamp,
     pub(super) writing: Writing,
     pub(super) is_unmarked: bool,
@@ -39,7 +39,7 @@ const DEPARTED_MOST: usize = 1000;
 
 /// A file that was not taken and is no longer seen under any name.
 #[derive(Debug)]
-pub(super) struct Departed {
+pub(super) struct VanishedFile {
     file: Remembered,
     since: Duration,
 }
@@ -80,23 +80,24 @@ impl Settling {
     pub fn pass_over(&mut self, others: BTreeMap<PathBuf, Stamp>, when: LookTime) {
         let lineages = self.lineages();
         let appeared = Appeared { absent: self.last_look, seen: when.ended };
-        let passers = others.into_iter().map(|(path, stamp)| {
-            let before = self.passers.get(&path);
+        let unrelated = others.into_iter().map(|(path, stamp)| {
+            let before = self.unrelated.get(&path);
             let writing = match before.filter(|before| before.stamp == stamp) {
                 Some(before) => before.writing.clone(),
                 None => lineages.writing(&path, stamp, appeared),
             };
             let is_unmarked = before.is_none_or(|file| file.stamp != stamp || file.is_unmarked);
-            (path, Passer { stamp, writing, is_unmarked })
+            (path, UnrelatedFile { stamp, writing, is_unmarked })
         });
-        let passers = passers.collect();
-        let before = std::mem::replace(&mut self.passers, passers);
+        let unrelated = unrelated.collect();
+        let before = std::mem::replace(&mut self.unrelated, unrelated);
         // A file that has left its name may be a scan by now: the scans of this look are still to come.
         let left = before.into_iter().filter(|(path, old)| {
-            self.passers.get(path).is_none_or(|new| new.stamp.inode() != old.stamp.inode())
+            self.unrelated.get(path).is_none_or(|new| new.stamp.inode() != old.stamp.inode())
         });
-        self.remembered
-            .extend(left.map(|(_, Passer { stamp, writing, .. })| Remembered { stamp, writing }));
+        self.remembered.extend(
+            left.map(|(_, UnrelatedFile { stamp, writing, .. })| Remembered { stamp, writing }),
+        );
     }
 
     /// What is known about inodes. The number of a departed file may have been reused: where part of its
@@ -105,11 +106,11 @@ impl Settling {
         let departed = self.departed.iter().map(|departed| &departed.file);
         let unread = departed.filter(|file| !file.writing.is_marked());
         let remembered = unread.chain(&self.remembered).map(|file| (file.stamp, &file.writing));
-        let passers = self.passers.values().map(|file| (file.stamp, &file.writing));
+        let unrelated = self.unrelated.values().map(|file| (file.stamp, &file.writing));
         let files = self.files.iter();
         let files = files.map(|(path, file)| (path.as_path(), (file.group.stamp, &file.writing)));
         let by_path: BTreeMap<&Path, (Stamp, &Writing)> = files.collect();
-        let all = remembered.chain(passers).chain(by_path.values().copied());
+        let all = remembered.chain(unrelated).chain(by_path.values().copied());
         let known = all.map(|of| (of.0.inode(), of)).collect();
         Lineages { known, by_path, above: &self.above }
     }
@@ -123,10 +124,10 @@ impl Settling {
         });
         let watched = self.files.values().map(|file| file.group.stamp.inode());
         let present: BTreeSet<(u64, u64)> =
-            watched.chain(self.passers.values().map(|file| file.stamp.inode())).collect();
+            watched.chain(self.unrelated.values().map(|file| file.stamp.inode())).collect();
         let gone = self.remembered.drain(..).chain(gone);
         let gone = gone.filter(|file| !present.contains(&file.stamp.inode()));
-        self.departed.extend(gone.map(|file| Departed { file, since: now }));
+        self.departed.extend(gone.map(|file| VanishedFile { file, since: now }));
         self.departed.retain(|departed| now <= departed.since + DEPARTED_KEPT);
         let spare = self.departed.len().saturating_sub(DEPARTED_MOST);
         self.departed.drain(..spare);
@@ -139,7 +140,7 @@ impl Settling {
         let own = settled.writing.began(bytes);
         let others = self.untaken().filter(|(path, _)| **path != settled.path);
         let others = others.map(|(_, file)| &file.writing);
-        let others = others.chain(self.passers.values().map(|file| &file.writing));
+        let others = others.chain(self.unrelated.values().map(|file| &file.writing));
         let others = others.chain(self.departed.iter().map(|departed| &departed.file.writing));
         let others: Vec<&Writing> = others.collect();
         let seen = others.iter().filter_map(|writing| writing.seen_in(bytes));
@@ -153,17 +154,17 @@ impl Settling {
     pub fn unmarked(&self) -> Vec<(PathBuf, Stamp)> {
         let files = self.untaken().filter(|(_, file)| file.is_unmarked);
         let files = files.map(|(path, file)| (path, file.group.stamp, &file.writing));
-        let passers = self.passers.iter().filter(|(_, file)| file.is_unmarked);
-        let passers = passers.map(|(path, file)| (path, file.stamp, &file.writing));
+        let unrelated = self.unrelated.iter().filter(|(_, file)| file.is_unmarked);
+        let unrelated = unrelated.map(|(path, file)| (path, file.stamp, &file.writing));
         let is_old = |writing: &Writing| writing.appeared().absent.is_none();
         let (old, new): (Vec<_>, Vec<_>) =
-            files.chain(passers).partition(|(_, _, writing)| is_old(writing));
+            files.chain(unrelated).partition(|(_, _, writing)| is_old(writing));
         let all = new.into_iter().chain(old).take(MARKED_A_LOOK);
         all.map(|(path, stamp, _)| (path.clone(), stamp)).collect()
     }
 
     /// Part of a file was read in this state, or could not be read.
-    pub fn marked(&mut self, path: &Path, stamp: Stamp, mark: Option<Mark>) {
+    pub fn marked(&mut self, path: &Path, stamp: Stamp, mark: Option<Fingerprint>) {
         if let Some(mark) = &mark
             && self.files.get(path).is_some_and(|file| file.group.stamp == stamp)
         {
@@ -173,7 +174,7 @@ impl Settling {
             file.is_unmarked = false;
             mark.clone().into_iter().for_each(|mark| file.writing.mark(mark));
         }
-        if let Some(file) = self.passers.get_mut(path).filter(|file| file.stamp == stamp) {
+        if let Some(file) = self.unrelated.get_mut(path).filter(|file| file.stamp == stamp) {
             file.is_unmarked = false;
             mark.into_iter().for_each(|mark| file.writing.mark(mark));
         }

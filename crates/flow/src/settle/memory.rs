@@ -40,8 +40,8 @@ impl Settling {
     /// What to keep across a restart.
     pub fn memory(&self) -> Memory {
         let files = self.untaken().map(|(_, file)| (file.group.stamp, &file.writing));
-        let passers = self.passers.values().map(|file| (file.stamp, &file.writing));
-        let all = files.chain(passers);
+        let unrelated = self.unrelated.values().map(|file| (file.stamp, &file.writing));
+        let all = files.chain(unrelated);
         let remembered = all.map(|(stamp, writing)| Remembered { stamp, writing: writing.clone() });
         let files: Vec<Remembered> = remembered.take(FILES_MOST + 1).collect();
         if files.len() > FILES_MOST {

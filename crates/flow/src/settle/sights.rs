@@ -24,7 +24,7 @@ impl Settling {
     /// The files without a scan's name that have not changed for as long as a file may wait, and when each
     /// changed last.
     pub fn left(&self, now: Duration) -> impl Iterator<Item = (&Path, Duration)> {
-        let changed = self.passers.iter();
+        let changed = self.unrelated.iter();
         let changed = changed.map(|(path, file)| (path.as_path(), file.writing.last_changed()));
         let overdue = self.overdue;
         changed.filter(move |(_, at)| now.saturating_sub(*at) >= overdue)
@@ -58,7 +58,7 @@ impl Settling {
             let since = |look: Duration| look.saturating_sub(writing.last_changed());
             self.last_look.is_none_or(|look| since(look) < self.short_wait)
         };
-        let beside = self.passers.values().map(|file| &file.writing);
+        let beside = self.unrelated.values().map(|file| &file.writing);
         let beside = beside.filter(|writing| may_grow(writing)).map(Writing::appeared).collect();
         Sights { looked: self.last_look, coming, stopped, beside }
     }

@@ -21,5 +21,5 @@ pub mod token;
 mod typed;
 
 pub use input_decoder::{Input, InputDecoder};
-pub use port_lifecycle::{FaultKind, PortFault, PortLifecycle, PortState};
+pub use port_lifecycle::{PortFault, PortFaultKind, PortLifecycle, PortState};
 pub use typed::KeyAction;

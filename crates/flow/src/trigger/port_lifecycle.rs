@@ -45,14 +45,14 @@ impl PortState {
 #[error("{why}")]
 pub struct PortFault {
     /// The kind of fault.
-    pub kind: FaultKind,
+    pub kind: PortFaultKind,
     /// In words, without the port's path.
     pub why: Cause,
 }
 
 /// The kinds of faults, each with a state of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FaultKind {
+pub enum PortFaultKind {
     /// There is no such port, or it is gone.
     Absent,
     /// Another program uses it.
@@ -63,13 +63,13 @@ pub enum FaultKind {
     Failed,
 }
 
-impl FaultKind {
+impl PortFaultKind {
     const fn state(self) -> PortState {
         match self {
-            FaultKind::Absent => PortState::Absent,
-            FaultKind::Busy => PortState::Busy,
-            FaultKind::Denied => PortState::Denied,
-            FaultKind::Failed => PortState::Failed,
+            PortFaultKind::Absent => PortState::Absent,
+            PortFaultKind::Busy => PortState::Busy,
+            PortFaultKind::Denied => PortState::Denied,
+            PortFaultKind::Failed => PortState::Failed,
         }
     }
 }
@@ -213,7 +213,7 @@ mod tests {
 
     const SETTLE: Duration = Duration::from_millis(500);
 
-    fn fault(kind: FaultKind) -> PortFault {
+    fn fault(kind: PortFaultKind) -> PortFault {
         PortFault { kind, why: "No such file or directory".into() }
     }
 
@@ -228,7 +228,7 @@ mod tests {
         while now < ms(3_600_000) {
             match lifecycle.wants(now) {
                 Want::Open => {
-                    lifecycle.failed(&fault(FaultKind::Absent), now);
+                    lifecycle.failed(&fault(PortFaultKind::Absent), now);
                     tries += 1;
                 }
                 Want::Wait(pause) => now += pause,
@@ -257,7 +257,7 @@ mod tests {
                     lifecycle.listened(false, now);
                     lines += usize::from(lifecycle.tell(now).is_some());
                     now += ms(20);
-                    lifecycle.failed(&fault(FaultKind::Failed), now);
+                    lifecycle.failed(&fault(PortFaultKind::Failed), now);
                 }
             }
             lines += usize::from(lifecycle.tell(now).is_some());
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn a_port_that_was_sound_is_looked_for_at_once() {
         let mut lifecycle = PortLifecycle::new(SETTLE, ms(0));
-        (0..9).for_each(|_| lifecycle.failed(&fault(FaultKind::Busy), ms(0)));
+        (0..9).for_each(|_| lifecycle.failed(&fault(PortFaultKind::Busy), ms(0)));
         assert_eq!(
             (lifecycle.state(), lifecycle.wants(ms(0))),
             (PortState::Busy, Want::Wait(LONGEST_PAUSE))
@@ -282,7 +282,7 @@ mod tests {
         assert!(lifecycle.unsound_since().is_some());
         lifecycle.listened(false, ms(13_000));
         assert_eq!(lifecycle.unsound_since(), None);
-        lifecycle.failed(&fault(FaultKind::Absent), ms(20_000));
+        lifecycle.failed(&fault(PortFaultKind::Absent), ms(20_000));
         assert_eq!(lifecycle.wants(ms(20_000)), Want::Wait(FIRST_PAUSE));
         assert_eq!(lifecycle.unsound_since(), Some(ms(20_000)));
     }
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn what_is_told_last_is_how_it_is() {
         let mut lifecycle = PortLifecycle::new(SETTLE, ms(0));
-        lifecycle.failed(&fault(FaultKind::Denied), ms(0));
+        lifecycle.failed(&fault(PortFaultKind::Denied), ms(0));
         assert_eq!(lifecycle.tell(ms(0)), Some(PortState::Denied));
         lifecycle.opened(ms(100));
         lifecycle.listened(false, ms(600));

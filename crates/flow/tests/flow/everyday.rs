@@ -80,43 +80,43 @@ fn played(workflow: &str, habits: &Habits) -> Count {
 
 #[test]
 fn order_then_press() {
-    days("order, then press", Habits::of(Naming::Order, true));
+    days("order, then press", Habits::new(Naming::Order, true));
 }
 
 #[test]
 fn press_then_order() {
-    let habits = Habits::of(Naming::Order, true);
+    let habits = Habits::new(Naming::Order, true);
     days("press, then order", Habits { after_press: true, ..habits });
 }
 
 #[test]
 fn card_then_press() {
-    days("card, then press", Habits::of(Naming::Card, true));
+    days("card, then press", Habits::new(Naming::Card, true));
 }
 
 #[test]
 fn order_without_a_button() {
-    days("order, no button", Habits::of(Naming::Order, false));
+    days("order, no button", Habits::new(Naming::Order, false));
 }
 
 #[test]
 fn card_without_a_button() {
-    days("card, no button", Habits::of(Naming::Card, false));
+    days("card, no button", Habits::new(Naming::Card, false));
 }
 
 #[test]
 fn names_in_file_names() {
-    days("names in file names", Habits::of(Naming::FileName, false));
+    days("names in file names", Habits::new(Naming::FileName, false));
 }
 
 #[test]
 fn press_without_names() {
-    days("press, nobody named", Habits::of(Naming::Nobody, true));
+    days("press, nobody named", Habits::new(Naming::Nobody, true));
 }
 
 #[test]
 fn exports_without_names() {
-    days("nobody named, no button", Habits::of(Naming::Nobody, false));
+    days("nobody named, no button", Habits::new(Naming::Nobody, false));
 }
 
 /// A habit besides, in each of the ways in which patients are named.
@@ -128,7 +128,7 @@ fn in_every_way(habit: &str, of: impl Fn(Habits) -> Habits) {
         ("card, no button", Naming::Card, false),
     ];
     for (way, naming, button) in ways {
-        days(&format!("{way}; {habit}"), of(Habits::of(naming, button)));
+        days(&format!("{way}; {habit}"), of(Habits::new(naming, button)));
     }
 }
 
@@ -159,7 +159,7 @@ fn refusals() {
 
 #[test]
 fn the_next_order_sent_early() {
-    let early = |button| Habits { early: true, ..Habits::of(Naming::Order, button) };
+    let early = |button| Habits { early: true, ..Habits::new(Naming::Order, button) };
     days("order, then press; 30 % sent early", early(true));
     // Without a button the next order may come before the export of the scan before has begun, and
     // nothing tells whose that is: it is held. Such a practice needs a button.
@@ -169,7 +169,7 @@ fn the_next_order_sent_early() {
 #[test]
 fn patients_who_never_come() {
     for (way, button) in [("order, then press", true), ("order, no button", false)] {
-        let habits = Habits { no_shows: true, ..Habits::of(Naming::Order, button) };
+        let habits = Habits { no_shows: true, ..Habits::new(Naming::Order, button) };
         days(&format!("{way}; 2 % never come"), habits);
     }
 }

@@ -29,7 +29,7 @@ pub struct Curve {
 
 impl Curve {
     /// The curve of a leg, whose own truth tells where B and D are, beside a profile.
-    pub fn of(leg: &LegReport, own: &Value, beside: &Value, crotch_mm: f64) -> Curve {
+    pub fn new(leg: &LegReport, own: &Value, beside: &Value, crotch_mm: f64) -> Curve {
         let at = |level: Level| own["landmarks"][level.name()]["height_mm"].as_f64();
         let from_mm = at(Level::B).unwrap_or(f64::NAN) - BEYOND_MM[0];
         let to_mm = at(Level::D).unwrap_or(TO_CROTCH_SHARE * crotch_mm) + BEYOND_MM[1];
@@ -37,7 +37,7 @@ impl Curve {
         let between = rows.filter(|(height_mm, _)| (from_mm..=to_mm).contains(height_mm));
         let mut curve = Curve {
             measured: between.map(|(height_mm, girth)| (height_mm, girth.tape_mm)).collect(),
-            profile: Profile::of(beside, "tape_mm"),
+            profile: Profile::named(beside, "tape_mm"),
             shift_mm: 0.0,
         };
         let steps = (SHIFT_MAX_MM * SHIFTS_PER_MM) as i32;

@@ -167,13 +167,13 @@ impl Limits {
     }
 
     fn leg(&mut self, leg: &LegReport, truths: [&Value; 2], crotch_mm: f64, allowed_mm: f64) {
-        let [own, other] = truths.map(|truth| Curve::of(leg, truths[0], truth, crotch_mm));
+        let [own, other] = truths.map(|truth| Curve::new(leg, truths[0], truth, crotch_mm));
         // Legs that are alike within the noise fit each other's truth as well.
         let [own_square, other_square] =
             [&own, &other].map(|curve| curve.mean_square(curve.shift_mm));
         self.swapped += usize::from(own_square > other_square + allowed_mm * allowed_mm);
         let truth = truths[0];
-        let [girths, slopes] = ["tape_mm", "slope"].map(|name| Profile::of(truth, name));
+        let [girths, slopes] = ["tape_mm", "slope"].map(|name| Profile::named(truth, name));
         let share = |height_mm: f64, girth_mm: f64| {
             let allowed_mm = allowed_mm + CURVE_HEIGHT_MM * slopes.at(height_mm)?.abs();
             Some((girth_mm - girths.at(height_mm)?).abs() / allowed_mm)

@@ -38,7 +38,7 @@ pub struct Tally {
 
 impl Tally {
     /// One extraction against the truth of its body.
-    pub fn of(bytes: &[u8], method: &Method, truth: &Value, name: &str) -> Tally {
+    pub fn measure(bytes: &[u8], method: &Method, truth: &Value, name: &str) -> Tally {
         let mut tally = Tally::default();
         let (legs, findings) = match extract(bytes, Format::Obj, method) {
             Ok(extraction) => (extraction.legs, extraction.findings),
@@ -84,7 +84,7 @@ impl Tally {
         self.seam_mm.extend(leg.level_sections.iter().map(|at| seam(&at.section.curve).abs()));
         let at = |level: Level| truth["landmarks"][level.name()]["height_mm"].as_f64();
         let (Some(from_mm), Some(to_mm)) = (at(Level::B), at(Level::D)) else { return };
-        let profile = Profile::of(truth, "tape_mm");
+        let profile = Profile::named(truth, "tape_mm");
         let measured = leg.girth_curve.rows.iter().filter_map(|row| row.measured);
         let between = measured.filter(|(height_mm, _)| (from_mm..=to_mm).contains(height_mm));
         let errors = between

@@ -108,7 +108,7 @@ pub struct Profile(Vec<(f64, f64)>);
 
 impl Profile {
     /// The column of this name.
-    pub fn of(truth: &Value, name: &str) -> Profile {
+    pub fn named(truth: &Value, name: &str) -> Profile {
         let column = |name: &str| truth["profile"][name].as_array().cloned().unwrap_or_default();
         let (heights, values) = (column("height_mm"), column(name));
         let pairs = heights.iter().zip(&values);

@@ -89,7 +89,7 @@ coded_enum! {
 }
 
 impl Difference {
-    fn of(left: [f64; 2], right: [f64; 2]) -> Difference {
+    fn between(left: [f64; 2], right: [f64; 2]) -> Difference {
         Difference { value: left[0] - right[0], sd: left[1].hypot(right[1]) }
     }
 
@@ -112,11 +112,14 @@ pub(crate) fn differences(legs: &[LegReport]) -> Option<Differences> {
         let (l, r) = (at(left)?, at(right)?);
         Some(LevelDifference {
             level,
-            girth_mm: Difference::of(
+            girth_mm: Difference::between(
                 [l.girth_tape_mm, l.girth_of_level_sd_mm],
                 [r.girth_tape_mm, r.girth_of_level_sd_mm],
             ),
-            height_mm: Difference::of([l.height_mm, l.height_sd_mm], [r.height_mm, r.height_sd_mm]),
+            height_mm: Difference::between(
+                [l.height_mm, l.height_sd_mm],
+                [r.height_mm, r.height_sd_mm],
+            ),
         })
     };
     let slices = left.volume.slices.iter().zip(&right.volume.slices);
@@ -136,7 +139,7 @@ fn whole(left: &LegReport, right: &LegReport) -> Option<VolumeDifference> {
 }
 
 fn volume(left: Volume, right: Volume) -> VolumeDifference {
-    let ml = Difference::of([left.ml, left.sd_ml], [right.ml, right.sd_ml]);
+    let ml = Difference::between([left.ml, left.sd_ml], [right.ml, right.sd_ml]);
     let percent = 100.0 * ml.value / left.ml.min(right.ml);
     VolumeDifference { from_mm: left.from_mm, to_mm: left.to_mm, ml, percent }
 }

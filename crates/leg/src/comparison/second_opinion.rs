@@ -55,7 +55,7 @@ const SIDES_MM: f64 = 10.0;
 /// Compares the scanner's measures with an extraction's. Measures that either side lacks are
 /// skipped; after a unit mismatch nothing else is compared.
 pub fn compare(extraction: &Extraction, ord: &Ord) -> Vec<Finding> {
-    let theirs = Theirs { ord };
+    let theirs = OrdMeasures { ord };
     let stature = extraction.body.stature_mm.and_then(|ours_mm| theirs.stature(ours_mm));
     let girths = match stature {
         Some(SecondOpinion::Unit { .. }) => Vec::new(),
@@ -65,11 +65,11 @@ pub fn compare(extraction: &Extraction, ord: &Ord) -> Vec<Finding> {
 }
 
 /// The scanner's measures, by meaning.
-struct Theirs<'a> {
+struct OrdMeasures<'a> {
     ord: &'a Ord,
 }
 
-impl Theirs<'_> {
+impl OrdMeasures<'_> {
     /// The first measure of this meaning and side, mm; a value of zero means that it was not taken.
     fn mm(&self, measure: Measure, side: Option<Side>) -> Option<f64> {
         let is = |(name, mm): &&(String, f64)| meaning(name) == Some((measure, side)) && *mm > 0.0;

@@ -88,7 +88,7 @@ struct AreaRow {
 
 /// The volumes of a leg.
 pub fn leg_volume(sections: &Sections, curve: &GirthCurve, landmarks: &[Landmark]) -> LegVolume {
-    let areas = AreaCurve::of(sections, curve);
+    let areas = AreaCurve::new(sections, curve);
     let at = |level: Level| landmarks.iter().find(|l| l.level == level).map(|l| l.along_mm);
     let between = |[low, high]: [Level; 2]| areas.volume(at(low)?, at(high)?);
     let ends = areas.ends();
@@ -126,7 +126,7 @@ fn sweeps(axis: &LegAxis, run: &[&Section]) -> Vec<f64> {
 
 impl AreaCurve {
     /// The areas of a leg's sections; `curve` provides the standard errors of their girths.
-    pub fn of(sections: &Sections, curve: &GirthCurve) -> AreaCurve {
+    pub fn new(sections: &Sections, curve: &GirthCurve) -> AreaCurve {
         let (from_mm, to_mm) = curve.domain();
         let row = |section: &Section| {
             let area_mm2 = area_mm2(&section.curve);

@@ -3,7 +3,7 @@
 
 /// A turning point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turn {
+pub struct TurningPoint {
     /// Index of the value.
     pub index: usize,
     /// Whether it is a peak; otherwise it is a valley.
@@ -16,7 +16,7 @@ pub struct Turn {
 
 /// Where a peak or valley has its extreme.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct ExtremePosition {
     /// Steps from the turning point.
     pub offset: f64,
     /// The values that determine the place, each with the steps by which it moves the place per unit
@@ -26,9 +26,9 @@ pub struct Place {
 
 /// Turning points that differ from both neighbouring ones by the gate or more, alternately peaks
 /// and valleys: pairs that differ by less are removed, the closest pair first.
-pub fn standing_out(values: &[f64], gate: f64) -> Vec<Turn> {
+pub fn standing_out(values: &[f64], gate: f64) -> Vec<TurningPoint> {
     let mut turns = turns(values);
-    let difference = |a: &Turn, b: &Turn| (values[a.index] - values[b.index]).abs();
+    let difference = |a: &TurningPoint, b: &TurningPoint| (values[a.index] - values[b.index]).abs();
     while turns.len() >= 2 {
         let next = |place: usize| (place + 1) % turns.len();
         let gap = |place: &usize| difference(&turns[*place], &turns[next(*place)]);
@@ -54,7 +54,7 @@ pub fn standing_out(values: &[f64], gate: f64) -> Vec<Turn> {
 }
 
 /// Where a cyclic sequence stops rising or falling. Of a run of equal values the last one counts.
-fn turns(values: &[f64]) -> Vec<Turn> {
+fn turns(values: &[f64]) -> Vec<TurningPoint> {
     let count = values.len();
     let rises = |index: usize| {
         let (own, after) = (values[index], values[(index + 1) % count]);
@@ -65,7 +65,8 @@ fn turns(values: &[f64]) -> Vec<Turn> {
     for index in 0..count {
         let Some(rises) = rises(index) else { continue };
         if rising == Some(!rises) {
-            let turn = Turn { index, is_peak: !rises, prominence: 0.0, neighbours: [index; 2] };
+            let turn =
+                TurningPoint { index, is_peak: !rises, prominence: 0.0, neighbours: [index; 2] };
             found.push(turn);
         }
         rising = Some(rises);
@@ -73,7 +74,7 @@ fn turns(values: &[f64]) -> Vec<Turn> {
     found
 }
 
-impl Turn {
+impl TurningPoint {
     /// Where the extreme is: the centre of area of the stretch around it that differs from it by
     /// less than `depth`, without a gap. A stretch narrower than the steps has its place at the
     /// vertex of the parabola through the turning point and its neighbours.
@@ -81,8 +82,8 @@ impl Turn {
     /// `depth` is what two values may differ by and count as equal; it must be greater than 0 and
     /// less than the prominence. A bump of more than that is not crossed, so the place is not on a
     /// small turning point of the opposite kind.
-    pub fn place(&self, values: &[f64], depth: f64) -> Place {
-        let vertex = Vertex::of(self.index, values);
+    pub fn place(&self, values: &[f64], depth: f64) -> ExtremePosition {
+        let vertex = Vertex::new(self.index, values);
         let height =
             |step: isize| depth - (values[at(self.index, step, values)] - vertex.value).abs();
         let [back, ahead] = self.reach(values.len()).map(|steps| steps as isize);
@@ -102,7 +103,7 @@ impl Turn {
         let rim = vertex.shares().map(|(step, share)| (step, -all * share));
         let pulls = steps.iter().map(|step| (*step, pull(*step))).chain(rim);
         let pulls = pulls.map(|(step, pull)| (at(self.index, step, values), pull)).collect();
-        Place { offset, pulls }
+        ExtremePosition { offset, pulls }
     }
 
     /// The middle of all that is like this value: the centre of area, in steps from it, of the part
@@ -146,7 +147,7 @@ struct Vertex {
 }
 
 impl Vertex {
-    fn of(index: usize, values: &[f64]) -> Vertex {
+    fn new(index: usize, values: &[f64]) -> Vertex {
         let [before, own, after] = [-1, 0, 1].map(|step| values[at(index, step, values)]);
         let (slope, bend) = ((after - before) / 2.0, after - own + (before - own));
         let offset = -slope / bend;
@@ -159,11 +160,11 @@ impl Vertex {
         [(-1, t * (t - 1.0) / 2.0), (0, 1.0 - t * t), (1, t * (t + 1.0) / 2.0)].into_iter()
     }
 
-    fn place(&self, index: usize, values: &[f64]) -> Place {
+    fn place(&self, index: usize, values: &[f64]) -> ExtremePosition {
         let Vertex { offset, bend, .. } = *self;
         let pulls = [(-1, 0.5 - offset), (0, 2.0 * offset), (1, -0.5 - offset)];
         let pulls = pulls.map(|(step, pull)| (at(index, step, values), pull / bend));
-        Place { offset, pulls: pulls.into() }
+        ExtremePosition { offset, pulls: pulls.into() }
     }
 }
 

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use nalgebra::{Point2, Point3};
 
-use super::circular_extrema::{Place, Turn, standing_out};
+use super::circular_extrema::{ExtremePosition, TurningPoint, standing_out};
 use super::harmonic::Harmonics;
 use super::{curvature, harmonic};
 use crate::sections::plane_frame::PlaneFrame;
@@ -66,9 +66,9 @@ pub struct Feature {
 
 /// The feature points of a section in its plane, in order around it from the front: P1, P2, …
 pub fn features(plane: &PlaneFrame, section: &Section) -> Vec<Feature> {
-    let (curvatures, turns) = turns(section, &Angles::of(section));
-    let error = CurvatureError::of(section);
-    let feature = |turn: Turn| {
+    let (curvatures, turns) = turns(section, &Angles::from_section(section));
+    let error = CurvatureError::from_section(section);
+    let feature = |turn: TurningPoint| {
         let place = turn.place(&curvatures, SAME_SHARE * mean(section));
         let angle = wrapped(angle(turn.index as f64 + place.offset));
         let [radius_mm, slope, _] = section.curve.derivatives(angle);
@@ -90,7 +90,7 @@ pub fn features(plane: &PlaneFrame, section: &Section) -> Vec<Feature> {
 /// The curvature in which the feature points of a section are found, at `count` equal angles from
 /// −180° on, 1/mm. `count` must be a divisor of 360.
 pub fn curvatures(section: &Section, count: usize) -> Vec<f64> {
-    let all = curvature::around(&outline(section, &Angles::of(section)));
+    let all = curvature::around(&outline(section, &Angles::from_section(section)));
     all.into_iter().step_by(ANGLES / count).collect()
 }
 
@@ -103,7 +103,7 @@ pub struct Angles {
 
 impl Angles {
     /// The angles, quickest for sections in the basis of this one.
-    pub fn of(section: &Section) -> Angles {
+    pub fn from_section(section: &Section) -> Angles {
         Angles { harmonics: Harmonics::at(ANGLES), spokes: section.curve.spokes(ANGLES) }
     }
 }
@@ -114,14 +114,14 @@ impl Angles {
 pub(crate) fn peaks(section: &Section, angles: &Angles) -> Vec<f64> {
     let (curvatures, turns) = turns(section, angles);
     let peaks = turns.into_iter().filter(|turn| turn.is_peak);
-    let middle = |turn: Turn| turn.index as f64 + turn.middle(&curvatures, alike(section));
+    let middle = |turn: TurningPoint| turn.index as f64 + turn.middle(&curvatures, alike(section));
     peaks.map(|turn| wrapped(angle(middle(turn)))).collect()
 }
 
 /// The curvature around a section and its turning points beyond roundness and noise.
-fn turns(section: &Section, angles: &Angles) -> (Vec<f64>, Vec<Turn>) {
+fn turns(section: &Section, angles: &Angles) -> (Vec<f64>, Vec<TurningPoint>) {
     let curvatures = curvature::around(&outline(section, angles));
-    let noise = PROMINENCE_MIN_SD * SQRT_2 * CurvatureError::of(section).sd();
+    let noise = PROMINENCE_MIN_SD * SQRT_2 * CurvatureError::from_section(section).sd();
     let turns = standing_out(&curvatures, alike(section).max(noise));
     (curvatures, turns)
 }
@@ -161,7 +161,7 @@ struct CurvatureError([f64; harmonic::FINEST + 1]);
 impl CurvatureError {
     /// A harmonic of the radius has twice the variance of its mean, and the harmonic n contributes
     /// (n² − 1) / r² of curvature.
-    fn of(section: &Section) -> CurvatureError {
+    fn from_section(section: &Section) -> CurvatureError {
         let independent_mm = SQRT_2 * section.rms_mm / (section.points as f64).sqrt();
         let wave_sd_mm = section.wave_sd_mm.unwrap_or(independent_mm);
         let mean_radius_mm = section.girth.contour_mm / TAU;
@@ -177,7 +177,7 @@ impl CurvatureError {
     }
 
     /// Standard error of a place, in steps, propagated through each harmonic.
-    fn place_sd(&self, place: &Place) -> f64 {
+    fn place_sd(&self, place: &ExtremePosition) -> f64 {
         let variance = |(n, sd): (usize, &f64)| {
             let (mut sine, mut cosine) = (0.0, 0.0);
             for (index, pull) in &place.pulls {

@@ -241,7 +241,7 @@ fn trunk_middle(standing: &Mesh, stature_mm: f64) -> Option<Point2<f64>> {
 /// The middle of the largest outline in a slice, if it is closed.
 fn outline_middle(slice: &[Point2<f64>], link_mm: f64) -> Option<Point2<f64>> {
     let outlines = clusters(slice, link_mm).into_iter();
-    let hulls = outlines.filter_map(|outline| Some((Hull::of(&outline)?, outline)));
+    let hulls = outlines.filter_map(|outline| Some((Hull::from_points(&outline)?, outline)));
     let (hull, outline) = hulls.max_by(|a, b| a.0.perimeter().total_cmp(&b.0.perimeter()))?;
     let middle = hull.centroid();
     let angles: Vec<f64> =

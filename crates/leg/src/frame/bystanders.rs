@@ -68,7 +68,7 @@ fn look(points: &[(u32, Point2<f64>)], seen: &mut [Seen]) {
         let places: Vec<Point2<f64>> = shell_points.iter().map(|(_, place)| *place).collect();
         let outlines = clusters(&places, SHANK_LINK_MM);
         rings.extend(outlines.iter().filter_map(|outline| {
-            Some(ShellRing { shell, ring: ring(outline)?, hull: Hull::of(outline)? })
+            Some(ShellRing { shell, ring: ring(outline)?, hull: Hull::from_points(outline)? })
         }));
     }
     for own in &rings {

@@ -56,7 +56,8 @@ pub(crate) fn above_floor(scan: &Scan, upright: &Rotation3<f64>) -> Option<(Scan
     let area_min = AREA_MIN_SHARE * height * height;
     let near =
         scan.triangles.iter().filter(|corners| height_of(corners) < low + FLOOR_SHARE * height);
-    let level: Vec<Facet> = near.filter_map(|corners| Facet::of(scan, corners, &up)).collect();
+    let level: Vec<Facet> =
+        near.filter_map(|corners| Facet::from_corners(scan, corners, &up)).collect();
     let turned = |is_up: bool| {
         let facets = level.iter().filter(|facet| facet.is_up == is_up).copied().collect();
         largest(facets, THICKNESS_SHARE * height).filter(|plane| plane.area >= area_min)
@@ -95,7 +96,7 @@ struct Facet {
 
 impl Facet {
     /// The facet of a triangle; `None` if it is not level.
-    fn of(scan: &Scan, corners: &[u32; 3], up: &Vector3<f64>) -> Option<Facet> {
+    fn from_corners(scan: &Scan, corners: &[u32; 3], up: &Vector3<f64>) -> Option<Facet> {
         let [a, b, c] = corners.map(|corner| scan.points[corner as usize].coords);
         let normal = (b - a).cross(&(c - a));
         let rise = normal.dot(up);

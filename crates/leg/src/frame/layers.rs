@@ -22,8 +22,8 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let [low, high] = LEGS_SHARE.map(|share| share * stature_mm);
     let legs = mesh.part(|facet| (low..high).contains(&facet.middle().z));
     let Some(edge_mm) = legs.edge_mm() else { return 0.0 };
-    let links = Links::of(legs.points().len(), legs.edges());
-    let slabs = Slabs::of(legs.points(), edge_mm);
+    let links = Links::new(legs.points().len(), legs.edges());
+    let slabs = Slabs::new(legs.points(), edge_mm);
     // In the order of slabs, samples are spread over all heights.
     let stride = slabs.points.len().div_ceil(SAMPLES).max(1);
     let samples = slabs.points.iter().step_by(stride).map(|(.., index)| *index);
@@ -51,7 +51,7 @@ struct Slabs {
 
 impl Slabs {
     /// Slabs as thick as an edge is long.
-    fn of(points: &[Point3<f64>], edge_mm: f64) -> Slabs {
+    fn new(points: &[Point3<f64>], edge_mm: f64) -> Slabs {
         let slab = |point: &Point3<f64>| (point.z / edge_mm).floor() as i64;
         let mut points: Vec<_> =
             points.iter().zip(0..).map(|(point, index)| (slab(point), *point, index)).collect();
@@ -88,7 +88,7 @@ struct Links {
 }
 
 impl Links {
-    fn of(points: usize, edges: &[[u32; 2]]) -> Links {
+    fn new(points: usize, edges: &[[u32; 2]]) -> Links {
         let mut starts = vec![0; points + 1];
         for end in edges.iter().flatten() {
             starts[*end as usize + 1] += 1;

@@ -100,7 +100,7 @@ coded_enum! {
 
 /// What these feet of a body with this stature say about the floor.
 pub(crate) fn soles(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Soles {
-    let parts: Vec<Foot> = feet.iter().map(|foot| Foot::of(foot)).collect();
+    let parts: Vec<Foot> = feet.iter().map(|foot| Foot::from_points(foot)).collect();
     let spread_mm = spread_mm(&parts);
     // Of both feet: toes of one may be missing or swollen, shoes come in pairs.
     let toes_mm = parts.iter().filter_map(|foot| foot.toes_mm(stature_mm)).reduce(f64::min);
@@ -129,7 +129,7 @@ struct Foot {
 }
 
 impl Foot {
-    fn of(points: &[[f64; 3]]) -> Foot {
+    fn from_points(points: &[[f64; 3]]) -> Foot {
         let LongAxis { direction, length: length_mm, .. } = long_axis(points);
         let along = |point: &[f64; 3]| Vector2::new(point[0], point[1]).dot(&direction);
         let from = points.iter().map(along).fold(f64::INFINITY, f64::min);

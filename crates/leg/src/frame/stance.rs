@@ -269,7 +269,7 @@ pub(crate) fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
     let first = *ring.first()?;
     let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
     let size_mm = (high - low).max();
-    let middle = Hull::of(ring)?.centroid();
+    let middle = Hull::from_points(ring)?.centroid();
     let mut sectors = [false; 8];
     for point in ring {
         let turn = (point.y - middle.y).atan2(point.x - middle.x) / std::f64::consts::TAU + 0.5;

@@ -111,7 +111,7 @@ impl Extrema {
     /// Finds the extrema of a leg of a body with this stature between two distances along the axis.
     ///
     /// Extrema where people have the level go before others: folds and swellings have extrema too.
-    pub fn of(curve: &GirthCurve, stature_mm: f64, [from_mm, to_mm]: [f64; 2]) -> Extrema {
+    pub fn find(curve: &GirthCurve, stature_mm: f64, [from_mm, to_mm]: [f64; 2]) -> Extrema {
         let turns = turns(curve, from_mm, to_mm);
         let clear = standing_out(&turns, |_| CLEAR_MM);
         let faint = standing_out(&turns, |turn| turn.gate_mm);

@@ -98,7 +98,7 @@ pub(crate) fn foot(
     stature_mm: f64,
     fit: SectionFit,
 ) -> Option<FootReport> {
-    let frame = Frame::of(leg, stature_mm)?;
+    let frame = Frame::new(leg, stature_mm)?;
     let foot = Foot { length_mm: frame.length_mm, breadth_mm: frame.breadth_mm };
     Some(FootReport { foot, a: a(leg, axis, &frame, stature_mm), y: y(leg, axis, &frame, fit) })
 }
@@ -118,13 +118,13 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(leg: &Leg, stature_mm: f64) -> Option<Frame> {
+    fn new(leg: &Leg, stature_mm: f64) -> Option<Frame> {
         let low = leg.mesh.points().iter().filter(|p| p.z < TOP_STATURE_SHARE * stature_mm);
         let points: Vec<Point2<f64>> = low.map(|p| p.xy()).collect();
         if points.len() < POINTS_MIN {
             return None;
         }
-        let hull = Hull::of(&points)?;
+        let hull = Hull::from_points(&points)?;
         let (long, centre) = (hull.long_axis(), hull.centroid());
         // The toes point to −Y, however far the foot is turned out.
         let ahead = if long.y < 0.0 { long } else { -long };
@@ -221,7 +221,7 @@ fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landma
 /// A: the vertical section through the metatarsal heads, located by their share of the foot's length.
 fn a(leg: &Leg, axis: &LegAxis, frame: &Frame, stature_mm: f64) -> Option<Estimate> {
     let top_mm = FOREFOOT_STATURE_SHARE * stature_mm;
-    let shifted = |share: f64| Ball::of(leg, frame, top_mm, share);
+    let shifted = |share: f64| Ball::find(leg, frame, top_mm, share);
     let [behind, own, ahead] = [shifted(-SHARE_SD)?, shifted(0.0)?, shifted(SHARE_SD)?];
     let spread = |value: fn(&Ball) -> f64| (value(&ahead) - value(&behind)).abs() / 2.0;
     let mut doubts = vec![Doubt::SoleNotSeen];
@@ -253,7 +253,7 @@ struct Ball {
 impl Ball {
     /// The section through both edges of the foot, shifted ahead by a share of its length; `None`
     /// if too much of its skin was not seen.
-    fn of(leg: &Leg, frame: &Frame, top_mm: f64, shift: f64) -> Option<Ball> {
+    fn find(leg: &Leg, frame: &Frame, top_mm: f64, shift: f64) -> Option<Ball> {
         let medial = frame.on_floor(&frame.edge(MEDIAL_SHARE + shift, -1.0)?);
         let lateral = frame.on_floor(&frame.edge(LATERAL_SHARE + shift, 1.0)?);
         let across = (lateral - medial).try_normalize(f64::MIN_POSITIVE)?;
@@ -274,7 +274,7 @@ impl Ball {
         if gap_deg > GAP_MAX_DEG {
             return None;
         }
-        let hull = Hull::of(&skin)?;
+        let hull = Hull::from_points(&skin)?;
         let centroid = hull.centroid();
         let centre = middle + across * centroid.x + Vector3::z() * centroid.y;
         Some(Ball { tape_mm: hull.perimeter(), centre, gap_deg })

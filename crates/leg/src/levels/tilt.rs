@@ -27,7 +27,7 @@ pub fn complete<'a>(
     let Source::Skin(skin) = &sections.source else { return };
     for landmark in landmarks {
         let along_mm = landmark.along_mm;
-        let Some(here) = Place::of(sections, skin, along_mm) else { continue };
+        let Some(here) = TiltPlane::at(sections, skin, along_mm) else { continue };
         landmark.girth_per_deg_mm = Some(here.per_deg[0].hypot(here.per_deg[1]));
         let changes = others.iter().map(|other| here.change_mm(other));
         let change_mm = changes.fold(0.0, |most: f64, mm| most.max(mm.abs()));
@@ -38,7 +38,8 @@ pub fn complete<'a>(
             continue;
         }
         let beside = [along_mm - REACH_MM, along_mm + REACH_MM];
-        let [Some(below), Some(above)] = beside.map(|along_mm| Place::of(sections, skin, along_mm))
+        let [Some(below), Some(above)] =
+            beside.map(|along_mm| TiltPlane::at(sections, skin, along_mm))
         else {
             continue;
         };
@@ -52,20 +53,20 @@ pub fn complete<'a>(
 }
 
 /// A place on a leg: its plane, and how its girth changes with a tilt of it.
-struct Place {
+struct TiltPlane {
     plane: PlaneFrame,
     centre: Point3<f64>,
     /// Towards the front, and towards the lateral side, mm per degree.
     per_deg: [f64; 2],
 }
 
-impl Place {
+impl TiltPlane {
     /// `None` outside the skin.
-    fn of(sections: &Sections, skin: &Skin, along_mm: f64) -> Option<Place> {
+    fn at(sections: &Sections, skin: &Skin, along_mm: f64) -> Option<TiltPlane> {
         let per_deg = skin.girth_per_deg(along_mm)?;
         let plane = sections.axis.plane(along_mm);
         let centre = plane.point(&skin.centre(along_mm));
-        Some(Place { plane, centre, per_deg })
+        Some(TiltPlane { plane, centre, per_deg })
     }
 
     /// How much its girth changes in the plane of another axis, mm.

@@ -133,7 +133,7 @@ mod tests {
 
     /// Steps 10 mm apart; the pattern has a 1 where the legs are joined.
     fn steps(pattern: &str) -> Vec<Step> {
-        let neck = Neck::of(&[], [-80.0, 80.0]);
+        let neck = Neck::find(&[], [-80.0, 80.0]);
         let step = |(index, mark)| Step {
             height_mm: 10.0 * index as f64,
             prints: Sides::default(),
@@ -162,7 +162,7 @@ mod tests {
             across.flat_map(|x| [-100.0, 100.0].map(|y| Point2::new(x, y))).collect();
         let step = |index: u32| {
             let height_mm = 605.0 + 10.0 * f64::from(index);
-            let mut neck = Neck::of(&outline, [-80.0, 80.0]);
+            let mut neck = Neck::find(&outline, [-80.0, 80.0]);
             neck.front_steepness = Some(if height_mm < fold_to_mm { steepness } else { -0.1 });
             let neck = (height_mm > 690.0).then_some(neck);
             Step { height_mm, prints: Sides::default(), neck, gap_mm: None }

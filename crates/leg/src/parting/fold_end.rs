@@ -49,7 +49,7 @@ pub struct FoldEnd {
 }
 
 /// A height that could part the slices.
-struct Place {
+struct CrotchCandidate {
     crotch_mm: f64,
     /// What the slices below say for a fold.
     below: f64,
@@ -64,7 +64,7 @@ pub fn fold_end(joined: &[Step], stature_mm: f64) -> Option<FoldEnd> {
     let place = |end_mm: f64, below: f64| {
         let crotch_mm = end_mm - above_mm;
         let off = (crotch_mm / stature_mm - MEAN_SHARE) / USUAL_SD_SHARE;
-        Place { crotch_mm, below, log_weight: below - off * off / 2.0 }
+        CrotchCandidate { crotch_mm, below, log_weight: below - off * off / 2.0 }
     };
     let steps: Vec<&Step> =
         joined.iter().take_while(|step| step.height_mm <= CROTCH_SHARE[1] * stature_mm).collect();
@@ -77,9 +77,9 @@ pub fn fold_end(joined: &[Step], stature_mm: f64) -> Option<FoldEnd> {
     let count_below =
         (0..places.len()).max_by(|a, b| places[*a].log_weight.total_cmp(&places[*b].log_weight))?;
     let best = &places[count_below];
-    let weight = |place: &Place| (place.log_weight - best.log_weight).exp();
+    let weight = |place: &CrotchCandidate| (place.log_weight - best.log_weight).exp();
     let sum: f64 = places.iter().map(weight).sum();
-    let mean = |value: &dyn Fn(&Place) -> f64| {
+    let mean = |value: &dyn Fn(&CrotchCandidate) -> f64| {
         places.iter().map(|place| weight(place) * value(place)).sum::<f64>() / sum
     };
     let crotch_mm = mean(&|place| place.crotch_mm);
@@ -125,7 +125,7 @@ mod tests {
 
     /// A neck behind a groove of this steepness.
     fn neck(steepness: f64) -> Option<Neck> {
-        let mut neck = Neck::of(&[], [-80.0, 80.0]);
+        let mut neck = Neck::find(&[], [-80.0, 80.0]);
         neck.front_steepness = Some(steepness);
         Some(neck)
     }

@@ -38,7 +38,7 @@ pub struct Footprint {
 
 impl Footprint {
     /// The footprint of points; `None` if there are fewer than three.
-    pub fn of(points: &[Point2<f64>]) -> Option<Footprint> {
+    pub fn from_points(points: &[Point2<f64>]) -> Option<Footprint> {
         const POINTS_MIN: usize = 3;
         if points.len() < POINTS_MIN {
             return None;
@@ -103,7 +103,7 @@ mod tests {
             .map(|i| f64::from(4 * i).to_radians())
             .map(|t| Point2::new(100.0 + 50.0 * t.cos(), 50.0 * t.sin()))
             .collect();
-        let footprint = Footprint::of(&ring).unwrap();
+        let footprint = Footprint::from_points(&ring).unwrap();
         let holds = |x, y| footprint.beyond_mm(&Point2::new(x, y)) <= 10.0;
         assert!(holds(100.0, 0.0));
         assert!(holds(159.9, 0.0));
@@ -119,8 +119,8 @@ mod tests {
             let turns = (from..to).map(|i| f64::from(4 * i).to_radians());
             turns.map(|t| Point2::new(50.0 * t.cos(), 50.0 * t.sin())).collect()
         };
-        let whole = Footprint::of(&ring(0, 90)).unwrap();
-        let half = Footprint::of(&ring(0, 45)).unwrap();
+        let whole = Footprint::from_points(&ring(0, 90)).unwrap();
+        let half = Footprint::from_points(&ring(0, 45)).unwrap();
         let unseen = Point2::new(0.0, -39.0);
         assert!(half.beyond_mm(&unseen) > 30.0);
         assert!(half.after(&whole, 10.0).beyond_mm(&unseen) < 0.0);
@@ -136,6 +136,6 @@ mod tests {
 
     #[test]
     fn two_points_make_no_footprint() {
-        assert_eq!(Footprint::of(&[Point2::origin(); 2]), None);
+        assert_eq!(Footprint::from_points(&[Point2::origin(); 2]), None);
     }
 }

@@ -124,7 +124,7 @@ pub fn follow(
         slices(mesh, heights_mm).par_iter().map(|slice| clusters(slice, link_mm)).collect();
     for (&height_mm, slice) in heights_mm.iter().zip(clustered) {
         let (own, neck) = share_out(slice, &last, &track.steps, growth_mm, parting);
-        let prints = Sides::of_each(|side| Footprint::of(own.get(side)));
+        let prints = Sides::of_each(|side| Footprint::from_points(own.get(side)));
         for side in Side::BOTH {
             if let Some(print) = prints.get(side) {
                 let kept = last.get(side).as_ref().map(|last| print.after(last, NARROWING_MM));
@@ -213,7 +213,7 @@ fn share_out(
         if let Sides { left: Some(left), right: Some(right) } = last
             && shares.left.min(shares.right) > SHARED_MIN_SHARE
         {
-            let line = Neck::of(&cluster, [right.middle.x, left.middle.x]);
+            let line = Neck::find(&cluster, [right.middle.x, left.middle.x]);
             for point in cluster {
                 let is_left = match parting {
                     Parting::Neck => line.is_left(&point),
@@ -239,7 +239,7 @@ fn share_out(
 
 /// Whether a cluster is a leg that has become wider on one or on all sides at once.
 fn is_fold(last: &Footprint, cluster: &[Point2<f64>]) -> bool {
-    let middle = Footprint::of(cluster).map(|print| print.middle);
+    let middle = Footprint::from_points(cluster).map(|print| print.middle);
     middle.is_some_and(|middle| (middle - last.middle).norm() <= FOLD_SHIFT_MM)
         && last.share_of(cluster, FOLD_GROWTH_MM) >= FOLD_MIN_SHARE
 }

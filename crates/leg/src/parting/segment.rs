@@ -146,7 +146,7 @@ fn seeds(
         let nearer = |p: &&Point2<f64>| other.is_none_or(|o| (*p - own).norm() < (*p - o).norm());
         let near = |p: &&Point2<f64>| (*p - own).norm() < SHANK_REACH_MM;
         let points: Vec<_> = slice.iter().filter(nearer).filter(near).copied().collect();
-        Footprint::of(&points)
+        Footprint::from_points(&points)
     })
 }
 

@@ -48,7 +48,7 @@ struct Reach {
 impl Neck {
     /// The neck between the middles (x, mm) of the right and the left leg in the outline of both.
     /// Front is −y.
-    pub fn of(outline: &[Point2<f64>], between_mm: [f64; 2]) -> Neck {
+    pub fn find(outline: &[Point2<f64>], between_mm: [f64; 2]) -> Neck {
         let [from_mm, to_mm] = between_mm;
         let halfway_mm = (from_mm + to_mm) / 2.0;
         let reaches = reaches(outline, from_mm, to_mm);
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn thighs_that_touch_are_parted_where_they_touch() {
         let outline = thighs([[-70.0, 0.0], [90.0, 0.0]], 90.0);
-        let neck = Neck::of(&outline, [-70.0, 90.0]);
+        let neck = Neck::find(&outline, [-70.0, 90.0]);
         for y in [-90.0, -20.0, 0.0, 60.0] {
             assert!(neck.is_left(&Point2::new(14.0, y)), "{y}");
             assert!(!neck.is_left(&Point2::new(6.0, y)), "{y}");
@@ -188,7 +188,7 @@ mod tests {
             let bridged: Vec<_> = bridged.chain(bridge).collect();
             let middles = [-apart_mm, apart_mm];
             let [sharp, bridged] =
-                [sharp, bridged].map(|o| Neck::of(&o, middles).front_steepness.unwrap());
+                [sharp, bridged].map(|o| Neck::find(&o, middles).front_steepness.unwrap());
             assert!(sharp > 0.45, "{apart_mm}: {sharp}");
             assert!(bridged > 0.3, "{apart_mm}: {bridged}");
         }
@@ -202,7 +202,7 @@ mod tests {
             .flat_map(|x| [Point2::new(x, front(x)), Point2::new(x, 110.0)])
             .collect();
         for off_mm in [-8.0, 0.0, 8.0] {
-            let steepness = Neck::of(&trunk, [off_mm - 80.0, off_mm + 80.0]).front_steepness;
+            let steepness = Neck::find(&trunk, [off_mm - 80.0, off_mm + 80.0]).front_steepness;
             assert!(steepness.unwrap() < 0.1, "{off_mm}: {steepness:?}");
         }
     }
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn a_leg_set_forward_makes_a_slanting_line() {
         let outline = thighs([[-80.0, -30.0], [80.0, 30.0]], 90.0);
-        let neck = Neck::of(&outline, [-80.0, 80.0]);
+        let neck = Neck::find(&outline, [-80.0, 80.0]);
         // The notches are accurate to some millimetres.
         let parts = outline.iter().filter(|p| p.x.abs() > 18.0 || p.y.abs() > 40.0);
         for place in parts {
@@ -226,7 +226,7 @@ mod tests {
             .map(|i| f64::from(i).to_radians())
             .map(|t| Point2::new(170.0 * t.cos(), 110.0 * t.sin()))
             .collect();
-        let neck = Neck::of(&trunk, [-85.0, 85.0]);
+        let neck = Neck::find(&trunk, [-85.0, 85.0]);
         assert!(neck.notch_share < NOTCH_MIN_SHARE, "{}", neck.notch_share);
         assert!(neck.is_left(&Point2::new(0.1, 0.0)) && !neck.is_left(&Point2::new(-0.1, 0.0)));
     }
@@ -237,7 +237,7 @@ mod tests {
             .into_iter()
             .filter(|p| p.x.abs() > 15.0)
             .collect();
-        let neck = Neck::of(&outline, [-80.0, 80.0]);
+        let neck = Neck::find(&outline, [-80.0, 80.0]);
         assert_eq!(neck.notch_share, 1.0);
         assert_eq!(neck.front_steepness, Some(f64::INFINITY));
         assert!(neck.is_left(&Point2::new(2.0, 0.0)) && !neck.is_left(&Point2::new(-2.0, 0.0)));

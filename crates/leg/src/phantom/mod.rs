@@ -192,7 +192,7 @@ fn standing(scan: &Scan, phantom: &Phantom, method: &Method) -> Result<Mesh, Pha
     let points = || scan.points.iter().map(|point| upright * point);
     let (low, _) = extent(points());
     let from_above: Vec<Point2<f64>> = points().map(|point| point.xy()).collect();
-    let around = Hull::of(&from_above).ok_or(PhantomFault::TooFewPoints)?.perimeter();
+    let around = Hull::from_points(&from_above).ok_or(PhantomFault::TooFewPoints)?.perimeter();
     let known_mm = phantom.largest_mm();
     let factor_ln = |unit: &Unit| (around * unit.in_mm() / known_mm).ln().abs();
     let nearest = Unit::ALL.into_iter().min_by(|a, b| factor_ln(a).total_cmp(&factor_ln(b)));

@@ -141,7 +141,7 @@ fn shank_and_thigh(leg: &Leg, stature_mm: f64, top_mm: f64) -> Result<FoundAxis,
     let axis = LegAxis::straight(shank.through, &shank.direction, leg.side);
     let (bend, no_thigh) = match thigh(leg, stature_mm, top_mm) {
         Ok((thigh, middle)) => {
-            let bend = Bend::of(&axis.foot, thigh, middle, stature_mm, leg.side);
+            let bend = Bend::new(&axis.foot, thigh, middle, stature_mm, leg.side);
             match bend.angle_deg() {
                 bend_deg if bend_deg > BEND_MAX_DEG => (None, Some(NoThigh::TooBent { bend_deg })),
                 _ => (Some(bend), None),
@@ -166,7 +166,7 @@ pub(crate) fn for_stature(
     let straight = LegAxis::straight(shank.through, &shank.direction, leg.side);
     let Some(bend) = &axis.bend else { return Some(straight) };
     let thigh = next_line(leg, &bend.thigh, &thigh_stretch(stature_mm, top_mm)).ok()?;
-    let bend = Bend::of(&straight.foot, thigh, bend.middle.clone(), stature_mm, leg.side);
+    let bend = Bend::new(&straight.foot, thigh, bend.middle.clone(), stature_mm, leg.side);
     Some(LegAxis { bend: Some(bend), ..straight })
 }
 

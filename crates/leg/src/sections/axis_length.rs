@@ -19,7 +19,7 @@ pub struct AxisLength {
 
 impl AxisLength {
     /// The distances along the axis of these sections.
-    pub fn of(sections: &Sections, stature_mm: f64, tape: Tape) -> AxisLength {
+    pub fn new(sections: &Sections, stature_mm: f64, tape: Tape) -> AxisLength {
         let axis = &sections.axis;
         let from_mm = axis.along_at_height(FROM_STATURE_SHARE * stature_mm);
         let rows = sections.rows.iter().filter_map(|row| row.section.as_ref());

@@ -88,7 +88,13 @@ pub struct Bend {
 
 impl Bend {
     /// The turn from a shank whose axis starts at `foot` to a thigh, on a leg with this middle.
-    pub fn of(foot: &PlaneFrame, thigh: Line, middle: Middle, stature_mm: f64, side: Side) -> Bend {
+    pub fn new(
+        foot: &PlaneFrame,
+        thigh: Line,
+        middle: Middle,
+        stature_mm: f64,
+        side: Side,
+    ) -> Bend {
         let height_mm = [FROM_STATURE_SHARE, TO_STATURE_SHARE].map(|share| share * stature_mm);
         let shank = Line { through: foot.origin, direction: foot.normal };
         let mut bend = Bend {

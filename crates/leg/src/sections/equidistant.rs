@@ -62,11 +62,11 @@ pub fn sections(
     let count = ((to_mm - from_mm) / SPACING_MM).max(0.0) as usize;
     let along_mm: Vec<f64> = (0..count).map(|i| from_mm + SPACING_MM * i as f64).collect();
     let source = match fit {
-        SectionFit::Skin => Source::Skin(Box::new(Skin::of(leg, &axis, from_mm, to_mm)?)),
+        SectionFit::Skin => Source::Skin(Box::new(Skin::fit(leg, &axis, from_mm, to_mm)?)),
         SectionFit::Periodic => Source::Crossings {
             lambda: plane::lambda(&axis, &along_mm, &axis.slices(leg, &along_mm)),
         },
-        SectionFit::Paper => Source::Pairs(Pairs::of(leg, &axis, [from_mm, to_mm])?),
+        SectionFit::Paper => Source::Pairs(Pairs::find(leg, &axis, [from_mm, to_mm])?),
     };
     let mut sections = Sections { axis, source, rows: Vec::new() };
     let found = sections.at(leg, &along_mm);

@@ -11,7 +11,7 @@ pub struct Hull {
 impl Hull {
     /// The convex hull of points, by Andrew's monotone chain (1979). `None` if the points do not
     /// span an area.
-    pub fn of(points: &[Point2<f64>]) -> Option<Hull> {
+    pub fn from_points(points: &[Point2<f64>]) -> Option<Hull> {
         let mut sorted = points.to_vec();
         sorted.sort_by(|p, q| p.x.total_cmp(&q.x).then_with(|| p.y.total_cmp(&q.y)));
         sorted.dedup();
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_square_with_points_inside_and_on_its_edges_is_the_square() {
-        let hull = Hull::of(&square()).unwrap();
+        let hull = Hull::from_points(&square()).unwrap();
         assert_eq!(hull.perimeter(), 8.0);
         assert_eq!(hull.centroid(), Point2::new(1.0, 1.0));
     }
@@ -134,7 +134,7 @@ mod tests {
             .to_vec();
         // Many points on one side would shift the axis of the points.
         points.extend((0..50).map(|i| turn * Point2::new(5.0, 0.04 * f64::from(i))));
-        let axis = Hull::of(&points).unwrap().long_axis();
+        let axis = Hull::from_points(&points).unwrap().long_axis();
         assert!((axis.perp(&(turn * Vector2::x()))).abs() < 1e-12, "{axis}");
     }
 
@@ -148,7 +148,8 @@ mod tests {
                     Point2::new(radius * angle.cos(), radius * angle.sin())
                 })
                 .collect();
-            let (found, expected) = (Hull::of_ring(&ring).unwrap(), Hull::of(&ring).unwrap());
+            let (found, expected) =
+                (Hull::of_ring(&ring).unwrap(), Hull::from_points(&ring).unwrap());
             assert_eq!(found.corners.len(), expected.corners.len());
             assert!((found.perimeter() - expected.perimeter()).abs() < 1e-10);
             assert!((found.centroid() - expected.centroid()).norm() < 1e-10);
@@ -160,7 +161,7 @@ mod tests {
     #[test]
     fn points_on_a_line_have_no_hull() {
         let line: Vec<_> = (0..5).map(|i| Point2::new(f64::from(i), 1.0)).collect();
-        assert_eq!(Hull::of(&line), None);
-        assert_eq!(Hull::of(&[]), None);
+        assert_eq!(Hull::from_points(&line), None);
+        assert_eq!(Hull::from_points(&[]), None);
     }
 }

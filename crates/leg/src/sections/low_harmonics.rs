@@ -138,7 +138,7 @@ impl Waves {
     /// residuals; `None` if the data do not determine them.
     // A function of its own in every build: tests/instructions counts it as a stage.
     #[inline(never)]
-    pub fn of(left: &Left, along: &Basis, around: &Basis) -> Option<(Waves, Vec<f64>)> {
+    pub fn fit(left: &Left, along: &Basis, around: &Basis) -> Option<(Waves, Vec<f64>)> {
         let bins = Bins::over(along);
         let fine = finer(along)?;
         let places: Vec<usize> = left.along.iter().map(|along| bins.place(*along)).collect();
@@ -232,7 +232,7 @@ mod tests {
         let weight = vec![1.0; value.len()];
         let sigma = 0.0;
         let left = Left { along: &along, angle: &angle, value: &value, weight: &weight, sigma };
-        Waves::of(&left, &Basis::uniform_clamped(0.0, 399.0, 33).unwrap(), &around()).unwrap()
+        Waves::fit(&left, &Basis::uniform_clamped(0.0, 399.0, 33).unwrap(), &around()).unwrap()
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub struct Placed {
 pub fn placed(leg: &Leg, sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> Vec<Option<Placed>> {
     let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
     let spokes = measured.map(|section| &section.curve).find_map(|curve| curve.spokes(ANGLES));
-    let ring = |section: &Section| Ring::of(section, spokes.as_ref());
+    let ring = |section: &Section| Ring::from_section(section, spokes.as_ref());
     let rows: Vec<Option<Ring>> =
         sections.rows.iter().map(|row| row.section.as_ref().map(ring)).collect();
     let from_mm = sections.rows.first().map_or(0.0, |row| row.along_mm);
@@ -72,7 +72,7 @@ struct Ring {
 }
 
 impl Ring {
-    fn of(section: &Section, spokes: Option<&Spokes>) -> Ring {
+    fn from_section(section: &Section, spokes: Option<&Spokes>) -> Ring {
         let radii = section.curve.radii(ANGLES, spokes);
         let value = |index: usize| {
             let [before, after] = [index + ANGLES - 1, index + 1].map(|i| radii[i % ANGLES]);

@@ -33,7 +33,7 @@ impl Pairs {
     /// The paper's threshold is "preset" and not given. Here it is the distance within which an
     /// average plane between the two distances has 225 points. It is at least the distance between
     /// planes, so that each plane has points nearby even if the scanner puts its points in rows.
-    pub fn of(leg: &Leg, axis: &LegAxis, [from_mm, to_mm]: [f64; 2]) -> Option<Pairs> {
+    pub fn find(leg: &Leg, axis: &LegAxis, [from_mm, to_mm]: [f64; 2]) -> Option<Pairs> {
         let place = |point: &Point3<f64>| {
             let (along_mm, in_plane) = axis.place(point);
             Point3::new(in_plane.x, in_plane.y, along_mm)
@@ -123,7 +123,7 @@ mod tests {
     fn places_on_a_cylinder_lie_inside_it_by_no_more_than_the_sagitta_of_a_pair() {
         let (radius_mm, count) = (30.0, 1500);
         let leg = leg(Side::Left, spiral(count, |_| radius_mm));
-        let pairs = Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap();
+        let pairs = Pairs::find(&leg, &upright(Side::Left), SPAN_MM).unwrap();
         let spacing_mm = (TAU * radius_mm * 200.0 / f64::from(count)).sqrt();
         // A point is paired with one near its own projection onto the plane: less than two spacings
         // aside.
@@ -147,7 +147,7 @@ mod tests {
             Point3::new(radius * angle.sin(), -radius * angle.cos(), z)
         };
         let points = (0..50).flat_map(|row| (0..60).map(move |column| at(row, column))).collect();
-        let pairs = Pairs::of(&leg(Side::Left, points), &upright(Side::Left), SPAN_MM).unwrap();
+        let pairs = Pairs::find(&leg(Side::Left, points), &upright(Side::Left), SPAN_MM).unwrap();
         for along_mm in [41.0, 57.9, 60.0, 123.4] {
             let places = pairs.on_plane(along_mm);
             assert!(places.len() >= 120, "both rows of a plane: {}", places.len());
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn pairs_are_those_of_comparing_every_point() {
         let leg = leg(Side::Left, spiral(900, |angle| 40.0 + 6.0 * (3.0 * angle).cos()));
-        let pairs = Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap();
+        let pairs = Pairs::find(&leg, &upright(Side::Left), SPAN_MM).unwrap();
         for along_mm in [30.0, 77.7, 140.0] {
             let is_below = |point: &Point3<f64>| point.z < along_mm;
             let mut expected = Vec::new();
@@ -186,7 +186,7 @@ mod tests {
     fn a_mirrored_leg_of_the_other_side_has_the_same_places() {
         let points = spiral(900, |angle| 40.0 + 6.0 * (angle - 0.4).cos());
         let mirrored = points.iter().map(|p| Point3::new(-p.x, p.y, p.z)).collect();
-        let of = |side, points| Pairs::of(&leg(side, points), &upright(side), SPAN_MM).unwrap();
+        let of = |side, points| Pairs::find(&leg(side, points), &upright(side), SPAN_MM).unwrap();
         let (left, right) = (of(Side::Left, points), of(Side::Right, mirrored));
         assert_eq!(left.on_plane(101.5), right.on_plane(101.5));
     }
@@ -195,7 +195,7 @@ mod tests {
     fn the_average_plane_has_225_points_near_it_unless_the_planes_are_further_apart() {
         let threshold_mm = |count| {
             let leg = leg(Side::Left, spiral(count, |_| 50.0));
-            Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap().threshold_mm
+            Pairs::find(&leg, &upright(Side::Left), SPAN_MM).unwrap().threshold_mm
         };
         // 4 points per millimetre, then 100.
         assert!((threshold_mm(800) - 225.0 / 4.0 / 2.0).abs() < 0.2, "{}", threshold_mm(800));
@@ -205,8 +205,8 @@ mod tests {
     #[test]
     fn a_plane_with_points_on_one_side_only_has_no_place() {
         let leg = leg(Side::Left, spiral(900, |_| 40.0));
-        let pairs = Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap();
+        let pairs = Pairs::find(&leg, &upright(Side::Left), SPAN_MM).unwrap();
         assert!(pairs.on_plane(200.5).is_empty() && pairs.on_plane(-0.5).is_empty());
-        assert!(Pairs::of(&leg, &upright(Side::Left), [300.0, 400.0]).is_none());
+        assert!(Pairs::find(&leg, &upright(Side::Left), [300.0, 400.0]).is_none());
     }
 }

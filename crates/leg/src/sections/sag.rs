@@ -54,7 +54,7 @@ pub struct Sag {
 
 impl Sag {
     /// Of a mesh whose points lie at these distances along and angles on a fitted skin; of a point cloud there is none.
-    pub fn of(mesh: &Mesh, places: &[Option<[f64; 2]>], skin: &Tensor) -> Sag {
+    pub fn measure(mesh: &Mesh, places: &[Option<[f64; 2]>], skin: &Tensor) -> Sag {
         let (from_mm, to_mm) = skin.along().domain();
         let mut sums = vec![[0.0; 2]; ((to_mm - from_mm) / BAND_MM).ceil().max(1.0) as usize];
         let last = sums.len() - 1;

@@ -157,12 +157,12 @@ impl Section {
 /// Circumference of a closed curve; `None` if it encloses no area.
 pub fn girth(curve: &Curve) -> Option<Girth> {
     let points = curve.points(GIRTH_ANGLES);
-    Girth::of(&points, Hull::of(&points))
+    Girth::from_polygon(&points, Hull::from_points(&points))
 }
 
 impl Girth {
     /// Circumference of a closed polygon with this hull; `None` if it encloses no area.
-    fn of(points: &[Point2<f64>], hull: Option<Hull>) -> Option<Girth> {
+    fn from_polygon(points: &[Point2<f64>], hull: Option<Hull>) -> Option<Girth> {
         let (first, last) = (points.first()?, points.last()?);
         let steps = points.windows(2).map(|pair| (pair[1] - pair[0]).norm());
         let contour_mm = steps.sum::<f64>() + (first - last).norm();
@@ -194,6 +194,9 @@ impl Spokes {
             Point2::from(direction * row.dot(coefficients))
         };
         let points: Vec<_> = self.spokes.iter().map(point).collect();
-        Girth::of(&points, if is_ring { Hull::of_ring(&points) } else { Hull::of(&points) })
+        Girth::from_polygon(
+            &points,
+            if is_ring { Hull::of_ring(&points) } else { Hull::from_points(&points) },
+        )
     }
 }

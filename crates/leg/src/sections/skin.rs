@@ -113,7 +113,7 @@ struct SkinPoint {
 
 impl Skin {
     /// Fits the skin of a leg between two distances along its axis; `None` if there are too few points.
-    pub fn of(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Skin> {
+    pub fn fit(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Skin> {
         let middle = middle(leg, axis, from_mm, to_mm)?;
         let place = |along_mm: f64| {
             // Both curves have the same basis.
@@ -141,7 +141,7 @@ impl Skin {
         let around = fit.function.around().clone();
         let (weight, sigma) = (fit.weights.as_slice(), fit.sigma);
         let left = Left { along: &u, angle: &v, value: &fit.residuals, weight, sigma };
-        let (waves, residuals) = Waves::of(&left, &along, &around)?;
+        let (waves, residuals) = Waves::fit(&left, &along, &around)?;
         for (point, residual) in points.iter_mut().zip(residuals) {
             point.residual_mm = residual;
         }
@@ -151,7 +151,7 @@ impl Skin {
             .map(|part| part.into_iter().map(|(point, _)| point).collect::<Vec<SkinPoint>>());
         let mut places = vec![None; leg.mesh.points().len()];
         points.iter().for_each(|p| places[p.index] = Some([p.along_mm, p.angle]));
-        let sag = Sag::of(&leg.mesh, &places, &fit.function);
+        let sag = Sag::measure(&leg.mesh, &places, &fit.function);
         let count = points.len() as f64;
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
@@ -230,7 +230,7 @@ impl Skin {
                 let moved = arm + slope * rise_mm;
                 Point2::from(moved + tilt * (tilt.dot(&moved) / 2.0))
             });
-            Some(Hull::of(&tilted.collect::<Vec<_>>())?.perimeter())
+            Some(Hull::from_points(&tilted.collect::<Vec<_>>())?.perimeter())
         };
         let [front, lateral] = [Vector2::x(), Vector2::y()].map(|direction| {
             let tilt = direction * TILT_DEG.to_radians();

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Unit, Vector2, Vector3};
 
-use super::fit_error::Place;
+use super::fit_error::SurfacePoint;
 use super::ridge_parametrization::Columns;
 use crate::parting::segment::Leg;
 use crate::sections::axis::LegAxis;
@@ -41,14 +41,14 @@ impl<'a> Unrolled<'a> {
 
     /// The scan's points between two distances along the axis, mm. They are spread evenly over the
     /// skin, so each represents the same area.
-    pub fn points(&self, leg: &Leg, from_mm: f64, to_mm: f64) -> Vec<Place> {
+    pub fn points(&self, leg: &Leg, from_mm: f64, to_mm: f64) -> Vec<SurfacePoint> {
         let place = |point: &Point3<f64>| {
             let (along_mm, in_plane) = self.axis.place(point);
             (from_mm..=to_mm).contains(&along_mm).then(|| {
                 let arm = in_plane - self.nearest(along_mm).centre;
                 let angle = arm.y.atan2(arm.x);
                 let at = (along_mm, self.columns.column(along_mm, angle));
-                Place { point: *point, at, angle, radius_mm: arm.norm(), area: 1.0 }
+                SurfacePoint { point: *point, at, angle, radius_mm: arm.norm(), area: 1.0 }
             })
         };
         leg.mesh.points().iter().filter_map(place).collect()
@@ -56,7 +56,7 @@ impl<'a> Unrolled<'a> {
 
     /// Points all around the sections, one section after the other, each weighted by the area that it
     /// represents.
-    pub fn sections(&self, sections: &[&Section]) -> Vec<Vec<Place>> {
+    pub fn sections(&self, sections: &[&Section]) -> Vec<Vec<SurfacePoint>> {
         let angles = (0..CHECK_ANGLES)
             .map(|index| -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64)
             .map(|angle| (angle, Vector2::new(angle.cos(), angle.sin())));
@@ -68,7 +68,7 @@ impl<'a> Unrolled<'a> {
                 let [radius_mm, slope, _] = section.curve.derivatives(angle);
                 let point = plane.point(&(section.centre + direction * radius_mm));
                 let at = (section.along_mm, column(angle));
-                Place { point, at, angle, radius_mm, area: radius_mm.hypot(slope) }
+                SurfacePoint { point, at, angle, radius_mm, area: radius_mm.hypot(slope) }
             };
             angles.iter().map(place).collect()
         };
@@ -83,7 +83,7 @@ impl<'a> Unrolled<'a> {
     }
 
     /// Distance of a point outside its outline, mm.
-    pub fn outside_mm(&self, place: &Place) -> f64 {
+    pub fn outside_mm(&self, place: &SurfacePoint) -> f64 {
         place.radius_mm - self.nearest(place.at.0).curve.radius(place.angle)
     }
 

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::fit_error::Place;
+use super::fit_error::SurfacePoint;
 use super::hole::Coverage;
 use super::ridge_parametrization::Columns;
 
@@ -36,11 +36,11 @@ impl ErrorMap {
     /// The map of points on a surface between two distances along the axis, each with its distance outside
     /// the surface, mm. A point counts for the four nodes around it, with bilinear weights, so that noise is
     /// averaged without a shift.
-    pub fn of<'p>(
+    pub fn new<'p>(
         [low, high]: [f64; 2],
         columns: &Columns,
         coverage: &Coverage,
-        points: impl Iterator<Item = (&'p Place, f64)>,
+        points: impl Iterator<Item = (&'p SurfacePoint, f64)>,
     ) -> ErrorMap {
         let pieces = ((high - low) / ROW_MM).ceil().max(1.0);
         let along_mm: Vec<f64> =
@@ -95,10 +95,10 @@ mod tests {
         LegAxis::straight(Point3::origin(), &Vector3::z(), Side::Left)
     }
 
-    fn place(along_mm: f64, angle: f64, radius_mm: f64) -> Place {
+    fn place(along_mm: f64, angle: f64, radius_mm: f64) -> SurfacePoint {
         let across = Point2::new(radius_mm * angle.cos(), radius_mm * angle.sin());
         let point = axis().at(along_mm, &across);
-        Place { point, at: (along_mm, angle), angle, radius_mm, area: 1.0 }
+        SurfacePoint { point, at: (along_mm, angle), angle, radius_mm, area: 1.0 }
     }
 
     fn tube() -> Surface {
@@ -116,18 +116,19 @@ mod tests {
     /// Points 4 mm apart, this far outside the tube; `None` where the tube was not seen.
     fn map(outside_mm: impl Fn(f64, f64) -> Option<f64>) -> ErrorMap {
         let rows = (0..48).map(|i| 4.0 * f64::from(i) + 1.0);
-        let places: Vec<Place> = rows
+        let places: Vec<SurfacePoint> = rows
             .flat_map(|u| (0..78).map(move |j| (u, TAU * f64::from(j) / 78.0 - PI)))
             .filter_map(|(u, v)| Some(place(u, v, RADIUS_MM + outside_mm(u, v)?)))
             .collect();
         let columns = Columns::following(&[], 0.0, LENGTH_MM).unwrap();
         let at: Vec<(f64, f64)> = places.iter().map(|place| place.at).collect();
-        let coverage = Coverage::of([0.0, LENGTH_MM], &at, |_| RADIUS_MM);
+        let coverage = Coverage::find([0.0, LENGTH_MM], &at, |_| RADIUS_MM);
         let tube = tube();
-        let outward = |place: &Place| place.point.coords - Vector3::z() * place.point.z;
-        let off = |place: &Place| Off::of(&tube, place, &outward(place)).outside_mm.unwrap();
+        let outward = |place: &SurfacePoint| place.point.coords - Vector3::z() * place.point.z;
+        let off =
+            |place: &SurfacePoint| Off::measure(&tube, place, &outward(place)).outside_mm.unwrap();
         let points = places.iter().map(|place| (place, off(place)));
-        ErrorMap::of([0.0, LENGTH_MM], &columns, &coverage, points)
+        ErrorMap::new([0.0, LENGTH_MM], &columns, &coverage, points)
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub struct FitError {
 
 /// A point of the skin to be compared.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct SurfacePoint {
     /// The point itself.
     pub point: Point3<f64>,
     /// Its expected position on the surface: distance along the axis, mm, and column.
@@ -45,7 +45,7 @@ pub struct Off {
 impl Off {
     /// The distance of a place within the surface's domain; `outward` is the direction out of the leg there,
     /// of any length.
-    pub fn of(surface: &Surface, place: &Place, outward: &Vector3<f64>) -> Off {
+    pub fn measure(surface: &Surface, place: &SurfacePoint, outward: &Vector3<f64>) -> Off {
         let (u, v) = place.at;
         let here = surface.derivatives(u, v);
         let distance_mm = surface.distance_mm(&place.point, [u, v], here);
@@ -60,7 +60,7 @@ impl Off {
 impl FitError {
     /// The error at places with these distances from a surface, mm; `None` if there are none. The order of
     /// summation is fixed, so the results do not depend on threads.
-    pub fn of(places: &[Place], distances_mm: &[f64]) -> Option<FitError> {
+    pub fn from_distances(places: &[SurfacePoint], distances_mm: &[f64]) -> Option<FitError> {
         let (mut area, mut relative, mut squares, mut max_mm) = (0.0, 0.0, 0.0, 0.0_f64);
         for (place, distance_mm) in places.iter().zip(distances_mm) {
             area += place.area;

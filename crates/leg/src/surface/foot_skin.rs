@@ -28,7 +28,7 @@ pub struct FootSkin {
 impl FootSkin {
     /// The skin of a leg below a plane; `None` for a point cloud, which has no triangles, and for more
     /// points than indices can count.
-    pub fn of(leg: &Leg, below: &PlaneFrame) -> Option<FootSkin> {
+    pub fn new(leg: &Leg, below: &PlaneFrame) -> Option<FootSkin> {
         let foot = leg.mesh.part(|facet| {
             facet.longest_edge_mm() <= EDGE_MAX_MM && below.above(&facet.middle()) <= OVERLAP_MM
         });

@@ -48,7 +48,7 @@ impl Coverage {
     /// Finds the unseen parts of a surface between two distances along the axis, mm, with a radius
     /// of `radius_mm`. `places` are the positions of its points, including those just beyond its
     /// ends: distance along the axis, mm, and column.
-    pub fn of(
+    pub fn find(
         [from_mm, to_mm]: [f64; 2],
         places: &[(f64, f64)],
         radius_mm: impl Fn(f64) -> f64,
@@ -203,7 +203,7 @@ mod tests {
     }
 
     fn coverage(places: &[(f64, f64)]) -> Coverage {
-        Coverage::of([0.0, 320.0], places, |_| 50.0)
+        Coverage::find([0.0, 320.0], places, |_| 50.0)
     }
 
     #[test]

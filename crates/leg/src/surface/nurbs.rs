@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::cylindrical::Unrolled;
 use super::error_map::ErrorMap;
-use super::fit_error::{FitError, Off, Place};
+use super::fit_error::{FitError, Off, SurfacePoint};
 use super::hole::{Coverage, Hole};
 use super::ridge::ridges;
 use super::ridge_parametrization::Columns;
@@ -179,22 +179,22 @@ pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSur
         points.iter().map(|place| unrolled.outside_mm(place).abs() <= STRAY_MM).collect();
     let shown = points.iter().zip(&skin).filter(|(_, is_skin)| **is_skin);
     let shown: Vec<(f64, f64)> = shown.map(|(place, _)| place.at).collect();
-    let coverage = Coverage::of([low, high], &shown, |along_mm| unrolled.radius_mm(along_mm));
+    let coverage = Coverage::find([low, high], &shown, |along_mm| unrolled.radius_mm(along_mm));
     let (to_sections, in_holes) = to_sections(&unrolled, &measured, &surface, &coverage);
     let on_it = points.iter().zip(skin).filter(|(place, _)| (low..=high).contains(&place.at.0));
-    let (on_it, skin): (Vec<Place>, Vec<bool>) = on_it.unzip();
+    let (on_it, skin): (Vec<SurfacePoint>, Vec<bool>) = on_it.unzip();
     let off: Vec<Off> = on_it
         .par_iter()
-        .map(|place| Off::of(&surface, place, &unrolled.arm(&place.point, place.at.0)))
+        .map(|place| Off::measure(&surface, place, &unrolled.arm(&place.point, place.at.0)))
         .collect();
     let distances_mm: Vec<f64> = off.iter().map(|off| off.distance_mm).collect();
-    let to_points = FitError::of(&on_it, &distances_mm);
+    let to_points = FitError::from_distances(&on_it, &distances_mm);
     let (Some(to_sections), Some(to_points)) = (to_sections, to_points) else {
         return Err(NoSurface::NothingSeen);
     };
     let outside = on_it.iter().zip(&off).zip(skin).filter(|(_, is_skin)| *is_skin);
     let outside = outside.filter_map(|((place, off), _)| Some((place, off.outside_mm?)));
-    let error_map = ErrorMap::of([low, high], &columns, &coverage, outside);
+    let error_map = ErrorMap::new([low, high], &columns, &coverage, outside);
     let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
         .map(|outline| axis.at(outline.along_mm, &outline.centre).z);
     Ok(LegSurface {
@@ -314,9 +314,9 @@ fn to_sections(
     coverage: &Coverage,
 ) -> (Option<FitError>, Option<FitError>) {
     let places = unrolled.sections(sections);
-    let distances_mm = |(section, places): (&&Section, &Vec<Place>)| -> Vec<f64> {
+    let distances_mm = |(section, places): (&&Section, &Vec<SurfacePoint>)| -> Vec<f64> {
         let line = surface.line(section.along_mm);
-        let distance_mm = |place: &Place| {
+        let distance_mm = |place: &SurfacePoint| {
             let (u, v) = place.at;
             surface.distance_mm(&place.point, [u, v], line.derivatives(v))
         };
@@ -324,12 +324,12 @@ fn to_sections(
     };
     let distances_mm: Vec<f64> =
         sections.par_iter().zip(&places).flat_map_iter(distances_mm).collect();
-    let is_in_hole = |(place, _): &(Place, f64)| coverage.is_in_hole(place.at.0, place.at.1);
+    let is_in_hole = |(place, _): &(SurfacePoint, f64)| coverage.is_in_hole(place.at.0, place.at.1);
     let places = places.into_iter().flatten().zip(distances_mm);
     let (in_holes, seen): (Vec<_>, Vec<_>) = places.partition(is_in_hole);
-    let error = |places: Vec<(Place, f64)>| {
-        let (places, distances_mm): (Vec<Place>, Vec<f64>) = places.into_iter().unzip();
-        FitError::of(&places, &distances_mm)
+    let error = |places: Vec<(SurfacePoint, f64)>| {
+        let (places, distances_mm): (Vec<SurfacePoint>, Vec<f64>) = places.into_iter().unzip();
+        FitError::from_distances(&places, &distances_mm)
     };
     (error(seen), error(in_holes))
 }

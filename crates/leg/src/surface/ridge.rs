@@ -52,7 +52,7 @@ impl Ridge {
 
 /// The ridges of a leg's sections (which ascend).
 pub fn ridges(sections: &[&Section]) -> Vec<Ridge> {
-    let Some(angles) = sections.first().map(|section| Angles::of(section)) else {
+    let Some(angles) = sections.first().map(|section| Angles::from_section(section)) else {
         return Vec::new();
     };
     let mut ridges: Vec<Ridge> = Vec::new();

@@ -52,7 +52,7 @@ pub struct OnPlane {
 
 impl Shape {
     /// The shape of a leg.
-    pub fn of(leg: &Leg, sections: &Sections, surface: Option<&LegSurface>) -> Shape {
+    pub fn new(leg: &Leg, sections: &Sections, surface: Option<&LegSurface>) -> Shape {
         let rows = sections.rows.iter().step_by(ROWS_APART);
         let ring = |section: &Section| {
             let plane = sections.axis.plane(section.along_mm);
@@ -64,7 +64,7 @@ impl Shape {
         Shape {
             skin,
             foot: lowest
-                .and_then(|section| FootSkin::of(leg, &sections.axis.plane(section.along_mm))),
+                .and_then(|section| FootSkin::new(leg, &sections.axis.plane(section.along_mm))),
             surface: surface.map(|leg| rows_of(&leg.surface, &leg.columns, &leg.error_map)),
             scan: share(points, SCAN_POINTS),
         }

@@ -28,7 +28,7 @@ fn girth(at: &AtHeight) -> &HeightGirth {
 fn a_cone_has_the_girth_of_its_radius_at_every_height_asked_for_in_the_order_asked() {
     let radius = |_: f64, along: f64| 30.0 + 0.05 * along;
     let heights = [500.0, 100.0, 103.7, 100.0, 249.9];
-    let found = at(&Tube::of(&radius), &heights);
+    let found = at(&Tube::upright(&radius), &heights);
     assert_eq!(found.iter().map(|at| at.height_mm).collect::<Vec<_>>(), heights);
     for found in &found {
         let expected = TAU * radius(0.0, found.height_mm);
@@ -45,7 +45,7 @@ fn a_height_is_that_of_the_section_s_centre_on_a_tilted_leg() {
     let direction = Vector3::new(0.14, -0.08, 1.0);
     let foot = Point3::new(90.0, -20.0, 0.0);
     let upright = direction.normalize().z;
-    for found in at(&Tube { direction, foot, ..Tube::of(&radius) }, &[100.0, 333.3, 600.0]) {
+    for found in at(&Tube { direction, foot, ..Tube::upright(&radius) }, &[100.0, 333.3, 600.0]) {
         let along_mm = found.height_mm / upright;
         near(girth(&found).along_mm, along_mm, 0.2, "along");
         near(girth(&found).girth_tape_mm, TAU * radius(0.0, along_mm), 0.1, "tape");
@@ -62,7 +62,7 @@ fn what_was_not_seen_has_no_girth_and_a_gap_is_a_doubt() {
         };
         off_deg(angle.to_degrees(), 30.0) < wide / 2.0
     };
-    let tube = Tube { columns: 360, hole: &hole, ..Tube::of(&|_, _| 50.0) };
+    let tube = Tube { columns: 360, hole: &hole, ..Tube::upright(&|_, _| 50.0) };
     let found = at(&tube, &[250.0, 340.0, 530.0, 30.0, 900.0]);
     assert!(girth(&found[0]).doubts.is_empty());
     assert_eq!(found[1].found, Err(NoGirth::NotSeen));

@@ -28,7 +28,7 @@ fn a_cylinder_has_the_girth_of_its_radius_at_every_height() {
             if is_scattered && fit == SectionFit::Paper {
                 continue;
             }
-            let tube = Tube { is_scattered, ..Tube::of(&shape) };
+            let tube = Tube { is_scattered, ..Tube::upright(&shape) };
             for section in all(&tube.sections(fit)) {
                 let what = format!("{fit:?}, scattered {is_scattered}, {} mm", section.along_mm);
                 near(section.girth.tape_mm, TAU * radius, tolerance, &what);
@@ -43,7 +43,8 @@ fn a_cylinder_has_the_girth_of_its_radius_at_every_height() {
 fn the_paper_s_lines_are_chords_and_its_polynomial_swings_where_they_leave_a_gap() {
     for radius in [28.0, 50.0, 80.0] {
         let shape = move |_: f64, _: f64| radius;
-        let sections = Tube { is_scattered: true, ..Tube::of(&shape) }.sections(SectionFit::Paper);
+        let sections =
+            Tube { is_scattered: true, ..Tube::upright(&shape) }.sections(SectionFit::Paper);
         let found = sections.rows.iter().filter_map(|row| row.section.as_ref());
         let mut off: Vec<f64> = found.map(|s| s.girth.tape_mm - TAU * radius).collect();
         off.sort_by(f64::total_cmp);
@@ -59,7 +60,8 @@ fn the_paper_s_lines_are_chords_and_its_polynomial_swings_where_they_leave_a_gap
 #[test]
 fn the_girth_curve_of_a_cylinder_is_level_and_it_has_no_feature() {
     let shape = |_: f64, _: f64| 50.0;
-    let sections = Tube { is_scattered: true, ..Tube::of(&shape) }.sections(SectionFit::Periodic);
+    let sections =
+        Tube { is_scattered: true, ..Tube::upright(&shape) }.sections(SectionFit::Periodic);
     let curve = curve_of(&sections);
     let (from, to) = curve.domain();
     for along in (from as usize..to as usize).map(|along| along as f64 + 0.5) {
@@ -79,7 +81,7 @@ fn the_girth_curve_of_a_cylinder_is_level_and_it_has_no_feature() {
 fn noise_does_not_lengthen_the_girth_and_is_told_by_the_residuals() {
     let shape = |_: f64, _: f64| 50.0;
     for noise_mm in [0.3, 0.5, 1.0] {
-        let tube = Tube { noise_mm, is_scattered: true, ..Tube::of(&shape) };
+        let tube = Tube { noise_mm, is_scattered: true, ..Tube::upright(&shape) };
         let sections = tube.sections(SectionFit::Periodic);
         let sections = all(&sections);
         let mean = |value: fn(&Section) -> f64| {
@@ -96,7 +98,7 @@ fn noise_does_not_lengthen_the_girth_and_is_told_by_the_residuals() {
 fn the_girth_of_a_cone_grows_evenly_and_its_surface_is_the_cone() {
     let (base, growth) = (30.0, 0.05);
     let shape = |_: f64, along: f64| base + growth * along;
-    let tube = Tube::of(&shape);
+    let tube = Tube::upright(&shape);
     for fit in FITS {
         let sections = tube.sections(fit);
         for section in all(&sections) {
@@ -153,7 +155,7 @@ fn an_elliptic_tube_has_the_perimeter_of_its_ellipse() {
     ];
     for (long, short, fit, is_scattered, tolerance) in cases {
         let shape = ellipse(long, short);
-        for section in all(&Tube { is_scattered, ..Tube::of(&shape) }.sections(fit)) {
+        for section in all(&Tube { is_scattered, ..Tube::upright(&shape) }.sections(fit)) {
             let what = format!("{long} × {short}, {fit:?}, {} mm", section.along_mm);
             near(section.girth.tape_mm, ellipse_mm(long, short), tolerance, &what);
             near(section.girth.contour_mm, ellipse_mm(long, short), tolerance, &what);
@@ -168,7 +170,7 @@ fn the_paper_s_section_has_the_girth_of_two_and_three_waves() {
         let radius = move |t: f64| 50.0 + amplitude * (waves * (t - 0.35)).cos();
         let shape = move |angle: f64, _: f64| radius(angle);
         let (contour, tape) = (contour_mm(radius), tape_mm(radius));
-        for section in all(&Tube::of(&shape).sections(SectionFit::Paper)) {
+        for section in all(&Tube::upright(&shape).sections(SectionFit::Paper)) {
             near(section.girth.contour_mm, contour, REGULAR_MM, "contour");
             near(section.girth.tape_mm, tape, REGULAR_MM, "tape");
         }
@@ -183,7 +185,7 @@ fn a_tape_bridges_hollows_and_the_contour_does_not() {
     assert!(contour - tape > 1.5, "the section must be hollow: {tape} and {contour}");
     for fit in FITS {
         // An odd number, so that no column stands at the back, where the paper's polynomial is open.
-        let tube = Tube { columns: 71, ..Tube::of(&shape) };
+        let tube = Tube { columns: 71, ..Tube::upright(&shape) };
         for section in all(&tube.sections(fit)) {
             near(section.girth.tape_mm, tape, REGULAR_MM, "tape");
             near(section.girth.contour_mm, contour, REGULAR_MM, "contour");
@@ -200,7 +202,8 @@ fn the_axis_of_a_tilted_tube_is_found_with_its_foot_and_its_heights() {
         let shapes: [&dyn Fn(f64, f64) -> f64; 2] = [&shape, &round];
         for (radius, girth) in shapes.into_iter().zip([ellipse_mm(55.0, 45.0), TAU * 50.0]) {
             let foot = Point3::new(90.0, -20.0, 0.0);
-            let tube = Tube { side, foot, direction: tilt, is_scattered: true, ..Tube::of(radius) };
+            let tube =
+                Tube { side, foot, direction: tilt, is_scattered: true, ..Tube::upright(radius) };
             let sections = tube.sections(SectionFit::Periodic);
             let axis = &sections.axis;
             let off_deg = axis.foot.normal.angle(&tilt).to_degrees();
@@ -222,7 +225,7 @@ fn the_principal_axis_of_an_even_tube_is_its_own_and_points_up() {
     let oval = ellipse(55.0, 45.0);
     for side in Side::BOTH {
         let foot = Point3::new(90.0, -20.0, 0.0);
-        let leg = Tube { side, foot, is_scattered: true, ..Tube::of(&oval) }.leg();
+        let leg = Tube { side, foot, is_scattered: true, ..Tube::upright(&oval) }.leg();
         let axis = principal_axis(&leg, CROTCH_MM).unwrap();
         assert!(axis.foot.normal.z > 0.0 && axis.tilt_deg() < 0.1, "{}", axis.tilt_deg());
         assert!((axis.foot.origin - foot).norm() < 0.5, "{}", axis.foot.origin);
@@ -230,7 +233,7 @@ fn the_principal_axis_of_an_even_tube_is_its_own_and_points_up() {
     }
     // The horizontal cut at the crotch, oblique to a leaning leg, turns it a little.
     let direction = Vector3::new(0.14, -0.08, 1.0);
-    let leg = Tube { direction, ..Tube::of(&oval) }.leg();
+    let leg = Tube { direction, ..Tube::upright(&oval) }.leg();
     let off_deg =
         principal_axis(&leg, CROTCH_MM).unwrap().foot.normal.angle(&direction).to_degrees();
     assert!(off_deg < 0.5, "{off_deg}° off");
@@ -241,7 +244,7 @@ fn the_principal_axis_leans_towards_what_was_seen_and_that_of_centroids_does_not
     let round = |_: f64, _: f64| 50.0;
     // A sixth of the skin unseen, at the back of the upper half of the leg.
     let hole = |angle: f64, along: f64| along > 350.0 && off_deg(angle.to_degrees(), 180.0) < 30.0;
-    let leg = Tube { hole: &hole, ..Tube::of(&round) }.leg();
+    let leg = Tube { hole: &hole, ..Tube::upright(&round) }.leg();
     let principal = principal_axis(&leg, CROTCH_MM).unwrap();
     let centroids = axis(&leg, STATURE_MM, CROTCH_MM).unwrap();
     // Towards the front, −y.
@@ -252,10 +255,10 @@ fn the_principal_axis_leans_towards_what_was_seen_and_that_of_centroids_does_not
 #[test]
 fn a_leg_that_lies_or_has_hardly_a_point_has_no_principal_axis() {
     let round = |_: f64, _: f64| 50.0;
-    let lying = Tube { direction: Vector3::new(1.0, 0.0, 1.0), ..Tube::of(&round) }.leg();
+    let lying = Tube { direction: Vector3::new(1.0, 0.0, 1.0), ..Tube::upright(&round) }.leg();
     let fault = principal_axis(&lying, CROTCH_MM).unwrap_err();
     assert!(matches!(fault, AxisFault::Leaning { tilt_deg } if tilt_deg > 35.0), "{fault}");
-    let fault = principal_axis(&Tube::of(&round).leg(), -60.0).unwrap_err();
+    let fault = principal_axis(&Tube::upright(&round).leg(), -60.0).unwrap_err();
     assert!(matches!(fault, AxisFault::TooFewPoints { found: 72, .. }), "{fault}");
 }
 
@@ -270,7 +273,7 @@ fn the_axis_goes_through_the_centroid_of_the_area_inside_not_of_the_hull() {
     let area = integral(&|t| radius(t).powi(2) / 2.0);
     let ahead = integral(&|t| radius(t).powi(3) * t.cos() / 3.0) / area;
     let aside = integral(&|t| radius(t).powi(3) * t.sin() / 3.0) / area;
-    let foot = Tube::of(&shape).sections(SectionFit::Periodic).axis.foot.origin;
+    let foot = Tube::upright(&shape).sections(SectionFit::Periodic).axis.foot.origin;
     near(foot.y, -ahead, 0.05, "front");
     near(foot.x, aside, 0.05, "lateral");
 }
@@ -289,7 +292,7 @@ fn a_hole_of_up_to_40_degrees_costs_less_than_a_fifth_of_a_millimetre_of_girth()
             [20.0, 40.0].into_iter().flat_map(|w| [0.0, 60.0, 90.0, 180.0].map(|at| (w, at)))
         {
             let hole = hole(width, at);
-            let tube = Tube { columns: 360, ring_mm: 10.0, hole: &hole, ..Tube::of(radius) };
+            let tube = Tube { columns: 360, ring_mm: 10.0, hole: &hole, ..Tube::upright(radius) };
             for section in all(&tube.sections(SectionFit::Periodic)) {
                 let what = format!("{width}° at {at}°");
                 near(section.girth.tape_mm, girth, 0.2, &what);
@@ -306,7 +309,7 @@ fn open_where_wide(fit: SectionFit, at: f64, [narrow, wide]: [f64; 2]) {
     let hole = |angle: f64, along: f64| {
         if (300.0..400.0).contains(&along) { wide(angle, along) } else { narrow(angle, along) }
     };
-    let tube = Tube { columns: 360, hole: &hole, ..Tube::of(&round) };
+    let tube = Tube { columns: 360, hole: &hole, ..Tube::upright(&round) };
     for row in &tube.sections(fit).rows {
         let is_wide = (300.0..400.0).contains(&row.along_mm);
         // The skin sees a plane by the points of a few millimetres to either side of it.
@@ -337,7 +340,7 @@ fn a_wide_hole_over_a_hand_s_breadth_does_not_bend_the_girth_curve() {
     let round = |_: f64, _: f64| 50.0;
     let wide = hole(120.0, 30.0);
     let hole = |angle: f64, along: f64| (300.0..380.0).contains(&along) && wide(angle, along);
-    let sections = Tube { hole: &hole, ..Tube::of(&round) }.sections(SectionFit::Periodic);
+    let sections = Tube { hole: &hole, ..Tube::upright(&round) }.sections(SectionFit::Periodic);
     let curve = curve_of(&sections);
     assert!(!curve.is_seen(340.0));
     assert!(curve.is_seen(250.0));
@@ -356,7 +359,7 @@ fn the_girth_of_a_leaning_tube_in_a_horizontal_plane_changes_with_the_tilt_as_an
     for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-0.6, 0.8)] {
         let lean = lean_deg.to_radians().tan();
         let direction = Vector3::new(x * lean, y * lean, 1.0);
-        let leg = Tube { direction, ..Tube::of(&|_, _| radius_mm) }.leg();
+        let leg = Tube { direction, ..Tube::upright(&|_, _| radius_mm) }.leg();
         let horizontal = LegAxis::straight(Point3::origin(), &Vector3::z(), leg.side);
         let found = sections(&leg, horizontal, [60.0, 600.0], SectionFit::Skin).unwrap();
         let Source::Skin(skin) = &found.source else { panic!("no skin") };

@@ -19,7 +19,7 @@ use super::features::{check, found, superellipse};
 fn an_ellipse_is_most_curved_at_its_tips_and_least_at_its_sides() {
     let (long, short) = (60.0, 40.0);
     let shape = ellipse(long, short);
-    let sections = Tube::of(&shape).sections(SectionFit::Periodic);
+    let sections = Tube::upright(&shape).sections(SectionFit::Periodic);
     for section in all(&sections) {
         let found = features(&sections.axis.plane(section.along_mm), section);
         let (tip, side) = (long / short.powi(2), short / long.powi(2));
@@ -56,7 +56,7 @@ fn a_superposed_cosine_has_as_many_peaks_and_valleys_as_waves_and_they_are_where
         let (n, mean) = (f64::from(waves), 50.0);
         let radius = move |t: f64| mean + amplitude * (n * (t - TURN_DEG.to_radians())).cos();
         let shape = move |angle: f64, _: f64| radius(angle);
-        let sections = Tube::of(&shape).sections(SectionFit::Periodic);
+        let sections = Tube::upright(&shape).sections(SectionFit::Periodic);
         // Where r' is 0 the curvature is 1/r − r''/r²; waves count the less the finer they are.
         let curvature = |r: f64, bend: f64| 1.0 / r - bend / (r * r);
         let kept = amplitude / (1.0 + (n / 7.5).powi(6));
@@ -94,7 +94,7 @@ fn left_and_right_legs_that_mirror_each_other_have_the_same_labels_and_angles() 
         let foot = Point3::new(120.0 * side.lateral_sign(), 30.0, 0.0);
         let direction = Vector3::new(0.12 * side.lateral_sign(), -0.05, 1.0);
         let sections =
-            Tube { side, foot, direction, ..Tube::of(&shape) }.sections(SectionFit::Periodic);
+            Tube { side, foot, direction, ..Tube::upright(&shape) }.sections(SectionFit::Periodic);
         let section = all(&sections)[60].clone();
         features(&sections.axis.plane(section.along_mm), &section)
     };
@@ -191,7 +191,7 @@ fn on_recorded_bodies_each_point_has_the_extreme_curvature_of_its_own_turn() {
                 let curvatures = curvatures(&at.section, 360);
                 let mean = curvatures.iter().sum::<f64>() / 360.0;
                 for index in 0..at.features.len() {
-                    let turn = Turn::of(at, index, &curvatures);
+                    let turn = TurningPoint::new(at, index, &curvatures);
                     let short = (turn.extreme - turn.own) / mean;
                     let place = (name, noise_mm, at.level, index);
                     assert!(short < 0.01, "{place:?}: {short} of the mean curvature from it");
@@ -208,7 +208,7 @@ fn on_recorded_bodies_each_point_has_the_extreme_curvature_of_its_own_turn() {
 }
 
 /// The curvatures between the points before and after one, positive towards its extreme.
-struct Turn {
+struct TurningPoint {
     sign: f64,
     extreme: f64,
     /// At the point.
@@ -217,8 +217,8 @@ struct Turn {
     off_deg: f64,
 }
 
-impl Turn {
-    fn of(at: &LevelSection, index: usize, curvatures: &[f64]) -> Turn {
+impl TurningPoint {
+    fn new(at: &LevelSection, index: usize, curvatures: &[f64]) -> TurningPoint {
         let count = at.features.len();
         let [before, own, after] =
             [count - 1, 0, 1].map(|step| at.features[(index + step) % count]);
@@ -230,7 +230,7 @@ impl Turn {
         let most = places.max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap();
         let place = (own.angle_deg + 180.0).rem_euclid(360.0);
         let (below, part) = (place as usize, place.fract());
-        Turn {
+        TurningPoint {
             sign,
             extreme: size(most),
             own: size(below) * (1.0 - part) + size(below + 1) * part,

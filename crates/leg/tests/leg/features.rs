@@ -125,7 +125,7 @@ fn noise_alone_makes_no_point() {
     for ((radius, count), noise_mm) in
         shapes.into_iter().flat_map(|shape| [0.3, 1.0, 1.5].map(|noise_mm| (shape, noise_mm)))
     {
-        let tube = Tube { noise_mm, is_scattered: true, columns: 48, ..Tube::of(radius) };
+        let tube = Tube { noise_mm, is_scattered: true, columns: 48, ..Tube::upright(radius) };
         let sections = tube.sections(SectionFit::Skin);
         for section in all(&sections) {
             let found = features(&sections.axis.plane(section.along_mm), section);
@@ -133,7 +133,7 @@ fn noise_alone_makes_no_point() {
         }
     }
     // A plane's own crossings are few: what noise makes of them must be told from their residuals.
-    let tube = Tube { noise_mm: 1.0, is_scattered: true, columns: 48, ..Tube::of(&ellipse) };
+    let tube = Tube { noise_mm: 1.0, is_scattered: true, columns: 48, ..Tube::upright(&ellipse) };
     let sections = tube.sections(SectionFit::Periodic);
     let more =
         |section: &&Section| features(&sections.axis.plane(section.along_mm), section).len() > 4;
@@ -149,7 +149,7 @@ fn the_standard_error_tells_how_far_noise_moves_a_point() {
         45.0 + 3.0 * (2.0 * (angle - 0.3)).cos() + 4.0 * (-bump).exp()
     };
     let sections = |noise_mm: f64, seed: u64| {
-        let tube = Tube { noise_mm, seed, is_scattered: true, ..Tube::of(&shape) };
+        let tube = Tube { noise_mm, seed, is_scattered: true, ..Tube::upright(&shape) };
         tube.sections(SectionFit::Skin)
     };
     let exact = sections(0.0, 1);

@@ -92,7 +92,7 @@ proptest! {
             noise_mm: shape.noise_mm,
             is_scattered: true,
             seed: shape.seed | 1,
-            ..Tube::of(&radius)
+            ..Tube::upright(&radius)
         };
         let sections = tube.sections(SectionFit::default());
         let near = |along: f64| sections.nearest(along);

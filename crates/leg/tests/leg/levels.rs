@@ -39,7 +39,7 @@ fn a_cylinder_and_a_cone_have_no_level() {
     let cone = |_: f64, along: f64| 30.0 + 0.05 * along;
     let shapes: [&dyn Fn(f64, f64) -> f64; 2] = [&cylinder, &cone];
     for (radius, fit) in shapes.into_iter().flat_map(|shape| FITS.map(|fit| (shape, fit))) {
-        assert_eq!(levels(&Tube { is_scattered: true, ..Tube::of(radius) }.sections(fit)), []);
+        assert_eq!(levels(&Tube { is_scattered: true, ..Tube::upright(radius) }.sections(fit)), []);
     }
 }
 
@@ -47,7 +47,7 @@ fn a_cylinder_and_a_cone_have_no_level() {
 fn noise_alone_makes_no_level() {
     let shape = |_: f64, _: f64| 50.0;
     for (seed, noise_mm) in (1..=8).flat_map(|seed| [(seed, 0.3), (seed, 0.7)]) {
-        let tube = Tube { seed, noise_mm, is_scattered: true, ..Tube::of(&shape) };
+        let tube = Tube { seed, noise_mm, is_scattered: true, ..Tube::upright(&shape) };
         assert_eq!(levels(&tube.sections(SectionFit::Periodic)), [], "seed {seed}, {noise_mm} mm");
     }
 }
@@ -68,7 +68,7 @@ fn b_b1_c_and_d_of_a_wave_are_at_its_turning_points_and_its_steepest_place() {
         (Level::D, 520.0, 37.0, 0.5),
     ];
     for fit in FITS {
-        let found = levels(&Tube { is_scattered: true, ..Tube::of(&shape) }.sections(fit));
+        let found = levels(&Tube { is_scattered: true, ..Tube::upright(&shape) }.sections(fit));
         assert_eq!(names(&found), Level::SOUGHT);
         for (level, (_, height, radius, tolerance)) in found.iter().zip(expected) {
             let what = format!("{fit:?} {:?}", level.level);
@@ -91,7 +91,7 @@ fn heights_are_vertical_and_distances_along_the_axis_are_not() {
     let shape = wave(45.0, 8.0);
     let direction = Vector3::new(0.15, -0.1, 1.0);
     let upright = direction.normalize().z;
-    let found = levels(&Tube { direction, ..Tube::of(&shape) }.sections(SectionFit::Periodic));
+    let found = levels(&Tube { direction, ..Tube::upright(&shape) }.sections(SectionFit::Periodic));
     for (level, along) in found.iter().zip([120.0, 220.0, 320.0, 520.0]) {
         let what = format!("{:?}", level.level);
         let tolerance = if level.level == Level::B1 { 1.5 } else { 0.5 };
@@ -104,7 +104,7 @@ fn heights_are_vertical_and_distances_along_the_axis_are_not() {
 /// Why each level of an exact tube is absent.
 fn absences(shape: &dyn Fn(f64, f64) -> f64) -> (Vec<Level>, Vec<(Level, Absence)>) {
     let Levels { found, absent } =
-        search(&Tube::of(shape).sections(SectionFit::Periodic), B1::Steepest);
+        search(&Tube::upright(shape).sections(SectionFit::Periodic), B1::Steepest);
     (names(&found), absent)
 }
 
@@ -142,7 +142,7 @@ fn a_level_that_is_not_there_is_absent_and_says_why() {
 fn an_extremum_that_stands_out_by_less_than_a_tape_reads_is_doubted_and_d_is_never_shallow() {
     // Girth goes up and down by 2π · 0.2 = 1.26 mm.
     let shape = wave(45.0, 0.1);
-    let found = levels(&Tube::of(&shape).sections(SectionFit::Periodic));
+    let found = levels(&Tube::upright(&shape).sections(SectionFit::Periodic));
     assert_eq!(names(&found), [Level::B, Level::B1, Level::C]);
     for level in found.iter().filter(|level| level.level != Level::B1) {
         let [Doubt::Shallow { prominence_mm }] = level.doubts[..] else {
@@ -164,7 +164,7 @@ fn an_extremum_at_the_end_of_the_search_is_doubted() {
         let amplitude = if along < 280.0 { 8.0 } else { 4.0 };
         53.0 - amplitude * (1.0 + (TAU * (along - 80.0) / 400.0).cos())
     };
-    let found = levels(&Tube::of(&shape).sections(SectionFit::Periodic));
+    let found = levels(&Tube::upright(&shape).sections(SectionFit::Periodic));
     assert_eq!(names(&found), Level::SOUGHT);
     near(found[0].height_mm, 80.0, 0.5, "B");
     let [Doubt::Shallow { prominence_mm }, Doubt::Edge { end_mm }] = found[0].doubts[..] else {
@@ -180,7 +180,7 @@ fn an_extremum_that_noise_moves_by_more_than_a_finger_s_breadth_is_doubted() {
     // One wide valley: B is at 180 mm and nothing else is there.
     let shape = |_: f64, along: f64| 45.0 - (TAU * (along - 180.0) / 800.0).cos();
     let of = |noise_mm: f64| {
-        let tube = Tube { noise_mm, is_scattered: true, ..Tube::of(&shape) };
+        let tube = Tube { noise_mm, is_scattered: true, ..Tube::upright(&shape) };
         let [b] = <[Landmark; 1]>::try_from(levels(&tube.sections(SectionFit::Skin))).unwrap();
         b
     };
@@ -204,14 +204,14 @@ fn two_valleys(lean: f64) -> impl Fn(f64, f64) -> f64 {
 fn two_minima_that_cannot_be_told_apart_are_doubted_and_the_other_is_named() {
     for fit in FITS {
         let shape = two_valleys(0.0);
-        let found = levels(&Tube::of(&shape).sections(fit));
+        let found = levels(&Tube::upright(&shape).sections(fit));
         assert_eq!(names(&found), Level::SOUGHT, "{fit:?}");
         let [Doubt::Double { other_height_mm }] = found[0].doubts[..] else { panic!("{found:?}") };
         near((found[0].height_mm - 120.0).abs(), 18.3, 1.0, "B");
         near(other_height_mm + found[0].height_mm, 240.0, 1.5, "the other minimum");
         // One valley lower than the other by 2π · 0.005 · 36 mm = 1.1 mm of girth.
         let shape = two_valleys(0.005);
-        let found = levels(&Tube::of(&shape).sections(fit));
+        let found = levels(&Tube::upright(&shape).sections(fit));
         assert_eq!(found[0].doubts, [], "{fit:?}");
         assert!(found[0].height_mm < 110.0, "{fit:?}: {}", found[0].height_mm);
     }
@@ -221,7 +221,7 @@ fn two_minima_that_cannot_be_told_apart_are_doubted_and_the_other_is_named() {
 fn b1_at_a_fixed_height_above_b_is_there_and_says_so() {
     let (shape, direction) = (wave(45.0, 8.0), Vector3::new(0.15, -0.1, 1.0));
     let upright = direction.normalize().z;
-    let sections = Tube { direction, ..Tube::of(&shape) }.sections(SectionFit::Periodic);
+    let sections = Tube { direction, ..Tube::upright(&shape) }.sections(SectionFit::Periodic);
     let b1_of = |distance_mm: f64| {
         let Levels { found, absent } = search(&sections, B1::AboveB { distance_mm });
         let b1 = found.into_iter().find(|landmark| landmark.level == Level::B1);
@@ -242,7 +242,7 @@ fn b1_at_a_fixed_height_needs_b_but_no_calf() {
     let rising = |_: f64, along: f64| 37.0 + 1e-4 * (along - 120.0).powi(2);
     let cone = |_: f64, along: f64| 30.0 + 0.05 * along;
     let of = |shape: &dyn Fn(f64, f64) -> f64| {
-        let sections = Tube::of(shape).sections(SectionFit::Periodic);
+        let sections = Tube::upright(shape).sections(SectionFit::Periodic);
         search(&sections, B1::AboveB { distance_mm: 80.0 })
     };
     let found = of(&rising).found;
@@ -257,7 +257,7 @@ fn the_edge_of_a_sock_is_not_the_calf_but_is_told() {
     // It stands out by 2.4 mm at 255 mm; the calf is at 320 mm.
     let sock = |along: f64| 2.4 * (-((along - 255.0) / 12.0).powi(2)).exp();
     let shape = move |_: f64, along: f64| wave(45.0, 8.0)(0.0, along) + sock(along);
-    let found = levels(&Tube::of(&shape).sections(SectionFit::Periodic));
+    let found = levels(&Tube::upright(&shape).sections(SectionFit::Periodic));
     let c = found.iter().find(|landmark| landmark.level == Level::C).unwrap();
     near(c.height_mm, 320.0, 1.0, "C");
     let [Doubt::Several { other_height_mm }] = c.doubts[..] else { panic!("{c:?}") };
@@ -269,8 +269,8 @@ fn a_fold_narrower_than_the_fit_can_follow_is_in_the_girth_s_error() {
     // A furrow at B, 5 mm deep and 16 mm wide: 31 mm of girth.
     let furrow = |along: f64| 5.0 * (-((along - 120.0) / 7.0).powi(2)).exp();
     let shape = move |_: f64, along: f64| wave(45.0, 8.0)(0.0, along) - furrow(along);
-    let plain = levels(&Tube::of(&wave(45.0, 8.0)).sections(SectionFit::Skin));
-    let found = levels(&Tube::of(&shape).sections(SectionFit::Skin));
+    let plain = levels(&Tube::upright(&wave(45.0, 8.0)).sections(SectionFit::Skin));
+    let found = levels(&Tube::upright(&shape).sections(SectionFit::Skin));
     let (off_mm, sd_mm) = (found[0].girth_tape_mm - TAU * (37.0 - 5.0), found[0].girth_sd_mm);
     assert!(off_mm.abs() < 3.0 * sd_mm, "{off_mm}, sd {sd_mm}");
     assert!(sd_mm > 3.0 * plain[0].girth_sd_mm, "{:?}", plain[0]);

@@ -67,7 +67,7 @@ fn cone(_: f64, along: f64) -> f64 {
 #[test]
 fn g_is_as_far_below_the_crotch_as_the_method_says() {
     for distance_mm in [20.0, 50.0, 100.0] {
-        let (report, _) = report(&Tube::of(&cone), &below(distance_mm));
+        let (report, _) = report(&Tube::upright(&cone), &below(distance_mm));
         let g = found(&report, Level::G);
         near(g.height_mm, CROTCH_MM - distance_mm, 0.01, "height");
         near(g.girth_tape_mm, TAU * cone(0.0, CROTCH_MM - distance_mm), 0.1, "girth");
@@ -82,7 +82,8 @@ fn g_is_as_far_below_the_crotch_as_the_method_says() {
 #[test]
 fn g_is_absent_without_a_word_where_the_leg_is_not_seen_that_high() {
     let hole = |_: f64, along: f64| along > 640.0;
-    let (report, findings) = report(&Tube { hole: &hole, ..Tube::of(&cone) }, &Method::default());
+    let (report, findings) =
+        report(&Tube { hole: &hole, ..Tube::upright(&cone) }, &Method::default());
     assert!(report.landmarks.iter().all(|landmark| landmark.level != Level::G));
     let about_g = |finding: &&Finding| finding.level == Some(Level::G);
     assert_eq!(findings.iter().filter(about_g).count(), 0, "{findings:?}");
@@ -91,7 +92,8 @@ fn g_is_absent_without_a_word_where_the_leg_is_not_seen_that_high() {
 #[test]
 fn a_hole_at_g_is_a_doubt_about_it() {
     let hole = |angle: f64, along: f64| angle < 0.7 && (640.0..700.0).contains(&along);
-    let (report, findings) = report(&Tube { hole: &hole, ..Tube::of(&cone) }, &Method::default());
+    let (report, findings) =
+        report(&Tube { hole: &hole, ..Tube::upright(&cone) }, &Method::default());
     let codes: Vec<&str> = found(&report, Level::G).doubts.iter().map(|d| d.code()).collect();
     assert_eq!(codes, ["gap"]);
     let doubted = |f: &Finding| f.level == Some(Level::G) && matches!(f.what, What::Doubtful(_));
@@ -100,7 +102,7 @@ fn a_hole_at_g_is_a_doubt_about_it() {
 
 #[test]
 fn e_and_f_are_estimates_by_proportion_and_never_landmarks() {
-    let (report, findings) = report(&Tube::of(&cone), &Method::default());
+    let (report, findings) = report(&Tube::upright(&cone), &Method::default());
     let (e_mm, g_mm) = (0.277 * STATURE_MM, CROTCH_MM - 50.0);
     let f_mm = (e_mm + g_mm) / 2.0;
     for (level, height_mm) in [(Level::E, e_mm), (Level::F, f_mm)] {
@@ -120,7 +122,7 @@ fn e_and_f_are_estimates_by_proportion_and_never_landmarks() {
 
 #[test]
 fn a_tube_has_no_foot() {
-    let (report, _) = report(&Tube::of(&cone), &Method::default());
+    let (report, _) = report(&Tube::upright(&cone), &Method::default());
     assert_eq!(report.foot, None);
     let of_a_foot = |level: Level| level < Level::B;
     assert!(!report.landmarks.iter().any(|landmark| of_a_foot(landmark.level)));
@@ -129,7 +131,7 @@ fn a_tube_has_no_foot() {
 
 #[test]
 fn only_b_b1_c_and_d_are_missed_where_they_are_absent() {
-    let (_, findings) = report(&Tube::of(&cone), &Method::default());
+    let (_, findings) = report(&Tube::upright(&cone), &Method::default());
     let absent = findings.iter().filter(|f| matches!(f.what, What::LevelAbsent { .. }));
     let levels: Vec<Level> = absent.filter_map(|finding| finding.level).collect();
     assert_eq!(levels, Level::SOUGHT);
@@ -143,7 +145,7 @@ fn wave(_: f64, along: f64) -> f64 {
 #[test]
 fn a_knee_that_would_lie_below_d_is_doubted_and_none_is_put_there() {
     // D is at 520 mm; the stature and D together would put E lower.
-    let (report, _) = report(&Tube::of(&wave), &Method::default());
+    let (report, _) = report(&Tube::upright(&wave), &Method::default());
     let d_mm = found(&report, Level::D).height_mm;
     assert!((0.277 * STATURE_MM + d_mm + 45.0) / 2.0 < d_mm, "{d_mm}");
     near(estimated(&report, Level::E).height_mm, d_mm, 0.01, "height of E");
@@ -156,7 +158,7 @@ fn a_knee_that_would_lie_below_d_is_doubted_and_none_is_put_there() {
 
 #[test]
 fn the_surface_length_of_a_cone_is_that_of_its_side_and_the_way_down_to_the_floor() {
-    let (report, _) = report(&Tube::of(&cone), &Method::default());
+    let (report, _) = report(&Tube::upright(&cone), &Method::default());
     let lowest_mm = 0.035 * STATURE_MM;
     let side_mm = (CROTCH_MM - 50.0 - lowest_mm) * 1.0_f64.hypot(0.05);
     let length_mm = found(&report, Level::G).surface_length_mm.unwrap();
@@ -165,7 +167,7 @@ fn the_surface_length_of_a_cone_is_that_of_its_side_and_the_way_down_to_the_floo
 
 #[test]
 fn the_surface_length_of_a_wave_is_its_arc() {
-    let (report, _) = report(&Tube::of(&wave), &Method::default());
+    let (report, _) = report(&Tube::upright(&wave), &Method::default());
     let lowest_mm = 0.035 * STATURE_MM;
     for level in [Level::B, Level::C, Level::D] {
         let landmark = found(&report, level);
@@ -184,7 +186,7 @@ fn a_leaning_leg_is_longer_along_its_skin_than_it_is_high() {
     let round = |_: f64, _: f64| 50.0;
     let direction = Vector3::new(0.15, 0.0, 1.0);
     let upright = direction.normalize().z;
-    let (report, _) = report(&Tube { direction, ..Tube::of(&round) }, &Method::default());
+    let (report, _) = report(&Tube { direction, ..Tube::upright(&round) }, &Method::default());
     let g = found(&report, Level::G);
     // The medial line is parallel to the axis; below the lowest section it hangs straight down.
     let lowest_mm = 0.035 * STATURE_MM / upright;

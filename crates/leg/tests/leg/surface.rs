@@ -35,7 +35,7 @@ fn turned(angle: f64) -> f64 {
 
 #[test]
 fn a_crest_keeps_its_column_although_it_runs_around_the_leg() {
-    let tube = Tube::of(&crested);
+    let tube = Tube::upright(&crested);
     let sections = tube.sections(SectionFit::Skin);
     let rows: Vec<&Section> = all(&sections);
     let found = ridges(&rows);
@@ -61,7 +61,7 @@ fn a_crest_keeps_its_column_although_it_runs_around_the_leg() {
 
 #[test]
 fn columns_and_angles_are_inverse_and_no_two_columns_cross() {
-    let tube = Tube::of(&crested);
+    let tube = Tube::upright(&crested);
     let sections = tube.sections(SectionFit::Skin);
     let rows: Vec<&Section> = all(&sections);
     let columns = Columns::following(&ridges(&rows), 40.0, 700.0).unwrap();
@@ -79,7 +79,7 @@ fn columns_and_angles_are_inverse_and_no_two_columns_cross() {
 
 #[test]
 fn columns_of_a_round_leg_are_straight() {
-    let tube = Tube::of(&|_, along| 40.0 + 0.02 * along);
+    let tube = Tube::upright(&|_, along| 40.0 + 0.02 * along);
     let sections = tube.sections(SectionFit::Skin);
     let rows: Vec<&Section> = all(&sections);
     let found = ridges(&rows);
@@ -91,7 +91,7 @@ fn columns_of_a_round_leg_are_straight() {
 #[test]
 fn a_hole_is_bridged_and_told_with_its_place_and_size() {
     let hole = |angle: f64, along: f64| (along - 250.0).hypot(55.0 * turned(angle - 2.0)) < 22.0;
-    let tube = Tube { hole: &hole, ..Tube::of(&crested) };
+    let tube = Tube { hole: &hole, ..Tube::upright(&crested) };
     let found = fitted(&tube, None).unwrap();
     let [at] = found.holes() else { panic!("{:?}", found.holes()) };
     near(at.along_mm, 250.0, 3.0, "height of the hole");
@@ -113,7 +113,7 @@ fn a_hole_is_bridged_and_told_with_its_place_and_size() {
 fn without_holes_none_are_told() {
     // A net too coarse for the crest lies off the skin, which was seen all the same.
     for control_points in [None, Some([8, 8])] {
-        let found = fitted(&Tube::of(&crested), control_points).unwrap();
+        let found = fitted(&Tube::upright(&crested), control_points).unwrap();
         assert!(found.holes().is_empty() && found.in_holes.is_none());
     }
 }
@@ -122,18 +122,18 @@ fn without_holes_none_are_told() {
 fn a_narrow_band_is_bridged_and_a_wide_one_ends_the_surface() {
     let band = |to_mm: f64| move |_: f64, along: f64| (250.0..to_mm).contains(&along);
     let narrow = band(275.0);
-    let found = fitted(&Tube { hole: &narrow, ..Tube::of(&crested) }, None).unwrap();
+    let found = fitted(&Tube { hole: &narrow, ..Tube::upright(&crested) }, None).unwrap();
     let [at] = found.holes() else { panic!("{:?}", found.holes()) };
     near(at.width_mm, found.surface.girth_mm(at.along_mm), 8.0, "all around");
     let wide = band(330.0);
-    let found = fitted(&Tube { hole: &wide, ..Tube::of(&crested) }, None);
+    let found = fitted(&Tube { hole: &wide, ..Tube::upright(&crested) }, None);
     let (_, top_mm) = found.unwrap().surface.along().domain();
     assert!((230.0..=260.0).contains(&top_mm), "{top_mm}");
 }
 
 #[test]
 fn a_level_may_lie_on_a_section_on_another_level_or_at_an_end() {
-    let tube = Tube::of(&crested);
+    let tube = Tube::upright(&crested);
     let sections = tube.sections(SectionFit::Skin);
     let rows: Vec<f64> = all(&sections).iter().map(|section| section.along_mm).collect();
     let at = |index: usize| rows[index];
@@ -151,7 +151,7 @@ fn a_bump_is_no_ridge() {
         let bump = 6.0 * (14.0 * ((angle - 1.0).cos() - 1.0)).exp();
         45.0 + bump * (-((along - 300.0) / 20.0).powi(2)).exp()
     };
-    let tube = Tube::of(&bumped);
+    let tube = Tube::upright(&bumped);
     let sections = tube.sections(SectionFit::Skin);
     let found = ridges(&all(&sections));
     let near_it = found.iter().filter(|ridge| turned(ridge.angle() - 1.0).abs() < 0.3);
@@ -161,7 +161,7 @@ fn a_bump_is_no_ridge() {
 #[test]
 fn half_a_leg_makes_no_surface() {
     let hole = |angle: f64, along: f64| along < 600.0 && turned(angle - 1.0).abs() < PI / 2.0;
-    let tube = Tube { hole: &hole, ..Tube::of(&crested) };
+    let tube = Tube { hole: &hole, ..Tube::upright(&crested) };
     let Err(NoSurface::TooFewRows { rows, needed, .. }) = fitted(&tube, None) else {
         panic!("a surface")
     };
@@ -170,7 +170,8 @@ fn half_a_leg_makes_no_surface() {
 
 #[test]
 fn more_control_points_than_sections_are_refused_with_both_figures() {
-    let Err(NoSurface::Fit { why: refused }) = fitted(&Tube::of(&crested), Some([160, 24])) else {
+    let Err(NoSurface::Fit { why: refused }) = fitted(&Tube::upright(&crested), Some([160, 24]))
+    else {
         panic!("a surface")
     };
     assert!(refused.to_string().contains("160"), "{refused}");
@@ -178,7 +179,7 @@ fn more_control_points_than_sections_are_refused_with_both_figures() {
 
 #[test]
 fn a_surface_of_noisy_points_is_the_leg_within_the_noise() {
-    let tube = Tube { noise_mm: 0.5, is_scattered: true, ..Tube::of(&crested) };
+    let tube = Tube { noise_mm: 0.5, is_scattered: true, ..Tube::upright(&crested) };
     let found = fitted(&tube, None).unwrap();
     let (low, high) = found.surface.along().domain();
     let places = (0..60).flat_map(|i| (0..60).map(move |j| (f64::from(i), f64::from(j))));

@@ -26,7 +26,7 @@ const SPAN_MM: [f64; 2] = [123.4, 567.8];
 
 fn areas(tube: &Tube, fit: SectionFit) -> AreaCurve {
     let sections = tube.sections(fit);
-    AreaCurve::of(&sections, &curve_of(&sections))
+    AreaCurve::new(&sections, &curve_of(&sections))
 }
 
 fn volumes(tube: &Tube) -> LegVolume {
@@ -48,7 +48,7 @@ fn near_share(found: f64, expected: f64, share: f64, what: &str) {
 #[test]
 fn a_cylinder_holds_the_area_of_its_circle_times_its_length() {
     for fit in FITS {
-        let areas = areas(&Tube::of(&|_, _| 50.0), fit);
+        let areas = areas(&Tube::upright(&|_, _| 50.0), fit);
         let expected = PI * 2500.0 * (SPAN_MM[1] - SPAN_MM[0]) / 1000.0;
         near_share(ml(&areas, SPAN_MM), expected, REGULAR_SHARE, &format!("{fit:?}"));
     }
@@ -58,7 +58,7 @@ fn a_cylinder_holds_the_area_of_its_circle_times_its_length() {
 fn a_cone_holds_the_frustum_of_its_two_girths() {
     let radius = |_: f64, along: f64| 30.0 + 0.05 * along;
     for fit in FITS {
-        let areas = areas(&Tube::of(&radius), fit);
+        let areas = areas(&Tube::upright(&radius), fit);
         let [c1, c2] = SPAN_MM.map(|along| TAU * radius(0.0, along));
         let length = SPAN_MM[1] - SPAN_MM[0];
         let expected = length / (12.0 * PI) * (c1 * c1 + c1 * c2 + c2 * c2) / 1000.0;
@@ -73,7 +73,7 @@ fn an_elliptic_tube_of_a_tilted_leg_holds_pi_a_b_times_its_length_along_its_axis
         [(Side::Left, Vector3::new(0.14, -0.08, 1.0)), (Side::Right, Vector3::new(0.2, 0.1, 1.0))]
     {
         let foot = Point3::new(90.0, -20.0, 0.0);
-        let tube = Tube { side, foot, direction, ..Tube::of(&shape) };
+        let tube = Tube { side, foot, direction, ..Tube::upright(&shape) };
         let expected = PI * 60.0 * 40.0 * (SPAN_MM[1] - SPAN_MM[0]) / 1000.0;
         let found = ml(&areas(&tube, SectionFit::Skin), SPAN_MM);
         // The axis is found to 0.05°, and an end of the span to 0.2 mm of 444.
@@ -87,12 +87,12 @@ fn the_area_of_a_section_is_the_integral_of_half_its_squared_radius() {
     // π (a² + b²/2 + c²/2) for a + b cos + c sin of whole multiples.
     let expected = PI * (2500.0 + 18.0 + 8.0);
     for fit in FITS {
-        for section in all(&Tube::of(&|angle, _| radius(angle)).sections(fit)) {
+        for section in all(&Tube::upright(&|angle, _| radius(angle)).sections(fit)) {
             near_share(area_mm2(&section.curve), expected, 2e-4, &format!("{fit:?}"));
         }
     }
     // The curve's own area, by half a million chords.
-    let sections = Tube::of(&|angle, _| radius(angle)).sections(SectionFit::Periodic);
+    let sections = Tube::upright(&|angle, _| radius(angle)).sections(SectionFit::Periodic);
     let curve = &all(&sections)[20].curve;
     let points = curve.points(500_000);
     let next = points.iter().cycle().skip(1);
@@ -103,7 +103,7 @@ fn the_area_of_a_section_is_the_integral_of_half_its_squared_radius() {
 #[test]
 fn volumes_of_neighbouring_ranges_add_up_and_slices_are_ranges_of_4_cm() {
     let radius = |_: f64, along: f64| 45.0 + 12.0 * (along / 90.0).sin();
-    let volume = volumes(&Tube::of(&radius));
+    let volume = volumes(&Tube::upright(&radius));
     let [low, middle, high] = [101.0, 333.3, 612.5];
     let sum = ml(&volume.areas, [low, middle]) + ml(&volume.areas, [middle, high]);
     near(sum, ml(&volume.areas, [low, high]), 1e-9, "a range in two");
@@ -139,7 +139,7 @@ fn nothing_is_guessed_across_what_was_not_seen() {
     let hole = |angle: f64, along: f64| {
         (300.0..380.0).contains(&along) && off_deg(angle.to_degrees(), 30.0) < 85.0
     };
-    let volume = volumes(&Tube { hole: &hole, ..Tube::of(&|_, _| 50.0) });
+    let volume = volumes(&Tube { hole: &hole, ..Tube::upright(&|_, _| 50.0) });
     assert_eq!(volume.whole, None);
     assert_eq!(volume.whole_height_mm, None);
     let unseen: Vec<f64> =
@@ -157,10 +157,10 @@ fn nothing_is_guessed_across_what_was_not_seen() {
 #[test]
 fn the_standard_error_is_that_of_the_girths_as_if_all_erred_alike_and_holds_the_true_volume() {
     for (seed, noise_mm) in [(1, 0.5), (2, 0.5), (3, 1.5)] {
-        let tube = Tube { noise_mm, seed, is_scattered: true, ..Tube::of(&|_, _| 50.0) };
+        let tube = Tube { noise_mm, seed, is_scattered: true, ..Tube::upright(&|_, _| 50.0) };
         let sections = tube.sections(SectionFit::Skin);
         let curve = curve_of(&sections);
-        let found = AreaCurve::of(&sections, &curve).volume(SPAN_MM[0], SPAN_MM[1]).unwrap();
+        let found = AreaCurve::new(&sections, &curve).volume(SPAN_MM[0], SPAN_MM[1]).unwrap();
         let expected = PI * 2.5 * (SPAN_MM[1] - SPAN_MM[0]);
         near(found.ml, expected, 2.0 * found.sd_ml, "two standard errors");
         let girth_share = curve.tape_sd(350.0, 0) / (TAU * 50.0);
@@ -251,7 +251,7 @@ fn field(axis: &LegAxis, span_mm: [f64; 2]) -> impl Fn(&Point3<f64>) -> Vector3<
 
 #[test]
 fn a_tube_s_mesh_holds_its_closed_form_with_the_rise_of_its_skin() {
-    let leg = Tube::of(&|_, _| 50.0).leg();
+    let leg = Tube::upright(&|_, _| 50.0).leg();
     let axis = solids::axis(&leg, solids::STATURE_MM, solids::CROTCH_MM).unwrap();
     let [flat, curved] = enclosed_ml(&leg.mesh, &axis, SPAN_MM);
     let expected = PI * 2.5 * (SPAN_MM[1] - SPAN_MM[0]);

@@ -12,7 +12,7 @@ use crate::schema::{FindingNote, NOT_VOUCHED, Record};
 
 impl Completeness {
     /// What a record holds for an order of this garment.
-    pub fn of(record: &Record, garment: &Garment) -> Completeness {
+    pub fn from_record(record: &Record, garment: &Garment) -> Completeness {
         let needs = Needs { record, garment };
         let again = match needs.has_all_by_hand() {
             true => BTreeSet::new(),
@@ -92,7 +92,7 @@ impl Needs<'_> {
     }
 
     fn level_state(&self, side: Side, level: Level) -> State {
-        match Measure::of(self.record, side, level) {
+        match Measure::find(self.record, side, level) {
             Err(Absent::NotMeasurable) => State::NotMeasurable,
             Err(Absent::NotFound) => State::Open,
             Ok(of) if self.is_by_hand_where_needed(level, &of) => State::ByHand,
@@ -114,7 +114,7 @@ impl Needs<'_> {
 
     /// The state of a length of foot or inside leg.
     fn length_state(&self, side: Side, subject: Subject, is_scan_sure: bool) -> State {
-        match Length::of(self.record, side, subject) {
+        match Length::find(self.record, side, subject) {
             Err(Absent::NotMeasurable) => State::NotMeasurable,
             Err(Absent::NotFound) => State::Open,
             Ok(length) if length.is_by_hand => State::ByHand,
@@ -150,7 +150,7 @@ impl Needs<'_> {
 
     /// The doubts at the levels that the garment needs.
     fn doubts(&self, side: Side) -> Vec<&str> {
-        let of_level = |level: &Level| match Measure::of(self.record, side, *level) {
+        let of_level = |level: &Level| match Measure::find(self.record, side, *level) {
             Ok(Measure { doubts, by_hand: Some(_), .. }) => doubts,
             Err(Absent::NotMeasurable) => Vec::new(),
             // The doubts of an estimate that is not shown count, too: a bent knee may be below D.
@@ -208,7 +208,7 @@ impl Needs<'_> {
 
     /// Whether the skin of a thigh was not seen where a level is needed.
     fn is_thigh_doubted(&self) -> bool {
-        let is_doubted = |side: Side| match Measure::of(self.record, side, Level::G) {
+        let is_doubted = |side: Side| match Measure::find(self.record, side, Level::G) {
             Ok(root) if root.is_estimate => true,
             Ok(root) => root.has_a_doubt_that_matters(),
             Err(absent) => absent == Absent::NotFound,

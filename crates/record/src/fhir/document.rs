@@ -39,7 +39,7 @@ impl Parts<'_> {
         let (record, language) = (self.sent.record, self.rules.language);
         let identifier = self.identifier(self.sent.key.part(PART));
         let title = language.text("hospital.report");
-        let verdict = Completeness::of(record, &self.rules.garment).sentences(language);
+        let verdict = Completeness::from_record(record, &self.rules.garment).sentences(language);
         let refer = |entry: &Entry| json!({ "reference": entry.reference() });
         let mut resource = json!({
             "resourceType": "DiagnosticReport",

@@ -14,7 +14,7 @@ pub struct FhirKey(String);
 
 impl FhirKey {
     /// The key of a scan, by the hash of its bytes, and a patient's id.
-    pub fn of(scan: &str, patient: &str) -> FhirKey {
+    pub fn new(scan: &str, patient: &str) -> FhirKey {
         let mut digits = sha256(format!("{scan}\0{patient}").as_bytes());
         digits.truncate(DIGITS);
         FhirKey(digits)

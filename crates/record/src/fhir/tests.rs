@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_key_shows_neither_scan_nor_patient_and_differs_for_each() {
-    let key = |scan: &str, patient: &str| FhirKey::of(scan, patient).record();
+    let key = |scan: &str, patient: &str| FhirKey::new(scan, patient).record();
     assert_eq!(key("ab", "4711").len(), 32);
     assert!(!key("ab", "4711").contains("4711"));
     assert_ne!(key("ab", "4711"), key("ab", "4712"));

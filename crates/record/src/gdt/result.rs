@@ -14,7 +14,7 @@ use super::rules::{AttachmentFields, GdtRules};
 use super::{table, words};
 use crate::completeness::Completeness;
 use crate::measure::Measure;
-use crate::report::{Content, Mark, title};
+use crate::report::{Reliability, ReportContent, title};
 use crate::rounding::cm_words;
 use crate::schema::{FindingNote, Record};
 
@@ -69,7 +69,7 @@ pub fn result(
     fields.extend([(6200, date.clone()), (6201, time.clone()), (8402, rules.procedure.clone())]);
     for side in record.sides() {
         for level in Level::ALL.into_iter().rev() {
-            let Ok(measure) = Measure::of(record, side, level) else { continue };
+            let Ok(measure) = Measure::find(record, side, level) else { continue };
             let block = Block { level, side, measure, date: &date, time: &time, rules };
             block.write(&mut fields);
         }
@@ -116,7 +116,7 @@ impl Block<'_> {
         let (level, side) = (self.level.name(), words::side(self.side));
         for (kind, name, figure) in figures {
             // A number without its mark would be taken for a measured one, so estimates are only in the table.
-            let measured = figure.filter(|of| self.measure.mark_of(**of) != Mark::Estimated);
+            let measured = figure.filter(|of| self.measure.mark_of(**of) != Reliability::Estimated);
             let Some(figure) = measured else { continue };
             let name = words::written(&format!("{name} {level} {side}"), self.rules.charset);
             fields.extend([
@@ -139,7 +139,7 @@ impl Block<'_> {
 
 /// What is to be done for an order of this garment, in lines.
 fn verdict(record: &Record, garment: &Garment, rules: &GdtRules) -> Vec<String> {
-    let sentences = Completeness::of(record, garment).sentences(Language::De);
+    let sentences = Completeness::from_record(record, garment).sentences(Language::De);
     let written =
         |sentence: &String| words::wrapped(&words::written(sentence, rules.charset), TEXT_MOST);
     sentences.iter().flat_map(written).collect()
@@ -150,7 +150,7 @@ fn verdict(record: &Record, garment: &Garment, rules: &GdtRules) -> Vec<String> 
 fn comments(record: &Record, rules: &GdtRules) -> Vec<String> {
     let scan = record.scan.sha256.get(..8).unwrap_or_default();
     let mut lines = vec![format!("gaiter {}, Scan {scan}", record.made_by.gaiter)];
-    let set: Vec<String> = Content::by_hand(record, Language::De);
+    let set: Vec<String> = ReportContent::by_hand(record, Language::De);
     lines.extend(set.iter().flat_map(|line| comment(line, words::BY_HAND, rules)));
     for finding in record.findings.iter().filter(|finding| finding.severity != "info") {
         let place = place(finding);

@@ -5,7 +5,7 @@ use gaiter_leg::{Level, Side};
 
 use super::words;
 use crate::measure::{Absent, Length, Measure};
-use crate::report::Mark;
+use crate::report::Reliability;
 use crate::rounding::cm_words;
 use crate::schema::Record;
 
@@ -16,10 +16,10 @@ const NAME: usize = 4;
 const CELL: usize = 10;
 
 /// The marks before figures, as in the report, with what they mean.
-const LEGEND: [(Mark, &str); 3] = [
-    (Mark::ByHand, words::BY_HAND),
-    (Mark::Estimated, "geschätzt, nicht gemessen"),
-    (Mark::Doubtful, "zweifelhaft, bitte nachmessen"),
+const LEGEND: [(Reliability, &str); 3] = [
+    (Reliability::ByHand, words::BY_HAND),
+    (Reliability::Estimated, "geschätzt, nicht gemessen"),
+    (Reliability::Doubtful, "zweifelhaft, bitte nachmessen"),
 ];
 
 /// Instead of the height of a level on the foot.
@@ -37,7 +37,8 @@ pub(super) fn lines(record: &Record) -> Vec<String> {
     let mut lines = vec![row("[cm]", heads.collect()), row("", columns.collect())];
     let mut marks = Vec::new();
     for level in Level::ALL.into_iter().rev() {
-        let measures: Vec<_> = sides.iter().map(|side| Measure::of(record, *side, level)).collect();
+        let measures: Vec<_> =
+            sides.iter().map(|side| Measure::find(record, *side, level)).collect();
         marks.extend(measures.iter().flatten().flat_map(Measure::marks));
         lines.push(row(level.name(), measures.iter().map(cells).collect()));
     }

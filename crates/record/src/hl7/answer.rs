@@ -12,7 +12,7 @@ const CODE_MOST: usize = 8;
 
 /// What a receiver answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Answer {
+pub enum Acknowledgment {
     /// AA or CA: it has the message.
     Accepted,
     /// AE, AR, CE or CR: it does not take it.
@@ -28,7 +28,7 @@ pub enum Answer {
 
 /// Why an answer is none.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum AnswerFault {
+pub enum AcknowledgmentFault {
     /// It does not begin with MSH, or has no MSA.
     #[error("the answer is no acknowledgement")]
     NoAnswer,
@@ -43,20 +43,24 @@ pub enum AnswerFault {
 /// Reads the answer to the message of this control id, without these words, which must not get into a log.
 ///
 /// # Errors
-/// See [`AnswerFault`].
-pub fn answer(bytes: &[u8], control: &str, secret: &[&str]) -> Result<Answer, AnswerFault> {
+/// See [`AcknowledgmentFault`].
+pub fn acknowledgment(
+    bytes: &[u8],
+    control: &str,
+    secret: &[&str],
+) -> Result<Acknowledgment, AcknowledgmentFault> {
     let text = decoded(bytes);
     let mut lines = text.split(['\r', '\n']).filter(|line| !line.is_empty());
-    let signs = lines.next().and_then(Signs::of).ok_or(AnswerFault::NoAnswer)?;
+    let signs = lines.next().and_then(Signs::from_head).ok_or(AcknowledgmentFault::NoAnswer)?;
     let segments: Vec<Vec<&str>> = lines.map(|line| line.split(signs.field).collect()).collect();
     let of = |name: &str| segments.iter().find(|fields| fields.first() == Some(&name));
-    let msa = of("MSA").ok_or(AnswerFault::NoAnswer)?;
+    let msa = of("MSA").ok_or(AcknowledgmentFault::NoAnswer)?;
     if msa.get(2).copied() != Some(control) {
-        return Err(AnswerFault::OtherMessage);
+        return Err(AcknowledgmentFault::OtherMessage);
     }
     let code = msa.get(1).copied().unwrap_or_default();
     match code {
-        "AA" | "CA" => Ok(Answer::Accepted),
+        "AA" | "CA" => Ok(Acknowledgment::Accepted),
         "AE" | "AR" | "CE" | "CR" => {
             let err = of("ERR");
             let in_err = |at: usize| err.and_then(|err| err.get(at)).copied().unwrap_or_default();
@@ -66,11 +70,11 @@ pub fn answer(bytes: &[u8], control: &str, secret: &[&str]) -> Result<Answer, An
             let errors = [in_err(3), in_msa(6)].map(|error| error.split(signs.component).next());
             let is_passing = errors.iter().flatten().any(|error| LATER.contains(error));
             let why = in_a_line(&signs.told(&words), secret);
-            Ok(Answer::Refused { code: code.to_owned(), why, is_passing })
+            Ok(Acknowledgment::Refused { code: code.to_owned(), why, is_passing })
         }
         code => {
             let code = in_a_line(code, secret);
-            Err(AnswerFault::UnknownCode(code.chars().take(CODE_MOST).collect()))
+            Err(AcknowledgmentFault::UnknownCode(code.chars().take(CODE_MOST).collect()))
         }
     }
 }
@@ -90,7 +94,7 @@ struct Signs {
 
 impl Signs {
     /// Those of a head, `MSH|^~\&|…`; `None` if it is none.
-    fn of(head: &str) -> Option<Signs> {
+    fn from_head(head: &str) -> Option<Signs> {
         let mut letters = head.strip_prefix("MSH")?.chars();
         let field = letters.next()?;
         let others: Vec<char> = letters.take_while(|letter| *letter != field).take(3).collect();
@@ -115,18 +119,22 @@ mod tests {
 
     const HEAD: &str = "MSH|^~\\&|KIS|HOUSE|GAITER|BOOTH|20261126||ACK^R01^ACK|7|P|2.5";
 
-    fn read(rest: &str) -> Result<Answer, AnswerFault> {
-        answer(format!("{HEAD}\r{rest}\r").as_bytes(), "abc", &["4711"])
+    fn read(rest: &str) -> Result<Acknowledgment, AcknowledgmentFault> {
+        acknowledgment(format!("{HEAD}\r{rest}\r").as_bytes(), "abc", &["4711"])
     }
 
-    fn refused(code: &str, why: &str, is_passing: bool) -> Result<Answer, AnswerFault> {
-        Ok(Answer::Refused { code: code.to_owned(), why: why.to_owned(), is_passing })
+    fn refused(
+        code: &str,
+        why: &str,
+        is_passing: bool,
+    ) -> Result<Acknowledgment, AcknowledgmentFault> {
+        Ok(Acknowledgment::Refused { code: code.to_owned(), why: why.to_owned(), is_passing })
     }
 
     #[test]
     fn an_accepted_message_is_told_from_one_that_is_not() {
-        assert_eq!(read("MSA|AA|abc"), Ok(Answer::Accepted));
-        assert_eq!(read("MSA|CA|abc"), Ok(Answer::Accepted));
+        assert_eq!(read("MSA|AA|abc"), Ok(Acknowledgment::Accepted));
+        assert_eq!(read("MSA|CA|abc"), Ok(Acknowledgment::Accepted));
         assert_eq!(
             read("MSA|AE|abc|no such patient 4711\rERR||PID^1^3|204^Unknown key^HL70357|E"),
             refused("AE", "204, Unknown key, HL70357, no such patient …", false)
@@ -147,37 +155,39 @@ mod tests {
     #[test]
     fn an_answer_is_read_with_its_own_signs_and_letters() {
         let bytes = b"\nMSH#!~/%#KIS\nMSA#AE#abc#F\xe4lle!kein /F/ Fall\n";
-        assert_eq!(answer(bytes, "abc", &[]), refused("AE", "Fälle, kein | Fall", false));
+        assert_eq!(acknowledgment(bytes, "abc", &[]), refused("AE", "Fälle, kein | Fall", false));
         assert_eq!(
-            answer("MSH|^\rMSA|AE|abc|Fälle".as_bytes(), "abc", &[]),
+            acknowledgment("MSH|^\rMSA|AE|abc|Fälle".as_bytes(), "abc", &[]),
             refused("AE", "Fälle", false)
         );
     }
 
     #[test]
     fn what_is_no_answer_to_the_message_is_told_so() {
-        assert_eq!(read("MSA|AA|abd"), Err(AnswerFault::OtherMessage));
-        assert_eq!(read("MSA|AA"), Err(AnswerFault::OtherMessage));
-        assert_eq!(read("MSA|OK|abc"), Err(AnswerFault::UnknownCode("OK".to_owned())));
+        assert_eq!(read("MSA|AA|abd"), Err(AcknowledgmentFault::OtherMessage));
+        assert_eq!(read("MSA|AA"), Err(AcknowledgmentFault::OtherMessage));
+        assert_eq!(read("MSA|OK|abc"), Err(AcknowledgmentFault::UnknownCode("OK".to_owned())));
         assert_eq!(
             read("MSA|4711 was not taken|abc"),
-            Err(AnswerFault::UnknownCode("… was no".to_owned()))
+            Err(AcknowledgmentFault::UnknownCode("… was no".to_owned()))
         );
-        assert_eq!(read("ERR|||207|E"), Err(AnswerFault::NoAnswer));
+        assert_eq!(read("ERR|||207|E"), Err(AcknowledgmentFault::NoAnswer));
         for bytes in [&b""[..], b"MSH", b"HTTP/1.1 200 OK\r\n\r\n", b"\xff\xfe", b"MSH|^~\\&|\r"] {
-            assert_eq!(answer(bytes, "abc", &[]), Err(AnswerFault::NoAnswer));
+            assert_eq!(acknowledgment(bytes, "abc", &[]), Err(AcknowledgmentFault::NoAnswer));
         }
-        assert_eq!(answer(b"MSA|AA|abc\r", "abc", &[]), Err(AnswerFault::NoAnswer));
+        assert_eq!(acknowledgment(b"MSA|AA|abc\r", "abc", &[]), Err(AcknowledgmentFault::NoAnswer));
     }
 
     /// What is true of any answer.
     fn holds(bytes: &[u8]) -> Result<(), TestCaseError> {
-        let told = answer(bytes, "abc", &["4711"]);
+        let told = acknowledgment(bytes, "abc", &["4711"]);
         if told.is_ok() {
             let control = bytes.windows(3).any(|part| part == b"abc");
             prop_assert!(control, "an answer to another message was taken for that to this one");
         }
-        if let Ok(Answer::Refused { why: said, .. }) | Err(AnswerFault::UnknownCode(said)) = &told {
+        if let Ok(Acknowledgment::Refused { why: said, .. })
+        | Err(AcknowledgmentFault::UnknownCode(said)) = &told
+        {
             prop_assert!(said.chars().count() <= 200);
             prop_assert!(!said.contains("4711") && !said.chars().any(char::is_control), "{said:?}");
         }

@@ -80,7 +80,8 @@ pub fn result(
     }
     let mut number = figures.len() + 1;
     let words = rules.language.text("hospital.report");
-    let verdict = Completeness::of(record, &rules.garment).sentences(rules.language).join(" ");
+    let verdict =
+        Completeness::from_record(record, &rules.garment).sentences(rules.language).join(" ");
     let (kind, value) = ("TX", escaped(&verdict));
     let verdict = Observation { kind, code: VERDICT, words, value, ..Observation::default() };
     segments.push(of.observation(number, &verdict));

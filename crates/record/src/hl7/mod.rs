@@ -8,7 +8,7 @@ mod message;
 use gaiter_language::Language;
 use gaiter_sizes::Garment;
 
-pub use answer::{Answer, AnswerFault, answer};
+pub use answer::{Acknowledgment, AcknowledgmentFault, acknowledgment};
 pub use message::{control_id, observed, result, withdrawal};
 
 /// How messages are written.

@@ -166,7 +166,7 @@ impl Record {
     /// Checks that an amended level has girth and height.
     fn is_whole(&self, side: Side, level: Level) -> Result<(), AmendFault> {
         let half = |value| Err(AmendFault::at(side, Subject::Level(level), What::Half { value }));
-        match Measure::of(self, side, level) {
+        match Measure::find(self, side, level) {
             Err(_) => half("girth"),
             Ok(measure) if measure.height.is_none() && level >= Level::B => half("height"),
             Ok(_) => Ok(()),
@@ -178,7 +178,7 @@ impl Record {
         let scanned = self.leg(side).and_then(|leg| match subject {
             Subject::Level(level) => {
                 let scanned = Measure::scanned(leg, level);
-                let height = Measure::of(self, side, level).ok().and_then(|of| of.height);
+                let height = Measure::find(self, side, level).ok().and_then(|of| of.height);
                 let there = height.and_then(|height| girth_mm_at(leg, height.mm));
                 there.or(scanned.map(|of| of.girth.mm))
             }
@@ -205,7 +205,7 @@ impl Record {
     ) -> Result<(), AmendFault> {
         let Some(height_mm) = height_mm else { return Ok(()) };
         for other in Level::ALL.into_iter().filter(|other| subject != Subject::Level(*other)) {
-            let theirs = Measure::of(self, side, other).ok().filter(|of| !of.is_estimate);
+            let theirs = Measure::find(self, side, other).ok().filter(|of| !of.is_estimate);
             let Some(other_mm) = theirs.and_then(|of| of.height).map(|height| height.mm) else {
                 continue;
             };

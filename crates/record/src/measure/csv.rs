@@ -121,7 +121,7 @@ impl Line {
 }
 
 fn verdict(record: &Record, garment: &Garment, language: Language) -> Line {
-    let verdict = Completeness::of(record, garment);
+    let verdict = Completeness::from_record(record, garment);
     Line {
         level: "verdict".to_owned(),
         state: verdict.kind().word(),
@@ -132,7 +132,7 @@ fn verdict(record: &Record, garment: &Garment, language: Language) -> Line {
 }
 
 fn of_level(record: &Record, side: Side, level: Level) -> Line {
-    let line = match Measure::of(record, side, level) {
+    let line = match Measure::find(record, side, level) {
         Ok(measure) => measured(record.leg(side), level, measure),
         Err(Absent::NotFound) => Line { state: NOT_FOUND, ..Line::default() },
         Err(Absent::NotMeasurable) => {

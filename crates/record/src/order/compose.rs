@@ -10,7 +10,7 @@ use super::place::{Part, length_from, place};
 use super::reading::{Read, edited, read};
 use super::text::{OrderRef, patient_check, without_id};
 use super::{
-    BASIS, Figure, NOT_OF_A_SCAN, OpenBox, Order, OrderSide, OrderedGarment, OrderedRecord,
+    BASIS, NOT_OF_A_SCAN, OpenBox, Order, OrderFigure, OrderSide, OrderedGarment, OrderedRecord,
     OrderedScan, Row, SCAN_AGE, SCHEMA, Units,
 };
 use crate::completeness::Completeness;
@@ -23,14 +23,14 @@ const REFERENCE_DIGITS: usize = 8;
 impl Order {
     /// The order of a garment from a record. `scanner_girth_mm` is a standard error common to all girths of the
     /// scanner; 0 if none is known.
-    pub fn of(
+    pub fn from_record(
         record: &Record,
         garment: &Garment,
         order_ref: Option<&OrderRef>,
         scanner_girth_mm: f64,
     ) -> Order {
         let of = Ordered { record, garment, scanner_girth_mm };
-        let completeness = Completeness::of(record, garment);
+        let completeness = Completeness::from_record(record, garment);
         let posture = record.made_by.method.get("posture").cloned();
         let rows: Vec<Row> = of.sides().into_iter().flat_map(|side| of.rows(side)).collect();
         Order {
@@ -191,11 +191,11 @@ impl Ordered<'_> {
         scanned.into_iter().chain([row(true)]).collect()
     }
 
-    fn figure(&self, of: &FormBox, read: &Read, counts: bool) -> Figure {
+    fn figure(&self, of: &FormBox, read: &Read, counts: bool) -> OrderFigure {
         let value = if counts { &read.counting } else { &read.scanned };
         let printed_mm = value.mm.filter(|_| counts && value.is.is_sure());
         let printed_mm = printed_mm.map(|mm| self.garment.printed_mm(of.point, mm));
-        Figure {
+        OrderFigure {
             form_box: of.name.clone(),
             is: value.is,
             mm: value.mm.map(rounding::mm),

@@ -3,7 +3,7 @@
 
 use gaiter_language::Language;
 
-use super::{Figure, LastFigure, Order, Row, SCAN_AGE, State};
+use super::{LastFigure, Order, OrderFigure, Row, SCAN_AGE, State};
 use crate::cells::{Notation, line};
 
 /// The columns of every order.
@@ -150,6 +150,6 @@ fn flag(order: &Order, row: &Row) -> String {
     flags.join(" ")
 }
 
-fn state(figure: &Figure) -> Option<&'static str> {
+fn state(figure: &OrderFigure) -> Option<&'static str> {
     (figure.is != State::Measured).then(|| figure.is.word())
 }

@@ -3,13 +3,13 @@
 use encoding_rs::WINDOWS_1252;
 use gaiter_sizes::Point;
 use gaiter_sizes::mapping::{
-    Cell, Column, Csv, Dated, Encoding, Fact, Layout, Mapping, Named, Of, Place, Rounding, Rows,
+    BodyPart, Cell, Column, Csv, Dated, Encoding, Fact, Layout, Mapping, Named, Of, Rounding, Rows,
     Which,
 };
 use jiff::civil::DateTime;
 
 use super::place::{Part, place};
-use super::{Figure, LastFigure, Order, OrderSide, OrderedScan, Row, SCAN_AGE, State};
+use super::{LastFigure, Order, OrderFigure, OrderSide, OrderedScan, Row, SCAN_AGE, State};
 use crate::cells::{BYTE_ORDER_MARK, guarded, kept, line};
 
 /// The file of an order. The patient's id is only in it if the mapping asks for it.
@@ -57,7 +57,7 @@ struct OfRow<'a> {
 }
 
 /// What stands in a cell.
-enum Content {
+enum CellContent {
     /// A figure, written as the mapping says.
     Number(String),
     /// A text of the mapping itself, or a day as it writes them.
@@ -145,11 +145,11 @@ impl<'a> Mapped<'a> {
         legs.chain([OrderSide::Body]).flat_map(of_side).collect()
     }
 
-    fn content(&self, column: &Column, of: &OfRow<'_>) -> Content {
+    fn content(&self, column: &Column, of: &OfRow<'_>) -> CellContent {
         match &column.cell {
-            Cell::Text(text) => Content::Own(text.clone()),
-            Cell::Fact(Fact::Side) => Content::Own(self.side_word(of.side)),
-            Cell::Fact(fact) => Content::Words(self.fact(*fact, of)),
+            Cell::Text(text) => CellContent::Own(text.clone()),
+            Cell::Fact(Fact::Side) => CellContent::Own(self.side_word(of.side)),
+            Cell::Fact(fact) => CellContent::Words(self.fact(*fact, of)),
             Cell::Date(dated, format) => {
                 let last = self.order.reorder.as_ref().map(|reorder| &reorder.last_scan);
                 let at = match dated {
@@ -157,7 +157,7 @@ impl<'a> Mapped<'a> {
                     Dated::Last => last.and_then(local),
                     Dated::HoldsUntil => self.order.holds_until.map(|day| day.at(0, 0, 0, 0)),
                 };
-                Content::Own(at.map(|at| guarded(&format.text(at))).unwrap_or_default())
+                CellContent::Own(at.map(|at| guarded(&format.text(at))).unwrap_or_default())
             }
             Cell::Figure(which, what) => self.figure_cell(self.figure(*which, of), *what),
         }
@@ -204,9 +204,9 @@ impl<'a> Mapped<'a> {
             Which::Box => of.row.zip(of.form_box.as_ref().map(|(_, part)| *part)),
             Which::At(at, point) => {
                 let side = match at {
-                    Some(Place::Right) => OrderSide::Right,
-                    Some(Place::Left) => OrderSide::Left,
-                    Some(Place::Body) => OrderSide::Body,
+                    Some(BodyPart::Right) => OrderSide::Right,
+                    Some(BodyPart::Left) => OrderSide::Left,
+                    Some(BodyPart::Body) => OrderSide::Body,
                     None => of.side?,
                 };
                 let (level, part) = place(point);
@@ -215,32 +215,32 @@ impl<'a> Mapped<'a> {
         }
     }
 
-    fn figure_cell(&self, at: Option<(&Row, Part)>, what: Of) -> Content {
+    fn figure_cell(&self, at: Option<(&Row, Part)>, what: Of) -> CellContent {
         let figures = &self.mapping.figures;
         let figure = at.and_then(|(row, part)| row.part(part));
         let written = figure.filter(|figure| self.writes(figure.is));
         let number = |mm: Option<f64>, rounding: Rounding| match mm {
-            Some(mm) => Content::Number(figures.text(mm, rounding)),
-            None => Content::Own(String::new()),
+            Some(mm) => CellContent::Number(figures.text(mm, rounding)),
+            None => CellContent::Own(String::new()),
         };
         let last = at.and_then(|(row, part)| last(row, part));
         match what {
             Of::Figure => match written.and_then(|figure| figure.mm) {
-                Some(mm) => Content::Number(figures.text(mm, figures.rounding)),
-                None => Content::Own(self.instead(figure)),
+                Some(mm) => CellContent::Number(figures.text(mm, figures.rounding)),
+                None => CellContent::Own(self.instead(figure)),
             },
             // Rounded up, so that it is never told as smaller than it is.
             Of::U95 => number(written.and_then(|figure| figure.u95_mm), Rounding::Up),
             Of::Method => {
                 let way = written.and_then(|figure| figure.method);
-                Content::Words(way.map(|way| way.word()).unwrap_or_default().to_owned())
+                CellContent::Words(way.map(|way| way.word()).unwrap_or_default().to_owned())
             }
             Of::Flag => {
                 let state = figure.map(|figure| figure.is).filter(|is| *is != State::Measured);
                 let has_figure = figure.is_some_and(|figure| figure.mm.is_some());
                 let age = (has_figure && self.order.is_of_an_old_scan()).then_some(SCAN_AGE);
                 let flags: Vec<&str> = state.map(State::word).into_iter().chain(age).collect();
-                Content::Words(flags.join(" "))
+                CellContent::Words(flags.join(" "))
             }
             Of::Last => {
                 number(last.filter(|of| self.writes(of.is)).map(|of| of.mm), figures.rounding)
@@ -260,7 +260,7 @@ impl<'a> Mapped<'a> {
     }
 
     /// What is written in the place of a figure.
-    fn instead(&self, figure: Option<&Figure>) -> String {
+    fn instead(&self, figure: Option<&OrderFigure>) -> String {
         let instead = &self.mapping.instead;
         let text = match figure.map(|figure| figure.is) {
             Some(State::Estimated) => &instead.estimated,
@@ -280,9 +280,9 @@ impl<'a> Mapped<'a> {
         }
         for row in rows {
             let cells = columns.iter().map(|column| match self.content(column, row) {
-                Content::Number(text) | Content::Own(text) => text,
-                Content::Words(text) if is_spreadsheet => kept(&text),
-                Content::Words(text) => guarded(&text),
+                CellContent::Number(text) | CellContent::Own(text) => text,
+                CellContent::Words(text) if is_spreadsheet => kept(&text),
+                CellContent::Words(text) => guarded(&text),
             });
             text += &line(&cells.collect::<Vec<_>>(), separator, quotes_all, line_end.text());
         }
@@ -307,9 +307,13 @@ impl<'a> Mapped<'a> {
         let is_json_number = self.mapping.figures.sign == '.';
         let fields = self.mapping.columns.iter().map(|column| {
             let value = match self.content(column, row) {
-                Content::Number(text) if is_json_number => text,
-                Content::Number(text) | Content::Own(text) | Content::Words(text) => {
-                    if text.is_empty() { "null".to_owned() } else { quoted(&text) }
+                CellContent::Number(text) if is_json_number => text,
+                CellContent::Number(text) | CellContent::Own(text) | CellContent::Words(text) => {
+                    if text.is_empty() {
+                        "null".to_owned()
+                    } else {
+                        quoted(&text)
+                    }
                 }
             };
             format!("  {}: {value}", quoted(&column.name))

@@ -159,9 +159,9 @@ pub struct Row {
     /// Whether its figures count for the order. Those of a scan do not where a person set others.
     pub counts: bool,
     /// The girth; null if the form has no box for it.
-    pub girth: Option<Figure>,
+    pub girth: Option<OrderFigure>,
     /// The length; null if the form has no box for it.
-    pub length: Option<Figure>,
+    pub length: Option<OrderFigure>,
     /// Where the length begins: `floor`, `heel`, or a level; null without a length.
     pub length_from: Option<String>,
     /// Who set a figure by hand; null if none did, or if the text holds the patient's id.
@@ -190,8 +190,8 @@ gaiter_leg::word_enum! {
 
 /// A girth or a length.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Figure {
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Figure"))]
+pub struct OrderFigure {
     /// The name of its box on the form.
     pub form_box: String,
     /// How sure it is.

@@ -2,7 +2,7 @@
 
 use gaiter_sizes::{Beyond, Point};
 
-use super::{Figure, Order, OrderSide, Row};
+use super::{Order, OrderFigure, OrderSide, Row};
 
 /// Whether a figure is the girth or the length of its row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub(super) fn length_from(point: Point) -> Option<&'static str> {
 
 impl Row {
     /// The girth or the length.
-    pub(super) fn part(&self, part: Part) -> Option<&Figure> {
+    pub(super) fn part(&self, part: Part) -> Option<&OrderFigure> {
         match part {
             Part::Girth => self.girth.as_ref(),
             Part::Length => self.length.as_ref(),
@@ -48,7 +48,7 @@ impl Row {
     }
 
     /// Girth and length, as far as the form has boxes for them.
-    pub(super) fn figures(&self) -> impl Iterator<Item = &Figure> {
+    pub(super) fn figures(&self) -> impl Iterator<Item = &OrderFigure> {
         [&self.girth, &self.length].into_iter().flatten()
     }
 }

@@ -4,7 +4,7 @@
 use serde_json::Value;
 
 use super::text::is_line;
-use super::{Figure, Order, Row, SCHEMA, State};
+use super::{Order, OrderFigure, Row, SCHEMA, State};
 
 /// The longest file that is read, bytes: an order of tights with a reason at every point has less.
 pub const BYTES_MAX: usize = 1024 * 1024;
@@ -150,7 +150,7 @@ fn row_checked(row: &Row) -> Result<(), LastFault> {
     row.figures().try_for_each(|figure| figure_checked(row, figure))
 }
 
-fn figure_checked(row: &Row, figure: &Figure) -> Result<(), LastFault> {
+fn figure_checked(row: &Row, figure: &OrderFigure) -> Result<(), LastFault> {
     in_a_line("rows.form_box", Some(&figure.form_box))?;
     figure.doubts.iter().try_for_each(|doubt| in_a_line("rows.doubts", Some(doubt)))?;
     let place = || format!("{} {}", row.side.word(), figure.form_box);

@@ -8,7 +8,7 @@ use super::{State, Way};
 use crate::Record;
 use crate::measure::amendment::{Amendment, ByHand, Subject};
 use crate::measure::{Absent, Length, Measure};
-use crate::report::Mark;
+use crate::report::Reliability;
 use crate::sizing::{TAPE_GIRTH_MM, reading};
 
 /// The finding that puts the length of the inside of the leg in doubt.
@@ -94,7 +94,7 @@ fn of_level(
 ) -> Read {
     let scanned = record.leg(side).and_then(|leg| Measure::scanned(leg, level));
     let none = || Value::none(State::NotMeasured);
-    let counting = match Measure::of(record, side, level) {
+    let counting = match Measure::find(record, side, level) {
         Ok(measure) => part(&measure).unwrap_or_else(none),
         Err(absent) => absent_value(absent),
     };
@@ -111,9 +111,9 @@ fn girth(of: &Measure<'_>, scanner_mm: f64) -> Value {
 
 fn value(of: &Measure<'_>, length: Length, by_hand: Way, sd_mm: Option<f64>) -> Value {
     let is = match of.mark_of(length) {
-        Mark::ByHand => State::ByHand,
-        Mark::Estimated => State::Estimated,
-        Mark::Doubtful if of.has_a_doubt_that_matters() => State::Doubtful,
+        Reliability::ByHand => State::ByHand,
+        Reliability::Estimated => State::Estimated,
+        Reliability::Doubtful if of.has_a_doubt_that_matters() => State::Doubtful,
         _ => State::Measured,
     };
     let doubts = match length.is_by_hand {
@@ -143,7 +143,7 @@ fn of_length(record: &Record, side: Side, subject: Subject) -> Read {
         }
     };
     let scanned = Length::scanned_of(record, side, subject).map(value);
-    let counting = Length::of(record, side, subject).map_or_else(absent_value, value);
+    let counting = Length::find(record, side, subject).map_or_else(absent_value, value);
     Read { scanned: scanned.unwrap_or_else(|| Value::none(State::NotMeasured)), counting }
 }
 

@@ -4,7 +4,7 @@ use gaiter_sizes::Garment;
 
 use super::compose::{open, ordered_garment};
 use super::text::OrderRef;
-use super::{Again, Figure, LastFigure, LastRow, Order, Reorder, Row, State};
+use super::{Again, LastFigure, LastRow, Order, OrderFigure, Reorder, Row, State};
 use crate::{Record, rounding};
 
 /// What makes girths and heights of two scans different things, as keys of `made_by.method`.
@@ -75,7 +75,7 @@ impl Order {
         scanner_girth_mm: f64,
     ) -> Result<Order, ReorderFault> {
         is_of_the_same(last, record, garment)?;
-        let mut order = Order::of(record, garment, order_ref, scanner_girth_mm);
+        let mut order = Order::from_record(record, garment, order_ref, scanner_girth_mm);
         let otherwise = taken_otherwise(last, &order);
         let has_changes = otherwise.is_empty();
         for row in order.rows.iter_mut().filter(|row| row.counts) {
@@ -130,8 +130,8 @@ fn last_row(now: &Row, last: &Row, has_changes: bool) -> LastRow {
 
 /// A figure of the last order beside that of this one.
 fn last_figure(
-    now: Option<&Figure>,
-    last: Option<&Figure>,
+    now: Option<&OrderFigure>,
+    last: Option<&OrderFigure>,
     has_changes: bool,
 ) -> Option<LastFigure> {
     let last = last?;
@@ -155,7 +155,7 @@ fn last_figure(
 fn gone(last: &Order, now: &Order) -> Vec<Row> {
     let sides = now.sides();
     let rows = last.rows.iter().filter(|row| row.counts && !sides.contains(&row.side));
-    let figure = |of: &Figure| Figure {
+    let figure = |of: &OrderFigure| OrderFigure {
         form_box: of.form_box.clone(),
         is: State::NotMeasured,
         mm: None,

@@ -29,7 +29,7 @@ pub struct Font {
 
 impl Font {
     /// The regular or the bold font.
-    pub fn of(is_bold: bool) -> &'static Font {
+    pub fn with_weight(is_bold: bool) -> &'static Font {
         &FONTS[usize::from(is_bold)]
     }
 
@@ -89,7 +89,8 @@ pub fn writable(words: &str) -> String {
 
 fn is_writable(letter: char) -> bool {
     // A soft hyphen has a glyph but is invisible.
-    letter != '\u{AD}' && [false, true].iter().all(|bold| Font::of(*bold).glyph(letter).is_some())
+    letter != '\u{AD}'
+        && [false, true].iter().all(|bold| Font::with_weight(*bold).glyph(letter).is_some())
 }
 
 fn table(file: &'static [u8], tag: &[u8; 4]) -> Option<&'static [u8]> {
@@ -153,13 +154,13 @@ mod tests {
     #[test]
     fn figures_are_of_one_width_and_letters_have_noto_s_own() {
         for (bold, a) in [(false, 639), (true, 690)] {
-            let font = Font::of(bold);
+            let font = Font::with_weight(bold);
             for digit in '0'..='9' {
                 assert_eq!(font.advance(font.glyph(digit).unwrap()), 572, "{digit}");
             }
             assert_eq!(font.advance(font.glyph('A').unwrap()), a);
         }
-        assert!((Font::of(false).width("A0", 10.0) - 12.11).abs() < 1e-9);
+        assert!((Font::with_weight(false).width("A0", 10.0) - 12.11).abs() < 1e-9);
     }
 
     #[test]

@@ -55,7 +55,7 @@ const OFF: [Colour; 9] = [
 
 impl Ink {
     /// The ink for a leg.
-    pub fn of(side: Side) -> Ink {
+    pub fn for_side(side: Side) -> Ink {
         match side {
             Side::Left => Ink::Left,
             Side::Right => Ink::Right,

@@ -98,7 +98,7 @@ impl Anchor {
 
 impl Stroke {
     /// A solid line.
-    pub fn of(ink: Ink, width: f64) -> Option<Stroke> {
+    pub fn solid(ink: Ink, width: f64) -> Option<Stroke> {
         Some(Stroke { ink, width, dash: None })
     }
 

@@ -51,7 +51,7 @@ pub struct Counted {
 
 impl Age {
     /// The age of a record's scan.
-    pub fn of(record: &Record, most: AgeMax, language: Language) -> Age {
+    pub fn new(record: &Record, most: AgeMax, language: Language) -> Age {
         let taken = record.acquired.as_ref().map(|acquired: &Acquired| acquired.local().date());
         let last = taken.and_then(|taken| most.last_day(taken));
         let (Some(taken), Some(last)) = (taken, last) else {

@@ -2,10 +2,10 @@
 
 use gaiter_language::Language;
 
-use super::content::{Content, Section, Sizes};
+use super::content::{ReportContent, Section, Sizes};
 use super::document::{Appendix, Block, Document, Origin, Room, Sheet, View};
 use crate::Record;
-use crate::picture::figures::{Figure, SHEET};
+use crate::picture::figures::{DrawnFigure, SHEET};
 
 /// How many facts about the record stand on the sheet: patient, record, order, and who named the patient.
 const SHEET_FACTS: usize = 4;
@@ -13,9 +13,9 @@ const SHEET_FACTS: usize = 4;
 /// The figures of the appendix, by their names.
 const APPENDIX: [&str; 3] = ["sections", "fit", "error"];
 
-impl Content {
+impl ReportContent {
     /// The report of the record that this is the content of, with its figures in the same language.
-    pub fn document(self, record: &Record, figures: &[Figure]) -> Document {
+    pub fn document(self, record: &Record, figures: &[DrawnFigure]) -> Document {
         let language = self.head.language;
         let text = |key: &'static str| language.text(key).to_owned();
         let sheet = Sheet {
@@ -34,9 +34,9 @@ impl Content {
             words: Vec::new(),
         };
         let others = figures.iter().filter(|of| of.name != SHEET);
-        let (appended, pictures): (Vec<&Figure>, Vec<&Figure>) =
+        let (appended, pictures): (Vec<&DrawnFigure>, Vec<&DrawnFigure>) =
             others.partition(|of| APPENDIX.contains(&of.name));
-        let drawn = |of: &Figure| picture(of, language);
+        let drawn = |of: &DrawnFigure| picture(of, language);
         let mut blocks =
             vec![Block::Verdict(self.verdict), Block::Sheet(Box::new(sheet)), Block::Turn];
         blocks.extend(self.sizes.into_iter().flat_map(sizes));
@@ -77,7 +77,7 @@ fn sizes(of: Sizes) -> impl Iterator<Item = Block> {
 }
 
 /// A figure of a record below what it shows, and above how to read it.
-fn picture(of: &Figure, language: Language) -> Block {
+fn picture(of: &DrawnFigure, language: Language) -> Block {
     let word = |part: &str| language.find(&format!("report.caption.{}.{part}", of.name));
     Block::Picture {
         title: word("title").map_or_else(|| of.picture.title.clone(), str::to_owned),

@@ -17,7 +17,7 @@ use gaiter_leg::Side;
 use gaiter_leg::finding::Severity;
 use gaiter_sizes::Garment;
 
-use super::Figure;
+use super::ReportFigure;
 use super::age::{Age, AgeMax};
 use super::head::Head;
 use crate::Record;
@@ -28,7 +28,7 @@ use crate::sizing::{SizeChoice, SizeVerdicts};
 
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Content {
+pub struct ReportContent {
     /// What stands on every page.
     pub head: Head,
     /// The origin: patient, time, station, scan, program.
@@ -132,9 +132,9 @@ pub struct LevelRow {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelFigures {
     /// Girth by tape, cm.
-    pub girth: Figure,
+    pub girth: ReportFigure,
     /// Vertical height above the floor, cm; a dash on the foot.
-    pub height: Figure,
+    pub height: ReportFigure,
 }
 
 /// A length of both legs.
@@ -143,7 +143,7 @@ pub struct SheetRow {
     /// What it is.
     pub head: String,
     /// The length of each leg, cm, in the order of [`Side::FROM_FRONT`].
-    pub figures: [Figure; 2],
+    pub figures: [ReportFigure; 2],
 }
 
 /// What matters most.
@@ -212,7 +212,7 @@ pub struct TableRow {
     /// The subject of the row.
     pub head: String,
     /// Its figures.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<ReportFigure>,
 }
 
 /// A doubt or finding in plain words.
@@ -238,11 +238,11 @@ pub struct Note {
     pub action: Option<String>,
 }
 
-impl Content {
+impl ReportContent {
     /// The content of a report of this record in this language, for an order of this garment, without sizes.
-    pub fn of(record: &Record, language: Language, garment: &Garment) -> Content {
-        let none = SizeVerdicts::of(record, garment, &SizeChoice::default());
-        Content::with_sizes(record, language, garment, &none, AgeMax::default())
+    pub fn from_record(record: &Record, language: Language, garment: &Garment) -> ReportContent {
+        let none = SizeVerdicts::new(record, garment, &SizeChoice::default());
+        ReportContent::with_sizes(record, language, garment, &none, AgeMax::default())
     }
 
     /// The content of a report with what size tables say about the record, and how old its scan may be.
@@ -252,13 +252,13 @@ impl Content {
         garment: &Garment,
         verdicts: &SizeVerdicts,
         age_max: AgeMax,
-    ) -> Content {
-        let completeness = Completeness::of(record, garment);
+    ) -> ReportContent {
+        let completeness = Completeness::from_record(record, garment);
         let report = Report { record, language, garment };
         let notes = report.notes();
         let is_vouched = !record.has_finding(NOT_VOUCHED);
         let title = if is_vouched { "report.title" } else { "report.title_not_vouched" };
-        Content {
+        ReportContent {
             head: Head {
                 language,
                 title: report.text(title),
@@ -275,7 +275,7 @@ impl Content {
                 }],
             },
             levels: report.levels(),
-            age: Age::of(record, age_max, language),
+            age: Age::new(record, age_max, language),
             open: report.open_fields(),
             sizes: report.sizes(verdicts),
             tables: report.tables(),

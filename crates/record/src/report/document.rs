@@ -7,7 +7,7 @@ use super::age::Age;
 use super::content::{Fact, Levels, Note, Section, Table, Verdict};
 use super::head::Head;
 use crate::Record;
-use crate::picture::figures::Figure;
+use crate::picture::figures::DrawnFigure;
 
 /// Where a report comes from, for the properties of its PDF.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -117,7 +117,7 @@ pub enum Block {
         /// The heading.
         title: String,
         /// What is drawn.
-        figure: Figure,
+        figure: DrawnFigure,
         /// How to read it.
         caption: String,
         /// How much of a page of paper it may take.
@@ -150,7 +150,7 @@ pub struct Sheet {
     /// Where the sizes are; `None` without tables of sizes.
     pub see_sizes: Option<String>,
     /// Both legs with their girths; `None` for a record without shapes.
-    pub legs: Option<Figure>,
+    pub legs: Option<DrawnFigure>,
     /// The names of what a person fills in.
     pub open: Section,
 }

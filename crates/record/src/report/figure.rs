@@ -8,19 +8,19 @@ use crate::rounding::{
 
 /// A figure in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Figure {
+pub struct ReportFigure {
     /// The figure in the unit of its table, or the reason why it is missing.
     pub value: String,
     /// Its uncertainty without `±`; `?` if it is unknown. `None` for a figure without an uncertainty to
     /// show.
     pub margin: Option<String>,
     /// How to read it.
-    pub mark: Mark,
+    pub mark: Reliability,
 }
 
 /// How to read a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
+pub enum Reliability {
     /// At face value.
     Sure,
     /// There is a doubt, which a note explains.
@@ -35,45 +35,54 @@ pub enum Mark {
     Real,
 }
 
-impl Mark {
+impl Reliability {
     /// The sign for it in tables of plain text.
     pub fn sign(self) -> &'static str {
         match self {
-            Mark::Estimated => "~",
-            Mark::Doubtful => "?",
-            Mark::ByHand => "*",
-            Mark::Sure | Mark::Missing | Mark::Real => "",
+            Reliability::Estimated => "~",
+            Reliability::Doubtful => "?",
+            Reliability::ByHand => "*",
+            Reliability::Sure | Reliability::Missing | Reliability::Real => "",
         }
     }
 
     /// The sign behind a girth in a picture if a person set it.
     pub(crate) fn by_hand_sign(self) -> &'static str {
-        if self == Mark::ByHand { " *" } else { "" }
+        if self == Reliability::ByHand { " *" } else { "" }
     }
 }
 
-impl Figure {
+impl ReportFigure {
     /// A length or girth, cm.
-    pub(super) fn cm(value_mm: f64, sd_mm: Option<f64>, mark: Mark, language: Language) -> Figure {
+    pub(super) fn cm(
+        value_mm: f64,
+        sd_mm: Option<f64>,
+        mark: Reliability,
+        language: Language,
+    ) -> ReportFigure {
         let margin = sd_mm.map_or_else(unknown, |sd_mm| number(cm_margin(sd_mm), 1, language));
-        Figure { value: cm_words(value_mm, language), margin: Some(margin), mark }
+        ReportFigure { value: cm_words(value_mm, language), margin: Some(margin), mark }
     }
 
     /// A volume, mL.
-    pub(super) fn ml(value_ml: f64, sd_ml: Option<f64>, language: Language) -> Figure {
+    pub(super) fn ml(value_ml: f64, sd_ml: Option<f64>, language: Language) -> ReportFigure {
         let margin = sd_ml.map_or_else(unknown, |sd_ml| number(ml_margin(sd_ml), 0, language));
-        Figure {
+        ReportFigure {
             value: number(whole_ml(value_ml), 0, language),
             margin: Some(margin),
-            mark: Mark::Sure,
+            mark: Reliability::Sure,
         }
     }
 
     /// A difference of lengths, cm, left minus right.
-    pub(super) fn cm_difference(value_mm: f64, sd_mm: Option<f64>, language: Language) -> Figure {
+    pub(super) fn cm_difference(
+        value_mm: f64,
+        sd_mm: Option<f64>,
+        language: Language,
+    ) -> ReportFigure {
         let mark = reality(cm(value_mm), sd_mm.map(cm_margin));
-        let figure = Figure::cm(value_mm, sd_mm, mark, language);
-        Figure { value: signed(value_mm, &figure.value), ..figure }
+        let figure = ReportFigure::cm(value_mm, sd_mm, mark, language);
+        ReportFigure { value: signed(value_mm, &figure.value), ..figure }
     }
 
     /// A difference of volumes, mL, left minus right, with its share of the smaller leg.
@@ -81,34 +90,34 @@ impl Figure {
         [value_ml, percent]: [f64; 2],
         sd_ml: Option<f64>,
         language: Language,
-    ) -> [Figure; 2] {
+    ) -> [ReportFigure; 2] {
         let mark = reality(whole_ml(value_ml), sd_ml.map(ml_margin));
-        let figure = Figure::ml(value_ml, sd_ml, language);
+        let figure = ReportFigure::ml(value_ml, sd_ml, language);
         let share = signed(percent, &tenths_words(percent, language));
         [
-            Figure { value: signed(value_ml, &figure.value), mark, ..figure },
-            Figure { value: share, margin: None, mark },
+            ReportFigure { value: signed(value_ml, &figure.value), mark, ..figure },
+            ReportFigure { value: share, margin: None, mark },
         ]
     }
 
     /// A missing figure, with the reason.
-    pub fn missing(why: &str) -> Figure {
-        Figure::marked(why, Mark::Missing)
+    pub fn missing(why: &str) -> ReportFigure {
+        ReportFigure::marked(why, Reliability::Missing)
     }
 
     /// A figure or other text without changes.
-    pub fn plain(value: impl Into<String>) -> Figure {
-        Figure::marked(value, Mark::Sure)
+    pub fn plain(value: impl Into<String>) -> ReportFigure {
+        ReportFigure::marked(value, Reliability::Sure)
     }
 
     /// A figure without an uncertainty to show, and how to read it.
-    pub fn marked(value: impl Into<String>, mark: Mark) -> Figure {
-        Figure { value: value.into(), margin: None, mark }
+    pub fn marked(value: impl Into<String>, mark: Reliability) -> ReportFigure {
+        ReportFigure { value: value.into(), margin: None, mark }
     }
 
     /// Whether there is a reason instead of a figure.
     pub fn is_missing(&self) -> bool {
-        self.mark == Mark::Missing
+        self.mark == Reliability::Missing
     }
 }
 
@@ -118,6 +127,6 @@ fn unknown() -> String {
 }
 
 /// The mark of a difference, from the rounded values that are shown.
-fn reality(told: f64, margin: Option<f64>) -> Mark {
-    if exceeds(told, margin) { Mark::Real } else { Mark::Sure }
+fn reality(told: f64, margin: Option<f64>) -> Reliability {
+    if exceeds(told, margin) { Reliability::Real } else { Reliability::Sure }
 }

@@ -12,9 +12,9 @@ mod pdf;
 mod words;
 
 pub use age::AgeMax;
-pub use content::Content;
+pub use content::ReportContent;
 pub use document::{Document, Paper, Print};
-pub use figure::{Figure, Mark};
+pub use figure::{Reliability, ReportFigure};
 pub use head::Head;
 pub use html::{VIEWER, page, viewer};
 pub use pdf::{PdfFault, paper};

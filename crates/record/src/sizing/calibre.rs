@@ -43,7 +43,7 @@ pub fn stretches(record: &Record, garment: &Garment) -> Vec<Stretch> {
         |level: &Level| garment.has(Point::Girth(*level)) && garment.has(Point::Length(*level));
     let of_leg = |side: Side| {
         let levels = Level::ALL.into_iter().filter(has_both);
-        let known: Vec<At> = levels.filter_map(|level| At::of(record, side, level)).collect();
+        let known: Vec<At> = levels.filter_map(|level| At::find(record, side, level)).collect();
         let pairs = known.windows(2).filter_map(|pair| stretch(record, side, [pair[0], pair[1]]));
         pairs.collect::<Vec<_>>()
     };
@@ -59,8 +59,8 @@ struct At {
 }
 
 impl At {
-    fn of(record: &Record, side: Side, level: Level) -> Option<At> {
-        let measure = Measure::of(record, side, level).ok()?;
+    fn find(record: &Record, side: Side, level: Level) -> Option<At> {
+        let measure = Measure::find(record, side, level).ok()?;
         let girth = trusted(&measure, measure.girth).ok()?;
         let height = trusted(&measure, measure.height?).ok()?;
         Some(At { level, girth, height })

@@ -6,7 +6,7 @@ pub mod words;
 
 use gaiter_leg::Side;
 use gaiter_sizes::table::{Basis, Limits, Status};
-use gaiter_sizes::verdict::{LegVerdict, NotComparable, PointVerdict, judged};
+use gaiter_sizes::verdict::{LegVerdict, NotComparable, PointVerdict, leg_verdict};
 use gaiter_sizes::{Garment, Point, SizeTable};
 use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
@@ -112,7 +112,7 @@ pub struct LegSizes {
 
 impl SizeVerdicts {
     /// What the tables say about a record for an order of this garment.
-    pub fn of(record: &Record, garment: &Garment, choice: &SizeChoice) -> SizeVerdicts {
+    pub fn new(record: &Record, garment: &Garment, choice: &SizeChoice) -> SizeVerdicts {
         SizeVerdicts {
             schema: SCHEMA,
             scan: record.scan.sha256.clone(),
@@ -145,7 +145,7 @@ fn table(
 ) -> TableVerdict {
     let leg = |side: Side| {
         let reading = |point| reading(record, side, point, choice.scanner_girth_mm);
-        judged(table, garment, reading).map(|verdict| LegSizes { side: side.word(), verdict })
+        leg_verdict(table, garment, reading).map(|verdict| LegSizes { side: side.word(), verdict })
     };
     let (not_comparable, legs) = match record.sides().map(leg).collect::<Result<Vec<_>, _>>() {
         Ok(legs) => (None, legs),

@@ -8,7 +8,7 @@ use gaiter_sizes::verdict::{Given, NotGiven, Reading};
 use crate::Record;
 use crate::measure::amendment::Subject;
 use crate::measure::{Absent, Length, Measure, along_mm_at};
-use crate::report::Mark;
+use crate::report::Reliability;
 
 /// The standard error of a girth that a person took with a tape, mm. Leg volumes by tape, the square of the
 /// girth, have a standard error of 1.2 to 1.4 %, so a girth has 0.65 %: 2.5 mm on a calf of 380 mm.
@@ -30,7 +30,7 @@ pub fn reading(record: &Record, side: Side, point: Point, scanner_girth_mm: f64)
 
 /// The girth at a level.
 fn girth(record: &Record, side: Side, level: Level, scanner_mm: f64) -> Result<Given, NotGiven> {
-    let measure = Measure::of(record, side, level).map_err(NotGiven::from)?;
+    let measure = Measure::find(record, side, level).map_err(NotGiven::from)?;
     let girth = trusted(&measure, measure.girth)?;
     Ok(match girth.is_by_hand {
         true => Given { uncertainty_mm: Some(TAPE_GIRTH_MM), ..given(girth) },
@@ -46,7 +46,7 @@ fn girth(record: &Record, side: Side, level: Level, scanner_mm: f64) -> Result<G
 /// The height of a level above the floor. No source says how well a person marks one, so the uncertainty of a
 /// height by hand is unknown.
 fn height(record: &Record, side: Side, level: Level) -> Result<Length, NotGiven> {
-    let measure = Measure::of(record, side, level).map_err(NotGiven::from)?;
+    let measure = Measure::find(record, side, level).map_err(NotGiven::from)?;
     trusted(&measure, measure.height.ok_or(NotGiven::NotFound)?)
 }
 
@@ -86,7 +86,7 @@ pub(super) fn along_mm(
 
 /// The length of the foot or of the inside of the leg.
 fn length(record: &Record, side: Side, subject: Subject) -> Result<Given, NotGiven> {
-    let length = Length::of(record, side, subject).map_err(NotGiven::from)?;
+    let length = Length::find(record, side, subject).map_err(NotGiven::from)?;
     let is_inside_leg = subject == Subject::InsideLeg;
     match is_inside_leg && !length.is_by_hand && record.has_finding("crotch-uncertain") {
         true => Err(NotGiven::Doubtful),
@@ -94,11 +94,11 @@ fn length(record: &Record, side: Side, subject: Subject) -> Result<Given, NotGiv
     }
 }
 
-/// A girth or height of a measure that can be judged by; see [`Mark`].
+/// A girth or height of a measure that can be judged by; see [`Reliability`].
 pub(super) fn trusted(measure: &Measure<'_>, length: Length) -> Result<Length, NotGiven> {
     match measure.mark_of(length) {
-        Mark::Estimated => Err(NotGiven::Estimated),
-        Mark::Doubtful if measure.has_a_doubt_that_matters() => Err(NotGiven::Doubtful),
+        Reliability::Estimated => Err(NotGiven::Estimated),
+        Reliability::Doubtful if measure.has_a_doubt_that_matters() => Err(NotGiven::Doubtful),
         _ => Ok(length),
     }
 }

@@ -10,7 +10,7 @@ use super::{ID, RECORD, SCANNED, garment};
 
 fn last() -> Order {
     let order_ref = OrderRef::new("A-0077", &SCANNED).unwrap();
-    let order = Order::of(&SCANNED, &garment(), Some(&order_ref), 1.0);
+    let order = Order::from_record(&SCANNED, &garment(), Some(&order_ref), 1.0);
     // As it lies in the folder of the record.
     read(&json(&order).unwrap()).unwrap()
 }
@@ -111,7 +111,7 @@ fn the_order_of_another_patient_is_never_repeated() {
 
 #[test]
 fn another_garment_or_another_form_is_ordered_anew() {
-    let other = Garment::of("AG").unwrap();
+    let other = Garment::named("AG").unwrap();
     let fault = Order::exact(&last(), &later(), &other, None).unwrap_err();
     let expected = ReorderFault::OtherGarment { last: "AD".to_owned(), now: "AG".to_owned() };
     assert_eq!(fault, expected);

@@ -28,7 +28,7 @@ fn ordered(name: &str) -> Order {
         return order();
     }
     let order_ref = |text: &str| OrderRef::new(text, &RECORD).unwrap();
-    let last = Order::of(&SCANNED, &garment(), Some(&order_ref("A-0077")), 1.0);
+    let last = Order::from_record(&SCANNED, &garment(), Some(&order_ref("A-0077")), 1.0);
     Order::with_changes(&last, &RECORD, &garment(), Some(&order_ref("A-1042")), 1.0).unwrap()
 }
 

@@ -72,7 +72,7 @@ fn the_table_has_the_columns_that_are_documented() {
 fn table_and_json_say_the_same_to_the_last_digit() {
     for garment in Garment::shipped() {
         for record in [&*SCANNED, &*RECORD] {
-            let order = Order::of(record, garment, None, 1.0);
+            let order = Order::from_record(record, garment, None, 1.0);
             let again = read(&json(&order).unwrap()).unwrap();
             assert_eq!(again, order, "JSON is read back as it was");
             let table = rows(&csv(&order));
@@ -153,7 +153,7 @@ fn the_headings_for_people_are_those_of_their_language_and_programs_find_the_col
 fn a_reference_that_looks_like_a_day_or_a_number_stays_text_for_people_and_bare_for_programs() {
     for text in ["3-12", "1/4", "0012", "1E5"] {
         let order_ref = OrderRef::new(text, &RECORD).unwrap();
-        let order = Order::of(&RECORD, &garment(), Some(&order_ref), 1.0);
+        let order = Order::from_record(&RECORD, &garment(), Some(&order_ref), 1.0);
         assert_eq!(rows(&csv(&order))[0]["order_ref"], text);
         assert_eq!(for_people(&order)[1][1], format!("=\"{text}\""));
         let german = mappings().remove(2);
@@ -195,7 +195,7 @@ fn what_a_person_set_counts_and_what_the_scan_says_stays_before_it() {
 #[test]
 fn uncertainty_is_twice_that_of_the_girth_and_of_the_scanner_together_and_that_of_a_tape_by_hand() {
     let of = |scanner_girth_mm: f64, point: &str| {
-        let order = Order::of(&RECORD, &garment(), None, scanner_girth_mm);
+        let order = Order::from_record(&RECORD, &garment(), None, scanner_girth_mm);
         let mut rows = order.rows.iter();
         let row = rows.find(|row| row.counts && row.side.word() == "right" && row.point == point);
         row.unwrap().girth.as_ref().unwrap().u95_mm.unwrap()
@@ -260,7 +260,7 @@ fn the_age_of_an_order_that_is_made_again_is_that_of_its_scan_on_its_own_day() {
 #[test]
 fn no_file_of_an_order_names_the_patient_and_all_are_small_with_ascii_names() {
     for garment in Garment::shipped() {
-        let order = Order::of(&RECORD, garment, None, 1.0);
+        let order = Order::from_record(&RECORD, garment, None, 1.0);
         let files = order_files(&order, &mappings(), Language::De, Some(ID)).unwrap();
         let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
         assert_eq!(names.len(), 6);
@@ -344,7 +344,7 @@ proptest! {
         text in "\\PC{1,60}|[0-9Ee/.,:+='\" -]{1,20}|(Mai|Mar|Mo|EUR)[ -]?[0-9]{1,4}",
     ) {
         let Ok(order_ref) = OrderRef::new(&text, &RECORD) else { return Ok(()) };
-        let order = Order::of(&RECORD, &garment(), Some(&order_ref), 1.0);
+        let order = Order::from_record(&RECORD, &garment(), Some(&order_ref), 1.0);
         for cells in &for_people(&order)[1..] {
             let told = &cells[1];
             let is_guarded = told.trim_start_matches('\'').starts_with(['=', '+', '-', '@'])

@@ -89,11 +89,11 @@ pub static RECORD: LazyLock<Record> = LazyLock::new(|| {
 });
 
 fn garment() -> Garment {
-    Garment::of("AD").unwrap()
+    Garment::named("AD").unwrap()
 }
 
 /// The order of the record.
 pub fn order() -> Order {
     let order_ref = OrderRef::new("A-1042", &RECORD).unwrap();
-    Order::of(&RECORD, &garment(), Some(&order_ref), 1.0)
+    Order::from_record(&RECORD, &garment(), Some(&order_ref), 1.0)
 }

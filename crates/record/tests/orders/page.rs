@@ -10,7 +10,7 @@ use super::{ID, order};
 const PAGE: &str = include_str!("../../../../docs/orders.md");
 
 /// The mapping that the page shows.
-fn shown() -> &'static str {
+fn mapping_of_page() -> &'static str {
     let first = format!("format = \"{}\"", mapping::FORMAT);
     let mut blocks = PAGE.split("```toml\n");
     blocks.find(|block| block.starts_with(&first)).unwrap().split("```").next().unwrap()
@@ -18,7 +18,7 @@ fn shown() -> &'static str {
 
 #[test]
 fn the_mapping_that_the_page_shows_makes_a_row_per_leg() {
-    let mapping = parse(shown().as_bytes()).unwrap();
+    let mapping = parse(mapping_of_page().as_bytes()).unwrap();
     assert_eq!(mapped_name(&order(), &mapping), "order-muster-A-1042.csv");
     let file = mapped(&order(), &mapping, Some(ID));
     let lines: Vec<&[u8]> = file.split(|byte| *byte == b'\n').collect();
@@ -34,7 +34,7 @@ fn the_page_names_every_key_value_column_and_word() {
     let named = |word: &str| {
         assert!(PAGE.contains(&format!("`{word}`")), "docs/orders.md does not name {word}");
     };
-    for line in shown().lines().filter_map(|line| line.split_once(" = ")) {
+    for line in mapping_of_page().lines().filter_map(|line| line.split_once(" = ")) {
         named_loosely(line.0);
     }
     csv(&order()).lines().next().unwrap().split(';').for_each(named);

@@ -50,22 +50,22 @@ fn found(finding: FindingNote) -> Record {
 }
 
 fn said(record: &Record, garment: &Garment) -> String {
-    Completeness::of(record, garment).sentences(Language::En).join(" ")
+    Completeness::from_record(record, garment).sentences(Language::En).join(" ")
 }
 
 #[test]
 fn a_whole_record_is_complete_for_a_calf_stocking_and_estimates_are_not_measures() {
-    assert_eq!(Completeness::of(&RECORD, &Garment::default()).kind(), Kind::Complete);
+    assert_eq!(Completeness::from_record(&RECORD, &Garment::default()).kind(), Kind::Complete);
     assert_eq!(
         said(&RECORD, &Garment::default()),
         "Complete: all measures for a calf stocking (AD) were taken."
     );
     assert_eq!(
-        said(&RECORD, &Garment::of("AF").unwrap()),
+        said(&RECORD, &Garment::named("AF").unwrap()),
         "Measure by hand: right leg: F and E; left leg: F and E."
     );
     assert_eq!(
-        said(&RECORD, &Garment::of("AG").unwrap()),
+        said(&RECORD, &Garment::named("AG").unwrap()),
         "Measure by hand: right leg: F and E; left leg: F and E."
     );
 }
@@ -88,7 +88,7 @@ fn what_is_missing_or_doubtful_is_measured_by_hand_if_the_garment_needs_it() {
         ),
         (
             without("G"),
-            &Garment::of("AG").unwrap(),
+            &Garment::named("AG").unwrap(),
             "Measure by hand: right leg: G, F and E; left leg: F and E.",
         ),
         (doubted("B1", "flat"), &Garment::default(), "Measure by hand: right leg: B1."),
@@ -150,7 +150,7 @@ fn what_another_scan_would_do_better_comes_first() {
         ),
     ] {
         assert_eq!(said(&record, garment), expected);
-        let kind = Completeness::of(&record, garment).kind();
+        let kind = Completeness::from_record(&record, garment).kind();
         assert_eq!(kind == Kind::ScanAgain, expected.starts_with("Scan again"), "{expected}");
     }
     let mut touching = doubted("G", "gap");
@@ -158,8 +158,11 @@ fn what_another_scan_would_do_better_comes_first() {
         "Scan again: legs apart. Or measure by hand: right leg: G, F and E; left leg: F and E.";
     for code in ["thighs-touch", "crotch-uncertain"] {
         touching.findings = vec![finding(code, None, None)];
-        assert_eq!(said(&touching, &Garment::of("AG").unwrap()), expected);
-        assert_eq!(Completeness::of(&touching, &Garment::default()).kind(), Kind::Complete);
+        assert_eq!(said(&touching, &Garment::named("AG").unwrap()), expected);
+        assert_eq!(
+            Completeness::from_record(&touching, &Garment::default()).kind(),
+            Kind::Complete
+        );
     }
     let implausible = with_right(|leg| drop(leg.landmarks.remove("C")));
     let note = finding("level-implausible", Some("right"), Some("C"));
@@ -175,7 +178,7 @@ fn what_a_person_must_make_sure_of_is_never_complete() {
         ["facing-unchecked", "ord-sides", "ord-unit", "proportions", "no-faces", "not-vouched"]
     {
         for garment in Garment::shipped() {
-            let verdict = Completeness::of(&found(finding(code, None, None)), garment);
+            let verdict = Completeness::from_record(&found(finding(code, None, None)), garment);
             assert_eq!(verdict.kind(), Kind::ByHand, "{code}");
             for language in Language::ALL {
                 let last = verdict.sentences(language).pop().unwrap();
@@ -189,7 +192,7 @@ fn what_a_person_must_make_sure_of_is_never_complete() {
 fn a_leg_that_is_cut_off_above_what_is_needed_needs_no_other_scan() {
     let mut cut = found(finding("leg-cut", Some("right"), None));
     assert_eq!(
-        Completeness::of(&cut, &Garment::of("AF").unwrap()).kind(),
+        Completeness::from_record(&cut, &Garment::named("AF").unwrap()).kind(),
         Kind::ByHand,
         "E and F are estimates"
     );
@@ -198,10 +201,10 @@ fn a_leg_that_is_cut_off_above_what_is_needed_needs_no_other_scan() {
         right.landmarks.remove(level);
         right.estimates.remove(level);
     });
-    for garment in [&Garment::of("AF").unwrap(), &Garment::of("AG").unwrap()] {
-        assert_eq!(Completeness::of(&cut, garment).kind(), Kind::ScanAgain);
+    for garment in [&Garment::named("AF").unwrap(), &Garment::named("AG").unwrap()] {
+        assert_eq!(Completeness::from_record(&cut, garment).kind(), Kind::ScanAgain);
     }
-    assert_eq!(Completeness::of(&cut, &Garment::default()).kind(), Kind::Complete);
+    assert_eq!(Completeness::from_record(&cut, &Garment::default()).kind(), Kind::Complete);
 }
 
 /// What a person set on the right leg.
@@ -254,7 +257,7 @@ fn what_a_person_set_is_not_asked_for_again() {
 fn what_cannot_be_measured_is_said_and_is_never_complete() {
     let missing = with_right(|leg| drop(leg.landmarks.remove("C")));
     let noted = by_hand(&missing, "C", Deed::NotMeasurable, [None; 3]);
-    let verdict = Completeness::of(&noted, &Garment::default());
+    let verdict = Completeness::from_record(&noted, &Garment::default());
     assert_eq!((verdict.kind(), verdict.kind().word()), (Kind::NotMeasurable, "not-measurable"));
     assert_eq!(said(&noted, &Garment::default()), "Not measurable: right leg: C.");
     let and_b1 = Record { legs: doubted("B1", "flat").legs, ..noted };
@@ -279,7 +282,7 @@ fn with_every_level_set_by_hand_nothing_depends_on_another_scan() {
             ("D", 34.0, Some(40.0)),
         ] {
             assert_eq!(
-                Completeness::of(&record, &Garment::default()).kind(),
+                Completeness::from_record(&record, &Garment::default()).kind(),
                 Kind::ScanAgain,
                 "{leg} {level}"
             );
@@ -288,7 +291,7 @@ fn with_every_level_set_by_hand_nothing_depends_on_another_scan() {
             record = set;
         }
     }
-    assert_eq!(Completeness::of(&record, &Garment::default()).kind(), Kind::Complete);
+    assert_eq!(Completeness::from_record(&record, &Garment::default()).kind(), Kind::Complete);
 }
 
 #[test]
@@ -313,5 +316,5 @@ fn every_code_that_it_goes_by_is_one_that_findings_and_doubts_have() {
 fn a_scan_of_one_leg_is_not_asked_for_the_other() {
     let mut record = RECORD.clone();
     record.legs.retain(|leg| leg.side == "left");
-    assert_eq!(Completeness::of(&record, &Garment::default()).kind(), Kind::Complete);
+    assert_eq!(Completeness::from_record(&record, &Garment::default()).kind(), Kind::Complete);
 }

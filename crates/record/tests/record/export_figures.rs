@@ -10,7 +10,7 @@ use gaiter_leg::{Level, Side};
 use gaiter_record::Record;
 use gaiter_record::export::{ExportFigure, What, export_figures};
 use gaiter_record::measure::amendment::{Amendment, Deed};
-use gaiter_record::report::{Content, Figure, Mark};
+use gaiter_record::report::{Reliability, ReportContent, ReportFigure};
 use gaiter_sizes::Garment;
 use serde_json::json;
 use support::records::{bodies, measured};
@@ -52,10 +52,10 @@ pub fn marked() -> Record {
 
 /// The girths and heights of the sheet that are not estimated, with their marks, by leg and box.
 fn on_sheet(record: &Record) -> BTreeMap<String, String> {
-    let content = Content::of(record, Language::En, &Garment::default());
+    let content = ReportContent::from_record(record, Language::En, &Garment::default());
     let mut told = BTreeMap::new();
-    let mut tell = |side: Side, code: String, figure: &Figure| {
-        if ![Mark::Missing, Mark::Estimated].contains(&figure.mark) {
+    let mut tell = |side: Side, code: String, figure: &ReportFigure| {
+        if ![Reliability::Missing, Reliability::Estimated].contains(&figure.mark) {
             let words = format!("{} {:?}", figure.value, figure.mark);
             told.insert(format!("{} {code}", side.word()), words);
         }
@@ -73,9 +73,9 @@ fn on_sheet(record: &Record) -> BTreeMap<String, String> {
 
 fn exported(record: &Record) -> BTreeMap<String, String> {
     let mark = |figure: &ExportFigure| match (figure.is_by_hand, figure.doubts.is_empty()) {
-        (true, _) => Mark::ByHand,
-        (false, true) => Mark::Sure,
-        (false, false) => Mark::Doubtful,
+        (true, _) => Reliability::ByHand,
+        (false, true) => Reliability::Sure,
+        (false, false) => Reliability::Doubtful,
     };
     let told = |figure: &ExportFigure| {
         let place = format!("{} {}", figure.side.word(), figure.code());

@@ -12,7 +12,7 @@ use gaiter_record::export::export_figures;
 use gaiter_record::fhir::{Entry, FhirKey, FhirRules, Sent, created, entries};
 use gaiter_record::{Acquired, AcquiredFrom, Record, RecordFile};
 use serde_json::{Value, json};
-use support::records::{fhir_rules as rules, measured};
+use support::records::{fhir_rules, measured};
 
 use crate::export_figures::marked;
 
@@ -23,7 +23,7 @@ fn sent(record: &Record, rules: &FhirRules, files: &[&str]) -> Vec<Entry> {
     let file =
         |name: &&str| RecordFile { name: (*name).to_owned(), bytes: name.as_bytes().to_vec() };
     let files: Vec<RecordFile> = files.iter().map(file).collect();
-    let key = FhirKey::of(&record.scan.sha256, "4711");
+    let key = FhirKey::new(&record.scan.sha256, "4711");
     let first_seen = "2026-11-20T08:00:00Z".parse().unwrap();
     entries(&Sent { record, files: &files, first_seen, subject: SUBJECT, key: &key }, rules)
 }
@@ -32,7 +32,7 @@ const FILES: [&str; 4] = ["record.json", "report.pdf", "left.step", "right.step"
 
 /// The resources of a record with all that can go along.
 fn whole(record: &Record) -> Vec<Entry> {
-    sent(record, &rules(&FILES), &FILES)
+    sent(record, &fhir_rules(&FILES), &FILES)
 }
 
 fn of_kind<'a>(entries: &'a [Entry], kind: &str) -> Vec<&'a Value> {
@@ -144,7 +144,7 @@ fn a_leg_has_the_figures_that_go_out_with_their_marks_and_own_codes_first() {
 fn a_reader_of_the_narrative_sees_the_same_digits() {
     let record = marked();
     let told = |language| {
-        let entries = sent(&record, &FhirRules { language, ..rules(&[]) }, &[]);
+        let entries = sent(&record, &FhirRules { language, ..fhir_rules(&[]) }, &[]);
         let observation = of_kind(&entries, "Observation")[0];
         observation["text"]["div"].as_str().unwrap().to_owned()
     };
@@ -204,13 +204,13 @@ fn the_pdf_is_in_the_report_and_the_other_files_are_documents_of_their_types() {
 #[test]
 fn only_files_that_the_rules_name_and_the_record_has_go_along() {
     let record = &measured("f_average_clean").1;
-    let entries = sent(record, &rules(&["left.step", "not-there.txt"]), &FILES);
+    let entries = sent(record, &fhir_rules(&["left.step", "not-there.txt"]), &FILES);
     let report = of_kind(&entries, "DiagnosticReport")[0];
     assert!(report["presentedForm"].is_null());
     let documents = of_kind(&entries, "DocumentReference");
     assert_eq!(documents.len(), 1);
     assert_eq!(documents[0]["content"][0]["attachment"]["title"], "left.step");
-    let nothing = sent(record, &rules(&[]), &FILES);
+    let nothing = sent(record, &fhir_rules(&[]), &FILES);
     assert!(of_kind(&nothing, "DocumentReference").is_empty());
 }
 
@@ -234,7 +234,7 @@ fn a_later_revision_is_amended_and_stands_in_the_place_of_the_first() {
         let documents = whole(&later);
         let document = of_kind(&documents, "DocumentReference")[0];
         assert_eq!(document["docStatus"], "amended");
-        let key = FhirKey::of(&later.scan.sha256, "4711");
+        let key = FhirKey::new(&later.scan.sha256, "4711");
         let values: Vec<&str> = values(&document["identifier"], "value")
             .into_iter()
             .filter_map(Value::as_str)

@@ -6,13 +6,13 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::Record;
-use gaiter_record::picture::figures::{Figure, all};
+use gaiter_record::picture::figures::{DrawnFigure, all};
 use gaiter_record::picture::{Ink, Mark};
 use support::records::{bodies, measured};
 
 use crate::figures::figure;
 
-fn words_of(figure: &Figure) -> Vec<&str> {
+fn words_of(figure: &DrawnFigure) -> Vec<&str> {
     let words = figure.picture.marks.iter().filter_map(|mark| match mark {
         Mark::Words { words, .. } => Some(words.as_str()),
         _ => None,
@@ -44,7 +44,7 @@ struct Bar {
 }
 
 /// The bars, lowest first.
-fn bars(figure: &Figure) -> Vec<Bar> {
+fn bars(figure: &DrawnFigure) -> Vec<Bar> {
     let bars = figure.picture.marks.iter().filter_map(|mark| match mark {
         Mark::Lines { lines, is_closed: true, fill: Some(fill), .. } => {
             let [from, to, ..] = lines[0][..] else { unreachable!("{lines:?}") };
@@ -74,7 +74,7 @@ fn bars_are_as_long_as_the_differences_on_the_side_of_the_larger_leg_and_full_wh
         assert!((bar.length - mm * px_per_mm).abs() < 1e-9, "{mm}: {}", bar.length);
         let side = if mm < 0.0 { Side::Right } else { Side::Left };
         // 3 mm do not exceed two standard errors of 2 mm; 4.5 mm are shown as 0.5 cm and do.
-        let fill = if mm == 3.0 { Ink::Paper } else { Ink::of(side) };
+        let fill = if mm == 3.0 { Ink::Paper } else { Ink::for_side(side) };
         assert_eq!(bar.fill, fill, "{mm}");
     }
     // Heights are equally far apart, as on the legs.
@@ -130,7 +130,11 @@ fn a_feature_point_is_drawn_where_the_curvature_turns_and_a_peak_bulges_more_tha
             })
             .collect();
         for leg in &record.legs {
-            let ink = if leg.side == "left" { Ink::of(Side::Left) } else { Ink::of(Side::Right) };
+            let ink = if leg.side == "left" {
+                Ink::for_side(Side::Left)
+            } else {
+                Ink::for_side(Side::Right)
+            };
             let mut own = outlines.iter().filter(|(of, _)| *of == ink).map(|(_, line)| *line);
             for level in ["D", "C", "B1", "B"] {
                 let Some(section) = leg.sections.iter().find(|at| at.level == level) else {
@@ -177,7 +181,8 @@ fn a_feature_point_is_drawn_on_its_section_where_the_record_has_it() {
     });
     let outlines: Vec<(Ink, &Vec<[f64; 2]>)> = outlines.collect();
     for leg in &record.legs {
-        let ink = if leg.side == "left" { Ink::of(Side::Left) } else { Ink::of(Side::Right) };
+        let ink =
+            if leg.side == "left" { Ink::for_side(Side::Left) } else { Ink::for_side(Side::Right) };
         let own = outlines.iter().filter(|(of, _)| *of == ink).map(|(_, line)| *line);
         let levels = ["D", "C", "B1", "B"].into_iter();
         let seen = levels.filter(|level| leg.sections.iter().any(|at| at.level == *level));
@@ -255,7 +260,7 @@ fn no_mark_crosses_the_place_where_a_narrow_screen_cuts_a_figure() {
         for language in Language::ALL {
             let figures = all(record, language);
             assert!(figures.iter().filter(|of| !of.picture.cuts.is_empty()).count() >= 5, "{body}");
-            for Figure { name, picture, .. } in figures {
+            for DrawnFigure { name, picture, .. } in figures {
                 for cut in picture.cuts {
                     let lines = picture.marks.iter().filter_map(|mark| match mark {
                         Mark::Lines { lines, .. } => Some(lines.iter().map(Vec::as_slice)),

@@ -27,7 +27,7 @@ fn a_section_has_its_front_up_and_its_lateral_side_outward() {
             let quarter = line.len() / 4;
             let [back, medial, front, lateral] = [0, 1, 2, 3].map(|at| line[at * quarter]);
             assert!(front[1] < back[1], "{body}");
-            assert_eq!(lateral[0] > medial[0], ink == Ink::of(Side::Left), "{body}");
+            assert_eq!(lateral[0] > medial[0], ink == Ink::for_side(Side::Left), "{body}");
         }
     }
 }
@@ -197,7 +197,7 @@ fn every_curve_mark_and_girth_of_the_chart_is_of_its_own_leg_and_estimates_are_m
         let marks = figure.picture.marks.iter().filter_map(|mark| match mark {
             Mark::Lines { lines, fill, stroke, is_closed: closed, .. } if *closed == is_closed => {
                 let ink = if is_closed { *fill } else { stroke.map(|stroke| stroke.ink) };
-                (ink == Some(Ink::of(side))).then_some(lines)
+                (ink == Some(Ink::for_side(side))).then_some(lines)
             }
             _ => None,
         });

@@ -12,7 +12,7 @@ use gaiter_language::Language;
 use gaiter_leg::method::Up;
 use gaiter_leg::{Method, Side};
 use gaiter_record::Record;
-use gaiter_record::picture::figures::{Figure, all};
+use gaiter_record::picture::figures::{DrawnFigure, all};
 use gaiter_record::picture::{Anchor, Ink, Mark};
 use support::records::{bodies, measured, record_of};
 
@@ -34,7 +34,7 @@ static OTHERS: LazyLock<Vec<(String, Record)>> = LazyLock::new(|| {
 const LANGUAGES: [Language; 2] = [Language::En, Language::De];
 
 /// What the curves and marks of the legs are drawn with.
-static LEGS: LazyLock<[Ink; 2]> = LazyLock::new(|| Side::BOTH.map(Ink::of));
+static LEGS: LazyLock<[Ink; 2]> = LazyLock::new(|| Side::BOTH.map(Ink::for_side));
 
 /// Left, top, right, bottom of a line of words, px: letters are at most about 0.58 of their height
 /// wide in the mean, and reach from 0.73 above the line to 0.22 below it.
@@ -49,7 +49,7 @@ fn place(mark: &Mark) -> Option<([f64; 4], &str)> {
     Some(([left, y - 0.73 * size, left + width, y + 0.22 * size], words))
 }
 
-fn figures() -> impl Iterator<Item = (&'static str, Language, Figure)> {
+fn figures() -> impl Iterator<Item = (&'static str, Language, DrawnFigure)> {
     let recorded = bodies().map(|(name, _, record)| (name, record));
     let others = OTHERS.iter().map(|(name, record)| (name.as_str(), record));
     recorded.chain(others).flat_map(|(name, record)| {
@@ -153,11 +153,11 @@ fn nothing_is_drawn_outside_a_figure() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-pub fn figure(record: &Record, name: &str) -> Figure {
+pub fn figure(record: &Record, name: &str) -> DrawnFigure {
     all(record, Language::En).into_iter().find(|figure| figure.name == name).unwrap()
 }
 
-pub fn words_of(figure: &Figure) -> Vec<([f64; 2], &str)> {
+pub fn words_of(figure: &DrawnFigure) -> Vec<([f64; 2], &str)> {
     let words = figure.picture.marks.iter().filter_map(|mark| match mark {
         Mark::Words { at, words, .. } => Some((*at, words.as_str())),
         _ => None,
@@ -265,7 +265,7 @@ fn a_record_without_legs_has_no_figures() {
 fn a_lone_leg_is_drawn_alone_and_the_other_is_said_not_to_be_there() {
     let mut record = measured("f_average_clean").1.clone();
     record.legs.retain(|leg| leg.side == "left");
-    let count = |figure: &Figure, word: &str| {
+    let count = |figure: &DrawnFigure, word: &str| {
         words_of(figure).into_iter().filter(|(_, found)| *found == word).count()
     };
     assert_eq!(count(&figure(&record, "views"), "right leg"), 0);

@@ -21,7 +21,7 @@ fn rules() -> Hl7Rules {
 fn record_of(patient: &str) -> Record {
     let mut record = marked();
     record.station = Some("booth-1".to_owned());
-    let sources = vec![Source::of(SourceKind::Reader)];
+    let sources = vec![Source::from_kind(SourceKind::Reader)];
     record.patient = Some(Patient { id: patient.to_owned(), sources });
     record
 }
@@ -50,13 +50,13 @@ fn fields(message: &[u8]) -> Vec<Vec<String>> {
     segments.map(|segment| segment.split('|').map(str::to_owned).collect()).collect()
 }
 
-fn of<'a>(message: &'a [Vec<String>], name: &str) -> Vec<&'a Vec<String>> {
+fn segments_named<'a>(message: &'a [Vec<String>], name: &str) -> Vec<&'a Vec<String>> {
     message.iter().filter(|segment| segment[0] == name).collect()
 }
 
 /// The codes of the observations, in their order.
 fn codes(message: &[Vec<String>]) -> Vec<String> {
-    let observations = of(message, "OBX").into_iter();
+    let observations = segments_named(message, "OBX").into_iter();
     observations.map(|obx| obx[3].split('^').next().unwrap().to_owned()).collect()
 }
 
@@ -97,7 +97,7 @@ fn head_patient_and_order_are_those_of_the_documented_message() {
 fn a_result_holds_the_figures_that_go_out_in_their_order_then_verdict_and_pdf() {
     let record = record_of("4711");
     let message = fields(&written(&record, &rules()));
-    let observations = of(&message, "OBX");
+    let observations = segments_named(&message, "OBX");
     for (number, obx) in observations.iter().enumerate() {
         assert_eq!(obx[1], (number + 1).to_string());
         assert_eq!((obx[11].as_str(), obx[14].as_str()), ("F", "20261126192102+0000"));
@@ -165,10 +165,10 @@ fn a_later_revision_is_a_correction_of_the_same_order() {
     let record = record_of("4711");
     let first = fields(&written(&record, &rules()));
     let later = fields(&written(&Record { revision: 2, ..record }, &rules()));
-    assert!(of(&later, "OBX").iter().all(|obx| obx[11] == "C"));
-    assert_eq!(of(&later, "OBR")[0][25], "C");
-    assert_eq!(of(&later, "OBR")[0][3], of(&first, "OBR")[0][3]);
-    assert_ne!(of(&later, "MSH")[0][9], of(&first, "MSH")[0][9]);
+    assert!(segments_named(&later, "OBX").iter().all(|obx| obx[11] == "C"));
+    assert_eq!(segments_named(&later, "OBR")[0][25], "C");
+    assert_eq!(segments_named(&later, "OBR")[0][3], segments_named(&first, "OBR")[0][3]);
+    assert_ne!(segments_named(&later, "MSH")[0][9], segments_named(&first, "MSH")[0][9]);
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn what_a_correction_no_longer_holds_is_marked_as_wrong() {
     let gone = ["cC-R".to_owned(), "lY-L".to_owned()];
     let bytes = result("id", &record, None, &gone, &rules(), first_seen(), now()).unwrap();
     let message = fields(&bytes);
-    let observations = of(&message, "OBX");
+    let observations = segments_named(&message, "OBX");
     let (kept, wrong) = observations.split_at(observations.len() - gone.len());
     assert_eq!(codes(&message), [observed(&record, false), gone.to_vec()].concat());
     assert!(kept.iter().all(|obx| obx[11] == "C" && !obx[5].is_empty()));
@@ -196,16 +196,18 @@ fn a_withdrawal_marks_all_that_was_sent_as_wrong_and_has_no_value() {
     let bytes = withdrawal("id", scan, "4711", &observed, &rules(), now());
     let withdrawn = fields(&bytes);
     assert_eq!(codes(&withdrawn), codes(&first));
-    assert!(of(&withdrawn, "OBX").iter().all(|obx| obx[11] == "W" && obx[5].is_empty()));
+    assert!(
+        segments_named(&withdrawn, "OBX").iter().all(|obx| obx[11] == "W" && obx[5].is_empty())
+    );
     let groups = |message: &[Vec<String>]| -> Vec<String> {
-        of(message, "OBX").into_iter().map(|obx| obx[4].clone()).collect()
+        segments_named(message, "OBX").into_iter().map(|obx| obx[4].clone()).collect()
     };
     assert_eq!(groups(&withdrawn), groups(&first));
     // Table 0123 has no W: the order's result is corrected.
-    assert_eq!(of(&withdrawn, "OBR")[0][25], "C");
-    assert_eq!(of(&withdrawn, "OBR")[0][3], of(&first, "OBR")[0][3]);
-    assert_eq!(of(&withdrawn, "PID"), of(&first, "PID"));
-    assert_eq!(of(&withdrawn, "MSH")[0][9], "id");
+    assert_eq!(segments_named(&withdrawn, "OBR")[0][25], "C");
+    assert_eq!(segments_named(&withdrawn, "OBR")[0][3], segments_named(&first, "OBR")[0][3]);
+    assert_eq!(segments_named(&withdrawn, "PID"), segments_named(&first, "PID"));
+    assert_eq!(segments_named(&withdrawn, "MSH")[0][9], "id");
 }
 
 #[test]
@@ -213,7 +215,7 @@ fn the_station_is_told_except_in_the_version_that_has_no_place_for_it() {
     let record = record_of("4711");
     let observation = |version: &str| {
         let rules = Hl7Rules { version: version.to_owned(), ..rules() };
-        of(&fields(&written(&record, &rules)), "OBX")[0].clone()
+        segments_named(&fields(&written(&record, &rules)), "OBX")[0].clone()
     };
     assert_eq!(observation("2.4")[18], "booth-1");
     assert_eq!(observation("2.3.1").len(), 15);

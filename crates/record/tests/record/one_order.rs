@@ -12,7 +12,7 @@ use gaiter_record::completeness::Completeness;
 use gaiter_record::gdt::{Charset, result};
 use gaiter_record::measure::Measure;
 use gaiter_record::measure::amendment::{Amendment, Deed};
-use gaiter_record::report::{Content, Mark};
+use gaiter_record::report::{Reliability, ReportContent};
 use gaiter_record::{
     Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile, Source, SourceKind,
     amended_files, record_files, sha256,
@@ -28,7 +28,7 @@ use crate::gdt_message::rules;
 const BODIES: [&str; 3] = ["f_average_clean", "f_average_tc2", "m_average_clean"];
 
 fn garment() -> Garment {
-    Garment::of("AG").unwrap()
+    Garment::named("AG").unwrap()
 }
 
 /// State, girth and height of a level of one leg, as words with a point; a figure that is missing is empty.
@@ -40,7 +40,7 @@ fn made(body: &str) -> (Record, String) {
     let method = Method::default();
     let extraction = extract(&bytes, Format::Obj, &method).unwrap();
     let mut provenance = Provenance::of_scan(sha256(&bytes));
-    let sources = vec![Source::of(SourceKind::FileName)];
+    let sources = vec![Source::from_kind(SourceKind::FileName)];
     provenance.patient = Some(Patient { id: "4711".to_owned(), sources });
     let choice = ReportChoice { garment: garment(), ..ReportChoice::default() };
     let scan = ScanFile { bytes: &bytes, format: Format::Obj, ord: None };
@@ -58,19 +58,19 @@ fn row(name: String, state: &str, girth: &str, height: &str) -> Row {
 }
 
 fn of_sheet(record: &Record) -> Vec<Row> {
-    let content = Content::of(record, Language::En, &garment());
+    let content = ReportContent::from_record(record, Language::En, &garment());
     let of_leg = |(index, side): (usize, &str)| {
         let rows = content.levels.rows.iter().map(move |level| {
             let name = format!("{side} {}", level.level);
             let figures = &level.legs[index];
             let height = if figures.height.value == "–" { "" } else { &figures.height.value };
             match figures.girth.mark {
-                Mark::Missing if figures.girth.value == "not measurable" => {
+                Reliability::Missing if figures.girth.value == "not measurable" => {
                     row(name, "not measurable", "", "")
                 }
-                Mark::Missing => row(name, "not found", "", ""),
-                Mark::Estimated => row(name, "estimated", &figures.girth.value, height),
-                Mark::ByHand => row(name, "by hand", &figures.girth.value, height),
+                Reliability::Missing => row(name, "not found", "", ""),
+                Reliability::Estimated => row(name, "estimated", &figures.girth.value, height),
+                Reliability::ByHand => row(name, "by hand", &figures.girth.value, height),
                 _ => row(name, "measured", &figures.girth.value, height),
             }
         });
@@ -204,7 +204,7 @@ fn amended(record: &Record) -> Record {
     let c = record.legs.iter().find(|leg| leg.side == "right").unwrap().landmarks["C"].height_mm;
     let d = record.legs.iter().find(|leg| leg.side == "left").unwrap().landmarks["D"].height_mm;
     let (measured, not) = (Deed::Measured, Deed::NotMeasurable);
-    let record = match Measure::of(record, Side::Right, Level::F) {
+    let record = match Measure::find(record, Side::Right, Level::F) {
         Ok(_) => record.amended(&[set("right", "F", measured, [Some(45.5), None])], true).unwrap(),
         Err(_) => record.clone(),
     };
@@ -281,7 +281,8 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
         for said in ["C: Umfang 41,3 cm (Scan: ", "Jürgen Müßig", "D: nicht messbar"] {
             assert!(comments.contains(said), "{said}: {comments}");
         }
-        let verdict = Completeness::of(&record, &garment()).sentences(Language::En).join(" ");
+        let verdict =
+            Completeness::from_record(&record, &garment()).sentences(Language::En).join(" ");
         assert!(verdict.contains("Not measurable: right leg: D."), "{verdict}");
     }
     assert!(with_f > 0, "a girth was set in place of an estimate");
@@ -291,7 +292,7 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
 fn spreadsheet_and_practice_software_say_the_verdict_of_the_sheet() {
     for body in BODIES {
         let (record, csv) = made(body);
-        let verdict = Completeness::of(&record, &garment());
+        let verdict = Completeness::from_record(&record, &garment());
         let said = verdict.sentences(Language::En).join(" ");
         let line = csv.lines().nth(1).unwrap();
         assert!(line.starts_with(&format!(",verdict,{},", verdict.kind().word())), "{line}");

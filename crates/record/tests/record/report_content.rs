@@ -11,7 +11,7 @@ use gaiter_leg::finding::Severity;
 use gaiter_record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures};
 use gaiter_record::picture::figures;
 use gaiter_record::report::content::Table;
-use gaiter_record::report::{self, Content, Figure, Mark, Paper};
+use gaiter_record::report::{self, Paper, Reliability, ReportContent, ReportFigure};
 use gaiter_record::schema::{FindingNote, LegFigures};
 use gaiter_record::{Record, RecordSummary};
 use gaiter_sizes::Garment;
@@ -83,14 +83,14 @@ fn told_apart(leg: &mut LegFigures, times: f64) {
 }
 
 /// A figure as people see it.
-fn told(figure: &Figure) -> String {
+fn told(figure: &ReportFigure) -> String {
     let margin = figure.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
     let [before, behind] = match figure.mark {
-        Mark::ByHand => ["", " *"],
-        Mark::Doubtful => ["", " ?"],
-        Mark::Estimated => ["~", ""],
-        Mark::Real => ["*", "*"],
-        Mark::Sure | Mark::Missing => ["", ""],
+        Reliability::ByHand => ["", " *"],
+        Reliability::Doubtful => ["", " ?"],
+        Reliability::Estimated => ["~", ""],
+        Reliability::Real => ["*", "*"],
+        Reliability::Sure | Reliability::Missing => ["", ""],
     };
     format!("{before}{}{margin}{behind}", figure.value)
 }
@@ -104,7 +104,7 @@ fn rows(table: &Table) -> Vec<Vec<String>> {
 
 #[test]
 fn every_volume_girth_and_foot_stands_at_its_own_leg_with_its_sign_and_uncertainty() {
-    let content = Content::of(&RECORD, Language::En, &Garment::default());
+    let content = ReportContent::from_record(&RECORD, Language::En, &Garment::default());
     let [same, asked, volumes] = &content.tables[..] else { unreachable!() };
     let slices = content.slices.as_ref().unwrap();
     for table in [same, asked, volumes, slices] {
@@ -148,7 +148,7 @@ fn every_volume_girth_and_foot_stands_at_its_own_leg_with_its_sign_and_uncertain
 
 #[test]
 fn a_height_has_its_own_uncertainty_an_estimate_is_marked_and_the_foot_has_no_heights() {
-    let content = Content::of(&RECORD, Language::En, &Garment::default());
+    let content = ReportContent::from_record(&RECORD, Language::En, &Garment::default());
     let row = |level: &str| content.levels.rows.iter().find(|row| row.level == level).unwrap();
     let level =
         |level: &str| row(level).legs.each_ref().map(|leg| [&leg.girth, &leg.height].map(told));
@@ -173,7 +173,7 @@ fn doubted() -> Record {
 
 #[test]
 fn a_doubt_is_told_at_its_level_and_among_the_notes_with_all_its_places() {
-    let content = Content::of(&doubted(), Language::En, &Garment::default());
+    let content = ReportContent::from_record(&doubted(), Language::En, &Garment::default());
     let c = content.levels.rows.iter().find(|row| row.level == "C").unwrap();
     let doubts = ["Right leg – Skin partly not seen: C.", "Left leg – Skin partly not seen: C."];
     assert_eq!(content.levels.doubts, doubts);
@@ -203,8 +203,11 @@ fn findings_of_one_code_are_one_note_that_keeps_every_message() {
         message: message.to_owned(),
     };
     let findings = vec![finding("left", "seen to 5 mm"), finding("right", "seen to 7 mm")];
-    let content =
-        Content::of(&Record { findings, ..RECORD.clone() }, Language::En, &Garment::default());
+    let content = ReportContent::from_record(
+        &Record { findings, ..RECORD.clone() },
+        Language::En,
+        &Garment::default(),
+    );
     let [note] = &content.notes.entries[..] else { unreachable!("{:?}", content.notes) };
     assert_eq!(note.place, "left leg · right leg");
     assert_eq!(note.message, "left leg: Seen to 5 mm. right leg: Seen to 7 mm.");
@@ -213,7 +216,7 @@ fn findings_of_one_code_are_one_note_that_keeps_every_message() {
 #[test]
 fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
     let record = doubted();
-    let content = Content::of(&record, Language::En, &Garment::default());
+    let content = ReportContent::from_record(&record, Language::En, &Garment::default());
     let document = content.clone().document(&record, &figures::all(&record, Language::En));
     let page = report::page(&document, Paper::A4).unwrap();
     let words = words(&page);
@@ -233,7 +236,7 @@ fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
 
 #[test]
 fn in_german_right_is_rechts_and_every_level_is_where_it_is_on_the_leg() {
-    let content = Content::of(&RECORD, Language::De, &Garment::default());
+    let content = ReportContent::from_record(&RECORD, Language::De, &Garment::default());
     assert_eq!(content.levels.columns.legs, ["Rechtes Bein", "Linkes Bein"]);
     for table in &content.tables {
         assert_eq!(table.columns[1..3], ["Rechtes Bein", "Linkes Bein"], "{}", table.title);
@@ -268,8 +271,11 @@ fn at_a_glance_a_doubt_is_seen_and_the_notes_are_counted_as_in_the_report() {
             message,
         });
     }
-    let brief = RecordSummary::of(&record, Language::De, &Garment::default());
-    assert_eq!(brief.notes, Content::of(&record, Language::De, &Garment::default()).summary);
+    let brief = RecordSummary::from_record(&record, Language::De, &Garment::default());
+    assert_eq!(
+        brief.notes,
+        ReportContent::from_record(&record, Language::De, &Garment::default()).summary
+    );
     let names: Vec<&str> = brief.levels.iter().map(|level| level.level).collect();
     assert_eq!(names, ["D", "C", "B1", "B", "Y", "Fuß, Länge"], "what a calf stocking needs");
     for level in brief.levels.iter().filter(|level| level.right.is_some()) {
@@ -288,7 +294,7 @@ fn a_unit_that_was_found_was_not_declared_and_heights_of_the_body_are_its_own() 
     (record.body.stature_mm, record.body.crotch_height_mm) = (Some(1604.0), Some(743.0));
     for (unit_inferred, words) in [(true, "unit mm, found)"), (false, "unit mm, declared)")] {
         record.scan.unit_inferred = unit_inferred;
-        let facts = Content::of(&record, Language::En, &Garment::default()).facts;
+        let facts = ReportContent::from_record(&record, Language::En, &Garment::default()).facts;
         let fact = |name: &str| &facts.iter().find(|fact| fact.name == name).unwrap().value;
         assert!(fact("Scan").ends_with(words), "{facts:?}");
         assert_eq!(fact("Body"), "stature 160.4 cm, crotch at 74.3 cm");
@@ -314,7 +320,7 @@ fn why_a_level_has_no_figure_is_told() {
             level: Some("D".to_owned()),
             message: String::new(),
         }];
-        let levels = Content::of(&record, Language::En, &Garment::default()).levels;
+        let levels = ReportContent::from_record(&record, Language::En, &Garment::default()).levels;
         let d = levels.rows.iter().find(|row| row.level == "D").unwrap();
         assert_eq!([&d.legs[0], &d.legs[1]].map(|leg| leg.girth.value.as_str()), ["not seen", why]);
         let g = levels.rows.iter().find(|row| row.level == "G").unwrap();
@@ -333,7 +339,7 @@ fn a_level_that_one_leg_lacks_is_told_with_the_girth_at_the_other_s_height() {
     curve.height_mm = vec![Some(140.0), Some(145.0), Some(155.0)];
     curve.tape_mm = vec![Some(300.0), Some(310.0), Some(330.0)];
     let c = |record: &Record| {
-        let levels = Content::of(record, Language::En, &Garment::default()).levels;
+        let levels = ReportContent::from_record(record, Language::En, &Garment::default()).levels;
         levels.rows.into_iter().find(|row| row.level == "C").unwrap().legs[1].girth.value.clone()
     };
     assert_eq!(c(&record), "not seen; here 32.0 cm at 15.0 cm, its height on the other leg");

@@ -12,7 +12,7 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Method, extract};
 use gaiter_record::gdt::{Charset, result};
 use gaiter_record::picture::figures;
-use gaiter_record::report::{self, Content, Mark, Paper};
+use gaiter_record::report::{self, Paper, Reliability, ReportContent};
 use gaiter_record::{
     Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile, Source, SourceKind,
     record_files, report_files, sha256,
@@ -34,7 +34,7 @@ static MADE: LazyLock<(Record, Vec<RecordFile>)> = LazyLock::new(|| {
     let extraction = extract(&bytes, Format::Obj, &method).unwrap();
     let mut provenance = Provenance::of_scan(sha256(&bytes));
     provenance.station = Some("booth-1".to_owned());
-    let sources = vec![Source::of(SourceKind::FileName)];
+    let sources = vec![Source::from_kind(SourceKind::FileName)];
     provenance.patient = Some(Patient { id: "4711".to_owned(), sources });
     let scan = ScanFile { bytes: &bytes, format: Format::Obj, ord: None };
     let choice = ReportChoice { figures: true, ..german() };
@@ -46,7 +46,7 @@ fn german() -> ReportChoice {
 }
 
 fn made_page(record: &Record, language: Language) -> String {
-    let content = Content::of(record, language, &Garment::default());
+    let content = ReportContent::from_record(record, language, &Garment::default());
     report::page(&content.document(record, &figures::all(record, language)), Paper::A4).unwrap()
 }
 
@@ -72,7 +72,7 @@ fn girths_and_lengths_agree_on_page_csv_json_gdt_and_drawing_to_the_last_digit()
     let gdt = String::from_utf8(result(&record, &Garment::default(), &rules, taken, &[]).unwrap())
         .unwrap();
     let [english, german] = LANGUAGES.map(|language| words(&made_page(&record, language)));
-    let content = Content::of(&record, Language::En, &Garment::default());
+    let content = ReportContent::from_record(&record, Language::En, &Garment::default());
     let mut seen = 0;
     for (index, side) in ["right", "left"].into_iter().enumerate() {
         let leg = record.legs.iter().find(|leg| leg.side == side).unwrap();
@@ -227,16 +227,16 @@ fn what_is_missing_is_said_with_its_reason_and_never_left_blank() {
             }
         }
         assert!(words(&made_page(record, Language::En)).contains(reason), "{reason}");
-        let content = Content::of(record, Language::En, &Garment::default());
+        let content = ReportContent::from_record(record, Language::En, &Garment::default());
         let names: Vec<&str> = content.levels.rows.iter().map(|row| row.level.as_str()).collect();
         for level in Level::SOUGHT.map(Level::name) {
             assert!(names.contains(&level), "{reason}: no row for {level}");
         }
     }
-    let content = Content::of(&refused, Language::En, &Garment::default());
+    let content = ReportContent::from_record(&refused, Language::En, &Garment::default());
     assert_eq!(content.notes.entries[0].code, "leg-not-measured", "the heaviest note comes first");
-    assert!(content.levels.rows.iter().all(|row| row.legs[0].girth.mark == Mark::Missing));
-    assert!(content.levels.rows.iter().any(|row| row.legs[1].girth.mark != Mark::Missing));
+    assert!(content.levels.rows.iter().all(|row| row.legs[0].girth.mark == Reliability::Missing));
+    assert!(content.levels.rows.iter().any(|row| row.legs[1].girth.mark != Reliability::Missing));
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn the_right_leg_is_on_the_left_and_a_swapped_record_swaps_every_figure() {
         leg.side = if leg.side == "left" { "right" } else { "left" }.to_owned();
     }
     let [rows, other] = [&MADE.0, &swapped]
-        .map(|of| Content::of(of, Language::En, &Garment::default()).levels.rows);
+        .map(|of| ReportContent::from_record(of, Language::En, &Garment::default()).levels.rows);
     for (row, other) in rows.iter().zip(&other) {
         assert_eq!(
             [&row.legs[0].girth, &row.legs[1].girth],
@@ -261,10 +261,10 @@ fn the_right_leg_is_on_the_left_and_a_swapped_record_swaps_every_figure() {
 #[test]
 fn a_difference_is_real_where_it_is_told_larger_than_its_uncertainty() {
     for (mm, sd_mm, value, margin, mark) in [
-        (-4.2, Some(2.2), "\u{2212}0.4", "0.5", Mark::Sure),
-        (-4.2, Some(1.4), "\u{2212}0.4", "0.3", Mark::Real),
-        (12.0, None, "+1.2", "?", Mark::Sure),
-        (0.2, Some(0.01), "0.0", "0.1", Mark::Sure),
+        (-4.2, Some(2.2), "\u{2212}0.4", "0.5", Reliability::Sure),
+        (-4.2, Some(1.4), "\u{2212}0.4", "0.3", Reliability::Real),
+        (12.0, None, "+1.2", "?", Reliability::Sure),
+        (0.2, Some(0.01), "0.0", "0.1", Reliability::Sure),
     ] {
         let mut record = MADE.0.clone();
         for leg in &mut record.legs {
@@ -274,7 +274,7 @@ fn a_difference_is_real_where_it_is_told_larger_than_its_uncertainty() {
             at.girth_tape_mm = Some(if is_left { 200.0 + mm } else { 200.0 });
             at.girth_sd_mm = sd_mm.map(|sd_mm| if is_left { sd_mm } else { 0.0 });
         }
-        let content = Content::of(&record, Language::En, &Garment::default());
+        let content = ReportContent::from_record(&record, Language::En, &Garment::default());
         let told = &content.tables[0].rows[0].figures[2];
         assert_eq!(
             (told.value.as_str(), told.margin.as_deref(), told.mark),

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 
 use gaiter_language::Language;
 use gaiter_record::picture::figures;
-use gaiter_record::report::{self, Content, Print};
+use gaiter_record::report::{self, Print, ReportContent};
 use gaiter_record::shape::ShapeFigures;
 use gaiter_record::{Patient, Record, Source, SourceKind};
 use gaiter_sizes::Garment;
@@ -26,7 +26,7 @@ pub struct Paper {
 }
 
 impl Paper {
-    pub fn of(bytes: &[u8]) -> Paper {
+    pub fn read(bytes: &[u8]) -> Paper {
         let mut objects = BTreeMap::new();
         for start in places(bytes, b" 0 obj\n") {
             let digits = bytes[..start].iter().rev().take_while(|byte| byte.is_ascii_digit());
@@ -148,17 +148,17 @@ fn paper(record: &Record, language: Language) -> Vec<u8> {
 }
 
 fn printed(record: &Record, language: Language, print: Print) -> Vec<u8> {
-    let content = Content::of(record, language, &Garment::default());
+    let content = ReportContent::from_record(record, language, &Garment::default());
     report::paper(&content.document(record, &figures::all(record, language)), print).unwrap()
 }
 
 /// The words of a paper on all its pages, lines joined.
 fn said(record: &Record, language: Language) -> Vec<String> {
-    Paper::of(&paper(record, language)).pages()
+    Paper::read(&paper(record, language)).pages()
 }
 
 fn with_id(id: &str) -> Record {
-    let sources = vec![Source::of(SourceKind::FileName)];
+    let sources = vec![Source::from_kind(SourceKind::FileName)];
     Record { patient: Some(Patient { id: id.to_owned(), sources }), ..RECORD.clone() }
 }
 
@@ -298,7 +298,7 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
     assert!(words.contains("Right leg – Skin partly not seen: C"), "{words}");
     assert!(words.contains("~19.0 ± 0.4\n") && words.contains("~38.0 ± 0.8\n"), "{words}");
     let words = words.replace('\n', " ");
-    let content = Content::of(&record, Language::En, &Garment::default());
+    let content = ReportContent::from_record(&record, Language::En, &Garment::default());
     assert_eq!(content.verdict.parts[0].sentences, ["Measure by hand: right leg: C."]);
     assert!(words.contains("Measure by hand: right leg: C."), "{words}");
     let tilted = content.levels.tilted.unwrap();
@@ -316,7 +316,7 @@ fn without_the_appendix_the_paper_has_four_pages_at_most_and_no_table_in_mm() {
     for language in LANGUAGES {
         for paper in [report::Paper::A4, report::Paper::Letter] {
             let print = Print { paper, has_appendix: false };
-            let pages = Paper::of(&printed(&RECORD, language, print)).pages();
+            let pages = Paper::read(&printed(&RECORD, language, print)).pages();
             assert!(pages.len() <= 4, "{} pages on {paper:?}", pages.len());
             let appendix = language.text("report.pictures.appendix");
             assert!(pages.iter().all(|page| !page.contains(appendix)), "{pages:?}");
@@ -328,7 +328,7 @@ fn without_the_appendix_the_paper_has_four_pages_at_most_and_no_table_in_mm() {
 #[test]
 fn a_letter_page_keeps_its_upper_edge_and_nothing_is_below_its_lower_one() {
     let print = Print { paper: report::Paper::Letter, has_appendix: true };
-    let paper = Paper::of(&printed(&RECORD, Language::En, print));
+    let paper = Paper::read(&printed(&RECORD, Language::En, print));
     let pages = paper.objects.values().filter(|(head, _)| head.contains("/Type /Page\n"));
     let mut count = 0;
     for (head, _) in pages {

@@ -13,7 +13,7 @@ use gaiter_leg::level::By;
 use gaiter_leg::{Finding, Level, Side, What};
 use gaiter_record::Record;
 use gaiter_record::chart::VolumeFigures;
-use gaiter_record::report::Content;
+use gaiter_record::report::ReportContent;
 use gaiter_record::schema::FindingNote;
 use gaiter_record::shape::ShapeFigures;
 use gaiter_record::statement::Statement;
@@ -72,8 +72,9 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
     assert!(codes.len() > 28, "only {codes:?}");
     for code in &codes {
         let record = record(&[(code.clone(), String::new(), None)]);
-        let notes = Language::ALL
-            .map(|language| Content::of(&record, language, &Garment::default()).notes.entries);
+        let notes = Language::ALL.map(|language| {
+            ReportContent::from_record(&record, language, &Garment::default()).notes.entries
+        });
         let [english, german] = notes.map(|notes| notes[0].clone());
         for note in [&english, &german] {
             assert!(note.meaning.is_some() && note.action.is_some(), "{code}: {note:?}");
@@ -144,8 +145,9 @@ fn the_words_of_a_code_are_its_own_and_of_no_other() {
     assert_eq!(known, codes());
     for [code, english, german, meaning] in KEYWORDS {
         let record = record(&[(code.to_owned(), String::new(), None)]);
-        let notes = Language::ALL
-            .map(|language| Content::of(&record, language, &Garment::default()).notes.entries);
+        let notes = Language::ALL.map(|language| {
+            ReportContent::from_record(&record, language, &Garment::default()).notes.entries
+        });
         let [in_english, in_german] = notes.each_ref().map(|notes| &notes[0]);
         assert!(in_english.title.contains(english), "{code}: {in_english:?}");
         assert!(in_german.title.contains(german), "{code}: {in_german:?}");
@@ -177,9 +179,10 @@ fn a_message_in_german_is_about_the_same_leg_and_measure() {
         let says = Statement::of_finding(&finding.what);
         let message = says.in_english();
         let record = record(&[(finding.code().to_owned(), message.clone(), Some(says))]);
-        let german = Content::of(&record, Language::De, &Garment::default()).notes.entries[0]
-            .message
-            .clone();
+        let german =
+            ReportContent::from_record(&record, Language::De, &Garment::default()).notes.entries[0]
+                .message
+                .clone();
         for [english, in_german] in ALIKE {
             if message.contains(english) {
                 assert!(german.contains(in_german), "{message:?}: {german:?}");
@@ -194,7 +197,7 @@ fn a_message_in_german_is_about_the_same_leg_and_measure() {
 fn a_code_of_a_later_version_is_told_by_its_message() {
     let record = record(&[("new-code".to_owned(), "something new".to_owned(), None)]);
     for language in Language::ALL {
-        let notes = Content::of(&record, language, &Garment::default()).notes;
+        let notes = ReportContent::from_record(&record, language, &Garment::default()).notes;
         let [note] = &notes.entries[..] else { unreachable!("{notes:?}") };
         assert_eq!((note.title.as_str(), note.message.as_str()), ("new-code", "Something new."));
         assert_eq!(note.is_message_english, language == Language::De);
@@ -220,7 +223,8 @@ fn every_message_is_told_in_both_languages_with_all_its_figures() {
         assert_eq!(says.in_words(Language::En).as_ref(), Some(&message));
         let record = record(&[(finding.code().to_owned(), message.clone(), Some(says))]);
         let [english, german] = Language::ALL.map(|language| {
-            let notes = Content::of(&record, language, &Garment::default()).notes.entries;
+            let notes =
+                ReportContent::from_record(&record, language, &Garment::default()).notes.entries;
             notes[0].clone()
         });
         assert!(!german.is_message_english, "no German for: {message}");
@@ -278,7 +282,8 @@ fn by_what_a_level_is_found_is_told_in_german() {
         }]);
         let record: Record = serde_json::from_value(record).unwrap();
         let told = Language::ALL.map(|language| {
-            let table = Content::of(&record, language, &Garment::default()).landmarks;
+            let table =
+                ReportContent::from_record(&record, language, &Garment::default()).landmarks;
             let column = table.rows[0].figures.len() - 2;
             table.rows[0].figures[column].value.clone()
         });
@@ -303,7 +308,9 @@ fn a_file_that_was_not_made_says_so_in_both_languages() {
         let english = says.as_ref().and_then(|says| says.in_words(Language::En));
         assert_eq!(english.unwrap(), format!("left.stl was not made: {fault}"));
         let record = record(&[(fault.code().to_owned(), "was not made".to_owned(), says)]);
-        let note = Content::of(&record, Language::De, &Garment::default()).notes.entries[0].clone();
+        let note =
+            ReportContent::from_record(&record, Language::De, &Garment::default()).notes.entries[0]
+                .clone();
         assert!(!note.is_message_english, "{fault}");
         assert!(note.message.starts_with("left.stl wurde nicht erzeugt: "), "{note:?}");
         seen.insert(note.message);

@@ -62,7 +62,7 @@ pub fn measured(
 }
 
 fn right(name: &str, record: &Record) -> Reading {
-    reading(record, Side::Right, Point::of(name).unwrap(), 0.0)
+    reading(record, Side::Right, Point::named(name).unwrap(), 0.0)
 }
 
 fn given(of: Reading) -> Given {
@@ -107,12 +107,12 @@ fn a_point_is_the_record_s_figure_with_its_uncertainty_to_the_last_digit() {
 #[test]
 fn an_error_common_to_all_girths_is_added_in_squares_and_to_girths_only() {
     let sd_mm = RECORD.leg(Side::Right).unwrap().landmarks["C"].girth_sd_mm.unwrap();
-    let with = |name: &str| given(reading(&RECORD, Side::Right, Point::of(name).unwrap(), 3.0));
+    let with = |name: &str| given(reading(&RECORD, Side::Right, Point::named(name).unwrap(), 3.0));
     let expected = (sd_mm * sd_mm + 9.0).sqrt();
     assert!((with("cC").uncertainty_mm.unwrap() - expected).abs() < 1e-12);
     assert_eq!(with("lC"), given(right("lC", &RECORD)));
     let by_hand = measured(&RECORD, "C", Some(380.0), None);
-    let tape = given(reading(&by_hand, Side::Right, Point::of("cC").unwrap(), 3.0));
+    let tape = given(reading(&by_hand, Side::Right, Point::named("cC").unwrap(), 3.0));
     assert_eq!(tape.uncertainty_mm, Some(TAPE_GIRTH_MM), "the scanner had no part in it");
 }
 
@@ -167,7 +167,7 @@ fn sizes_are_sought_with_all_digits_and_not_with_those_that_are_printed() {
     let limit = (mm + printed) / 2.0;
     let [low, high] = if mm < limit { [100.0, limit] } else { [limit, 400.0] };
     let table = table(&format!("[[size]]\nname = \"I\"\ncB = [{low:.3}, {high:.3}]\n"));
-    let verdicts = SizeVerdicts::of(&RECORD, &Garment::default(), &choice(vec![table]));
+    let verdicts = SizeVerdicts::new(&RECORD, &Garment::default(), &choice(vec![table]));
     let leg = &verdicts.tables[0].legs[0];
     assert_eq!((leg.side, leg.verdict.fit), ("right", Fit::Fits));
     let point = &leg.verdict.sizes[0].points[0];
@@ -185,7 +185,8 @@ fn a_person_s_girth_near_a_limit_is_judged_with_the_tape_s_error() {
         (180.0 - 1.65 * TAPE_GIRTH_MM, Fit::DoesNotFit),
     ] {
         let record = measured(&RECORD, "B", Some(mm), None);
-        let verdicts = SizeVerdicts::of(&record, &Garment::default(), &choice(vec![table.clone()]));
+        let verdicts =
+            SizeVerdicts::new(&record, &Garment::default(), &choice(vec![table.clone()]));
         assert_eq!(verdicts.tables[0].legs[0].verdict.fit, fit, "{mm}");
     }
 }
@@ -198,7 +199,7 @@ fn tables_stand_side_by_side_and_none_speaks_for_another() {
     let mut old = skin.clone();
     old.valid_until = Some(date(2026, 11, 24));
     let choice = choice(vec![tension, skin, old]);
-    let verdicts = SizeVerdicts::of(&RECORD, &Garment::default(), &choice);
+    let verdicts = SizeVerdicts::new(&RECORD, &Garment::default(), &choice);
     let said: Vec<_> =
         verdicts.tables.iter().map(|of| (of.not_comparable, of.is_expired)).collect();
     assert_eq!(said, [(Some(NotComparable::Tension), false), (None, false), (None, true)]);
@@ -206,7 +207,7 @@ fn tables_stand_side_by_side_and_none_speaks_for_another() {
     let sides: Vec<&str> = verdicts.tables[1].legs.iter().map(|leg| leg.side).collect();
     assert_eq!(sides, ["right", "left"]);
     let last_day = SizeChoice { today: date(2026, 11, 24), ..choice };
-    let verdicts = SizeVerdicts::of(&RECORD, &Garment::default(), &last_day);
+    let verdicts = SizeVerdicts::new(&RECORD, &Garment::default(), &last_day);
     assert!(!verdicts.tables[2].is_expired, "valid until the end of its last day");
 }
 
@@ -264,7 +265,7 @@ fn a_level_that_is_not_given_is_left_out_and_the_stretch_goes_on() {
     let places: Vec<_> =
         of_right(&with_doubt("B1", "flat")).iter().map(|of| (of.from, of.to)).collect();
     assert_eq!(places, [("B", "C"), ("C", "D")]);
-    let thigh = stretches(&RECORD, &Garment::of("AG").unwrap());
+    let thigh = stretches(&RECORD, &Garment::named("AG").unwrap());
     let to_g = thigh.iter().find(|of| of.to == Level::G.name()).unwrap();
     assert_eq!(to_g.from, "D", "E and F are estimates");
 }

@@ -5,7 +5,7 @@
 use gaiter_language::Language;
 use gaiter_record::picture::figures;
 use gaiter_record::report::AgeMax;
-use gaiter_record::report::{self, Content, Print};
+use gaiter_record::report::{self, Print, ReportContent};
 use gaiter_record::sizing::{SizeChoice, SizeVerdicts};
 use gaiter_record::{Record, ReportChoice, report_files};
 use gaiter_sizes::{Garment, parse};
@@ -20,12 +20,17 @@ fn example() -> SizeChoice {
     choice(vec![parse(EXAMPLE.as_bytes()).unwrap()])
 }
 
-fn content(record: &Record, language: Language, garment: &Garment, sizes: &SizeChoice) -> Content {
-    Content::with_sizes(
+fn content(
+    record: &Record,
+    language: Language,
+    garment: &Garment,
+    sizes: &SizeChoice,
+) -> ReportContent {
+    ReportContent::with_sizes(
         record,
         language,
         garment,
-        &SizeVerdicts::of(record, garment, sizes),
+        &SizeVerdicts::new(record, garment, sizes),
         AgeMax::default(),
     )
 }
@@ -33,7 +38,7 @@ fn content(record: &Record, language: Language, garment: &Garment, sizes: &SizeC
 fn pages(record: &Record, language: Language, sizes: &SizeChoice) -> Vec<String> {
     let content = content(record, language, &Garment::default(), sizes);
     let document = content.document(record, &figures::all(record, language));
-    Paper::of(&report::paper(&document, Print::default()).unwrap()).pages()
+    Paper::read(&report::paper(&document, Print::default()).unwrap()).pages()
 }
 
 fn html(record: &Record, language: Language, sizes: &SizeChoice) -> String {
@@ -45,7 +50,7 @@ fn html(record: &Record, language: Language, sizes: &SizeChoice) -> String {
 
 #[test]
 fn without_tables_nothing_is_said_of_sizes() {
-    let of = Content::of(&RECORD, Language::En, &Garment::default());
+    let of = ReportContent::from_record(&RECORD, Language::En, &Garment::default());
     assert_eq!(of.sizes, None);
     let none = SizeChoice::default();
     assert_eq!(content(&RECORD, Language::En, &Garment::default(), &none), of);
@@ -61,10 +66,9 @@ fn the_sizes_stand_behind_the_sheet_which_stays_one_page_and_points_to_them() {
         let without = pages(&RECORD, language, &SizeChoice::default());
         let pages = pages(&RECORD, language, &example());
         assert!(pages[0].contains(see) && !without[0].contains(see), "{}", pages[0]);
-        assert!(
-            pages[0]
-                .contains(Content::of(&RECORD, language, &Garment::default()).open.title.as_str())
-        );
+        assert!(pages[0].contains(
+            ReportContent::from_record(&RECORD, language, &Garment::default()).open.title.as_str()
+        ));
         assert!(pages[1].contains(heading) && pages[1].contains("cB"), "{}", pages[1]);
         assert!(!without[1].contains("example-invented"));
     }

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use gaiter_language::Language;
 use gaiter_record::Record;
-use gaiter_record::report::{self, Content, Paper};
+use gaiter_record::report::{self, Paper, ReportContent};
 use gaiter_sizes::Garment;
 use support::page::words;
 use support::records::measured;
@@ -27,8 +27,9 @@ fn record(per_deg_mm: &[(&str, f64)]) -> Record {
 
 /// What a report says of it, in every language.
 fn told(record: &Record) -> [Option<String>; 2] {
-    [Language::En, Language::De]
-        .map(|language| Content::of(record, language, &Garment::default()).levels.tilted)
+    [Language::En, Language::De].map(|language| {
+        ReportContent::from_record(record, language, &Garment::default()).levels.tilted
+    })
 }
 
 #[test]
@@ -40,7 +41,7 @@ fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_tol
                   anzeigen: rechtes Bein D 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
     assert_eq!(told(&record), [english, german].map(|said| Some(said.to_owned())));
     for (language, sentence) in [(Language::En, english), (Language::De, german)] {
-        let content = Content::of(&record, language, &Garment::default());
+        let content = ReportContent::from_record(&record, language, &Garment::default());
         let page = report::page(&content.document(&record, &[]), Paper::A4).unwrap();
         assert!(words(&page).contains(sentence), "{language:?}");
     }

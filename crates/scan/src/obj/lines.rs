@@ -53,7 +53,7 @@ pub(super) struct Geometry<'a> {
 
 impl<'a> Geometry<'a> {
     /// The statements of a text without a byte order mark.
-    pub(super) fn of(bytes: &'a [u8]) -> Geometry<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Geometry<'a> {
         Geometry { lines: text::lines(bytes), joined: Vec::new() }
     }
 
@@ -103,7 +103,7 @@ pub(super) fn each_geometry(
     bytes: &[u8],
     mut each: impl FnMut(usize, &[u8]) -> Result<(), ScanFault>,
 ) -> Result<(), ScanFault> {
-    let mut geometry = Geometry::of(bytes);
+    let mut geometry = Geometry::new(bytes);
     while !geometry.lines.rest().is_empty() {
         if let Some((line, statement)) = geometry.statement()? {
             each(line, statement)?;

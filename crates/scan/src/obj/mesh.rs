@@ -10,7 +10,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
-use super::super::fault::{Place, ScanFault, malformed};
+use super::super::fault::{ScanFault, SourcePosition, malformed};
 use super::super::text::{Decimals, Lines, excerpt, words};
 use super::lines::{Geometry, WORDS_OF_POINT, each_geometry, keyword};
 use super::plain::{plain_point, plain_triangle, whole_number};
@@ -100,7 +100,7 @@ impl Given {
     fn new(bytes: &[u8]) -> Result<Given, ScanFault> {
         let used = vec![false; bytes.len() / POINT_BYTES_MIN + 1];
         let mut given = Given { used, ..Given::default() };
-        let mut geometry = Geometry::of(bytes);
+        let mut geometry = Geometry::new(bytes);
         while !geometry.lines.rest().is_empty() {
             given.add_plain(&mut geometry.lines);
             match geometry.statement()? {
@@ -244,5 +244,5 @@ fn no_corner(word: &[u8], line: usize) -> ScanFault {
 }
 
 fn unplaced(what: &str) -> ScanFault {
-    ScanFault::Malformed { place: Place::Unknown, what: what.to_owned() }
+    ScanFault::Malformed { place: SourcePosition::Unknown, what: what.to_owned() }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::super::{Content, CutSign, Format, Place, Scan, ScanFault};
+use super::super::{Content, CutSign, Format, Scan, ScanFault, SourcePosition};
 
 fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     super::super::read(bytes, Format::Obj)
@@ -98,7 +98,8 @@ fn lines_are_counted_alike_whatever_ends_them() {
     for end in ["\n", "\r\n", "\r"] {
         for mark in ["", "\u{feff}"] {
             let text = format!("{mark}{}", nan.replace('\n', end));
-            let placed = ScanFault::NotFinite { place: Place::Line(5), found: "nan".into() };
+            let placed =
+                ScanFault::NotFinite { place: SourcePosition::Line(5), found: "nan".into() };
             assert_eq!(fault(&text), placed, "{text:?}");
         }
     }
@@ -148,11 +149,11 @@ fn a_file_without_points_names_no_line() {
     for text in ["# nothing\n", "f 1 2 3\n"] {
         assert_eq!(fault(text), ScanFault::NoPoints, "{text}");
     }
-    let unplaced = ScanFault::Malformed { place: Place::Unknown, what: "wrong".into() };
+    let unplaced = ScanFault::Malformed { place: SourcePosition::Unknown, what: "wrong".into() };
     for said in [ScanFault::NoPoints.to_string(), unplaced.to_string()] {
         assert!(!said.contains("line 0"), "{said}");
     }
-    let placed = ScanFault::Malformed { place: Place::Line(7), what: "wrong".into() };
+    let placed = ScanFault::Malformed { place: SourcePosition::Line(7), what: "wrong".into() };
     assert_eq!(placed.to_string(), "line 7: wrong");
 }
 
@@ -207,7 +208,7 @@ fn decimal_commas_are_read_and_mixed_signs_are_not() {
 #[test]
 fn numbers_that_are_none_are_named_with_their_line() {
     let not_finite =
-        |found: &str| ScanFault::NotFinite { place: Place::Line(3), found: found.into() };
+        |found: &str| ScanFault::NotFinite { place: SourcePosition::Line(3), found: found.into() };
     for found in ["nan", "1e999", "-1.#IND"] {
         let text = TETRAHEDRON.replace("v 0 1 0", &format!("v 0 {found} 0"));
         assert_eq!(fault(&text), not_finite(found));
@@ -222,7 +223,7 @@ fn numbers_that_are_none_are_named_with_their_line() {
 fn faces_of_points_that_do_not_exist_are_named_with_their_line() {
     for corner in ["99", "0", "-9", "99999999999999999999", "x"] {
         let text = TETRAHEDRON.replace("f 1 2 4", &format!("f 1 2 {corner}"));
-        let place = Place::Line(6);
+        let place = SourcePosition::Line(6);
         let what = format!("\"{corner}\" is no corner of a face");
         assert_eq!(fault(&text), ScanFault::Malformed { place, what });
     }

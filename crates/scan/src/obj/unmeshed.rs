@@ -24,7 +24,7 @@ type Cell = [i64; 3];
 
 /// The points in a cell.
 #[derive(Default, Clone)]
-struct Held {
+struct CellPoints {
     used: Vec<u32>,
     unused: Vec<u32>,
 }
@@ -43,7 +43,8 @@ pub(super) fn unmeshed_skin(
     let normals = normals(used, triangles);
     let cells = cells(used, all, CELL_EDGES * edge);
     let count = cells.iter().filter(|(_, held)| !held.unused.is_empty()).map(|(cell, held)| {
-        let around: Vec<&Held> = neighbours(cell).filter_map(|cell| cells.get(&cell)).collect();
+        let around: Vec<&CellPoints> =
+            neighbours(cell).filter_map(|cell| cells.get(&cell)).collect();
         let used = || around.iter().flat_map(|held| &held.used);
         let unused: usize = around.iter().map(|held| held.unused.len()).sum();
         if unused >= PATCH_POINTS_MIN && unused > used().count() {
@@ -77,14 +78,14 @@ fn normals(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<Vector3<f64>> 
 
 /// The points that triangles use, and the others of the file, by cells of this width. A point where a used one lies is
 /// the same point.
-fn cells(used: &[Point3<f64>], all: &[Point3<f64>], width: f64) -> BTreeMap<Cell, Held> {
+fn cells(used: &[Point3<f64>], all: &[Point3<f64>], width: f64) -> BTreeMap<Cell, CellPoints> {
     let cell = |point: &Point3<f64>| -> Cell {
         std::array::from_fn(|axis| (point[axis] / width).floor() as i64)
     };
     let place = |point: &Point3<f64>| -> [u64; 3] {
         std::array::from_fn(|axis| (point[axis] + 0.0).to_bits())
     };
-    let mut cells: BTreeMap<Cell, Held> = BTreeMap::new();
+    let mut cells: BTreeMap<Cell, CellPoints> = BTreeMap::new();
     for (point, number) in used.iter().zip(0..) {
         cells.entry(cell(point)).or_default().used.push(number);
     }

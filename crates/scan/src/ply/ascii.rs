@@ -1,6 +1,6 @@
 //! The elements of a text PLY: one record per line; blank lines are ignored.
 
-use super::super::fault::{Place, ScanFault, malformed};
+use super::super::fault::{ScanFault, SourcePosition, malformed};
 use super::super::text::{self, Decimals, excerpt};
 use super::header::{Header, Scalar};
 use super::values::{Record, Values};
@@ -24,7 +24,7 @@ pub(super) struct Lines<'a, L> {
 
 impl<'a> Lines<'a, ()> {
     /// The records after a header.
-    pub(super) fn of(
+    pub(super) fn after_header(
         bytes: &'a [u8],
         header: &Header,
     ) -> Lines<'a, impl Iterator<Item = (usize, &'a [u8])>> {
@@ -83,7 +83,7 @@ impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Values for Lines<'a, L> {
         Err(malformed(self.line, what))
     }
 
-    fn place(&self, _: Record) -> Place {
-        Place::Line(self.line)
+    fn place(&self, _: Record) -> SourcePosition {
+        SourcePosition::Line(self.line)
     }
 }

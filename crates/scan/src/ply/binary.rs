@@ -1,6 +1,6 @@
 //! The elements of a binary PLY file, of either byte order.
 
-use super::super::fault::{CutSign, Place, ScanFault, cut_short};
+use super::super::fault::{CutSign, ScanFault, SourcePosition, cut_short};
 use super::super::text::{SECTOR_BYTES, spelled};
 use super::header::{Element, Encoding, Header, Kind, Meaning, Property, Scalar, Shape};
 use super::values::{Record, Values, length};
@@ -11,7 +11,7 @@ use super::values::{Record, Values, length};
 /// [`ScanFault::CutShort`] if the file ends earlier, or was not written to its end;
 /// [`ScanFault::Malformed`] for a list of negative length.
 pub(super) fn extent(bytes: &[u8], header: &Header) -> Result<usize, ScanFault> {
-    let mut values = Bytes::of(bytes, header);
+    let mut values = Bytes::after_header(bytes, header);
     for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
         if let Some(stride) = stride(element) {
             let room = (bytes.len() - values.at) / stride;
@@ -58,7 +58,7 @@ pub(super) struct Bytes<'a> {
 
 impl<'a> Bytes<'a> {
     /// The records after a header.
-    pub(super) fn of(bytes: &'a [u8], header: &Header) -> Bytes<'a> {
+    pub(super) fn after_header(bytes: &'a [u8], header: &Header) -> Bytes<'a> {
         let is_big_endian = header.encoding == Encoding::BigEndian;
         let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
         Bytes { bytes, at: header.end, last: header.end, written, is_big_endian }
@@ -153,8 +153,8 @@ impl Values for Bytes<'_> {
         Ok(())
     }
 
-    fn place(&self, record: Record) -> Place {
+    fn place(&self, record: Record) -> SourcePosition {
         let Record { element, number } = record;
-        Place::Record { name: element.kind.name(), number, byte: self.last }
+        SourcePosition::Record { name: element.kind.name(), number, byte: self.last }
     }
 }

@@ -30,7 +30,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    fn of(word: &[u8]) -> Option<Scalar> {
+    fn from_word(word: &[u8]) -> Option<Scalar> {
         Some(match word {
             b"char" | b"int8" => Scalar::I8,
             b"uchar" | b"uint8" => Scalar::U8,
@@ -172,7 +172,7 @@ impl Header {
     ///
     /// # Errors
     /// [`ScanFault::CutShort`] if `end_header` is missing, [`ScanFault::Malformed`] with the line.
-    pub(super) fn of(bytes: &[u8]) -> Result<Header, ScanFault> {
+    pub(super) fn read(bytes: &[u8]) -> Result<Header, ScanFault> {
         let mut at = opening(bytes)?;
         let ends_in_cr = bytes[..at].ends_with(b"\r");
         let mut encoding = None;
@@ -331,7 +331,7 @@ fn property<'a>(
     line: &[u8],
     number: usize,
 ) -> Result<Property, ScanFault> {
-    let scalar = |word: Option<&[u8]>| word.and_then(Scalar::of);
+    let scalar = |word: Option<&[u8]>| word.and_then(Scalar::from_word);
     let first = words.next();
     let shape = if first == Some(b"list") {
         let count = scalar(words.next()).filter(|count| count.is_whole());

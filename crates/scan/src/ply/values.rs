@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::super::fault::{Place, ScanFault};
+use super::super::fault::{ScanFault, SourcePosition};
 use super::super::weld::Unwelded;
 use super::header::{Element, Header, Kind, Meaning, Scalar, Shape};
 
@@ -27,7 +27,7 @@ pub(super) trait Values {
     /// Ends the record.
     fn end(&mut self, record: Record) -> Result<(), ScanFault>;
     /// The place of the last number read.
-    fn place(&self, record: Record) -> Place;
+    fn place(&self, record: Record) -> SourcePosition;
 }
 
 /// Reads all elements: faces as fans, strips as triangles.

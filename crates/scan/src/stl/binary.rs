@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::super::fault::{CutSign, Place, ScanFault, cut_short};
+use super::super::fault::{CutSign, ScanFault, SourcePosition, cut_short};
 use super::super::weld::welded;
 use super::super::{Scan, text};
 
@@ -72,7 +72,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
             let at = NORMAL_BYTES + NORMAL_BYTES * corner;
             points.push(point(&record[at..at + NORMAL_BYTES]).map_err(|(axis, value)| {
                 let byte = HEAD_BYTES + TRIANGLE_BYTES * index + at + 4 * axis;
-                let place = Place::Record { name: "triangle", number: index + 1, byte };
+                let place = SourcePosition::Record { name: "triangle", number: index + 1, byte };
                 ScanFault::NotFinite { place, found: text::spelled(f64::from(value)) }
             })?);
         }

@@ -32,7 +32,7 @@ fn a_comma_that_is_no_decimal_sign_is_refused() {
 #[test]
 fn what_stands_for_no_number_is_not_finite() {
     for word in ["nan", "-NaN", "inf", "-Infinity", "1e999", "1.#QNAN", "-1.#IND00", "nan(0x1)"] {
-        let place = Place::Line(1);
+        let place = SourcePosition::Line(1);
         let fault = ScanFault::NotFinite { place, found: word.to_owned() };
         assert_eq!(numbers(&[word]), Err(fault), "{word}");
     }

@@ -39,9 +39,9 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault, with its line.
-    pub(super) fn of(bytes: &[u8], version: Version) -> Result<Scene, ScanFault> {
+    pub(super) fn read(bytes: &[u8], version: Version) -> Result<Scene, ScanFault> {
         let mut reader = Reader {
-            words: Words::of(bytes),
+            words: Words::new(bytes),
             version,
             nodes: Vec::new(),
             links: 0,

@@ -4,7 +4,7 @@ use std::mem::swap;
 
 use nalgebra::{Matrix4, Point3};
 
-use super::super::fault::{Place, ScanFault, malformed};
+use super::super::fault::{ScanFault, SourcePosition, malformed};
 use super::super::weld::Unwelded;
 use super::scene::{DEPTH_MAX, Node, NodeId, Scene};
 
@@ -190,5 +190,5 @@ fn less(left: usize, by: usize) -> Result<usize, ScanFault> {
 
 fn beyond_measure() -> ScanFault {
     let what = "the scene repeats its parts beyond measure; export one plain mesh".to_owned();
-    ScanFault::Malformed { place: Place::Unknown, what }
+    ScanFault::Malformed { place: SourcePosition::Unknown, what }
 }

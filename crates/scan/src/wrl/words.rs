@@ -30,7 +30,7 @@ pub(super) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    pub(super) fn of(bytes: &'a [u8]) -> Words<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Words<'a> {
         Words { bytes, at: 0, is_glued: false, counted: 0, line: 1 }
     }
 
@@ -117,7 +117,7 @@ fn ends_word(byte: u8) -> bool {
 /// Whether every `{` and `[` is closed, and the text ends after a node, or after a complete line
 /// that follows one.
 pub(super) fn is_closed(bytes: &[u8]) -> bool {
-    let mut words = Words::of(bytes);
+    let mut words = Words::new(bytes);
     let (mut depth, mut closed_any, mut last) = (0usize, false, None);
     while let Some(token) = words.next() {
         match token {

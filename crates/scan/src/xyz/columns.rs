@@ -12,7 +12,7 @@ pub(super) enum Separator {
 
 impl Separator {
     /// The column separator of a line, by the rule in the parent module.
-    pub(super) fn of(line: &[u8]) -> Separator {
+    pub(super) fn detect(line: &[u8]) -> Separator {
         if line.contains(&b';') {
             Separator::Semicolon
         } else if text::words(line).nth(2).is_some() || !line.contains(&b',') {
@@ -31,7 +31,7 @@ impl Separator {
     pub(super) fn coordinates(self, names: Option<&[u8]>, column_count: usize) -> [usize; 3] {
         let names = names.unwrap_or_default();
         let place = |axis: &str| {
-            let separator = Separator::of(names);
+            let separator = Separator::detect(names);
             // `X [mm]` is a name and its unit, not two names.
             let is_unit = |word: &&[u8]| {
                 separator == Separator::WhiteSpace && matches!(word.first(), Some(b'[' | b'('))

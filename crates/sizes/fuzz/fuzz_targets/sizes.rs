@@ -2,12 +2,12 @@
 #![no_main]
 
 use gaiter_sizes::check::remarks;
-use gaiter_sizes::verdict::{Given, Reading, judged};
-use gaiter_sizes::{Fault, Garment, mapping, parse};
+use gaiter_sizes::verdict::{Given, Reading, leg_verdict};
+use gaiter_sizes::{DocumentFault, Garment, mapping, parse};
 use jiff::civil::date;
 
 /// What is true of the faults of any file.
-fn placed(bytes: &[u8], faults: &[Fault]) {
+fn placed(bytes: &[u8], faults: &[DocumentFault]) {
     assert!(!faults.is_empty());
     let lines = bytes.iter().filter(|byte| **byte == b'\n').count() + 1;
     for fault in faults {
@@ -24,7 +24,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
             remarks(&table, date(2026, 11, 25), &["AD"]);
             let given = Given { mm: 300.0, uncertainty_mm: Some(1.0), is_by_hand: false };
             for garment in Garment::shipped() {
-                let Ok(verdict) = judged(&table, garment, |_| Reading::Given(given)) else { continue };
+                let Ok(verdict) = leg_verdict(&table, garment, |_| Reading::Given(given)) else { continue };
                 let points = verdict.sizes.iter().flat_map(|size| &size.points);
                 for share in points.filter_map(|point| point.probability) {
                     assert!((0.0..=1.0).contains(&share), "{share}");

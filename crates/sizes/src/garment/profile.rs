@@ -4,8 +4,8 @@ use gaiter_leg::Level;
 use serde::{Deserialize, Serialize};
 
 use super::Words;
-use crate::document::{Known, Section, number, read};
-use crate::fault::{Fault, What};
+use crate::document::{Section, SectionKeys, number, read};
+use crate::fault::{DocumentFault, What};
 use crate::parse::points;
 use crate::point::Point;
 
@@ -76,12 +76,12 @@ struct Notation {
 }
 
 /// Reads the file of a garment.
-pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<Fault>> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<DocumentFault>> {
     read(bytes, (FORMAT, "format = \"gaiter-garment/1\""), profile)
 }
 
 fn profile(whole: Section<'_, '_>) -> Option<Profile> {
-    Known::here(KEYS).only(whole);
+    SectionKeys::here(KEYS).only(whole);
     let name = whole.required_text("name", "name = \"AD\"");
     let units = [("cm", FormUnit::Cm), ("mm", FormUnit::Mm)];
     let unit = whole.choice("unit", &units).unwrap_or_default();
@@ -160,7 +160,7 @@ fn notation(whole: Section<'_, '_>) -> Notation {
         inside_leg: text("inside_leg", Point::InsideLeg.to_string()),
     };
     let Some(section) = section else { return notation };
-    Known { words: "girth length foot inside_leg", points: "", above: KEYS }.only(section);
+    SectionKeys { words: "girth length foot inside_leg", points: "", above: KEYS }.only(section);
     for (name, found) in [("girth", &notation.girth), ("length", &notation.length)] {
         if !found.contains(LETTER) {
             section.note(&section.at(), section.key(name), What::NoPlace(found.clone()));

@@ -14,7 +14,7 @@ pub use date::DateFormat;
 pub use fault::MappingWhat;
 pub use file_name::{FileName, Named};
 pub use parse::parse;
-pub use value::{Cell, Dated, Fact, Of, Place, Which};
+pub use value::{BodyPart, Cell, Dated, Fact, Of, Which};
 
 /// Name and number of the format of the files.
 pub const FORMAT: &str = "gaiter-order-mapping/1";
@@ -39,7 +39,7 @@ pub struct Mapping {
     /// The columns, in their order; at least one.
     pub columns: Vec<Column>,
     /// How figures are written.
-    pub figures: Figures,
+    pub figures: NumberFormat,
     /// What is written in the place of a figure that is not.
     pub instead: Instead,
     /// The words for the right and the left leg, and for what belongs to neither.
@@ -130,7 +130,7 @@ pub struct Column {
 
 /// How figures are written.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
+pub struct NumberFormat {
     /// The unit, mm.
     pub unit_mm: f64,
     /// Figures are multiples of this, in the unit.
@@ -158,7 +158,7 @@ pub enum Rounding {
 /// thousandths of a millimetre, and the steps of a mapping no exact binary value.
 const OFF: f64 = 1e-6;
 
-impl Figures {
+impl NumberFormat {
     /// The multiple of the step to which a length is rounded, in the unit.
     pub fn rounded(&self, mm: f64, rounding: Rounding) -> f64 {
         let steps = mm / self.unit_mm / self.step;
@@ -197,8 +197,8 @@ pub struct Instead {
 mod tests {
     use super::*;
 
-    fn figures(unit_mm: f64, step: f64, decimals: usize) -> Figures {
-        Figures { unit_mm, step, rounding: Rounding::Nearest, decimals, sign: ',' }
+    fn figures(unit_mm: f64, step: f64, decimals: usize) -> NumberFormat {
+        NumberFormat { unit_mm, step, rounding: Rounding::Nearest, decimals, sign: ',' }
     }
 
     #[test]

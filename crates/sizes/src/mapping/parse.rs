@@ -10,10 +10,10 @@ use super::fault::MappingWhat;
 use super::file_name::FileName;
 use super::value::Cell;
 use super::{
-    Column, Csv, Encoding, FORMAT, Figures, Instead, Layout, LineEnd, Mapping, Rounding, Rows,
+    Column, Csv, Encoding, FORMAT, Instead, Layout, LineEnd, Mapping, NumberFormat, Rounding, Rows,
 };
-use crate::document::{Known, Section, Value, number, read};
-use crate::fault::Fault;
+use crate::document::{Section, SectionKeys, Value, number, read};
+use crate::fault::DocumentFault;
 use crate::parse::points;
 
 /// The keys of a file. Notes may be added: any key that begins with `note_`.
@@ -41,13 +41,13 @@ const UNITS: [(&str, (&str, f64)); 3] =
 ///
 /// # Errors
 /// Every fault of the file, in the order of its lines; at least one.
-pub fn parse(bytes: &[u8]) -> Result<Mapping, Vec<Fault>> {
+pub fn parse(bytes: &[u8]) -> Result<Mapping, Vec<DocumentFault>> {
     read(bytes, (FORMAT, "format = \"gaiter-order-mapping/1\""), mapping)
 }
 
 /// The mapping of a file. What is wrong is noted, and the rest is read all the same.
 fn mapping(whole: Section<'_, '_>) -> Option<Mapping> {
-    Known::here(KEYS).only(whole);
+    SectionKeys::here(KEYS).only(whole);
     let id = whole.required_text("id", "id = \"shop-2026\"");
     let name = whole.required_text("name", "name = \"…\"");
     let source = whole.required_text("source", "source = \"where the form was read\"");
@@ -122,7 +122,7 @@ fn own_points(whole: Section<'_, '_>, rows: Option<Rows>) -> Option<Vec<crate::P
 }
 
 /// How figures are written.
-fn figures(whole: Section<'_, '_>) -> Option<Figures> {
+fn figures(whole: Section<'_, '_>) -> Option<NumberFormat> {
     let (unit, unit_mm) = whole.required_choice("unit", &UNITS)?;
     whole.must_have("step", "step = 0.1");
     let (step, least) = step(whole, unit, unit_mm)?;
@@ -132,7 +132,7 @@ fn figures(whole: Section<'_, '_>) -> Option<Figures> {
     let sign = whole.choice("decimal", &[(".", '.'), (",", ',')]);
     let decimals = decimals(whole, least)?;
     let rounding = rounding.unwrap_or(Rounding::Nearest);
-    Some(Figures { unit_mm, step, rounding, decimals, sign: sign.unwrap_or('.') })
+    Some(NumberFormat { unit_mm, step, rounding, decimals, sign: sign.unwrap_or('.') })
 }
 
 /// The step and the decimals that its multiples have.
@@ -216,7 +216,7 @@ fn texts(
     let mut texts = BTreeMap::new();
     let example = format!("[{name}] and the keys below it");
     let Some(section) = whole.section(name, name, "a section", &example) else { return texts };
-    Known::here(known).only(section);
+    SectionKeys::here(known).only(section);
     for (key, value) in section.pairs() {
         let key = key.get_ref().as_ref();
         let text = match value.get_ref().as_str() {
@@ -242,7 +242,7 @@ fn columns(whole: Section<'_, '_>, rows: Option<Rows>) -> Vec<Column> {
     }
     let mut columns: Vec<Column> = Vec::new();
     for section in tables {
-        Known::here("name value text format").only(section);
+        SectionKeys::here("name value text format").only(section);
         let name = section.required_text("name", "name = \"…\"");
         let cell = cell(section, rows);
         let Some((name, value)) = name.zip(section.get("name")) else { continue };

@@ -73,7 +73,7 @@ gaiter_leg::word_enum! {
 gaiter_leg::word_enum! {
     /// Where a point lies.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-    pub enum Place {
+    pub enum BodyPart {
         /// The right leg.
         Right => "right",
         /// The left leg.
@@ -87,7 +87,7 @@ gaiter_leg::word_enum! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Which {
     /// That of a point; without a place, of the row's leg.
-    At(Option<Place>, Point),
+    At(Option<BodyPart>, Point),
     /// The girth of the row's level.
     Girth,
     /// The length of the row's level.
@@ -153,14 +153,14 @@ impl Cell {
 fn at(text: &str, rows: Rows) -> Result<Which, MappingWhat> {
     let no_value = || MappingWhat::NoValue(text.to_owned());
     let (place, name) = match text.split_once('.') {
-        Some((place, name)) => (Some(Place::of_word(place).ok_or_else(no_value)?), name),
+        Some((place, name)) => (Some(BodyPart::of_word(place).ok_or_else(no_value)?), name),
         None => (None, text),
     };
-    let point = Point::of(name).ok_or_else(no_value)?;
+    let point = Point::named(name).ok_or_else(no_value)?;
     match (place, point) {
-        (Some(Place::Body), Point::Beyond(_)) => Ok(Which::At(place, point)),
+        (Some(BodyPart::Body), Point::Beyond(_)) => Ok(Which::At(place, point)),
         (_, Point::Beyond(_)) => Err(MappingWhat::OfTheBody(name.to_owned())),
-        (Some(Place::Body), _) => Err(no_value()),
+        (Some(BodyPart::Body), _) => Err(no_value()),
         (None, _) if rows == Rows::Order => Err(MappingWhat::NoLeg(text.to_owned())),
         _ => Ok(Which::At(place, point)),
     }
@@ -192,7 +192,7 @@ mod tests {
             (
                 "right.cB1",
                 Rows::Order,
-                Cell::Figure(Which::At(Some(Place::Right), girth), Of::Figure),
+                Cell::Figure(Which::At(Some(BodyPart::Right), girth), Of::Figure),
             ),
             ("cB1.u95", Rows::Leg, Cell::Figure(Which::At(None, girth), Of::U95)),
             ("length.change", Rows::Level, Cell::Figure(Which::Length, Of::Change)),

@@ -3,7 +3,7 @@
 use gaiter_toml::What::Empty;
 use toml::de::DeValue;
 
-use super::super::document::{Known, Section};
+use super::super::document::{Section, SectionKeys};
 use super::super::fault::What;
 use super::super::point::Point;
 use super::super::table::{Code, LengthRow, Ranged, Size, Variant};
@@ -13,8 +13,8 @@ use super::{KEYS, Unit, own_name, points, range};
 const VARIANT: (&str, &str) = ("ranges of a variant", "variant.\"wide thigh\".cG = [57, 64]");
 
 /// The keys of a section, below those of the whole file.
-fn known(words: &'static str, points: &'static str) -> Known {
-    Known { words, points, above: KEYS }
+fn known(words: &'static str, points: &'static str) -> SectionKeys {
+    SectionKeys { words, points, above: KEYS }
 }
 
 /// The variants of a file.
@@ -45,7 +45,7 @@ pub(super) fn lengths(whole: Section<'_, '_>, unit: Unit) -> Vec<LengthRow> {
         let same = rows.iter().filter(|of| Some(&of.garment) == garment.as_ref());
         let name = own_name(section, same.map(|of| &of.name));
         let ranges = ranges(section, unit);
-        if !section.pairs().any(|(name, _)| Point::of(name.get_ref()).is_some()) {
+        if !section.pairs().any(|(name, _)| Point::named(name.get_ref()).is_some()) {
             section.note(&section.at(), "length", Empty);
         }
         if let (Some(garment), Some(name)) = (garment, name) {
@@ -137,7 +137,7 @@ fn replaced_points_exist(whole: Section<'_, '_>, variants: &[Variant], sizes: &[
 fn ranges(section: Section<'_, '_>, unit: Unit) -> Vec<Ranged> {
     let mut ranges = Vec::new();
     for (name, value) in section.pairs() {
-        if let Some(point) = Point::of(name.get_ref()) {
+        if let Some(point) = Point::named(name.get_ref()) {
             ranges.extend(range(section, point, value, &section.key(name.get_ref()), unit));
         }
     }

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use gaiter_sizes::verdict::{Fit, Given, NotGiven, Reading, judged};
+use gaiter_sizes::verdict::{Fit, Given, NotGiven, Reading, leg_verdict};
 use gaiter_sizes::{Garment, Point, parse};
 use support::chance::Chance;
 use toml::{Table, Value};
@@ -179,7 +179,8 @@ fn ten_thousand_legs_are_judged_as_a_sum_over_the_density_judges_them() {
         let raw: Table = text.parse().unwrap();
         let table = parse(text.as_bytes()).unwrap();
         let of =
-            judged(&table, &Garment::of(garment).unwrap(), |point| reading(&leg, point)).unwrap();
+            leg_verdict(&table, &Garment::named(garment).unwrap(), |point| reading(&leg, point))
+                .unwrap();
         let mut said = BTreeMap::new();
         for size in &of.sizes {
             let name =

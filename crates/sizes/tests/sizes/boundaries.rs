@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use gaiter_leg::Level;
-use gaiter_sizes::verdict::{Fit, judged};
+use gaiter_sizes::verdict::{Fit, leg_verdict};
 use gaiter_sizes::{Garment, Point};
 
 use crate::rules::{HEAD, given, table_of};
@@ -15,7 +15,7 @@ const STEP_MM: f64 = 0.001;
 fn fits(limits: &str, mm: f64) -> bool {
     let head = HEAD.replace("limits = \"closed\"", &format!("limits = \"{limits}\""));
     let table = table_of(&format!("{head}[[size]]\nname = \"I\"\ncB = [18.3, 20.7]\n"));
-    let of = judged(&table, &Garment::default(), |_| given(mm, None)).unwrap();
+    let of = leg_verdict(&table, &Garment::default(), |_| given(mm, None)).unwrap();
     of.fit == Fit::Fits
 }
 
@@ -42,7 +42,7 @@ fn at_a_limit_far_from_the_other_one_half_lies_inside_whether_it_is_closed_or_op
         let head = HEAD.replace("limits = \"closed\"", &format!("limits = \"{limits}\""));
         let table = table_of(&format!("{head}[[size]]\nname = \"I\"\ncB = [18, 28]\n"));
         for mm in [180.0, 280.0] {
-            let of = judged(&table, &Garment::default(), |_| given(mm, Some(2.0))).unwrap();
+            let of = leg_verdict(&table, &Garment::default(), |_| given(mm, Some(2.0))).unwrap();
             let point = &of.sizes[0].points[0];
             assert!((point.probability.unwrap() - 0.5).abs() < 1e-12, "{limits}, {mm}");
             assert_eq!(of.fit, Fit::FitsWithinUncertainty);
@@ -63,7 +63,7 @@ fn the_verdict_turns_where_the_probability_passes_its_limits() {
         (-quantile - 1e-6, Fit::DoesNotFit),
     ] {
         for mm in [180.0 + 2.0 * sds, 280.0 - 2.0 * sds] {
-            let of = judged(&table, &Garment::default(), |_| given(mm, Some(2.0))).unwrap();
+            let of = leg_verdict(&table, &Garment::default(), |_| given(mm, Some(2.0))).unwrap();
             assert_eq!(of.fit, expected, "{sds} standard uncertainties inside, {mm} mm");
         }
     }
@@ -75,7 +75,7 @@ fn margins_are_signed_and_not_rounded() {
     for (mm, margins_mm) in
         [(179.75, [-0.25, 20.25]), (180.0, [0.0, 20.0]), (200.125, [20.125, -0.125])]
     {
-        let of = judged(&table, &Garment::default(), |_| given(mm, Some(1.0))).unwrap();
+        let of = leg_verdict(&table, &Garment::default(), |_| given(mm, Some(1.0))).unwrap();
         let point = &of.sizes[0].points[0];
         assert_eq!(point.point, Point::Girth(Level::B));
         assert_eq!((point.margins_mm, point.limits_mm), (Some(margins_mm), [180.0, 200.0]));

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use gaiter_sizes::check::remarks;
-use gaiter_sizes::verdict::judged;
+use gaiter_sizes::verdict::leg_verdict;
 use gaiter_sizes::{Garment, parse};
 use jiff::civil::date;
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn used(text: &str) -> Result<(), TestCaseError> {
         Ok(table) => {
             remarks(&table, date(2026, 11, 25), &["AD"]);
             for garment in Garment::shipped() {
-                let _ = judged(&table, garment, |_| given(300.0, Some(1.0)));
+                let _ = leg_verdict(&table, garment, |_| given(300.0, Some(1.0)));
             }
             Ok(())
         }

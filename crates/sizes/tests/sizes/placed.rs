@@ -1,10 +1,10 @@
 //! Faults of a file that people write have a place in it.
 
-use gaiter_sizes::Fault;
+use gaiter_sizes::DocumentFault;
 use proptest::prelude::*;
 
 /// Every fault has a place in the text, and nothing of the text leaves its line.
-pub fn placed(text: &str, faults: &[Fault]) -> Result<(), TestCaseError> {
+pub fn placed(text: &str, faults: &[DocumentFault]) -> Result<(), TestCaseError> {
     prop_assert!(!faults.is_empty());
     let lines = text.matches('\n').count() + 1;
     for fault in faults {

@@ -5,7 +5,7 @@
 use gaiter_leg::Level;
 use gaiter_sizes::table::SizeTable;
 use gaiter_sizes::verdict::{
-    Fit, Given, LegVerdict, NotComparable, NotGiven, Reading, SizeVerdict, judged,
+    Fit, Given, LegVerdict, NotComparable, NotGiven, Reading, SizeVerdict, leg_verdict,
 };
 use gaiter_sizes::{Garment, Point, parse};
 
@@ -32,7 +32,7 @@ pub fn given(mm: f64, uncertainty_mm: Option<f64>) -> Reading {
 /// Points by name with their values in mm and a standard uncertainty of 1 mm; others are not found.
 pub fn leg(points: &[(&str, f64)]) -> impl Fn(Point) -> Reading {
     let points: Vec<(Point, f64)> =
-        points.iter().map(|(name, mm)| (Point::of(name).unwrap(), *mm)).collect();
+        points.iter().map(|(name, mm)| (Point::named(name).unwrap(), *mm)).collect();
     move |point| match points.iter().find(|(its, _)| *its == point) {
         Some((_, mm)) => given(*mm, Some(1.0)),
         None => Reading::NotGiven { why: NotGiven::NotFound },
@@ -40,7 +40,7 @@ pub fn leg(points: &[(&str, f64)]) -> impl Fn(Point) -> Reading {
 }
 
 fn verdict(table: &SizeTable, garment: &str, points: &[(&str, f64)]) -> LegVerdict {
-    judged(table, &Garment::of(garment).unwrap(), leg(points)).unwrap()
+    leg_verdict(table, &Garment::named(garment).unwrap(), leg(points)).unwrap()
 }
 
 fn size<'a>(of: &'a LegVerdict, name: &str, variant: Option<&str>) -> &'a SizeVerdict {
@@ -167,7 +167,7 @@ fn what_the_table_requires_must_fit_and_the_rest_is_told() {
 fn without_an_uncertainty_the_value_alone_decides_and_it_is_said() {
     let garment = Garment::default();
     for (mm, fit) in [(180.0, Fit::Fits), (179.999, Fit::DoesNotFit), (200.0, Fit::Fits)] {
-        let of = judged(&table(CALF), &garment, |point| match point {
+        let of = leg_verdict(&table(CALF), &garment, |point| match point {
             Point::Girth(Level::B) => given(mm, None),
             _ => given(310.0, Some(1.0)),
         });
@@ -182,7 +182,7 @@ fn without_an_uncertainty_the_value_alone_decides_and_it_is_said() {
 fn a_value_inside_a_range_narrower_than_its_uncertainty_is_not_told_as_outside() {
     let narrow = table("[[size]]\nname = \"I\"\ncB = [19.9, 20.1]\n");
     let judge = |mm: f64| {
-        let of = judged(&narrow, &Garment::default(), |_| given(mm, Some(40.0))).unwrap();
+        let of = leg_verdict(&narrow, &Garment::default(), |_| given(mm, Some(40.0))).unwrap();
         (of.sizes[0].fit, of.sizes[0].points[0].probability.unwrap())
     };
     let (fit, share) = judge(200.0);
@@ -195,7 +195,7 @@ fn under_tension_or_of_unknown_basis_nothing_is_compared() {
     let text = format!("{HEAD}{CALF}");
     let garment = Garment::default();
     let judge = |text: &str| {
-        judged(&table_of(text), &garment, leg(&[("cB", 190.0), ("cC", 310.0)])).unwrap_err()
+        leg_verdict(&table_of(text), &garment, leg(&[("cB", 190.0), ("cC", 310.0)])).unwrap_err()
     };
     let basis = "skin_or_tension = \"skin\"\n";
     assert_eq!(

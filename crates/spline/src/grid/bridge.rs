@@ -81,7 +81,7 @@ struct Lines {
 impl Lines {
     fn new(profiles: &Profiles, domain: &Domain) -> Lines {
         let width = profiles.values.len() / profiles.places.len();
-        let home = |i: &usize| domain.home(profiles.places[*i], domain.from);
+        let home = |i: &usize| domain.wrap(profiles.places[*i], domain.from);
         let mut order: Vec<usize> = (0..profiles.places.len()).collect();
         order.sort_by(|a, b| home(a).total_cmp(&home(b)));
         let mut at: Vec<f64> = order.iter().map(home).collect();

@@ -41,7 +41,7 @@ fn twins(profiles: &Profiles, request: &KnotRequest) -> Option<[usize; 2]> {
     };
     let near_mm = ONE_LINE * (0..3).map(extent).fold(0.0, f64::max);
     let near = ONE_LINE * (domain.to - domain.from);
-    let home = |i: usize| domain.home(places[i], domain.from);
+    let home = |i: usize| domain.wrap(places[i], domain.from);
     let mut order: Vec<usize> = (0..places.len()).collect();
     order.sort_by(|a, b| home(*a).total_cmp(&home(*b)));
     let same = |&[i, j]: &[usize; 2]| {

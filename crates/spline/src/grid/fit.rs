@@ -2,7 +2,7 @@
 
 use super::bridge::Bridged;
 use super::distinct::check_lines;
-use super::given::{GridData, SurfaceFit, check, judged, solver, surface};
+use super::given::{GridData, SurfaceFit, check, solver, surface, with_statistics};
 use crate::fit::FitFault;
 use crate::knots::choice::{check_gaps, chosen};
 use crate::knots::request::{GridDomain, Knots, requests};
@@ -46,5 +46,5 @@ pub fn fit_grid_by(
     let around = chosen(&grid.profiles_around(), &requests[1])?;
     let solver = solver(&grid, [&along.basis, &around.basis])?;
     let surface = surface(&solver, grid.points, along.basis, around.basis)?;
-    Ok(judged(surface, data, [along.used, around.used]))
+    Ok(with_statistics(surface, data, [along.used, around.used]))
 }

@@ -66,7 +66,7 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check_places(&around, data.around, data.around)?;
     let solver = solver(data, [&along, &around])?;
     let surface = surface(&solver, data.points, along, around)?;
-    Ok(judged(surface, data, [KnotsUsed::Given; 2]))
+    Ok(with_statistics(surface, data, [KnotsUsed::Given; 2]))
 }
 
 /// The equations along and around.
@@ -90,7 +90,7 @@ pub fn surface(
 }
 
 /// The statistics of a surface fit for the data.
-pub fn judged(surface: Surface, data: &GridData, knots: [KnotsUsed; 2]) -> SurfaceFit {
+pub fn with_statistics(surface: Surface, data: &GridData, knots: [KnotsUsed; 2]) -> SurfaceFit {
     let fitted = surface.grid(data.along, data.around);
     let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
     let squares: Vec<f64> = squares.collect();

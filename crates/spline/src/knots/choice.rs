@@ -107,7 +107,7 @@ fn widened(found: &Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
 /// many data.
 fn evenly_shared(found: &Marked, domain: &Domain, places: &[f64]) -> Vec<f64> {
     let mut even = found.breakpoints.clone();
-    let places = domain.homed(places, even[0]);
+    let places = domain.wrapped(places, even[0]);
     for (low, high) in found.fixed.iter().zip(&found.fixed[1..]) {
         let (from, to) = (found.breakpoints[*low], found.breakpoints[*high]);
         let inside: Vec<f64> = places.iter().copied().filter(|x| (from..to).contains(x)).collect();

@@ -27,7 +27,7 @@ pub fn marked(breakpoints: Vec<f64>, domain: &Domain, marks: &[f64]) -> Marked {
     let last = breakpoints.len() - 1;
     let mut found = Marked { breakpoints, fixed: vec![0, last] };
     let shortest = SHORTEST * (domain.to - domain.from) / last as f64;
-    for mark in domain.homed(marks, domain.from) {
+    for mark in domain.wrapped(marks, domain.from) {
         if let Some((place, breakpoints)) = moved(&found, mark, shortest) {
             found.breakpoints = breakpoints;
             found.fixed.push(place);

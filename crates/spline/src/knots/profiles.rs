@@ -51,14 +51,14 @@ impl Domain {
     }
 
     /// Positions in ascending order; if periodic, within one period from `start`.
-    pub fn homed(&self, places: &[f64], start: f64) -> Vec<f64> {
-        let mut places: Vec<f64> = places.iter().map(|place| self.home(*place, start)).collect();
+    pub fn wrapped(&self, places: &[f64], start: f64) -> Vec<f64> {
+        let mut places: Vec<f64> = places.iter().map(|place| self.wrap(*place, start)).collect();
         places.sort_by(f64::total_cmp);
         places
     }
 
     /// A position; if periodic, within one period from `start`.
-    pub fn home(&self, place: f64, start: f64) -> f64 {
+    pub fn wrap(&self, place: f64, start: f64) -> f64 {
         let period = self.to - self.from;
         if self.periodic { start + (place - start).rem_euclid(period) } else { place }
     }
@@ -72,7 +72,7 @@ impl Domain {
 
     /// The two ends of the widest range without a position.
     pub fn widest_gap(&self, places: &[f64]) -> [f64; 2] {
-        let mut ends = self.homed(places, self.from);
+        let mut ends = self.wrapped(places, self.from);
         let next_turn = ends.first().map(|first| first + (self.to - self.from));
         ends.extend(next_turn.filter(|_| self.periodic));
         let inner = ends.windows(2).map(|pair| [pair[0], pair[1]]);

@@ -13,7 +13,7 @@ const ONE_PLACE: f64 = 1e-9;
 /// middles of the spans are still singular.
 pub fn undetermined(basis: &Basis, places: &[f64]) -> Vec<usize> {
     let places = distinct(basis, places);
-    let supports = Supports::of(basis);
+    let supports = Supports::new(basis);
     if !basis.is_periodic() {
         return supports.left_over(0, &places);
     }
@@ -66,7 +66,7 @@ struct Supports<'a> {
 }
 
 impl Supports<'_> {
-    fn of(basis: &Basis) -> Supports<'_> {
+    fn new(basis: &Basis) -> Supports<'_> {
         let (from, to) = basis.domain();
         let period = if basis.is_periodic() { to - from } else { 0.0 };
         Supports { knots: basis.knots(), count: basis.count(), period }

@@ -31,7 +31,7 @@ const IDENTITY: FactorRow = FactorRow { left: [0.0; DEGREE], per_pivot: 1.0, val
 
 impl<'a> Trials<'a> {
     /// The equations; `None` of a periodic basis, whose matrices are not banded.
-    pub fn of(gram: &Skyline, penalty: &Skyline, moments: &'a [f64]) -> Option<Trials<'a>> {
+    pub fn new(gram: &Skyline, penalty: &Skyline, moments: &'a [f64]) -> Option<Trials<'a>> {
         let size = gram.size();
         let rows = |of: &Skyline| (0..size).map(|i| of.band_row(i)).collect::<Vec<_>>();
         (gram.full_from == size).then(|| {
@@ -118,7 +118,7 @@ mod tests {
         let basis = Basis::clamped(&breakpoints).unwrap();
         let (gram, penalty) = (mass(&basis), roughness(&basis, 2));
         let moments: Vec<f64> = (0..gram.size()).map(|i| f64::from(i as u32 % 5) - 1.5).collect();
-        let mut trials = Trials::of(&gram, &penalty, &moments).unwrap();
+        let mut trials = Trials::new(&gram, &penalty, &moments).unwrap();
         for lambda in [1e-6, 1e-2, 30.0] {
             let whole = gram.dense() + lambda * penalty.dense();
             let inverse = whole.try_inverse().unwrap();
@@ -137,10 +137,10 @@ mod tests {
         let basis = Basis::uniform_clamped(0.0, 9.0, 9).unwrap();
         let rough = roughness(&basis, 2);
         let moments = vec![1.0; rough.size()];
-        let mut trials = Trials::of(&Skyline::zero(&basis), &rough, &moments).unwrap();
+        let mut trials = Trials::new(&Skyline::zero(&basis), &rough, &moments).unwrap();
         assert!(trials.at(1.0).is_none());
         let around = Basis::uniform_periodic(0.0, 9.0, 9).unwrap();
         let rough = roughness(&around, 2);
-        assert!(Trials::of(&rough, &rough, &moments).is_none());
+        assert!(Trials::new(&rough, &rough, &moments).is_none());
     }
 }

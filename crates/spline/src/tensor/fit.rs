@@ -102,12 +102,12 @@ pub fn fit_scatter(
     if found < needed {
         return Err(FitFault::TooFewPlaces { found, needed });
     }
-    let grid = Grid::of(&along, &circle.basis);
+    let grid = Grid::new(&along, &circle.basis);
     let direction = Direction::new(&along, &middles(&grid.along))?;
     let around = Around::new(&circle);
     let rows: Vec<(Row, Row)> =
         data.u.iter().zip(data.v).map(|(u, v)| (along.row(*u), circle.basis.row(*v))).collect();
-    let neighbours = Neighbours::of(data, &grid.along, &grid.around);
+    let neighbours = Neighbours::new(data, &grid.along, &grid.around);
     let cell_of: Vec<usize> = data.u.iter().zip(data.v).map(|(u, v)| grid.cell(*u, *v)).collect();
     let mut weights = vec![1.0; found];
     let mut lambdas = [direction.unit(), around.unit()].map(|unit| FIRST_SMOOTHING * unit);
@@ -155,7 +155,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(along: &Basis, around: &Basis) -> Grid {
+    fn new(along: &Basis, around: &Basis) -> Grid {
         let cells_along = halved(along.breakpoints());
         let rows = |basis: &Basis, breakpoints: &[f64]| {
             middles(breakpoints).into_iter().map(|middle| basis.row(middle)).collect()

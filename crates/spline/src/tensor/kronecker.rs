@@ -118,7 +118,12 @@ struct Projected {
 
 impl Projected {
     /// The parts of cells, around × along.
-    fn of(cells: &DMatrix<f64>, along: &Direction, around: &Around, circle: &Circle) -> Projected {
+    fn from_cells(
+        cells: &DMatrix<f64>,
+        along: &Direction,
+        around: &Around,
+        circle: &Circle,
+    ) -> Projected {
         let waves = circle.waves(&(cells * &along.at_cells));
         let (half, frequencies) = (circle.count() / 2, around.seen.len());
         let mut squares = vec![vec![0.0; waves.ncols()]; frequencies];
@@ -143,7 +148,7 @@ pub fn best_by_gcv(
     cells: &DMatrix<f64>,
     seen: usize,
 ) -> ([f64; 2], f64) {
-    let Projected { squares, outside } = Projected::of(cells, along, around, circle);
+    let Projected { squares, outside } = Projected::from_cells(cells, along, around, circle);
     let height = along.eigenvalues.len();
     let fitted = |lambdas: [f64; 2]| {
         // Several sums in parallel, because a single one would wait for itself at every term.

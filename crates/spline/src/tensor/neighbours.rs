@@ -33,7 +33,7 @@ pub struct Neighbours<'a> {
 
 impl<'a> Neighbours<'a> {
     /// Puts the data into the cells between these breakpoints; those around are a whole period.
-    pub fn of(data: &'a Scatter, along: &'a [f64], around: &'a [f64]) -> Neighbours<'a> {
+    pub fn new(data: &'a Scatter, along: &'a [f64], around: &'a [f64]) -> Neighbours<'a> {
         let count = (along.len() - 1) * (around.len() - 1);
         let (members, starts) = (vec![0; data.value.len()], vec![0; count + 1]);
         let mut all = Neighbours { data, along, around, members, starts };
@@ -121,7 +121,7 @@ mod tests {
         let residuals: Vec<f64> = u.iter().zip(&v).map(|(u, v)| residual(*u, *v)).collect();
         let breakpoints: Vec<f64> = (0..=SIDE).map(|i| i as f64).collect();
         let data = Scatter { u: &u, v: &v, value: &residuals };
-        let left = Neighbours::of(&data, &breakpoints, &breakpoints).beside(&residuals, 0.3);
+        let left = Neighbours::new(&data, &breakpoints, &breakpoints).beside(&residuals, 0.3);
         u.into_iter().zip(v).zip(left).map(|((u, v), left)| (u, v, left)).collect()
     }
 

@@ -23,7 +23,7 @@ pub struct Steps {
 impl Steps {
     /// Because 2W/(nm) ≤ W/n² + W/m², the bound splits into one term along and one around. Half of
     /// the tolerance for each gives the fewest triangles.
-    pub fn of(surface: &Surface, tolerance_mm: f64) -> Steps {
+    pub fn new(surface: &Surface, tolerance_mm: f64) -> Steps {
         let spans = |basis: &Basis| basis.breakpoints().len() - 1;
         let mut along = vec![1.0_f64; spans(surface.along())];
         let mut around = vec![1.0_f64; spans(surface.around())];

@@ -82,7 +82,7 @@ impl ReportOf<'_> {
         let mut blocks: Vec<Block> = Vec::new();
         let compared_volumes = compared.iter().filter(|of| !of.is_of_other_posture());
         blocks.extend(compared_volumes.map(|of| Block::Table(tables::volumes(words, group, of))));
-        let shown = shown(group);
+        let shown = visits_side_by_side(group);
         blocks.extend(pictures::profiles(words, &shown));
         let legs = || Side::FROM_FRONT.into_iter();
         let girths = legs().filter_map(|side| tables::girths(words, side, &shown, compared));
@@ -102,7 +102,7 @@ impl ReportOf<'_> {
         let (Some(earlier), Some(later)) = (record(of.earlier), record(of.later)) else {
             return Vec::new();
         };
-        let overlay = Overlay::of(earlier, later);
+        let overlay = Overlay::new(earlier, later);
         overlay.map(|overlay| pictures::overlay(words, of, overlay)).unwrap_or_default()
     }
 
@@ -137,7 +137,7 @@ impl ReportOf<'_> {
 }
 
 /// The visits of a group that stand beside each other: the first, and the last three.
-fn shown(group: &Group) -> Vec<usize> {
+fn visits_side_by_side(group: &Group) -> Vec<usize> {
     let from = group.visits.len().saturating_sub(VISITS_BEFORE_LAST + 1);
     let mut shown = group.visits[from..].to_vec();
     if let Some(first) = group.visits.first().filter(|first| !shown.contains(first)) {

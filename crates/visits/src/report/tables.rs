@@ -6,7 +6,7 @@ use std::fmt::Display;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_leg::{Level, Side};
 use gaiter_record::report::content::{Table, TableRow};
-use gaiter_record::report::{Figure, Mark};
+use gaiter_record::report::{Reliability, ReportFigure};
 use gaiter_record::rounding::{cm_words, ml_margin, number, signed, tenths_words};
 
 use super::summary::{between, cancelling};
@@ -46,8 +46,8 @@ fn visit_row(words: &Words, visit: usize) -> TableRow {
     let of = &course.visits[visit];
     let group = course.groups.iter().find(|group| group.visits.contains(&visit));
     let phantom = of.phantom_mm.map_or_else(
-        || Figure::missing(words.language.text("visits.no_phantom")),
-        |mm| Figure::plain(signed(mm, &tenths_words(mm, words.language))),
+        || ReportFigure::missing(words.language.text("visits.no_phantom")),
+        |mm| ReportFigure::plain(signed(mm, &tenths_words(mm, words.language))),
     );
     let volume = |side: Side| match group.and_then(|of| course.volume(of, visit, side)) {
         Some(volume) => ml(words, &volume),
@@ -56,7 +56,7 @@ fn visit_row(words: &Words, visit: usize) -> TableRow {
     let [right, left] = Side::FROM_FRONT.map(volume);
     let apart = group.and_then(|group| apart(words, group, visit));
     let apart = apart.unwrap_or_else(|| missing(words));
-    let figures = vec![Figure::plain(words.posture(of)), phantom, right, left, apart];
+    let figures = vec![ReportFigure::plain(words.posture(of)), phantom, right, left, apart];
     let other_time = group.and_then(|group| course.other_time_of_day(group, visit));
     let sign = if other_time.is_some() { OTHER_TIME } else { "" };
     TableRow { head: words.time(of) + sign, figures }
@@ -85,14 +85,14 @@ fn apart_column(words: &Words) -> &'static str {
 }
 
 /// The excess of the affected leg at a visit; without one, the difference of the legs.
-fn apart(words: &Words, group: &Group, visit: usize) -> Option<Figure> {
+fn apart(words: &Words, group: &Group, visit: usize) -> Option<ReportFigure> {
     let course = words.course;
     let Some(Affected::One(_)) = course.choice.affected else {
         return Some(ml_apart(words, &course.left_minus_right(group, visit)?));
     };
     let excess = course.excess(group, visit)?;
     let percent = words.percent_change(excess.percent);
-    Some(Figure::plain(format!("{} ({percent} %)", words.ml_change(excess.ml.value))))
+    Some(ReportFigure::plain(format!("{} ({percent} %)", words.ml_change(excess.ml.value))))
 }
 
 /// Volumes and excess at the two visits of a comparison.
@@ -106,7 +106,7 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
         let at = |visit: usize| words.course.volume(group, visit, side);
         let ends = [at(of.earlier)?, at(of.later)?].map(|of| ml(words, &of));
         let [percent, percent_detectable] = words.told_percent(&change);
-        let percent = Figure::marked(percent, mark(change.shown()));
+        let percent = ReportFigure::marked(percent, mark(change.shown()));
         let beside = format!(" ({percent_detectable} %)");
         let head = words.leg(side).to_owned();
         Some(TableRow { head, figures: changed(words, ends, &change, (percent, &beside)) })
@@ -146,18 +146,18 @@ fn volumes_apart(words: &Words, group: &Group, of: &Comparison) -> Option<TableR
 /// stands behind that.
 fn changed(
     words: &Words,
-    [before, after]: [Figure; 2],
+    [before, after]: [ReportFigure; 2],
     change: &Change,
-    (percent, beside): (Figure, &str),
-) -> Vec<Figure> {
+    (percent, beside): (ReportFigure, &str),
+) -> Vec<ReportFigure> {
     let [told, detectable] = words.told(change);
     vec![
         before,
         after,
-        Figure::marked(told, mark(change.shown())),
+        ReportFigure::marked(told, mark(change.shown())),
         percent,
-        Figure::plain(detectable + beside),
-        Figure::plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
+        ReportFigure::plain(detectable + beside),
+        ReportFigure::plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
     ]
 }
 
@@ -171,12 +171,12 @@ pub(super) fn girths(
     let cell = |visit: usize, step: Step| {
         let leg = words.course.visits[visit].legs.get(side).as_ref()?;
         let place = leg.places.get(&step)?;
-        let mark = if place.is_doubtful { Mark::Doubtful } else { Mark::Sure };
-        Some(Figure::marked(cm_words(place.girth_mm, words.language), mark))
+        let mark = if place.is_doubtful { Reliability::Doubtful } else { Reliability::Sure };
+        Some(ReportFigure::marked(cm_words(place.girth_mm, words.language), mark))
     };
     let change = |change: &Change| {
         let value = signed(change.by, &cm_words(change.by, words.language));
-        Figure::marked(value, mark(change.shown()))
+        ReportFigure::marked(value, mark(change.shown()))
     };
     let place = |step: Step| number(along_mm(step) / 10.0, 0, words.language);
     let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.girths.clone());
@@ -202,10 +202,11 @@ pub(super) fn slices(
         let piece = *leg.pieces(group.volume).get(&step)?;
         let mut ends = [step, step + 1].into_iter().filter_map(|end| leg.places.get(&end));
         let is_doubtful = ends.any(|place| place.is_doubtful);
-        let mark = if is_doubtful { Mark::Doubtful } else { Mark::Sure };
-        Some(Figure::marked(number(piece.ml, 0, words.language), mark))
+        let mark = if is_doubtful { Reliability::Doubtful } else { Reliability::Sure };
+        Some(ReportFigure::marked(number(piece.ml, 0, words.language), mark))
     };
-    let change = |change: &Change| Figure::marked(words.ml_change(change.by), mark(change.shown()));
+    let change =
+        |change: &Change| ReportFigure::marked(words.ml_change(change.by), mark(change.shown()));
     let place = |step: Step| {
         let cm = |mm: f64| number(mm / 10.0, 0, words.language);
         format!("{}–{}", cm(along_mm(step)), cm(along_mm(step) + PROFILE_STEP_MM))
@@ -229,13 +230,13 @@ fn sums(
     (shown, compared): (&[usize], &[Comparison]),
 ) -> TableRow {
     let of_visit = |visit: &usize| match words.course.volume(group, *visit, side) {
-        Some(volume) => Figure::plain(number(volume.value, 0, words.language)),
+        Some(volume) => ReportFigure::plain(number(volume.value, 0, words.language)),
         None => missing(words),
     };
     let of_change = |of: &Comparison| match of.legs.get(side).as_ref().and_then(|leg| leg.volume) {
         Some(change) => {
             let [told, _] = words.told(&change);
-            Figure::marked(told, mark(change.shown()))
+            ReportFigure::marked(told, mark(change.shown()))
         }
         None => missing(words),
     };
@@ -245,8 +246,8 @@ fn sums(
 
 /// What a table of places shows: a figure of a visit, a change, the name of a place.
 type Cells<'a> = (
-    &'a dyn Fn(usize, Step) -> Option<Figure>,
-    &'a dyn Fn(&Change) -> Figure,
+    &'a dyn Fn(usize, Step) -> Option<ReportFigure>,
+    &'a dyn Fn(&Change) -> ReportFigure,
     &'a dyn Fn(Step) -> String,
 );
 
@@ -285,9 +286,9 @@ fn table_of_places(
     }));
     let explanation = words.said(&[
         (true, "visits.lengths"),
-        (has(&rows, |of| of.mark == Mark::Real), "visits.bold"),
+        (has(&rows, |of| of.mark == Reliability::Real), "visits.bold"),
         (has(&rows, is_doubtful), "visits.doubtful"),
-        (has(&rows, |of| of.mark == Mark::Missing), "visits.not_compared"),
+        (has(&rows, |of| of.mark == Reliability::Missing), "visits.not_compared"),
     ]);
     let below = Some(words.text("visits.rounded"));
     Table { title, explanation: Some(explanation), columns, rows, below }
@@ -306,7 +307,7 @@ pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
                 let girth = cm_words(of.girth_mm, words.language);
                 let height = of.height_mm.map(|mm| format!(" / {}", cm_words(mm, words.language)));
                 let value = girth + &height.unwrap_or_default();
-                Figure::marked(value, of.mark)
+                ReportFigure::marked(value, of.mark)
             }
         };
         let values: [(&str, &dyn Display); 2] =
@@ -325,9 +326,9 @@ pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
     let explanation = words.said(&[
         (true, "visits.levels_explained"),
         (has(&rows, is_doubtful), "visits.doubtful"),
-        (has(&rows, |of| of.mark == Mark::Estimated), "visits.estimated"),
-        (has(&rows, |of| of.mark == Mark::ByHand), "visits.by_hand"),
-        (has(&rows, |of| of.mark == Mark::Missing), "visits.not_found"),
+        (has(&rows, |of| of.mark == Reliability::Estimated), "visits.estimated"),
+        (has(&rows, |of| of.mark == Reliability::ByHand), "visits.by_hand"),
+        (has(&rows, |of| of.mark == Reliability::Missing), "visits.not_found"),
     ]);
     (!rows.is_empty()).then(|| Table {
         title: words.text("visits.levels"),
@@ -339,40 +340,40 @@ pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
 }
 
 /// Whether a figure of these rows is such a one.
-fn has(rows: &[TableRow], is_such: impl Fn(&Figure) -> bool) -> bool {
+fn has(rows: &[TableRow], is_such: impl Fn(&ReportFigure) -> bool) -> bool {
     rows.iter().flat_map(|row| &row.figures).any(is_such)
 }
 
-fn is_doubtful(of: &Figure) -> bool {
-    of.mark == Mark::Doubtful || of.value.ends_with(DOUBT)
+fn is_doubtful(of: &ReportFigure) -> bool {
+    of.mark == Reliability::Doubtful || of.value.ends_with(DOUBT)
 }
 
-fn ml(words: &Words, of: &Quantity) -> Figure {
-    Figure {
+fn ml(words: &Words, of: &Quantity) -> ReportFigure {
+    ReportFigure {
         value: number(of.value, 0, words.language),
         margin: Some(number(ml_margin(of.sd), 0, words.language)),
-        mark: Mark::Sure,
+        mark: Reliability::Sure,
     }
 }
 
 /// A volume by which the legs differ, with its sign.
-fn ml_apart(words: &Words, of: &Quantity) -> Figure {
-    Figure { value: words.ml_change(of.value), ..ml(words, of) }
+fn ml_apart(words: &Words, of: &Quantity) -> ReportFigure {
+    ReportFigure { value: words.ml_change(of.value), ..ml(words, of) }
 }
 
-fn mark(shown: Shown) -> Mark {
+fn mark(shown: Shown) -> Reliability {
     match shown {
-        Shown::NoChange => Mark::Sure,
-        Shown::Larger | Shown::Smaller => Mark::Real,
+        Shown::NoChange => Reliability::Sure,
+        Shown::Larger | Shown::Smaller => Reliability::Real,
     }
 }
 
 /// A change with the sign of doubt beside what it shows.
-fn doubted(figure: Figure, is_doubtful: bool) -> Figure {
+fn doubted(figure: ReportFigure, is_doubtful: bool) -> ReportFigure {
     let sign = if is_doubtful { DOUBT } else { "" };
-    Figure { value: figure.value + sign, ..figure }
+    ReportFigure { value: figure.value + sign, ..figure }
 }
 
-fn missing(words: &Words) -> Figure {
-    Figure::missing(words.language.text("visits.missing"))
+fn missing(words: &Words) -> ReportFigure {
+    ReportFigure::missing(words.language.text("visits.missing"))
 }

@@ -84,7 +84,7 @@ fn girths_of_another_meaning_and_volumes_of_another_method_are_refused_and_never
     let choice = Choice { volume: Some(VolumeBy::Discs), ..CHOICE };
     assert_eq!(Course::comparable(&[first.clone(), discs], choice).unwrap().groups.len(), 1);
     // Beside each other they stand in groups of their own, whose volumes are never compared.
-    let course = Course::of(&[first, tape, at_day(&PLAIN, 60)], CHOICE).unwrap();
+    let course = Course::from_records(&[first, tape, at_day(&PLAIN, 60)], CHOICE).unwrap();
     let groups: Vec<Vec<usize>> = course.groups.iter().map(|of| of.visits.clone()).collect();
     assert_eq!(groups, [vec![0, 2], vec![1]]);
     assert_eq!(course.last_group().unwrap().visits, [0, 2]);

@@ -237,23 +237,23 @@ fn a_table_explains_the_signs_that_occur_in_it_and_no_others() {
     for (records, is_signed) in [(&plain[..], false), (&signed[..], true)] {
         let course = Course::comparable(records, CHOICE).unwrap();
         let document = document(&course, records, Language::En);
-        let has = |table: &Table, mark: report::Mark| {
+        let has = |table: &Table, mark: report::Reliability| {
             table.rows.iter().flat_map(|row| &row.figures).any(|of| of.mark == mark)
         };
         let mut told = 0;
         for table in tables(&document).filter(|table| table.explanation.is_some()) {
             let explanation = table.explanation.as_ref().unwrap();
             for (sign, mark) in [
-                ("Bold:", report::Mark::Real),
-                (" ?:", report::Mark::Doubtful),
-                ("~:", report::Mark::Estimated),
-                ("*:", report::Mark::ByHand),
+                ("Bold:", report::Reliability::Real),
+                (" ?:", report::Reliability::Doubtful),
+                ("~:", report::Reliability::Estimated),
+                ("*:", report::Reliability::ByHand),
             ] {
                 assert_eq!(explanation.contains(sign), has(table, mark), "{sign} {table:?}");
                 told += usize::from(sign == "Bold:" && explanation.contains(sign));
             }
             if explanation.contains("–:") {
-                assert!(has(table, report::Mark::Missing), "{table:?}");
+                assert!(has(table, report::Reliability::Missing), "{table:?}");
             }
         }
         assert_eq!(told > 0, is_signed);

@@ -155,7 +155,7 @@ fn two_visits_laid_over_each_other_show_the_swelling_and_not_the_other_stance() 
     let before = scanned(Mesh::body(name), 1);
     let stance = Stance { apart_deg: 2.0, bent_deg: 0.0 };
     let after = scanned(stance.of(CALF.of(Mesh::body(name)), crotch_mm), 2);
-    let overlay = Overlay::of(&before, &after).unwrap();
+    let overlay = Overlay::new(&before, &after).unwrap();
     for side in Side::BOTH {
         let error_mm = overlay.error_mm.get(side).unwrap();
         assert!(error_mm < 0.6, "{side:?}: {error_mm}");

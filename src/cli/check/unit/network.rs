@@ -53,8 +53,9 @@ fn hosts(config: &Config) -> Vec<String> {
     let mut hosts = Vec::new();
     if let Some(fhir) = &config.store.fhir {
         let server = &fhir.server;
-        let host =
-            |address: &str| Some(Endpoint::of(&address.parse().ok()?).ok()?.name().to_owned());
+        let host = |address: &str| {
+            Some(Endpoint::from_uri(&address.parse().ok()?).ok()?.name().to_owned())
+        };
         let token = match &server.access {
             FhirAccess::Smart(smart) => smart.token_address.as_deref().and_then(host),
             _ => None,
@@ -162,7 +163,7 @@ mod tests {
 
     fn why(shown: &str, addresses: &[&str]) -> Option<&'static str> {
         let addresses: Vec<IpAddr> = addresses.iter().map(|of| of.parse().unwrap()).collect();
-        closed(&Unit::of(shown), &addresses)
+        closed(&Unit::new(shown), &addresses)
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::read;
 use crate::config::OrdersConfig;
 use crate::station::core::Core;
 use crate::station::journal::JournalError;
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 use crate::store::durable;
 
 /// Notes all orders as heard, because only the lost journal knew which of them had been heard. Hearing
@@ -20,12 +20,12 @@ use crate::store::durable;
 ///
 /// # Errors
 /// See [`JournalError`]; what was not noted must not be heard.
-pub fn pass_over(core: &Core, found: &Found, pulse: &Pulse) -> Result<(), JournalError> {
+pub fn pass_over(core: &Core, found: &Found, counter: &StepCounter) -> Result<(), JournalError> {
     for (path, order) in &found.orders {
         let stamp = order.stamp;
         let unread =
             || OrderState { size: stamp.size, mtime_ns: stamp.mtime_ns, digest: String::new() };
-        let read = read::read(path, stamp, pulse).ok().flatten();
+        let read = read::read(path, stamp, counter).ok().flatten();
         let state = read.map_or_else(unread, |read| read.state);
         core.custody.journal().order_heard(path, &state)?;
     }
@@ -43,11 +43,11 @@ pub fn update(
     core: &Core,
     config: &OrdersConfig,
     found: &Found,
-    pulse: &Pulse,
+    counter: &StepCounter,
 ) -> Result<(), JournalError> {
     let journal = core.custody.journal();
     let known = journal.orders_known(&config.path)?;
-    for (path, state) in other_names(found, &known, pulse) {
+    for (path, state) in other_names(found, &known, counter) {
         journal.order_heard(path, &state)?;
     }
     let is_there = |path: &Path| found.orders.contains_key(path);
@@ -75,7 +75,7 @@ pub fn update(
 fn other_names<'a>(
     found: &'a Found,
     known: &BTreeMap<PathBuf, OrderState>,
-    pulse: &Pulse,
+    counter: &StepCounter,
 ) -> Vec<(&'a Path, OrderState)> {
     let mut names = Vec::new();
     for (path, order) in found.orders.iter().filter(|(path, _)| !known.contains_key(*path)) {
@@ -83,7 +83,7 @@ fn other_names<'a>(
         if !known.values().any(|known| (known.size, known.mtime_ns) == (size, mtime_ns)) {
             continue;
         }
-        let read = read::read(path, order.stamp, pulse).ok().flatten();
+        let read = read::read(path, order.stamp, counter).ok().flatten();
         let same = read.filter(|read| known.values().any(|known| *known == read.state));
         names.extend(same.map(|read| (path.as_path(), read.state)));
     }

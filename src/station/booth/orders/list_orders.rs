@@ -10,7 +10,7 @@ use gaiter_flow::{Group, Mask};
 
 use super::removal;
 use crate::station::share::file_system::folder_id;
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 use crate::station::share::stamped_file::stamp;
 
 /// What a look found.
@@ -28,12 +28,12 @@ pub struct Found {
 ///
 /// # Errors
 /// If the folder cannot be listed completely, or another folder has taken its place meanwhile.
-pub fn look(folder: &Path, mask: &Mask, pulse: &Pulse) -> io::Result<Found> {
+pub fn look(folder: &Path, mask: &Mask, counter: &StepCounter) -> io::Result<Found> {
     let before = folder_id(folder)?;
     let (mut orders, mut unexamined) = (BTreeMap::new(), BTreeSet::new());
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        pulse.beat();
+        counter.step();
         if !is_meant(&path, mask) {
             continue;
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 use gaiter_flow::{OrderState, Stamp};
 use gaiter_record::gdt::order::ORDER_MOST;
 
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 use crate::station::share::stamped_file;
 use crate::store::sums;
 
@@ -32,7 +32,7 @@ impl Read {
 ///
 /// # Errors
 /// Any other I/O error.
-pub fn read(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Read>> {
+pub fn read(path: &Path, stamp: Stamp, counter: &StepCounter) -> io::Result<Option<Read>> {
     let Stamp { dev, ino, size, mtime_ns, .. } = stamp;
     let of = |bytes: Vec<u8>, digest| {
         let state = OrderState { size, mtime_ns, digest };
@@ -41,7 +41,7 @@ pub fn read(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Read>
     if size > ORDER_MOST {
         return Ok(Some(of(Vec::new(), String::new())));
     }
-    let Some(bytes) = stamped_file::bytes(path, stamp, pulse)? else { return Ok(None) };
+    let Some(bytes) = stamped_file::bytes(path, stamp, counter)? else { return Ok(None) };
     let digest = sums::scan_id(&bytes).as_str().to_owned();
     Ok(Some(of(bytes, digest)))
 }

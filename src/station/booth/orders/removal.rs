@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 use super::read::{self, Read};
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 use crate::station::share::stamped_file::stamp;
 use crate::store::durable;
 
@@ -39,15 +39,15 @@ pub fn original(path: &Path) -> Option<PathBuf> {
 ///
 /// # Errors
 /// If it cannot be renamed or deleted.
-pub fn remove(path: &Path, read: &Read, pulse: &Pulse) -> io::Result<()> {
-    remove_in_steps(path, read, pulse, || ())
+pub fn remove(path: &Path, read: &Read, counter: &StepCounter) -> io::Result<()> {
+    remove_in_steps(path, read, counter, || ())
 }
 
 /// Like [`remove`]; `between` is called when the order has its hidden name but is not examined yet.
 pub(super) fn remove_in_steps(
     path: &Path,
     read: &Read,
-    pulse: &Pulse,
+    counter: &StepCounter,
     between: impl FnOnce(),
 ) -> io::Result<()> {
     let taken = hidden(path);
@@ -57,7 +57,7 @@ pub(super) fn remove_in_steps(
         other => other?,
     }
     between();
-    if is_same(&taken, read, pulse) {
+    if is_same(&taken, read, counter) {
         return delete(&taken);
     }
     // If it cannot be put back, the next look finds it.
@@ -80,9 +80,9 @@ pub fn put_back(taken: &Path, path: &Path) -> io::Result<()> {
 }
 
 /// Whether a file is the one that was read: the same content, and the same inode or the same time.
-fn is_same(path: &Path, read: &Read, pulse: &Pulse) -> bool {
+fn is_same(path: &Path, read: &Read, counter: &StepCounter) -> bool {
     let now = path.symlink_metadata().and_then(|metadata| {
-        if metadata.is_file() { read::read(path, stamp(&metadata), pulse) } else { Ok(None) }
+        if metadata.is_file() { read::read(path, stamp(&metadata), counter) } else { Ok(None) }
     });
     let Ok(Some(now)) = now else { return false };
     let is_told_apart = now.file != read.file && now.state.mtime_ns != read.state.mtime_ns;

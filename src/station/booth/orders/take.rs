@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use gaiter_flow::booth::Heard;
 use gaiter_flow::cause::Cause;
-use gaiter_flow::complaint::Figures;
+use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::orders::news::{self, News};
 use gaiter_flow::round::Doubt;
 use gaiter_flow::{OrderState, Settled};
@@ -19,7 +19,7 @@ use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, aside};
 use crate::config::{AfterOrder, OrdersConfig};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
-use crate::station::share::stall::Pulse;
+use crate::station::share::stall::StepCounter;
 
 /// The code of an order that is too old.
 const TOO_OLD: &str = "order-too-old";
@@ -58,7 +58,7 @@ struct Taking<'a> {
     is_late: bool,
     /// It did not lie there yet at this time; `None` if that is not known.
     absent: Option<Duration>,
-    pulse: &'a Pulse,
+    counter: &'a StepCounter,
 }
 
 /// Deals with one order. `before` is set if it could not be heard before; at `absent` it did not lie there
@@ -72,16 +72,16 @@ pub fn take(
     settled: &Settled,
     before: Option<Before>,
     absent: Option<Duration>,
-    pulse: &Pulse,
+    counter: &StepCounter,
 ) -> Result<Taken, TakeFault> {
     let core = booth.core();
-    let read = read::read(&settled.path, settled.stamp, pulse);
+    let read = read::read(&settled.path, settled.stamp, counter);
     let read = read.map_err(|source| TakeFault::Io { what: "reading an order", source })?;
     let Some(read) = read else { return Ok(Taken::Changed) };
     let journal = core.custody.journal();
     let original = removal::original(&settled.path);
     let (is_hidden, is_late) = (original.is_some(), before.is_some());
-    let taking = Taking { core, booth, config, settled, read, is_hidden, is_late, absent, pulse };
+    let taking = Taking { core, booth, config, settled, read, is_hidden, is_late, absent, counter };
     if let Some(original) = &original {
         for name in [&settled.path, original] {
             let known = journal.order_known(name)?;
@@ -166,7 +166,7 @@ impl Taking<'_> {
             Some((code, why)) => self.tell_refused(code, &why),
             None if repeated => {
                 warn!(event = "order-repeated");
-                self.core.board.raise(REPEATED, Figures::default());
+                self.core.board.raise(REPEATED, ComplaintFigures::default());
             }
             None => tell_taken(self.core),
         }
@@ -186,7 +186,7 @@ impl Taking<'_> {
     fn tell_refused(&self, code: &str, why: &Cause) {
         warn!(event = "order-refused", code);
         let place = if self.read.is_too_large() { "left" } else { "aside" };
-        let figures = Figures::default().words("fault", code).cause("said", why);
+        let figures = ComplaintFigures::default().words("fault", code).cause("said", why);
         self.core.board.raise(REFUSED, figures.words("place", place));
     }
 
@@ -202,7 +202,7 @@ impl Taking<'_> {
     fn remove(&self, names: &[&Path]) -> Result<Taken, TakeFault> {
         let removed = match self.is_hidden {
             true => removal::delete(self.path()),
-            false => removal::remove(self.path(), &self.read, self.pulse),
+            false => removal::remove(self.path(), &self.read, self.counter),
         };
         match removed {
             Ok(()) => {
@@ -212,7 +212,9 @@ impl Taking<'_> {
             }
             Err(error) => {
                 warn!(event = "order-not-removed", error = %error);
-                self.core.board.raise(NOT_REMOVED, Figures::why(&Cause::of_system(&error)));
+                self.core
+                    .board
+                    .raise(NOT_REMOVED, ComplaintFigures::why(&Cause::of_system(&error)));
                 Ok(Taken::Later)
             }
         }

@@ -42,11 +42,11 @@ fn half_a_kept_order_does_not_hinder_the_next_attempt() {
 
 fn read(path: &Path) -> read::Read {
     let stamp = stamp(&path.symlink_metadata().unwrap());
-    read::read(path, stamp, &Pulse::default()).unwrap().unwrap()
+    read::read(path, stamp, &StepCounter::default()).unwrap().unwrap()
 }
 
 fn remove(path: &Path, read: &read::Read, between: impl FnOnce()) {
-    removal::remove_in_steps(path, read, &Pulse::default(), between).unwrap();
+    removal::remove_in_steps(path, read, &StepCounter::default(), between).unwrap();
 }
 
 /// A file written anew at a time of its own, as another program does that makes it beside and renames.
@@ -65,7 +65,7 @@ fn put(path: &Path, text: &str, seconds: u64) {
 
 fn names(folder: &Path) -> Vec<String> {
     let mask = Mask::new("*.gdt").unwrap();
-    let found = list_orders::look(folder, &mask, &Pulse::default()).unwrap();
+    let found = list_orders::look(folder, &mask, &StepCounter::default()).unwrap();
     let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
     found.orders.keys().map(name).collect()
 }
@@ -123,7 +123,7 @@ fn of_two_that_come_while_an_order_is_removed_neither_is_lost() {
     assert_eq!(names(dir.path()), [".a.gdt.gaiter-taken", "a.gdt"]);
     assert_eq!(removal::original(&taken), Some(path.clone()));
     assert!(removal::put_back(&taken, &path).is_err(), "never over another");
-    assert!(removal::remove_in_steps(&path, &old, &Pulse::default(), || ()).is_err());
+    assert!(removal::remove_in_steps(&path, &old, &StepCounter::default(), || ()).is_err());
     fs::remove_file(&path).unwrap();
     removal::put_back(&taken, &path).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), "second");
@@ -147,7 +147,8 @@ fn an_order_that_could_not_be_heard_is_remembered_with_what_was_known_until_it_i
     let settling = Settling::new(quiet, quiet, quiet);
     let mut orders = Orders::new(settling);
     let look = || {
-        let found = list_orders::look(dir.path(), &Mask::new("*.gdt").unwrap(), &Pulse::default());
+        let found =
+            list_orders::look(dir.path(), &Mask::new("*.gdt").unwrap(), &StepCounter::default());
         Look::Seen(found.unwrap().orders)
     };
     let at = |seconds| {
@@ -181,7 +182,8 @@ fn an_order_was_absent_at_the_last_look_before_it_came_until_another_comes_in_it
     let quiet = Duration::from_secs(2);
     let mut orders = Orders::new(Settling::new(quiet, quiet, quiet));
     let look = |orders: &mut Orders, seconds: u64| {
-        let found = list_orders::look(dir.path(), &Mask::new("*.gdt").unwrap(), &Pulse::default());
+        let found =
+            list_orders::look(dir.path(), &Mask::new("*.gdt").unwrap(), &StepCounter::default());
         let at = Duration::from_secs(seconds);
         orders.due(Look::Seen(found.unwrap().orders), LookTime { began: at, ended: at })
     };

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use gaiter_flow::booth::{Heard, Signal};
 use gaiter_flow::trigger::port_lifecycle::Want;
-use gaiter_flow::trigger::{FaultKind, Input, InputDecoder, PortFault, PortLifecycle, PortState};
+use gaiter_flow::trigger::{
+    Input, InputDecoder, PortFault, PortFaultKind, PortLifecycle, PortState,
+};
 
 use super::port::{Port, PortOpener};
 
@@ -153,7 +155,7 @@ impl Attendant {
             Some(due) => most.min(due.saturating_sub(clock())),
             None => most,
         };
-        let closed = || PortFault { kind: FaultKind::Absent, why: "it is closed".into() };
+        let closed = || PortFault { kind: PortFaultKind::Absent, why: "it is closed".into() };
         self.port.as_mut().map_or_else(|| Err(closed()), |port| port.read(most))
     }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 use evdev::raw_stream::{self, RawDevice};
 use evdev::{EventSummary, InputEvent, SynchronizationCode};
 use gaiter_flow::cause::Cause;
-use gaiter_flow::trigger::{FaultKind, Input, KeyAction, PortFault};
+use gaiter_flow::trigger::{Input, KeyAction, PortFault, PortFaultKind};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::ioctl_fionbio;
 
@@ -41,7 +41,7 @@ fn named(name: &str) -> Result<PathBuf, PortFault> {
     let found = raw_stream::enumerate().find(|(_, device)| device.name() == Some(name));
     found.map(|(path, _)| path).ok_or_else(|| {
         // Devices that the station may not open are not listed.
-        fault(FaultKind::Absent, Cause::known("no-input-device", []))
+        fault(PortFaultKind::Absent, Cause::known("no-input-device", []))
     })
 }
 

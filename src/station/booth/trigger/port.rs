@@ -4,7 +4,7 @@ use std::io;
 use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{Input, PortFault, PortFaultKind};
 
 /// An open port; dropping it closes it.
 pub trait Port {
@@ -27,7 +27,7 @@ pub trait Port {
     /// is nothing to check.
     ///
     /// # Errors
-    /// [`FaultKind::Absent`] if it is not.
+    /// [`PortFaultKind::Absent`] if it is not.
     fn is_in_place(&mut self) -> Result<(), PortFault> {
         Ok(())
     }
@@ -43,7 +43,7 @@ pub trait PortOpener: Send {
 }
 
 /// A fault of this kind.
-pub fn fault(kind: FaultKind, why: impl Into<Cause>) -> PortFault {
+pub fn fault(kind: PortFaultKind, why: impl Into<Cause>) -> PortFault {
     PortFault { kind, why: why.into() }
 }
 
@@ -54,10 +54,10 @@ pub fn of_io(error: &io::Error) -> PortFault {
     let errno = error.raw_os_error().map(Errno::from_raw_os_error);
     let kind = match (error.kind(), errno) {
         (ErrorKind::NotFound | ErrorKind::BrokenPipe, _)
-        | (_, Some(Errno::NODEV | Errno::NXIO)) => FaultKind::Absent,
-        (ErrorKind::PermissionDenied, _) => FaultKind::Denied,
-        (ErrorKind::ResourceBusy | ErrorKind::WouldBlock, _) => FaultKind::Busy,
-        _ => FaultKind::Failed,
+        | (_, Some(Errno::NODEV | Errno::NXIO)) => PortFaultKind::Absent,
+        (ErrorKind::PermissionDenied, _) => PortFaultKind::Denied,
+        (ErrorKind::ResourceBusy | ErrorKind::WouldBlock, _) => PortFaultKind::Busy,
+        _ => PortFaultKind::Failed,
     };
     fault(kind, Cause::of_system(error))
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{Input, PortFault, PortFaultKind};
 use rustix::fs::OFlags;
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 use serialport::{
@@ -52,7 +52,7 @@ fn of_adapter(usb: &UsbName) -> Result<PathBuf, PortFault> {
         }
         _ => false,
     });
-    let absent = || fault(FaultKind::Absent, Cause::known("no-adapter", []));
+    let absent = || fault(PortFaultKind::Absent, Cause::known("no-adapter", []));
     found.map(|port| PathBuf::from(port.port_name)).ok_or_else(absent)
 }
 
@@ -114,12 +114,12 @@ impl Port for OpenSerial {
         let mut piece = [0; PIECE];
         match self.port.read(&mut piece) {
             // An unplugged port reports the end of the file.
-            Ok(0) => Err(fault(FaultKind::Absent, Cause::known("hung-up", []))),
+            Ok(0) => Err(fault(PortFaultKind::Absent, Cause::known("hung-up", []))),
             Ok(count) => Ok(Input::Bytes(piece[..count].to_vec())),
             Err(error) => match error.kind() {
                 io::ErrorKind::TimedOut | io::ErrorKind::Interrupted => Ok(Input::Nothing),
                 // A device that is gone gives EIO, which has no `ErrorKind` of its own.
-                _ => Err(fault(FaultKind::Absent, Cause::of_system(&error))),
+                _ => Err(fault(PortFaultKind::Absent, Cause::of_system(&error))),
             },
         }
     }
@@ -134,7 +134,7 @@ impl Port for OpenSerial {
         if leads_to == self.device {
             Ok(())
         } else {
-            Err(fault(FaultKind::Absent, Cause::known("other-port", [])))
+            Err(fault(PortFaultKind::Absent, Cause::known("other-port", [])))
         }
     }
 }
@@ -148,7 +148,7 @@ impl OpenSerial {
             ModemLine::Ri => self.port.read_ring_indicator(),
         };
         level.map_err(|error| {
-            fault(FaultKind::Failed, format!("its modem lines cannot be read: {error}"))
+            fault(PortFaultKind::Failed, format!("its modem lines cannot be read: {error}"))
         })
     }
 }
@@ -156,10 +156,12 @@ impl OpenSerial {
 /// Converts a fault of the crate. Its `NoDevice` means that another program has the port.
 fn of_serial(error: &serialport::Error) -> PortFault {
     match error.kind() {
-        ErrorKind::NoDevice => fault(FaultKind::Busy, Cause::known("other-program", [])),
+        ErrorKind::NoDevice => fault(PortFaultKind::Busy, Cause::known("other-program", [])),
         ErrorKind::Io(kind) => {
             PortFault { why: Cause::said(error), ..of_io(&io::Error::from(kind)) }
         }
-        ErrorKind::InvalidInput | ErrorKind::Unknown => fault(FaultKind::Failed, error.to_string()),
+        ErrorKind::InvalidInput | ErrorKind::Unknown => {
+            fault(PortFaultKind::Failed, error.to_string())
+        }
     }
 }

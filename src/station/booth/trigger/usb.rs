@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
-use gaiter_flow::trigger::{FaultKind, Input, PortFault};
+use gaiter_flow::trigger::{Input, PortFault, PortFaultKind};
 use rusb::{
     ConfigDescriptor, Context, DeviceHandle, Direction, Error, Recipient, RequestType,
     TransferType, UsbContext,
@@ -35,11 +35,12 @@ impl PortOpener for UsbOpener {
         // learns of later ones over a socket that a service without a network does not have. Never the
         // crate's global context, which panics if there is no bus.
         let context = Context::new().map_err(|error| {
-            fault(FaultKind::Absent, format!("this machine shows no USB bus: {error}"))
+            fault(PortFaultKind::Absent, format!("this machine shows no USB bus: {error}"))
         })?;
         let handle = find(&context, &self.0.device)?;
         let described = handle.device().active_config_descriptor().map_err(of_usb)?;
-        let silent = || fault(FaultKind::Failed, "it has no interrupt endpoint into the computer");
+        let silent =
+            || fault(PortFaultKind::Failed, "it has no interrupt endpoint into the computer");
         let (interface, endpoint) = reports(&described).ok_or_else(silent)?;
         // The kernel's driver gets the interface back when it is released.
         match handle.set_auto_detach_kernel_driver(true) {
@@ -70,7 +71,7 @@ fn find(context: &Context, name: &UsbName) -> Result<DeviceHandle<Context>, Port
             Err(error) => refused = Some(of_usb(error)),
         }
     }
-    let absent = || fault(FaultKind::Absent, Cause::known("no-usb-device", []));
+    let absent = || fault(PortFaultKind::Absent, Cause::known("no-usb-device", []));
     Err(refused.unwrap_or_else(absent))
 }
 
@@ -127,10 +128,10 @@ impl Drop for OpenUsb {
 /// Converts a fault of libusb.
 fn of_usb(error: Error) -> PortFault {
     let kind = match error {
-        Error::NoDevice | Error::NotFound => FaultKind::Absent,
-        Error::Access => FaultKind::Denied,
-        Error::Busy => FaultKind::Busy,
-        _ => FaultKind::Failed,
+        Error::NoDevice | Error::NotFound => PortFaultKind::Absent,
+        Error::Access => PortFaultKind::Denied,
+        Error::Busy => PortFaultKind::Busy,
+        _ => PortFaultKind::Failed,
     };
     fault(kind, error.to_string())
 }

@@ -15,10 +15,10 @@ use tracing::{info, warn};
 use super::{Attendant, Attended};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
-use crate::station::runtime::beat::Beat;
+use crate::station::runtime::beat::Heartbeat;
 use crate::station::runtime::clock::ASLEEP;
 use crate::station::runtime::stop::Stop;
-use crate::station::share::stall::{DEADLINE, Pulse, patiently};
+use crate::station::share::stall::{DEADLINE, StepCounter, patiently};
 
 /// The longest sleep of the thread before it checks whether to stop.
 const NAP: Duration = Duration::from_millis(200);
@@ -34,14 +34,14 @@ const CLOSING: Duration = Duration::from_secs(2);
 pub async fn worker(
     booth: Arc<Booth>,
     port: Attended,
-    beat: Beat,
+    beat: Heartbeat,
     mut stop: Stop,
 ) -> Result<(), JoinError> {
     let (core, name) = (Arc::clone(booth.core()), port.name);
     let (open, closed) = oneshot::channel::<()>();
     let (theirs, asked) = (Arc::clone(&booth), stop.clone());
-    let work = move |pulse: &Pulse| {
-        attend(&theirs, port, &asked, pulse);
+    let work = move |counter: &StepCounter| {
+        attend(&theirs, port, &asked, counter);
         drop(open);
     };
     let hangs = || {
@@ -64,7 +64,7 @@ pub async fn worker(
     Ok(())
 }
 
-fn attend(booth: &Booth, port: Attended, stop: &Stop, pulse: &Pulse) {
+fn attend(booth: &Booth, port: Attended, stop: &Stop, counter: &StepCounter) {
     let Attended { name, opener, decoder, manner } = port;
     let core = booth.core();
     let signal = booth.signal();
@@ -74,12 +74,12 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, pulse: &Pulse) {
     let mut heard = Vec::new();
     let (mut was_open, mut listens_since) = (None, clock());
     while !stop.is_requested() {
-        pulse.beat();
+        counter.step();
         let showing = *signal.borrow();
         let pause = attendant.turn(&clock, showing, &mut heard);
         if was_open == Some(true) && clock().saturating_sub(listens_since) > ASLEEP {
             // Other ports may have been read since, and what was heard here now may be older.
-            booth.slept();
+            booth.note_sleep();
             was_open = None;
         }
         // A gap ends before what is heard after it.

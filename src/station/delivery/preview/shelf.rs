@@ -48,7 +48,7 @@ pub enum Preview {
 
 impl Previews {
     /// The previews of a state folder. None is known yet, whatever the folder contains.
-    pub fn of(state_dir: &Path) -> Previews {
+    pub fn new(state_dir: &Path) -> Previews {
         Previews { folder: state_dir.join(NAME), inner: Mutex::default(), news: Notify::new() }
     }
 
@@ -189,7 +189,7 @@ mod tests {
     fn a_preview_holds_what_the_page_shows_for_its_owner_only() {
         use std::os::unix::fs::PermissionsExt;
         let dir = tempfile::tempdir().unwrap();
-        let previews = Previews::of(dir.path());
+        let previews = Previews::new(dir.path());
         previews.keep(&scan(1), &files()).unwrap();
         let Some(Preview::Made(folder)) = previews.get(&scan(1)) else { panic!("not made") };
         assert_eq!(names(&folder), [SUMS, "legs.svg", "record.json"]);
@@ -205,9 +205,9 @@ mod tests {
     #[test]
     fn what_an_earlier_run_left_and_what_is_held_no_more_goes() {
         let dir = tempfile::tempdir().unwrap();
-        Previews::of(dir.path()).keep(&scan(1), &files()).unwrap();
+        Previews::new(dir.path()).keep(&scan(1), &files()).unwrap();
         fs::write(dir.path().join(NAME).join(".tmp-1"), "").unwrap();
-        let previews = Previews::of(dir.path());
+        let previews = Previews::new(dir.path());
         assert_eq!(previews.get(&scan(1)), None, "it is not this run's");
         previews.keep_only(&[scan(1)]).unwrap();
         assert_eq!(names(&dir.path().join(NAME)), [""; 0]);
@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn a_preview_whose_folder_is_gone_is_to_be_made_again_and_an_impossible_one_is_not() {
         let dir = tempfile::tempdir().unwrap();
-        let previews = Previews::of(dir.path());
+        let previews = Previews::new(dir.path());
         previews.keep(&scan(1), &files()).unwrap();
         previews.note(&scan(2), Preview::Impossible("no-leg".to_owned()));
         assert!(previews.has(&scan(1)) && previews.has(&scan(2)) && !previews.has(&scan(3)));

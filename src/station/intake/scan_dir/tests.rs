@@ -14,7 +14,7 @@ fn config() -> WatchConfig {
 }
 
 fn looked(folder: &Path, config: &WatchConfig) -> Found {
-    look(folder, config, &Pulse::default()).unwrap()
+    look(folder, config, &StepCounter::default()).unwrap()
 }
 
 fn names(folder: &Path, found: &Found) -> Vec<String> {
@@ -57,7 +57,7 @@ fn only_regular_files_that_could_be_scans_are_found_and_the_others_say_why_not()
 
 #[test]
 fn a_missing_folder_is_no_empty_folder() {
-    assert!(look(Path::new("/nowhere/at/all"), &config(), &Pulse::default()).is_err());
+    assert!(look(Path::new("/nowhere/at/all"), &config(), &StepCounter::default()).is_err());
 }
 
 #[test]
@@ -132,18 +132,18 @@ fn a_look_tells_whether_the_marker_is_missing() {
 fn of_many_files_that_are_no_scans_those_that_changed_last_are_followed() {
     let dir = tempfile::tempdir().unwrap();
     let old = fs::FileTimes::new().set_modified(std::time::UNIX_EPOCH);
-    for n in 0..2 * PASSERS_MAX {
+    for n in 0..2 * UNRELATED_MAX {
         let file = fs::File::create(dir.path().join(format!("{n}.jpg"))).unwrap();
         file.set_times(old).unwrap();
     }
     fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
     // Until the clock of stamps has gone on, nothing can tell which is the newest.
     let stamp_of = |name: &str| stamp(&fs::metadata(dir.path().join(name)).unwrap());
-    let last = (0..2 * PASSERS_MAX).map(|n| stamp_of(&format!("{n}.jpg")).ctime_ns).max();
+    let last = (0..2 * UNRELATED_MAX).map(|n| stamp_of(&format!("{n}.jpg")).ctime_ns).max();
     while Some(stamp_of("now.tmp").ctime_ns) <= last {
         fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
     }
     let found = looked(dir.path(), &config());
-    assert_eq!(found.passers.len(), PASSERS_MAX);
-    assert!(found.passers.contains_key(&dir.path().join("now.tmp")));
+    assert_eq!(found.unrelated.len(), UNRELATED_MAX);
+    assert!(found.unrelated.contains_key(&dir.path().join("now.tmp")));
 }

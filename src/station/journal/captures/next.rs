@@ -65,6 +65,6 @@ pub fn names_patient(connection: &Connection, patient: &str) -> Result<bool, Jou
 }
 
 /// Removes the names.
-pub fn clear(transaction: &Transaction<'_>) -> Result<(), JournalError> {
+pub fn clear_names(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     forget_fact(transaction, NEXT).map(drop)
 }

@@ -21,7 +21,7 @@ use super::{Event, Journal, JournalError, captures, history, withdrawal};
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::erasure::{ERASED, names};
 use gaiter_flow::round::Named;
-pub use person::Theirs;
+pub use person::ScanOfPerson;
 
 /// Prefix for places whose head of the history is older than the last erasure: a store, or the state folder.
 const OLD_HEAD: &str = "old-head:";

@@ -21,7 +21,7 @@ const ANOTHER: &str = "(another patient)";
 
 /// A scan that the journal connects with a person.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Theirs {
+pub struct ScanOfPerson {
     /// The scan.
     pub scan: ScanId,
     /// Whether it is theirs.
@@ -30,7 +30,7 @@ pub struct Theirs {
 
 impl Journal {
     /// The scans that are or may be a person's, in the order in which they came.
-    pub fn scans_of_person(&self, patient: &str) -> Result<Vec<Theirs>, JournalError> {
+    pub fn scans_of_person(&self, patient: &str) -> Result<Vec<ScanOfPerson>, JournalError> {
         let connection = self.connection();
         let theirs = "SELECT sha256 FROM scans
                       WHERE sha256 IN (SELECT sha256 FROM deliveries WHERE patient = ?1)
@@ -38,7 +38,7 @@ impl Journal {
                       ORDER BY first_seen, sha256";
         all(&connection, theirs, [patient], |row| {
             let scan = scan_id(row, 0)?;
-            Ok(Theirs { whose: whose(&connection, &scan, patient)?, scan })
+            Ok(ScanOfPerson { whose: whose(&connection, &scan, patient)?, scan })
         })
     }
 

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::round::{
-    Capture, CaptureState, Doubt, Judged, Names, Next, Opener, Rounds, Rules,
+    Capture, CaptureMatch, CaptureState, Doubt, Names, Next, Opener, Rounds, Rules,
 };
 use gaiter_flow::{DeliveryState, OrderState, OrdersWhen, ScanState, Stamp};
 use gaiter_record::{Patient, Source, SourceKind};
@@ -38,7 +38,8 @@ fn row(digit: char) -> ScanRow {
 }
 
 fn enter(journal: &Journal, digit: char, id: &str, held: Option<&'static str>, others: &[&str]) {
-    let patient = Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] };
+    let patient =
+        Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::FileName)] };
     let candidates: Vec<String> = others.iter().map(|id| (*id).to_owned()).collect();
     let claims = [patient.clone()];
     let entry = Entry {
@@ -46,7 +47,7 @@ fn enter(journal: &Journal, digit: char, id: &str, held: Option<&'static str>, o
         patient: Some(&patient),
         held,
         claims: if held.is_some() { &claims } else { &[] },
-        judged: &Judged::Unpressed,
+        judged: &CaptureMatch::Unpressed,
         geometry: "",
         candidates: &candidates,
     };

@@ -2,7 +2,7 @@
 
 use gaiter_flow::DeliveryState::{Delivered as Done, Held, Pending};
 use gaiter_flow::account::{Search, SearchState};
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_record::{Patient, Source, SourceKind};
 use jiff::Timestamp;
 
@@ -15,7 +15,7 @@ fn scan(digits: &str) -> ScanId {
 }
 
 fn patient(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] }
+    Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::FileName)] }
 }
 
 /// Enters a delivery of a scan first seen at this second.
@@ -31,7 +31,7 @@ fn enter(journal: &Journal, digits: &str, second: i64, id: Option<&str>, state: 
         state: scanned,
     };
     let held = (state == Held).then_some("same-scan-other-patient");
-    let (row, patient, judged) = (&row, id.map(patient), &Judged::Unpressed);
+    let (row, patient, judged) = (&row, id.map(patient), &CaptureMatch::Unpressed);
     let entry = Entry {
         row,
         patient: patient.as_ref(),

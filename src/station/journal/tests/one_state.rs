@@ -5,8 +5,8 @@
 use std::collections::BTreeSet;
 
 use gaiter_flow::account::{Filter, Search, SearchState, Whole, explain, in_words};
-use gaiter_flow::light::Outcome;
-use gaiter_flow::page::{Told, scan_shown};
+use gaiter_flow::light::LastOutcome;
+use gaiter_flow::page::{ScanDetails, scan_shown};
 use gaiter_flow::{DeliveryState, Disposition, ScanState, Task};
 use gaiter_language::Language;
 use gaiter_record::{Patient, Source, SourceKind};
@@ -15,7 +15,7 @@ use proptest::test_runner::{Config, TestRunner};
 
 use crate::station::journal::{Entry, Journal, ScanRow, Task as At};
 use gaiter_flow::ScanId;
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use jiff::Timestamp;
 
 /// How many scans each journal has.
@@ -71,7 +71,7 @@ fn scan(n: usize) -> ScanId {
 }
 
 fn patient(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::Operator)] }
+    Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::Operator)] }
 }
 
 fn first_seen() -> Timestamp {
@@ -150,7 +150,7 @@ fn comes(journal: &Journal, scan: &ScanId, of: Option<&str>, is_held: bool) {
         patient: patient.as_ref(),
         held: is_held.then_some("capture-unclear"),
         claims: &[],
-        judged: &Judged::Unpressed,
+        judged: &CaptureMatch::Unpressed,
         geometry: "",
         candidates: &[],
     };
@@ -164,7 +164,7 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     let Some(whole) = journal.whole(&scan).unwrap() else { return Ok(()) };
     let is = whole.disposition();
     let none = BTreeSet::new();
-    let shown = scan_shown(&whole, &Told::default(), Language::En);
+    let shown = scan_shown(&whole, &ScanDetails::default(), Language::En);
     prop_assert_eq!(shown.state, is.word(), "{:?}", &whole);
     prop_assert_eq!(shown.task == Task::Decide, is.needs_decision(), "{:?}", &whole);
     prop_assert_eq!(journal.is_undecided(&scan).unwrap(), is.needs_decision());
@@ -179,17 +179,17 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     let is_told = matches!(is, Disposition::Held | Disposition::Refused);
     prop_assert_eq!(shown.advice.is_some(), is_told, "{:?}", &whole);
     // The light says that a person is needed if page and lists do.
-    let at_the_light = match Outcome::of(&whole, &[]) {
+    let at_the_light = match LastOutcome::from_whole(&whole, &[]) {
         _ if whole.is_in_work(&none) => vec![Disposition::Spooled],
-        Some(Outcome::Held { .. }) => vec![Disposition::Held],
-        Some(Outcome::Refused { .. }) => vec![Disposition::Refused],
+        Some(LastOutcome::Held { .. }) => vec![Disposition::Held],
+        Some(LastOutcome::Refused { .. }) => vec![Disposition::Refused],
         Some(_) => vec![Disposition::Delivered, Disposition::Unassigned],
         None => vec![Disposition::Withdrawing, Disposition::Closed, Disposition::Left],
     };
     prop_assert!(at_the_light.contains(&is), "{:?}: {:?}", at_the_light, &whole);
     // While a result waits to be fetched, the light says "done" only of a record that a patient has.
     let waits = is == Disposition::Spooled && !whole.is_in_work(&BTreeSet::from(["gdt"]));
-    let is_done = Outcome::of(&whole, &[]).is_some();
+    let is_done = LastOutcome::from_whole(&whole, &[]).is_some();
     prop_assert_eq!(waits && is_done, waits && whole.has_record(), "{:?}", &whole);
     let said = in_words(&whole, Language::En);
     prop_assert_eq!(said.starts_with("is held"), is == Disposition::Held, "{}", said);

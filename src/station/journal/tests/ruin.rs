@@ -54,7 +54,7 @@ fn a_statement_that_a_sound_journal_refuses_is_looked_into_and_is_no_ruin() {
         patient: None,
         held: None,
         claims: &[],
-        judged: &Judged::Unpressed,
+        judged: &CaptureMatch::Unpressed,
         geometry: "",
         candidates: &[],
     };

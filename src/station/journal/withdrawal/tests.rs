@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use gaiter_flow::outbox::{Ended, Key};
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_flow::{Outbox, ScanState};
 use gaiter_record::{Patient, Source, SourceKind};
 use proptest::prelude::*;
@@ -86,7 +86,7 @@ fn scan() -> ScanId {
 }
 
 fn patient(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::Operator)] }
+    Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::Operator)] }
 }
 
 fn key(due: &Due) -> Key {
@@ -111,7 +111,7 @@ impl World {
             pressed_at: None,
             state: ScanState::Spooled,
         };
-        let (of, judged) = (first.map(patient), &Judged::Unpressed);
+        let (of, judged) = (first.map(patient), &CaptureMatch::Unpressed);
         let entry = Entry {
             row: &row,
             patient: of.as_ref(),

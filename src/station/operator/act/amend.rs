@@ -17,7 +17,7 @@ use crate::station::core::Core;
 use crate::station::event::short;
 use crate::station::journal::ScanRow;
 use crate::store::FolderStore;
-use crate::store::revision::amend::amend;
+use crate::store::revision::amend::amend_record;
 
 /// What a person sets, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,14 +92,14 @@ pub(in crate::station::operator) fn set(
     let others: Vec<&str> =
         core.stores.names().into_iter().filter(|name| *name != FolderStore::FIRST).collect();
     journal.amend_begun(&row.scan, &patient, &others)?;
-    let amended = amend(&PathBuf::from(folder), &amendments, setting.is_sure, &choice);
+    let amended = amend_record(&PathBuf::from(folder), &amendments, setting.is_sure, &choice);
     let measures: BTreeSet<String> = match &amended {
         Ok(_) => amendments.iter().map(|of| format!("{} {}", of.leg, of.measure)).collect(),
         Err(_) => BTreeSet::new(),
     };
     journal.amend_ended(&row.scan, &patient, &Vec::from_iter(measures))?;
     let amended = amended?;
-    let completeness = Completeness::of(&amended.record, &config.garment);
+    let completeness = Completeness::from_record(&amended.record, &config.garment);
     let lacks = matches!(completeness.kind(), Kind::ByHand | Kind::ScanAgain);
     journal.still_lacks_measures(&row.scan, lacks)?;
     let sentences = completeness.sentences(config.language);

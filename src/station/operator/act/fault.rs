@@ -36,7 +36,7 @@ pub enum ActFault {
     /// What is to be set is not possible.
     NotSet(AmendFault),
     /// The record cannot be amended now.
-    NotAmended(amend_record::Fault),
+    NotAmended(amend_record::AmendRecordFault),
     /// The scan already belongs to a patient.
     HasPatient,
     /// Custody failed.
@@ -105,10 +105,10 @@ impl ActFault {
     }
 }
 
-impl From<amend_record::Fault> for ActFault {
-    fn from(fault: amend_record::Fault) -> ActFault {
+impl From<amend_record::AmendRecordFault> for ActFault {
+    fn from(fault: amend_record::AmendRecordFault) -> ActFault {
         match fault {
-            amend_record::Fault::Amend(fault) => ActFault::NotSet(fault),
+            amend_record::AmendRecordFault::Amend(fault) => ActFault::NotSet(fault),
             fault => ActFault::NotAmended(fault),
         }
     }

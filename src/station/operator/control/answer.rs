@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
-use gaiter_flow::explain::{Asked, Known, of_file};
+use gaiter_flow::explain::{Asked, FileHistory, of_file};
 use gaiter_flow::page::next_shown;
 use gaiter_flow::words::age;
 use gaiter_flow::{ScanId, account};
@@ -16,7 +16,9 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use super::persons;
-use super::protocol::{Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request};
+use super::protocol::{
+    ControlAnswer, ControlFault, ControlFaultKind, DIGITS_LEAST, LIST_MOST, Request,
+};
 use super::status::{AlarmStatus, ComplaintStatus, PhantomStatus, SourceStatus, Status};
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
@@ -28,21 +30,26 @@ use crate::station::persons::visits;
 use crate::station::runtime::causes::chain;
 
 /// Answers a request.
-pub fn answer(desk: &Desk, request: &Request) -> Answer {
+pub fn answer(desk: &Desk, request: &Request) -> ControlAnswer {
     let (core, booth) = (&desk.core, &desk.booth);
     let answered = match request {
-        Request::Status => Ok(Answer::Status(Box::new(status(desk)))),
+        Request::Status => Ok(ControlAnswer::Status(Box::new(status(desk)))),
         Request::Scans { filter, limit } => {
             let scans = desk.core.custody.journal().list(*filter, (*limit).min(LIST_MOST));
-            scans.map(Answer::Scans).map_err(Fault::from)
+            scans.map(ControlAnswer::Scans).map_err(ControlFault::from)
         }
-        Request::Show { scan } => whole(desk, scan).map(Box::new).map(Answer::Scan),
+        Request::Show { scan } => whole(desk, scan).map(Box::new).map(ControlAnswer::Scan),
         Request::ExplainScan { scan } => {
             let whole = whole(desk, scan);
             whole.map(|whole| {
                 let (stores, language) =
                     (desk.core.board.facts().stores, desk.core.config.language);
-                Answer::Sentence(account::explain(&whole, &stores, Timestamp::now(), language))
+                ControlAnswer::Sentence(account::explain(
+                    &whole,
+                    &stores,
+                    Timestamp::now(),
+                    language,
+                ))
             })
         }
         Request::ExplainFile { path } => {
@@ -52,7 +59,7 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
                 let facts = desk.core.board.facts();
                 let (language, zone) = (desk.core.config.language, TimeZone::system());
                 let asked = Asked { language, zone: &zone };
-                Answer::Sentence(of_file(&facts, path, known, asked))
+                ControlAnswer::Sentence(of_file(&facts, path, known, asked))
             })
         }
         Request::Retry { scan } => on_scan(desk, scan, |row| act::retry(core, row)),
@@ -75,13 +82,13 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
             acted(desk, act::name_next(core, booth, named, *replace))
         }
         Request::CallOff => acted(desk, act::call_off(core, booth)),
-        Request::Next => Ok(Answer::Sentence(next(desk))),
+        Request::Next => Ok(ControlAnswer::Sentence(next(desk))),
         Request::Order { bytes } => ordered(desk, bytes),
         Request::Person { patient } => {
-            persons::known(desk, patient).map(|person| Answer::Person(Box::new(person)))
+            persons::known(desk, patient).map(|person| ControlAnswer::Person(Box::new(person)))
         }
         Request::Visits { patient } => {
-            visits(&core.custody, patient).map(Answer::Visits).map_err(Fault::from)
+            visits(&core.custody, patient).map(ControlAnswer::Visits).map_err(ControlFault::from)
         }
         Request::Disclosed { patient, by } => persons::disclosed(desk, patient, by),
         Request::Erase { patient, again, by, leaves_owed } => {
@@ -89,17 +96,17 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         }
         Request::Erasure { patient } => {
             let erasures = core.custody.erasures();
-            Ok(Answer::Erasure(erasures.of(&erasures.hash(patient))))
+            Ok(ControlAnswer::Erasure(erasures.of(&erasures.hash(patient))))
         }
         Request::Pause => acted(desk, act::pause(core, true)),
         Request::Resume => acted(desk, act::pause(core, false)),
         Request::Page => page(desk),
     };
-    answered.unwrap_or_else(Answer::Fault)
+    answered.unwrap_or_else(ControlAnswer::Fault)
 }
 
 /// The one scan whose id begins with these digits.
-fn named(desk: &Desk, digits: &str) -> Result<ScanId, Fault> {
+fn named(desk: &Desk, digits: &str) -> Result<ScanId, ControlFault> {
     let language = desk.core.config.language;
     let with_digits = |key| move |language: Language| language.filled(key, &[("digits", &digits)]);
     let hexadecimal = digits.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
@@ -107,28 +114,43 @@ fn named(desk: &Desk, digits: &str) -> Result<ScanId, Fault> {
         let message = |language: Language| {
             language.filled("act.fault.few_digits", &[("count", &DIGITS_LEAST)])
         };
-        return Err(Fault::said(FaultKind::Request, "scan-id-malformed", language, message));
+        return Err(ControlFault::said(
+            ControlFaultKind::Request,
+            "scan-id-malformed",
+            language,
+            message,
+        ));
     }
     let mut found = desk.core.custody.journal().beginning_with(digits, 2)?;
     match (found.pop(), found.pop()) {
         (Some(scan), None) => Ok(scan),
         (Some(_), Some(_)) => {
             let message = with_digits("act.fault.ambiguous");
-            Err(Fault::said(FaultKind::Request, "scan-id-ambiguous", language, message))
+            Err(ControlFault::said(
+                ControlFaultKind::Request,
+                "scan-id-ambiguous",
+                language,
+                message,
+            ))
         }
         (None, _) => {
             let message = with_digits("act.fault.no_such");
-            Err(Fault::said(FaultKind::Unknown, "scan-unknown", language, message))
+            Err(ControlFault::said(ControlFaultKind::Unknown, "scan-unknown", language, message))
         }
     }
 }
 
-fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, Fault> {
+fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, ControlFault> {
     let scan = named(desk, digits)?;
     let journal = desk.core.custody.journal();
     let mut whole = journal.whole(&scan)?.ok_or_else(|| {
         let forgotten = |language: Language| language.text("act.fault.forgotten").to_owned();
-        Fault::said(FaultKind::Unknown, "scan-unknown", desk.core.config.language, forgotten)
+        ControlFault::said(
+            ControlFaultKind::Unknown,
+            "scan-unknown",
+            desk.core.config.language,
+            forgotten,
+        )
     })?;
     whole.history = journal.history(&scan)?;
     if let Some(Preview::Made(folder)) = desk.previews.get(&scan) {
@@ -138,7 +160,7 @@ fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, Fault> {
 }
 
 /// What the journal knows about a file.
-fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
+fn known(desk: &Desk, path: &Path) -> Result<Option<FileHistory>, ControlFault> {
     let (journal, language) = (desk.core.custody.journal(), desk.core.config.language);
     let Some(scan) = journal.sighting(path)? else { return Ok(None) };
     let Some(scan) = scan else {
@@ -148,7 +170,7 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
             None => "explain.state.too_large",
         };
         let state = language.text(key).to_owned();
-        return Ok(Some(Known { state, why: None, at: None, scan: None, again_since: None }));
+        return Ok(Some(FileHistory { state, why: None, at: None, scan: None, again_since: None }));
     };
     let same_as = journal.same_as(path)?;
     let is_again = same_as.is_some();
@@ -159,16 +181,18 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
     let state = account::in_words(&whole, language);
     let why = whole.held_as().map(|code| account::why_held(code, language));
     let again_since = is_again.then_some(whole.summary.first_seen);
-    Ok(Some(Known { state, why, at, scan: Some(scan.short().to_owned()), again_since }))
+    Ok(Some(FileHistory { state, why, at, scan: Some(scan.short().to_owned()), again_since }))
 }
 
 /// The affected leg of a word; `None` for one that takes it back.
-fn affected_leg(word: &str) -> Result<Option<Affected>, Fault> {
+fn affected_leg(word: &str) -> Result<Option<Affected>, ControlFault> {
     if word == Affected::NOT_NAMED {
         return Ok(None);
     }
     let affected = Affected::of_word(word).map(Some);
-    affected.ok_or_else(|| Fault::new(FaultKind::Request, "request-malformed", "this names no leg"))
+    affected.ok_or_else(|| {
+        ControlFault::new(ControlFaultKind::Request, "request-malformed", "this names no leg")
+    })
 }
 
 /// Who is next, in the page's words; the operator who asks may see the ids.
@@ -178,7 +202,7 @@ fn next(desk: &Desk) -> String {
 }
 
 /// The link to the operator's page, with the token needed to decide there.
-fn page(desk: &Desk) -> Result<Answer, Fault> {
+fn page(desk: &Desk) -> Result<ControlAnswer, ControlFault> {
     let link = desk.link().ok_or_else(|| {
         let facts = desk.core.board.facts();
         let why = facts.endpoints.values().next();
@@ -190,9 +214,9 @@ fn page(desk: &Desk) -> Result<Answer, Fault> {
             None => language.text("act.fault.no_page").to_owned(),
         };
         let language = desk.core.config.language;
-        Fault::said(FaultKind::Failed, "page-not-served", language, message)
+        ControlFault::said(ControlFaultKind::Failed, "page-not-served", language, message)
     })?;
-    Ok(Answer::Sentence(link))
+    Ok(ControlAnswer::Sentence(link))
 }
 
 /// Carries out an operator's decision about the one scan whose id begins with these digits.
@@ -200,7 +224,7 @@ fn on_scan(
     desk: &Desk,
     digits: &str,
     decide: impl FnOnce(&ScanRow) -> Result<String, ActFault>,
-) -> Result<Answer, Fault> {
+) -> Result<ControlAnswer, ControlFault> {
     let scan = named(desk, digits)?;
     let row = desk.core.custody.journal().scan(&scan).map_err(ActFault::from);
     let row = row.and_then(|row| row.ok_or(ActFault::Unknown));
@@ -208,41 +232,46 @@ fn on_scan(
 }
 
 /// The answer to an operator's decision that was carried out or refused.
-fn acted(desk: &Desk, acted: Result<String, ActFault>) -> Result<Answer, Fault> {
+fn acted(desk: &Desk, acted: Result<String, ActFault>) -> Result<ControlAnswer, ControlFault> {
     if let Err(ActFault::Custody(fault)) = &acted {
         desk.core.check_corruption(fault);
     }
     desk.core.work.notify_one();
     let language = desk.core.config.language;
-    acted.map(Answer::Sentence).map_err(|fault| {
+    acted.map(ControlAnswer::Sentence).map_err(|fault| {
         let kind = match fault {
-            ActFault::Unknown => FaultKind::Unknown,
+            ActFault::Unknown => ControlFaultKind::Unknown,
             ActFault::NoOccasion { .. }
             | ActFault::Several(_)
             | ActFault::NotAnId
             | ActFault::AnotherNamed
             | ActFault::NotSet(_)
-            | ActFault::HasPatient => FaultKind::Request,
+            | ActFault::HasPatient => ControlFaultKind::Request,
             ActFault::NoBytes(_)
             | ActFault::NotAmended(_)
             | ActFault::Custody(_)
             | ActFault::Journal(_)
-            | ActFault::Store(_) => FaultKind::Failed,
+            | ActFault::Store(_) => ControlFaultKind::Failed,
         };
         let on_page = fault.on_page(language);
         let has_own = !matches!(fault, ActFault::Custody(_) | ActFault::Journal(_));
         let local = (language != Language::En && has_own).then(|| fault.in_words(language));
-        Fault { local, on_page, ..Fault::new(kind, fault.code(), chain(&fault)) }
+        ControlFault { local, on_page, ..ControlFault::new(kind, fault.code(), chain(&fault)) }
     })
 }
 
 /// Hears an order that a client hands in.
-fn ordered(desk: &Desk, bytes: &[u8]) -> Result<Answer, Fault> {
+fn ordered(desk: &Desk, bytes: &[u8]) -> Result<ControlAnswer, ControlFault> {
     let refused = |fault: OrderFault| {
         let message = |language: Language| {
             language.filled("act.fault.no_order", &[("why", &fault.in_words(language))])
         };
-        Fault::said(FaultKind::Request, fault.code(), desk.core.config.language, message)
+        ControlFault::said(
+            ControlFaultKind::Request,
+            fault.code(),
+            desk.core.config.language,
+            message,
+        )
     };
     let order = orders::brought(&desk.booth, bytes).map_err(refused)?;
     let named = (order.patient.as_str(), SourceKind::Order);
@@ -281,7 +310,7 @@ fn status(desk: &Desk) -> Status {
         oldest,
         last,
         scans,
-        sources: places.map(|(place, source)| SourceStatus::of(place, source)).collect(),
+        sources: places.map(|(place, source)| SourceStatus::from_facts(place, source)).collect(),
         stores: stores.map(|(name, store)| ((*name).to_owned(), store.into())).collect(),
         triggers: triggers.map(|(name, port)| ((*name).to_owned(), port.into())).collect(),
         booth: desk.booth.state().into(),
@@ -293,14 +322,14 @@ fn status(desk: &Desk) -> Status {
         phantom: facts.phantom.map(|phantom| PhantomStatus { due, checks: phantom.checks }),
         views: facts.views,
         alarms: alarms
-            .map(|(code, alarm)| ((*code).to_owned(), AlarmStatus::of(code, alarm)))
+            .map(|(code, alarm)| ((*code).to_owned(), AlarmStatus::from_alarm(code, alarm)))
             .collect(),
         refused_reload: facts.refused_reload,
     }
 }
 
-impl From<JournalError> for Fault {
-    fn from(error: JournalError) -> Fault {
-        Fault::new(FaultKind::Failed, "journal-failed", chain(&error))
+impl From<JournalError> for ControlFault {
+    fn from(error: JournalError) -> ControlFault {
+        ControlFault::new(ControlFaultKind::Failed, "journal-failed", chain(&error))
     }
 }

@@ -4,20 +4,24 @@ use gaiter_flow::patient::person::Person;
 use gaiter_language::Language;
 use gaiter_record::SourceKind;
 
-use super::protocol::{Answer, Fault, FaultKind};
+use super::protocol::{ControlAnswer, ControlFault, ControlFaultKind};
 use crate::station::custody::CustodyFault;
 use crate::station::operator::page::desk::Desk;
 use crate::station::persons::{erase, person, stopped};
 use crate::station::runtime::causes::chain;
 
 /// Notes that a person's data was disclosed.
-pub(super) fn disclosed(desk: &Desk, patient: &str, by: &str) -> Result<Answer, Fault> {
+pub(super) fn disclosed(
+    desk: &Desk,
+    patient: &str,
+    by: &str,
+) -> Result<ControlAnswer, ControlFault> {
     stopped::disclosed(&desk.core.custody, patient, by)?;
-    Ok(Answer::Sentence(desk.core.config.language.text("act.disclosed").to_owned()))
+    Ok(ControlAnswer::Sentence(desk.core.config.language.text("act.disclosed").to_owned()))
 }
 
 /// All that the station holds of a person.
-pub(super) fn known(desk: &Desk, patient: &str) -> Result<Person, Fault> {
+pub(super) fn known(desk: &Desk, patient: &str) -> Result<Person, ControlFault> {
     let core = &desk.core;
     if core.identity.patient(patient, SourceKind::Operator).is_none() {
         return Err(refused(desk, "patient-id-not-allowed", "act.fault.not_an_id"));
@@ -31,7 +35,7 @@ pub(super) fn erase(
     (patient, again): (&str, &str),
     by: &str,
     leaves_owed: bool,
-) -> Result<Answer, Fault> {
+) -> Result<ControlAnswer, ControlFault> {
     if patient != again {
         return Err(refused(desk, "ids-differ", "act.fault.ids_differ"));
     }
@@ -39,17 +43,17 @@ pub(super) fn erase(
         return Err(refused(desk, "patient-awaited", "act.fault.awaited"));
     }
     erase::ask(&desk.core, patient, by, leaves_owed)?;
-    Ok(Answer::Sentence(desk.core.config.language.text("act.erasing").to_owned()))
+    Ok(ControlAnswer::Sentence(desk.core.config.language.text("act.erasing").to_owned()))
 }
 
 /// A request that is refused, with the text of a key.
-fn refused(desk: &Desk, code: &str, key: &'static str) -> Fault {
+fn refused(desk: &Desk, code: &str, key: &'static str) -> ControlFault {
     let message = |language: Language| language.text(key).to_owned();
-    Fault::said(FaultKind::Request, code, desk.core.config.language, message)
+    ControlFault::said(ControlFaultKind::Request, code, desk.core.config.language, message)
 }
 
-impl From<CustodyFault> for Fault {
-    fn from(fault: CustodyFault) -> Fault {
-        Fault::new(FaultKind::Failed, "custody-failed", chain(&fault))
+impl From<CustodyFault> for ControlFault {
+    fn from(fault: CustodyFault) -> ControlFault {
+        ControlFault::new(ControlFaultKind::Failed, "custody-failed", chain(&fault))
     }
 }

@@ -158,7 +158,7 @@ fn replaces() -> bool {
 /// An answer of the station.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "is", content = "of")]
-pub enum Answer {
+pub enum ControlAnswer {
     /// The station's status.
     Status(Box<Status>),
     /// Scans, newest first.
@@ -174,12 +174,12 @@ pub enum Answer {
     /// A sentence for people.
     Sentence(String),
     /// Nothing was done.
-    Fault(Fault),
+    Fault(ControlFault),
 }
 
 /// Why nothing was done.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fault {
+pub struct ControlFault {
     /// Stable code.
     pub code: String,
     /// Message in English.
@@ -191,13 +191,13 @@ pub struct Fault {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub on_page: Option<String>,
     /// Whose fault it is.
-    pub kind: FaultKind,
+    pub kind: ControlFaultKind,
 }
 
 /// Whose fault it is that nothing was done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum FaultKind {
+pub enum ControlFaultKind {
     /// The request makes no sense, or not in this state.
     Request,
     /// What the request names is not known.
@@ -206,21 +206,21 @@ pub enum FaultKind {
     Failed,
 }
 
-impl Fault {
+impl ControlFault {
     /// Creates a fault with this code.
-    pub fn new(kind: FaultKind, code: &str, message: impl Into<String>) -> Fault {
+    pub fn new(kind: ControlFaultKind, code: &str, message: impl Into<String>) -> ControlFault {
         let message = message.into();
-        Fault { code: code.to_owned(), message, local: None, on_page: None, kind }
+        ControlFault { code: code.to_owned(), message, local: None, on_page: None, kind }
     }
 
     /// The same with a message that is made for each language.
     pub fn said(
-        kind: FaultKind,
+        kind: ControlFaultKind,
         code: &str,
         language: Language,
         message: impl Fn(Language) -> String,
-    ) -> Fault {
+    ) -> ControlFault {
         let local = (language != Language::En).then(|| message(language));
-        Fault { local, ..Fault::new(kind, code, message(Language::En)) }
+        ControlFault { local, ..ControlFault::new(kind, code, message(Language::En)) }
     }
 }

@@ -222,7 +222,7 @@ pub struct AlarmStatus {
 
 impl SourceStatus {
     /// The status of the export folder at this place.
-    pub fn of(export_dir: usize, facts: &SourceFacts) -> SourceStatus {
+    pub fn from_facts(export_dir: usize, facts: &SourceFacts) -> SourceStatus {
         let unread = facts.passed_over.iter().filter(|(why, _)| why.is_unread());
         SourceStatus {
             export_dir,
@@ -270,7 +270,7 @@ impl From<&TriggerFacts> for TriggerStatus {
 
 impl AlarmStatus {
     /// The status of an alarm with this code, in English.
-    pub fn of(code: &str, alarm: &Alarm) -> AlarmStatus {
+    pub fn from_alarm(code: &str, alarm: &Alarm) -> AlarmStatus {
         let complaint = Complaint::new(code, alarm.figures.clone());
         AlarmStatus { message: complaint.message(Language::En), since: alarm.since }
     }

@@ -50,7 +50,7 @@ pub struct Opened {
 
 /// Where an endpoint is wanted.
 #[derive(Debug, PartialEq)]
-enum Place {
+enum ListenAddress {
     /// An address; if it is not the service manager's, its port may be 0.
     Tcp(SocketAddr),
     Socket(PathBuf),
@@ -58,7 +58,7 @@ enum Place {
 
 #[derive(Debug)]
 struct Listening {
-    place: Place,
+    place: ListenAddress,
     opened: Opened,
     task: JoinHandle<()>,
 }
@@ -74,10 +74,12 @@ impl Listeners {
         let last = all.remove(&way);
         let passed = if way == Way::Control { None } else { passed(config, way)? };
         let place = match (way, passed) {
-            (Way::Control, _) => Some(Place::Socket(control_path(&config.station.state_dir))),
-            (_, Some(passed)) => Some(Place::Tcp(passed.local_addr()?)),
-            (Way::Local, None) => config.status.listen.map(Place::Tcp),
-            (Way::Network, None) => config.page.network.map(Place::Tcp),
+            (Way::Control, _) => {
+                Some(ListenAddress::Socket(control_path(&config.station.state_dir)))
+            }
+            (_, Some(passed)) => Some(ListenAddress::Tcp(passed.local_addr()?)),
+            (Way::Local, None) => config.status.listen.map(ListenAddress::Tcp),
+            (Way::Network, None) => config.page.network.map(ListenAddress::Tcp),
         };
         let listening = match (last, place) {
             (Some(last), Some(place)) if last.place == place => last,
@@ -97,17 +99,17 @@ impl Listeners {
 
 impl Listening {
     fn begin(
-        place: Place,
+        place: ListenAddress,
         passed: Option<&std::net::TcpListener>,
         answers: Answers,
     ) -> io::Result<Listening> {
         let (answers, asked) = watch::channel(answers);
         let (address, task) = match &place {
-            Place::Socket(path) => {
+            ListenAddress::Socket(path) => {
                 let listener = control_socket(path)?;
                 (None, tokio::spawn(accept(listener, asked)))
             }
-            Place::Tcp(address) => {
+            ListenAddress::Tcp(address) => {
                 let listener = match passed {
                     Some(passed) => passed.try_clone()?,
                     None => std::net::TcpListener::bind(address)?,
@@ -131,7 +133,7 @@ impl Listening {
 impl Drop for Listening {
     fn drop(&mut self) {
         self.task.abort();
-        if let Place::Socket(path) = &self.place {
+        if let ListenAddress::Socket(path) = &self.place {
             // The next start creates it again in any case.
             let _ = fs::remove_file(path);
         }

@@ -84,7 +84,7 @@ impl Answers {
     }
 
     /// A generation answers with these routes. After its end, a request waits this long for the next.
-    pub fn of(routes: Router, language: Language, patience: Duration) -> Answers {
+    pub fn new(routes: Router, language: Language, patience: Duration) -> Answers {
         Answers { routes: Some(routes), patience, ..Answers::none(language) }
     }
 }
@@ -242,7 +242,7 @@ mod tests {
                     "done"
                 }
             };
-            Answers::of(Router::new().route("/", get(handler)), Language::En, patience)
+            Answers::new(Router::new().route("/", get(handler)), Language::En, patience)
         }
     }
 

@@ -15,7 +15,9 @@ use tokio::task::spawn_blocking;
 use super::endpoint::HttpEndpoint;
 use super::{assets, guard};
 use crate::station::operator::control::answer;
-use crate::station::operator::control::protocol::{self, Answer, Fault, FaultKind};
+use crate::station::operator::control::protocol::{
+    self, ControlAnswer, ControlFault, ControlFaultKind,
+};
 
 /// The longest decision, bytes; an id fits many times over.
 const MOST: usize = 16 * 1024;
@@ -60,7 +62,11 @@ pub async fn answer_verb(State(endpoint): State<Arc<HttpEndpoint>>, body: Bytes)
             Ok(request) => answer(&endpoint.desk, &request),
             Err(error) => {
                 let message = format!("the request cannot be read: {error}");
-                Answer::Fault(Fault::new(FaultKind::Request, "request-malformed", message))
+                ControlAnswer::Fault(ControlFault::new(
+                    ControlFaultKind::Request,
+                    "request-malformed",
+                    message,
+                ))
             }
         });
     match answered.await {
@@ -119,13 +125,13 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
     }
 }
 
-fn said(answered: Answer, verb: &str, language: Language) -> Response {
+fn said(answered: ControlAnswer, verb: &str, language: Language) -> Response {
     match answered {
-        Answer::Fault(fault) => {
+        ControlAnswer::Fault(fault) => {
             let status = match fault.kind {
-                FaultKind::Request => StatusCode::CONFLICT,
-                FaultKind::Unknown => StatusCode::NOT_FOUND,
-                FaultKind::Failed => StatusCode::SERVICE_UNAVAILABLE,
+                ControlFaultKind::Request => StatusCode::CONFLICT,
+                ControlFaultKind::Unknown => StatusCode::NOT_FOUND,
+                ControlFaultKind::Failed => StatusCode::SERVICE_UNAVAILABLE,
             };
             let of_code = || of_fault(&fault.code, language).unwrap_or(&fault.message);
             let sentence = fault.on_page.as_deref().unwrap_or_else(of_code);

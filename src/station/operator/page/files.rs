@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use axum::body::Body;
-use axum::extract::{Path as Asked, Query, State};
+use axum::extract::{Path as UrlPath, Query, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use gaiter_flow::ScanId;
@@ -49,7 +49,7 @@ impl Row {
 /// file that was changed since the record was made.
 pub async fn file(
     State(endpoint): State<Arc<HttpEndpoint>>,
-    Asked((scan, name)): Asked<(String, String)>,
+    UrlPath((scan, name)): UrlPath<(String, String)>,
     Query(row): Query<Row>,
     method: Method,
     headers: HeaderMap,

@@ -31,7 +31,7 @@ struct Ground {
 
 impl Ground {
     /// Blocks, on the local disk only.
-    fn of(desk: &Desk) -> Ground {
+    fn new(desk: &Desk) -> Ground {
         let core = &desk.core;
         Ground {
             journal: core.custody.journal().edition(),
@@ -85,7 +85,7 @@ pub async fn worker(desk: &Arc<Desk>, mut stop: Stop) {
             }
         }
         let looked = Arc::clone(desk);
-        let found = spawn_blocking(move || Ground::of(&looked)).await.ok();
+        let found = spawn_blocking(move || Ground::new(&looked)).await.ok();
         let now = desk.core.now();
         if found != ground || now - taken >= ANEW {
             (ground, taken) = (found, now);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Path as Asked, Query, State};
+use axum::extract::{Path as UrlPath, Query, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use gaiter_flow::ScanId;
@@ -48,7 +48,7 @@ pub async fn scans(
 /// `/scan/ID`: the rows of one scan with what their records tell.
 pub async fn one(
     State(endpoint): State<Arc<HttpEndpoint>>,
-    Asked(scan): Asked<String>,
+    UrlPath(scan): UrlPath<String>,
     headers: HeaderMap,
 ) -> Response {
     of_scan(endpoint, &scan, &headers, snapshot::one).await
@@ -57,7 +57,7 @@ pub async fn one(
 /// `/scan/ID/measures?of=KEY`: every measure of the record, for a person who sets some of them.
 pub async fn measures(
     State(endpoint): State<Arc<HttpEndpoint>>,
-    Asked(scan): Asked<String>,
+    UrlPath(scan): UrlPath<String>,
     Query(row): Query<Row>,
     headers: HeaderMap,
 ) -> Response {

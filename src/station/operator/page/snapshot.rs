@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use gaiter_flow::account::{Search, Whole};
-use gaiter_flow::page::{self, Known, ScanShown, Shown, Situation, Told};
+use gaiter_flow::page::{self, ScanDetails, ScanShown, Shown, Situation, StationView};
 use gaiter_flow::{Disposition, ScanId, Task};
 use gaiter_record::SheetLine;
 use jiff::{SignedDuration, Timestamp};
@@ -62,7 +62,7 @@ fn whole_page(
     let count = count.inspect_err(|error| core.check_corruption(error));
     let more = count.unwrap_or_default().saturating_sub(undecided.len() as u64);
     let version = assets::version(language);
-    let known = Known {
+    let known = StationView {
         page: version,
         station: &core.config.station.id,
         facts: &overview.facts,
@@ -70,7 +70,7 @@ fn whole_page(
         booth,
         now: overview.now,
     };
-    (page::shown(&known, undecided, more, scans, language), records)
+    (page::assemble(&known, undecided, more, scans, language), records)
 }
 
 /// The rows of these scans.
@@ -91,11 +91,11 @@ fn row_name(row: &Whole) -> String {
 
 fn scan(desk: &Desk, row: &Whole) -> ScanShown {
     let told = folder(desk, row).and_then(|folder| desk.summaries.of(&row_name(row), &folder));
-    shown(desk, row, told.unwrap_or_default())
+    scan_row(desk, row, told.unwrap_or_default())
 }
 
 /// The row of a scan with what its record tells.
-fn shown(desk: &Desk, row: &Whole, mut told: Told) -> ScanShown {
+fn scan_row(desk: &Desk, row: &Whole, mut told: ScanDetails) -> ScanShown {
     if let Some(Preview::Impossible(code)) = preview(desk, row) {
         told.unmeasured = Some(code);
     }
@@ -112,8 +112,8 @@ pub fn found(desk: &Desk, search: &Search) -> (Vec<ScanShown>, bool) {
     let ids = desk.core.custody.journal().search(search);
     let has_more = ids.as_ref().is_ok_and(|ids| ids.len() > search.limit as usize);
     let ids = ids.map(|ids| ids.into_iter().take(search.limit as usize).collect());
-    let told = Told::default;
-    (rows(desk, ids).iter().map(|row| shown(desk, row, told())).collect(), has_more)
+    let told = ScanDetails::default;
+    (rows(desk, ids).iter().map(|row| scan_row(desk, row, told())).collect(), has_more)
 }
 
 /// The rows of one scan with what their records tell. Blocks as long as the store does.
@@ -124,7 +124,7 @@ pub fn one(desk: &Desk, scan: &ScanId) -> Vec<ScanShown> {
         Some(summaries::read(&folder, config.language, &config.garment))
     };
     let rows = rows(desk, Ok(vec![scan.clone()]));
-    rows.iter().map(|row| shown(desk, row, told(row).unwrap_or_default())).collect()
+    rows.iter().map(|row| scan_row(desk, row, told(row).unwrap_or_default())).collect()
 }
 
 /// Every measure of the record of a scan's row with this key. Blocks as long as the store does.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use gaiter_flow::page::Told;
+use gaiter_flow::page::ScanDetails;
 use gaiter_flow::page::files::in_order;
 use gaiter_language::Language;
 use gaiter_record::{self as record, Record, RecordSummary, SheetLine};
@@ -31,7 +31,7 @@ pub struct Summaries(Mutex<Inner>);
 
 #[derive(Debug, Default)]
 struct Inner {
-    known: BTreeMap<String, Known>,
+    known: BTreeMap<String, CachedSummary>,
     /// A thread is reading, or hangs on the store.
     is_reading: bool,
     /// Grows with every change.
@@ -39,9 +39,9 @@ struct Inner {
 }
 
 #[derive(Debug)]
-struct Known {
+struct CachedSummary {
     folder: PathBuf,
-    told: Told,
+    told: ScanDetails,
     at: Duration,
     /// The record was amended since.
     is_old: bool,
@@ -49,7 +49,7 @@ struct Known {
 
 impl Summaries {
     /// What is known about a scan's record in this folder.
-    pub fn of(&self, scan: &str, folder: &Path) -> Option<Told> {
+    pub fn of(&self, scan: &str, folder: &Path) -> Option<ScanDetails> {
         let inner = self.inner();
         let known = inner.known.get(scan).filter(|known| known.folder == folder);
         known.map(|known| known.told.clone())
@@ -94,24 +94,24 @@ impl Summaries {
     }
 
     /// Notes what a scan's record in this folder says, read at the time `now` of the station's clock.
-    pub fn note(&self, scan: String, folder: PathBuf, told: Told, now: Duration) {
+    pub fn note(&self, scan: String, folder: PathBuf, told: ScanDetails, now: Duration) {
         let mut inner = self.inner();
         let before = inner.known.get(&scan).map(|known| &known.told);
         if before != Some(&told) {
             inner.edition += 1;
         }
-        inner.known.insert(scan, Known { folder, told, at: now, is_old: false });
+        inner.known.insert(scan, CachedSummary { folder, told, at: now, is_old: false });
     }
 }
 
 /// What the record in this folder, or its latest revision, says. Blocks as long as the store does.
-pub fn read(folder: &Path, language: Language, garment: &Garment) -> Told {
+pub fn read(folder: &Path, language: Language, garment: &Garment) -> ScanDetails {
     let folder = revision::latest(folder);
     let record = record(&folder.join("record.json"));
-    Told {
-        measures: record.map(|record| RecordSummary::of(&record, language, garment)),
+    ScanDetails {
+        measures: record.map(|record| RecordSummary::from_record(&record, language, garment)),
         files: names(&folder),
-        ..Told::default()
+        ..ScanDetails::default()
     }
 }
 

@@ -52,7 +52,7 @@ impl Token {
     /// If its file can be neither read nor created.
     pub fn take(state_dir: &Path) -> io::Result<Token> {
         match kept(&state_dir.join(FILE))? {
-            Kept::Word(word) => return Ok(Token::of(&word)),
+            Kept::Word(word) => return Ok(Token::from_word(&word)),
             Kept::NotOurs => warn!(event = "page-token-refused"),
             Kept::Nothing => {}
         }
@@ -60,7 +60,7 @@ impl Token {
         File::open(RANDOM)?.read_exact(&mut random)?;
         let word = hex(&random);
         durable::replace_file(state_dir, FILE, format!("{word}\n").as_bytes())?;
-        Ok(Token::of(&word))
+        Ok(Token::from_word(&word))
     }
 
     /// Replaces the token of this state folder with a new one.
@@ -76,7 +76,7 @@ impl Token {
         Token::take(state_dir)
     }
 
-    fn of(word: &str) -> Token {
+    fn from_word(word: &str) -> Token {
         let reading = sha256(format!("reading with {word}").as_bytes());
         Token { word: word.to_owned(), reading }
     }
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn only_the_whole_token_counts_and_the_cookie_is_another_word() {
         let word = "ab".repeat(BYTES);
-        let token = Token::of(&word);
+        let token = Token::from_word(&word);
         let bearer = |text: &str| headers(header::AUTHORIZATION, text);
         assert!(token.is_shown_in(&bearer(&format!("Bearer {word}"))));
         for wrong in ["", "Bearer ", "Bearer ab", &word, &format!("Bearer {word}0")] {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use axum::extract::{Path as Asked, Query, State};
+use axum::extract::{Path as UrlPath, Query, State};
 use axum::http::{HeaderMap, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use gaiter_flow::ScanId;
@@ -39,7 +39,7 @@ const FAILED: NoVisits = NoVisits(StatusCode::INTERNAL_SERVER_ERROR, None);
 /// a reader who may not see whose scan it is, 409 if there is nothing to compare.
 pub async fn visits(
     State(endpoint): State<Arc<HttpEndpoint>>,
-    Asked(scan): Asked<String>,
+    UrlPath(scan): UrlPath<String>,
     Query(row): Query<Row>,
     uri: Uri,
     headers: HeaderMap,
@@ -103,7 +103,7 @@ fn made(desk: &Desk, patient: &str, is_paper: bool) -> Result<Vec<u8>, NoVisits>
     let girth_common_mm = config.scanner.girth_error_mm;
     let affected = known.affected.as_deref().and_then(Affected::of_word);
     let choice = Choice { volume: None, affected, girth_common_mm };
-    let course = Course::of(&records, choice).map_err(|error| failed(&error))?;
+    let course = Course::from_records(&records, choice).map_err(|error| failed(&error))?;
     let course = course.with_left_out(left_out);
     let course = course.with_affected_unreadable(known.is_affected_unreadable);
     let report = ReportOf {

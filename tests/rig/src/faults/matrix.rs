@@ -16,7 +16,7 @@ use crate::invariants::{self, Moment, PutKind};
 use crate::station::{Booth, PATIENCE, Setting, names};
 use support::scans::coarse_body;
 
-use crate::faults::tracer::{self, Answer, BEHIND_A_GATE, Call, Kind, Run};
+use crate::faults::tracer::{self, BEHIND_A_GATE, Call, CallFate, Kind, Run};
 
 /// How often it is looked whether a station rests whose log says nothing new. A look reads every
 /// file, and many stations share the machine.
@@ -106,7 +106,7 @@ pub fn put_scans(booth: &Booth) {
 pub fn struck_until(
     booth: &Booth,
     finished: impl Fn() -> bool + Sync,
-    answer: impl FnMut(&Call) -> Answer,
+    answer: impl FnMut(&Call) -> CallFate,
 ) -> Run {
     let folders: Vec<PathBuf> =
         FOLDERS.iter().chain(&[ORDERS]).map(|name| booth.path(name)).collect();
@@ -118,8 +118,8 @@ pub fn struck_until(
 pub fn struck_at(
     booth: &Booth,
     nth: usize,
-    stroke: Answer,
-    usual: impl Fn(&Call) -> Answer,
+    stroke: CallFate,
+    usual: impl Fn(&Call) -> CallFate,
 ) -> (Option<String>, Run) {
     struck_at_until(booth, || all_done(booth), nth, stroke, usual)
 }
@@ -129,14 +129,14 @@ pub fn struck_at_until(
     booth: &Booth,
     finished: impl Fn() -> bool + Sync,
     nth: usize,
-    stroke: Answer,
-    usual: impl Fn(&Call) -> Answer,
+    stroke: CallFate,
+    usual: impl Fn(&Call) -> CallFate,
 ) -> (Option<String>, Run) {
     let (mut at, mut count) = (None, 0);
     let run = struck_until(booth, finished, |call| {
         // A changed mode is nothing that a crash could leave half done.
         if call.kind == Kind::Mode {
-            return Answer::Do;
+            return CallFate::Do;
         }
         count += 1;
         if count == nth {
@@ -265,33 +265,33 @@ pub struct Tally {
 }
 
 /// Strikes at every `step`th place, or fewer as [`thinned`] says, until runs end without being struck.
-/// Several `hands` work at a time, each in a place of its own that `make` makes.
+/// Several `workers` work at a time, each in a place of its own that `make` makes.
 pub fn strike_everywhere<Place>(
     name: &str,
-    hands: usize,
+    workers: usize,
     step: usize,
     make: impl Fn() -> Place + Sync,
     strike: impl Fn(&mut Place, usize) -> Struck + Sync,
 ) -> Tally {
     let step = step * thinned();
-    strike_while(name, hands, (first(step), step), |_| true, make, strike)
+    strike_while(name, workers, (first(step), step), |_| true, make, strike)
 }
 
 /// As [`strike_everywhere`], until the first violation: what a control is to find.
 pub fn strike_until_violated<Place>(
     name: &str,
-    hands: usize,
+    workers: usize,
     step: usize,
     make: impl Fn() -> Place + Sync,
     strike: impl Fn(&mut Place, usize) -> Struck + Sync,
 ) -> Tally {
     let none_found = |tally: &Tally| tally.violations.is_empty();
-    strike_while(name, hands, (1, step), none_found, make, strike)
+    strike_while(name, workers, (1, step), none_found, make, strike)
 }
 
 fn strike_while<Place>(
     name: &str,
-    hands: usize,
+    workers: usize,
     (first, step): (usize, usize),
     goes_on: impl Fn(&Tally) -> bool + Sync,
     make: impl Fn() -> Place + Sync,
@@ -301,7 +301,7 @@ fn strike_while<Place>(
     let (next, end) = (Mutex::new(first), Mutex::new(usize::MAX));
     let tally = Mutex::new(Tally::default());
     thread::scope(|scope| {
-        for _ in 0..hands {
+        for _ in 0..workers {
             scope.spawn(|| {
                 let mut place = make();
                 loop {

@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use gaiter::config::port::escaped;
 use gaiter::station::booth::trigger::port::{Port, PortOpener, fault};
-use gaiter_flow::trigger::{FaultKind, Input, KeyAction, PortFault};
+use gaiter_flow::trigger::{Input, KeyAction, PortFault, PortFaultKind};
 
 /// What a line of a script does.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub enum Act {
     /// The port delivers this input.
     Gives(Input),
     /// It is unplugged, or cannot be opened any more for this reason.
-    Gone(FaultKind),
+    Gone(PortFaultKind),
     /// It is unplugged, but reading it does not fail and returns nothing.
     Vanishes,
     /// It is plugged in and can be opened.
@@ -89,9 +89,9 @@ fn act(what: &str) -> Option<Act> {
         "repeat" => key(KeyAction::Repeat),
         "held" => Some(Act::Gives(Input::KeysHeld(keys()?))),
         "lost" => Some(Act::Gives(Input::KeysLost(keys()?))),
-        "unplug" => Some(Act::Gone(FaultKind::Absent)),
-        "busy" => Some(Act::Gone(FaultKind::Busy)),
-        "denied" => Some(Act::Gone(FaultKind::Denied)),
+        "unplug" => Some(Act::Gone(PortFaultKind::Absent)),
+        "busy" => Some(Act::Gone(PortFaultKind::Busy)),
+        "denied" => Some(Act::Gone(PortFaultKind::Denied)),
         "vanish" => Some(Act::Vanishes),
         "plug" => Some(Act::Plugged),
         _ => Some(Act::Other(what.to_owned())),
@@ -104,7 +104,7 @@ struct Scene {
     script: Script,
     now: Duration,
     /// Why the port is not available; `None` while it is.
-    gone: Option<FaultKind>,
+    gone: Option<PortFaultKind>,
     /// How often a port was plugged in; tells the current port from earlier ones.
     plugging: u32,
     silent: bool,
@@ -219,7 +219,7 @@ impl Scene {
             Act::Gives(input) if self.gone.is_none() => self.given.push_back(input),
             Act::Gives(_) | Act::Other(_) => {}
             Act::Gone(kind) => (self.gone, self.silent) = (Some(kind), false),
-            Act::Vanishes => (self.gone, self.silent) = (Some(FaultKind::Absent), true),
+            Act::Vanishes => (self.gone, self.silent) = (Some(PortFaultKind::Absent), true),
             Act::Plugged => {
                 (self.gone, self.silent) = (None, false);
                 self.plugging += 1;
@@ -266,7 +266,7 @@ impl Port for MockPort {
         let until = scene.now + timeout;
         loop {
             if !self.is_there(&scene) && !scene.silent {
-                return Err(fault(FaultKind::Absent, "it was pulled out"));
+                return Err(fault(PortFaultKind::Absent, "it was pulled out"));
             }
             if let Some(input) = scene.given.pop_front() {
                 return Ok(input);
@@ -280,7 +280,7 @@ impl Port for MockPort {
     fn write(&mut self, bytes: &[u8]) -> Result<(), PortFault> {
         let mut scene = self.stage.scene();
         if !self.is_there(&scene) {
-            return Err(fault(FaultKind::Absent, "it was pulled out"));
+            return Err(fault(PortFaultKind::Absent, "it was pulled out"));
         }
         scene.written.push(bytes.to_vec());
         Ok(())
@@ -289,6 +289,6 @@ impl Port for MockPort {
     fn is_in_place(&mut self) -> Result<(), PortFault> {
         let scene = self.stage.scene();
         let there = self.is_there(&scene);
-        if there { Ok(()) } else { Err(fault(FaultKind::Absent, "it was pulled out")) }
+        if there { Ok(()) } else { Err(fault(PortFaultKind::Absent, "it was pulled out")) }
     }
 }

@@ -67,7 +67,7 @@ pub struct Call {
 
 /// What becomes of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Answer {
+pub enum CallFate {
     /// It is made.
     Do,
     /// It is not made; its process is killed.
@@ -99,7 +99,7 @@ pub fn run(
     mut command: Command,
     folders: &[PathBuf],
     finished: impl Fn() -> bool + Sync,
-    mut answer: impl FnMut(&Call) -> Answer,
+    mut answer: impl FnMut(&Call) -> CallFate,
 ) -> Run {
     use std::os::unix::process::CommandExt;
     // The tracer also waits for it, with every process it begins.
@@ -143,7 +143,7 @@ pub fn can_trace() -> bool {
         let [shell, option, gate] = BEHIND_A_GATE;
         let mut command = Command::new(shell);
         command.args([option, gate, "true"]);
-        run(command, &[], || false, |_| Answer::Do)
+        run(command, &[], || false, |_| CallFate::Do)
     });
     let can = traced.is_ok_and(|run| run.code == Some(0));
     if !can {
@@ -182,7 +182,7 @@ struct Tracer {
 }
 
 impl Tracer {
-    fn follow(&mut self, answer: &mut impl FnMut(&Call) -> Answer) {
+    fn follow(&mut self, answer: &mut impl FnMut(&Call) -> CallFate) {
         // Only what this thread started: other tests have children too.
         let flags = WaitPidFlag::__WALL | WaitPidFlag::__WNOTHREAD;
         loop {
@@ -215,7 +215,7 @@ impl Tracer {
         self.inside.remove(&pid);
     }
 
-    fn at_call(&mut self, pid: Pid, answer: &mut impl FnMut(&Call) -> Answer) {
+    fn at_call(&mut self, pid: Pid, answer: &mut impl FnMut(&Call) -> CallFate) {
         // A process that was killed meanwhile is gone.
         let Ok(mut registers) = ptrace::getregs(pid) else { return };
         if self.inside.remove(&pid) {
@@ -230,20 +230,20 @@ impl Tracer {
         let given = answer(&call);
         self.calls.push(call);
         match given {
-            Answer::Do => {}
-            Answer::Kill => {
+            CallFate::Do => {}
+            CallFate::Kill => {
                 let _ = kill(pid, Signal::SIGKILL);
                 return;
             }
-            Answer::KillAll => {
+            CallFate::KillAll => {
                 for pid in &self.alive {
                     let _ = kill(*pid, Signal::SIGKILL);
                 }
                 return;
             }
-            Answer::Fail(errno) => self.refuse(pid, registers, -i64::from(errno as i32)),
-            Answer::Pretend => self.refuse(pid, registers, 0),
-            Answer::Short => {
+            CallFate::Fail(errno) => self.refuse(pid, registers, -i64::from(errno as i32)),
+            CallFate::Pretend => self.refuse(pid, registers, 0),
+            CallFate::Short => {
                 registers.rdx = registers.rdx.div_ceil(2);
                 let _ = ptrace::setregs(pid, registers);
             }

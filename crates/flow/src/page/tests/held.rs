@@ -1,7 +1,7 @@
 //! What a held scan shows and offers.
 
 use super::*;
-use crate::light::Outcome;
+use crate::light::LastOutcome;
 use crate::page::reasons::{Advice, of_refused};
 use crate::patient::erasure::ERASED;
 
@@ -14,7 +14,7 @@ fn choices(
     let held = patients.iter().map(|patient| delivery(*patient, "held", Some(code))).collect();
     let mut whole = whole("delivered", None, held);
     whole.candidates = candidates.iter().map(|id| (*id).to_owned()).collect();
-    let shown = scan_shown(&whole, &Told::default(), Language::En);
+    let shown = scan_shown(&whole, &ScanDetails::default(), Language::En);
     (shown.candidates.into_iter().map(|of| of.id).collect(), shown.acts)
 }
 
@@ -35,7 +35,7 @@ fn a_held_scan_offers_its_candidates_and_a_release_only_where_exactly_one_patien
     assert_eq!(choices(&[Some("1"), Some("2")], other, &["1", "2"]), (ids(&[]), vec!["give_up"]));
     let mut stored = whole("delivered", None, vec![delivery(Some("1"), "delivered", None)]);
     stored.candidates = ids(&["1", "2"]);
-    assert!(scan_shown(&stored, &Told::default(), Language::En).candidates.is_empty());
+    assert!(scan_shown(&stored, &ScanDetails::default(), Language::En).candidates.is_empty());
 }
 
 #[test]
@@ -47,20 +47,20 @@ fn a_held_scan_that_may_be_an_erased_persons_says_so_and_is_never_given_to_them_
         (Language::De, "Er kann auch von einer gelöschten Person sein."),
     ] {
         whole.candidates = vec!["1".to_owned(), ERASED.to_owned()];
-        let shown = scan_shown(&whole, &Told::default(), language);
+        let shown = scan_shown(&whole, &ScanDetails::default(), language);
         assert!(shown.advice.unwrap().what.ends_with(said));
         assert_eq!(shown.candidates.iter().map(|of| of.id.as_str()).collect::<Vec<_>>(), ["1"]);
         assert_eq!(shown.acts, ["assign", "give_up"], "a release would be a guess");
         assert_eq!(whole.possible_owners(), ["1"]);
         whole.candidates = vec!["1".to_owned()];
-        let shown = scan_shown(&whole, &Told::default(), language);
+        let shown = scan_shown(&whole, &ScanDetails::default(), language);
         assert!(!shown.advice.unwrap().what.contains(said));
     }
 }
 
 #[test]
 fn a_held_scan_that_cannot_be_measured_says_that_first_and_offers_first_to_give_it_up() {
-    let told = Told { unmeasured: Some("no-leg".to_owned()), ..Told::default() };
+    let told = ScanDetails { unmeasured: Some("no-leg".to_owned()), ..ScanDetails::default() };
     let held = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
     for (language, begins, held_for) in [
         (Language::En, "The legs cannot be measured. ", "It arrived after"),
@@ -73,7 +73,7 @@ fn a_held_scan_that_cannot_be_measured_says_that_first_and_offers_first_to_give_
         assert_eq!(shown.acts, ["give_up", "release", "assign"]);
         assert!(shown.unmeasured.as_deref().unwrap().ends_with("[no-leg]"));
         // The light says the same of the scan that ended last, and of no other.
-        let last = Outcome::Held { code: "export-late".to_owned() };
+        let last = LastOutcome::Held { code: "export-late".to_owned() };
         for (last_scan, is_told) in
             [(Some(shown.scan.as_str()), true), (Some("0"), false), (None, false)]
         {
@@ -91,7 +91,7 @@ fn who_is_to_be_scanned_again_is_offered_by_name_where_a_refused_scan_is_one_pat
     let again = |state, patients: &[Option<&str>]| {
         let of = |patient: &Option<&str>| delivery(*patient, state, Some("no-leg"));
         let whole = whole(state, Some("no-leg"), patients.iter().map(of).collect());
-        scan_shown(&whole, &Told::default(), Language::En).again.map(|of| of.id)
+        scan_shown(&whole, &ScanDetails::default(), Language::En).again.map(|of| of.id)
     };
     assert_eq!(again("refused", &[Some("1")]).as_deref(), Some("1"));
     assert_eq!(again("refused", &[Some("1"), Some("2")]), None);

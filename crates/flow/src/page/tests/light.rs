@@ -7,11 +7,11 @@ use gaiter_language::Language;
 use super::{BOTH, booth, delivery, page, page_with, whole};
 use crate::booth::Signal;
 use crate::complaint::Complaint;
-use crate::light::{Outcome, Progress};
-use crate::page::{Situation, Told, scan_shown};
+use crate::light::{LastOutcome, Progress};
+use crate::page::{ScanDetails, Situation, scan_shown};
 use crate::round::{HeldNext, HoldReason};
 
-fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> String {
+fn sentence(last: &LastOutcome, complaints: &[Complaint], language: Language) -> String {
     let booth = Situation { last: Some(last), ..booth(Signal::Attention) };
     page(booth, complaints, language).light.said.text
 }
@@ -19,7 +19,7 @@ fn sentence(last: &Outcome, complaints: &[Complaint], language: Language) -> Str
 #[test]
 fn what_is_to_be_done_with_the_patient_stands_at_the_light_and_a_fault_before_it() {
     let to_do = ["Scan again: legs apart.", "Or measure by hand: right leg: C."].map(str::to_owned);
-    let last = Outcome::Incomplete { to_do: to_do.into() };
+    let last = LastOutcome::Incomplete { to_do: to_do.into() };
     let said = sentence(&last, &[], Language::En);
     assert_eq!(said, "Scan again: legs apart. Or measure by hand: right leg: C.");
     let said = sentence(&last, &[Complaint::journal()], Language::En);
@@ -40,7 +40,7 @@ fn a_refused_scan_is_told_with_its_reason_and_what_to_do_at_the_booth() {
         ),
         ("no-leg", "Scan again with the legs bare and apart.", "frei und auseinander"),
     ] {
-        let last = Outcome::Refused { code: code.to_owned() };
+        let last = LastOutcome::Refused { code: code.to_owned() };
         for (language, words) in BOTH.into_iter().zip([english, german]) {
             let said = sentence(&last, &[], language);
             assert!(said.to_lowercase().contains(&words.to_lowercase()), "{code}: {said}");
@@ -51,7 +51,7 @@ fn a_refused_scan_is_told_with_its_reason_and_what_to_do_at_the_booth() {
 
 #[test]
 fn a_held_scan_is_told_with_its_reason_before_an_export_that_is_expected() {
-    let last = Outcome::Held { code: "patients-differ".to_owned() };
+    let last = LastOutcome::Held { code: "patients-differ".to_owned() };
     let booth = Situation { last: Some(&last), awaited: 1, ..booth(Signal::Attention) };
     let said = page(booth, &[], Language::En).light.said.text;
     assert_eq!(
@@ -71,7 +71,7 @@ fn a_pause_has_its_own_word_and_says_how_it_ends() {
 #[test]
 fn a_button_that_is_not_there_is_told_instead_of_to_be_pressed_and_after_what_else_there_is_to_say()
 {
-    let (delivered, unread) = (Outcome::Delivered, Outcome::NameUnread);
+    let (delivered, unread) = (LastOutcome::Delivered, LastOutcome::NameUnread);
     for (language, words) in BOTH.into_iter().zip(["is not there", "nicht angeschlossen"]) {
         for (signal, last, begins) in [
             (Signal::Ready, None, true),
@@ -157,15 +157,15 @@ fn a_scan_that_waits_for_a_decision_is_decided_first() {
     let held = held_next(HoldReason::Undecided);
     let booth = Situation { held_next: Some(&held), ..booth(Signal::Ready) };
     let waiting = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
-    let undecided = vec![scan_shown(&waiting, &Told::default(), Language::En)];
+    let undecided = vec![scan_shown(&waiting, &ScanDetails::default(), Language::En)];
     let said = page_with(booth, &[], undecided, Language::En).light.said.text;
     assert!(said.starts_with("First decide about the scan that is held. Until then"), "{said}");
 }
 
 #[test]
 fn a_refused_or_held_scan_is_told_with_what_it_keeps_others_from_and_how_long() {
-    let refused = Outcome::Refused { code: "no-leg".to_owned() };
-    let held = Outcome::Held { code: "capture-unclear".to_owned() };
+    let refused = LastOutcome::Refused { code: "no-leg".to_owned() };
+    let held = LastOutcome::Held { code: "capture-unclear".to_owned() };
     let until = "Until then, or for up to 6 min, other scans are held.";
     for (last, why) in [(&refused, HoldReason::MayComeAgain), (&held, HoldReason::Undecided)] {
         let alone = Situation { last: Some(last), ..booth(Signal::Attention) };
@@ -179,7 +179,7 @@ fn a_refused_or_held_scan_is_told_with_what_it_keeps_others_from_and_how_long() 
 
 #[test]
 fn a_held_scan_goes_before_the_alarm_for_an_export_that_did_not_come() {
-    let last = Outcome::Held { code: "export-late".to_owned() };
+    let last = LastOutcome::Held { code: "export-late".to_owned() };
     let late = Complaint { code: crate::light::NO_EXPORT.to_owned(), ..Complaint::journal() };
     let said = sentence(&last, &[late], Language::En);
     assert!(said.starts_with("The last scan is held."), "{said}");
@@ -188,23 +188,23 @@ fn a_held_scan_goes_before_the_alarm_for_an_export_that_did_not_come() {
 #[test]
 fn the_light_names_the_patient_of_the_last_scan_to_those_who_may_know_it() {
     let (one, two) = (["4711".to_owned()], ["4711", "0815"].map(str::to_owned));
-    let held = || Outcome::Held { code: "capture-unclear".to_owned() };
-    let to_do = || Outcome::Incomplete { to_do: vec!["Measure by hand.".to_owned()] };
+    let held = || LastOutcome::Held { code: "capture-unclear".to_owned() };
+    let to_do = || LastOutcome::Incomplete { to_do: vec!["Measure by hand.".to_owned()] };
     for (signal, last, of, said) in [
-        (Signal::Done, Outcome::Delivered, &one[..], "The record of 4711 is stored."),
+        (Signal::Done, LastOutcome::Delivered, &one[..], "The record of 4711 is stored."),
         (Signal::Attention, to_do(), &one, "The scan of 4711 lacks measures. Measure by hand."),
         (Signal::Attention, to_do(), &two, "The scan of 4711 and 0815 lacks measures."),
         (Signal::Attention, held(), &one, "The scan of 4711 is held."),
         (Signal::Attention, held(), &two, "The scan of 4711 or 0815 is held."),
         (
             Signal::Attention,
-            Outcome::Refused { code: "no-leg".to_owned() },
+            LastOutcome::Refused { code: "no-leg".to_owned() },
             &one,
             "The scan of 4711 cannot be used.",
         ),
         (
             Signal::Attention,
-            Outcome::Known,
+            LastOutcome::Known,
             &one,
             "The scanner has exported an old scan again, that of 4711. Export the new scan",
         ),

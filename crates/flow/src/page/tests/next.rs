@@ -96,7 +96,7 @@ fn who_is_next_is_named_with_a_button_and_without() {
 fn those_who_may_be_next_are_told_once_each_and_nothing_in_their_ids_is_hidden() {
     let ids = ["4711", "0815\u{202e}", "4711"].map(str::to_owned);
     let who = page(Situation { next: &ids, ..booth(Signal::Ready) }, &[], Language::En).next.who;
-    assert_eq!(who, ["4711", "0815\u{202e}"].map(PatientShown::of));
+    assert_eq!(who, ["4711", "0815\u{202e}"].map(PatientShown::new));
     assert_eq!((who[1].id.as_str(), who[1].shown.as_str()), ("0815\u{202e}", "0815[U+202E]"));
 }
 

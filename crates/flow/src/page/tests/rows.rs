@@ -6,13 +6,13 @@ use super::{delivery, whole, with_folders};
 use crate::Closed;
 use crate::account::Whole;
 use crate::page::rows::rows;
-use crate::page::{ScanShown, Told, record_folder, row_key, scan_shown};
+use crate::page::{ScanDetails, ScanShown, record_folder, row_key, scan_shown};
 
 /// State, patients, folder and verbs of a row.
 type RowTold = (String, Vec<String>, Option<String>, Vec<&'static str>);
 
 fn told(whole: Whole) -> Vec<RowTold> {
-    let shown = |row: &Whole| scan_shown(row, &Told::default(), Language::En);
+    let shown = |row: &Whole| scan_shown(row, &ScanDetails::default(), Language::En);
     let told = |row: Whole| {
         let ScanShown { state, patients, acts, .. } = shown(&row);
         (state.to_owned(), patients, record_folder(&row, "folder").map(str::to_owned), acts)
@@ -43,7 +43,7 @@ fn the_first_patient_keeps_the_record_while_the_scan_is_held_for_a_second_and_af
 fn a_record_is_taken_back_from_an_id_as_it_is_and_not_as_it_is_shown() {
     let hidden = "\u{202e}4711";
     let both = with_folders(&[(Some("1"), "delivered"), (Some(hidden), "delivered")]);
-    let shown = |row: &Whole| scan_shown(row, &Told::default(), Language::En);
+    let shown = |row: &Whole| scan_shown(row, &ScanDetails::default(), Language::En);
     let owners: Vec<_> = rows(both).iter().filter_map(|row| shown(row).owner).collect();
     assert_eq!(owners.iter().map(|of| of.id.as_str()).collect::<Vec<_>>(), ["1", hidden]);
     assert_ne!(owners[1].shown, hidden);
@@ -80,7 +80,7 @@ fn rows_have_keys_of_their_own_that_name_no_patient() {
 fn a_scan_that_was_given_up_while_it_was_held_can_still_be_assigned_and_needs_no_decision() {
     let mut held = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
     held.summary.closed = Some(Closed::GivenUp);
-    let shown = scan_shown(&held, &Told::default(), Language::En);
+    let shown = scan_shown(&held, &ScanDetails::default(), Language::En);
     assert_eq!((shown.state, shown.acts.clone()), ("closed", vec!["assign"]));
     assert!(!held.disposition().needs_decision());
 }

@@ -25,7 +25,7 @@ fn once_a_scan_is_measured_the_next_export_is_the_next_patients() {
     pressed_for(&mut captures, "1", 1, 0);
     assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
     // A second export of the same press belongs to no patient in any case.
-    assert_eq!(captures.judge(seen(12), at(12)), Judged::Unpressed);
+    assert_eq!(captures.match_export(seen(12), at(12)), CaptureMatch::Unpressed);
     captures.measured(1);
     pressed_for(&mut captures, "2", 2, 11);
     assert_eq!(patient_of(&export(&mut captures, seen(15))), Some("2"));
@@ -49,8 +49,8 @@ fn a_held_export_that_was_cut_short_uses_up_no_press_and_a_whole_one_does() {
         pressed_for(&mut captures, "1", 1, 0);
         pressed_for(&mut captures, "2", 2, 10);
         let (began, others, is_known, completes) = (seen(20), Vec::new(), false, None);
-        let content = Content { began, others, is_known, is_cut_short, completes };
-        let judged = captures.judge_content(&content, at(20));
+        let content = ExportContent { began, others, is_known, is_cut_short, completes };
+        let judged = captures.match_content(&content, at(20));
         assert_eq!(code(&judged), AMBIGUOUS);
         captures.answer(&judged, at(20));
         assert_eq!(captures.waiting().count(), left);
@@ -62,15 +62,15 @@ fn the_rest_of_a_scan_that_is_measured_is_its_captures_and_its_part_opens_that_n
     let mut captures = captures();
     pressed_for(&mut captures, "1", 1, 0);
     taken(&mut captures, seen(10));
-    let of = |id: &str| Content {
+    let of = |id: &str| ExportContent {
         began: seen(10),
         others: Vec::new(),
         is_known: false,
         is_cut_short: false,
         completes: Some(vec![named(id)]),
     };
-    assert_eq!(captures.judge_content(&of("2"), at(10)), Judged::Unpressed);
-    let rest = captures.judge_content(&of("1"), at(10));
+    assert_eq!(captures.match_content(&of("2"), at(10)), CaptureMatch::Unpressed);
+    let rest = captures.match_content(&of("1"), at(10));
     assert_eq!(patient_of(&rest), Some("1"));
     captures.answer(&rest, at(12));
     captures.measured(1);
@@ -101,7 +101,7 @@ fn a_scan_that_was_refused_long_after_it_was_taken_opens_no_capture() {
 fn what_a_start_finds_unmeasured_is_in_doubt_when_it_is_refused() {
     let mut captures = captures();
     pressed_for(&mut captures, "1", 1, 0);
-    let Judged::Of(capture) = taken(&mut captures, seen(10)) else { panic!("it is held") };
+    let CaptureMatch::Of(capture) = taken(&mut captures, seen(10)) else { panic!("it is held") };
     let taken = vec![Capture { state: CaptureState::Taken, ..capture }];
     let mut started = Rounds::new(rules(), Vec::new(), Names::default()).with_taken(taken, at(20));
     let doubt = started.refused(1, at(21)).and_then(|capture| capture.doubt);
@@ -145,7 +145,7 @@ fn a_content_without_a_press_that_is_gone_puts_the_name_that_waits_in_doubt() {
         captures.gone(seen(second));
         captures.pressed(1, at(10));
         let judged = export(&mut captures, seen(20));
-        assert_eq!(matches!(judged, Judged::Held { .. }), holds, "{judged:?}");
+        assert_eq!(matches!(judged, CaptureMatch::Held { .. }), holds, "{judged:?}");
     }
     // Where nobody is named, nobody can be mistaken.
     let mut captures = captures();

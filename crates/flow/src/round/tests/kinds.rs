@@ -4,7 +4,7 @@ use super::laws::pressed_for;
 use super::*;
 
 /// The export that appeared in this second is held for these patients.
-fn is_held(captures: &mut Rounds, second: u64, whose: &[&str]) -> Judged {
+fn is_held(captures: &mut Rounds, second: u64, whose: &[&str]) -> CaptureMatch {
     let judged = taken(captures, seen(second));
     let mut found = candidates(&judged);
     found.sort_unstable();
@@ -71,7 +71,7 @@ fn an_export_that_is_held_uses_up_no_press_for_certain() {
     // One that nobody pressed for comes first, and both are measured for their previews.
     for second in [10, 20] {
         let judged = is_held(&mut captures, second, &["2", "3"]);
-        if let Judged::Held { answered: Some(number), .. } = judged {
+        if let CaptureMatch::Held { answered: Some(number), .. } = judged {
             captures.measured(number);
         }
     }
@@ -90,7 +90,11 @@ fn a_decision_ends_the_round_of_its_patient_when_the_scan_is_measured_and_of_nob
     assert_eq!(captures.decided(&judged, "1", at(10)), Some(1));
     captures.measured(1);
     assert!(captures.open().is_empty());
-    assert_eq!(export(&mut captures, seen(30)), Judged::Unpressed, "the next, whom nobody named");
+    assert_eq!(
+        export(&mut captures, seen(30)),
+        CaptureMatch::Unpressed,
+        "the next, whom nobody named"
+    );
 
     let mut captures = self::captures();
     pressed_for(&mut captures, "1", 1, 0);
@@ -110,14 +114,14 @@ fn a_scan_that_is_measured_after_all_ends_the_capture_that_its_failure_opened_ag
     let first = taken(&mut captures, seen(10));
     refuse(&mut captures, &first, at(20));
     captures.measured(1);
-    assert_eq!(export(&mut captures, seen(30)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(30)), CaptureMatch::Unpressed);
 }
 
 #[test]
 fn an_export_without_a_press_puts_the_name_that_waits_in_doubt() {
     let mut captures = captures();
     captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
-    assert_eq!(export(&mut captures, seen(10)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(10)), CaptureMatch::Unpressed);
     captures.pressed(1, at(20));
     is_held(&mut captures, 30, &["1"]);
 }
@@ -300,7 +304,7 @@ fn without_a_button_the_same_card_answers_what_went_unheard() {
     is_held(&mut unanswered, 20, &["1"]);
     captures.named(by_whom("1", SourceKind::Reader), 2, at(10), &[]);
     let mut began_before = captures.clone();
-    assert_eq!(taken(&mut began_before, seen(9)), Judged::Unpressed);
+    assert_eq!(taken(&mut began_before, seen(9)), CaptureMatch::Unpressed);
     assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
 }
 
@@ -342,7 +346,7 @@ fn without_a_button_a_name_after_an_export_that_is_held_is_of_a_scan_of_its_own(
 }
 
 /// A press and its export, which is taken five seconds later.
-fn next_patient(captures: &mut Rounds, number: i64, second: u64) -> Judged {
+fn next_patient(captures: &mut Rounds, number: i64, second: u64) -> CaptureMatch {
     captures.pressed(number, at(second));
     taken(captures, seen(second + 5))
 }
@@ -412,7 +416,7 @@ fn a_second_content_while_the_first_is_measured_leaves_no_certainty_for_a_third(
     let mut captures = captures();
     pressed_for(&mut captures, "1", 1, 0);
     assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
-    assert_eq!(taken(&mut captures, seen(15)), Judged::Unpressed);
+    assert_eq!(taken(&mut captures, seen(15)), CaptureMatch::Unpressed);
     captures.refused(1, at(20));
     assert_eq!(code(&taken(&mut captures, seen(30))), AMBIGUOUS);
 }
@@ -525,7 +529,7 @@ fn an_export_that_names_somebody_else_leaves_its_capture_in_doubt() {
     let mut captures = captures();
     captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
     captures.pressed(1, at(1));
-    let judged = captures.judge(seen(10), at(12)).contradicted();
+    let judged = captures.match_export(seen(10), at(12)).contradicted();
     captures.answer(&judged, at(12));
     // The picture that is made of it ends nothing.
     captures.measured(1);

@@ -38,7 +38,7 @@ fn a_refused_export_leaves_its_capture_to_the_next_one_without_a_press() {
     refuse(&mut captures, &first, at(100));
     assert!(!captures.is_armed(), "nobody pressed for it");
     assert_eq!(patient_of(&export(&mut captures, seen(150))), Some("4711"));
-    assert_eq!(export(&mut captures, seen(151)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(151)), CaptureMatch::Unpressed);
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn an_order_soon_after_a_start_may_be_for_a_press_that_nobody_heard() {
         soon.pressed(1, at(1) + awaited);
         let export = Appeared { absent: Some(at(2) + awaited), seen: at(3) + awaited };
         let why = if is_certain { UNHEARD } else { AMBIGUOUS };
-        assert_eq!(code(&soon.judge(export, export.seen)), why);
+        assert_eq!(code(&soon.match_export(export, export.seen)), why);
     }
 }
 
@@ -283,20 +283,20 @@ fn a_known_scan_answers_nothing_and_the_rest_of_a_refused_one_is_no_other_patien
     pressed_for(&mut captures, "2", 1, 0);
     let content = |is_known, completes| {
         let (began, others, is_cut_short) = (seen(20), Vec::new(), false);
-        Content { began, others, is_known, is_cut_short, completes }
+        ExportContent { began, others, is_known, is_cut_short, completes }
     };
-    assert_eq!(captures.judge_content(&content(true, None), at(20)), Judged::Known);
-    let of_2 = captures.judge_content(&content(false, Some(vec![named("2")])), at(20));
+    assert_eq!(captures.match_content(&content(true, None), at(20)), CaptureMatch::Known);
+    let of_2 = captures.match_content(&content(false, Some(vec![named("2")])), at(20));
     assert_eq!(patient_of(&of_2), Some("2"));
-    let of_1 = captures.judge_content(&content(false, Some(vec![named("1")])), at(20));
+    let of_1 = captures.match_content(&content(false, Some(vec![named("1")])), at(20));
     assert_eq!((code(&of_1), candidates(&of_1)), (AMBIGUOUS, vec!["2", "1"]));
-    let of_nobody = captures.judge_content(&content(false, Some(Vec::new())), at(20));
+    let of_nobody = captures.match_content(&content(false, Some(Vec::new())), at(20));
     assert_eq!(code(&of_nobody), AMBIGUOUS);
     captures.answer(&of_nobody, at(20));
     assert_eq!(captures.waiting().count(), 1, "it goes on waiting for its own");
     // If nothing is open, its own name decides the patient.
-    let unpressed = self::captures().judge_content(&content(false, Some(vec![named("1")])), at(20));
-    assert_eq!(unpressed, Judged::Unpressed);
+    let unpressed = self::captures().match_content(&content(false, Some(vec![named("1")])), at(20));
+    assert_eq!(unpressed, CaptureMatch::Unpressed);
 }
 
 #[test]
@@ -341,7 +341,7 @@ fn an_order_soon_after_a_press_with_a_name_in_doubt_may_be_for_that_press() {
 
 #[test]
 fn two_contents_at_once_and_one_of_before_the_press_are_no_clean_round() {
-    let content = |began, others| Content {
+    let content = |began, others| ExportContent {
         began,
         others,
         is_known: false,
@@ -351,19 +351,19 @@ fn two_contents_at_once_and_one_of_before_the_press_are_no_clean_round() {
     // Seen since the press and not taken: either may be this patient's.
     let mut captures = captures();
     pressed_for(&mut captures, "1", 1, 100);
-    let first = captures.judge_content(&content(seen(110), vec![seen(90), seen(112)]), at(115));
+    let first = captures.match_content(&content(seen(110), vec![seen(90), seen(112)]), at(115));
     assert_eq!((code(&first), candidates(&first)), (BESIDE, vec!["1"]));
     captures.answer(&first, at(115));
-    let second = captures.judge_content(&content(seen(112), Vec::new()), at(116));
+    let second = captures.match_content(&content(seen(112), Vec::new()), at(116));
     assert_eq!((code(&second), candidates(&second)), (AMBIGUOUS, vec!["1"]));
     // Seen before the press and not taken: it may be of before, and never is of this press.
     let mut captures = self::captures();
     pressed_for(&mut captures, "1", 1, 100);
-    let own = captures.judge_content(&content(seen(110), vec![seen(90)]), at(115));
+    let own = captures.match_content(&content(seen(110), vec![seen(90)]), at(115));
     assert_eq!(patient_of(&own), Some("1"));
     // Taken since: there was no rest at the press.
-    let before = captures.judge_content(&content(seen(90), Vec::new()), at(112));
-    assert_eq!(before, Judged::Unpressed);
+    let before = captures.match_content(&content(seen(90), Vec::new()), at(112));
+    assert_eq!(before, CaptureMatch::Unpressed);
     captures.answer(&before, at(112));
-    assert_eq!(code(&captures.judge_content(&content(seen(110), Vec::new()), at(115))), AMBIGUOUS);
+    assert_eq!(code(&captures.match_content(&content(seen(110), Vec::new()), at(115))), AMBIGUOUS);
 }

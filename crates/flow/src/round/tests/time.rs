@@ -13,7 +13,7 @@ fn a_capture_without_an_export_expires_once_and_its_late_export_is_held() {
     assert_eq!(captures.pass(at(62), &[all_seen(62)]), Passed::default());
     let judged = export(&mut captures, seen(90));
     assert_eq!(code(&judged), LATE);
-    assert!(matches!(judged, Judged::Held { answered: Some(1), .. }));
+    assert!(matches!(judged, CaptureMatch::Held { answered: Some(1), .. }));
     assert_eq!(captures.waiting().count(), 0);
 }
 
@@ -72,10 +72,10 @@ fn an_export_awaited_when_the_machine_starts_anew_is_held_beside_the_next_patien
     let mut captures = Rounds::new(rules, vec![waiting], Names::default());
     captures.hears(Duration::ZERO);
     let seen = Appeared { absent: Some(SECOND * 30), seen: SECOND * 31 };
-    let of_the_first = captures.judge(seen, seen.seen);
+    let of_the_first = captures.match_export(seen, seen.seen);
     assert_eq!((code(&of_the_first), candidates(&of_the_first)), (UNHEARD, vec!["4711"]));
     captures.named(order("0815"), 2, SECOND * 25, &[]);
-    let judged = captures.judge(seen, seen.seen);
+    let judged = captures.match_export(seen, seen.seen);
     assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, vec!["4711", "0815"]));
     let over = SECOND * 21 + longest;
     let sights = Sights { looked: Some(over), ..Sights::default() };

@@ -16,7 +16,7 @@ fn looked(settling: &mut Settling, files: &[(&str, Stamp, &[u8])], second: u64) 
     for (path, stamp) in settling.unmarked() {
         let (_, _, content) = files.iter().find(|(name, ..)| Path::new(name) == path).unwrap();
         let now = at(second).ended;
-        let mark = (!content.is_empty()).then(|| Mark::of(now, now, content));
+        let mark = (!content.is_empty()).then(|| Fingerprint::whole(now, now, content));
         settling.marked(&path, stamp, mark);
     }
     due

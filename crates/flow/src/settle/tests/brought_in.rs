@@ -37,7 +37,7 @@ impl There<'_> {
         let due = settling.observe(Look::Seen(files.collect()), at(second));
         for (path, stamp) in settling.unmarked() {
             let part = &body[..stamp.size as usize];
-            let mark = Mark::of(at(second).began, at(second).ended, part);
+            let mark = Fingerprint::whole(at(second).began, at(second).ended, part);
             settling.marked(&path, stamp, Some(mark));
         }
         due
@@ -81,7 +81,7 @@ fn so_is_what_is_copied_in_place_over_an_older_name_smaller_or_larger() {
         files(&old).looked(&mut settling, &there, 1005);
         let due = files(&old).looked(&mut settling, &there, 1008);
         let read = Duration::from_secs(1008);
-        settling.read(&due[0], &Mark::of(read, read, &there[..20_000]));
+        settling.read(&due[0], &Fingerprint::whole(read, read, &there[..20_000]));
         settling.taken(&due[0]);
         files(&[("a.obj", file(7, size, 1010, 1010))]).looked(&mut settling, &copied, 1010);
         let copy = [("a.obj", file(7, size, 100, 1011))];

@@ -28,7 +28,7 @@ fn renamed_in_a_look(is_read: bool) -> Appeared {
     let temporary = stamp_of(7, part.len(), 9);
     settling.pass_over(BTreeMap::from([(PathBuf::from("x.tmp"), temporary)]), at(10));
     settling.observe(seen(&[]), at(10));
-    let mark = Mark::of(Duration::from_secs(10), Duration::from_secs(10), &part);
+    let mark = Fingerprint::whole(Duration::from_secs(10), Duration::from_secs(10), &part);
     settling.marked(Path::new("x.tmp"), temporary, is_read.then_some(mark));
     settling.pass_over(BTreeMap::new(), at(20));
     settling.observe(seen(&[]), at(20));
@@ -63,7 +63,7 @@ fn another_content_under_the_number_of_a_file_that_has_gone_is_as_young_as_it_is
     settling.observe(seen(&[]), at(5));
     let gone = stamp_of(7, part.len(), 9);
     settling.observe(seen(&[("a.obj", gone)]), at(10));
-    let mark = Mark::of(Duration::from_secs(10), Duration::from_secs(10), &part);
+    let mark = Fingerprint::whole(Duration::from_secs(10), Duration::from_secs(10), &part);
     settling.marked(Path::new("a.obj"), gone, Some(mark));
     settling.observe(seen(&[]), at(20));
     let scan = stamp_of(7, other.len(), 29);
@@ -100,7 +100,7 @@ fn where_stamps_have_whole_seconds_a_file_is_quiet_for_two_of_them() {
 fn the_time_in_which_the_machine_slept_is_no_quiet_time() {
     let mut settling = settling();
     settling.observe(look(&[("a", 1)]), at(0));
-    settling.slept();
+    settling.note_gap();
     assert!(settling.observe(look(&[("a", 1)]), at(100)).is_empty());
     assert_eq!(names(&settling.observe(look(&[("a", 1)]), at(102))), ["a"]);
 }

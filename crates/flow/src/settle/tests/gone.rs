@@ -23,7 +23,7 @@ fn looked(settling: &mut Settling, second: u64, files: &[(&str, u64, &[u8], i128
     let now = Duration::from_secs(second);
     for (path, stamp) in settling.unmarked() {
         let of = files.iter().find(|(name, ..)| Path::new(name) == path);
-        let mark = of.map(|(_, _, bytes, _)| Mark::of(now, now, bytes));
+        let mark = of.map(|(_, _, bytes, _)| Fingerprint::whole(now, now, bytes));
         settling.marked(&path, stamp, mark);
     }
     settling.gone(!due.is_empty())

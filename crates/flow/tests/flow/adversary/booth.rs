@@ -7,14 +7,14 @@ use std::slice;
 use std::time::Duration;
 
 use gaiter_flow::patient::identity::Identity;
-use gaiter_flow::round::{Capture, Doubt, Judged, Named, NamedNext, Names, Rounds, Rules};
+use gaiter_flow::round::{Capture, CaptureMatch, Doubt, Named, NamedNext, Names, Rounds, Rules};
 use gaiter_flow::settle::{Memory, Sights};
 use gaiter_flow::{Appeared, OrdersWhen, Settling};
 use gaiter_record::SourceKind;
 
 use super::chance::Chance;
 use super::content::Scan;
-use super::disk::{Disk, Fault};
+use super::disk::{Disk, DiskFault};
 use super::folder::Folder;
 use super::intake::{Phase, TakeFault};
 use super::laws::Off;
@@ -369,9 +369,9 @@ impl Booth {
         by: SourceKind,
         doubt: Option<Doubt>,
         absent: Option<Duration>,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), DiskFault> {
         let now = self.clock();
-        let Some(run) = &mut self.run else { return Err(Fault) };
+        let Some(run) = &mut self.run else { return Err(DiskFault) };
         let number = self.disk.next_capture();
         let Sights { coming, .. } = run.sights.clone();
         let mut after = match self.setup.rules.by_press {
@@ -435,8 +435,8 @@ impl Booth {
     }
 
     /// A person gives up what waits.
-    pub fn call_off(&mut self) -> Result<(), Fault> {
-        let Some(run) = &mut self.run else { return Err(Fault) };
+    pub fn call_off(&mut self) -> Result<(), DiskFault> {
+        let Some(run) = &mut self.run else { return Err(DiskFault) };
         let mut after = run.captures.clone();
         after.call_off();
         change(self.setup.off, &mut self.disk, run, after)?;
@@ -460,7 +460,7 @@ impl Booth {
                 run.captures.missed_press(now);
                 run.captures.missed_name();
             }
-            run.settling.slept();
+            run.settling.note_gap();
             self.observe(Seen::PressesAway);
             self.observe(Seen::NamesAway);
         }
@@ -475,9 +475,9 @@ impl Booth {
     }
 
     /// The scan that answered a capture was refused: another export is awaited.
-    pub fn reopen_capture(&mut self, scan: Scan) -> Result<(), Fault> {
+    pub fn reopen_capture(&mut self, scan: Scan) -> Result<(), DiskFault> {
         let now = self.clock();
-        let Some(run) = &mut self.run else { return Err(Fault) };
+        let Some(run) = &mut self.run else { return Err(DiskFault) };
         if let Some(capture) = self.disk.answered_by(scan) {
             let mut after = run.captures.clone();
             after.refused(capture.number, now);
@@ -507,7 +507,7 @@ pub fn settling() -> Settling {
 }
 
 /// As `Station::change_booth`: the journal first.
-pub fn change(off: Off, disk: &mut Disk, run: &mut Run, after: Rounds) -> Result<(), Fault> {
+pub fn change(off: Off, disk: &mut Disk, run: &mut Run, after: Rounds) -> Result<(), DiskFault> {
     let written = disk.booth_changed(&run.captures, &after);
     if written.is_ok() || off == Off::JournalFirst {
         run.captures = after;
@@ -523,7 +523,7 @@ fn at_rest(off: Off, captures: &Rounds) -> Rounds {
     let mut rounds = captures.clone();
     if off == Off::RestBefore {
         for capture in captures.open() {
-            rounds.answer(&Judged::Of(capture.clone()), capture.opened);
+            rounds.answer(&CaptureMatch::Of(capture.clone()), capture.opened);
             rounds.measured(capture.number);
         }
     }

@@ -4,7 +4,7 @@
 use std::rc::Rc;
 use std::time::Duration;
 
-use gaiter_flow::Mark;
+use gaiter_flow::Fingerprint;
 use gaiter_flow::export::writing::END_BYTES;
 
 /// The comment at the head of an export, bytes: the same length whatever it says.
@@ -91,9 +91,9 @@ impl Content {
     }
 
     /// What a look reads of it: the ends of the part that was there when it was listed.
-    pub fn mark(&self, began: Duration, ended: Duration, listed: u64) -> Option<Mark> {
+    pub fn mark(&self, began: Duration, ended: Duration, listed: u64) -> Option<Fingerprint> {
         let part = self.bytes().get(..usize::try_from(listed).ok()?)?;
         let end = part.len().min(END_BYTES);
-        Some(Mark::new(began, ended, listed, &part[..end], &part[part.len() - end..]))
+        Some(Fingerprint::new(began, ended, listed, &part[..end], &part[part.len() - end..]))
     }
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use gaiter_flow::orders::news::OrderState;
-use gaiter_flow::round::{Capture, Judged, Named, Names, Rounds};
+use gaiter_flow::round::{Capture, CaptureMatch, Named, Names, Rounds};
 use gaiter_flow::settle::Memory;
 use gaiter_flow::{DeliveryState, ScanState, Stamp};
 
@@ -20,7 +20,7 @@ pub type Who = Option<String>;
 
 /// The journal could not be written, or the spool.
 #[derive(Debug)]
-pub struct Fault;
+pub struct DiskFault;
 
 /// Why a capture waits no more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub struct ScanRow {
     geometry: String,
     /// Why a person must decide.
     pub held: Option<&'static str>,
-    pub judged: Judged,
+    pub judged: CaptureMatch,
 }
 
 /// `intake.json`.
@@ -58,7 +58,7 @@ pub struct Intake {
     pub patient: Who,
     pub held: Option<&'static str>,
     pub geometry: String,
-    pub judged: Judged,
+    pub judged: CaptureMatch,
 }
 
 #[derive(Debug, Default)]
@@ -84,8 +84,8 @@ pub struct Disk {
 }
 
 impl Disk {
-    fn change(&self) -> Result<(), Fault> {
-        if self.is_locked { Err(Fault) } else { Ok(()) }
+    fn change(&self) -> Result<(), DiskFault> {
+        if self.is_locked { Err(DiskFault) } else { Ok(()) }
     }
 
     pub fn next_capture(&self) -> i64 {
@@ -93,7 +93,7 @@ impl Disk {
     }
 
     /// As `Journal::booth_changed`.
-    pub fn booth_changed(&mut self, before: &Rounds, after: &Rounds) -> Result<(), Fault> {
+    pub fn booth_changed(&mut self, before: &Rounds, after: &Rounds) -> Result<(), DiskFault> {
         self.change()?;
         for capture in after.waiting() {
             if before.waiting().all(|known| known != capture) {
@@ -171,7 +171,7 @@ impl Disk {
     }
 
     /// As `Journal::enter`: a scan, its delivery and what it means for captures.
-    pub fn enter(&mut self, scan: Scan, intake: &Intake) -> Result<(), Fault> {
+    pub fn enter(&mut self, scan: Scan, intake: &Intake) -> Result<(), DiskFault> {
         self.change()?;
         let state = if intake.held.is_some() { ScanState::Delivered } else { ScanState::Spooled };
         let is_new = self.scan(scan).is_none();
@@ -194,11 +194,11 @@ impl Disk {
         }
     }
 
-    fn answer(&mut self, scan: Scan, judged: &Judged) {
+    fn answer(&mut self, scan: Scan, judged: &CaptureMatch) {
         let (answered, end, doubtful, candidates): (_, _, &[i64], &[Named]) = match judged {
-            Judged::Unpressed | Judged::Known => return,
-            Judged::Of(capture) => (Some(capture.number), End::Answered, &[], &[]),
-            Judged::Held { answered, doubtful, candidates, .. } => {
+            CaptureMatch::Unpressed | CaptureMatch::Known => return,
+            CaptureMatch::Of(capture) => (Some(capture.number), End::Answered, &[], &[]),
+            CaptureMatch::Held { answered, doubtful, candidates, .. } => {
                 (*answered, End::Held, doubtful, candidates)
             }
         };
@@ -217,7 +217,7 @@ impl Disk {
         self.sighted.get(name) == Some(&stamp)
     }
 
-    pub fn sighted(&mut self, name: &str, stamp: Stamp) -> Result<(), Fault> {
+    pub fn sighted(&mut self, name: &str, stamp: Stamp) -> Result<(), DiskFault> {
         self.change()?;
         self.sighted.insert(name.to_owned(), stamp);
         Ok(())
@@ -227,14 +227,14 @@ impl Disk {
         self.looks.clone().unwrap_or_default()
     }
 
-    pub fn looked(&mut self, memory: &Memory) -> Result<(), Fault> {
+    pub fn looked(&mut self, memory: &Memory) -> Result<(), DiskFault> {
         self.change()?;
         self.looks = Some(memory.clone());
         Ok(())
     }
 
     /// As `Custody::refuse`.
-    pub fn refused(&mut self, scan: Scan) -> Result<(), Fault> {
+    pub fn refused(&mut self, scan: Scan) -> Result<(), DiskFault> {
         self.change()?;
         if let Some(row) = self.scan_mut(scan) {
             row.state = ScanState::Refused;
@@ -245,7 +245,7 @@ impl Disk {
     }
 
     /// The records of a measured scan lie in the store; an unassigned one goes.
-    pub fn delivered(&mut self, scan: Scan) -> Result<(), Fault> {
+    pub fn delivered(&mut self, scan: Scan) -> Result<(), DiskFault> {
         self.change()?;
         let Some(row) = self.scan_mut(scan) else { return Ok(()) };
         row.state = ScanState::Delivered;
@@ -264,7 +264,7 @@ impl Disk {
     }
 
     /// A person says whose a scan is: one patient's, or unassigned. The decision is kept first.
-    pub fn decide(&mut self, scan: Scan, who: &Who) -> Result<(), Fault> {
+    pub fn decide(&mut self, scan: Scan, who: &Who) -> Result<(), DiskFault> {
         self.change()?;
         self.decisions.insert(scan, who.clone());
         let Some(row) = self.scan_mut(scan) else { return Ok(()) };
@@ -346,7 +346,7 @@ impl Disk {
     fn found(&mut self, scan: Scan, content: Content, who: Who) {
         if self.scan(scan).is_none() {
             let (state, deliveries) = (ScanState::Delivered, BTreeMap::new());
-            let (geometry, judged) = (String::new(), Judged::Unpressed);
+            let (geometry, judged) = (String::new(), CaptureMatch::Unpressed);
             let row = ScanRow { content, state, deliveries, geometry, held: None, judged };
             self.scans.push((scan, row));
         }

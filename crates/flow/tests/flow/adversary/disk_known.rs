@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use gaiter_flow::ScanState;
-use gaiter_flow::round::{Capture, CaptureState, Judged};
+use gaiter_flow::round::{Capture, CaptureMatch, CaptureState};
 
-use super::{CaptureRow, Content, Disk, End, Fault, Intake, Scan, ScanRow};
+use super::{CaptureRow, Content, Disk, DiskFault, End, Intake, Scan, ScanRow};
 
 impl Disk {
     /// As `Custody::known`.
@@ -38,7 +38,7 @@ impl Disk {
     pub fn whose(&self, scan: Scan) -> BTreeSet<String> {
         let mut whose: BTreeSet<String> = self.patients(scan).into_iter().flatten().collect();
         let judged = self.scan(scan).filter(|row| row.held.is_some()).map(|row| &row.judged);
-        if let Some(Judged::Held { candidates, .. }) = judged {
+        if let Some(CaptureMatch::Held { candidates, .. }) = judged {
             whose.extend(candidates.iter().map(|named| named.id.clone()));
         }
         whose
@@ -79,7 +79,7 @@ impl Disk {
     }
 
     /// As `Journal::captures_closed`.
-    pub fn closed(&mut self, captures: &[i64]) -> Result<(), Fault> {
+    pub fn closed(&mut self, captures: &[i64]) -> Result<(), DiskFault> {
         if !captures.is_empty() {
             self.change()?;
         }

@@ -1,7 +1,7 @@
 //! What each kind of event does; whether there was occasion for it.
 
 use super::exports::{Brought, How, Rest};
-use super::folder::Held;
+use super::folder::FileContent;
 use super::kinds::Kind;
 use super::people::{People, Said};
 use super::truth::{Plan, id};
@@ -369,7 +369,7 @@ impl People {
         }
         let to = self.booth.fresh_name();
         let now = self.booth.now_ms;
-        self.booth.folder.create(&to, Held::Export(Some(content)), now);
+        self.booth.folder.create(&to, FileContent::Export(Some(content)), now);
         self.booth.tell(|| format!("{name} is written again as {to}"));
         self.booth.hint();
         true

@@ -2,7 +2,7 @@
 
 use super::booth::Booth;
 use super::content::{Content, Whole};
-use super::folder::Held;
+use super::folder::FileContent;
 use super::truth::{Export, Plan, id};
 use std::rc::Rc;
 
@@ -69,7 +69,7 @@ impl Booth {
             _ => 4096 + self.chance.below(800),
         };
         let content = Content::new(whole, part);
-        let held = Held::Export((part > 0).then(|| content.clone()));
+        let held = FileContent::Export((part > 0).then(|| content.clone()));
         let temporary = match self.chance.below(2) {
             0 => format!(".{name}.part"),
             _ => format!("{name}.tmp"),
@@ -79,7 +79,7 @@ impl Booth {
         let of = &mut self.truth.bodies[body];
         of.began_ms.get_or_insert(now);
         if how == How::MovedIn {
-            let all = Held::Export(Some(Content::new(whole, usize::MAX)));
+            let all = FileContent::Export(Some(Content::new(whole, usize::MAX)));
             let since = of.scanned_ms.min(now);
             let written = since + (now - since) / 2;
             (of.plan, of.file) = (Plan::Whole, Some(name.to_owned()));
@@ -120,7 +120,7 @@ impl Booth {
         let of = &mut self.truth.bodies[body];
         (of.scanned_ms, of.plan, of.is_older) = (written, Plan::Over, true);
         let whole = Rc::clone(&of.whole);
-        let all = Held::Export(Some(Content::new(&whole, usize::MAX)));
+        let all = FileContent::Export(Some(Content::new(&whole, usize::MAX)));
         self.tell(|| format!("body {body}, made long ago, is brought in as {name} ({how:?})"));
         match how {
             Brought::Folder => self.folder.move_in_folder(name, all, written, self.now_ms),
@@ -141,7 +141,7 @@ impl Booth {
     fn copy_in(&mut self, name: &str, whole: &Rc<Whole>, written_ms: u64) {
         self.overwritten(name);
         let part = Content::new(whole, 1 + self.chance.below(whole.length()));
-        let part = Held::Export(Some(part));
+        let part = FileContent::Export(Some(part));
         let ino = match self.folder.inode(name) {
             Some(ino) => {
                 self.folder.write(ino, part, self.now_ms);
@@ -152,7 +152,7 @@ impl Booth {
         self.hint();
         let by_ms = self.chance.below(900) as u64;
         self.advance(by_ms);
-        let all = Held::Export(Some(Content::new(whole, usize::MAX)));
+        let all = FileContent::Export(Some(Content::new(whole, usize::MAX)));
         self.folder.write(ino, all, self.now_ms);
         self.hint();
         let by_ms = self.chance.below(900) as u64;
@@ -200,8 +200,8 @@ impl Booth {
         let name = name.replace(".obj", ".ord");
         let now = self.now_ms;
         match self.folder.inode(&name).filter(|_| self.chance.below(2) == 0) {
-            Some(ino) => self.folder.write(ino, Held::Measures(text), now),
-            None => drop(self.folder.create(&name, Held::Measures(text), now)),
+            Some(ino) => self.folder.write(ino, FileContent::Measures(text), now),
+            None => drop(self.folder.create(&name, FileContent::Measures(text), now)),
         }
     }
 
@@ -212,7 +212,7 @@ impl Booth {
         let length = (export.content.length() + more).min(export.content.whole.length() - 1);
         export.content = Content::new(&export.content.whole, length);
         let (ino, content, body) = (export.ino, export.content.clone(), export.body);
-        self.folder.write(ino, Held::Export(Some(content)), self.now_ms);
+        self.folder.write(ino, FileContent::Export(Some(content)), self.now_ms);
         self.tell(|| format!("the export of body {body} grows to {length} bytes"));
         self.hint();
     }

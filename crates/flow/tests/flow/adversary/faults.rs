@@ -1,7 +1,7 @@
 //! What disturbs the station: other programs at its files, faults, and people who stop it.
 
 use super::booth::Booth;
-use super::folder::Held;
+use super::folder::FileContent;
 use super::intake::TakeFault;
 use super::kinds::Kind;
 use super::oracle::Seen;
@@ -137,7 +137,7 @@ impl People {
             .list()
             .into_iter()
             .map(|(name, _)| name)
-            .filter(|name| matches!(self.booth.folder.held(name), Some(Held::Export(_))))
+            .filter(|name| matches!(self.booth.folder.held(name), Some(FileContent::Export(_))))
             .collect();
         let Some(name) = self.booth.chance.pick(&names).cloned() else { return false };
         let Some(ino) = self.booth.folder.inode(&name) else { return false };

@@ -17,7 +17,7 @@ const STEP_MS: u64 = 4;
 
 /// What a file holds.
 #[derive(Debug, Clone)]
-pub enum Held {
+pub enum FileContent {
     /// An export, or none of it yet.
     Export(Option<Content>),
     /// The scanner's own measures, which name a patient.
@@ -26,7 +26,7 @@ pub enum Held {
 
 #[derive(Debug, Clone)]
 pub struct Inode {
-    pub held: Held,
+    pub held: FileContent,
     mtime_ms: u64,
     ctime_ms: u64,
 }
@@ -73,8 +73,8 @@ impl Folder {
     fn stamp_of(&self, ino: u64) -> Stamp {
         let file = &self.inodes[&ino];
         let size = match &file.held {
-            Held::Export(content) => content.as_ref().map_or(0, Content::length),
-            Held::Measures(text) => text.len(),
+            FileContent::Export(content) => content.as_ref().map_or(0, Content::length),
+            FileContent::Measures(text) => text.len(),
         };
         let (mtime_ns, ctime_ns) = (ns(file.mtime_ms), ns(file.ctime_ms));
         Stamp { dev: 1, ino, size: size as u64, mtime_ns, ctime_ns }
@@ -98,21 +98,21 @@ impl Folder {
         self.names.get(name).copied()
     }
 
-    pub fn held(&self, name: &str) -> Option<&Held> {
+    pub fn held(&self, name: &str) -> Option<&FileContent> {
         self.names.get(name).map(|ino| &self.inodes[ino].held)
     }
 
     /// The export that lies there, in whatever state.
     pub fn export(&self, name: &str) -> Option<&Content> {
         match self.held(name) {
-            Some(Held::Export(content)) => content.as_ref(),
+            Some(FileContent::Export(content)) => content.as_ref(),
             _ => None,
         }
     }
 
     /// A new file under a name that is free, or freed for it; an inode that was given back comes
     /// first.
-    pub fn create(&mut self, name: &str, held: Held, now_ms: u64) -> u64 {
+    pub fn create(&mut self, name: &str, held: FileContent, now_ms: u64) -> u64 {
         self.version += 1;
         self.unlink(name);
         let ino = self.free.pop().unwrap_or_else(|| {
@@ -126,7 +126,7 @@ impl Folder {
     }
 
     /// Writes what an inode holds from now on; truncating and growing are the same to it.
-    pub fn write(&mut self, ino: u64, held: Held, now_ms: u64) {
+    pub fn write(&mut self, ino: u64, held: FileContent, now_ms: u64) {
         self.version += 1;
         let now_ms = self.clock_ms(now_ms);
         if let Some(file) = self.inodes.get_mut(&ino) {
@@ -135,7 +135,7 @@ impl Folder {
     }
 
     /// A file comes in from elsewhere, with the time at which it was written there.
-    pub fn move_in(&mut self, name: &str, held: Held, written_ms: u64, now_ms: u64) -> u64 {
+    pub fn move_in(&mut self, name: &str, held: FileContent, written_ms: u64, now_ms: u64) -> u64 {
         let ino = self.create(name, held, now_ms);
         let written_ms = self.clock_ms(written_ms);
         if let Some(file) = self.inodes.get_mut(&ino) {
@@ -145,7 +145,7 @@ impl Folder {
     }
 
     /// A new inode, unchanged since then.
-    fn older(&mut self, held: Held, written_ms: u64) -> u64 {
+    fn older(&mut self, held: FileContent, written_ms: u64) -> u64 {
         self.version += 1;
         self.last += 1;
         let written_ms = self.clock_ms(written_ms);
@@ -154,7 +154,7 @@ impl Folder {
     }
 
     /// A folder comes in with a file, whose own times stay.
-    pub fn move_in_folder(&mut self, file: &str, held: Held, written_ms: u64, now_ms: u64) {
+    pub fn move_in_folder(&mut self, file: &str, held: FileContent, written_ms: u64, now_ms: u64) {
         let ino = self.older(held, written_ms);
         self.names.insert(file.to_owned(), ino);
         self.last += 1;
@@ -164,7 +164,7 @@ impl Folder {
     }
 
     /// A file lies in the other folder.
-    pub fn put_aside(&mut self, name: &str, held: Held, written_ms: u64) {
+    pub fn put_aside(&mut self, name: &str, held: FileContent, written_ms: u64) {
         let ino = self.older(held, written_ms);
         self.aside.insert(name.to_owned(), ino);
     }

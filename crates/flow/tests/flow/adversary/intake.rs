@@ -8,15 +8,15 @@ use std::time::Duration;
 
 use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::patient::identity;
-use gaiter_flow::round::{Capture, Content as Judge, Judged, Named};
+use gaiter_flow::round::{Capture, CaptureMatch, ExportContent, Named};
 use gaiter_flow::settle::{Folders, Gone};
-use gaiter_flow::{Look, LookTime, Mark, NameSays, Settled, Stamp, Verdict};
+use gaiter_flow::{Fingerprint, Look, LookTime, NameSays, Settled, Stamp, Verdict};
 use gaiter_record::SourceKind;
 
 use super::booth::{Booth, NEVER, NOBODY, RESCAN_MS, Run, change};
 use super::content::Content;
-use super::disk::{Fault, Intake};
-use super::folder::{self, Held, name_of};
+use super::disk::{DiskFault, Intake};
+use super::folder::{self, FileContent, name_of};
 use super::laws::Off;
 use super::oracle::{Seen, Went};
 use super::work::first_sights;
@@ -26,7 +26,7 @@ use super::work::first_sights;
 pub const COMPLETED_LEAST: usize = 4096;
 
 /// The shortest time from one look to the next, milliseconds.
-const BREATH_MS: u64 = 100;
+const LOOK_PAUSE_MIN_MS: u64 = 100;
 
 /// What the intake does next.
 pub enum Phase {
@@ -41,7 +41,7 @@ pub enum Phase {
     /// A file that has settled is read.
     Read { due: VecDeque<Settled> },
     /// What was read is taken.
-    Take { due: VecDeque<Settled>, settled: Settled, mark: Mark, content: Content },
+    Take { due: VecDeque<Settled>, settled: Settled, mark: Fingerprint, content: Content },
 }
 
 /// What goes wrong with one scan that comes in.
@@ -65,7 +65,7 @@ impl Booth {
         if let Some(run) = &mut self.run
             && matches!(run.phase, Phase::Rest)
         {
-            run.step_at_ms = run.step_at_ms.min(self.now_ms + BREATH_MS);
+            run.step_at_ms = run.step_at_ms.min(self.now_ms + LOOK_PAUSE_MIN_MS);
             run.idle_ms = None;
         }
     }
@@ -215,10 +215,10 @@ impl Booth {
             let left = at.saturating_sub(now).as_millis() as u64;
             if is_shut { left.max(2000) } else { left }
         });
-        (Phase::Rest, soon.clamp(BREATH_MS, RESCAN_MS))
+        (Phase::Rest, soon.clamp(LOOK_PAUSE_MIN_MS, RESCAN_MS))
     }
 
-    fn taken(&mut self, settled: &Settled, mark: &Mark, content: &Content) {
+    fn taken(&mut self, settled: &Settled, mark: &Fingerprint, content: &Content) {
         if let Some(run) = &mut self.run {
             let gone = run.settling.overwritten_by(settled, content.bytes());
             run.settling.read(settled, mark);
@@ -231,7 +231,7 @@ impl Booth {
         match came {
             Ok(()) if awaits_rest => run.settling.cut_short(settled),
             Ok(()) => run.settling.taken(settled),
-            Err(Fault) => {
+            Err(DiskFault) => {
                 if self.disk.spool_holds(content.scan()) {
                     run.settling.kept(settled);
                 }
@@ -241,7 +241,7 @@ impl Booth {
     }
 
     /// As `ingest::take`.
-    fn take(&mut self, settled: &Settled, content: &Content) -> Result<(), Fault> {
+    fn take(&mut self, settled: &Settled, content: &Content) -> Result<(), DiskFault> {
         let says = self.beside(settled);
         self.admit(settled, content, says)?;
         if self.run.is_none() {
@@ -253,9 +253,14 @@ impl Booth {
     }
 
     /// As `ingest::admit`.
-    fn admit(&mut self, settled: &Settled, content: &Content, says: NameSays) -> Result<(), Fault> {
+    fn admit(
+        &mut self,
+        settled: &Settled,
+        content: &Content,
+        says: NameSays,
+    ) -> Result<(), DiskFault> {
         let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
-        let Some(run) = &self.run else { return Err(Fault) };
+        let Some(run) = &self.run else { return Err(DiskFault) };
         let observed = run.settling.began(settled, content.bytes());
         let mut began = observed;
         self.tell(|| format!("{} is read; its content began {began:?}", name_of(&settled.path)));
@@ -265,7 +270,7 @@ impl Booth {
             Some(_) => None,
             None => self.completes(settled, content),
         };
-        let Some(run) = &mut self.run else { return Err(Fault) };
+        let Some(run) = &mut self.run else { return Err(DiskFault) };
         if off == Off::ContentNotName
             && let Some(first) = run.names.get(&name_of(&settled.path))
         {
@@ -275,10 +280,11 @@ impl Booth {
         let is_cut_short = content.awaits_rest();
         let others = run.settling.others(settled, content.bytes());
         let is_rest = completes.is_some();
-        let judge = Judge { began, others: others.clone(), is_known, is_cut_short, completes };
-        let judged = match run.captures.judge_content(&judge, now) {
-            Judged::Of(capture) if capture.named().any(|named| named.id == NOBODY) => {
-                Judged::Of(Capture { patient: None, ..capture })
+        let judge =
+            ExportContent { began, others: others.clone(), is_known, is_cut_short, completes };
+        let judged = match run.captures.match_content(&judge, now) {
+            CaptureMatch::Of(capture) if capture.named().any(|named| named.id == NOBODY) => {
+                CaptureMatch::Of(Capture { patient: None, ..capture })
             }
             judged => judged,
         };
@@ -291,7 +297,7 @@ impl Booth {
         };
         let patient = whose.patient.map(|patient| patient.id);
         let patients = known.map_or_else(Vec::new, |known| self.disk.patients(known));
-        let verdict = identity::judge(patients.iter().map(Option::as_deref), patient.as_deref());
+        let verdict = identity::verdict(patients.iter().map(Option::as_deref), patient.as_deref());
         let verdict = match verdict {
             Verdict::New => whose.held.map_or(Verdict::New, Verdict::Held),
             other => other,
@@ -317,7 +323,7 @@ impl Booth {
         let was_kept = self.disk.spool_holds(scan);
         let entered = self.keep(content, &intake);
         let is_kept = self.run.is_none() || entered.is_ok() || self.disk.spool_holds(scan);
-        if let Some(went) = Went::of(&judged).filter(|_| is_kept && !was_kept) {
+        if let Some(went) = Went::from_match(&judged).filter(|_| is_kept && !was_kept) {
             let others = others.iter().map(|other| self.began(*other)).collect();
             let began = self.began(observed);
             self.observe(Seen::Taken { scan, began, others, went, is_rest });
@@ -334,18 +340,18 @@ impl Booth {
     }
 
     /// Spool, then journal, then memory; or what goes wrong in between.
-    fn keep(&mut self, content: &Content, intake: &Intake) -> Result<(), Fault> {
+    fn keep(&mut self, content: &Content, intake: &Intake) -> Result<(), DiskFault> {
         let (scan, now) = (content.scan(), self.clock());
         let fault = self.fault.take();
         let kept = match fault {
-            Some(TakeFault::Spool) => Err(Fault),
+            Some(TakeFault::Spool) => Err(DiskFault),
             _ => {
                 self.disk.spool_keep(scan, intake.clone());
                 if fault == Some(TakeFault::Crash) {
                     self.crash();
                     return Ok(());
                 }
-                if fault == Some(TakeFault::Sync) { Err(Fault) } else { Ok(()) }
+                if fault == Some(TakeFault::Sync) { Err(DiskFault) } else { Ok(()) }
             }
         };
         let was_locked = self.disk.is_locked;
@@ -357,7 +363,7 @@ impl Booth {
             return Ok(());
         }
         let (is_kept, judged) = (self.disk.spool_holds(scan), &intake.judged);
-        let Some(run) = &mut self.run else { return Err(Fault) };
+        let Some(run) = &mut self.run else { return Err(DiskFault) };
         if entered.is_ok() || is_kept {
             run.captures.answer(judged, now);
         }
@@ -378,11 +384,11 @@ impl Booth {
     }
 
     /// As `Custody::enter_kept`.
-    fn enter_kept(&mut self) -> Result<(), Fault> {
+    fn enter_kept(&mut self) -> Result<(), DiskFault> {
         let now = self.clock();
         for (scan, intake) in self.disk.unentered() {
             self.disk.enter(scan, &intake)?;
-            let Some(run) = &mut self.run else { return Err(Fault) };
+            let Some(run) = &mut self.run else { return Err(DiskFault) };
             run.captures.answer(&intake.judged, now);
             run.work.insert(self.now_ms + 1500, scan);
             self.tell(|| format!("{scan:?} is entered after all"));
@@ -408,7 +414,7 @@ impl Booth {
         }
         let name = name_of(&only.path);
         match self.folder.held(&name).filter(|_| self.folder.stamp(&name) == Some(only.stamp)) {
-            Some(Held::Measures(text)) => self.setup.identity.of_sidecar(text),
+            Some(FileContent::Measures(text)) => self.setup.identity.of_sidecar(text),
             _ => NameSays::Nothing,
         }
     }
@@ -422,7 +428,7 @@ impl Booth {
         }
     }
 
-    fn note_companion(&mut self, scan: &str, settled: &Settled) -> Result<(), Fault> {
+    fn note_companion(&mut self, scan: &str, settled: &Settled) -> Result<(), DiskFault> {
         if let [only] = settled.companions.as_slice() {
             self.disk.companions.insert(scan.to_owned(), only.stamp);
         }

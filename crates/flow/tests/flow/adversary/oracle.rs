@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_record::SourceKind;
 
 use super::booth::{LATE, NAME_LASTS, WINDOW};
@@ -37,15 +37,15 @@ pub enum Went {
 
 impl Went {
     /// None of what is known already.
-    pub fn of(judged: &Judged) -> Option<Went> {
+    pub fn from_match(judged: &CaptureMatch) -> Option<Went> {
         match judged {
-            Judged::Known => None,
-            Judged::Unpressed => Some(Went::Nobody),
-            Judged::Of(capture) => {
+            CaptureMatch::Known => None,
+            CaptureMatch::Unpressed => Some(Went::Nobody),
+            CaptureMatch::Of(capture) => {
                 let patient = capture.patient.as_ref().map(|named| named.id.clone());
                 Some(Went::Round { number: capture.number, patient })
             }
-            Judged::Held { answered, doubtful, .. } => {
+            CaptureMatch::Held { answered, doubtful, .. } => {
                 Some(Went::Held { answered: *answered, is_alone: doubtful.is_empty() })
             }
         }

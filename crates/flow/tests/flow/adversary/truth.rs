@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::booth::Booth;
 use super::content::{Content, Whole};
-use super::folder::Held;
+use super::folder::FileContent;
 
 /// What is to come of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,7 +130,7 @@ impl Booth {
     pub fn end_export(&mut self, place: usize) {
         let export = self.truth.exports.remove(place);
         let whole = Content::new(&export.content.whole, usize::MAX);
-        self.folder.write(export.ino, Held::Export(Some(whole)), self.now_ms);
+        self.folder.write(export.ino, FileContent::Export(Some(whole)), self.now_ms);
         if let Some(then) = &export.then {
             self.overwritten(then);
             self.folder.rename(&export.name, then, self.now_ms);

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 use gaiter_flow::{Appeared, ScanState, Stamp};
 
 use super::booth::{Booth, Run, change};
@@ -62,11 +62,12 @@ impl Booth {
         self.check_records();
     }
 
-    fn refuse(&mut self, scan: Scan, body: usize) -> Result<(), super::disk::Fault> {
+    fn refuse(&mut self, scan: Scan, body: usize) -> Result<(), super::disk::DiskFault> {
         self.disk.refused(scan)?;
         self.tell(|| format!("body {body} is refused: {scan:?}"));
         // Of one that came for nobody nobody relies on its capture.
-        let answered = self.disk.scan(scan).is_some_and(|row| row.judged != Judged::Unpressed);
+        let answered =
+            self.disk.scan(scan).is_some_and(|row| row.judged != CaptureMatch::Unpressed);
         if answered {
             self.truth.bodies[body].refused_ms = Some(self.now_ms);
         }
@@ -90,7 +91,7 @@ impl Booth {
         }
         self.tell(|| format!("a person decides that {scan:?} is of {who:?}"));
         let (at, now) = (self.now_ms + 1500, self.clock());
-        let judged = self.disk.scan(scan).map_or(Judged::Unpressed, |row| row.judged.clone());
+        let judged = self.disk.scan(scan).map_or(CaptureMatch::Unpressed, |row| row.judged.clone());
         if let Some(run) = &mut self.run {
             run.work.insert(at, scan);
             if let Some(who) = &who {

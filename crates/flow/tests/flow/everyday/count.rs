@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use gaiter_flow::DeliveryState;
-use gaiter_flow::round::Judged;
+use gaiter_flow::round::CaptureMatch;
 
 use super::day::Day;
 use super::truth::{Plan, id};
@@ -44,7 +44,7 @@ impl Count {
                 self.held += 1;
                 *self.causes.entry(why).or_default() += 1;
                 let mut concerned = BTreeSet::from([id(of.patient)]);
-                if let Judged::Held { candidates, .. } = &row.judged {
+                if let CaptureMatch::Held { candidates, .. } = &row.judged {
                     concerned.extend(candidates.iter().map(|named| named.id.clone()));
                 }
                 join(&mut chains, concerned);

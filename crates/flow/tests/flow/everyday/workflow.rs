@@ -48,7 +48,7 @@ pub struct Habits {
 }
 
 impl Habits {
-    pub fn of(naming: Naming, button: bool) -> Habits {
+    pub fn new(naming: Naming, button: bool) -> Habits {
         let name = Some(Regex::new("^(?<patient>[0-9]+)_").unwrap());
         let pattern = Regex::new("[0-9]+").unwrap();
         let identity = Identity::new(name, None, &pattern, CheckDigit::None).unwrap();

@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
-use gaiter_flow::round::{Capture, Judged, Named, Names, Rounds, Rules};
+use gaiter_flow::round::{Capture, CaptureMatch, Named, Names, Rounds, Rules};
 use gaiter_flow::settle::Memory;
-use gaiter_flow::{OrdersWhen, round::Content};
+use gaiter_flow::{OrdersWhen, round::ExportContent};
 use gaiter_record::SourceKind;
 
 use super::chance::Chance;
@@ -146,20 +146,20 @@ pub fn content(
     is_known: bool,
     is_cut_short: bool,
     completes: Option<Vec<Patient>>,
-) -> Content {
+) -> ExportContent {
     let named = |patient: Patient| Named { id: patient.to_string(), by: SourceKind::Order };
     let known = |patients: Vec<Patient>| {
         patients.into_iter().filter(|patient| *patient > 0).map(named).collect()
     };
     let others = Vec::new();
-    Content { began, others, is_known, is_cut_short, completes: completes.map(known) }
+    ExportContent { began, others, is_known, is_cut_short, completes: completes.map(known) }
 }
 
 /// The number of the capture that an export answered.
-pub fn answered(judged: &Judged) -> Option<i64> {
+pub fn answered(judged: &CaptureMatch) -> Option<i64> {
     match judged {
-        Judged::Of(capture) => Some(capture.number),
-        Judged::Held { answered, .. } => *answered,
-        Judged::Unpressed | Judged::Known => None,
+        CaptureMatch::Of(capture) => Some(capture.number),
+        CaptureMatch::Held { answered, .. } => *answered,
+        CaptureMatch::Unpressed | CaptureMatch::Known => None,
     }
 }

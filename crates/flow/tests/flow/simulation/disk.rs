@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use gaiter_flow::round::{Capture, Judged, Rounds};
+use gaiter_flow::round::{Capture, CaptureMatch, Rounds};
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanState, ScanStep};
 
 use super::booth::{self, Kept};
@@ -26,7 +26,7 @@ pub struct Intake {
     /// Whether it is held.
     pub delivery: DeliveryState,
     /// Which capture it answers.
-    pub judged: Judged,
+    pub judged: CaptureMatch,
 }
 
 /// The journal and the spool, whose changes are whole or not at all.

@@ -7,7 +7,7 @@ use gaiter_flow::outbox::{Ended, Key, Plan};
 use gaiter_flow::patient::identity;
 use gaiter_flow::round::Rounds;
 use gaiter_flow::{
-    DeliveryState, LookTime, Mark, NameSays, Outbox, ScanId, Settled, Settling, Verdict,
+    DeliveryState, Fingerprint, LookTime, NameSays, Outbox, ScanId, Settled, Settling, Verdict,
 };
 use gaiter_record::{self as record, Source, SourceKind};
 
@@ -21,7 +21,7 @@ const TIMES: [Duration; 3] =
     [Duration::from_secs(2), Duration::from_secs(60), Duration::from_secs(600)];
 
 /// How many scans are in progress at a time.
-const HANDS: usize = 2;
+const JOBS_MAX: usize = 2;
 
 /// What a crash takes away.
 pub struct Station {
@@ -53,7 +53,7 @@ pub enum Came {
 
 /// Faults of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub enum StepFault {
     None,
     /// The journal or the disk failed before anything was written.
     Before,
@@ -86,7 +86,7 @@ impl Station {
         if scanner.in_reach {
             for (path, stamp) in self.settling.unmarked() {
                 let file = scanner.read(&path, stamp);
-                let mark = file.map(|file| Mark::of(now, now, &file.bytes.content()));
+                let mark = file.map(|file| Fingerprint::whole(now, now, &file.bytes.content()));
                 self.settling.marked(&path, stamp, mark);
             }
         }
@@ -100,7 +100,7 @@ impl Station {
         &mut self,
         scanner: &Scanner,
         disk: &mut Disk,
-        fault: Fault,
+        fault: StepFault,
         now: Duration,
         chance: &mut Chance,
     ) -> (Came, bool) {
@@ -116,14 +116,14 @@ impl Station {
             self.settling.cut_short(&settled);
             return (Came::CutShort, false);
         }
-        if fault == Fault::Before {
+        if fault == StepFault::Before {
             self.settling.failed(&settled, now, chance.unit());
             return (Came::Nothing, false);
         }
-        let mark = Mark::of(now, now, &file.bytes.content());
+        let mark = Fingerprint::whole(now, now, &file.bytes.content());
         self.settling.read(&settled, &mark);
-        let verdict = self.admit(disk, &settled, file, fault == Fault::Between, now);
-        if fault == Fault::Between {
+        let verdict = self.admit(disk, &settled, file, fault == StepFault::Between, now);
+        if fault == StepFault::Between {
             return (Came::Nothing, true);
         }
         self.settling.taken(&settled);
@@ -151,13 +151,13 @@ impl Station {
         let completes = if known.is_empty() { disk.completes(bytes) } else { None };
         let is_cut_short = bytes.length < WHOLE;
         let content = booth::content(began, !known.is_empty(), is_cut_short, completes);
-        let judged = self.captures.judge_content(&content, now);
+        let judged = self.captures.match_content(&content, now);
         let says = [name_says(file.patient), NameSays::Nothing];
         let whose = identity::of_judged(&judged, false, says);
         let sighted = whose.patient.map(|patient| patient.id);
         let names: Vec<Option<String>> =
             known.iter().map(|p| (*p > 0).then(|| p.to_string())).collect();
-        let verdict = identity::judge(names.iter().map(Option::as_deref), sighted.as_deref());
+        let verdict = identity::verdict(names.iter().map(Option::as_deref), sighted.as_deref());
         let verdict = match verdict {
             Verdict::New => whose.held.map_or(Verdict::New, Verdict::Held),
             other => other,
@@ -184,7 +184,7 @@ impl Station {
         &mut self,
         disk: &mut Disk,
         stores: &mut [Store; STORES],
-        fault: Fault,
+        fault: StepFault,
         now: Duration,
         chance: &mut Chance,
     ) -> (Came, bool) {
@@ -197,8 +197,8 @@ impl Station {
             .map(|(name, _)| *name)
             .collect();
         let keys: Vec<Key> = due.iter().map(|name| self.key(*name)).collect();
-        let plan = match self.outbox.can_start(now, HANDS) {
-            true => self.outbox.plan(&keys, now, HANDS),
+        let plan = match self.outbox.can_start(now, JOBS_MAX) {
+            true => self.outbox.plan(&keys, now, JOBS_MAX),
             false => Plan::default(),
         };
         self.asked.extend(plan.ask.iter().map(|store| store.parse::<usize>().unwrap()));
@@ -231,7 +231,7 @@ impl Station {
     /// When something is due by time alone.
     pub fn next_in(&self, now: Duration) -> Option<Duration> {
         let settling = self.settling.next_due().map(|at| at.saturating_sub(now));
-        [settling, self.outbox.next_in(now, HANDS)].into_iter().flatten().min()
+        [settling, self.outbox.next_in(now, JOBS_MAX)].into_iter().flatten().min()
     }
 
     fn key(&mut self, (bytes, patient, store): Name) -> Key {
@@ -253,7 +253,7 @@ fn attempt(
     disk: &mut Disk,
     stores: &mut [Store; STORES],
     name: Name,
-    fault: Fault,
+    fault: StepFault,
 ) -> (Came, Ended, bool) {
     let (bytes, patient, store) = name;
     match disk.deliveries.get(&name) {
@@ -269,7 +269,7 @@ fn attempt(
         // Another delivery of the same scan refused it meanwhile.
         _ => return (Came::Nothing, Ended::ForGood, false),
     }
-    if fault == Fault::Before {
+    if fault == StepFault::Before {
         return (Came::Nothing, Ended::PutOff, false);
     }
     if !bytes.is_measurable() {
@@ -283,7 +283,7 @@ fn attempt(
     stores[store].put(bytes, patient);
     match fault {
         // The record is there and the station never learns of it.
-        Fault::Between => (Came::LostReply, Ended::PutOff, true),
+        StepFault::Between => (Came::LostReply, Ended::PutOff, true),
         _ => {
             disk.delivered(name);
             (Came::Delivered, Ended::ForGood, false)
@@ -292,7 +292,7 @@ fn attempt(
 }
 
 fn name_says(patient: Option<u8>) -> NameSays {
-    let sources = vec![Source::of(SourceKind::FileName)];
+    let sources = vec![Source::from_kind(SourceKind::FileName)];
     let named = |id: u8| record::Patient { id: id.to_string(), sources };
     patient.map_or(NameSays::Nothing, |id| NameSays::Patient(named(id)))
 }

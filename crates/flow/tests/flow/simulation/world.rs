@@ -9,7 +9,7 @@ use super::booth::{Booth, Did};
 use super::chance::Chance;
 use super::disk::{Disk, Patient, STORES, Store};
 use super::scanner::{Bytes, Scanner, WHOLE};
-use super::station::{Came, Fault, Station};
+use super::station::{Came, Station, StepFault};
 
 /// More rounds than any backlog needs once the faults have ended.
 const ROUNDS: u32 = 20_000;
@@ -134,7 +134,7 @@ impl World {
 
     /// The people at the booth do the next thing.
     fn visit(&mut self) {
-        let fails = self.fault() != Fault::None;
+        let fails = self.fault() != StepFault::None;
         // Mostly a patient comes when the scan before has come in.
         let is_busy = self.scanner.is_writing() || self.station.captures.waiting().next().is_some();
         if !self.booth.is_visited() && is_busy && self.chance.below(20) > 0 {
@@ -150,11 +150,11 @@ impl World {
         }
     }
 
-    fn fault(&mut self) -> Fault {
+    fn fault(&mut self) -> StepFault {
         match self.chance.below(400) {
-            0..=9 => Fault::Before,
-            10 => Fault::Between,
-            _ => Fault::None,
+            0..=9 => StepFault::Before,
+            10 => StepFault::Between,
+            _ => StepFault::None,
         }
     }
 
@@ -293,8 +293,8 @@ impl World {
             self.station.look(&self.scanner, &mut self.disk, self.now);
             for _ in 0..40 {
                 let World { station, scanner, disk, stores, chance, now, .. } = self;
-                station.take(scanner, disk, Fault::None, *now, chance);
-                station.work(disk, stores, Fault::None, *now, chance);
+                station.take(scanner, disk, StepFault::None, *now, chance);
+                station.work(disk, stores, StepFault::None, *now, chance);
             }
             self.check();
             if self.is_at_rest() {

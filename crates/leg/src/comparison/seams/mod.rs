@@ -146,7 +146,7 @@ pub struct Traces {
 
 impl Traces {
     /// Reads the mesh of a leg: its points on the skin, its edges, and girths of the leg by height, mm.
-    pub fn of(
+    pub fn new(
         placed: &[Option<Placed>],
         edges: &[[u32; 2]],
         girths: &[[f64; 2]],

@@ -68,7 +68,7 @@ fn leg_with(
     }
     let girths: Vec<[f64; 2]> =
         (0..140).map(|row| [80.0 + 5.0 * f64::from(row), TAU * RADIUS_MM]).collect();
-    Traces::of(&placed, &edges, &girths, STATURE_MM)
+    Traces::new(&placed, &edges, &girths, STATURE_MM)
 }
 
 /// A camera at 35° to the left whose quarter is moved away from the leg.

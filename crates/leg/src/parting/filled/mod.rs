@@ -115,7 +115,7 @@ pub struct Filled {
 /// thigh, where skin is round. Triangles must be wound alike. A bare cloud has none.
 pub fn filled(mesh: &Mesh, span_mm: [f64; 2]) -> Filled {
     let mut is_filled = vec![false; mesh.triangles().len()];
-    let Some(skin) = Skin::of(mesh, span_mm) else {
+    let Some(skin) = Skin::from_mesh(mesh, span_mm) else {
         return Filled { is_filled, patches: Vec::new() };
     };
     let mut found = Vec::new();
@@ -165,7 +165,7 @@ struct Skin<'a> {
 
 impl Skin<'_> {
     /// Of what reaches between two heights, with some skin around, mm; `None` for a cloud.
-    fn of(mesh: &Mesh, [low_mm, high_mm]: [f64; 2]) -> Option<Skin<'_>> {
+    fn from_mesh(mesh: &Mesh, [low_mm, high_mm]: [f64; 2]) -> Option<Skin<'_>> {
         let points = mesh.points();
         let edges = mesh.edges();
         let along =

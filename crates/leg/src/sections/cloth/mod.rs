@@ -93,7 +93,7 @@ pub fn cloth(
     noise_mm: f64,
     span_mm: [f64; 2],
 ) -> Cloth {
-    let Some(rows) = Rows::of(points, fitted, noise_mm.max(NOISE_MIN_MM), span_mm) else {
+    let Some(rows) = Rows::new(points, fitted, noise_mm.max(NOISE_MIN_MM), span_mm) else {
         return Cloth::default();
     };
     let means = rows.means();

@@ -66,7 +66,7 @@ fn leans() -> impl Iterator<Item = Lean> {
 }
 
 impl Rows {
-    pub(super) fn of(
+    pub(super) fn new(
         points: impl Iterator<Item = [f64; 3]>,
         fitted: impl Fn(f64) -> Option<[f64; DIRECTIONS]>,
         noise_mm: f64,

@@ -34,7 +34,7 @@ struct Sample {
 }
 
 impl Sample {
-    fn of(name: &str) -> Sample {
+    fn named(name: &str) -> Sample {
         let mesh = Mesh::body(name);
         let truth = measured(&mesh);
         Sample { mesh, truth }
@@ -43,7 +43,7 @@ impl Sample {
 
 /// A woman and a man, exported in mm with y up and the toes to +z.
 static SAMPLES: LazyLock<[Sample; 2]> =
-    LazyLock::new(|| ["f_average_clean", "m_average_clean"].map(Sample::of));
+    LazyLock::new(|| ["f_average_clean", "m_average_clean"].map(Sample::named));
 
 fn measured(mesh: &Mesh) -> Extraction {
     extract(&mesh.obj(), Format::Obj, &Method::default()).unwrap()

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::*;
 use crate::chart::VolumeFigures;
 use crate::measure::{Absent, Length};
-use crate::report::Mark;
+use crate::report::Reliability;
 use crate::shape::ShapeFigures;
 
 /// A record of two legs with B, C and D; A is estimated. The girth grows by 0.5 mm per mm of height.
@@ -83,33 +83,33 @@ fn what(fault: AmendFault) -> What {
 fn what_a_person_set_counts_and_the_rest_and_the_other_leg_stay_the_scans() {
     let before = record();
     let after = before.amended(&[girth("C", 385.0)], true).unwrap();
-    let c = Measure::of(&after, Side::Right, Level::C).unwrap();
-    assert_eq!((c.girth.mm, c.mark()), (385.0, Mark::ByHand));
+    let c = Measure::find(&after, Side::Right, Level::C).unwrap();
+    assert_eq!((c.girth.mm, c.mark()), (385.0, Reliability::ByHand));
     let height = c.height.unwrap();
     assert_eq!((height.mm, height.sd_mm), (300.0, Some(1.0)));
     // The doubt about the girth is settled, the doubt about the height is not.
-    assert_eq!((c.doubts.as_slice(), c.mark_of(height)), (&["shallow"][..], Mark::Doubtful));
-    let other = Measure::of(&after, Side::Left, Level::C).unwrap();
-    assert_eq!(other, Measure::of(&before, Side::Left, Level::C).unwrap());
+    assert_eq!((c.doubts.as_slice(), c.mark_of(height)), (&["shallow"][..], Reliability::Doubtful));
+    let other = Measure::find(&after, Side::Left, Level::C).unwrap();
+    assert_eq!(other, Measure::find(&before, Side::Left, Level::C).unwrap());
     assert_eq!(after.legs, before.legs, "the scan's value never changes");
 }
 
 #[test]
 fn where_only_the_height_is_set_the_girth_is_the_scans_there() {
     let after = record().amended(&[height("C", 312.0)], true).unwrap();
-    let c = Measure::of(&after, Side::Right, Level::C).unwrap();
+    let c = Measure::find(&after, Side::Right, Level::C).unwrap();
     assert_eq!((c.girth.mm, c.girth.is_by_hand), (356.0, false));
     assert_eq!((c.height.unwrap().mm, c.doubts.as_slice()), (312.0, &["gap"][..]));
     // Also where the scan did not find the level at all.
     let after = record().amended(&[height("B1", 150.0)], true).unwrap();
-    let b1 = Measure::of(&after, Side::Right, Level::B1).unwrap();
+    let b1 = Measure::find(&after, Side::Right, Level::B1).unwrap();
     assert_eq!((b1.girth.mm, b1.height.unwrap().mm, b1.is_estimate), (275.0, 150.0, false));
 }
 
 #[test]
 fn later_amendments_add_to_earlier_ones_and_taking_back_ends_them_all() {
     fn c(of: &Record) -> Result<Measure<'_>, Absent> {
-        Measure::of(of, Side::Right, Level::C)
+        Measure::find(of, Side::Right, Level::C)
     }
     let both = record().amended(&[girth("C", 385.0), height("C", 305.0)], true).unwrap();
     let measure = c(&both).unwrap();
@@ -140,8 +140,12 @@ fn a_level_that_the_scan_did_not_find_needs_girth_and_height_on_the_foot_a_girth
     assert!(record().amended(&[e], true).is_ok());
     let y = record().amended(&[girth("Y", 330.0), girth("A", 235.0)], true).unwrap();
     for (level, mm) in [(Level::Y, 330.0), (Level::A, 235.0)] {
-        let of = Measure::of(&y, Side::Right, level).unwrap();
-        assert_eq!((of.girth.mm, of.height, of.mark()), (mm, None, Mark::ByHand), "{level:?}");
+        let of = Measure::find(&y, Side::Right, level).unwrap();
+        assert_eq!(
+            (of.girth.mm, of.height, of.mark()),
+            (mm, None, Reliability::ByHand),
+            "{level:?}"
+        );
     }
 }
 
@@ -241,7 +245,7 @@ fn lengths_of_foot_and_inside_leg_are_set_on_one_leg_alone() {
     let length = |measure| set(measure, Deed::Measured, [None, None, Some(250.0)]);
     let inside = set("inside-leg", Deed::Measured, [None, None, Some(760.0)]);
     let after = record().amended(&[length("foot-length"), inside], true).unwrap();
-    let of = |side, subject| Length::of(&after, side, subject);
+    let of = |side, subject| Length::find(&after, side, subject);
     assert_eq!(of(Side::Right, Subject::FootLength), Ok(Length::by_hand(250.0)));
     assert_eq!(of(Side::Left, Subject::FootLength), Err(Absent::NotFound));
     assert_eq!(of(Side::Right, Subject::FootBreadth), Err(Absent::NotFound));
@@ -257,7 +261,7 @@ fn a_leg_that_was_not_in_the_scan_can_be_measured_by_hand() {
     let c = set("C", Deed::Measured, [Some(380.0), Some(300.0), None]);
     let after = record.amended(&[c], true).unwrap();
     assert_eq!(after.sides().collect::<Vec<_>>(), [Side::Right, Side::Left]);
-    assert_eq!(Measure::of(&after, Side::Right, Level::C).unwrap().girth.mm, 380.0);
+    assert_eq!(Measure::find(&after, Side::Right, Level::C).unwrap().girth.mm, 380.0);
 }
 
 #[test]

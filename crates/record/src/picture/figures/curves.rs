@@ -33,9 +33,9 @@ pub(super) fn line(side: Side, places: impl Iterator<Item = Option<[f64; 2]>>) -
         }
     }
     lines.retain(|line| line.len() > 1);
-    let ink = Ink::of(side);
+    let ink = Ink::for_side(side);
     let stroke = match side {
-        Side::Left => Stroke::of(ink, 2.0),
+        Side::Left => Stroke::solid(ink, 2.0),
         Side::Right => Stroke::dashed(ink, 2.0, DASH),
     };
     stroked(lines, stroke)

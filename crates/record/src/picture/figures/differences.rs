@@ -4,7 +4,7 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 
-use super::plot::{LINE, SMALL, Scale, TEXT, about_zero, heading, lines, shape, words};
+use super::plot::{LINE, SMALL, Scale, TEXT, about_zero, heading, lines, shape, text_mark};
 use crate::Record;
 use crate::chart::{AtFigures, girth_difference, same_heights};
 use crate::picture::{Anchor, Ink, Mark, Picture};
@@ -54,7 +54,7 @@ struct Row<'a> {
 
 impl<'a> Row<'a> {
     /// The row of two girths, right and left; `None` if one of them is missing.
-    fn of(girths: [&'a AtFigures; 2]) -> Option<Row<'a>> {
+    fn new(girths: [&'a AtFigures; 2]) -> Option<Row<'a>> {
         let (difference_mm, sd_mm) = girth_difference(girths[0], girths[1])?;
         Some(Row { height_mm: girths[0].height_mm, girths, difference_mm, sd_mm })
     }
@@ -74,7 +74,7 @@ impl<'a> Row<'a> {
 pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let [right, left] = Side::FROM_FRONT.map(|side| record.leg(side));
     let pairs = same_heights([&right?.profile, &left?.profile]);
-    let rows: Vec<Row> = pairs.into_iter().filter_map(Row::of).collect();
+    let rows: Vec<Row> = pairs.into_iter().filter_map(Row::new).collect();
     let highest_mm = rows.last()?.height_mm;
     let apart_mm = rows.windows(2).map(|pair| pair[1].height_mm - pair[0].height_mm);
     let apart_mm = apart_mm.fold(highest_mm, f64::min);
@@ -116,10 +116,10 @@ fn grid(scale: &Scale, step_mm: f64, floor: f64, language: Language) -> Vec<Mark
     marks.extend(scale.steps(step_mm).map(|mm| {
         let places = usize::from(step_mm < 10.0);
         let amount = number(mm.abs() / 10.0, places, language);
-        words([scale.at(mm), floor + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
+        text_mark([scale.at(mm), floor + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
     }));
     let name = language.text("picture.floor");
-    marks.push(words([4.0, floor + LINE], Anchor::Start, SMALL, Ink::Muted, name));
+    marks.push(text_mark([4.0, floor + LINE], Anchor::Start, SMALL, Ink::Muted, name));
     marks
 }
 
@@ -129,18 +129,18 @@ fn titles(language: Language) -> Vec<Mark> {
     let middle = f64::midpoint(BARS_X[0], BARS_X[1]);
     let difference = text("picture.difference_cm");
     let mut marks = vec![
-        words([4.0, second], Anchor::Start, SMALL, Ink::Muted, text("picture.height_cm")),
-        words([middle, first], Anchor::Middle, SMALL, Ink::Text, difference),
+        text_mark([4.0, second], Anchor::Start, SMALL, Ink::Muted, text("picture.height_cm")),
+        text_mark([middle, first], Anchor::Middle, SMALL, Ink::Text, difference),
     ];
     for (side, x) in Side::FROM_FRONT.into_iter().zip([GIRTH_X[0], WIDTH - 8.0]) {
         let leg = language.word("leg", side.word());
-        marks.push(heading([x, first], Anchor::End, Ink::of(side), leg));
+        marks.push(heading([x, first], Anchor::End, Ink::for_side(side), leg));
         let (at, anchor) = match side {
             Side::Right => (middle - 8.0, Anchor::End),
             Side::Left => (middle + 8.0, Anchor::Start),
         };
         let larger = language.word("picture.larger", side.word());
-        marks.push(words([at, second], anchor, SMALL, Ink::of(side), larger));
+        marks.push(text_mark([at, second], anchor, SMALL, Ink::for_side(side), larger));
     }
     marks
 }
@@ -149,12 +149,12 @@ fn titles(language: Language) -> Vec<Mark> {
 fn girths(row: &Row, y: f64, language: Language) -> Vec<Mark> {
     let y = y + TEXT / 3.0;
     let height = number(row.height_mm / 10.0, 0, language);
-    let mut marks = vec![words([HEIGHT_X, y], Anchor::End, SMALL, Ink::Muted, height)];
+    let mut marks = vec![text_mark([HEIGHT_X, y], Anchor::End, SMALL, Ink::Muted, height)];
     for ((side, x), girth) in Side::FROM_FRONT.into_iter().zip(GIRTH_X).zip(row.girths) {
         let told = girth.girth_tape_mm.map(|mm| cm_words(mm, language)).unwrap_or_default();
-        marks.push(words([x, y], Anchor::End, TEXT, Ink::of(side), told));
+        marks.push(text_mark([x, y], Anchor::End, TEXT, Ink::for_side(side), told));
         if !girth.doubts.is_empty() {
-            marks.push(words([x + 3.0, y], Anchor::Start, TEXT, Ink::Text, "?"));
+            marks.push(text_mark([x + 3.0, y], Anchor::Start, TEXT, Ink::Text, "?"));
         }
     }
     marks
@@ -163,7 +163,7 @@ fn girths(row: &Row, y: f64, language: Language) -> Vec<Mark> {
 /// The difference as a bar from zero, full if it exceeds its uncertainty and hollow if not, with its
 /// standard error as a whisker.
 fn bar(row: &Row, y: f64, scale: &Scale) -> Vec<Mark> {
-    let ink = Ink::of(row.larger());
+    let ink = Ink::for_side(row.larger());
     let [zero, end] = [0.0, row.difference_mm].map(|mm| scale.at(mm));
     let outline = vec![[zero, y - BAR], [end, y - BAR], [end, y + BAR], [zero, y + BAR]];
     let fill = if row.is_real() { ink } else { Ink::Paper };

@@ -9,7 +9,7 @@ use gaiter_leg::Side;
 
 use super::LEVELS;
 use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, stroked, words,
+    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, stroked, text_mark,
 };
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::schema::LegFigures;
@@ -82,14 +82,14 @@ pub fn map_of(
         let frame = Frame { x: Scale { range, px }, y };
         let middle = [f64::midpoint(px[0], px[1]), 20.0];
         let leg = language.word("leg", side.word());
-        marks.push(heading(middle, Anchor::Middle, Ink::of(side), leg));
+        marks.push(heading(middle, Anchor::Middle, Ink::for_side(side), leg));
         marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
         marks.extend(around(&frame, language));
         marks.extend(map(record.leg(side), &frame, scale, language));
         marks.extend(legend(px[0], scale, language));
     }
     let height = language.text("picture.height_cm");
-    marks.push(words([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, height));
+    marks.push(text_mark([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, height));
     Some(Picture { title: title.to_owned(), size: SIZE, cuts: vec![CUT_PX], marks })
 }
 
@@ -104,7 +104,7 @@ fn around(frame: &Frame, language: Language) -> Vec<Mark> {
     ];
     let name = |(angle, name): (f64, &str)| {
         let at = [frame.x.at(angle), ROWS_PX[1] + LINE];
-        words(at, Anchor::Middle, SMALL, Ink::Muted, name)
+        text_mark(at, Anchor::Middle, SMALL, Ink::Muted, name)
     };
     names.into_iter().map(name).collect()
 }
@@ -125,7 +125,7 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, scale: MapScale, language: Langu
         let at =
             [f64::midpoint(frame.x.px[0], frame.x.px[1]), f64::midpoint(ROWS_PX[0], ROWS_PX[1])];
         let none = language.text("picture.no_surface");
-        return vec![words(at, Anchor::Middle, TEXT, Ink::Muted, none)];
+        return vec![text_mark(at, Anchor::Middle, TEXT, Ink::Muted, none)];
     };
     let mut marks = cells(surface, frame, scale);
     let named = LEVELS.map(|level| {
@@ -159,7 +159,7 @@ fn cells(surface: &SurfaceGridFigures, frame: &Frame, scale: MapScale) -> Vec<Ma
     };
     let edge_x = |column: usize| frame.x.at(-180.0 + width_deg * column as f64);
     let mut by_step = BTreeMap::<Option<i64>, Vec<Vec<[f64; 2]>>>::new();
-    let mut signs = Signs::of(scale);
+    let mut signs = Signs::from_scale(scale);
     for (row, errors) in errors.chunks(columns).enumerate().take(heights.len()) {
         let [low, high] = [edge(row), edge(row + 1)].map(|mm| frame.y.at(mm));
         let steps: Vec<Option<i64>> =
@@ -196,7 +196,7 @@ struct Signs {
 }
 
 impl Signs {
-    fn of(scale: MapScale) -> Signs {
+    fn from_scale(scale: MapScale) -> Signs {
         Signs { scale, dots: Default::default(), strokes: Default::default(), net: Vec::new() }
     }
 
@@ -249,7 +249,7 @@ fn legend(left: f64, scale: MapScale, language: Language) -> Vec<Mark> {
     const BOX: [f64; 2] = [20.0, 12.0];
     let top = ROWS_PX[1] + 38.0;
     let mut marks = Vec::new();
-    let mut signs = Signs::of(scale);
+    let mut signs = Signs::from_scale(scale);
     let box_at =
         |x: f64| vec![[x, top], [x + BOX[0], top], [x + BOX[0], top + BOX[1]], [x, top + BOX[1]]];
     for (index, step) in (-(STEPS as i64)..=STEPS as i64).enumerate() {
@@ -262,7 +262,7 @@ fn legend(left: f64, scale: MapScale, language: Language) -> Vec<Mark> {
         if step % 2 == 0 {
             let mm = rounding::number(mm, 1, language);
             let at = [middle, top + BOX[1] + LINE];
-            marks.push(words(at, Anchor::Middle, SMALL, Ink::Muted, mm));
+            marks.push(text_mark(at, Anchor::Middle, SMALL, Ink::Muted, mm));
         }
     }
     let end = left + (2.0 * STEPS + 1.0) * BOX[0];
@@ -281,9 +281,9 @@ fn legend(left: f64, scale: MapScale, language: Language) -> Vec<Mark> {
         marks.push(lines(vec![frame], Ink::Muted, 0.75));
     }
     let below = [left, top + BOX[1] + 2.0 * LINE + 2.0];
-    marks.push(words(below, Anchor::Start, SMALL, Ink::Text, language.text("picture.off_mm")));
+    marks.push(text_mark(below, Anchor::Start, SMALL, Ink::Text, language.text("picture.off_mm")));
     let at = [unseen + BOX[0] + 5.0, top + BOX[1] - 2.0];
-    marks.push(words(at, Anchor::Start, SMALL, Ink::Text, language.text("picture.unseen")));
+    marks.push(text_mark(at, Anchor::Start, SMALL, Ink::Text, language.text("picture.unseen")));
     marks
 }
 

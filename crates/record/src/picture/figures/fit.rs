@@ -5,7 +5,7 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 
 use super::LEVELS;
-use super::plot::{Frame, SMALL, Scale, TEXT, heading, lines, range, words};
+use super::plot::{Frame, SMALL, Scale, TEXT, heading, lines, range, text_mark};
 use crate::picture::{Anchor, Ink, Mark, Picture};
 use crate::schema::SectionFigures;
 use crate::shape::OutlineFigures;
@@ -32,11 +32,11 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let mut marks = Vec::new();
     for (half, side) in Side::FROM_FRONT.into_iter().enumerate() {
         let left = half as f64 * HALF;
-        let ink = Ink::of(side);
+        let ink = Ink::for_side(side);
         let title = [left + CHART_X[0], 18.0];
         marks.push(heading(title, Anchor::Start, ink, language.word("leg", side.word())));
         let radius = language.text("picture.radius_mm");
-        marks.push(words([left + 4.0, 36.0], Anchor::Start, SMALL, Ink::Muted, radius));
+        marks.push(text_mark([left + 4.0, 36.0], Anchor::Start, SMALL, Ink::Muted, radius));
         for (row, level) in LEVELS.into_iter().enumerate() {
             let section = record
                 .leg(side)
@@ -48,9 +48,15 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let y = TOP + LEVELS.len() as f64 * ROW + 10.0;
     marks.push(dots(vec![[CHART_X[0], y - 4.0]], 2.0));
     let points = language.text("picture.points");
-    marks.push(words([CHART_X[0] + 10.0, y], Anchor::Start, TEXT, Ink::Text, points));
+    marks.push(text_mark([CHART_X[0] + 10.0, y], Anchor::Start, TEXT, Ink::Text, points));
     marks.push(lines(vec![vec![[200.0, y - 4.0], [226.0, y - 4.0]]], Ink::Text, 1.5));
-    marks.push(words([234.0, y], Anchor::Start, TEXT, Ink::Text, language.text("picture.fitted")));
+    marks.push(text_mark(
+        [234.0, y],
+        Anchor::Start,
+        TEXT,
+        Ink::Text,
+        language.text("picture.fitted"),
+    ));
     Some(Picture {
         title: language.text("picture.fit").to_owned(),
         size: [WIDTH, y + 14.0],
@@ -70,12 +76,18 @@ fn cell(
     let mut marks = vec![heading(title, Anchor::Start, Ink::Text, level.name())];
     let Some(section) = section else {
         let at = [left + f64::midpoint(CHART_X[0], CHART_X[1]), top + ROW / 2.0];
-        marks.push(words(at, Anchor::Middle, TEXT, Ink::Muted, language.text("picture.absent")));
+        marks.push(text_mark(
+            at,
+            Anchor::Middle,
+            TEXT,
+            Ink::Muted,
+            language.text("picture.absent"),
+        ));
         return marks;
     };
     let rms = format!("rms {} mm", rounding::number(section.rms_mm, 2, language));
     let end = [left + CHART_X[1], top + 12.0];
-    marks.push(words(end, Anchor::End, SMALL, Ink::Muted, rms));
+    marks.push(text_mark(end, Anchor::End, SMALL, Ink::Muted, rms));
     marks.extend(chart(&section.outline, side, [left, top], language));
     marks
 }
@@ -108,7 +120,7 @@ fn chart(
         let angle = -180.0 + 360.0 * index as f64 / count as f64;
         frame.at([angle, outline.radius_mm[index % count]])
     };
-    marks.push(lines(vec![(0..=count).map(place).collect()], Ink::of(side), 1.25));
+    marks.push(lines(vec![(0..=count).map(place).collect()], Ink::for_side(side), 1.25));
     marks
 }
 

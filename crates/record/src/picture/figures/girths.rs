@@ -5,12 +5,12 @@ use gaiter_leg::{Level, Side};
 
 use super::curves::{ROWS_PX, beside, diamond, is_outer_right, left_first, line, short};
 use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, words,
+    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, text_mark,
 };
 use super::slopes;
 use crate::measure::Measure;
 use crate::picture::{Anchor, Ink, Mark, Picture};
-use crate::report::Mark as HowToRead;
+use crate::report::Reliability;
 use crate::schema::LegFigures;
 use crate::{Record, rounding};
 
@@ -30,7 +30,7 @@ const LABEL_PX: f64 = 80.0;
 const PROMINENCE_MIN_MM: f64 = 1.5;
 
 /// A level on the chart.
-struct Place {
+struct ChartLevel {
     side: Side,
     name: &'static str,
     height_mm: f64,
@@ -64,7 +64,7 @@ fn titles(language: Language) -> Vec<Mark> {
     let height = language.text("picture.height_cm");
     vec![
         heading([GIRTHS_PX[0], above], Anchor::Start, Ink::Text, girth),
-        words([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, height),
+        text_mark([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, height),
     ]
 }
 
@@ -96,7 +96,7 @@ fn extremes(side: Side, leg: &LegFigures, frame: &Frame) -> Vec<Mark> {
     let turns = turning(&places.iter().map(|[girth, _]| *girth).collect::<Vec<_>>());
     let mark = |(index, is_peak): (usize, bool)| {
         let outline = triangle(frame.at(places[index]), 3.5, is_peak);
-        shape(outline, Ink::Paper, (Ink::of(side), 1.0))
+        shape(outline, Ink::Paper, (Ink::for_side(side), 1.0))
     };
     turns.into_iter().map(mark).collect()
 }
@@ -129,11 +129,11 @@ fn triangle([x, y]: [f64; 2], size: f64, is_peak: bool) -> Vec<[f64; 2]> {
 
 /// The levels across the leg with their girths, the labels on the outer sides of the two curves.
 fn levels(record: &Record, frame: &Frame, language: Language) -> Vec<Mark> {
-    let found: Vec<Place> =
+    let found: Vec<ChartLevel> =
         Side::FROM_FRONT.into_iter().flat_map(|side| of_leg(record, side)).collect();
     let mut marks = Vec::new();
     for at_right in [false, true] {
-        let here: Vec<&Place> =
+        let here: Vec<&ChartLevel> =
             found.iter().filter(|level| level.is_at_right(record) == at_right).collect();
         let wished: Vec<f64> = here.iter().map(|level| frame.y.at(level.height_mm)).collect();
         for (level, y) in here.iter().zip(kept_apart(&wished, LINE)) {
@@ -144,15 +144,15 @@ fn levels(record: &Record, frame: &Frame, language: Language) -> Vec<Mark> {
 }
 
 /// The levels of a leg that have a height, with what counts.
-fn of_leg(record: &Record, side: Side) -> Vec<Place> {
+fn of_leg(record: &Record, side: Side) -> Vec<ChartLevel> {
     let place = |level: Level| {
-        let measure = Measure::of(record, side, level).ok()?;
-        Some(Place {
+        let measure = Measure::find(record, side, level).ok()?;
+        Some(ChartLevel {
             side,
             name: level.name(),
             height_mm: measure.height?.mm,
             girth_mm: measure.girth.mm,
-            is_estimate: measure.mark() == HowToRead::Estimated,
+            is_estimate: measure.mark() == Reliability::Estimated,
             sign: measure.mark().by_hand_sign(),
         })
     };
@@ -163,8 +163,8 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place> {
 fn feet(record: &Record, language: Language) -> Vec<Mark> {
     let line = |(row, side): (usize, Side)| {
         let girth = |level: Level| {
-            let measure = Measure::of(record, side, level).ok()?;
-            let about = if measure.mark() == HowToRead::Estimated { "≈ " } else { "" };
+            let measure = Measure::find(record, side, level).ok()?;
+            let about = if measure.mark() == Reliability::Estimated { "≈ " } else { "" };
             let sign = measure.mark().by_hand_sign();
             let cm = rounding::cm_words(measure.girth.mm, language);
             Some(format!("{about}{} {cm}{sign}", level.name()))
@@ -173,12 +173,12 @@ fn feet(record: &Record, language: Language) -> Vec<Mark> {
         let girths: Vec<String> = on_foot.filter_map(girth).collect();
         let text = format!("{}: {}", language.word("leg", side.word()), girths.join(", "));
         let at = [GIRTHS_PX[0] + 8.0, ROWS_PX[0] + 18.0 + row as f64 * LINE];
-        (!girths.is_empty()).then(|| words(at, Anchor::Start, SMALL, Ink::of(side), text))
+        (!girths.is_empty()).then(|| text_mark(at, Anchor::Start, SMALL, Ink::for_side(side), text))
     };
     Side::FROM_FRONT.into_iter().enumerate().filter_map(line).collect()
 }
 
-impl Place {
+impl ChartLevel {
     /// Whether the level's label is on the right.
     fn is_at_right(&self, record: &Record) -> bool {
         let line = record.leg(self.side.other()).map(curve);
@@ -187,7 +187,13 @@ impl Place {
 }
 
 /// The mark of a level, and its label at the height `y`.
-fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Language) -> Vec<Mark> {
+fn labelled(
+    level: &ChartLevel,
+    frame: &Frame,
+    y: f64,
+    at_right: bool,
+    language: Language,
+) -> Vec<Mark> {
     let at = frame.at([level.girth_mm, level.height_mm]);
     let (aside, anchor) = beside(at_right);
     let mark = match level.name {
@@ -196,7 +202,7 @@ fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Lang
         "B" | "D" => triangle(at, 5.5, false),
         _ => round(at, 4.0),
     };
-    let ink = Ink::of(level.side);
+    let ink = Ink::for_side(level.side);
     let (fill, about) = if level.is_estimate { (Ink::Paper, "≈ ") } else { (ink, "") };
     let girth = rounding::cm_words(level.girth_mm, language);
     let label = [at[0] + aside, y + TEXT / 3.0];
@@ -204,7 +210,7 @@ fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Lang
     vec![
         lines(vec![way], Ink::Muted, 0.75),
         shape(mark, fill, (ink, 1.5)),
-        words(
+        text_mark(
             label,
             anchor,
             TEXT,
@@ -228,7 +234,7 @@ fn legend(language: Language) -> Vec<Mark> {
     for (side, x) in Side::FROM_FRONT.into_iter().zip([10.0, 148.0]) {
         marks.push(line(side, [Some([x, y - 4.0]), Some([x + 26.0, y - 4.0])].into_iter()));
         let leg = format!("{} {}", short(side, language), language.word("leg", side.word()));
-        marks.push(words([x + 34.0, y], Anchor::Start, TEXT, Ink::of(side), leg));
+        marks.push(text_mark([x + 34.0, y], Anchor::Start, TEXT, Ink::for_side(side), leg));
     }
     let shapes = [
         (292.0, triangle([292.0, y - 4.0], 5.0, true), language.text("picture.peak")),
@@ -239,7 +245,7 @@ fn legend(language: Language) -> Vec<Mark> {
     for (index, (x, outline, word)) in shapes.into_iter().enumerate() {
         let fill = if index == 3 { Ink::Paper } else { Ink::Muted };
         marks.push(shape(outline, fill, (Ink::Muted, 1.25)));
-        marks.push(words([x + 11.0, y], Anchor::Start, TEXT, Ink::Text, word));
+        marks.push(text_mark([x + 11.0, y], Anchor::Start, TEXT, Ink::Text, word));
     }
     marks
 }

@@ -19,7 +19,7 @@ use crate::Record;
 
 /// A figure and its file name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
+pub struct DrawnFigure {
     /// Lower-case ASCII, the same in every language.
     pub name: &'static str,
     /// What is drawn.
@@ -29,7 +29,7 @@ pub struct Figure {
 }
 
 /// All figures for which the record has data, in reading order.
-pub fn all(record: &Record, language: Language) -> Vec<Figure> {
+pub fn all(record: &Record, language: Language) -> Vec<DrawnFigure> {
     let figures = [
         (SHEET, sheet::picture(record, language)),
         ("views", views::picture(record, language)),
@@ -42,14 +42,14 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
     let there = |(name, picture): (&'static str, Option<Picture>)| {
         let picture = picture?;
         let marks = svg::marks(&picture);
-        Some(Figure { name, picture, marks })
+        Some(DrawnFigure { name, picture, marks })
     };
     figures.into_iter().filter_map(there).collect()
 }
 
 /// The legs and their girths in one drawing below each other, as an SVG file, if they are among a
 /// record's figures. Its view `front` is the legs from the front alone.
-pub(crate) fn overview(figures: &[Figure], language: Language) -> String {
+pub(crate) fn overview(figures: &[DrawnFigure], language: Language) -> String {
     let ([mut width, mut height], mut marks) = ([0.0_f64, 0.0], String::new());
     let first = figures.iter().find(|figure| figure.name == OVERVIEW[0]);
     if let Some((front, cut)) = first.and_then(|first| Some((first, first.picture.cuts.first()?))) {

@@ -76,11 +76,9 @@ impl Frame {
         let line = |x: f64| vec![[self.x.at(x), a], [self.x.at(x), b]];
         let mut marks = vec![lines(self.x.steps(step).map(line).collect(), Ink::Grid, 1.0)];
         let below = a.max(b) + LINE;
-        marks.extend(
-            self.x
-                .steps(step)
-                .map(|x| words([self.x.at(x), below], Anchor::Middle, SMALL, Ink::Muted, label(x))),
-        );
+        marks.extend(self.x.steps(step).map(|x| {
+            text_mark([self.x.at(x), below], Anchor::Middle, SMALL, Ink::Muted, label(x))
+        }));
         marks
     }
 
@@ -91,7 +89,13 @@ impl Frame {
         let mut marks = vec![lines(self.y.steps(step).map(line).collect(), Ink::Grid, 1.0)];
         let before = a.min(b) - 6.0;
         marks.extend(self.y.steps(step).map(|y| {
-            words([before, self.y.at(y) + SMALL / 3.0], Anchor::End, SMALL, Ink::Muted, label(y))
+            text_mark(
+                [before, self.y.at(y) + SMALL / 3.0],
+                Anchor::End,
+                SMALL,
+                Ink::Muted,
+                label(y),
+            )
         }));
         marks
     }
@@ -99,7 +103,7 @@ impl Frame {
 
 /// Open lines of one ink.
 pub fn lines(lines: Vec<Vec<[f64; 2]>>, ink: Ink, width: f64) -> Mark {
-    stroked(lines, Stroke::of(ink, width))
+    stroked(lines, Stroke::solid(ink, width))
 }
 
 /// Open lines of one pen.
@@ -109,7 +113,7 @@ pub fn stroked(lines: Vec<Vec<[f64; 2]>>, stroke: Option<Stroke>) -> Mark {
 
 /// A closed shape with an edge.
 pub(super) fn shape(outline: Vec<[f64; 2]>, fill: Ink, (edge, width): (Ink, f64)) -> Mark {
-    let stroke = Stroke::of(edge, width);
+    let stroke = Stroke::solid(edge, width);
     Mark::Lines { lines: vec![outline], is_closed: true, fill: Some(fill), stroke }
 }
 
@@ -119,7 +123,13 @@ pub fn area(outlines: Vec<Vec<[f64; 2]>>, fill: Ink) -> Mark {
 }
 
 /// Plain text.
-pub fn words(at: [f64; 2], anchor: Anchor, size: f64, ink: Ink, words: impl Into<String>) -> Mark {
+pub fn text_mark(
+    at: [f64; 2],
+    anchor: Anchor,
+    size: f64,
+    ink: Ink,
+    words: impl Into<String>,
+) -> Mark {
     Mark::Words { at, anchor, size, is_bold: false, ink, words: words.into() }
 }
 

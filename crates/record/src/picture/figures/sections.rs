@@ -7,7 +7,7 @@ use gaiter_leg::{Level, Side};
 
 use super::LEVELS;
 use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, words,
+    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, text_mark,
 };
 use crate::Record;
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
@@ -60,11 +60,11 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let mut marks = Vec::new();
     for (half, side) in Side::FROM_FRONT.into_iter().enumerate() {
         let left = half as f64 * HALF;
-        let ink = Ink::of(side);
+        let ink = Ink::for_side(side);
         let leg = language.word("leg", side.word());
         marks.push(heading([left + OUTLINE_X, 20.0], Anchor::Middle, ink, leg));
         let from_feet = language.text("picture.from_feet");
-        marks.push(words([left + 8.0, 36.0], Anchor::Start, SMALL, Ink::Muted, from_feet));
+        marks.push(text_mark([left + 8.0, 36.0], Anchor::Start, SMALL, Ink::Muted, from_feet));
         let middle = f64::midpoint(CHART_X[0], CHART_X[1]);
         let curvature = language.text("picture.curvature");
         marks.push(heading([left + middle, 20.0], Anchor::Middle, Ink::Text, curvature));
@@ -100,7 +100,7 @@ impl Sheet {
             vec![heading([left + 8.0, top + 18.0], Anchor::Start, Ink::Text, level.name())];
         let Some((leg, outline)) = leg.and_then(|leg| Some((leg, outline(leg, level)?))) else {
             let absent = self.language.text("picture.absent");
-            marks.push(words(middle, Anchor::Middle, TEXT, Ink::Muted, absent));
+            marks.push(text_mark(middle, Anchor::Middle, TEXT, Ink::Muted, absent));
             return marks;
         };
         let features: Vec<&FeatureFigures> =
@@ -115,10 +115,10 @@ impl Sheet {
 
     /// The girth by tape within the section.
     fn girth(&self, mm: f64, side: Side, [x, y]: [f64; 2]) -> [Mark; 2] {
-        let ink = Ink::of(side);
+        let ink = Ink::for_side(side);
         [
             heading([x, y + 1.0], Anchor::Middle, ink, cm_words(mm, self.language)),
-            words([x, y + 12.0], Anchor::Middle, SMALL, ink, "cm"),
+            text_mark([x, y + 12.0], Anchor::Middle, SMALL, ink, "cm"),
         ]
     }
 
@@ -130,7 +130,7 @@ impl Sheet {
         let length = format!("{:.0} cm", BAR_MM / 10.0);
         [
             lines(vec![vec![[x, y], [end, y]], tick(x), tick(end)], Ink::Muted, 1.0),
-            words(words_at, Anchor::Start, SMALL, Ink::Muted, length),
+            text_mark(words_at, Anchor::Start, SMALL, Ink::Muted, length),
         ]
     }
 
@@ -154,7 +154,7 @@ impl Sheet {
         let count = outline.radius_mm.len();
         let angle = |index: usize| -180.0 + 360.0 * index as f64 / count as f64;
         let line = (0..count).map(|i| place(angle(i), outline.radius_mm[i] * self.px_per_mm));
-        let mut marks = vec![shape(line.collect(), Ink::Skin, (Ink::of(side), 1.75))];
+        let mut marks = vec![shape(line.collect(), Ink::Skin, (Ink::for_side(side), 1.75))];
         // Names are spaced around the section by the angle that a line of text needs there.
         let wished: Vec<f64> = features.iter().map(|feature| feature.angle_deg).collect();
         let mean_px = outline.radius_mm.iter().sum::<f64>() / count.max(1) as f64 * self.px_per_mm;
@@ -169,7 +169,7 @@ impl Sheet {
                 marks.push(lines(vec![vec![dot_at, tip]], Ink::Muted, 0.6));
             }
             marks.push(dot(dot_at, feature));
-            marks.push(words(
+            marks.push(text_mark(
                 [x, y + SMALL / 3.0],
                 Anchor::Middle,
                 SMALL,
@@ -198,7 +198,7 @@ impl Sheet {
         let names = ["picture.medial", "picture.front", "picture.lateral"];
         let names = [-90.0, 0.0, 90.0].into_iter().zip(names.map(|key| self.language.text(key)));
         marks.extend(names.map(|(angle, name)| {
-            words([frame.x.at(angle), below], Anchor::Middle, SMALL, Ink::Muted, name)
+            text_mark([frame.x.at(angle), below], Anchor::Middle, SMALL, Ink::Muted, name)
         }));
         let count = outline.curvature_per_mm.len().max(1);
         let place = |index: usize| {
@@ -206,7 +206,7 @@ impl Sheet {
             frame.at([angle, outline.curvature_per_mm[index % count] * 1000.0])
         };
         // Closes the curve.
-        marks.push(lines(vec![(0..=count).map(place).collect()], Ink::of(side), 1.5));
+        marks.push(lines(vec![(0..=count).map(place).collect()], Ink::for_side(side), 1.5));
         for is_peak in [true, false] {
             let here: Vec<&FeatureFigures> =
                 features.iter().copied().filter(|feature| is_peak == rises(feature)).collect();
@@ -219,7 +219,13 @@ impl Sheet {
                 let [dot_x, y] = at(feature);
                 marks.push(dot([dot_x, y], feature));
                 let y = if is_peak { y - 6.0 } else { y + 6.0 + SMALL * 0.75 };
-                marks.push(words([x, y], Anchor::Middle, SMALL, Ink::Text, feature.label.as_str()));
+                marks.push(text_mark(
+                    [x, y],
+                    Anchor::Middle,
+                    SMALL,
+                    Ink::Text,
+                    feature.label.as_str(),
+                ));
             }
         }
         marks
@@ -245,5 +251,10 @@ fn rises(feature: &FeatureFigures) -> bool {
 /// A feature point: filled for a peak, hollow for a valley.
 fn dot(at: [f64; 2], feature: &FeatureFigures) -> Mark {
     let fill = if rises(feature) { Ink::Text } else { Ink::Paper };
-    Mark::Dots { at: vec![at], radius: 3.0, fill: Some(fill), stroke: Stroke::of(Ink::Text, 1.25) }
+    Mark::Dots {
+        at: vec![at],
+        radius: 3.0,
+        fill: Some(fill),
+        stroke: Stroke::solid(Ink::Text, 1.25),
+    }
 }

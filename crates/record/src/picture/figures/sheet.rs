@@ -8,7 +8,7 @@ use super::plot::{LINE, TEXT, heading, kept_apart, lines};
 use super::views::{Drawn, From, View, extent, outlines, ring};
 use crate::Record;
 use crate::picture::{Anchor, Ink, Mark, Picture};
-use crate::report::Mark as HowToRead;
+use crate::report::Reliability;
 
 /// Width, px.
 const WIDTH: f64 = 460.0;
@@ -26,7 +26,7 @@ const HEIGHT_MAX: f64 = 320.0;
 /// The figure; `None` for a record without shapes.
 pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let legs: Vec<Drawn> =
-        Side::FROM_FRONT.into_iter().filter_map(|side| Drawn::of(record, side)).collect();
+        Side::FROM_FRONT.into_iter().filter_map(|side| Drawn::new(record, side)).collect();
     let [low_mm, high_mm] = extent(&legs, From::Front)?;
     let points = || legs.iter().flat_map(Drawn::points);
     let top_mm = points().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max);
@@ -52,7 +52,7 @@ fn girths(view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
     let found: Vec<(String, [f64; 2])> = outlines(leg.leg)
         .filter_map(|(level, outline)| {
             let (girth, mark) = leg.girth(level, language)?;
-            let sign = if mark == HowToRead::Doubtful { " ?" } else { mark.by_hand_sign() };
+            let sign = if mark == Reliability::Doubtful { " ?" } else { mark.by_hand_sign() };
             let end = view.ends(&ring(outline))[usize::from(leg.side == Side::Left)];
             Some((format!("c{level} {girth}{sign}"), end))
         })
@@ -64,8 +64,8 @@ fn girths(view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
     };
     let places = kept_apart(&wished, LINE);
     let label = |((words, end), y): (&(String, [f64; 2]), f64)| {
-        let line = lines(vec![vec![[tip, y], *end]], Ink::of(leg.side), 0.8);
-        [line, heading([x, y + TEXT / 3.0], anchor, Ink::of(leg.side), words.clone())]
+        let line = lines(vec![vec![[tip, y], *end]], Ink::for_side(leg.side), 0.8);
+        [line, heading([x, y + TEXT / 3.0], anchor, Ink::for_side(leg.side), words.clone())]
     };
     found.iter().zip(places).flat_map(label).collect()
 }

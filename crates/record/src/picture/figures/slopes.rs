@@ -4,7 +4,7 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 
 use super::curves::{ROWS_PX, beside, diamond, is_outer_right, left_first, line, short};
-use super::plot::{Frame, LINE, Scale, TEXT, area, heading, kept_apart, lines, range, words};
+use super::plot::{Frame, LINE, Scale, TEXT, area, heading, kept_apart, lines, range, text_mark};
 use crate::picture::{Anchor, Ink, Mark};
 use crate::schema::LegFigures;
 use crate::{Record, rounding};
@@ -85,9 +85,9 @@ fn steepest(record: &Record, slopes: &Frame, language: Language) -> Vec<Mark> {
         for ((side, place), y) in here.into_iter().zip(kept_apart(&wished, LINE)) {
             let at = slopes.at(*place);
             let label = [at[0] + aside, y + TEXT / 3.0];
-            marks.push(area(vec![diamond(at, 5.5)], Ink::of(*side)));
+            marks.push(area(vec![diamond(at, 5.5)], Ink::for_side(*side)));
             let name = format!("{} {}", short(*side, language), Level::B1.name());
-            marks.push(words(label, anchor, TEXT, Ink::of(*side), name));
+            marks.push(text_mark(label, anchor, TEXT, Ink::for_side(*side), name));
         }
     }
     marks

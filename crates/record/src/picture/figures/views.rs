@@ -5,11 +5,11 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 use nalgebra::{Point3, Vector3};
 
-use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
+use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, text_mark};
 use crate::Record;
 use crate::measure::Measure;
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
-use crate::report::Mark as HowToRead;
+use crate::report::Reliability;
 use crate::rounding::cm_words;
 use crate::schema::LegFigures;
 use crate::shape::{OutlineFigures, ShapeFigures};
@@ -110,7 +110,7 @@ impl From {
 /// The figure; `None` for a record without shapes.
 pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let legs: Vec<Drawn> =
-        Side::FROM_FRONT.into_iter().filter_map(|side| Drawn::of(record, side)).collect();
+        Side::FROM_FRONT.into_iter().filter_map(|side| Drawn::new(record, side)).collect();
     let views: Vec<(From, [f64; 2])> =
         From::ALL.into_iter().filter_map(|from| Some((from, extent(&legs, from)?))).collect();
     let points = || legs.iter().flat_map(Drawn::points);
@@ -145,7 +145,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 
 impl<'a> Drawn<'a> {
     /// The leg of a side; `None` without skin.
-    pub fn of(record: &'a Record, side: Side) -> Option<Drawn<'a>> {
+    pub fn new(record: &'a Record, side: Side) -> Option<Drawn<'a>> {
         let leg = record.leg(side)?;
         let ShapeFigures { skin, scan, .. } = &leg.shape;
         let points = skin.points.as_points();
@@ -159,9 +159,9 @@ impl<'a> Drawn<'a> {
     }
 
     /// The girth at a level of this name, as on the measuring sheet, and how to read it.
-    pub fn girth(&self, name: &str, language: Language) -> Option<(String, HowToRead)> {
+    pub fn girth(&self, name: &str, language: Language) -> Option<(String, Reliability)> {
         let level = Level::of_word(name)?;
-        let measure = Measure::of(self.record, self.side, level).ok()?;
+        let measure = Measure::find(self.record, self.side, level).ok()?;
         Some((cm_words(measure.girth.mm, language), measure.mark()))
     }
 
@@ -200,7 +200,7 @@ impl View {
         let ends: Vec<[[f64; 2]; 2]> = leg.rows.iter().map(|row| self.ends(row)).collect();
         let up = ends.iter().map(|[left, _]| *left);
         let down = ends.iter().rev().map(|[_, right]| *right);
-        let ink = Ink::of(leg.side);
+        let ink = Ink::for_side(leg.side);
         let thin = leg.rows.iter().step_by(ROWS_APART);
         let foot = self.foot(leg);
         let mut marks = vec![
@@ -275,7 +275,7 @@ impl View {
             at: features.iter().map(|f| self.at(&Point3::from(f.position_mm))).collect(),
             radius: 2.75,
             fill: Some(fill),
-            stroke: Stroke::of(Ink::Text, 1.0),
+            stroke: Stroke::solid(Ink::Text, 1.0),
         };
         vec![dots(valleys, Ink::Paper), dots(peaks, Ink::Text)]
     }
@@ -293,7 +293,7 @@ impl View {
         let wished: Vec<f64> = seen.iter().map(|(_, x)| *x).collect();
         let places = kept_apart(&wished, LETTER * TEXT * (letters + 1) as f64);
         let label = |((leg, _), x): (&(&Drawn, f64), f64)| {
-            heading([x, self.floor + 20.0], Anchor::Middle, Ink::of(leg.side), name(leg))
+            heading([x, self.floor + 20.0], Anchor::Middle, Ink::for_side(leg.side), name(leg))
         };
         seen.iter().zip(places).map(label).collect()
     }
@@ -325,7 +325,7 @@ impl View {
                 let label = [Some((*name).to_owned()), girth].into_iter().flatten();
                 let label = label.collect::<Vec<_>>().join(" ");
                 let at = [x, y + SMALL / 3.0];
-                marks.push(words(at, anchor, SMALL, Ink::of(leg.side), label));
+                marks.push(text_mark(at, anchor, SMALL, Ink::for_side(leg.side), label));
             }
         }
         marks

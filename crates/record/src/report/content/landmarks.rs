@@ -3,7 +3,7 @@
 use gaiter_leg::{Level, Side};
 
 use super::super::words::{title, told};
-use super::{Figure, Report, Table, TableRow};
+use super::{Report, ReportFigure, Table, TableRow};
 use crate::schema::{EstimateFigures, LandmarkFigures};
 use crate::statement::Statement;
 
@@ -55,7 +55,7 @@ impl Report<'_> {
         Level::ALL.into_iter().rev().filter_map(row).collect()
     }
 
-    fn found_in_mm(&self, of: &LandmarkFigures) -> Vec<Figure> {
+    fn found_in_mm(&self, of: &LandmarkFigures) -> Vec<ReportFigure> {
         let mm = [
             Some(of.height_mm),
             of.height_sd_mm,
@@ -70,7 +70,7 @@ impl Report<'_> {
         self.figures(mm, (&of.rule, &of.by), &of.doubts)
     }
 
-    fn estimate_in_mm(&self, of: &EstimateFigures) -> Vec<Figure> {
+    fn estimate_in_mm(&self, of: &EstimateFigures) -> Vec<ReportFigure> {
         let mm = [
             Some(of.height_mm),
             of.height_sd_mm,
@@ -91,27 +91,27 @@ impl Report<'_> {
         mm: [Option<f64>; 9],
         (rule, by): (&Statement, &str),
         doubts: &[String],
-    ) -> Vec<Figure> {
-        let by = Figure::plain(told(Some(rule), by, self.language).0);
+    ) -> Vec<ReportFigure> {
+        let by = ReportFigure::plain(told(Some(rule), by, self.language).0);
         let words = [by, self.doubts_in_words(doubts)];
         mm.map(|mm| self.digits(mm)).into_iter().chain(words).collect()
     }
 
     /// A figure as JSON writes it.
-    fn digits(&self, mm: Option<f64>) -> Figure {
+    fn digits(&self, mm: Option<f64>) -> ReportFigure {
         match mm {
-            Some(mm) => Figure::plain(format!("{mm:?}")),
-            None => Figure::missing(self.language.text("report.missing.not_known")),
+            Some(mm) => ReportFigure::plain(format!("{mm:?}")),
+            None => ReportFigure::missing(self.language.text("report.missing.not_known")),
         }
     }
 
-    fn doubts_in_words(&self, codes: &[String]) -> Figure {
+    fn doubts_in_words(&self, codes: &[String]) -> ReportFigure {
         match codes {
-            [] => Figure::plain(self.text("report.landmarks.no_doubts")),
+            [] => ReportFigure::plain(self.text("report.landmarks.no_doubts")),
             codes => {
                 let words: Vec<&str> =
                     codes.iter().map(|code| title(code, self.language)).collect();
-                Figure::plain(words.join(", "))
+                ReportFigure::plain(words.join(", "))
             }
         }
     }

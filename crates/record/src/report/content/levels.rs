@@ -6,10 +6,10 @@ use gaiter_leg::method::Tape;
 use gaiter_leg::{Level, Side};
 
 use super::super::words::{grouped, title};
-use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
+use super::{LevelFigures, LevelRow, Levels, Report, ReportFigure, SheetColumns, SheetRow};
 use crate::measure::amendment::{ByHand, Subject};
 use crate::measure::{Absent, Length, Measure, girth_mm_at, why_absent};
-use crate::report::Mark;
+use crate::report::Reliability;
 use crate::rounding::{cm_words, number, tenths_words};
 use crate::schema::LegFigures;
 use crate::shown;
@@ -50,7 +50,7 @@ impl Report<'_> {
     }
 
     fn level(&self, side: Side, level: Level) -> LevelFigures {
-        match Measure::of(self.record, side, level) {
+        match Measure::find(self.record, side, level) {
             Ok(measure) => self.measured(&measure),
             Err(absent) => missing(self.no_level(side, level, absent)),
         }
@@ -60,15 +60,15 @@ impl Report<'_> {
         let figure = |length: Length| self.length(length, measure.mark_of(length));
         LevelFigures {
             girth: figure(measure.girth),
-            height: measure.height.map_or_else(|| Figure::plain(NO_HEIGHT), figure),
+            height: measure.height.map_or_else(|| ReportFigure::plain(NO_HEIGHT), figure),
         }
     }
 
     /// A length. What a person set has no uncertainty that is known here.
-    fn length(&self, Length { mm, sd_mm, is_by_hand }: Length, mark: Mark) -> Figure {
-        let figure = Figure::cm(mm, sd_mm, mark, self.language);
+    fn length(&self, Length { mm, sd_mm, is_by_hand }: Length, mark: Reliability) -> ReportFigure {
+        let figure = ReportFigure::cm(mm, sd_mm, mark, self.language);
         match is_by_hand {
-            true => Figure { margin: None, ..figure },
+            true => ReportFigure { margin: None, ..figure },
             false => figure,
         }
     }
@@ -108,27 +108,26 @@ impl Report<'_> {
         ]
     }
 
-    fn length_of(&self, side: Side, subject: Subject) -> Figure {
+    fn length_of(&self, side: Side, subject: Subject) -> ReportFigure {
         let is_inside_leg = subject == Subject::InsideLeg;
         let is_doubted = is_inside_leg && self.record.has_finding("crotch-uncertain");
-        match Length::of(self.record, side, subject) {
-            Ok(length) if length.is_by_hand => self.length(length, Mark::ByHand),
-            Ok(length) if is_inside_leg => {
-                self.length(length, if is_doubted { Mark::Doubtful } else { Mark::Sure })
-            }
+        match Length::find(self.record, side, subject) {
+            Ok(length) if length.is_by_hand => self.length(length, Reliability::ByHand),
+            Ok(length) if is_inside_leg => self
+                .length(length, if is_doubted { Reliability::Doubtful } else { Reliability::Sure }),
             // A foot's length has no standard error.
-            Ok(length) => Figure::plain(cm_words(length.mm, self.language)),
+            Ok(length) => ReportFigure::plain(cm_words(length.mm, self.language)),
             Err(Absent::NotMeasurable) => {
-                Figure::missing(self.language.text("report.missing.not_measurable"))
+                ReportFigure::missing(self.language.text("report.missing.not_measurable"))
             }
             Err(Absent::NotFound) if self.record.leg(side).is_none() => {
-                Figure::missing(self.no_leg(side))
+                ReportFigure::missing(self.no_leg(side))
             }
             Err(Absent::NotFound) if is_inside_leg => {
-                Figure::missing(self.language.text("report.missing.level_not_seen"))
+                ReportFigure::missing(self.language.text("report.missing.level_not_seen"))
             }
             Err(Absent::NotFound) => {
-                Figure::missing(self.language.text("report.missing.foot_not_seen"))
+                ReportFigure::missing(self.language.text("report.missing.foot_not_seen"))
             }
         }
     }
@@ -137,14 +136,14 @@ impl Report<'_> {
     fn key(&self, rows: &[LevelRow]) -> String {
         let figures = rows.iter().flat_map(|row| &row.legs);
         let figures = figures.flat_map(|leg| [&leg.girth, &leg.height]);
-        let marks: Vec<Mark> = figures.map(|figure| figure.mark).collect();
+        let marks: Vec<Reliability> = figures.map(|figure| figure.mark).collect();
         let has = |mark| marks.contains(&mark);
         let keys = [
             (true, "report.sheet.key_bold"),
             (true, "report.sheet.key_margin"),
-            (has(Mark::Estimated), "report.sheet.key_estimated"),
-            (has(Mark::Doubtful), "report.sheet.key_doubtful"),
-            (has(Mark::ByHand), "report.sheet.key_by_hand"),
+            (has(Reliability::Estimated), "report.sheet.key_estimated"),
+            (has(Reliability::Doubtful), "report.sheet.key_doubtful"),
+            (has(Reliability::ByHand), "report.sheet.key_by_hand"),
         ];
         let words = keys.into_iter().filter(|(is_used, _)| *is_used);
         words.map(|(_, key)| self.language.text(key)).collect::<Vec<_>>().join(" ")
@@ -157,7 +156,7 @@ impl Report<'_> {
             let doubted = Level::ALL
                 .into_iter()
                 .rev()
-                .filter_map(|level| Some((level, Measure::of(self.record, side, level).ok()?)))
+                .filter_map(|level| Some((level, Measure::find(self.record, side, level).ok()?)))
                 // An estimate bears its own mark, and is measured by hand anyhow.
                 .filter(|(_, of)| !of.is_estimate)
                 .flat_map(|(level, of)| {
@@ -178,7 +177,7 @@ impl Report<'_> {
 const NO_HEIGHT: &str = "–";
 
 fn missing(why: String) -> LevelFigures {
-    let figure = || Figure::missing(&why);
+    let figure = || ReportFigure::missing(&why);
     LevelFigures { girth: figure(), height: figure() }
 }
 
@@ -220,7 +219,7 @@ impl Report<'_> {
         let girth = hand.girth_mm.map(|mm| ("report.by_hand.girth", mm, girth_mm));
         let height = hand.height_mm.map(|mm| ("report.by_hand.height", mm, height_mm));
         // Where only the height was set, the girth is another than at the scan's height.
-        let there = Measure::of(self.record, side, level).ok().filter(|of| !of.girth.is_by_hand);
+        let there = Measure::find(self.record, side, level).ok().filter(|of| !of.girth.is_by_hand);
         let there = there.filter(|_| hand.height_mm.is_some());
         let there = there.map(|of| ("report.by_hand.girth_there", of.girth.mm, girth_mm));
         let said = |(key, mm, scanned_mm)| self.with_scanned(key, mm, scanned_mm);

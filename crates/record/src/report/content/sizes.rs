@@ -7,7 +7,7 @@ use gaiter_sizes::Point;
 use gaiter_sizes::garment::{FormBox, FormUnit};
 use gaiter_sizes::verdict::{PointVerdict, Reading, SURE, UNLIKELY};
 
-use super::{Figure, Report, Section, Sizes, Table, TableRow};
+use super::{Report, ReportFigure, Section, Sizes, Table, TableRow};
 use crate::rounding::{cm_words, number, shortest, tenths_words};
 use crate::sizing::{LegSizes, SizeVerdicts, TableVerdict, reading, words};
 
@@ -116,7 +116,7 @@ impl Report<'_> {
         let sign = words::marked(index, table, language);
         let row = |name: &str, verdict: String, of: &[PointVerdict]| TableRow {
             head: format!("{sign} · {name}"),
-            figures: std::iter::once(Figure::plain(verdict))
+            figures: std::iter::once(ReportFigure::plain(verdict))
                 .chain(self.cells(of, points))
                 .collect(),
         };
@@ -139,17 +139,17 @@ impl Report<'_> {
     }
 
     /// A cell for each of these points.
-    fn cells(&self, of: &[PointVerdict], points: &[Point]) -> Vec<Figure> {
+    fn cells(&self, of: &[PointVerdict], points: &[Point]) -> Vec<ReportFigure> {
         let cell = |point: &Point| match of.iter().find(|of| of.point == *point) {
-            None => Figure::plain(NOT_ASKED),
+            None => ReportFigure::plain(NOT_ASKED),
             Some(of) => self.cell(of),
         };
         points.iter().map(cell).collect()
     }
 
-    fn cell(&self, of: &PointVerdict) -> Figure {
+    fn cell(&self, of: &PointVerdict) -> ReportFigure {
         let Some(margins_mm) = of.margins_mm else {
-            return Figure::missing(words::not_given(of, self.language).unwrap_or_default());
+            return ReportFigure::missing(words::not_given(of, self.language).unwrap_or_default());
         };
         let sign = match of.reading {
             Reading::Given(given) if given.is_by_hand => " *",
@@ -158,8 +158,8 @@ impl Report<'_> {
         let margins = words::margins(margins_mm, self.language);
         let said = format!("{margins}{sign} ({})", words::inside(of, self.language));
         match of.is_required {
-            true => Figure::plain(said),
-            false => Figure::plain(format!("[{said}]")),
+            true => ReportFigure::plain(said),
+            false => ReportFigure::plain(format!("[{said}]")),
         }
     }
 
@@ -193,11 +193,11 @@ impl Report<'_> {
         }
     }
 
-    fn in_box(&self, side: Side, of: &FormBox, verdicts: &SizeVerdicts) -> Figure {
+    fn in_box(&self, side: Side, of: &FormBox, verdicts: &SizeVerdicts) -> ReportFigure {
         match reading(self.record, side, of.point, verdicts.scanner_girth_mm) {
-            Reading::NotGiven { .. } if of.is_optional => Figure::missing(NOT_ASKED),
+            Reading::NotGiven { .. } if of.is_optional => ReportFigure::missing(NOT_ASKED),
             Reading::NotGiven { why } => {
-                Figure::missing(self.language.word("sizes.not_given", why.word()))
+                ReportFigure::missing(self.language.word("sizes.not_given", why.word()))
             }
             Reading::Given(given) => {
                 let mm = self.garment.printed_mm(of.point, given.mm);
@@ -206,7 +206,7 @@ impl Report<'_> {
                     FormUnit::Mm if mm.fract() == 0.0 => number(mm, 0, self.language),
                     FormUnit::Mm => tenths_words(mm, self.language),
                 };
-                Figure::plain(if given.is_by_hand { words + " *" } else { words })
+                ReportFigure::plain(if given.is_by_hand { words + " *" } else { words })
             }
         }
     }

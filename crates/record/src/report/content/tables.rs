@@ -2,11 +2,11 @@
 
 use gaiter_leg::Side;
 
-use super::{Figure, Report, Section, Table, TableRow};
+use super::{Report, ReportFigure, Section, Table, TableRow};
 use crate::chart::{
     AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures, girth_difference, same_heights,
 };
-use crate::report::Mark;
+use crate::report::Reliability;
 use crate::rounding::{cm_words, number, tenths_words};
 use crate::surface::SurfaceFigures;
 
@@ -72,23 +72,23 @@ impl Report<'_> {
         &self,
         figure: fn(&VolumeFigures) -> (Option<f64>, Option<f64>),
         difference: Option<&VolumeDifferenceFigures>,
-    ) -> Vec<Figure> {
+    ) -> Vec<ReportFigure> {
         let of_leg = |side: Side| match self.record.leg(side).map(|leg| figure(&leg.volume)) {
-            Some((Some(ml), sd_ml)) => Figure::ml(ml, sd_ml, self.language),
+            Some((Some(ml), sd_ml)) => ReportFigure::ml(ml, sd_ml, self.language),
             Some((None, _)) => {
-                Figure::missing(self.language.text("report.missing.volume_not_whole"))
+                ReportFigure::missing(self.language.text("report.missing.volume_not_whole"))
             }
-            None => Figure::missing(self.no_leg(side)),
+            None => ReportFigure::missing(self.no_leg(side)),
         };
         Side::FROM_FRONT.map(of_leg).into_iter().chain(self.volume_difference(difference)).collect()
     }
 
-    fn volume_difference(&self, difference: Option<&VolumeDifferenceFigures>) -> [Figure; 2] {
+    fn volume_difference(&self, difference: Option<&VolumeDifferenceFigures>) -> [ReportFigure; 2] {
         match difference {
-            Some(of) => Figure::ml_difference([of.ml, of.percent], of.sd_ml, self.language),
+            Some(of) => ReportFigure::ml_difference([of.ml, of.percent], of.sd_ml, self.language),
             None => {
                 let why = self.language.text("report.missing.not_compared");
-                [Figure::missing(why), Figure::missing(why)]
+                [ReportFigure::missing(why), ReportFigure::missing(why)]
             }
         }
     }
@@ -109,11 +109,13 @@ impl Report<'_> {
         })
     }
 
-    fn girth_asked(&self, side: Side, index: usize) -> Figure {
-        let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
+    fn girth_asked(&self, side: Side, index: usize) -> ReportFigure {
+        let Some(leg) = self.record.leg(side) else {
+            return ReportFigure::missing(self.no_leg(side));
+        };
         match leg.at.get(index) {
             Some(at) => self.girth_at(at),
-            None => Figure::missing(self.language.text("report.missing.height_not_seen")),
+            None => ReportFigure::missing(self.language.text("report.missing.height_not_seen")),
         }
     }
 
@@ -144,18 +146,18 @@ impl Report<'_> {
         })
     }
 
-    fn girth_at(&self, at: &AtFigures) -> Figure {
-        let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
+    fn girth_at(&self, at: &AtFigures) -> ReportFigure {
+        let mark = if at.doubts.is_empty() { Reliability::Sure } else { Reliability::Doubtful };
         match at.girth_tape_mm {
-            Some(mm) => Figure::cm(mm, at.girth_sd_mm, mark, self.language),
-            None => Figure::missing(self.language.text("report.missing.height_not_seen")),
+            Some(mm) => ReportFigure::cm(mm, at.girth_sd_mm, mark, self.language),
+            None => ReportFigure::missing(self.language.text("report.missing.height_not_seen")),
         }
     }
 
-    fn girth_difference(&self, right: &AtFigures, left: &AtFigures) -> Figure {
+    fn girth_difference(&self, right: &AtFigures, left: &AtFigures) -> ReportFigure {
         match girth_difference(right, left) {
-            Some((mm, sd_mm)) => Figure::cm_difference(mm, sd_mm, self.language),
-            None => Figure::missing(self.language.text("report.missing.not_compared")),
+            Some((mm, sd_mm)) => ReportFigure::cm_difference(mm, sd_mm, self.language),
+            None => ReportFigure::missing(self.language.text("report.missing.not_compared")),
         }
     }
 
@@ -183,12 +185,14 @@ impl Report<'_> {
         })
     }
 
-    fn slice(&self, side: Side, at: &SliceFigures) -> Figure {
-        let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
+    fn slice(&self, side: Side, at: &SliceFigures) -> ReportFigure {
+        let Some(leg) = self.record.leg(side) else {
+            return ReportFigure::missing(self.no_leg(side));
+        };
         let slice = leg.volume.slices.iter().find(|slice| slice.from_mm == at.from_mm);
         match slice.and_then(|slice| Some((slice.ml?, slice.sd_ml))) {
-            Some((ml, sd_ml)) => Figure::ml(ml, sd_ml, self.language),
-            None => Figure::missing(self.language.text("report.missing.slice_not_whole")),
+            Some((ml, sd_ml)) => ReportFigure::ml(ml, sd_ml, self.language),
+            None => ReportFigure::missing(self.language.text("report.missing.slice_not_whole")),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Elements of a page.
 
 use crate::report::held::held;
-use crate::report::{Figure, Mark};
+use crate::report::{Reliability, ReportFigure};
 use crate::shown::escaped;
 
 /// An element with attributes, ` name="value"` each, around existing markup.
@@ -38,14 +38,16 @@ pub(super) fn wide(named_by: &str, table: &str) -> String {
 }
 
 /// A figure in a cell with these attributes besides its class.
-pub(super) fn figure(figure: &Figure, attributes: &str) -> String {
+pub(super) fn figure(figure: &ReportFigure, attributes: &str) -> String {
     let (class, before, behind) = match figure.mark {
-        Mark::Sure => ("", "", ""),
-        Mark::Doubtful => (" class=\"doubtful\"", "", "<span class=\"mark\"> ?</span>"),
-        Mark::Estimated => (" class=\"estimated\"", "~", ""),
-        Mark::ByHand => (" class=\"set-by-hand\"", "", "<span class=\"mark\">&nbsp;*</span>"),
-        Mark::Missing => (" class=\"missing\"", "", ""),
-        Mark::Real => (" class=\"real\"", "", ""),
+        Reliability::Sure => ("", "", ""),
+        Reliability::Doubtful => (" class=\"doubtful\"", "", "<span class=\"mark\"> ?</span>"),
+        Reliability::Estimated => (" class=\"estimated\"", "~", ""),
+        Reliability::ByHand => {
+            (" class=\"set-by-hand\"", "", "<span class=\"mark\">&nbsp;*</span>")
+        }
+        Reliability::Missing => (" class=\"missing\"", "", ""),
+        Reliability::Real => (" class=\"real\"", "", ""),
     };
     let value = escaped(&figure.value);
     let margin = figure

@@ -4,14 +4,14 @@ use gaiter_language::Language;
 use gaiter_leg::Side;
 
 use super::markup::{element, figure, foreign, said, section, wide, words};
-use crate::picture::figures::Figure as Drawn;
+use crate::picture::figures::DrawnFigure;
 use crate::picture::svg;
 use crate::report::age::Age;
 use crate::report::content::{
     Fact, LevelRow, Note, Section, SheetRow, Table, TableRow, Verdict, VerdictPart,
 };
 use crate::report::document::{PaperLink, Sheet, View};
-use crate::report::{Figure, Head};
+use crate::report::{Head, ReportFigure};
 use crate::shown::escaped;
 
 /// The patient, and when the scan was taken.
@@ -43,7 +43,7 @@ pub(super) fn verdict(of: &Verdict) -> String {
 }
 
 /// A picture below a heading.
-pub(super) fn picture(id: &str, title: &str, drawn: &Drawn, caption: &str) -> String {
+pub(super) fn picture(id: &str, title: &str, drawn: &DrawnFigure, caption: &str) -> String {
     let inside =
         svg::embedded(drawn.name, &drawn.picture, &drawn.marks) + &said("figcaption", "", caption);
     section(id, title, &element("figure", &format!(" class=\"{}\"", drawn.name), &inside))
@@ -151,7 +151,7 @@ fn level(row: &LevelRow) -> String {
 
 /// A length, which has one figure a leg.
 fn length(row: &SheetRow) -> String {
-    let of_leg = |of: &Figure| figure(of, " colspan=\"2\"") + ONE_BOX;
+    let of_leg = |of: &ReportFigure| figure(of, " colspan=\"2\"") + ONE_BOX;
     let cells: String = row.figures.iter().map(of_leg).collect();
     element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &cells))
 }

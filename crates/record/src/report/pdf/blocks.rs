@@ -120,10 +120,10 @@ mod tests {
     use gaiter_language::Language;
 
     use super::*;
-    use crate::picture::figures::Figure;
+    use crate::picture::figures::DrawnFigure;
     use crate::report::content::{Section, Table, TableRow, Verdict, VerdictPart};
     use crate::report::document::{Origin, Room};
-    use crate::report::{self, Head, Mark, Paper};
+    use crate::report::{self, Head, Paper, Reliability};
 
     fn picture(height: f64) -> Block {
         let title = "a picture".to_owned();
@@ -133,7 +133,7 @@ mod tests {
             cuts: Vec::new(),
             marks: Vec::new(),
         };
-        let figure = Figure { name: "picture", picture, marks: String::new() };
+        let figure = DrawnFigure { name: "picture", picture, marks: String::new() };
         let caption = "How to read it. ".repeat(12);
         Block::Picture { title, figure, caption, room: Room::HalfPage }
     }
@@ -151,7 +151,11 @@ mod tests {
     }
 
     fn table_of(rows: usize, column: String) -> Block {
-        let figure = || report::Figure { value: "1".to_owned(), margin: None, mark: Mark::Sure };
+        let figure = || report::ReportFigure {
+            value: "1".to_owned(),
+            margin: None,
+            mark: Reliability::Sure,
+        };
         let row = |at: usize| TableRow { head: format!("row {at}"), figures: vec![figure()] };
         Block::Table(Table {
             title: "a table".to_owned(),

@@ -30,7 +30,7 @@ struct Refs {
 }
 
 impl Refs {
-    fn of(sheets: &Sheets) -> Refs {
+    fn new(sheets: &Sheets) -> Refs {
         let mut last = 0;
         let mut next = || {
             last += 1;
@@ -53,7 +53,7 @@ impl Refs {
 
 /// Writes the finished pages as a file.
 pub(super) fn bytes(sheets: Sheets, head: &Head, origin: &Origin) -> Result<Vec<u8>, PdfFault> {
-    let refs = Refs::of(&sheets);
+    let refs = Refs::new(&sheets);
     let mut pdf = Pdf::new();
     // The id depends on the origin only, so that the same record gives the same file.
     let id = Sha256::digest(&origin.id);

@@ -50,7 +50,7 @@ impl Letters {
 
     /// Encodes writable text as the glyph numbers of this PDF, two bytes each.
     pub(super) fn encoded(&mut self, words: &str) -> Vec<u8> {
-        let font = Font::of(self.is_bold);
+        let font = Font::with_weight(self.is_bold);
         let mut bytes = Vec::with_capacity(2 * words.len());
         for letter in words.chars() {
             let Some(glyph) = font.glyph(letter) else { continue };
@@ -63,7 +63,7 @@ impl Letters {
 
     /// Writes the objects of this font.
     pub(super) fn write(&self, pdf: &mut Pdf, refs: &FontRefs) -> Result<(), PdfFault> {
-        let font = Font::of(self.is_bold);
+        let font = Font::with_weight(self.is_bold);
         let file = subsetter::subset(font.file, 0, &self.cut)
             .map_err(|fault| PdfFault::Font { message: fault.to_string() })?;
         let name = self.name();

@@ -7,11 +7,11 @@ use super::flow::{BODY_TYPE, BOLD_TYPE, COLUMN, Flow, HEADING_ROOM, HEADING_TYPE
 use super::table::{Cell, DENSE_PADDING, PADDING, Row, Table};
 use super::wrap::Type;
 use crate::completeness::Kind;
-use crate::picture::figures::Figure as Drawn;
+use crate::picture::figures::DrawnFigure;
 use crate::picture::{Anchor, Ink};
 use crate::report::content::{self, Fact, Note, Section, Verdict};
 use crate::report::document::Room;
-use crate::report::{Figure, Mark};
+use crate::report::{Reliability, ReportFigure};
 
 /// The letters of a table that has many columns.
 const DENSE_TYPE: Type = Type { size: 7.0, is_bold: false };
@@ -87,7 +87,7 @@ pub(super) fn small_section(flow: &mut Flow<'_>, section: &Section) {
 }
 
 /// Height of a picture below a heading at this place, and of what stands below it, pt.
-fn picture_heights(flow: &Flow<'_>, drawn: &Drawn, caption: &str, room: Room) -> [f64; 2] {
+fn picture_heights(flow: &Flow<'_>, drawn: &DrawnFigure, caption: &str, room: Room) -> [f64; 2] {
     let share = match room {
         Room::HalfPage => PICTURE_SHARE,
         Room::Page => 1.0,
@@ -97,13 +97,24 @@ fn picture_heights(flow: &Flow<'_>, drawn: &Drawn, caption: &str, room: Room) ->
 }
 
 /// Whether a picture fits below what is on the page.
-pub(super) fn picture_fits(flow: &Flow<'_>, drawn: &Drawn, caption: &str, room: Room) -> bool {
+pub(super) fn picture_fits(
+    flow: &Flow<'_>,
+    drawn: &DrawnFigure,
+    caption: &str,
+    room: Room,
+) -> bool {
     let [height, below] = picture_heights(flow, drawn, caption, room);
     flow.has_room(HEADING_ROOM + height + below)
 }
 
 /// A picture below a heading.
-pub(super) fn picture(flow: &mut Flow<'_>, title: &str, drawn: &Drawn, caption: &str, room: Room) {
+pub(super) fn picture(
+    flow: &mut Flow<'_>,
+    title: &str,
+    drawn: &DrawnFigure,
+    caption: &str,
+    room: Room,
+) {
     let [height, below] = picture_heights(flow, drawn, caption, room);
     flow.heading(title, height + below);
     flow.drawing(&drawn.picture, height);
@@ -137,21 +148,23 @@ pub(super) fn fact(fact: &Fact) -> Row {
 }
 
 /// A figure with its uncertainty and the mark that shows how to read it.
-pub(super) fn figure(figure: &Figure, letters: Type) -> Cell {
+pub(super) fn figure(figure: &ReportFigure, letters: Type) -> Cell {
     let margin = figure.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
     let [before, behind] = match figure.mark {
-        Mark::Estimated => ["~", ""],
-        Mark::Doubtful => ["", " ?"],
-        Mark::ByHand => ["", " *"],
-        Mark::Sure | Mark::Missing | Mark::Real => ["", ""],
+        Reliability::Estimated => ["~", ""],
+        Reliability::Doubtful => ["", " ?"],
+        Reliability::ByHand => ["", " *"],
+        Reliability::Sure | Reliability::Missing | Reliability::Real => ["", ""],
     };
     let words = format!("{before}{}{margin}{behind}", figure.value);
     match figure.mark {
-        Mark::Missing => {
+        Reliability::Missing => {
             let size = letters.size.min(SMALL_TYPE.size);
             Cell::new(&words, Type { size, ..letters }, Anchor::End).inked(Ink::Muted)
         }
-        Mark::Real => Cell::new(&words, Type { is_bold: true, ..letters }, Anchor::End).whole(),
+        Reliability::Real => {
+            Cell::new(&words, Type { is_bold: true, ..letters }, Anchor::End).whole()
+        }
         _ if has_figure(&figure.value) => Cell::new(&words, letters, Anchor::End).whole(),
         _ => Cell::new(&words, letters, Anchor::End),
     }

@@ -15,7 +15,7 @@ pub(super) struct Type {
 impl Type {
     /// Width of writable text, pt.
     pub(super) fn width(self, words: &str) -> f64 {
-        Font::of(self.is_bold).width(words, self.size)
+        Font::with_weight(self.is_bold).width(words, self.size)
     }
 
     /// Distance of baselines, pt.
@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-6;
 /// Breaks writable text into lines at blanks, if it can be not between a figure and its unit. A word that is wider than a
 /// line, such as a long id, is broken between letters.
 pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
-    let font = Font::of(letters.is_bold);
+    let font = Font::with_weight(letters.is_bold);
     let blank = font.units(" ");
     let mut lines = vec![String::new()];
     // Width of the last line, units of the font.

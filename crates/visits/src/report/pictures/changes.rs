@@ -3,7 +3,7 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, about_zero, heading, lines, range, stroked, words as label,
+    Frame, LINE, SMALL, Scale, about_zero, heading, lines, range, stroked, text_mark,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::{cm_words, number, signed};
@@ -71,7 +71,7 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
         }
     }
     let length = words.text("visits.picture.length_cm");
-    marks.push(label([4.0, ROWS_PX[1] - 8.0], Anchor::Start, SMALL, Ink::Muted, length));
+    marks.push(text_mark([4.0, ROWS_PX[1] - 8.0], Anchor::Start, SMALL, Ink::Muted, length));
     let height = below(compared.len());
     let title = words.text("visits.picture.changes");
     Some(Picture { title, size: [WIDTH, height], cuts: vec![CUT_PX], marks })
@@ -102,14 +102,14 @@ fn leg(words: &Words, side: Side, frame: &Frame, step: f64) -> Vec<Mark> {
     let middle = frame.x.at(0.0);
     marks.push(lines(vec![vec![[middle, bottom], [middle, top]]], Ink::Muted, 1.0));
     let title = words.filled("visits.picture.change_cm", &[("leg", &words.leg(side))]);
-    marks.push(heading([middle, top - 22.0], Anchor::Middle, Ink::of(side), title));
+    marks.push(heading([middle, top - 22.0], Anchor::Middle, Ink::for_side(side), title));
     marks
 }
 
 /// The comparison with the first visit in the leg's own ink, that with the one before the last dashed.
 fn look(place: usize, side: Side) -> Stroke {
     match place {
-        0 => Stroke { ink: Ink::of(side), width: 2.0, dash: None },
+        0 => Stroke { ink: Ink::for_side(side), width: 2.0, dash: None },
         _ => Stroke { ink: Ink::Text, width: 1.2, dash: Some(5.0) },
     }
 }

@@ -8,9 +8,9 @@ mod volumes;
 use std::fmt::Display;
 
 use gaiter_leg::Side;
-use gaiter_record::picture::figures::Figure;
+use gaiter_record::picture::figures::DrawnFigure;
 use gaiter_record::picture::figures::error::{MapScale, map_of};
-use gaiter_record::picture::figures::plot::{SMALL, stroked, words as label};
+use gaiter_record::picture::figures::plot::{SMALL, stroked, text_mark};
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke, svg};
 use gaiter_record::report::document::{Block, Room, View};
 use gaiter_record::rounding::{number, tenths_words};
@@ -57,14 +57,14 @@ fn block(words: &Words, name: &'static str, title: &'static str, picture: Pictur
 
 fn captioned(name: &'static str, title: String, picture: Picture, caption: String) -> Block {
     let marks = svg::marks(&picture);
-    let figure = Figure { name, picture, marks };
+    let figure = DrawnFigure { name, picture, marks };
     Block::Picture { title, figure, caption, room: Room::HalfPage }
 }
 
 /// The line of a curve below the chart that has it, and what the curve is of.
 fn key([left, y]: [f64; 2], stroke: Option<Stroke>, name: String) -> [Mark; 2] {
     let line = vec![vec![[left, y - 4.0], [left + 40.0, y - 4.0]]];
-    [stroked(line, stroke), label([left + 48.0, y], Anchor::Start, SMALL, Ink::Text, name)]
+    [stroked(line, stroke), text_mark([left + 48.0, y], Anchor::Start, SMALL, Ink::Text, name)]
 }
 
 /// The legs of two visits laid over each other.

@@ -2,7 +2,7 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, heading, range, stroked, words as label,
+    Frame, LINE, SMALL, Scale, heading, range, stroked, text_mark,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::number;
@@ -44,7 +44,7 @@ pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
         marks.extend(frame.columns(STEP_MM, cm));
         marks.extend(frame.rows(STEP_MM, cm));
         let title = [f64::midpoint(px[0], px[1]), 18.0];
-        marks.push(heading(title, Anchor::Middle, Ink::of(side), words.leg(side)));
+        marks.push(heading(title, Anchor::Middle, Ink::for_side(side), words.leg(side)));
         for (place, visit) in shown.iter().enumerate() {
             let Some(leg) = leg(*visit, side) else { continue };
             let pen = look(place, shown.len(), side);
@@ -54,10 +54,10 @@ pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
         }
     }
     let length = words.text("visits.picture.length_cm");
-    marks.push(label([4.0, 34.0], Anchor::Start, SMALL, Ink::Muted, length));
+    marks.push(text_mark([4.0, 34.0], Anchor::Start, SMALL, Ink::Muted, length));
     let below = ROWS_PX[0] + 2.0 * LINE;
     let girth = words.text("picture.girth_cm");
-    marks.push(label([WIDTH - 4.0, below], Anchor::End, SMALL, Ink::Muted, girth));
+    marks.push(text_mark([WIDTH - 4.0, below], Anchor::End, SMALL, Ink::Muted, girth));
     let height = ROWS_PX[0] + BELOW + LINE * shown.len() as f64;
     let title = words.text("visits.picture.profiles");
     Some(Picture { title, size: [WIDTH, height], cuts: Vec::new(), marks })
@@ -66,10 +66,10 @@ pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
 /// The pen of a visit: the last one solid in the leg's own ink, the first dashed, those between finer.
 fn look(place: usize, visits: usize, side: Side) -> Option<Stroke> {
     match place {
-        _ if place + 1 == visits => Stroke::of(Ink::of(side), 2.0),
+        _ if place + 1 == visits => Stroke::solid(Ink::for_side(side), 2.0),
         0 => Stroke::dashed(Ink::Text, 1.5, 6.0),
         1 if visits > 3 => Stroke::dashed(Ink::Scan, 1.0, 2.0),
-        _ => Stroke::of(Ink::Muted, 1.0),
+        _ => Stroke::solid(Ink::Muted, 1.0),
     }
 }
 

@@ -3,7 +3,7 @@
 use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::picture::figures::plot::{
-    LINE, SMALL, Scale, about_zero, area, heading, lines, words as label,
+    LINE, SMALL, Scale, about_zero, area, heading, lines, text_mark,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture};
 use gaiter_record::rounding::{number, signed};
@@ -75,19 +75,19 @@ fn grid(words: &Words, side: Side, scale: &Scale, step: f64, rows: &Scale) -> Ve
     let middle = [scale.at(0.0), top - 12.0];
     let name = words.filled("visits.picture.change_ml", &[("leg", &words.leg(side))]);
     let mut marks = vec![
-        heading(middle, Anchor::Middle, Ink::of(side), name),
+        heading(middle, Anchor::Middle, Ink::for_side(side), name),
         lines(scale.steps(step).map(upright).collect(), Ink::Grid, 1.0),
         lines(vec![upright(0.0)], Ink::Muted, 1.0),
     ];
     marks.extend(scale.steps(step).map(|ml| {
         let amount = signed(ml, &number(ml, 0, words.language));
-        label([scale.at(ml), bottom + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
+        text_mark([scale.at(ml), bottom + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
     }));
     let places =
         rows.steps(PROFILE_STEP_MM).filter(|mm| ((mm / PROFILE_STEP_MM) as Step).is_multiple_of(2));
     marks.extend(places.map(|mm| {
         let at = [scale.px[0] - 6.0, rows.at(mm) + SMALL / 3.0];
-        label(at, Anchor::End, SMALL, Ink::Muted, number(mm / 10.0, 0, words.language))
+        text_mark(at, Anchor::End, SMALL, Ink::Muted, number(mm / 10.0, 0, words.language))
     }));
     marks
 }
@@ -98,7 +98,7 @@ fn bar(side: Side, of: &PlaceChange, scale: &Scale, rows: &Scale) -> Vec<Mark> {
     let [zero, end] = [0.0, of.change.by].map(|ml| scale.at(ml));
     let ink = match of.change.shown() {
         Shown::NoChange => Ink::Unseen,
-        Shown::Larger | Shown::Smaller => Ink::of(side),
+        Shown::Larger | Shown::Smaller => Ink::for_side(side),
     };
     let outline = vec![[zero, y - BAR], [end, y - BAR], [end, y + BAR], [zero, y + BAR]];
     let half = of.change.detectable();

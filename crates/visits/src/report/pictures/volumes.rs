@@ -3,7 +3,7 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, heading, lines, range, stroked, words as label,
+    Frame, LINE, SMALL, Scale, heading, lines, range, stroked, text_mark,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::{number, signed};
@@ -160,7 +160,7 @@ fn of_leg(words: &Words, side: Side, places: &[f64]) -> Curve {
         Side::Right => (Some(DASH), -BESIDE_PX),
     };
     let runs = runs(words, places, |group, visit| words.course.volume(group, visit, side));
-    Curve { ink: Ink::of(side), dash, beside, runs }
+    Curve { ink: Ink::for_side(side), dash, beside, runs }
 }
 
 /// The excess of the affected leg; without one, the difference of the legs.
@@ -169,7 +169,7 @@ fn of_both(words: &Words, places: &[f64]) -> Curve {
     let (ink, runs) = match course.choice.affected {
         Some(Affected::One(side)) => {
             let ml = |group: &Group, visit: usize| Some(course.excess(group, visit)?.ml);
-            (Ink::of(side), runs(words, places, ml))
+            (Ink::for_side(side), runs(words, places, ml))
         }
         Some(Affected::Both | Affected::Neither) | None => {
             let ml = |group: &Group, visit: usize| course.left_minus_right(group, visit);
@@ -253,7 +253,7 @@ fn titles(words: &Words) -> Vec<Mark> {
         vec![heading([4.0, above], Anchor::Start, Ink::Text, words.text("visits.picture.ml"))];
     let mut x = PANELS_PX[0][1];
     for side in Side::BOTH {
-        marks.push(heading([x, above], Anchor::End, Ink::of(side), words.leg(side)));
+        marks.push(heading([x, above], Anchor::End, Ink::for_side(side), words.leg(side)));
         x -= NAMES_PX;
     }
     marks
@@ -264,7 +264,7 @@ fn apart_title(words: &Words, [_, right]: [f64; 2]) -> Mark {
     let (name, ink) = match words.course.choice.affected {
         Some(Affected::One(side)) => {
             let only = words.language.word("leg.only", side.word());
-            (words.filled("visits.excess_of", &[("side", &only)]), Ink::of(side))
+            (words.filled("visits.excess_of", &[("side", &only)]), Ink::for_side(side))
         }
         Some(Affected::Both | Affected::Neither) | None => {
             (words.text("visits.difference_of"), Ink::Text)
@@ -292,7 +292,13 @@ fn days(words: &Words, places: &[f64], dates: &Scale) -> Vec<Mark> {
             _ if visit == last => Anchor::End,
             _ => Anchor::Middle,
         };
-        marks.push(label([x, bottom + LINE + 4.0], anchor, SMALL, Ink::Muted, words.day(visit)));
+        marks.push(text_mark(
+            [x, bottom + LINE + 4.0],
+            anchor,
+            SMALL,
+            Ink::Muted,
+            words.day(visit),
+        ));
     }
     marks
 }
@@ -309,7 +315,7 @@ fn breaks(words: &Words, places: &[f64], dates: &Scale) -> Vec<Mark> {
         let line = vec![vec![[x, bottom], [x, top]]];
         [
             stroked(line, Stroke::dashed(Ink::Text, 1.0, 3.0)),
-            label([x, top - 6.0], Anchor::Middle, SMALL, Ink::Text, name.as_str()),
+            text_mark([x, top - 6.0], Anchor::Middle, SMALL, Ink::Text, name.as_str()),
         ]
     });
     marks.collect()
@@ -336,7 +342,7 @@ fn curve(of: &Curve, run: &[Point], frame: &Frame) -> Vec<Mark> {
     let stroke = Stroke { ink: of.ink, width: 2.0, dash: of.dash };
     let mut marks = vec![lines(bars.collect(), of.ink, 1.0), stroked(vec![line], Some(stroke))];
     for (at, fill, stroke) in
-        [(dots(false), of.ink, None), (dots(true), Ink::Paper, Stroke::of(of.ink, 1.5))]
+        [(dots(false), of.ink, None), (dots(true), Ink::Paper, Stroke::solid(of.ink, 1.5))]
     {
         if !at.is_empty() {
             marks.push(Mark::Dots { at, radius: DOT, fill: Some(fill), stroke });
