@@ -24,7 +24,7 @@ const PREVIEWS: &str = "previews";
 
 impl Custody {
     /// Notes that a person is to be erased, durably, before anything is removed. What servers are owed is done
-    /// before, unless whoever asks `leaves_owed`.
+    /// first, or with `leaves_owed` never.
     ///
     /// # Errors
     /// See [`CustodyFault`]; nothing is erased then.
@@ -41,9 +41,10 @@ impl Custody {
         let stores = self.stores.iter().filter(|store| !self.servers.contains(store));
         let stores = stores.map(|store| (*store).to_owned()).collect();
         let earlier = self.erasures.of(&whose);
+        let known = earlier.as_ref().map_or_else(Vec::new, |earlier| earlier.owed.clone());
         let mut erasure = Erasure::asked(earlier, patient, (at, by.to_owned()), stores);
         erasure.leaves_owed = leaves_owed;
-        erasure.owes(self.owed_to_servers(patient)?);
+        erasure.owes(self.owed_beside(known, patient)?);
         let detail = json!({ "person": whose, "by": by, "left_at_servers": erasure.left.len() });
         self.journal.note_of_person(Event::Erasing, &detail)?;
         io("noting an erasure", self.erasures.keep(&whose, &erasure))
@@ -60,14 +61,23 @@ impl Custody {
         patient: &str,
     ) -> Result<bool, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        // A journal that was lost learns it from decisions and stores first.
-        if !erasure.owed.is_empty() && self.journal.to_fill()?.is_some() {
-            return Ok(true);
-        }
-        if erasure.owes(self.owed_to_servers(patient)?) {
+        if erasure.owes(self.owed_beside(erasure.owed.clone(), patient)?) {
             io("noting an erasure", self.erasures.keep(whose, erasure))?;
         }
         Ok(!erasure.owed.is_empty())
+    }
+
+    /// What servers are owed of a person; until a journal that was lost knows it again, also what was `known` before.
+    fn owed_beside(&self, known: Vec<Owed>, patient: &str) -> Result<Vec<Owed>, CustodyFault> {
+        let mut owed = self.owed_to_servers(patient)?;
+        if self.journal.to_fill()?.is_some() {
+            for of in known {
+                if !owed.contains(&of) {
+                    owed.push(of);
+                }
+            }
+        }
+        Ok(owed)
     }
 
     /// Takes from the erasures what servers are owed no more. Returns whether there was any.

@@ -528,6 +528,35 @@ fn an_erasure_waits_for_what_a_server_is_owed_of_the_persons_scan_no_matter_whos
 }
 
 #[test]
+fn what_servers_are_owed_outlives_a_journal_that_was_lost_before_the_erasure_is_asked_for_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open_with_server(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, says("4711"));
+    for due in custody.journal.pending().unwrap() {
+        let place = format!("/r/4711/{}", due.store);
+        custody.delivered(&due, Path::new(&place)).unwrap();
+    }
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    assert_eq!(custody.unassign(&row, "4711", Some(stored())).unwrap(), Acted::Done(1));
+    custody.ask_for_erasure("4711", "uid 0", false).unwrap();
+    let erasure = || custody.erasures().of(&custody.erasures().hash("4711")).unwrap();
+    let owed = erasure().owed;
+    assert_eq!(owed.len(), 1);
+    // The journal knows nothing of it any more, and says so.
+    for due in custody.journal.pending().unwrap() {
+        custody.journal.withdrawn(&due).unwrap();
+    }
+    custody.journal.begin_anew(&["folder", "fhir"], "it was lost").unwrap();
+    custody.ask_for_erasure("4711", "uid 0", false).unwrap();
+    assert_eq!(erasure().owed, owed);
+    assert!(waits(&custody, "4711"));
+    custody.ask_for_erasure("4711", "uid 0", true).unwrap();
+    assert_eq!((erasure().owed, erasure().left), (vec![], owed));
+    assert!(!waits(&custody, "4711"));
+}
+
+#[test]
 fn a_second_format_goes_with_the_scan_that_was_written_nearest_where_a_name_serves_everybody() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());

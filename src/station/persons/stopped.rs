@@ -100,8 +100,8 @@ impl Stopped {
         Ok(disclosed(&self.custody, patient, by)?)
     }
 
-    /// Erases a person, in the stores as far as they are in reach; a start of the station does the rest. What servers
-    /// are owed, only a running station does: unless whoever asks `leaves_owed`, the erasure waits for it.
+    /// Erases a person, in the stores as far as they are in reach; a start of the station does the rest. Only a
+    /// running station does what servers are owed: the erasure waits for that, except with `leaves_owed`.
     ///
     /// # Errors
     /// If it could not be noted: nothing is erased then.

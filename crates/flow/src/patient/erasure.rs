@@ -248,7 +248,7 @@ mod tests {
         assert!(!erasure.owes(vec![owed("1"), owed("2")]), "it is known");
         assert!(erasure.owes(vec![owed("2")]));
         assert_eq!((erasure.owed.len(), erasure.left.len()), (1, 0));
-        // The server is gone for good: the person who asks decides again.
+        // The server no longer exists: the person who asks decides again.
         let mut again = Erasure::asked(Some(erasure), "4711", (at(1), String::new()), vec![]);
         again.leaves_owed = true;
         assert!(again.owes(vec![owed("2")]));
