@@ -269,7 +269,7 @@ fn an_erasure_leaves_a_take_back_undone_by_decision_only_and_writes_it_down() {
     assert_eq!(booth.journal(ENDED), Some(0));
     let (exit, said, shown) = erase(&booth, &["--leave-at-servers"]);
     assert_eq!(exit, Some(0), "{said}{shown}");
-    assert!(shown.contains("will not be done any more"), "{shown}");
+    assert!(shown.contains("will now not be done"), "{shown}");
     assert!(said.contains("Erased.") && said.contains("is to be taken back"), "{said}");
     assert_eq!(booth.journal(ENDED), Some(1));
     let erasure = erasure(&booth);
