@@ -102,10 +102,10 @@ pub fn print(text: impl Display) -> io::Result<()> {
     print_to(io::stdout().lock(), text.to_string().as_bytes())
 }
 
-/// Writes bytes to an output as [`print`] does; they need not be UTF-8.
+/// Writes bytes to an output as [`print()`] does; they need not be UTF-8.
 ///
 /// # Errors
-/// See [`print`].
+/// See [`print()`].
 pub fn print_to(mut out: impl Write, bytes: &[u8]) -> io::Result<()> {
     match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
