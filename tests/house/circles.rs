@@ -63,7 +63,7 @@ fn collect(root: &Path, folder: &Path, all: &mut Crate) {
 fn names(path: &Path) -> Names {
     let path: PathBuf = path.with_extension("");
     let mut names: Names = path.iter().map(|name| name.to_str().unwrap().to_owned()).collect();
-    if names.last().is_some_and(|name| ["mod", "lib"].contains(&name.as_str())) {
+    if names.last().is_some_and(|name| name == "lib") {
         names.pop();
     }
     names

@@ -19,7 +19,7 @@ const SOURCES: [&str; 14] = [
     "src/store/fault.rs",
     "crates/cad/src/kind.rs",
     "crates/record/src/gdt/order.rs",
-    "crates/record/src/report/pdf/mod.rs",
+    "crates/record/src/report/pdf.rs",
     "src/cli/reextract/again.rs",
     "crates/flow/src/patient/name_check.rs",
 ];

@@ -320,4 +320,4 @@ pub struct LastFigure {
 }
 
 /// The JSON Schema (draft 2020-12) of an order as this version writes it.
-pub const JSON_SCHEMA: &str = include_str!("../../schemas/order.schema.json");
+pub const JSON_SCHEMA: &str = include_str!("../schemas/order.schema.json");
