@@ -17,8 +17,10 @@
 //! | [`gaiter_record`] | reports → record: JSON, CSV, pictures, the report that people read |
 //! | [`gaiter_visits`] | records of one patient → what changed between visits |
 //! | [`gaiter_flow`] | the station's decisions as functions of state and `now` |
+//! | `gaiter_confined` | effects: processes that read what nobody vouches for |
+//! | [`gaiter_https`] | effects: the client of servers, certificates, secrets |
 //!
-//! All of them are pure: no files, clock, environment, threads of their own, async, logging, unseeded
+//! All others are pure: no files, clock, environment, threads of their own, async, logging, unseeded
 //! randomness or hash-map order. Bytes, numbers and `now` come in as arguments; findings come out as data.
 //! `rayon` is allowed in `gaiter_leg` where results do not depend on order. Their `Cargo.toml` and
 //! `crates/clippy.toml` hold these rules.

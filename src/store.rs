@@ -4,16 +4,13 @@
 pub mod access;
 pub mod brief;
 pub mod durable;
-pub mod endpoint;
 mod fault;
 pub mod fhir;
 pub mod folder;
 pub mod gdt;
 pub mod hl7;
-pub mod https;
 pub mod polling;
 pub mod revision;
-pub mod secret;
 pub mod server;
 pub mod sums;
 

@@ -5,11 +5,11 @@ mod hl7;
 
 use std::net::Ipv6Addr;
 
+use gaiter_https::{Endpoint, EndpointFault, Secret, TlsFiles};
 use http::Uri;
 
 use super::fault::What;
 use super::parse::{self, Absent, Found, Reader, not_a, or_none};
-use crate::store::endpoint::{Endpoint, EndpointFault, Secret, TlsFiles};
 pub use fhir::FhirStoreConfig;
 pub(super) use fhir::fhir;
 pub use hl7::Hl7StoreConfig;

@@ -10,16 +10,13 @@
 //! need: files, network, new programs, and memory and time beyond its limits.
 
 pub mod child;
-mod confine;
 mod fingerprint;
 mod job;
 mod parent;
-mod trouble;
 
-pub use confine::{ConfineFault, enough, tried};
-pub use job::{CheckJob, Inspection, Job, JobAnswer, Limits, Purpose, RecordJob};
-pub use parent::{MeasureFault, Measured, answers, measure, measure_bytes};
-pub use trouble::{Blame, Trouble};
+pub use gaiter_confined::{Blame, ConfineFault, Ended, Limits, Trouble, enough, tried};
+pub use job::{CheckJob, Inspection, Job, JobAnswer, Purpose, RecordJob};
+pub use parent::{MeasureFault, answers, measure, measure_bytes};
 
 /// The hidden verb with which the binary runs again.
 pub const VERB: &str = "measure";

@@ -7,13 +7,13 @@ use gaiter_flow::Facts;
 use gaiter_flow::account::Seen;
 use gaiter_flow::complaint::Complaint;
 use gaiter_flow::health::{Backlog, complaints};
+use gaiter_https::tls;
 use jiff::Timestamp;
 
 use crate::station::core::Core;
 use crate::station::custody::state_folders;
 use crate::station::journal::Tally;
 use crate::store::RecordStore;
-use crate::store::https::tls;
 
 /// What is known at one moment.
 #[derive(Debug, Clone)]

@@ -19,6 +19,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use gaiter_flow::ScanId;
+use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient};
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
 use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
 use http::{Method, Uri};
@@ -28,8 +29,6 @@ use serde_json::Value;
 use self::access::{Token, secret_words};
 use self::answers::{Asked, of_replacing, outcome_of};
 use self::existing::REPORT;
-use super::endpoint::EndpointFault;
-use super::https::{HttpAnswer, HttpFault, HttpRequest, HttpsClient};
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 pub use server::{FhirAccess, FhirServer, SmartAccess};

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gaiter_flow::ScanId;
+use gaiter_https::{Secret, TlsFiles};
 use gaiter_record::hl7::{self, Acknowledgment, Hl7Rules, PdfForm};
 use gaiter_record::sha256;
 use jiff::Timestamp;
@@ -22,7 +23,6 @@ use jiff::Timestamp;
 use self::folder::MessageFolder;
 use self::mllp::Receiver;
 use self::sent::{Sent, SentMessages};
-use super::endpoint::{Secret, TlsFiles};
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 

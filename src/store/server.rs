@@ -2,9 +2,7 @@
 
 use gaiter_flow::cause::Cause;
 
-use super::endpoint::EndpointFault;
-use super::https::HttpFault;
-use super::secret::SecretFault;
+use gaiter_https::{EndpointFault, HttpFault, SecretFault};
 
 /// Why a server does not take a record now. It may later, so it is asked again.
 ///

@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gaiter::store::endpoint::{Endpoint, Proxy, Secret, TlsFiles};
 use gaiter::store::fhir::{FhirAccess, FhirServer, SmartAccess};
+use gaiter_https::{Endpoint, Proxy, Secret, TlsFiles};
 
 use crate::fhir_house::{ONE, Store, put, server_at, setback, store_of};
 use crate::records::SMALL;

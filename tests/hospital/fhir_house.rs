@@ -4,9 +4,9 @@
 
 use std::time::Duration;
 
-use gaiter::store::endpoint::TlsFiles;
 use gaiter::store::fhir::{FhirAccess, FhirServer, FhirStore};
 use gaiter::store::{Receipt, RecordStore, StoreFault};
+use gaiter_https::TlsFiles;
 use rig::web::Site;
 use serde_json::{Value, json};
 use support::records::fhir_rules;

@@ -6,9 +6,9 @@
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use gaiter::store::endpoint::{Secret, TlsFiles};
 use gaiter::store::hl7::Hl7Way;
 use gaiter::store::{Rejection, StoreFault};
+use gaiter_https::{Secret, TlsFiles};
 
 use crate::fhir_house::{put, setback};
 use crate::hl7_house::{LONG, SHORT, Sender, rules};

@@ -6,8 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use gaiter::store::endpoint::TlsFiles;
 use gaiter::store::hl7::{Hl7Store, Hl7Way};
+use gaiter_https::TlsFiles;
 use gaiter_language::Language;
 use gaiter_record::hl7::Hl7Rules;
 use support::records::hl7_rules;

@@ -5,6 +5,7 @@ use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
 use gaiter_flow::health::CERTIFICATE_ENDS_SOON;
+use gaiter_https::{Secret, SecretFault, TlsFiles, is_this_machine, secret, tls};
 use jiff::Timestamp;
 
 use super::environment::writable;
@@ -12,10 +13,7 @@ use super::row::{Row, Verdict};
 use crate::config::{Config, FhirStoreConfig, Hl7StoreConfig};
 use crate::station::stores::Stores;
 use crate::store::access::OTHERS;
-use crate::store::endpoint::{Secret, TlsFiles, is_this_machine};
 use crate::store::hl7::Hl7Way;
-use crate::store::https::tls;
-use crate::store::secret::{self, SecretFault};
 use crate::store::{FhirStore, Hl7Store, RecordStore};
 
 /// A row for each server, each secret and each certificate of the station.

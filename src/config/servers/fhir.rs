@@ -1,10 +1,11 @@
 //! `[store.fhir]`: a FHIR R4 server.
 
+use gaiter_https::{Endpoint, Proxy};
+
 use super::{TlsKeys, address, both, file_name, host_and_port, line, secret, system, tls, user};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, or_none};
 use crate::config::words::Words;
-use crate::store::endpoint::{Endpoint, Proxy};
 use crate::store::fhir::{FhirAccess, FhirServer, SmartAccess};
 
 /// `[store.fhir]`: a FHIR R4 server that gets every named record.

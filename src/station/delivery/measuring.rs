@@ -17,7 +17,7 @@ use tracing::{info, warn};
 use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
-    self, Blame, ConfineFault, Job, JobAnswer, MeasureFault, Measured, Purpose, RecordJob, Trouble,
+    self, Blame, ConfineFault, Ended, Job, JobAnswer, MeasureFault, Purpose, RecordJob, Trouble,
 };
 use crate::station::runtime::causes::chain;
 use crate::station::runtime::clock::utc_offset_min;
@@ -77,7 +77,7 @@ pub fn measured(
     };
     let scan_file = core.custody.spool().scan_file(&row.scan, &row.format);
     match measure::measure(&row.scan, &job, &scan_file, ord_file.as_deref()) {
-        Ok(Measured::Answered(answer)) => {
+        Ok(Ended::Answered(answer)) => {
             note_possible(core);
             Ok(match answer {
                 JobAnswer::Files { files, to_do, views_apart_mm } => {
@@ -91,7 +91,7 @@ pub fn measured(
                 }
             })
         }
-        Ok(Measured::Trouble(trouble)) => blamed(core, &job, &trouble, count_try),
+        Ok(Ended::Trouble(trouble)) => blamed(core, &job, &trouble, count_try),
         Err(MeasureFault::Spool(error)) => Ok(unread(core, &error)),
         Err(fault) => Ok(waits(core, NOT_STARTED, chain(&fault))),
     }

@@ -9,7 +9,7 @@ use super::stable_read::Export;
 use crate::station::core::Core;
 use crate::station::delivery::measuring::{self, TRIES_MAX};
 use crate::station::measure::{
-    self, Blame, Inspection, Job, JobAnswer, MeasureFault, Measured, Purpose, Trouble,
+    self, Blame, Ended, Inspection, Job, JobAnswer, MeasureFault, Purpose, Trouble,
 };
 use crate::station::runtime::causes::chain;
 
@@ -51,12 +51,12 @@ fn asked(core: &Core, export: &Export, format: Format) -> Result<Inspection, Ins
     let mut tries = 0;
     loop {
         let trouble = match measure::measure_bytes(None, &job, &export.bytes)? {
-            Measured::Answered(JobAnswer::Inspected(found)) => return Ok(found),
+            Ended::Answered(JobAnswer::Inspected(found)) => return Ok(found),
             // The reader panicked.
-            Measured::Answered(JobAnswer::Files { .. } | JobAnswer::Refused { .. }) => {
+            Ended::Answered(JobAnswer::Files { .. } | JobAnswer::Refused { .. }) => {
                 return Ok(NOTHING_SHOWN);
             }
-            Measured::Trouble(trouble) => trouble,
+            Ended::Trouble(trouble) => trouble,
         };
         tries += 1;
         let is_the_scans = match trouble.blame() {

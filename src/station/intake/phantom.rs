@@ -17,7 +17,7 @@ use crate::station::core::Core;
 use crate::station::custody::phantom_series::PhantomSeries;
 use crate::station::journal::JournalError;
 use crate::station::measure::{
-    CheckJob, Job, JobAnswer, MeasureFault, Measured, Purpose, measure_bytes,
+    CheckJob, Ended, Job, JobAnswer, MeasureFault, Purpose, measure_bytes,
 };
 
 /// Why a scan of the phantom could not be taken now.
@@ -92,15 +92,15 @@ fn measured(
         CheckRecord::not_measured(now, export.scan.to_string(), why, phantom.tolerance_mm)
     };
     Ok(match measured {
-        Measured::Answered(JobAnswer::Files { files, .. }) => {
+        Ended::Answered(JobAnswer::Files { files, .. }) => {
             let check = files.first().and_then(|file| serde_json::from_slice(&file.bytes).ok());
             check.unwrap_or_else(|| not_measured("the measuring process gave no check".to_owned()))
         }
-        Measured::Answered(JobAnswer::Inspected(_)) => {
+        Ended::Answered(JobAnswer::Inspected(_)) => {
             not_measured("the measuring process gave no check".to_owned())
         }
-        Measured::Answered(JobAnswer::Refused { message, .. }) => not_measured(message),
-        Measured::Trouble(trouble) => not_measured(trouble.to_string()),
+        Ended::Answered(JobAnswer::Refused { message, .. }) => not_measured(message),
+        Ended::Trouble(trouble) => not_measured(trouble.to_string()),
     })
 }
 

@@ -3,6 +3,7 @@
 use std::io::{self, BufReader, Read, Write};
 use std::panic;
 
+use gaiter_confined::confine;
 use gaiter_leg::comparison::opinion::SecondOpinion;
 use gaiter_leg::comparison::second_opinion::compare;
 use gaiter_leg::{self as leg, Finding, phantom};
@@ -11,7 +12,6 @@ use gaiter_record::phantom::CheckRecord;
 use gaiter_record::{self as record, RecordFile, ScanFile};
 use gaiter_scan::{self as scan, Format, Reading, ord};
 
-use super::confine::confine;
 use super::fingerprint::fingerprint;
 use super::job::{CheckJob, Inspection, Job, JobAnswer, Purpose, RecordJob};
 use crate::station::runtime::caught::caught;

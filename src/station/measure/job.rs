@@ -1,9 +1,9 @@
 //! The messages to and from the measuring process, as bytes on pipes.
 
 use std::io::{self, BufRead, Read, Write};
-use std::time::Duration;
 
 use gaiter_cad::Output;
+use gaiter_confined::Limits;
 use gaiter_flow::confinement::Confine;
 use gaiter_leg::Method;
 use gaiter_leg::phantom::Phantom;
@@ -24,15 +24,6 @@ const JOB_MAX: u64 = 64 << 20;
 /// The most that is set aside for a file before its first byte has come: the process that names the length
 /// has read what the scanner wrote. No file of a record is larger, so none has to grow.
 const RESERVED_MAX_BYTES: u64 = 4 << 20;
-
-/// The limits of a measuring process.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Limits {
-    /// Address space, bytes.
-    pub memory_bytes: u64,
-    /// Time from its start to its answer.
-    pub wall: Duration,
-}
 
 /// The line before the bytes of the scan and of its measurement file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

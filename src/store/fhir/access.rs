@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gaiter_https::secret;
 use http::header::HeaderValue;
 
 use super::server::{FhirAccess, SmartAccess};
 use super::{FhirStore, smart};
-use crate::store::secret;
 use crate::store::server::{ServerFault, TokenFault};
 
 /// A token is renewed so long before its end, or when half of its time is over.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::store::endpoint::{Proxy, Secret, TlsFiles};
+use gaiter_https::{Proxy, Secret, TlsFiles};
 
 /// Where a server is and how it is asked.
 #[derive(Debug, Clone)]

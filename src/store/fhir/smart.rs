@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use gaiter_https::{EndpointFault, HttpRequest, HttpsClient, secret};
 use gaiter_record::fhir::outcome::in_a_line;
 use gaiter_record::hex;
 use http::header::{ACCEPT, CONTENT_TYPE, HeaderValue};
@@ -19,9 +20,6 @@ use rustls::pki_types::pem::PemObject;
 use serde_json::{Value, json};
 
 use super::server::SmartAccess;
-use crate::store::endpoint::EndpointFault;
-use crate::store::https::{HttpRequest, HttpsClient};
-use crate::store::secret;
 use crate::store::server::{ServerFault, TokenFault};
 
 /// How long a statement holds, s: five minutes at most, by the specification.
@@ -187,7 +185,7 @@ mod tests {
     };
 
     use super::*;
-    use crate::store::endpoint::Secret;
+    use gaiter_https::Secret;
 
     const ADDRESS: &str = "https://fhir.clinic.example/token";
 

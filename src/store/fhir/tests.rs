@@ -5,15 +5,15 @@ use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
 use gaiter_flow::ScanId;
+use gaiter_https::{Secret, TlsFiles};
 use gaiter_language::Language;
 use gaiter_record::fhir::{Entry, FhirKey, FhirRules, Identifier};
 use gaiter_sizes::Garment;
 use serde_json::{Value, json};
+use support::http_server::{answer, serve_answers};
 
 use super::answers::Asked;
 use super::{FhirAccess, FhirServer, FhirStore, SmartAccess};
-use crate::store::endpoint::{Secret, TlsFiles};
-use crate::store::https::tests::{answer, serve_answers};
 use crate::store::server::ServerFault;
 use crate::store::{RecordStore, Rejection, StoreFault};
 

@@ -11,8 +11,7 @@ use std::time::{Duration, Instant};
 use rustls::pki_types::ServerName;
 use rustls::{ClientConnection, StreamOwned};
 
-use crate::store::endpoint::{EndpointFault, TlsFiles};
-use crate::store::https::{HttpFault, tls};
+use gaiter_https::{EndpointFault, HttpFault, TlsFiles, tls};
 
 /// The byte before a message.
 const START: u8 = 0x0b;

@@ -4,6 +4,7 @@
 pub mod cases;
 pub mod chance;
 pub mod gdt_check;
+pub mod http_server;
 pub mod mesh;
 pub mod metric;
 pub mod noise;

@@ -4,10 +4,11 @@
 use std::fs;
 use std::net::{IpAddr, ToSocketAddrs};
 
+use gaiter_https::{Endpoint, Secret};
+
 use super::super::row::{Row, Verdict};
 use super::Unit;
 use crate::config::Config;
-use crate::store::endpoint::{Endpoint, Secret};
 use crate::store::fhir::FhirAccess;
 use crate::store::hl7::Hl7Way;
 

@@ -13,9 +13,9 @@ use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{ClientConfig, RootCertStore};
 use ureq::tls::{Certificate, ClientCert, PrivateKey, RootCerts, TlsConfig};
 
+use super::endpoint::{Secret, TlsFiles};
+use super::secret::{self, SecretFault};
 use super::validity;
-use crate::store::endpoint::{Secret, TlsFiles};
-use crate::store::secret::{self, SecretFault};
 
 /// Why there is no safe connection at all.
 #[derive(Debug, thiserror::Error)]

@@ -1,10 +1,10 @@
 //! The client against servers of a few lines: what they send, and what it makes of it.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{self, Receiver};
+use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -14,59 +14,16 @@ use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::server::WebPkiClientVerifier;
 use rustls::{RootCertStore, ServerConfig, ServerConnection, StreamOwned};
+use support::http_server::{answer, request_of, serve, serve_answers};
 
 use super::tls::{TlsFault, trust};
-use super::{ANSWER_MOST, HttpAnswer, HttpFault, HttpRequest, HttpsClient};
-use crate::store::endpoint::{Endpoint, EndpointFault, Proxy, Secret, TlsFiles};
+use super::{
+    ANSWER_MOST, Endpoint, EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient, Proxy,
+    Secret, TlsFiles,
+};
 
 /// Far more than any of these exchanges takes.
 const LONG: Duration = Duration::from_secs(30);
-
-/// Serves connections in a thread, one after another. Returns the port.
-pub(in crate::store) fn serve(mut each: impl FnMut(TcpStream) + Send + 'static) -> u16 {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = listener.local_addr().unwrap().port();
-    thread::spawn(move || listener.incoming().for_each(|stream| each(stream.unwrap())));
-    port
-}
-
-/// Serves these answers, one a connection. Returns the port and the requests, each known before its answer is.
-pub(in crate::store) fn serve_answers(answers: Vec<String>) -> (u16, Receiver<String>) {
-    let (sender, requests) = mpsc::channel();
-    let mut answers = answers.into_iter();
-    let port = serve(move |mut stream| {
-        let Some(answer) = answers.next() else { return };
-        // Who connects and says nothing hears nothing.
-        let Ok(request) = request_of(&mut stream) else { return };
-        let _ = sender.send(request);
-        let _ = stream.write_all(answer.as_bytes());
-    });
-    (port, requests)
-}
-
-/// An answer after which the connection ends.
-pub(in crate::store) fn answer(status: &str, body: &str) -> String {
-    let length = body.len();
-    format!("HTTP/1.1 {status}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{body}")
-}
-
-/// Reads a request with its body.
-fn request_of(stream: &mut impl Read) -> io::Result<String> {
-    let mut read = Vec::new();
-    while !read.ends_with(b"\r\n\r\n") {
-        let mut byte = [0];
-        stream.read_exact(&mut byte)?;
-        read.push(byte[0]);
-    }
-    let head = String::from_utf8(read).unwrap();
-    let mut lengths = head.lines().filter_map(|line| {
-        let (name, value) = line.split_once(':')?;
-        name.eq_ignore_ascii_case("content-length").then(|| value.trim().parse::<usize>().unwrap())
-    });
-    let mut body = vec![0; lengths.next_back().unwrap_or(0)];
-    stream.read_exact(&mut body)?;
-    Ok(head + &String::from_utf8(body).unwrap())
-}
 
 fn client(limit: Duration) -> HttpsClient {
     HttpsClient::new(TlsFiles::default(), None, limit)
@@ -206,7 +163,7 @@ fn one_connection_is_used_for_requests_after_each_other() {
 
 /// A file of `fixtures/tls`: a certificate that stands for itself, or its key.
 fn fixture(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fixtures/tls").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/tls").join(name)
 }
 
 fn trusting(name: &str) -> TlsFiles {

@@ -6,9 +6,9 @@ use std::time::Duration;
 use gaiter_flow::cause::Cause;
 use rustls::CertificateError;
 
+use super::endpoint::EndpointFault;
+use super::secret::SecretFault;
 use super::tls::TlsFault;
-use crate::store::endpoint::EndpointFault;
-use crate::store::secret::SecretFault;
 
 /// How `std` begins what it says of a name that was not found; there is no kind of error for it.
 const NAME_NOT_FOUND: &str = "failed to lookup address information";

@@ -1,22 +1,25 @@
-//! The HTTPS client of the stores that are servers: HTTP/1.1, verification always on, no redirects, no proxy but
-//! the configured one, and a limit for time and length of every answer. The calls block.
+//! An HTTPS client whose calls block.
+//!
+#![doc = include_str!("../README.md")]
 
+mod endpoint;
 mod fault;
+pub mod secret;
 #[cfg(test)]
-pub(in crate::store) mod tests;
+mod tests;
 pub mod tls;
 mod validity;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use http::header::{HeaderName, HeaderValue};
+use http::header::{HeaderMap, HeaderName, HeaderValue};
 use http::{Method, Request, Uri};
 use ureq::{Agent, ProxyProtocol};
 
-use super::endpoint::{Endpoint, EndpointFault, Proxy, TlsFiles};
-use super::secret;
+pub use endpoint::{Endpoint, EndpointFault, Proxy, Secret, TlsFiles, is_this_machine};
 pub use fault::HttpFault;
+pub use secret::SecretFault;
 
 /// The longest answer, bytes: a capability statement has one or two million.
 const ANSWER_MOST: u64 = 16 << 20;
@@ -75,6 +78,8 @@ pub struct HttpRequest {
 pub struct HttpAnswer {
     /// Its status, such as 201.
     pub status: u16,
+    /// Its headers.
+    pub headers: HeaderMap,
     /// Its body.
     pub body: Vec<u8>,
 }
@@ -176,7 +181,7 @@ fn exchange(agent: &Agent, request: HttpRequest) -> Result<HttpAnswer, ureq::Err
     };
     let (head, mut body) = answer.into_parts();
     let body = body.with_config().limit(ANSWER_MOST).read_to_vec()?;
-    Ok(HttpAnswer { status: head.status.as_u16(), body })
+    Ok(HttpAnswer { status: head.status.as_u16(), headers: head.headers, body })
 }
 
 fn of_client(proxy: &Proxy) -> Result<ureq::Proxy, HttpFault> {

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     fn certificate(name: &str) -> CertificateDer<'static> {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/tls");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/tls");
         let pem = std::fs::read(format!("{folder}/{name}.pem")).unwrap();
         CertificateDer::from_pem_slice(&pem).unwrap()
     }

@@ -63,7 +63,7 @@ const FROM_OUTSIDE: [i32; 5] =
 impl Trouble {
     /// The trouble of a process that ended with this status. `too_late` is set if it was ended because
     /// it took too long; it holds the processor time that it had used.
-    pub(super) fn from_exit(
+    pub(crate) fn from_exit(
         status: ExitStatus,
         too_late: Option<Option<Duration>>,
         limits: &Limits,
