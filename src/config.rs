@@ -30,7 +30,7 @@ use std::time::Duration;
 use jiff::civil::Date;
 use regex::Regex;
 
-use crate::store::access::Access;
+use crate::store::Access;
 pub use capture::{CaptureConfig, PatientConfig};
 pub use fault::{ConfigFault, What};
 use gaiter_cad::Output;

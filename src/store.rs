@@ -1,7 +1,6 @@
 //! Record stores: where finished records go. Each store's `put` is idempotent: a second call leaves one
 //! record and returns a receipt again.
 
-pub mod access;
 pub mod brief;
 pub mod durable;
 mod fault;
@@ -32,6 +31,43 @@ use gaiter_record::{RECORD, Record, RecordFile};
 pub use gdt::{GdtStore, Given};
 pub use hl7::Hl7Store;
 pub use server::ServerFault;
+
+/// The permission bits of everybody but the owner.
+pub const OTHERS: u32 = 0o077;
+
+/// Who may read what is written. It holds scans of patients' bodies, so nobody else ever may.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Access {
+    /// The owner only, whatever the umask.
+    #[default]
+    Private,
+    /// Also the group of the folder it is made in, if that folder is set-group-id or has a default ACL.
+    Group,
+}
+
+impl Access {
+    /// The access to a folder with this mode.
+    pub fn of_folder(mode: u32) -> Access {
+        let group = Access::Group.folder_mode() & 0o070;
+        if mode & group == group { Access::Group } else { Access::Private }
+    }
+
+    /// The permission bits of a file.
+    pub fn file_mode(self) -> u32 {
+        match self {
+            Access::Private => 0o600,
+            Access::Group => 0o640,
+        }
+    }
+
+    /// The permission bits of a folder.
+    pub fn folder_mode(self) -> u32 {
+        match self {
+            Access::Private => 0o700,
+            Access::Group => 0o750,
+        }
+    }
+}
 
 /// A step at a store that waits for a disk or for one answer takes no longer. A record has a few megabytes.
 const STEP_MOST: Duration = Duration::from_secs(60);

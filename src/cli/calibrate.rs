@@ -12,7 +12,7 @@ use jiff::Timestamp;
 
 use super::args::CalibrateArgs;
 use super::extract::scan_at;
-use super::terminal::paint::{self, painted};
+use super::terminal::{self, painted};
 use super::{Exit, complain, exit_of_printing, explain_config, print, terminal_safe};
 use crate::config;
 
@@ -31,7 +31,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<Exit, Exit> {
         true => serde_json::to_string(&check)
             .map_err(io::Error::from)
             .and_then(|json| print(json + "\n")),
-        false => paint::print(table(&check)),
+        false => terminal::print_painted(table(&check)),
     };
     let exit = match check.result {
         CheckResult::Within => Exit::Done,
@@ -83,7 +83,7 @@ fn table(check: &CheckRecord) -> String {
     let mut text = String::new();
     if let Some(figures) = &check.figures {
         let heading = "  height     known  measured  difference";
-        let _ = writeln!(text, "{}", painted(paint::LABEL, heading));
+        let _ = writeln!(text, "{}", painted(terminal::LABEL, heading));
         for girth in &figures.girths {
             let (known, measured) = (girth.known_mm, girth.measured_mm);
             let height_cm = girth.height_mm / 10.0;
@@ -95,12 +95,12 @@ fn table(check: &CheckRecord) -> String {
     }
     let tolerance_mm = check.tolerance_mm;
     let (colour, verdict) = match check.result {
-        CheckResult::Within => (paint::GOOD, format!("every girth is within {tolerance_mm} mm")),
+        CheckResult::Within => (terminal::GOOD, format!("every girth is within {tolerance_mm} mm")),
         CheckResult::Beyond => (
-            paint::BAD,
+            terminal::BAD,
             format!("not every girth is within {tolerance_mm} mm: have the scanner calibrated"),
         ),
-        CheckResult::NotMeasured => (paint::BAD, "not measured".to_owned()),
+        CheckResult::NotMeasured => (terminal::BAD, "not measured".to_owned()),
     };
     text + &painted(colour, verdict) + "\n"
 }

@@ -15,7 +15,7 @@ use anstyle::Style;
 use serde::Serialize;
 
 use super::args::CheckArgs;
-use super::terminal::paint::{self, painted};
+use super::terminal::{self, painted};
 use super::{Exit, ask, complain, exit_of, exit_of_printing, explain_config, print, terminal_safe};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::operator::control::protocol::{ControlAnswer, Request};
@@ -42,7 +42,7 @@ pub fn check(args: &CheckArgs) -> Exit {
             Ok(config) => {
                 let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
                 rows.extend(around(&args.config, &config));
-                (paint::print(table(&rows)), worst(&rows))
+                (terminal::print_painted(table(&rows)), worst(&rows))
             }
             Err(error) => return explain_config(&error),
         }
@@ -92,9 +92,9 @@ fn worst(rows: &[Row]) -> Exit {
 
 fn colour(verdict: Verdict) -> Style {
     match verdict {
-        Verdict::Ok => paint::GOOD,
-        Verdict::Warn => paint::CARE,
-        Verdict::Fail => paint::BAD,
+        Verdict::Ok => terminal::GOOD,
+        Verdict::Warn => terminal::CARE,
+        Verdict::Fail => terminal::BAD,
     }
 }
 

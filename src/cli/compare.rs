@@ -17,10 +17,10 @@ use self::known::known;
 use super::args::{CompareArgs, CompareChoice};
 use super::ask::read_patient;
 use super::report::{self, placed, told};
-use super::terminal::{paint, screen};
+use super::terminal::{self, screen};
 use super::{Exit, complain, config_if_any, exit_of_printing, print, report_choice, terminal_safe};
 use crate::config::{Config, FolderStoreConfig};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::store::revision::visits::PlacedRecord;
 use crate::store::{FolderStore, RecordStore, StoreFault};
 
@@ -191,7 +191,9 @@ fn compared(
             print(told(&paths, false))
         }
         (None, true) => print(json),
-        (None, false) => paint::print(text::render(&report.document(), screen::columns())),
+        (None, false) => {
+            terminal::print_painted(text::render(&report.document(), screen::columns()))
+        }
     };
     Ok(exit_of_printing("the comparison", printed))
 }

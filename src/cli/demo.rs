@@ -21,7 +21,7 @@ use tokio::time::timeout;
 
 use super::args::DemoArgs;
 use super::terminal::progress::Progress;
-use super::terminal::{paint, screen, table};
+use super::terminal::{self, screen, table};
 use super::{Exit, complain, explain_config, print};
 use crate::config::{self, Config};
 use crate::station::demo::{self, SimulatedButton};
@@ -304,7 +304,10 @@ fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
     for (folder, record) in &records {
         let patient = record.patient.as_ref().map_or("unassigned", |patient| &patient.id);
         let table = table::render(record, &Garment::default(), screen::columns());
-        paint::print(format_args!("\npatient {patient}: {}\n{table}\n", folder.display()))?;
+        terminal::print_painted(format_args!(
+            "\npatient {patient}: {}\n{table}\n",
+            folder.display()
+        ))?;
     }
     print(format_args!(
         "\n{} scans measured; {} could not be measured and led to no record; the reasons are \

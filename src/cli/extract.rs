@@ -22,7 +22,7 @@ use gaiter_scan::Format;
 use super::args::ExtractArgs;
 use super::parallel::{in_order, usual_jobs};
 use super::terminal::progress::Progress;
-use super::terminal::{paint, screen, table};
+use super::terminal::{self, screen, table};
 use super::{
     Exit, complain, exit_of_printing, explain_config, ord, print, report_choice, terminal_safe,
 };
@@ -84,7 +84,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
     });
     drop(progress);
     if several && !args.json && !rows.is_empty() {
-        let printed = paint::print(summary(&rows, run.columns));
+        let printed = terminal::print_painted(summary(&rows, run.columns));
         worst = worst.max(exit_of_printing("the summary", printed));
     }
     Ok(worst)
@@ -135,7 +135,7 @@ impl Run<'_> {
         } else {
             let name = screen::shortened(&self.names.name(path), self.columns);
             let table = table::render(record, &self.choices.report.garment, self.columns);
-            paint::print(format_args!("{name}\n{table}\n"))?;
+            terminal::print_painted(format_args!("{name}\n{table}\n"))?;
         }
         // Written next to its place first, then moved there as a whole. It replaces an earlier record of
         // the same scan. Anything else stays and is a fault.

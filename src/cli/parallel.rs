@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
-use crate::station::runtime::caught::caught;
+use crate::station::runtime::caught;
 
 /// The most results per thread that may wait for their turn. A slow scan among quick ones does not block
 /// the others, and memory stays bounded.

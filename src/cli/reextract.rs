@@ -13,13 +13,12 @@ use serde_json::json;
 
 use super::args::ReextractArgs;
 use super::parallel::{in_order, usual_jobs};
-use super::terminal::paint;
+use super::terminal;
 use super::terminal::progress::Progress;
 use super::{Exit, complain, exit_of_printing, print, terminal_safe};
-use crate::station::runtime::causes::chain;
-use crate::store::StoreFault;
-use crate::store::access::Access;
+use crate::station::runtime::chain;
 use crate::store::revision::{Family, clear_staging, families};
+use crate::store::{Access, StoreFault};
 use again::{Again, Intent, ReextractFault, ReextractOutcome, again};
 use choices::Choices;
 use report::{ReextractEntry, report};
@@ -52,7 +51,7 @@ pub fn reextract(args: &ReextractArgs) -> Result<Exit, Exit> {
     drop(progress);
     if !args.json {
         let left_out = all - records.len();
-        let printed = paint::print(report(&told, records.len() - told.len(), left_out));
+        let printed = terminal::print_painted(report(&told, records.len() - told.len(), left_out));
         worst = worst.max(exit_of_printing("the result", printed));
     }
     Ok(worst)

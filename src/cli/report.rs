@@ -18,7 +18,7 @@ use serde_json::json;
 use super::args::ReportArgs;
 use super::sizes::tables;
 use super::{Exit, complain, print, terminal_safe};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::store::revision::families;
 use crate::store::sums::{self, SumsFault};
 use crate::store::{StoreFault, durable};

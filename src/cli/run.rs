@@ -18,9 +18,9 @@ use super::args::{MeasureArgs, RunArgs};
 use super::{Exit, complain, explain_config};
 use crate::config::{self, ConfigError};
 use crate::station::measure::child;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::station::{self, Orders, Reload, StationError};
-use crate::store::access::Access;
+use crate::store::Access;
 
 /// Its log contains file names, which may identify patients: it stays off, whatever the environment says.
 const SILENT: &str = "notify";

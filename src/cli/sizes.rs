@@ -10,7 +10,7 @@ use gaiter_record::sizing::{SizeChoice, SizeVerdicts};
 use jiff::Zoned;
 
 use super::args::{SizesArgs, SizesOf, SizesVerb};
-use super::terminal::{paint, screen};
+use super::terminal::{self, screen};
 use super::{Exit, complain, config_if_any, exit_of_printing, print, report, report_choice};
 pub use check::remark_in_words;
 pub use tables::{files_at, read_all, tables};
@@ -45,7 +45,9 @@ fn print_verdicts(args: &SizesOf) -> Result<Exit, Exit> {
         true => serde_json::to_string_pretty(&verdicts)
             .map_err(io::Error::other)
             .and_then(|json| print(json + "\n")),
-        false => paint::print(text::render(&verdicts, &garment, language, screen::columns())),
+        false => {
+            terminal::print_painted(text::render(&verdicts, &garment, language, screen::columns()))
+        }
     };
     Ok(exit_of_printing("the sizes", printed))
 }

@@ -16,9 +16,8 @@ use jiff::Timestamp;
 
 use super::args::AskArgs;
 use super::ask::{self, AskFault};
-use super::terminal::local;
-use super::terminal::paint::{self, painted};
 use super::terminal::screen::{self, width, wrapped};
+use super::terminal::{self, local, painted};
 use super::{Exit, exit_of_printing, scans, terminal_safe};
 use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::operator::control::status::{
@@ -50,7 +49,7 @@ pub fn status(args: &AskArgs) -> Exit {
         Err(fault) => return ask::refused(args, &fault),
     };
     let columns = screen::terminal_columns();
-    let printed = paint::print(table(&look, ask::language(&args.config), columns));
+    let printed = terminal::print_painted(table(&look, ask::language(&args.config), columns));
     exit_of_printing("the answer", printed).max(exit(&look.status))
 }
 
@@ -102,7 +101,7 @@ fn table(look: &Look, language: Language, columns: Option<usize>) -> String {
     let status = &look.status;
     let mut text = String::new();
     if status.ready {
-        text += &(painted(paint::GOOD, language.text("terminal.ready")) + "\n");
+        text += &(painted(terminal::GOOD, language.text("terminal.ready")) + "\n");
     }
     for ComplaintStatus { complaint, .. } in &status.complaints {
         text += &complained(complaint, language, columns);
@@ -113,7 +112,7 @@ fn table(look: &Look, language: Language, columns: Option<usize>) -> String {
     let within = columns.map(|columns| columns.saturating_sub(gap));
     for (label, value) in rows {
         let lines = wrapped(&terminal_safe(value), within).join(&format!("\n{:gap$}", ""));
-        let label = painted(paint::LABEL, format_args!("{label:<width$}"));
+        let label = painted(terminal::LABEL, format_args!("{label:<width$}"));
         let _ = writeln!(text, "{label}{:GAP$}{lines}", "");
     }
     if !look.scans.is_empty() {
@@ -126,8 +125,8 @@ fn table(look: &Look, language: Language, columns: Option<usize>) -> String {
 fn complained(complaint: &Complaint, language: Language, columns: Option<usize>) -> String {
     let (message, remedy) = (complaint.message(language), complaint.remedy(language));
     let (key, colour) = match complaint.severity {
-        Severity::Fault => ("terminal.not_ready", paint::BAD),
-        Severity::Notice => ("terminal.note", paint::CARE),
+        Severity::Fault => ("terminal.not_ready", terminal::BAD),
+        Severity::Notice => ("terminal.note", terminal::CARE),
     };
     let said = format!("{}: {} [{}]", language.text(key), terminal_safe(message), complaint.code);
     let lines = wrapped(&said, columns).into_iter();

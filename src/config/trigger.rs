@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use gaiter_flow::booth::Signal;
 use gaiter_flow::trigger::code::Codes;
+use gaiter_flow::trigger::lines::Tokens;
 use gaiter_flow::trigger::report::Pattern;
-use gaiter_flow::trigger::token::Tokens;
 
 use super::fault::What;
 use super::parse::{self, Absent, Found, Reader, or_none};

@@ -15,7 +15,7 @@ use gaiter_record::report::Paper;
 use gaiter_visits::Affected;
 use gaiter_visits::threshold::Limited;
 
-use crate::store::access::Access;
+use crate::store::Access;
 
 /// What happens to an export for which nobody pressed the button or named a patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use std::time::Duration;
 use gaiter_flow::account::Whole;
 use gaiter_flow::booth::Signal;
 use gaiter_flow::light::{self, Last, LastOutcome, Light, Progress, Scene};
-use gaiter_flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
+use gaiter_flow::orders::{OrderCame, OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
 use gaiter_flow::round::{Capture, CaptureMatch, ExportContent, Rounds, Rules};
 use gaiter_flow::settle::Sights;
@@ -27,9 +27,7 @@ use tokio::time::sleep;
 use super::core::Core;
 use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
-use super::runtime::beat::Heartbeat;
-use super::runtime::clock::ASLEEP;
-use super::runtime::stop::Stop;
+use super::runtime::{ASLEEP, Heartbeat, Stop};
 pub use hearing::NameFault;
 
 /// Interval between updates of the light: a person notices no shorter delay.

@@ -31,9 +31,7 @@ use tracing::info;
 use self::work::Ready;
 use super::booth::Booth;
 use super::journal::{Due, KEPT, Task};
-use super::runtime::beat::Heartbeat;
-use super::runtime::jitter;
-use super::runtime::stop::Stop;
+use super::runtime::{Heartbeat, Stop, random_unit};
 
 /// How often the journal is read without a hint.
 const RECHECK: Duration = Duration::from_secs(5);
@@ -213,7 +211,7 @@ impl Scheduler {
         match done {
             Done::Asked { store, in_reach } => {
                 self.at_store.remove(&(store.clone(), None));
-                self.outbox.asked(&store, in_reach, booth.core().now(), jitter::unit());
+                self.outbox.asked(&store, in_reach, booth.core().now(), random_unit());
             }
             Done::Prepared { dues, ready: Ok(ready) } => {
                 if let Some(first) = dues.first() {
@@ -240,7 +238,7 @@ impl Scheduler {
     }
 
     async fn end(&mut self, booth: &Arc<Booth>, due: Due, ended: Ended) -> Result<(), JoinError> {
-        let pause = self.outbox.ended(&key(&due), ended, booth.core().now(), jitter::unit());
+        let pause = self.outbox.ended(&key(&due), ended, booth.core().now(), random_unit());
         let Some(pause) = pause else { return Ok(()) };
         if ended == Ended::NotTaken && self.outbox.is_failing(&due.store) {
             let refusal = StoreRefusal::Fault(Cause::known("several-not-taken", []));

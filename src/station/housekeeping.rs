@@ -18,9 +18,7 @@ use super::core::Core;
 use super::custody::CustodyFault;
 use super::overview::Overview;
 use super::persons::erase;
-use super::runtime::beat::Heartbeat;
-use super::runtime::causes::chain;
-use super::runtime::stop::Stop;
+use super::runtime::{Heartbeat, Stop, chain};
 use super::service::{status_line, tell_status};
 
 /// Interval between deletions.

@@ -31,10 +31,7 @@ use self::stable_read::Export;
 use self::watch::Watch;
 use super::booth::Booth;
 use super::core::Core;
-use super::runtime::beat::Heartbeat;
-use super::runtime::clock::ASLEEP;
-use super::runtime::jitter;
-use super::runtime::stop::Stop;
+use super::runtime::{ASLEEP, Heartbeat, Stop, random_unit};
 use super::share::stall::{DEADLINE, StepCounter, patiently};
 use notes::Notes;
 
@@ -339,7 +336,7 @@ impl Intake {
             Ok(Taken::Changed) => self.settling.changed(&settled, now),
             Err(fault) => {
                 self.notes.failed(&fault);
-                self.settling.failed(&settled, now, jitter::unit());
+                self.settling.failed(&settled, now, random_unit());
             }
         }
         Ok(true)

@@ -10,7 +10,6 @@
 //! need: files, network, new programs, and memory and time beyond its limits.
 
 pub mod child;
-mod fingerprint;
 mod job;
 mod parent;
 

@@ -10,7 +10,7 @@ use tracing::info;
 
 use super::error::StationError;
 use super::journal::{Journal, JournalError};
-use super::runtime::causes::chain;
+use super::runtime::chain;
 use crate::store::durable;
 
 /// The files of a journal: the database, its write-ahead log and index, the head of its history.

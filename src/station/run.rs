@@ -19,9 +19,7 @@ use super::error::StationError;
 use super::event::{Observer, StationEvent};
 use super::operator::http::listeners::Way;
 use super::rebuild;
-use super::runtime::causes::chain;
-use super::runtime::jitter;
-use super::runtime::stop::Stopper;
+use super::runtime::{Stopper, chain, random_unit};
 use super::service;
 use super::state_dir::take_state_dir;
 use super::workers::{ProcessResources, Workers};
@@ -123,7 +121,7 @@ pub async fn run(
                     warn!(event = "journal-failed", error = chain(&error));
                 }
                 ruins = if station.core.now() - began >= SOUND { 1 } else { ruins + 1 };
-                if pause(backoff::pause(ruins, jitter::unit()), &mut stop).await {
+                if pause(backoff::pause(ruins, random_unit()), &mut stop).await {
                     break Ok(());
                 }
             }

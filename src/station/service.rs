@@ -4,7 +4,7 @@ use sd_notify::NotifyState;
 use tracing::warn;
 
 use super::overview::Overview;
-use super::runtime::causes::chain;
+use super::runtime::chain;
 
 /// Reports that scans are taken in from now on.
 pub fn tell_ready() {

@@ -1,5 +1,4 @@
 //! Folders on shares and disks: work there may hang, and others may change files during a read.
-//! read.
 
 pub mod file_system;
 pub(crate) mod stall;

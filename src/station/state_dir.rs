@@ -9,8 +9,7 @@ use tracing::warn;
 
 use super::error::StationError;
 use super::journal::StateLock;
-use crate::store::access::OTHERS;
-use crate::store::durable;
+use crate::store::{OTHERS, durable};
 
 /// A state folder that belongs to this process.
 #[derive(Debug)]

@@ -17,8 +17,7 @@ use super::intake;
 use super::intake::export_locks::ExportLocks;
 use super::operator::http;
 use super::operator::http::listeners::Listeners;
-use super::runtime::beat::Heartbeat;
-use super::runtime::stop::{Stop, Stopper};
+use super::runtime::{Heartbeat, Stop, Stopper};
 
 /// What belongs to the process and outlives a reload: its export folders, the addresses on which it listens
 /// and the control socket. No other process gets them while workers change.

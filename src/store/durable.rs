@@ -9,7 +9,7 @@ use rustix::fs::{CWD, Mode, RenameFlags, renameat_with};
 use rustix::io::Errno;
 use sha2::{Digest, Sha256};
 
-use crate::store::access::Access;
+use crate::store::Access;
 
 impl Access {
     /// Leaves the group the rights that [`Access::Group`] gives. Without a later change of mode, which

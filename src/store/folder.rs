@@ -29,7 +29,7 @@ use super::{
     Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault, StoredScan, durable,
     folders, tried,
 };
-use crate::store::access::Access;
+use crate::store::Access;
 pub use person::PersonFolder;
 
 /// The file that marks a store's folder.

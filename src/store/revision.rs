@@ -21,7 +21,7 @@ use gaiter_record::RecordFile;
 use rustix::fs::{FlockOperation, flock};
 
 use super::{StoreFault, durable, folders, records_in};
-use crate::store::access::Access;
+use crate::store::Access;
 
 /// Prefix of staged revisions; no station's staged records have it.
 const STAGING: &str = ".reextract.";

@@ -114,9 +114,9 @@ impl FileKind {
         Ok(match self.format {
             FileFormat::Step(schema) => step::write(surface, self.shape, schema, header)?,
             FileFormat::Iges => iges::write(surface, self.shape, header)?,
-            FileFormat::Stl => mesh::stl::write(&triangles()?, header),
-            FileFormat::Obj => mesh::obj::write(&triangles()?, header),
-            FileFormat::Glb => mesh::glb::write(&triangles()?, header),
+            FileFormat::Stl => mesh::stl(&triangles()?, header),
+            FileFormat::Obj => mesh::obj(&triangles()?, header),
+            FileFormat::Glb => mesh::glb(&triangles()?, header),
         })
     }
 }

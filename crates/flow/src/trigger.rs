@@ -1,7 +1,7 @@
 //! Input from a port → presses and ids, and the lifecycle of a port: found, lost and found again.
 //!
 //! ```text
-//! bytes ── lines ── token ──┐
+//! bytes ── lines ───────────┐
 //! levels, reports, keys ── edge ── button ──▶ Heard::Press
 //! bytes ── lines ── code ──────────────────▶ Heard::Named, Heard::Unread
 //! keys ── typed ── code ──────────────────▶ Heard::Named, Heard::Unread
@@ -17,7 +17,6 @@ pub mod input_decoder;
 pub mod lines;
 pub mod port_lifecycle;
 pub mod report;
-pub mod token;
 mod typed;
 
 pub use input_decoder::{Input, InputDecoder};

@@ -21,7 +21,7 @@ use gaiter_leg::Method;
 use gaiter_leg::method::{AxisFit, SectionFit, Tape, Unit};
 use gaiter_scan::{Format, Scan, read};
 use rayon::prelude::*;
-use support::wavefront::obj;
+use support::writers::obj;
 use tally::Tally;
 use truth::{Case, cases};
 

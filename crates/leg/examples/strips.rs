@@ -16,7 +16,7 @@ use std::path::Path;
 use gaiter_leg::{Extraction, Level, Method, Side, extract};
 use gaiter_scan::{Format, read};
 use support::strip::without_strip;
-use support::wavefront::obj;
+use support::writers::obj;
 use truth::{Case, Compared, cases, compared, found, quantiles};
 
 /// Widths of the strip, degrees as seen from the middle of the leg.

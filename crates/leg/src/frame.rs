@@ -10,7 +10,6 @@ mod crown;
 pub mod floor;
 mod floor_plane;
 pub(super) mod layers;
-pub(super) mod long_axis;
 pub(super) mod point_cloud;
 pub mod soles;
 pub mod stance;

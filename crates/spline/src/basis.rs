@@ -1,6 +1,5 @@
 //! The cubic B-spline basis, clamped on an interval or periodic: knots, values, derivatives.
 
-mod even;
 mod triangle;
 
 use std::ops::Range;
@@ -184,7 +183,7 @@ impl Basis {
     pub fn row(&self, x: f64) -> Row {
         let x = self.wrapped(x);
         match self.even_place(x) {
-            Some((span, t)) => Row { indices: self.indices(span), values: even::values(t) },
+            Some((span, t)) => Row { indices: self.indices(span), values: even_values(t) },
             None => self.blossom(self.span(x), [x; DEGREE]),
         }
     }
@@ -229,9 +228,9 @@ impl Basis {
     pub fn rows_to_second(&self, x: f64) -> (usize, [[f64; 4]; 3]) {
         let x = self.wrapped(x);
         if let Some((span, t)) = self.even_place(x) {
-            let first = even::slopes(t).map(|slope| slope * self.density);
-            let second = even::bends(t).map(|bend| bend * self.density * self.density);
-            return (span, [even::values(t), first, second]);
+            let first = even_slopes(t).map(|slope| slope * self.density);
+            let second = even_bends(t).map(|bend| bend * self.density * self.density);
+            return (span, [even_values(t), first, second]);
         }
         let span = self.span(x);
         (span, self.triangle_to_second(span, x))
@@ -328,6 +327,33 @@ impl Basis {
         }
         span
     }
+}
+
+/// The values of the four cubic functions in closed form at a share of an interval among knots at distances of 1 (The NURBS
+/// Book, 2.2; de Boor, A Practical Guide to Splines, chapter IX).
+#[inline]
+fn even_values(t: f64) -> [f64; 4] {
+    let (u, square, cube) = (1.0 - t, t * t, t * t * t);
+    let sixth = 1.0 / 6.0;
+    [
+        sixth * (u * u * u),
+        sixth * (3.0 * cube - 6.0 * square + 4.0),
+        sixth * (3.0 * (square - cube) + 3.0 * t + 1.0),
+        sixth * cube,
+    ]
+}
+
+/// Their slopes.
+#[inline]
+fn even_slopes(t: f64) -> [f64; 4] {
+    let (u, square) = (1.0 - t, t * t);
+    [-0.5 * (u * u), 1.5 * square - 2.0 * t, 0.5 + t - 1.5 * square, 0.5 * square]
+}
+
+/// Their second derivatives.
+#[inline]
+fn even_bends(t: f64) -> [f64; 4] {
+    [1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t]
 }
 
 pub(super) fn equidistant(from: f64, to: f64, intervals: usize) -> Vec<f64> {

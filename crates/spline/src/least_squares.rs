@@ -1,7 +1,7 @@
 //! Penalised least squares in one direction, for any number of right-hand sides.
 
 use crate::basis::{Basis, Row};
-use crate::penalty::roughness;
+use crate::integrals::roughness;
 use crate::solve::{Cholesky, Singular, Skyline};
 
 /// The penalised derivative; with the third, missing data are bridged much as by a quintic.

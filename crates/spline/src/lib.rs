@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`basis`] | [`Basis`]: knots, values and derivatives of the basis functions |
 //! | [`solve`] | Cholesky factors of the matrices of such bases |
-//! | `penalty`, `gauss` | roughness matrices, the integrals of squared derivatives; quadrature |
+//! | `integrals` | roughness matrices, the integrals of squared derivatives; quadrature |
 //! | [`mod@fit`] | [`Spline`]: smoothing fit of a scalar function, with standard errors |
 //! | `least_squares` | the same for many right-hand sides at fixed positions |
 //! | `normal` | the normal equations behind it and the choice of lambda by GCV |
@@ -24,13 +24,12 @@
 pub mod basis;
 pub mod fit;
 pub mod foot;
-mod gauss;
 pub mod grid;
+mod integrals;
 pub mod knots;
 mod least_squares;
 pub mod measure;
 mod normal;
-mod penalty;
 mod robust;
 pub mod solve;
 pub mod surface;

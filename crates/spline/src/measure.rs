@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::basis::Row;
-use super::gauss::composite;
+use super::integrals::composite;
 use super::surface::{Surface, combined};
 
 /// Where the sides of a tube seem to differ by more than this share, its volume decides: a leg has folds,

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::basis::{Basis, Row};
-use super::penalty::roughness;
+use super::integrals::roughness;
 use super::solve::trial::Trials;
 use super::solve::{Cholesky, Singular, Skyline};
 

@@ -3,7 +3,6 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `function` | [`Tensor`] |
-//! | `scatter` | [`Scatter`], the data |
 //! | `fit` | [`fit_scatter`]: robust, smoothing by cross-validation |
 //! | `equations` | the equations of the data, solved by conjugate gradients |
 //! | `stencil` | their matrix, and its product with coefficients |
@@ -19,9 +18,24 @@ mod function;
 mod kronecker;
 mod neighbours;
 mod preconditioner;
-mod scatter;
 mod stencil;
 
 pub use fit::{TensorFit, fit_scatter};
 pub use function::Tensor;
-pub use scatter::Scatter;
+
+/// Scattered data of a function of two variables; all slices have the same length.
+#[derive(Debug, Clone, Copy)]
+pub struct Scatter<'a> {
+    /// Positions along, within the clamped basis.
+    pub u: &'a [f64],
+    /// Positions around, wrapped.
+    pub v: &'a [f64],
+    /// Values.
+    pub value: &'a [f64],
+}
+
+/// The interval of ascending breakpoints that contains `x`, or the nearest one.
+fn place(breakpoints: &[f64], x: f64) -> usize {
+    let last = breakpoints.len() - 2;
+    breakpoints.partition_point(|breakpoint| *breakpoint <= x).saturating_sub(1).min(last)
+}

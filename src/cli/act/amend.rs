@@ -10,11 +10,11 @@ use serde_json::json;
 
 use super::with_patient;
 use crate::cli::args::{AmendArgs, Named};
-use crate::cli::terminal::{paint, screen, table};
+use crate::cli::terminal::{self, screen, table};
 use crate::cli::{Exit, ask, complain, config_if_any, print, report_choice, terminal_safe};
 use crate::station::operator::act::{Measured, Setting};
 use crate::station::operator::control::protocol::Request;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::store::revision::amend::{AmendRecordFault, Amended, amend_record};
 
 /// Sets the measure.
@@ -87,7 +87,7 @@ fn told(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
             format!("{}\n{table}\n", terminal_safe(folder.display()))
         }
     };
-    match paint::print(text) {
+    match terminal::print_painted(text) {
         Ok(()) => Exit::Done,
         Err(error) => {
             complain(format_args!("gaiter: the record is amended, but: {error}"));

@@ -13,9 +13,9 @@ use super::names;
 use super::row::{Row, Verdict};
 use crate::config::{Config, WatchConfig, nested};
 use crate::station::measure;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::station::share::file_system;
-use crate::store::access::OTHERS;
+use crate::store::OTHERS;
 
 /// Runs every check of the environment, along the path of a scan: exports, state, records.
 pub(super) fn rows(config: &Config) -> Vec<Row> {

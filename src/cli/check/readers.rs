@@ -8,7 +8,7 @@ use rustix::io::Errno;
 
 use super::row::{Row, Verdict};
 use crate::config::Config;
-use crate::store::access::Access;
+use crate::store::Access;
 
 /// The name of the check.
 const CHECK: &str = "readers";

@@ -12,9 +12,8 @@ use super::environment::writable;
 use super::row::{Row, Verdict};
 use crate::config::{Config, FhirStoreConfig, Hl7StoreConfig};
 use crate::station::stores::Stores;
-use crate::store::access::OTHERS;
 use crate::store::hl7::Hl7Way;
-use crate::store::{FhirStore, Hl7Store, RecordStore};
+use crate::store::{FhirStore, Hl7Store, OTHERS, RecordStore};
 
 /// A row for each server, each secret and each certificate of the station.
 pub(super) fn rows(config: &Config) -> Vec<Row> {

@@ -11,7 +11,7 @@ use crate::cli::{complain, terminal_safe};
 use crate::config;
 use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::persons::stopped::{Stopped, StoppedFault};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 
 /// What the station of a configuration knows of a patient, from its state folder while none runs; nothing if no station
 /// ever ran.

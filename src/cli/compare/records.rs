@@ -7,7 +7,7 @@ use gaiter_visits::{LeftOut, last_of_days};
 
 use crate::cli::report::{ReportFault, told_record_at};
 use crate::cli::{complain, terminal_safe};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::store::revision::families;
 use crate::store::revision::visits::{self, PlacedRecord};
 

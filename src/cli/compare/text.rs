@@ -4,8 +4,8 @@ use gaiter_record::report::content::{Section, Table, VerdictPart};
 use gaiter_record::report::document::{Block, Document};
 use gaiter_record::report::{Reliability, ReportFigure};
 
-use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::indented;
+use crate::cli::terminal::{self, painted};
 
 /// The report in lines of at most this many characters; pictures and what reports of visits do not have are left out.
 pub(super) fn render(document: &Document, columns: usize) -> String {
@@ -100,7 +100,7 @@ fn line(row: &[(String, Reliability)], widths: &[usize], columns: &[usize]) -> S
         let Some((cell, mark)) = row.get(*column) else { continue };
         let blanks = " ".repeat(widths[*column].saturating_sub(cell.chars().count()));
         let cell = match mark {
-            Reliability::Real => painted(paint::CARE, cell),
+            Reliability::Real => painted(terminal::CARE, cell),
             _ => cell.clone(),
         };
         line += &match place {

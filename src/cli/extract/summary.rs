@@ -12,9 +12,9 @@ use gaiter_record::measure::Measure;
 use gaiter_record::rounding::cm_words;
 use gaiter_sizes::Garment;
 
-use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::{indented, shortened};
 use crate::cli::terminal::table::colour;
+use crate::cli::terminal::{self, painted};
 
 /// The levels whose girths are shown, as on the measuring sheet: those of a stocking that ends below the
 /// knee.
@@ -87,12 +87,12 @@ pub fn summary(rows: &[Row], columns: usize) -> String {
                 let cells: String = girths_mm.iter().flatten().map(|girth| cell(*girth)).collect();
                 let (colour, said) = match is_delivered {
                     true => (colour(*verdict), said(*verdict)),
-                    false => (paint::BAD, "not written"),
+                    false => (terminal::BAD, "not written"),
                 };
                 writeln!(text, "{name:wide$}{cells}  {}", painted(colour, said))
             }
             Came::Not { code } => {
-                let why = painted(paint::BAD, format_args!("not measured [{code}]"));
+                let why = painted(terminal::BAD, format_args!("not measured [{code}]"));
                 writeln!(text, "{name:wide$}  {why}")
             }
         };

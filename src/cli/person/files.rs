@@ -11,8 +11,7 @@ use gaiter_record::SUMS;
 
 use super::reach::PersonFault;
 use crate::cli::terminal_safe;
-use crate::store::access::Access;
-use crate::store::{durable, sums};
+use crate::store::{Access, durable, sums};
 
 /// A disclosure that is being written.
 pub(super) struct Bundle {

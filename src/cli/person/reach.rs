@@ -15,7 +15,7 @@ use crate::config;
 use crate::station::StationError;
 use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::persons::stopped::{Stopped, StoppedFault};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 
 /// Why a person was neither disclosed nor erased.
 #[derive(Debug, thiserror::Error)]

@@ -8,7 +8,7 @@ use gaiter_leg::Level;
 use gaiter_record::change::{Change, LegLevel, LevelChange};
 
 use super::{Again, ReextractOutcome};
-use crate::cli::terminal::paint::{self, painted};
+use crate::cli::terminal::{self, painted};
 
 /// The most records that are named: those that changed most.
 const WORST: usize = 20;
@@ -49,7 +49,7 @@ pub fn report(told: &[ReextractEntry], failed: usize, left_out: usize) -> String
     if changed.is_empty() {
         return text;
     }
-    let _ = writeln!(text, "\n{}", painted(paint::LABEL, "later minus earlier, mm"));
+    let _ = writeln!(text, "\n{}", painted(terminal::LABEL, "later minus earlier, mm"));
     text += &levels(told);
     text += &worst(changed);
     text += &findings(told);
@@ -73,7 +73,7 @@ fn totals(told: &[ReextractEntry], failed: usize, left_out: usize) -> String {
     }
     if failed > 0 {
         let failed = format!("{failed} not measured again");
-        let _ = write!(text, ", {}", painted(paint::BAD, failed));
+        let _ = write!(text, ", {}", painted(terminal::BAD, failed));
     }
     if left_out > 0 {
         let _ = write!(text, "; {left_out} were first seen earlier and skipped");

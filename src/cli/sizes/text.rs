@@ -9,8 +9,8 @@ use gaiter_record::sizing::{LegSizes, SizeVerdicts, TableVerdict, words};
 use gaiter_sizes::Garment;
 use gaiter_sizes::verdict::{Fit, PointVerdict, Reading, SURE, UNLIKELY};
 
-use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::indented;
+use crate::cli::terminal::{self, painted};
 
 /// Widths of the columns of points, characters: point, measure, limits, margins, probability.
 const WIDTHS: [usize; 5] = [6, 15, 13, 17, 10];
@@ -129,9 +129,9 @@ fn of_table(
 /// The colour of a verdict, which only repeats what its words say.
 fn colour(fit: Fit) -> Style {
     match fit {
-        Fit::Fits => paint::GOOD,
-        Fit::FitsWithinUncertainty | Fit::NotDecided => paint::CARE,
-        Fit::DoesNotFit => paint::BAD,
+        Fit::Fits => terminal::GOOD,
+        Fit::FitsWithinUncertainty | Fit::NotDecided => terminal::CARE,
+        Fit::DoesNotFit => terminal::BAD,
     }
 }
 

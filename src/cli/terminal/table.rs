@@ -15,8 +15,8 @@ use gaiter_record::rounding::{cm_margin, cm_words};
 use gaiter_record::schema::{FindingNote, LegFigures};
 use gaiter_sizes::Garment;
 
-use super::paint::{self, painted};
 use super::screen::indented;
+use super::{BAD, CARE, GOOD, painted};
 
 /// Width of the column of level names, characters.
 const NAME: usize = 12;
@@ -61,9 +61,9 @@ pub fn render(record: &Record, garment: &Garment, columns: usize) -> String {
 /// The colour of a verdict, which only repeats what its words say.
 pub fn colour(kind: Kind) -> anstyle::Style {
     match kind {
-        Kind::Complete => paint::GOOD,
-        Kind::NotMeasurable | Kind::ByHand => paint::CARE,
-        Kind::ScanAgain => paint::BAD,
+        Kind::Complete => GOOD,
+        Kind::NotMeasurable | Kind::ByHand => CARE,
+        Kind::ScanAgain => BAD,
     }
 }
 

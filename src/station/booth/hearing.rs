@@ -7,7 +7,7 @@ use gaiter_flow::booth::{Heard, Press};
 use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::health::EXPORT_PASSED_OVER;
 use gaiter_flow::light::{Last, NO_EXPORT};
-use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
+use gaiter_flow::orders::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::round::{Capture, CaptureMatch, Doubt, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};

@@ -2,7 +2,7 @@
 //!
 //! An order names its patient at most once. It is noted as heard before it is heard, and removed
 //! afterwards. So after any interruption, no old order is heard again while another patient stands in
-//! the booth. [`gaiter_flow::orders::news`] decides which file is a new order. An order that cannot be
+//! the booth. [`gaiter_flow::orders`] decides which file is a new order. An order that cannot be
 //! read is set aside with its reason and reported to the operator.
 
 mod aside;
@@ -32,10 +32,7 @@ use crate::config::OrdersConfig;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::journal::JournalError;
-use crate::station::runtime::beat::Heartbeat;
-use crate::station::runtime::causes::chain;
-use crate::station::runtime::jitter;
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::{Heartbeat, Stop, chain, random_unit};
 use crate::station::share::stall::{DEADLINE, StepCounter, patiently};
 use take::{Before, Taken, take};
 
@@ -237,15 +234,15 @@ impl Orders {
             Ok(Taken::Changed) => self.settling.changed(settled, now),
             Ok(Taken::Unheard(known)) => {
                 self.unheard.insert(settled.path.clone(), Before::Noted(known));
-                self.settling.failed(settled, now, jitter::unit());
+                self.settling.failed(settled, now, random_unit());
             }
             Ok(Taken::Later) => {
                 self.unheard.remove(&settled.path);
-                self.settling.failed(settled, now, jitter::unit());
+                self.settling.failed(settled, now, random_unit());
             }
             Err(_) => {
                 self.unheard.entry(settled.path.clone()).or_insert(Before::Unnoted);
-                self.settling.failed(settled, now, jitter::unit());
+                self.settling.failed(settled, now, random_unit());
             }
         }
     }

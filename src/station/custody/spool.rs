@@ -14,9 +14,8 @@ use gaiter_record::Patient;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::station::runtime::jitter;
-use crate::store::access::Access;
-use crate::store::durable;
+use crate::station::runtime::random_bits;
+use crate::store::{Access, durable};
 
 /// The folder of the scans to be delivered.
 #[derive(Debug)]
@@ -116,7 +115,7 @@ impl Spool {
         bytes: &[u8],
         companions: &[Companion],
     ) -> io::Result<()> {
-        let staged = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
+        let staged = self.folder.join(format!(".tmp-{:016x}", random_bits()));
         let kept = self.stage(&staged, scan, intake, bytes, companions);
         if kept.is_err() {
             // The likely cause is a full disk: free the space that was used.
@@ -178,7 +177,7 @@ impl Spool {
     /// Removes a scan whose bytes are no longer needed. The entry is renamed first, so that a crash
     /// leaves no partial entry under its name.
     pub fn remove(&self, scan: &ScanId) -> io::Result<()> {
-        let gone = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
+        let gone = self.folder.join(format!(".tmp-{:016x}", random_bits()));
         match durable::rename_new(&self.entry(scan), &gone) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             other => other?,

@@ -19,8 +19,7 @@ use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
     self, Blame, ConfineFault, Ended, Job, JobAnswer, MeasureFault, Purpose, RecordJob, Trouble,
 };
-use crate::station::runtime::causes::chain;
-use crate::station::runtime::clock::utc_offset_min;
+use crate::station::runtime::{chain, utc_offset_min};
 
 /// How often what may have failed because of the scan is tried before the scan is to blame.
 pub const TRIES_MAX: u32 = 3;

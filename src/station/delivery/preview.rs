@@ -22,9 +22,7 @@ use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::event::short;
 use crate::station::journal::{JournalError, ScanRow};
-use crate::station::runtime::beat::Heartbeat;
-use crate::station::runtime::causes::chain;
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::{Heartbeat, Stop, chain};
 pub use shelf::{Preview, Previews};
 
 /// The largest number of previews kept, of the scans held last; the page shows fewer.

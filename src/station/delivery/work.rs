@@ -20,7 +20,7 @@ use crate::station::custody::CustodyFault;
 use crate::station::custody::quarantine::{Reason, Stage};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::{Due, JournalError, KEPT, ScanRow};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::store::{Delivery, RecordStore, Rejection, StoreFault};
 
 /// The code of a delivery that a server does not take now, while it may take others.

@@ -11,7 +11,7 @@ use crate::station::delivery::measuring::{self, TRIES_MAX};
 use crate::station::measure::{
     self, Blame, Ended, Inspection, Job, JobAnswer, MeasureFault, Purpose, Trouble,
 };
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 
 /// Why an export could not be inspected now. The machine is at fault, and the file waits where it is.
 #[derive(Debug, thiserror::Error)]

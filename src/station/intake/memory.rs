@@ -11,7 +11,7 @@ use tokio::task::{JoinError, spawn_blocking};
 use super::Intake;
 use crate::station::core::Core;
 use crate::station::intake::stable_read;
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::Stop;
 use crate::station::share::stall::{DEADLINE, StepCounter, patiently};
 
 /// What the last run knew about a folder; nothing if the journal cannot answer.

@@ -19,7 +19,7 @@ use tracing::{info, warn};
 
 use crate::station::booth::Booth;
 use crate::station::intake::scan_dir::{Found, Passed};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 
 /// How many files that are gone are known by name.
 const GONE_MOST: usize = 1000;

@@ -6,7 +6,7 @@ mod next;
 
 use std::time::Duration;
 
-use gaiter_flow::orders::habit::{ORDERS_MOST, OrderCame};
+use gaiter_flow::orders::{ORDERS_MOST, OrderCame};
 use gaiter_flow::round::{Capture, CaptureMatch, CaptureState, Named, Opener, Rounds};
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;

@@ -2,10 +2,12 @@
 //! seals of its rows, the chain of its history, and that it is not an older copy of itself.
 
 pub(in crate::station::journal) mod seal;
-pub(in crate::station) mod suspicion;
+
+use std::sync::{Mutex, PoisonError};
 
 use rusqlite::Connection;
 use rusqlite::types::ValueRef;
+use tokio::sync::Notify;
 
 use super::history::{self, HeadFile};
 use super::row::value;
@@ -52,5 +54,32 @@ pub(super) fn head(connection: &Connection, head: &HeadFile) -> Result<(), Journ
             Err(JournalError::Behind { head: head.seq })
         }
         _ => Ok(()),
+    }
+}
+
+/// Journal errors that may or may not mean damage; the last one is kept until the journal is checked, which it
+/// triggers. An intact journal that refuses a statement is not given up: the cause is a bug in gaiter or a change made
+/// by another program.
+#[derive(Debug, Default)]
+pub struct Suspicion {
+    last: Mutex<Option<String>>,
+    news: Notify,
+}
+
+impl Suspicion {
+    /// Reports such an error.
+    pub fn tell(&self, error: String) {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+        self.news.notify_one();
+    }
+
+    /// Completes when an error has been reported since the last check.
+    pub async fn told(&self) {
+        self.news.notified().await;
+    }
+
+    /// Takes the last error.
+    pub fn taken(&self) -> Option<String> {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }

@@ -6,7 +6,7 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::OrderState;
-use gaiter_flow::orders::news::FolderId;
+use gaiter_flow::orders::FolderId;
 use rusqlite::{Row, params};
 
 use super::meta::{fact, set_fact};

@@ -4,19 +4,22 @@ use std::io::{self, BufReader, Read, Write};
 use std::panic;
 
 use gaiter_confined::confine;
+use gaiter_flow::ScanId;
 use gaiter_leg::comparison::opinion::SecondOpinion;
 use gaiter_leg::comparison::second_opinion::compare;
 use gaiter_leg::{self as leg, Finding, phantom};
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::phantom::CheckRecord;
 use gaiter_record::{self as record, RecordFile, ScanFile};
-use gaiter_scan::{self as scan, Format, Reading, ord};
+use gaiter_scan::{self as scan, Format, Reading, Scan, ord};
+use sha2::{Digest, Sha256};
 
-use super::fingerprint::fingerprint;
 use super::job::{CheckJob, Inspection, Job, JobAnswer, Purpose, RecordJob};
-use crate::station::runtime::caught::caught;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::{caught, chain};
 use crate::store::sums;
+
+/// How fingerprints of this kind begin: none is taken for one of another kind.
+const FINGERPRINT_KIND: &str = "read-1:";
 
 /// Reads the one scan that comes on `input` and writes the answer to `output`. `hash` is the scan's
 /// hash from the arguments, and the bytes must match it; without one they are those of the station's memory.
@@ -73,6 +76,14 @@ fn inspected(scan: &[u8], format: Format) -> JobAnswer {
     JobAnswer::Inspected(Inspection { end, fingerprint })
 }
 
+/// The fingerprint of the points and triangles that were read: what tells that a scan is known, in whatever bytes it
+/// comes.
+fn fingerprint(scan: &Scan) -> String {
+    let mut digest = Sha256::new();
+    scan.each_piece(|piece| digest.update(piece));
+    format!("{FINGERPRINT_KIND}{}", ScanId::of_digest(digest.finalize().into()))
+}
+
 /// The record of a patient's scan.
 fn recorded(job: &RecordJob, scan: &[u8], format: Format, ord: &[u8]) -> JobAnswer {
     let RecordJob { method, output, report, provenance, ord_files } = job;
@@ -124,4 +135,24 @@ fn opinions(extraction: &leg::Extraction, ord: Option<&[u8]>, files: usize) -> V
 
 fn refused(code: &str, message: String) -> JobAnswer {
     JobAnswer::Refused { code: code.to_owned(), message }
+}
+
+#[cfg(test)]
+mod tests {
+    use gaiter_scan::read;
+
+    use super::*;
+
+    #[test]
+    fn what_is_read_is_one_scan_however_it_is_written() {
+        let of = |text: &str| fingerprint(&read(text.as_bytes(), Format::Obj).unwrap());
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let found = of(triangle);
+        assert!(
+            found.starts_with(FINGERPRINT_KIND) && found.len() == FINGERPRINT_KIND.len() + 64,
+            "{found}"
+        );
+        assert_eq!(of(&format!("# nine\r\n{triangle}")), found);
+        assert_ne!(of(&triangle.replacen("0 0 0", "0 0 1", 1)), found);
+    }
 }

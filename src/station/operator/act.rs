@@ -19,7 +19,7 @@ use crate::station::core::Core;
 use crate::station::custody::{Acted, CustodyFault};
 use crate::station::event::short;
 use crate::station::journal::{JournalError, ScanRow};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::store::{RecordStore, StoreFault, StoredScan};
 pub(super) use amend::set as amend;
 pub use amend::{Measured, Setting};

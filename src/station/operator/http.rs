@@ -27,7 +27,7 @@ use super::page::desk::Desk;
 use super::page::endpoint::HttpEndpoint;
 use super::page::{self, publish};
 use crate::station::overview::Overview;
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::Stop;
 
 /// The pause before an endpoint is tried again after a failure.
 const RETRY: Duration = Duration::from_secs(10);

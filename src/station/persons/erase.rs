@@ -13,7 +13,7 @@ use tracing::{info, warn};
 
 use crate::station::core::Core;
 use crate::station::custody::{Custody, CustodyFault, whole_scans};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::station::stores::Stores;
 use crate::store::{RecordStore, StoreFault};
 

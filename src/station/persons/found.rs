@@ -19,7 +19,7 @@ use tracing::warn;
 use crate::config::Config;
 use crate::station::custody::{Custody, CustodyFault, OLD_JOURNALS, REFUSED_ORDERS, files_naming};
 use crate::station::journal::ScanOfPerson;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::station::stores::Stores;
 use crate::store::brief::Brief;
 use crate::store::{FolderStore, PersonFolder, RecordStore, StoreFault};

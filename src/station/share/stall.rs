@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::Stop;
 
 /// How long the work may take without a step forward before the share counts as stalled. A restarting
 /// SMB server answers again within about 15 s, and a disk that spins up within 10 s.
@@ -98,7 +98,7 @@ mod tests {
     use std::sync::mpsc;
 
     use super::*;
-    use crate::station::runtime::stop::Stopper;
+    use crate::station::runtime::Stopper;
 
     const SHORT: Duration = Duration::from_millis(20);
 

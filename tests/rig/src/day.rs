@@ -20,7 +20,7 @@ use crate::invariants::{self, Moment, NOBODY, PutKind};
 use crate::pty;
 use crate::station::{Booth, PATIENCE, sha256};
 use crate::verb::{code, gaiter_told};
-use support::scans::coarse_body;
+use support::coarse_body;
 
 /// The patients who are scanned, in their order, with their exports.
 const PATIENTS: [(&str, &str); 2] = [("1001", "first.obj"), ("1002", "second.obj")];

@@ -12,18 +12,16 @@ pub mod page;
 pub mod recorded;
 #[cfg(feature = "record")]
 pub mod records;
-pub mod scans;
 pub mod solids;
 pub mod stance;
 pub mod strip;
 pub mod test_leg;
 pub mod tubes;
-pub mod wavefront;
 pub mod writers;
 
 use std::path::{Path, PathBuf};
 
-pub use scans::*;
+pub use recorded::{body, coarse_body};
 
 /// The folder of the project.
 pub fn root() -> PathBuf {

@@ -46,7 +46,7 @@ impl Writer {
 
     pub fn write(self, scan: &Scan) -> Vec<u8> {
         match self {
-            Writer::Obj => obj(scan).into_bytes(),
+            Writer::Obj => obj(scan),
             Writer::PlyText => ply_text(scan).into_bytes(),
             Writer::PlyLittle => ply_binary(scan, false),
             Writer::PlyBig => ply_binary(scan, true),
@@ -68,12 +68,13 @@ fn lines(scan: &Scan, before: &str, between: &str, after: &str) -> String {
     text
 }
 
-fn obj(scan: &Scan) -> String {
+/// A scan as Wavefront OBJ.
+pub fn obj(scan: &Scan) -> Vec<u8> {
     let mut text = lines(scan, "v ", " ", "\n");
     for [a, b, c] in &scan.triangles {
         writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
     }
-    text
+    text.into_bytes()
 }
 
 fn ply_header(scan: &Scan, encoding: &str) -> String {

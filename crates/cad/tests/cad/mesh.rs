@@ -37,7 +37,7 @@ fn to_f32(point: &Point3<f64>) -> [f32; 3] {
 fn stl_is_a_header_a_count_and_50_bytes_a_triangle_with_its_outward_normal() {
     for (turn, ends) in [(1.0, Ends::Open), (-1.0, Ends::Fans)] {
         let made = made(turn, ends);
-        let file = mesh::stl::write(&made, &HEADER);
+        let file = mesh::stl(&made, &HEADER);
         assert_eq!(file.len(), 84 + 50 * made.triangles.len());
         assert!(!file.starts_with(b"solid"), "readers would take it for text");
         let head = std::str::from_utf8(&file[..80]).unwrap().trim_end();
@@ -61,8 +61,8 @@ fn stl_is_a_header_a_count_and_50_bytes_a_triangle_with_its_outward_normal() {
 fn gaiter_reads_its_own_meshes_as_it_wrote_them() {
     for ends in [Ends::Open, Ends::Fans] {
         let made = made(1.0, ends);
-        let obj = read(&mesh::obj::write(&made, &HEADER), Format::Obj).unwrap();
-        let stl = read(&mesh::stl::write(&made, &HEADER), Format::Stl).unwrap();
+        let obj = read(&mesh::obj(&made, &HEADER), Format::Obj).unwrap();
+        let stl = read(&mesh::stl(&made, &HEADER), Format::Stl).unwrap();
         for scan in [&obj, &stl] {
             // As many points as there are: the seam and the rims are one.
             assert_eq!(scan.points.len(), made.points.len());
@@ -80,7 +80,7 @@ fn gaiter_reads_its_own_meshes_as_it_wrote_them() {
 #[test]
 fn obj_has_a_normal_for_every_corner_counted_from_1() {
     let made = made(-1.0, Ends::Fans);
-    let text = String::from_utf8(mesh::obj::write(&made, &HEADER)).unwrap();
+    let text = String::from_utf8(mesh::obj(&made, &HEADER)).unwrap();
     let lines = |start: &str| text.lines().filter(|line| line.starts_with(start)).count();
     assert_eq!(lines("v "), made.points.len());
     assert_eq!(lines("vn "), made.normals.len());
@@ -105,7 +105,7 @@ fn gltf(file: &[u8]) -> (gltf::Document, Vec<u8>) {
 
 #[test]
 fn glb_has_two_aligned_chunks_that_fill_it() {
-    let file = mesh::glb::write(&made(1.0, Ends::Fans), &HEADER);
+    let file = mesh::glb(&made(1.0, Ends::Fans), &HEADER);
     assert_eq!(&file[..4], b"glTF");
     assert_eq!((word(&file, 4), word(&file, 8) as usize), (2, file.len()));
     let json = word(&file, 12) as usize;
@@ -123,7 +123,7 @@ fn glb_has_two_aligned_chunks_that_fill_it() {
 #[test]
 fn glb_accessors_lie_in_the_buffer_and_say_the_least_and_the_most() {
     for ends in [Ends::Open, Ends::Fans] {
-        let file = mesh::glb::write(&made(1.0, ends), &HEADER);
+        let file = mesh::glb(&made(1.0, ends), &HEADER);
         let (document, blob) = gltf(&file);
         let mut end = 0;
         for accessor in document.accessors() {
@@ -147,7 +147,7 @@ fn glb_accessors_lie_in_the_buffer_and_say_the_least_and_the_most() {
 #[test]
 fn glb_stands_on_its_floor_in_metres_and_looks_at_the_viewer() {
     let made = made(1.0, Ends::Fans);
-    let file = mesh::glb::write(&made, &HEADER);
+    let file = mesh::glb(&made, &HEADER);
     let (document, blob) = gltf(&file);
     let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
     let reader = primitive.reader(|_| Some(&blob));
@@ -174,18 +174,18 @@ fn no_name_can_break_a_mesh_and_the_same_surface_gives_the_same_bytes() {
     let header = FileHeader { file_name: &name, product: &name };
     let made = made(1.0, Ends::Open);
     assert_eq!(
-        read(&mesh::stl::write(&made, &header), Format::Stl).unwrap().triangles.len(),
+        read(&mesh::stl(&made, &header), Format::Stl).unwrap().triangles.len(),
         made.triangles.len()
     );
     assert_eq!(
-        read(&mesh::obj::write(&made, &header), Format::Obj).unwrap().triangles.len(),
+        read(&mesh::obj(&made, &header), Format::Obj).unwrap().triangles.len(),
         made.triangles.len()
     );
-    let file = mesh::glb::write(&made, &header);
+    let file = mesh::glb(&made, &header);
     let json = word(&file, 12) as usize;
     let value: serde_json::Value = serde_json::from_slice(&file[20..20 + json]).unwrap();
     assert_eq!(value["nodes"][0]["name"], name);
-    for write in [mesh::stl::write, mesh::obj::write, mesh::glb::write] {
+    for write in [mesh::stl, mesh::obj, mesh::glb] {
         assert_eq!(write(&made, &HEADER), write(&made.clone(), &HEADER));
     }
 }

@@ -7,9 +7,8 @@ use gaiter_record::SourceKind;
 use super::button::Button;
 use super::code::{Codes, Said};
 use super::edge::Contact;
-use super::lines::{Line, Lines};
+use super::lines::{Line, Lines, Tokens};
 use super::report::Pattern;
-use super::token::Tokens;
 use super::typed::{KeyAction, Typed};
 use crate::booth::{Heard, Press};
 

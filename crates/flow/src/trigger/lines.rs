@@ -1,6 +1,8 @@
-//! Bytes of a serial port → lines, bounded for any input.
+//! Bytes of a serial port → lines, bounded for any input, and the lines that are presses.
 
 use std::time::Duration;
+
+use crate::booth::Press;
 
 /// The longest line that is kept, bytes. Tokens and patients' ids are far shorter.
 pub const LINE_MOST: usize = 64;
@@ -97,6 +99,27 @@ impl Lines {
     }
 }
 
+/// The lines by which a button reports a press: exact matches only.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Tokens {
+    /// The lines of a short press.
+    pub short: Vec<String>,
+    /// The lines of a long press.
+    pub long: Vec<String>,
+}
+
+impl Tokens {
+    /// The press that a line means; `None` for any other line.
+    pub fn press(&self, line: &[u8]) -> Option<Press> {
+        let among = |tokens: &[String]| tokens.iter().any(|token| token.as_bytes() == line);
+        if among(&self.short) {
+            Some(Press::Short)
+        } else {
+            among(&self.long).then_some(Press::Long)
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,5 +201,15 @@ mod tests {
         assert_eq!((lines.due(), lines.take(b"11\r4711\r", NOW)), (None, vec![whole(b"4711")]));
         lines.pass_over();
         assert_eq!(lines.take(b"4711\r", NOW), [whole(b"4711")], "nothing was begun");
+    }
+
+    #[test]
+    fn only_the_exact_line_is_a_press() {
+        let tokens = Tokens { short: vec!["PRESS".into()], long: vec!["HOLD".into()] };
+        assert_eq!(tokens.press(b"PRESS"), Some(Press::Short));
+        assert_eq!(tokens.press(b"HOLD"), Some(Press::Long));
+        for line in ["", "press", "PRESS ", " PRESS", "PRESSPRESS", "PRES", "AT", "\0PRESS"] {
+            assert_eq!(tokens.press(line.as_bytes()), None, "{line:?}");
+        }
     }
 }

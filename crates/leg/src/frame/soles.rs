@@ -1,9 +1,8 @@
 //! Whether the soles of the feet show the floor: they lie in one level plane, their skin turns under where it
 //! ends, and the toes lie no higher than a bare foot's.
 
-use nalgebra::Vector2;
+use nalgebra::{Rotation2, Vector2};
 
-use super::long_axis::{LongAxis, long_axis};
 use crate::statistics::{median, quantile, range};
 
 /// Share of a foot's points that may lie below its lowest skin: noise and stray points.
@@ -242,4 +241,30 @@ fn undercuts(foot: &[[f64; 3]]) -> Vec<f64> {
         Some((high_r - low_r) / (high_z - low_z))
     };
     around.iter().filter_map(share).collect()
+}
+
+/// The long axis of points seen from above, and their extents.
+pub(super) struct LongAxis {
+    /// Unit vector along it, of arbitrary sign.
+    pub direction: Vector2<f64>,
+    /// Extent along it, in the unit of the points.
+    pub length: f64,
+    /// Extent across it.
+    pub width: f64,
+}
+
+/// The first principal axis of points seen from above.
+pub(super) fn long_axis(of: &[[f64; 3]]) -> LongAxis {
+    let points: Vec<Vector2<f64>> = of.iter().map(|p| Vector2::new(p[0], p[1])).collect();
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len().max(1) as f64;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for d in points.iter().map(|p| p - middle) {
+        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+    }
+    let direction = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
+    let [length, width] = [direction, Vector2::new(-direction.y, direction.x)].map(|axis| {
+        let [low, high] = range(points.iter().map(|p| p.dot(&axis)));
+        high - low
+    });
+    LongAxis { direction, length, width }
 }

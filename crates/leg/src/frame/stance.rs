@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use super::floor::{Floor, floor};
-use super::long_axis::{LongAxis, long_axis};
+use super::soles::{LongAxis, long_axis};
 use crate::parting::cluster::clusters;
 use crate::sections::hull::Hull;
 use crate::sections::slice::{Crossing, Mesh};

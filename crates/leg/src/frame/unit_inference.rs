@@ -5,7 +5,7 @@ use gaiter_scan::Scan;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::body_fault::{BodyFault, STATURE_MM};
-use super::long_axis::long_axis;
+use super::soles::long_axis;
 use crate::method::{Method, Unit, UnitChoice};
 
 /// Points below this height belong to a lone leg's foot, mm: under the ankle.

@@ -17,9 +17,8 @@ use gaiter_leg::Side;
 use gaiter_leg::finding::Severity;
 use gaiter_sizes::Garment;
 
-use super::ReportFigure;
 use super::age::{Age, AgeMax};
-use super::head::Head;
+use super::{Head, ReportFigure};
 use crate::Record;
 use crate::completeness::{Completeness, Kind};
 use crate::measure::why_no_leg;

@@ -3,9 +3,9 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::Head;
 use super::age::Age;
 use super::content::{Fact, Levels, Note, Section, Table, Verdict};
-use super::head::Head;
 use crate::Record;
 use crate::picture::figures::DrawnFigure;
 

@@ -11,9 +11,8 @@ use gaiter_language::{Language, Piece, pieces};
 use sha2::{Digest, Sha256};
 
 use self::markup::element;
-use super::Paper;
 use super::document::{Block, Document};
-use super::head::Head;
+use super::{Head, Paper};
 use crate::picture::svg;
 use crate::shown::escaped;
 

@@ -110,7 +110,7 @@ fn reduced(
 mod tests {
     use super::*;
     use crate::basis::Basis;
-    use crate::penalty::{mass, roughness};
+    use crate::integrals::{mass, roughness};
 
     #[test]
     fn a_trial_finds_the_coefficients_and_the_trace_of_dense_algebra() {

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::DMatrix;
 
 use crate::basis::{Basis, BasisFault, DEGREE};
-use crate::penalty::roughness;
+use crate::integrals::roughness;
 
 /// The derivative whose square is penalised.
 pub const PENALISED: usize = 2;
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn the_mass_is_that_of_the_basis_by_quadrature() {
         let circle = Circle::new(48).unwrap();
-        let whole = crate::penalty::mass(&circle.basis);
+        let whole = crate::integrals::mass(&circle.basis);
         for (apart, share) in MASS.into_iter().enumerate() {
             let expected = whole.entry(DEGREE + apart, DEGREE) * 48.0 / TAU;
             assert!((share - expected).abs() < 1e-14, "{apart}: {share} {expected}");

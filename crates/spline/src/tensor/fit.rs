@@ -12,7 +12,7 @@ use super::equations::Equations;
 use super::function::Tensor;
 use super::kronecker::{Around, Direction, best_by_gcv};
 use super::neighbours::Neighbours;
-use super::scatter::{Scatter, place};
+use super::{Scatter, place};
 use crate::basis::{Basis, DEGREE, Row};
 use crate::fit::FitFault;
 use crate::robust::biweights;

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::circle::{Circle, PENALISED, RIDGE};
 use crate::basis::Basis;
-use crate::penalty::roughness;
+use crate::integrals::roughness;
 use crate::solve::Singular;
 
 /// Exponents of ten of the lambdas that are tried, in half decades relative to the median eigenvalue,

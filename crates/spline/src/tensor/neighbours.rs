@@ -3,7 +3,7 @@
 //! The first, smoothest fit cuts off ridges and folds. Their data are far from it, but together; an
 //! outlier is far from its neighbours too.
 
-use super::scatter::{Scatter, place};
+use super::{Scatter, place};
 use crate::robust::{TUKEY, scale};
 
 /// Neighbours share at most this much, in the unit of the values: a ridge that the smooth fit cuts off.

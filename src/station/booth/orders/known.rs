@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::OrderState;
-use gaiter_flow::orders::news::{Unlisted, unlisted};
+use gaiter_flow::orders::{Unlisted, unlisted};
 use tracing::warn;
 
 use super::list_orders::{Found, is_meant};

@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use gaiter_flow::orders::news::FolderId;
+use gaiter_flow::orders::FolderId;
 use gaiter_flow::{Group, Mask};
 
 use super::removal;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use gaiter_flow::booth::Heard;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::ComplaintFigures;
-use gaiter_flow::orders::news::{self, News};
+use gaiter_flow::orders::{self, News};
 use gaiter_flow::round::Doubt;
 use gaiter_flow::{OrderState, Settled};
 use gaiter_record::gdt::{Order, OrderFault, order};
@@ -85,7 +85,7 @@ pub fn take(
     if let Some(original) = &original {
         for name in [&settled.path, original] {
             let known = journal.order_known(name)?;
-            if news::news(known.as_ref(), &taking.read.state) == News::Known {
+            if orders::news(known.as_ref(), &taking.read.state) == News::Known {
                 return taking.remove(&[&settled.path, name]);
             }
         }
@@ -97,7 +97,7 @@ pub fn take(
         Some(Before::Noted(known)) => known,
         Some(Before::Unnoted) | None => journal.order_known(taking.path())?,
     };
-    match news::news(known.as_ref(), &taking.read.state) {
+    match orders::news(known.as_ref(), &taking.read.state) {
         // It is to stay, or it is not an order, or the last run ended before it was removed.
         News::Known if taking.is_order() => taking.remove_if_asked(),
         News::Known => Ok(Taken::Done),
@@ -180,7 +180,7 @@ impl Taking<'_> {
     fn is_old(&self) -> bool {
         let in_sight = self.core.now().saturating_sub(self.settled.writing.appeared().seen);
         let wall_ns = Timestamp::now().as_nanosecond();
-        news::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
+        orders::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
     }
 
     fn tell_refused(&self, code: &str, why: &Cause) {

@@ -15,9 +15,7 @@ use tracing::{info, warn};
 use super::{Attendant, Attended};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
-use crate::station::runtime::beat::Heartbeat;
-use crate::station::runtime::clock::ASLEEP;
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::{ASLEEP, Heartbeat, Stop};
 use crate::station::share::stall::{DEADLINE, StepCounter, patiently};
 
 /// The longest sleep of the thread before it checks whether to stop.

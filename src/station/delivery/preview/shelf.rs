@@ -12,7 +12,7 @@ use gaiter_flow::page::files::PREVIEW;
 use gaiter_record::RecordFile;
 use tokio::sync::Notify;
 
-use crate::station::runtime::jitter;
+use crate::station::runtime::random_bits;
 use crate::store::durable;
 use crate::store::sums::{self, SUMS};
 
@@ -105,7 +105,7 @@ impl Previews {
     /// Any I/O error; nothing is kept then.
     pub fn keep(&self, scan: &ScanId, files: &[RecordFile]) -> io::Result<()> {
         durable::make_folder_once(&self.folder)?;
-        let staged = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
+        let staged = self.folder.join(format!(".tmp-{:016x}", random_bits()));
         let folder = self.folder.join(scan.as_str());
         let written = write(&staged, files).and_then(|()| fs::rename(&staged, &folder));
         if let Err(error) = written {

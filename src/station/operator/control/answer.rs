@@ -27,7 +27,7 @@ use crate::station::operator::act::{self, ActFault};
 use crate::station::operator::page::desk::Desk;
 use crate::station::overview::Overview;
 use crate::station::persons::visits;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 
 /// Answers a request.
 pub fn answer(desk: &Desk, request: &Request) -> ControlAnswer {

@@ -8,7 +8,7 @@ use super::protocol::{ControlAnswer, ControlFault, ControlFaultKind};
 use crate::station::custody::CustodyFault;
 use crate::station::operator::page::desk::Desk;
 use crate::station::persons::{erase, person, stopped};
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 
 /// Notes that a person's data was disclosed.
 pub(super) fn disclosed(

@@ -7,7 +7,7 @@ use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Complaint;
 use gaiter_flow::confinement::Confinement;
 use gaiter_flow::facts::{Alarm, SourceFacts, StoreFacts, StoreRefusal, TriggerFacts};
-use gaiter_flow::orders::habit::OrdersComeLate;
+use gaiter_flow::orders::OrdersComeLate;
 use gaiter_flow::views::ViewsSeries;
 use gaiter_language::Language;
 use gaiter_record::phantom::LastCheck;

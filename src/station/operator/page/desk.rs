@@ -11,7 +11,7 @@ use super::token::Token;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::delivery::preview::Previews;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 
 /// The number of record files read at once: a share that does not answer blocks no more threads.
 const MOST_READERS: usize = 4;

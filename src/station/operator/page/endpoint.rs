@@ -10,7 +10,7 @@ use super::desk::{Desk, Texts};
 use crate::station::operator::http::listeners::Way;
 use crate::station::operator::http::shared_look::SharedLook;
 use crate::station::overview::Overview;
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::Stop;
 
 /// The number of streams served at once at each endpoint; later readers poll.
 const MOST_STREAMS: usize = 8;

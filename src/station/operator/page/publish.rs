@@ -11,7 +11,7 @@ use tokio::time::sleep;
 use super::desk::{Desk, Texts};
 use super::{snapshot, summaries};
 use crate::station::booth::BoothState;
-use crate::station::runtime::stop::Stop;
+use crate::station::runtime::Stop;
 
 /// How often to check for changes; people do not notice a shorter delay.
 const PACE: Duration = Duration::from_millis(400);

@@ -13,8 +13,7 @@ use rustix::fs::{Mode, OFlags, open};
 use rustix::io::Errno;
 use tracing::{info, warn};
 
-use crate::store::access::OTHERS;
-use crate::store::durable;
+use crate::store::{OTHERS, durable};
 
 /// The token's file in the state folder.
 pub const FILE: &str = "page-token";

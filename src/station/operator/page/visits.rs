@@ -22,7 +22,7 @@ use super::endpoint::HttpEndpoint;
 use super::files::Row;
 use super::{plain_page, snapshot};
 use crate::station::persons;
-use crate::station::runtime::causes::chain;
+use crate::station::runtime::chain;
 use crate::store::FolderStore;
 use crate::store::revision::visits::of_patient;
 

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use crate::invariants::{self, Moment, PutKind};
 use crate::station::{Booth, PATIENCE, Setting, names};
-use support::scans::coarse_body;
+use support::coarse_body;
 
 use crate::faults::tracer::{self, BEHIND_A_GATE, Call, CallFate, Kind, Run};
 

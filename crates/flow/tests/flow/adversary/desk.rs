@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use gaiter_flow::OrdersWhen;
-use gaiter_flow::orders::news::{self, News, OrderState};
+use gaiter_flow::orders::{self, News, OrderState};
 use gaiter_flow::round::Doubt;
 use gaiter_record::SourceKind;
 
@@ -125,7 +125,7 @@ impl People {
         let known = self.booth.disk.orders.insert(order.file.clone(), found.clone());
         let news = match self.booth.setup.off {
             Off::OrdersNameOnce => News::New,
-            _ => news::news(known.as_ref(), &found),
+            _ => orders::news(known.as_ref(), &found),
         };
         match news {
             News::Known => {}

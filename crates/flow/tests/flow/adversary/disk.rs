@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use gaiter_flow::orders::news::OrderState;
+use gaiter_flow::orders::OrderState;
 use gaiter_flow::round::{Capture, CaptureMatch, Named, Names, Rounds};
 use gaiter_flow::settle::Memory;
 use gaiter_flow::{DeliveryState, ScanState, Stamp};

@@ -2,7 +2,7 @@
 
 use gaiter_leg::{Level, Side};
 
-use super::super::words::{title, told};
+use super::super::{title, told};
 use super::{Report, ReportFigure, Table, TableRow};
 use crate::schema::{EstimateFigures, LandmarkFigures};
 use crate::statement::Statement;

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use gaiter_leg::method::Tape;
 use gaiter_leg::{Level, Side};
 
-use super::super::words::{grouped, title};
+use super::super::{grouped, title};
 use super::{LevelFigures, LevelRow, Levels, Report, ReportFigure, SheetColumns, SheetRow};
 use crate::measure::amendment::{ByHand, Subject};
 use crate::measure::{Absent, Length, Measure, girth_mm_at, why_absent};

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use gaiter_leg::finding::Severity;
 
-use super::super::words;
+use super::super::{grouped, title, told};
 use super::{Note, Report, Section};
 use crate::schema::FindingNote;
 use crate::shown;
@@ -16,7 +16,7 @@ impl Report<'_> {
         let doubts = doubts.iter().map(|doubt| self.note(doubt));
         let by_code = found.chain(doubts).map(|note| ((note.code.clone(), note.weight), note));
         let mut entries: Vec<Note> =
-            words::grouped(by_code).into_iter().filter_map(|(_, group)| one_of(group)).collect();
+            grouped(by_code).into_iter().filter_map(|(_, group)| one_of(group)).collect();
         // Notes of one weight keep the order of the stages.
         entries.sort_by_key(|note| Reverse(note.weight));
         Section { title: self.text("report.notes.title"), entries }
@@ -38,14 +38,14 @@ impl Report<'_> {
     fn note(&self, finding: &FindingNote) -> Note {
         let weight = Severity::of_word(&finding.severity).unwrap_or(Severity::Warning);
         let says = finding.says.as_ref();
-        let (message, is_told) = words::told(says, &finding.message, self.language);
+        let (message, is_told) = told(says, &finding.message, self.language);
         let word = |part: &str| self.language.find(&format!("finding.{}.{part}", finding.code));
         Note {
             code: finding.code.clone(),
             weight,
             weight_words: self.weight_words(weight).to_owned(),
             place: self.place(finding),
-            title: words::title(&finding.code, self.language).to_owned(),
+            title: title(&finding.code, self.language).to_owned(),
             message: sentence(&shown::id(&message)),
             is_message_english: !is_told,
             meaning: word("meaning").map(str::to_owned),
