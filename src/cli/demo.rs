@@ -26,7 +26,7 @@ use super::{Exit, complain, explain_config, print};
 use crate::config::{self, Config};
 use crate::station::demo::{self, SimulatedButton};
 use crate::station::{self, Orders, StationEvent};
-use exports::{Expected, exports};
+use exports::{DemoExport, Expected, exports};
 
 /// The folder for everything the demo makes, below the working folder.
 const FOLDER: &str = "demo";
@@ -175,11 +175,10 @@ async fn show(
 
 /// Presses the button and lets the scanner export one scan in the background, and prints both.
 fn scan(
-    export: (demo::Export, Expected, Duration),
+    DemoExport { export, expected, after }: DemoExport,
     button: Arc<Mutex<Option<SimulatedButton>>>,
     teller: Teller,
 ) -> Expected {
-    let (export, expected, after) = export;
     tokio::spawn(async move {
         tokio::time::sleep(after).await;
         press(&button, &teller);

@@ -80,7 +80,8 @@ impl Inner {
         journal: &Journal,
         rules: Rules,
         buttons: BTreeSet<&'static str>,
-        (boot, now): (&str, Duration),
+        boot: &str,
+        now: Duration,
     ) -> Result<Inner, JournalError> {
         let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
         // The machine was off: what a press began expires, unless it can be carried over.
@@ -185,8 +186,8 @@ impl Booth {
         let orders = orders.map_or(OrdersWhen::default(), |orders| orders.when);
         let rules = config.capture.rules(&buttons, orders);
         let folders = config.scanner.export_dirs.len();
-        let inner =
-            Inner::recall(core.custody.journal(), rules, buttons, (core.clock.boot(), core.now()))?;
+        let (journal, boot) = (core.custody.journal(), core.clock.boot());
+        let inner = Inner::recall(journal, rules, buttons, boot, core.now())?;
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, sights) = (Mutex::new(inner), Mutex::new(vec![Sights::default(); folders]));

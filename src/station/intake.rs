@@ -26,14 +26,14 @@ use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 
 use self::export_locks::ExportLocks;
-use self::ingest::{Admitted, TakeFault, Taken};
+use self::ingest::{Admitted, Beginnings, TakeFault, Taken};
 use self::stable_read::Export;
 use self::watch::Watch;
 use super::booth::Booth;
 use super::core::Core;
 use super::runtime::{ASLEEP, Heartbeat, Stop, random_unit};
 use super::share::stall::{DEADLINE, StepCounter, patiently};
-use notes::Notes;
+use notes::{BelievedLook, Notes};
 
 /// The shortest time from one look to the next, however many hints there are.
 const LOOK_PAUSE_MIN: Duration = Duration::from_millis(100);
@@ -53,6 +53,14 @@ const FORGETTING: Duration = Duration::from_secs(3600);
 
 /// How soon a closed gate is tried again.
 const GATE_RETRY: Duration = Duration::from_secs(2);
+
+/// An export folder of the configuration.
+pub struct ExportDir {
+    /// Its place among them, from 0.
+    pub place: usize,
+    /// Its path.
+    pub folder: PathBuf,
+}
 
 /// One export folder and what is known of its files.
 struct Intake {
@@ -83,8 +91,9 @@ struct Round {
 /// # Errors
 /// If a step of its own panicked.
 pub async fn worker(
-    (booth, export_locks): (Arc<Booth>, Arc<ExportLocks>),
-    (place, folder): (usize, PathBuf),
+    booth: Arc<Booth>,
+    export_locks: Arc<ExportLocks>,
+    ExportDir { place, folder }: ExportDir,
     beat: Heartbeat,
     mut stop: Stop,
     looked: mpsc::Sender<()>,
@@ -187,7 +196,7 @@ impl Intake {
             patiently(DEADLINE, stop, look, || self.beat.beat(), || self.notes.stalled()).await?;
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
-        let (look, unrelated, folders) = self.notes.found(found, &mut self.guard);
+        let BelievedLook { look, unrelated, folders } = self.notes.found(found, &mut self.guard);
         if let Look::Seen(scans) = &look {
             self.forget_gone(scans.keys().cloned().collect()).await?;
             self.settling.found_in(folders);
@@ -301,20 +310,20 @@ impl Intake {
         // Without a waiting capture it does not matter, and a backlog has many files to compare with.
         let asked = Arc::clone(&booth);
         let is_awaited = spawn_blocking(move || asked.last_opened().is_some()).await?;
-        let times = |export: &Export| match is_awaited {
+        let beginnings = |export: &Export| match is_awaited {
             true => {
-                let began = self.settling.began(&settled, &export.bytes);
-                (began, self.settling.others(&settled, &export.bytes))
+                let own = self.settling.began(&settled, &export.bytes);
+                Beginnings { own, others: self.settling.others(&settled, &export.bytes) }
             }
-            false => (settled.writing.began(&export.bytes), Vec::new()),
+            false => Beginnings { own: settled.writing.began(&export.bytes), others: Vec::new() },
         };
-        let read = read.map(|export| export.map(|export| (times(&export), export)));
+        let read = read.map(|export| export.map(|export| (beginnings(&export), export)));
         let take = spawn_blocking(move || {
             let (mut mark, mut is_kept) = (None, false);
             let taken = read.and_then(|export| match export {
-                Some((times, export)) => {
+                Some((beginnings, export)) => {
                     mark = Some(Fingerprint::whole(began, booth.core().now(), &export.bytes));
-                    let taken = ingest::take(&booth, &settled, times, &export);
+                    let taken = ingest::take(&booth, &settled, beginnings, &export);
                     is_kept = taken.is_err() && booth.core().custody.spool().holds(&export.scan);
                     taken
                 }

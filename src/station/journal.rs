@@ -41,6 +41,7 @@ use tracing::warn;
 
 use crate::store::durable;
 pub use captures::{BoothChange, CaptureRow};
+pub use deliveries::GivenRevision;
 pub use delivery_row::{Due, Task};
 pub use erasure::{Erasing, ScanOfPerson};
 pub use error::JournalError;

@@ -13,8 +13,8 @@ use super::booth::{self, orders, trigger};
 use super::delivery::{self, preview};
 use super::error::{StationError, Worker};
 use super::housekeeping;
-use super::intake;
 use super::intake::export_locks::ExportLocks;
+use super::intake::{self, ExportDir};
 use super::operator::http;
 use super::operator::http::listeners::Listeners;
 use super::runtime::{Heartbeat, Stop, Stopper};
@@ -87,11 +87,12 @@ impl Workers {
         stop: &Stop,
     ) -> mpsc::Receiver<()> {
         let (looked, first_looks) = mpsc::channel(1);
-        for place in station.core.config.scanner.export_dirs.iter().cloned().enumerate() {
-            let shared = (Arc::clone(&station.booth), Arc::clone(&resources.export_locks));
-            let (folder, stop, looked) = (place.0, stop.clone(), looked.clone());
-            let task = |beat| intake::worker(shared, place, beat, stop, looked);
-            self.start_one(Worker::Intake { folder }, task);
+        let export_dirs = station.core.config.scanner.export_dirs.iter().cloned().enumerate();
+        for (place, folder) in export_dirs {
+            let (booth, locks) = (Arc::clone(&station.booth), Arc::clone(&resources.export_locks));
+            let (dir, stop, looked) = (ExportDir { place, folder }, stop.clone(), looked.clone());
+            let task = |beat| intake::worker(booth, locks, dir, beat, stop, looked);
+            self.start_one(Worker::Intake { folder: place }, task);
         }
         first_looks
     }

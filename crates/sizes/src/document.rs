@@ -13,10 +13,11 @@ pub(super) type Section<'s, 't> = gaiter_toml::Section<'s, 't, What>;
 /// The longest file that is read, bytes: hundreds of sizes with their codes have less.
 pub const BYTES_MAX: usize = 256 * 1024;
 
-/// Reads a file whose first key is its format, which the line `example` sets.
+/// Reads a file whose first key is its format, the `expected` one, which the line `example` sets.
 pub(super) fn read<T>(
     bytes: &[u8],
-    (expected, example): (&'static str, &'static str),
+    expected: &'static str,
+    example: &'static str,
     read: impl FnOnce(Section<'_, '_>) -> Option<T>,
 ) -> Result<T, Vec<DocumentFault>> {
     gaiter_toml::read::<T, What>(bytes, BYTES_MAX, slip, |whole| {

@@ -45,8 +45,8 @@ const UNITS: [(&str, Unit); 2] =
 /// # Errors
 /// Every fault of the file, in the order of its lines; at least one.
 pub fn parse(bytes: &[u8]) -> Result<SizeTable, Vec<DocumentFault>> {
-    let format = (FORMAT, "format = \"gaiter-size-table/1\"");
-    read(bytes, format, |whole| table(whole, hex(&Sha256::digest(bytes))))
+    let example = "format = \"gaiter-size-table/1\"";
+    read(bytes, FORMAT, example, |whole| table(whole, hex(&Sha256::digest(bytes))))
 }
 
 /// The table of a file. What is wrong is noted, and the rest is read all the same.
@@ -74,7 +74,7 @@ fn table(whole: Section<'_, '_>, sha256: String) -> Option<SizeTable> {
     let variants = variants(whole);
     let unit = unit.unwrap_or(UNITS[0].1);
     let lengths = lengths(whole, unit);
-    let sizes = sizes(whole, unit, (&variants, &lengths));
+    let sizes = sizes(whole, unit, &variants, &lengths);
     // A range that is wrong is told as such, not as missing.
     let known = if whole.is_sound() { sizes.as_slice() } else { &[] };
     let required = required(whole, known);

@@ -84,7 +84,8 @@ impl Course {
             };
             let legs = [before, after];
             let girths = girths(visits, legs, &stance);
-            Some(LegChange { volume, girths, pieces: pieces(visits, legs, &stance, (group, side)) })
+            let pieces = pieces(visits, legs, &stance, group, side);
+            Some(LegChange { volume, girths, pieces })
         };
         Comparison {
             earlier,
@@ -139,7 +140,8 @@ fn pieces(
     visits: [&Visit; 2],
     legs: [&LegAtVisit; 2],
     stance: &StanceChange,
-    (group, side): (&Group, Side),
+    group: &Group,
+    side: Side,
 ) -> Vec<PlaceChange> {
     let change = |step: &Step| {
         let only = BTreeSet::from([*step]);

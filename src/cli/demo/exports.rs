@@ -20,15 +20,25 @@ pub enum Expected {
     Refusal,
 }
 
-/// Two complete scans, one that is aborted half-way, and one that shows no body: each with its required
-/// result and with the time at which the scanner begins to export it.
+/// An export of the demo.
+pub struct DemoExport {
+    /// The file, and how long the scanner takes to write it.
+    pub export: Export,
+    /// Its required result.
+    pub expected: Expected,
+    /// When the scanner begins, from the start of the demo.
+    pub after: Duration,
+}
+
+/// Two complete scans, one that is aborted half-way, and one that shows no body.
 ///
 /// # Errors
 /// If a recorded scan cannot be decompressed.
-pub fn exports(folder: &Path) -> io::Result<Vec<(Export, Expected, Duration)>> {
+pub fn exports(folder: &Path) -> io::Result<Vec<DemoExport>> {
     let export = |name: &str, bytes: Vec<u8>, seconds: u64, expected, after: u64| {
         let takes = Duration::from_secs(seconds);
-        (Export { path: folder.join(name), bytes, takes }, expected, Duration::from_secs(after))
+        let export = Export { path: folder.join(name), bytes, takes };
+        DemoExport { export, expected, after: Duration::from_secs(after) }
     };
     let (woman, man) = (decompressed(WOMAN)?, decompressed(MAN)?);
     // Not half of `man`, which follows: that export would count as the rest of this one and be held.

@@ -16,11 +16,11 @@ use crate::cli::{Exit, complain, print, terminal_safe};
 const INTAKE: &str = "intake.json";
 
 pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, PersonFault> {
-    let (reached, patient, person) = Reached::find(&args.ask.config)?;
+    let (reached, person) = Reached::find(&args.ask.config)?;
     let language = reached.language;
     let bundle = Bundle::begin(&args.out)?;
     write(&bundle, &person, language)?;
-    reached.disclosed(&patient)?;
+    reached.disclosed(&person.patient)?;
     let files = bundle.finish(&args.out)?;
     let away: Vec<&str> =
         person.stores.iter().filter(|of| of.fault.is_some()).map(|of| of.store.as_str()).collect();

@@ -14,18 +14,18 @@ use crate::cli::ask::read_patient;
 use crate::cli::{Exit, complain, print};
 
 pub(super) fn erased(args: &EraseArgs) -> Result<Exit, PersonFault> {
-    let (reached, patient, person) = Reached::find(&args.ask.config)?;
+    let (reached, person) = Reached::find(&args.ask.config)?;
     if person.is_awaited() {
         return Err(PersonFault::Awaited);
     }
     let language = reached.language;
     complain(preview::render(&person, args.leave_at_servers, language));
     let again = read_again(language).map_err(PersonFault::NoId)?;
-    if again != patient {
+    if again != person.patient {
         return Err(PersonFault::NotAgain);
     }
-    let watch = Watch::new(&reached, &patient, args.leave_at_servers);
-    let erasure = match reached.erase(&patient, args.leave_at_servers) {
+    let watch = Watch::new(&reached, &person.patient, args.leave_at_servers);
+    let erasure = match reached.erase(&person.patient, args.leave_at_servers) {
         Ok(Some(erasure)) => Some(erasure),
         Ok(None) => watch.noted().until_known()?,
         // It ended before it answered, so nobody knows yet whether it noted the wish.

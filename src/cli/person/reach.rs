@@ -106,7 +106,7 @@ pub(super) struct Reached<'a> {
 
 impl<'a> Reached<'a> {
     /// Reads a patient's id; finds the station of a configuration, and what it holds of the patient.
-    pub(super) fn find(config: &'a Path) -> Result<(Reached<'a>, String, Person), PersonFault> {
+    pub(super) fn find(config: &'a Path) -> Result<(Reached<'a>, Person), PersonFault> {
         let patient = read_patient().map_err(PersonFault::NoId)?;
         if patient.is_empty() {
             return Err(PersonFault::EmptyId);
@@ -124,7 +124,7 @@ impl<'a> Reached<'a> {
         if person.is_unknown() {
             return Err(PersonFault::Unknown);
         }
-        Ok((Reached { config, stopped, language: language(config) }, patient, person))
+        Ok((Reached { config, stopped, language: language(config) }, person))
     }
 
     /// Notes in the station's history that a person's data was disclosed.

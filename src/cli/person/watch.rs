@@ -126,7 +126,7 @@ mod tests {
     fn cleared() -> Erasure {
         let at = Timestamp::from_second(1_800_000_000).unwrap();
         let stores = vec!["folder".to_owned(), "copy".to_owned()];
-        let mut erasure = Erasure::asked(None, "4711", (at, "uid 0".to_owned()), stores);
+        let mut erasure = Erasure::asked(None, "4711", at, "uid 0".to_owned(), stores);
         erasure.own_cleared(at, &["folder", "copy"]);
         erasure
     }

@@ -8,7 +8,7 @@ use gaiter_record::{self as record, FilesFault, ORD, Provenance, ScanFile};
 use gaiter_scan::Format;
 use serde::Serialize;
 
-use super::choices::Choices;
+use super::choices::{Choices, RecordChoices};
 use crate::cli::{Exit, ord};
 use crate::store::revision::stored::{Stored, StoredFault};
 use crate::store::revision::{Added, Family};
@@ -106,7 +106,7 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
     let scan = stored.listed_file(&stored.scan_file)?;
     let ord = stored.optional_file(ORD)?;
     let Stored { record: old, json: old_json, .. } = stored;
-    let (method, output, choice) = choices.for_record(&old);
+    let RecordChoices { method, output, report } = choices.for_record(&old);
     let mut extraction = measure(&scan, format, &method)?;
     if let Some(ord) = &ord {
         let opinions = ord::opinion(ord, &extraction);
@@ -124,7 +124,7 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
         amendments: old.amendments.clone(),
     };
     let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };
-    let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
+    let made = record::record_files(&extraction, &provenance, &method, &output, &report, scan);
     let (new, files) = made?;
     let changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
     let written = match changes.sameness {

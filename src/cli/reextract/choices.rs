@@ -15,7 +15,18 @@ use crate::config::{self, words};
 /// Method, output and report of a configuration, for all records. Without one the default method: what the export
 /// declares and which definitions of levels were requested is not part of it, and is taken from each record.
 #[derive(Debug)]
-pub struct Choices(Option<(Method, Output, ReportChoice)>);
+pub struct Choices(Option<RecordChoices>);
+
+/// How the scan of a record is measured, and what is made of it.
+#[derive(Debug, Clone, Default)]
+pub struct RecordChoices {
+    /// How it is measured.
+    pub method: Method,
+    /// Its CAD files.
+    pub output: Output,
+    /// Its report.
+    pub report: ReportChoice,
+}
 
 impl Choices {
     /// The choices of a configuration, or the default.
@@ -26,14 +37,14 @@ impl Choices {
         let config = config.map(config::read).transpose();
         let config = config.map_err(|error| explain_config(&error))?;
         Ok(Choices(config.map(|config| {
-            let choice = config.report_choice(Zoned::now().date());
-            (config.method, config.output, choice)
+            let report = config.report_choice(Zoned::now().date());
+            RecordChoices { method: config.method, output: config.output, report }
         })))
     }
 
-    /// Method, output and report for the scan of a record.
-    pub fn for_record(&self, record: &Record) -> (Method, Output, ReportChoice) {
-        let default = || (as_asked(record), Output::default(), ReportChoice::default());
+    /// Those for the scan of a record.
+    pub fn for_record(&self, record: &Record) -> RecordChoices {
+        let default = || RecordChoices { method: as_asked(record), ..RecordChoices::default() };
         self.0.clone().unwrap_or_else(default)
     }
 }
@@ -91,7 +102,7 @@ mod tests {
             "legs": [], "differences": null, "findings": [],
         });
         let record: Record = serde_json::from_value(record).unwrap();
-        let (method, ..) = Choices(None).for_record(&record);
+        let method = Choices(None).for_record(&record).method;
         assert_eq!(method.scope, Scope::Leg(Side::Right));
         assert_eq!(method.unit, UnitChoice::Declared(Unit::Cm));
         assert_eq!(method.up, Up::Z);

@@ -60,8 +60,7 @@ fn taken_before(journal: &Journal, boot: &str) -> ScanId {
 /// How many captures a start of the station remembers whose exports were taken, and the doubt of the
 /// one whose scan is then refused.
 fn after_start(journal: &Journal, scan: &ScanId) -> (usize, Option<Doubt>) {
-    let now = (BOOT, SECOND * 20);
-    let mut inner = Inner::recall(journal, rules(), BTreeSet::new(), now).unwrap();
+    let mut inner = Inner::recall(journal, rules(), BTreeSet::new(), BOOT, SECOND * 20).unwrap();
     let taken = inner.captures.open().len();
     let answered = journal.capture_answered_by(scan).unwrap().unwrap();
     let reopened = inner.captures.refused(answered.number, SECOND * 21);

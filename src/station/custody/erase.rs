@@ -42,7 +42,7 @@ impl Custody {
         let stores = stores.map(|store| (*store).to_owned()).collect();
         let earlier = self.erasures.of(&whose);
         let known = earlier.as_ref().map_or_else(Vec::new, |earlier| earlier.owed.clone());
-        let mut erasure = Erasure::asked(earlier, patient, (at, by.to_owned()), stores);
+        let mut erasure = Erasure::asked(earlier, patient, at, by.to_owned(), stores);
         erasure.leaves_owed = leaves_owed;
         erasure.owes(self.owed_beside(known, patient)?);
         let detail = json!({ "person": whose, "by": by, "left_at_servers": erasure.left.len() });

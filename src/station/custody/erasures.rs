@@ -132,7 +132,7 @@ mod tests {
 
     fn asked(patient: &str) -> Erasure {
         let at = "2027-01-01T00:00:00Z".parse().unwrap();
-        Erasure::asked(None, patient, (at, "uid 0".to_owned()), vec!["folder".to_owned()])
+        Erasure::asked(None, patient, at, "uid 0".to_owned(), vec!["folder".to_owned()])
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::work::{self, DeliveryFault};
 use super::{store_reach, stored_record};
 use crate::station::booth::Booth;
 use crate::station::event::short;
-use crate::station::journal::Due;
+use crate::station::journal::{Due, GivenRevision};
 use crate::store::{Delivery, StoreFault, revision};
 
 /// Puts the latest revision of a record into a store that keeps its own copy.
@@ -59,7 +59,8 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), DeliveryFault> {
     };
     store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
     work::note_place(core, due, store, Some(&receipt.folder))?;
-    journal.handed_over(due, Some((stored.record.revision, receipt.folder.as_path())))?;
+    let given = GivenRevision { revision: stored.record.revision, place: &receipt.folder };
+    journal.handed_over(due, Some(given))?;
     let (scan, store) = (short(&due.scan), &due.store);
     let already_there = receipt.already_there;
     info!(event = "amendment-handed-over", scan, store, already_there);

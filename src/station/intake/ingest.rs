@@ -97,15 +97,22 @@ pub fn admitted(core: &Core, settled: &Settled) -> Result<Admitted, TakeFault> {
     Ok(Admitted::ToBeRead)
 }
 
-/// Takes a settled file that has been read. `began` is when its content began, `others` when those began that
-/// are seen and not taken. Blocks.
+/// When contents of exports began, which tells whose they are.
+pub struct Beginnings {
+    /// That of the file that is taken.
+    pub own: Appeared,
+    /// Those of others that are seen and not taken.
+    pub others: Vec<Appeared>,
+}
+
+/// Takes a settled file that has been read. Blocks.
 ///
 /// # Errors
 /// [`TakeFault`]; the file must then be offered again.
 pub fn take(
     booth: &Booth,
     settled: &Settled,
-    (began, others): (Appeared, Vec<Appeared>),
+    beginnings: Beginnings,
     export: &Export,
 ) -> Result<Taken, TakeFault> {
     let core = booth.core();
@@ -124,7 +131,7 @@ pub fn take(
         return Ok(awaits);
     }
     if let Some(phantom) = core.phantom_of(&name) {
-        phantom::take(core, phantom, (settled, export), format)?;
+        phantom::take(core, phantom, settled, export, format)?;
         return Ok(Taken::Done);
     }
     let companions = fresh(core, settled, export)?;
@@ -132,7 +139,7 @@ pub fn take(
     let says = [named.clone(), beside(core, &companions)];
     let is_cut_short = end == End::CutShort;
     let fingerprint = fingerprint.unwrap_or_default();
-    let found = Found { began, others, settled, format, is_cut_short, fingerprint, companions };
+    let found = Found { beginnings, settled, format, is_cut_short, fingerprint, companions };
     let (verdict, same_as) = admit(booth, export, found, says)?;
     if let Verdict::Held(_) = verdict {
         booth.ended(&export.scan, &[]);
@@ -186,10 +193,7 @@ fn fresh(core: &Core, settled: &Settled, export: &Export) -> Result<Vec<Companio
 
 /// What is known about an export apart from its bytes.
 struct Found<'a> {
-    /// When its content was written.
-    began: Appeared,
-    /// When the other contents appeared that are seen and not taken.
-    others: Vec<Appeared>,
+    beginnings: Beginnings,
     settled: &'a Settled,
     format: Format,
     /// Its format shows that more was to come.
@@ -219,8 +223,8 @@ fn admit(
     let same_as = known.clone().filter(|known| known != scan);
     let Settled { path, stamp, writing, .. } = found.settled;
     let content = ExportContent {
-        began: found.began,
-        others: found.others,
+        began: found.beginnings.own,
+        others: found.beginnings.others,
         is_known: known.is_some() || custody.is_sibling(path, *stamp)?,
         is_cut_short: found.is_cut_short,
         completes: match &known {

@@ -24,6 +24,16 @@ use crate::station::runtime::chain;
 /// How many files that are gone are known by name.
 const GONE_MOST: usize = 1000;
 
+/// What a look found, as far as it is believed.
+pub(super) struct BelievedLook {
+    /// The scans, or that the folder is out of reach.
+    pub look: Look,
+    /// The files without the name of a scan.
+    pub unrelated: BTreeMap<PathBuf, Stamp>,
+    /// The folders that were looked at.
+    pub folders: Folders,
+}
+
 /// What has been logged about one export folder, and where its facts are on the board.
 pub(super) struct Notes {
     booth: Arc<Booth>,
@@ -59,13 +69,17 @@ impl Notes {
     }
 
     /// Takes in what a look found, and judges whether to believe it; `None` if another station has the
-    /// folder. Returns the scans, the files without the name of a scan, and the folders.
+    /// folder.
     pub(super) fn found(
         &mut self,
         found: io::Result<Option<Found>>,
         guard: &mut MountGuard,
-    ) -> (Look, BTreeMap<PathBuf, Stamp>, Folders) {
-        let out_of_reach = (Look::OutOfReach, BTreeMap::new(), Folders::default());
+    ) -> BelievedLook {
+        let out_of_reach = BelievedLook {
+            look: Look::OutOfReach,
+            unrelated: BTreeMap::new(),
+            folders: Folders::default(),
+        };
         let found = match found {
             Ok(Some(found)) => found,
             Ok(None) => {
@@ -84,7 +98,11 @@ impl Notes {
         }
         self.state(SourceState::Watched);
         self.ignored(found.ignored, found.passed_over);
-        (Look::Seen(found.scans), found.unrelated, found.folders)
+        BelievedLook {
+            look: Look::Seen(found.scans),
+            unrelated: found.unrelated,
+            folders: found.folders,
+        }
     }
 
     /// Notes what a look passed over, and logs it if there is more of it.

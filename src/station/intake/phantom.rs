@@ -41,7 +41,8 @@ pub enum CheckFault {
 pub fn take(
     core: &Core,
     phantom: &PhantomConfig,
-    (settled, export): (&Settled, &Export),
+    settled: &Settled,
+    export: &Export,
     format: Format,
 ) -> Result<(), CheckFault> {
     let Some(series) = core.custody.phantom_series() else { return Ok(()) };

@@ -15,6 +15,7 @@ use super::row::{all, cell, run, scan_id, value};
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, history};
+pub use amended::GivenRevision;
 
 impl Journal {
     /// All deliveries to make or withdraw, newest scan first: an operator at the booth must not wait for

@@ -159,7 +159,8 @@ pub(super) fn name_affected(
 pub(super) fn name_next(
     core: &Core,
     booth: &Booth,
-    (id, by): (&str, SourceKind),
+    id: &str,
+    by: SourceKind,
     replaces: bool,
 ) -> Result<String, ActFault> {
     let next = booth.name_patient(id, by, replaces).map_err(|fault| match fault {

@@ -34,7 +34,8 @@ const SCHEMA: &str = "gaiter.person/1";
 pub(in crate::station) fn person(
     config: &Config,
     identity: &Identity,
-    (custody, stores): (&Custody, &Stores),
+    custody: &Custody,
+    stores: &Stores,
     patient: &str,
 ) -> Result<Person, CustodyFault> {
     let (journal, state_dir) = (custody.journal(), &config.station.state_dir);

@@ -80,8 +80,7 @@ impl Stopped {
     /// # Errors
     /// If the journal or the state folder cannot be read.
     pub fn person(&self, patient: &str) -> Result<Person, StoppedFault> {
-        let kept = (&self.custody, &self.stores);
-        Ok(person(&self.config, &self.identity, kept, patient)?)
+        Ok(person(&self.config, &self.identity, &self.custody, &self.stores, patient)?)
     }
 
     /// What it knows of a patient whose visits are compared.

@@ -101,7 +101,8 @@ impl Erasure {
     pub fn asked(
         earlier: Option<Erasure>,
         patient: &str,
-        (at, by): (Timestamp, String),
+        at: Timestamp,
+        by: String,
         stores: Vec<String>,
     ) -> Erasure {
         let (scans, left) =
@@ -204,7 +205,7 @@ mod tests {
 
     fn asked() -> Erasure {
         let stores = vec!["folder".to_owned(), "copy".to_owned()];
-        Erasure::asked(None, "4711", (at(0), "uid 0".to_owned()), stores)
+        Erasure::asked(None, "4711", at(0), "uid 0".to_owned(), stores)
     }
 
     fn scan(sha256: &str, is_whole: bool) -> ErasedScan {
@@ -249,14 +250,14 @@ mod tests {
         assert!(erasure.owes(vec![owed("2")]));
         assert_eq!((erasure.owed.len(), erasure.left.len()), (1, 0));
         // The server no longer exists: the person who asks decides again.
-        let mut again = Erasure::asked(Some(erasure), "4711", (at(1), String::new()), vec![]);
+        let mut again = Erasure::asked(Some(erasure), "4711", at(1), String::new(), vec![]);
         again.leaves_owed = true;
         assert!(again.owes(vec![owed("2")]));
         assert!(!again.owes(vec![owed("2")]), "a start after a crash says the same");
         assert!(again.owed.is_empty());
         again.own_cleared(at(2), &[]);
         assert_eq!(again.ended, Some(at(2)));
-        let later = Erasure::asked(Some(again), "4711", (at(3), String::new()), vec![]);
+        let later = Erasure::asked(Some(again), "4711", at(3), String::new(), vec![]);
         assert_eq!(later.left, [owed("2")]);
     }
 
@@ -269,7 +270,7 @@ mod tests {
         assert_eq!(refused("a"), [true, true]);
         assert_eq!(refused("b"), [false, true]);
         assert_eq!(refused("c"), [false, false]);
-        let again = Erasure::asked(Some(erasure.clone()), "4711", (at(9), String::new()), vec![]);
+        let again = Erasure::asked(Some(erasure.clone()), "4711", at(9), String::new(), vec![]);
         assert!(again.refuses("a", false), "an earlier erasure stays known");
     }
 

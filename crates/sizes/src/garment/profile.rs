@@ -77,7 +77,7 @@ struct Notation {
 
 /// Reads the file of a garment.
 pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<DocumentFault>> {
-    read(bytes, (FORMAT, "format = \"gaiter-garment/1\""), profile)
+    read(bytes, FORMAT, "format = \"gaiter-garment/1\"", profile)
 }
 
 fn profile(whole: Section<'_, '_>) -> Option<Profile> {

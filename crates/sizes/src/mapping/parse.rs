@@ -42,7 +42,7 @@ const UNITS: [(&str, (&str, f64)); 3] =
 /// # Errors
 /// Every fault of the file, in the order of its lines; at least one.
 pub fn parse(bytes: &[u8]) -> Result<Mapping, Vec<DocumentFault>> {
-    read(bytes, (FORMAT, "format = \"gaiter-order-mapping/1\""), mapping)
+    read(bytes, FORMAT, "format = \"gaiter-order-mapping/1\"", mapping)
 }
 
 /// The mapping of a file. What is wrong is noted, and the rest is read all the same.

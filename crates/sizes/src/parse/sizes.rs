@@ -59,7 +59,8 @@ pub(super) fn lengths(whole: Section<'_, '_>, unit: Unit) -> Vec<LengthRow> {
 pub(super) fn sizes(
     whole: Section<'_, '_>,
     unit: Unit,
-    (variants, lengths): (&[Variant], &[LengthRow]),
+    variants: &[Variant],
+    lengths: &[LengthRow],
 ) -> Vec<Size> {
     let mut sizes: Vec<Size> = Vec::new();
     whole.must_have("size", "[[size]] with name and ranges");
@@ -82,7 +83,7 @@ pub(super) fn sizes(
             let one = all.and_then(|all| all.section(variant, &key, VARIANT.0, VARIANT.1));
             let Some(section) = one else { continue };
             let found = variants.iter().find(|of| of.name == variant);
-            its.extend(of_variant(section, (variant, found), unit));
+            its.extend(of_variant(section, variant, found, unit));
             codes.extend(self::codes(section, Some(variant), lengths));
         }
         sizes.extend(name.map(|name| Size { name, codes, ranges, variants: its }));
@@ -94,7 +95,8 @@ pub(super) fn sizes(
 /// The ranges of a variant of a size.
 fn of_variant(
     section: Section<'_, '_>,
-    (name, variant): (&str, Option<&Variant>),
+    name: &str,
+    variant: Option<&Variant>,
     unit: Unit,
 ) -> Option<(String, Vec<Ranged>)> {
     known("code", "and the points that the variant replaces").only(section);

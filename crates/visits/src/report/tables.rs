@@ -109,7 +109,7 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
         let percent = ReportFigure::marked(percent, mark(change.shown()));
         let beside = format!(" ({percent_detectable} %)");
         let head = words.leg(side).to_owned();
-        Some(TableRow { head, figures: changed(words, ends, &change, (percent, &beside)) })
+        Some(TableRow { head, figures: changed(words, ends, &change, percent, &beside) })
     };
     let apart = volumes_apart(words, group, of);
     let rows: Vec<TableRow> = Side::FROM_FRONT.into_iter().filter_map(leg).chain(apart).collect();
@@ -139,7 +139,7 @@ fn volumes_apart(words: &Words, group: &Group, of: &Comparison) -> Option<TableR
         }
     };
     let ends = ends.map(|of| ml_apart(words, &of));
-    Some(TableRow { head, figures: changed(words, ends, &change, (missing(words), "")) })
+    Some(TableRow { head, figures: changed(words, ends, &change, missing(words), "") })
 }
 
 /// The figures of a change: before, after, the change, its percentage, and from where on it can be shown with what
@@ -148,7 +148,8 @@ fn changed(
     words: &Words,
     [before, after]: [ReportFigure; 2],
     change: &Change,
-    (percent, beside): (ReportFigure, &str),
+    percent: ReportFigure,
+    beside: &str,
 ) -> Vec<ReportFigure> {
     let [told, detectable] = words.told(change);
     vec![
@@ -185,7 +186,7 @@ pub(super) fn girths(
     let steps: BTreeSet<Step> = changes.iter().flatten().map(|of| of.step).collect();
     let rows = places(words, &steps, shown, &changes, (&cell, &change, &place));
     let title = words.filled("visits.girths", &[("leg", &words.leg(side))]);
-    (!steps.is_empty()).then(|| table_of_places(words, title, (shown, compared), rows))
+    (!steps.is_empty()).then(|| table_of_places(words, title, shown, compared, rows))
 }
 
 /// The volumes of the pieces of a leg that count for its volume, highest first, and their sums: the volume and its
@@ -216,10 +217,10 @@ pub(super) fn slices(
         compared.iter().map(|comparison| of(comparison).unwrap_or_default()).collect();
     let steps = group.pieces.get(side);
     let mut rows = places(words, steps, shown, &changes, (&cell, &change, &place));
-    rows.push(sums(words, group, side, (shown, compared)));
+    rows.push(sums(words, group, side, shown, compared));
     let title = words.filled("visits.slices", &[("leg", &words.leg(side))]);
     let is_compared = changes.iter().any(|of| !of.is_empty());
-    is_compared.then(|| table_of_places(words, title, (shown, compared), rows))
+    is_compared.then(|| table_of_places(words, title, shown, compared, rows))
 }
 
 /// The sums of the slices of a leg, as the tables of volumes tell them. Slices that are not compared count.
@@ -227,7 +228,8 @@ fn sums(
     words: &Words,
     group: &Group,
     side: Side,
-    (shown, compared): (&[usize], &[Comparison]),
+    shown: &[usize],
+    compared: &[Comparison],
 ) -> TableRow {
     let of_visit = |visit: &usize| match words.course.volume(group, *visit, side) {
         Some(volume) => ReportFigure::plain(number(volume.value, 0, words.language)),
@@ -275,7 +277,8 @@ fn places(
 fn table_of_places(
     words: &Words,
     title: String,
-    (shown, compared): (&[usize], &[Comparison]),
+    shown: &[usize],
+    compared: &[Comparison],
     rows: Vec<TableRow>,
 ) -> Table {
     let mut columns = vec![words.text("visits.column.place")];

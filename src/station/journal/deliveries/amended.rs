@@ -23,6 +23,15 @@ const BEGUN: &str = "begun";
 /// The latest revision is to be handed over.
 pub(super) const DUE: &str = "due";
 
+/// A revision that a store was given.
+#[derive(Debug, Clone, Copy)]
+pub struct GivenRevision<'a> {
+    /// Its number.
+    pub revision: u32,
+    /// Where it is there, as the store's receipt says.
+    pub place: &'a Path,
+}
+
 impl Journal {
     /// Notes, before the revision is written, that these stores will have to be given it: also those that
     /// have not been given the record yet, because that delivery has only what was measured.
@@ -128,7 +137,11 @@ impl Journal {
     }
 
     /// Notes that a store has the latest revision, and its receipt; `None` if there is none to hand over.
-    pub fn handed_over(&self, due: &Due, given: Option<(u32, &Path)>) -> Result<(), JournalError> {
+    pub fn handed_over(
+        &self,
+        due: &Due,
+        given: Option<GivenRevision<'_>>,
+    ) -> Result<(), JournalError> {
         self.change(|transaction| {
             // A revision that was begun meanwhile stays noted.
             transaction.execute(
@@ -136,7 +149,7 @@ impl Journal {
                  WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND amended = ?4",
                 [due.scan.as_str(), due.patient_cell(), &due.store, DUE, REVISION_REFUSED],
             )?;
-            let Some((revision, place)) = given else { return Ok(()) };
+            let Some(GivenRevision { revision, place }) = given else { return Ok(()) };
             transaction.execute(
                 "UPDATE deliveries SET folder = ?4
                  WHERE sha256 = ?1 AND patient = ?2 AND store = ?3

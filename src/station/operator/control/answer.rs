@@ -78,8 +78,7 @@ pub fn answer(desk: &Desk, request: &Request) -> ControlAnswer {
         Request::NameAffected { patient, affected } => affected_leg(affected)
             .and_then(|affected| acted(desk, act::name_affected(core, patient, affected))),
         Request::NameNext { patient, replace } => {
-            let named = (patient.as_str(), SourceKind::Operator);
-            acted(desk, act::name_next(core, booth, named, *replace))
+            acted(desk, act::name_next(core, booth, patient, SourceKind::Operator, *replace))
         }
         Request::CallOff => acted(desk, act::call_off(core, booth)),
         Request::Next => Ok(ControlAnswer::Sentence(next(desk))),
@@ -92,7 +91,7 @@ pub fn answer(desk: &Desk, request: &Request) -> ControlAnswer {
         }
         Request::Disclosed { patient, by } => persons::disclosed(desk, patient, by),
         Request::Erase { patient, again, by, leaves_owed } => {
-            persons::erase(desk, (patient, again), by, *leaves_owed)
+            persons::erase(desk, patient, again, by, *leaves_owed)
         }
         Request::Erasure { patient } => {
             let erasures = core.custody.erasures();
@@ -274,8 +273,8 @@ fn ordered(desk: &Desk, bytes: &[u8]) -> Result<ControlAnswer, ControlFault> {
         )
     };
     let order = orders::brought(&desk.booth, bytes).map_err(refused)?;
-    let named = (order.patient.as_str(), SourceKind::Order);
-    acted(desk, act::name_next(&desk.core, &desk.booth, named, true))
+    let Desk { core, booth, .. } = desk;
+    acted(desk, act::name_next(core, booth, &order.patient, SourceKind::Order, true))
 }
 
 fn status(desk: &Desk) -> Status {

@@ -26,13 +26,14 @@ pub(super) fn known(desk: &Desk, patient: &str) -> Result<Person, ControlFault> 
     if core.identity.patient(patient, SourceKind::Operator).is_none() {
         return Err(refused(desk, "patient-id-not-allowed", "act.fault.not_an_id"));
     }
-    Ok(person(&core.config, &core.identity, (&core.custody, &core.stores), patient)?)
+    Ok(person(&core.config, &core.identity, &core.custody, &core.stores, patient)?)
 }
 
 /// Asks for the erasure of a person, whose id was given twice.
 pub(super) fn erase(
     desk: &Desk,
-    (patient, again): (&str, &str),
+    patient: &str,
+    again: &str,
     by: &str,
     leaves_owed: bool,
 ) -> Result<ControlAnswer, ControlFault> {

@@ -167,7 +167,7 @@ fn bar(row: &Row, y: f64, scale: &Scale) -> Vec<Mark> {
     let [zero, end] = [0.0, row.difference_mm].map(|mm| scale.at(mm));
     let outline = vec![[zero, y - BAR], [end, y - BAR], [end, y + BAR], [zero, y + BAR]];
     let fill = if row.is_real() { ink } else { Ink::Paper };
-    let mut marks = vec![shape(outline, fill, (ink, 1.0))];
+    let mut marks = vec![shape(outline, fill, ink, 1.0)];
     if let Some(sd_mm) = row.sd_mm {
         let [from, to] = [-sd_mm, sd_mm].map(|mm| scale.at(row.difference_mm + mm));
         let cap = |x: f64| vec![[x, y - CAP], [x, y + CAP]];

@@ -96,7 +96,7 @@ fn extremes(side: Side, leg: &LegFigures, frame: &Frame) -> Vec<Mark> {
     let turns = turning(&places.iter().map(|[girth, _]| *girth).collect::<Vec<_>>());
     let mark = |(index, is_peak): (usize, bool)| {
         let outline = triangle(frame.at(places[index]), 3.5, is_peak);
-        shape(outline, Ink::Paper, (Ink::for_side(side), 1.0))
+        shape(outline, Ink::Paper, Ink::for_side(side), 1.0)
     };
     turns.into_iter().map(mark).collect()
 }
@@ -209,7 +209,7 @@ fn labelled(
     let way = vec![[at[0] + aside / 2.0, at[1]], [at[0] + aside * 0.85, y]];
     vec![
         lines(vec![way], Ink::Muted, 0.75),
-        shape(mark, fill, (ink, 1.5)),
+        shape(mark, fill, ink, 1.5),
         text_mark(
             label,
             anchor,
@@ -244,7 +244,7 @@ fn legend(language: Language) -> Vec<Mark> {
     ];
     for (index, (x, outline, word)) in shapes.into_iter().enumerate() {
         let fill = if index == 3 { Ink::Paper } else { Ink::Muted };
-        marks.push(shape(outline, fill, (Ink::Muted, 1.25)));
+        marks.push(shape(outline, fill, Ink::Muted, 1.25));
         marks.push(text_mark([x + 11.0, y], Anchor::Start, TEXT, Ink::Text, word));
     }
     marks

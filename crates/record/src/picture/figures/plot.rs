@@ -112,7 +112,7 @@ pub fn stroked(lines: Vec<Vec<[f64; 2]>>, stroke: Option<Stroke>) -> Mark {
 }
 
 /// A closed shape with an edge.
-pub(super) fn shape(outline: Vec<[f64; 2]>, fill: Ink, (edge, width): (Ink, f64)) -> Mark {
+pub(super) fn shape(outline: Vec<[f64; 2]>, fill: Ink, edge: Ink, width: f64) -> Mark {
     let stroke = Stroke::solid(edge, width);
     Mark::Lines { lines: vec![outline], is_closed: true, fill: Some(fill), stroke }
 }

@@ -154,7 +154,7 @@ impl Sheet {
         let count = outline.radius_mm.len();
         let angle = |index: usize| -180.0 + 360.0 * index as f64 / count as f64;
         let line = (0..count).map(|i| place(angle(i), outline.radius_mm[i] * self.px_per_mm));
-        let mut marks = vec![shape(line.collect(), Ink::Skin, (Ink::for_side(side), 1.75))];
+        let mut marks = vec![shape(line.collect(), Ink::Skin, Ink::for_side(side), 1.75)];
         // Names are spaced around the section by the angle that a line of text needs there.
         let wished: Vec<f64> = features.iter().map(|feature| feature.angle_deg).collect();
         let mean_px = outline.radius_mm.iter().sum::<f64>() / count.max(1) as f64 * self.px_per_mm;

@@ -67,7 +67,7 @@ impl Report<'_> {
             of.girth_per_deg_mm,
             Some(of.girth_contour_mm),
         ];
-        self.figures(mm, (&of.rule, &of.by), &of.doubts)
+        self.figures(mm, &of.rule, &of.by, &of.doubts)
     }
 
     fn estimate_in_mm(&self, of: &EstimateFigures) -> Vec<ReportFigure> {
@@ -82,14 +82,15 @@ impl Report<'_> {
             None,
             None,
         ];
-        self.figures(mm, (&of.rule, &of.by), &of.doubts)
+        self.figures(mm, &of.rule, &of.by, &of.doubts)
     }
 
     /// Figures in mm, how they were found, and the doubts about them.
     fn figures(
         &self,
         mm: [Option<f64>; 9],
-        (rule, by): (&Statement, &str),
+        rule: &Statement,
+        by: &str,
         doubts: &[String],
     ) -> Vec<ReportFigure> {
         let by = ReportFigure::plain(told(Some(rule), by, self.language).0);
