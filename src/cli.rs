@@ -1,4 +1,4 @@
-//! The command line: one file per verb.
+//! The command line: the verbs, each in the file of its name or with related verbs; their options are in [`args`].
 
 pub mod act;
 pub mod args;

@@ -1,8 +1,8 @@
 //! The program gaiter: a station beside a body scanner, which measures both legs of every scan unattended.
 //!
 //! This package has what needs files, a clock, ports and the network: [`config`] (`station.toml`),
-//! [`store`] (where records go), [`station`] (watch, spool, journal, work, deliver) and [`cli`] (one file
-//! per verb). What can be computed is in crates of its own, which a program of your own can use, too. Data
+//! [`store`] (where records go), [`station`] (watch, spool, journal, work, deliver) and [`cli`] (the
+//! verbs). What can be computed is in crates of its own, which a program of your own can use, too. Data
 //! goes one way, top to bottom; a crate uses only crates above it.
 //!
 //! | crate | what it knows |
@@ -10,7 +10,7 @@
 //! | [`gaiter_language`] | the texts that people read, one file per language |
 //! | [`gaiter_scan`] | bytes → points and triangles, one decoder per format |
 //! | `gaiter_spline` | bases, fits, solvers, curves and surfaces; no legs |
-//! | [`gaiter_leg`] | scan → leg reports: the paper, a stage per file |
+//! | [`gaiter_leg`] | scan → leg reports: the paper, a folder per step |
 //! | [`gaiter_cad`] | surface → CAD files and meshes |
 //! | [`gaiter_toml`] | what people write in TOML → values, or every fault with its place |
 //! | [`gaiter_sizes`] | garments, size tables and what a table says about a leg; no records |

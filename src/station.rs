@@ -13,6 +13,7 @@
 //! | [`delivery`] | measures scans in processes of their own and puts records into stores |
 //! | [`booth`] | button, readers, orders, captures, light |
 //! | [`operator`] | command socket, page, metrics, operators' decisions |
+//! | [`persons`] | what the station has of a person: disclosed, erased |
 //! | [`demo`] | the simulated scanner and button |
 //!
 //! These hold whatever happens. The export folder is only read. A scan is identified by its hash, so

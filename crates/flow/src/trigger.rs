@@ -1,8 +1,8 @@
 //! Input from a port → presses and ids, and the lifecycle of a port: found, lost and found again.
 //!
 //! ```text
-//! bytes ── lines ───────────┐
-//! levels, reports, keys ── edge ── button ──▶ Heard::Press
+//! bytes ── lines ───────────────┐
+//! levels, reports, keys ── debounce ── button ──▶ Heard::Press
 //! bytes ── lines ── code ──────────────────▶ Heard::Named, Heard::Unread
 //! keys ── typed ── code ──────────────────▶ Heard::Named, Heard::Unread
 //! ```
@@ -12,7 +12,7 @@
 
 mod button;
 pub mod code;
-mod edge;
+mod debounce;
 pub mod input_decoder;
 pub mod lines;
 pub mod port_lifecycle;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::edge::Change;
+use super::debounce::Change;
 use crate::booth::Press;
 
 /// A button that is held this long is a long press. Nobody holds a button this long by mistake.

@@ -6,7 +6,7 @@ use gaiter_record::SourceKind;
 
 use super::button::Button;
 use super::code::{Codes, Said};
-use super::edge::Contact;
+use super::debounce::{Contact, DEBOUNCE};
 use super::lines::{Line, Lines, Tokens};
 use super::report::Pattern;
 use super::typed::{KeyAction, Typed};
@@ -49,10 +49,6 @@ pub enum Shows {
     /// A key of this number.
     Key(u16),
 }
-
-/// How long a contact must be stable before its state is accepted. Contacts bounce for 1 to 20 ms; a longer
-/// time misses quick presses.
-const DEBOUNCE: Duration = Duration::from_millis(30);
 
 /// A contact that is closed for this long is stuck: nobody holds a button for as long.
 const STUCK: Duration = Duration::from_secs(30);

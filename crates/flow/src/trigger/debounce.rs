@@ -2,6 +2,10 @@
 
 use std::time::Duration;
 
+/// How long a contact must be stable before its state is accepted. Contacts bounce for 1 to 20 ms; a longer
+/// time misses quick presses.
+pub(super) const DEBOUNCE: Duration = Duration::from_millis(30);
+
 /// What a contact has done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
@@ -62,8 +66,6 @@ impl Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const DEBOUNCE: Duration = Duration::from_millis(30);
 
     fn ms(time: u64) -> Duration {
         Duration::from_millis(time)
