@@ -9,28 +9,38 @@ use std::time::{Duration, Instant};
 
 use gaiter::store::{Rejection, StoreFault};
 
-use crate::fhir_house::{ONE, Store, put, server_at, setback, store_of};
+use crate::fhir_house::{Deed, ONE, Store, put, server_at, setback, store_of};
 use crate::records::{PATIENT, SMALL, Scan};
-use crate::server::House;
+use crate::server::{House, own_fhir};
 
 /// How long a store that waits for two seconds may take, on a busy machine.
 const SOON: Duration = Duration::from_secs(12);
 
-/// What a store does that is struck, and is done again.
-type Deed<'a> = &'a dyn Fn(&Store) -> Result<(), StoreFault>;
+/// Requests of a delivery, a correction and a take-back, at least: a search and a transaction; a look at each
+/// resource; a search for each kind.
+const REQUESTS_LEAST: [usize; 3] = [2, 4, 2];
+
+/// Transactions among them: one that creates; another that replaces; one that withdraws.
+const TRANSACTIONS_LEAST: [usize; 3] = [1, 2, 1];
 
 fn sent(store: &Store, scan: &Scan) -> Result<(), StoreFault> {
     store.put(&scan.delivery()).map(drop)
 }
 
-/// How a house is sent to while it is struck.
-type Made = fn(&House) -> Store;
+/// Houses that are struck, and how they are sent to meanwhile.
+#[derive(Clone, Copy)]
+struct Struck<'a> {
+    house: &'a dyn Fn() -> House,
+    store: fn(&House) -> Store,
+}
+
+const WITH_PATIENT: Struck<'_> = Struck { house: &House::with_patient, store: House::store };
 
 /// Strikes each request of a deed in turn, in a house of its own that `before` prepares, until the deed is done
 /// without being struck; tells how many there were. Each time the deed is done again without a fault, and `after`
 /// looks at the house.
 fn struck_everywhere(
-    (fault, made): (&str, Made),
+    (fault, struck): (&str, Struck<'_>),
     before: &[&Scan],
     deed: Deed<'_>,
     after: impl Fn(&House),
@@ -38,17 +48,19 @@ fn struck_everywhere(
     let mut nth = 0;
     loop {
         nth += 1;
-        let house = House::with_patient();
-        let store = house.store();
+        let house = (struck.house)();
         for scan in before {
-            put(&store, scan);
+            put(&house.store(), scan);
         }
         house.becomes(&format!("{fault} {nth}"));
         let began = Instant::now();
-        let done = deed(&made(&house));
+        let done = deed(&(struck.store)(&house));
         let took = began.elapsed();
         let strikes = house.strikes();
         house.becomes("");
+        if strikes > 0 && fault.starts_with("kill-") {
+            house.server.starts_again();
+        }
         match done {
             Ok(()) | Err(StoreFault::Server(_)) => {}
             Err(other) => panic!("{fault} at request {nth}: {other:?}"),
@@ -60,7 +72,7 @@ fn struck_everywhere(
         if strikes == 0 {
             done.unwrap();
         }
-        deed(&store).unwrap_or_else(|fault| panic!("{fault}"));
+        deed(&house.store()).unwrap_or_else(|fault| panic!("{fault}"));
         assert_eq!(house.counts(), ONE, "{fault} at request {nth}");
         after(&house);
         if strikes == 0 {
@@ -69,8 +81,8 @@ fn struck_everywhere(
     }
 }
 
-/// Each of these faults, in a delivery, a correction and a take-back.
-fn every_deed_survives(faults: &[&str], made: Made) {
+/// Each of these faults, in a delivery, a correction and a take-back, of which it strikes at least so many requests.
+fn every_deed_survives(faults: &[&str], struck: Struck<'_>, least: [usize; 3]) {
     let later = SMALL.amended(391.0);
     let has = |kind: &'static str, status: &'static str| {
         move |house: &House| {
@@ -79,23 +91,23 @@ fn every_deed_survives(faults: &[&str], made: Made) {
         }
     };
     for &fault in faults {
-        let delivery = struck_everywhere((fault, made), &[], &|store| sent(store, &SMALL), |_| {});
+        let delivery =
+            struck_everywhere((fault, struck), &[], &|store| sent(store, &SMALL), |_| {});
         let amended = has("DiagnosticReport", "amended");
         let correction =
-            struck_everywhere((fault, made), &[&SMALL], &|store| sent(store, &later), amended);
+            struck_everywhere((fault, struck), &[&SMALL], &|store| sent(store, &later), amended);
         let withdrawn = |store: &Store| store.withdraw(&SMALL.id, Some(PATIENT), None, None);
         let in_error = has("DocumentReference", "entered-in-error");
-        let take_back = struck_everywhere((fault, made), &[&SMALL], &withdrawn, in_error);
-        // A search and a transaction; a look at each resource; a search for each kind.
+        let take_back = struck_everywhere((fault, struck), &[&SMALL], &withdrawn, in_error);
         let requests = [delivery, correction, take_back];
-        assert!(requests.iter().zip([2, 4, 2]).all(|(is, least)| *is >= least), "{requests:?}");
+        assert!(requests.iter().zip(least).all(|(is, least)| *is >= least), "{requests:?}");
     }
 }
 
 #[test]
 #[ignore = "needs Medplum's FHIR router (npm --prefix tests/hospital ci), run by .ci/run"]
 fn a_server_that_is_busy_or_full_at_any_request_has_the_record_once_in_the_end() {
-    every_deed_survives(&["503", "429", "409", "507"], House::store);
+    every_deed_survives(&["503", "429", "409", "507"], WITH_PATIENT, REQUESTS_LEAST);
 }
 
 #[test]
@@ -103,14 +115,29 @@ fn a_server_that_is_busy_or_full_at_any_request_has_the_record_once_in_the_end()
 fn a_server_that_dies_or_lies_at_any_request_has_the_record_once_in_the_end() {
     every_deed_survives(
         &["cut-before", "cut-after", "error-after", "login-page", "redirect"],
-        House::store,
+        WITH_PATIENT,
+        REQUESTS_LEAST,
     );
 }
 
 #[test]
 #[ignore = "needs Medplum's FHIR router (npm --prefix tests/hospital ci), run by .ci/run"]
+fn a_server_that_is_killed_and_keeps_what_it_has_has_the_record_once_in_the_end() {
+    let server = own_fhir();
+    let struck = Struck { house: &|| House::that_keeps(server), ..WITH_PATIENT };
+    // At the search for the patient, too.
+    let delivery = struck_everywhere(("kill-half", struck), &[], &|of| sent(of, &SMALL), |_| {});
+    assert!(delivery >= REQUESTS_LEAST[0], "{delivery}");
+    // It starts in seconds, and what it keeps changes by transactions only.
+    let faults = ["kill-before POST", "kill-torn POST", "kill-after POST", "kill-half POST"];
+    every_deed_survives(&faults, struck, TRANSACTIONS_LEAST);
+}
+
+#[test]
+#[ignore = "needs Medplum's FHIR router (npm --prefix tests/hospital ci), run by .ci/run"]
 fn a_server_that_hangs_at_any_request_is_not_waited_for_and_has_the_record_once_in_the_end() {
-    every_deed_survives(&["hang-before", "hang-after", "drip"], House::hasty_store);
+    let struck = Struck { store: House::hasty_store, ..WITH_PATIENT };
+    every_deed_survives(&["hang-before", "hang-after", "drip"], struck, REQUESTS_LEAST);
 }
 
 #[test]

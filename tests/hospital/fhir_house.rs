@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use std::fs;
 use std::time::Duration;
 
 use gaiter::store::fhir::{FhirAccess, FhirServer, FhirStore};
@@ -12,7 +13,7 @@ use serde_json::{Value, json};
 use support::records::fhir_rules;
 
 use crate::records::{PATIENT, Scan};
-use crate::server::{House, fhir};
+use crate::server::{House, Server, fhir};
 
 /// The system of patients' ids on the server.
 pub const PATIENTS: &str = "urn:oid:1.2.276.0.76.3.1.999";
@@ -26,6 +27,9 @@ const KINDS: [&str; 4] = ["Device", "Observation", "DiagnosticReport", "Document
 
 /// A store, as the station has it.
 pub type Store = Box<dyn RecordStore>;
+
+/// What a store does that may fail, and is done again.
+pub type Deed<'a> = &'a dyn Fn(&Store) -> Result<(), StoreFault>;
 
 /// The server at this base address, which lets everybody in.
 pub fn server_at(base: String) -> FhirServer {
@@ -62,6 +66,14 @@ impl House {
     /// A FHIR server that knows this patient.
     pub fn with_patient() -> House {
         let house = House::new(fhir());
+        house.register(PATIENT);
+        house
+    }
+
+    /// One that has what it was given after it was killed, too.
+    pub fn that_keeps(server: &'static Server) -> House {
+        let house = House::new(server);
+        fs::write(house.path("kept"), "").unwrap();
         house.register(PATIENT);
         house
     }

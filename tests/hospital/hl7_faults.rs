@@ -10,10 +10,10 @@ use gaiter::store::hl7::Hl7Way;
 use gaiter::store::{Rejection, StoreFault};
 use gaiter_https::{Secret, TlsFiles};
 
-use crate::fhir_house::{put, setback};
+use crate::fhir_house::{Deed, put, setback};
 use crate::hl7_house::{LONG, SHORT, Sender, rules};
 use crate::records::{PATIENT, SMALL};
-use crate::server::{House, hl7};
+use crate::server::{House, hl7, own_hl7};
 
 /// How long a store that waits for [`SHORT`] may take, on a busy machine.
 const SOON: Duration = Duration::from_secs(15);
@@ -71,6 +71,28 @@ fn a_take_back_whose_answer_is_lost_is_sent_again_with_the_same_control_id() {
     withdraw().unwrap();
     withdraw().unwrap();
     assert_eq!((house.messages().len(), house.controls().len()), (5, 2));
+}
+
+#[test]
+#[ignore = "needs Python with hl7apy, run by .ci/run"]
+fn a_receiver_that_is_killed_gets_the_message_again_with_the_same_control_id() {
+    let server = own_hl7();
+    let sent: Deed<'_> = &|store| store.put(&SMALL.delivery()).map(drop);
+    let withdrawn: Deed<'_> = &|store| store.withdraw(&SMALL.id, Some(PATIENT), None, None);
+    for (fault, taken) in [("kill-before", 0), ("kill-after", 1), ("kill-half", 1)] {
+        let house = House::new(server);
+        let mut sender = house.sender(LONG);
+        for (number, deed) in (1..).zip([sent, withdrawn]) {
+            house.becomes(fault);
+            assert!(matches!(deed(&sender.store), Err(StoreFault::Server(_))), "{fault}");
+            house.becomes("");
+            server.starts_again();
+            sender = sender.by(house.way("plain", None, LONG), rules(&house.name));
+            deed(&sender.store).unwrap();
+            let found = (house.messages().len(), house.controls().len());
+            assert_eq!(found, (number * (taken + 1), number), "{fault}");
+        }
+    }
 }
 
 #[test]

@@ -42,6 +42,12 @@ impl Sender {
         let store = Box::new(Hl7Store::new(way, rules, state.path()));
         Sender { store, state }
     }
+
+    /// The same with a store for another way.
+    pub fn by(self, way: Hl7Way, rules: Hl7Rules) -> Sender {
+        let store = Box::new(Hl7Store::new(way, rules, self.state.path()));
+        Sender { store, state: self.state }
+    }
 }
 
 impl House {

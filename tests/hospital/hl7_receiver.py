@@ -4,8 +4,9 @@
     hl7_receiver.py FOLDER [ADDRESS]
 
 It listens at 127.0.0.1 or ADDRESS. It ends with its standard input, if that is a pipe, and takes FOLDER with it if
-there is FOLDER/temporary. FOLDER/ports says where it listens, once it is up: plain, and if FOLDER has certificates (ca.pem, server.pem and server.key, expired.pem and expired.key)
-also tls, mutual (asks for a client's certificate) and expired (shows the one that ran out).
+there is FOLDER/temporary. FOLDER/ports says where it listens, once it is up: plain, and if FOLDER has certificates
+(ca.pem, server.pem and server.key, expired.pem and expired.key) also tls, mutual (asks for a client's certificate)
+and expired (shows the one that ran out).
 
 MSH-5 of a message is its house, a receiver of its own with files in FOLDER/HOUSE. Each message that is valid becomes
 HOUSE/messages/NUMBER.hl7, whatever is answered; why others are not is in FOLDER/faults. HOUSE/mode is read at every
@@ -19,11 +20,14 @@ changed; HOUSE/log then has the line "strikes FAULT". Empty or missing: AA.
     garbage      a frame with no answer in it      hang-before  no answer, takes nothing
     huge         100 MB                            hang-after   no answer, takes the message
     drip         a byte a second
+    kill-before, kill-after, kill-half   the whole receiver is killed: before it has taken the message, once it has,
+                                         in the middle of the answer
 """
 
 import json
 import os
 import shutil
+import signal
 import socket
 import ssl
 import stat
@@ -36,7 +40,7 @@ from hl7apy.parser import parse_message
 FOLDER = sys.argv[1]
 ADDRESS = sys.argv[2] if len(sys.argv) > 2 else "127.0.0.1"
 START, END = b"\x0b", b"\x1c\r"
-TAKES_NOTHING = {"cut-before", "hang-before"}
+TAKES_NOTHING = {"cut-before", "hang-before", "kill-before"}
 CHANGE = threading.Lock()
 # By house: the file of its mode, and how many messages came since it is that.
 MODES = {}
@@ -108,6 +112,10 @@ def answer(connection, how, control):
         time.sleep(3600)
     elif how.startswith("cut"):
         return
+    elif how.startswith("kill"):
+        if how == "kill-half":
+            connection.sendall(whole[:30])
+        os.kill(os.getpid(), signal.SIGKILL)
     elif how.startswith("half"):
         connection.sendall(whole[:30])
         time.sleep(3600 if how == "half-hang" else 0)

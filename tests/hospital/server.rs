@@ -1,17 +1,20 @@
-//! The servers, each as one process for all tests, and the houses in them: every test has one of its own.
+//! The servers, each as one process for all tests but those that kill it, and the houses in them: every test has one
+//! of its own.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::env;
 use std::fs;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{LazyLock, Mutex};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use nix::sys::signal::Signal;
 use tempfile::TempDir;
 
 /// How long a server may take until it is up: one reads the definitions of R4 first.
@@ -23,9 +26,15 @@ const SOON: Duration = Duration::from_secs(20);
 /// A server that is up.
 pub struct Server {
     folder: TempDir,
-    ports: BTreeMap<String, u16>,
+    life: Mutex<Life>,
+}
+
+/// A server from its start to its end.
+struct Life {
+    command: Command,
     /// It ends when nothing holds its standard input any longer, which is when the tests end.
-    _process: Child,
+    process: Child,
+    ports: BTreeMap<String, u16>,
 }
 
 /// A server of its own within one: its files, and what was sent to it.
@@ -36,16 +45,32 @@ pub struct House {
 
 /// Medplum's FHIR router.
 pub fn fhir() -> &'static Server {
-    static FHIR: LazyLock<Server> =
-        LazyLock::new(|| Server::started(Command::new("node").arg(script("fhir_server.mjs"))));
+    static FHIR: LazyLock<Server> = LazyLock::new(new_fhir);
     &FHIR
+}
+
+/// Medplum's FHIR router for one test, which may kill it.
+pub fn own_fhir() -> &'static Server {
+    Box::leak(Box::new(new_fhir()))
+}
+
+fn new_fhir() -> Server {
+    Server::started(Command::new("node"), "fhir_server.mjs")
 }
 
 /// A receiver of HL7 v2.
 pub fn hl7() -> &'static Server {
-    static HL7: LazyLock<Server> =
-        LazyLock::new(|| Server::started(Command::new(python()).arg(script("hl7_receiver.py"))));
+    static HL7: LazyLock<Server> = LazyLock::new(new_hl7);
     &HL7
+}
+
+/// A receiver of HL7 v2 for one test, which may kill it.
+pub fn own_hl7() -> &'static Server {
+    Box::leak(Box::new(new_hl7()))
+}
+
+fn new_hl7() -> Server {
+    Server::started(Command::new(python()), "hl7_receiver.py")
 }
 
 /// A Python with hl7apy and jsonschema.
@@ -59,24 +84,28 @@ pub fn script(name: &str) -> PathBuf {
 }
 
 impl Server {
-    fn started(command: &mut Command) -> Server {
+    fn started(mut command: Command, name: &str) -> Server {
         let folder = tempfile::tempdir().unwrap();
         certificates(folder.path());
         fs::write(folder.path().join("temporary"), "").unwrap();
         // Where a redirect leads.
         fs::create_dir(folder.path().join("elsewhere")).unwrap();
         let said = fs::File::create(folder.path().join("said")).unwrap();
-        command.arg(folder.path()).stdin(Stdio::piped());
-        let mut process = command.stdout(said.try_clone().unwrap()).stderr(said).spawn().unwrap();
-        let (ports, began) = (folder.path().join("ports"), Instant::now());
-        while !ports.exists() {
-            let ended = process.try_wait().unwrap();
-            let said = fs::read_to_string(folder.path().join("said")).unwrap_or_default();
-            assert!(ended.is_none() && began.elapsed() < UP, "the server is not up:\n{said}");
-            sleep(Duration::from_millis(20));
-        }
-        let ports = serde_json::from_slice(&fs::read(ports).unwrap()).unwrap();
-        Server { folder, ports, _process: process }
+        command.arg(script(name)).arg(folder.path()).stdin(Stdio::piped());
+        command.stdout(said.try_clone().unwrap()).stderr(said);
+        let (process, ports) = up(&mut command, folder.path());
+        Server { folder, life: Mutex::new(Life { command, process, ports }) }
+    }
+
+    /// Starts it again after it was killed, with what it has in its folder and at other ports.
+    #[track_caller]
+    pub fn starts_again(&self) {
+        let mut life = self.life.lock().unwrap();
+        // This closes its standard input: one that was not killed ends, too.
+        let ended = life.process.wait().unwrap();
+        assert_eq!(ended.signal(), Some(Signal::SIGKILL as i32), "{ended}");
+        fs::remove_file(self.path("ports")).unwrap();
+        (life.process, life.ports) = up(&mut life.command, self.folder.path());
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -85,8 +114,21 @@ impl Server {
 
     /// The port of a way in: `http`, `https`, `plain`, `tls`, `mutual`, `expired`, `proxy`.
     pub fn port(&self, way: &str) -> u16 {
-        self.ports[way]
+        self.life.lock().unwrap().ports[way]
     }
+}
+
+/// Starts a server and waits until it is up. Tells its ports.
+fn up(command: &mut Command, folder: &Path) -> (Child, BTreeMap<String, u16>) {
+    let mut process = command.spawn().unwrap();
+    let (ports, began) = (folder.join("ports"), Instant::now());
+    while !ports.exists() {
+        let ended = process.try_wait().unwrap();
+        let said = fs::read_to_string(folder.join("said")).unwrap_or_default();
+        assert!(ended.is_none() && began.elapsed() < UP, "the server is not up:\n{said}");
+        sleep(Duration::from_millis(20));
+    }
+    (process, serde_json::from_slice(&fs::read(ports).unwrap()).unwrap())
 }
 
 impl House {
