@@ -88,7 +88,7 @@ fn a_layer_uses_only_layers_above_it() {
 
 #[test]
 fn the_station_reads_what_is_in_a_scan_only_in_the_confined_process() {
-    let readers = ["read", "reading", "completeness", "extract", "check"];
+    let readers = ["read", "reading", "completeness", "extract", "extract_crop", "check"];
     let reads = |line: &String| {
         // `record::` ends like `ord::`.
         let called = line.replace("record::", "");

@@ -13,6 +13,7 @@
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`features`] |
 //! | quasi-grid, NURBS surface, its error and holes | 2 | [`surface`] |
 //! | volumes, the legs' differences, the scanner's own measures | – | [`comparison`] |
+//! | the crop without a face, measured as the whole body | – | [`crop`] |
 //!
 //! [`mod@sectioned_leg`] calls them up to the girth curve, [`report`] all after it; between them both legs are compared for
 //! what a [`disturbance`] is. The results are in [`measured`], [`finding`] and [`doubt`].
@@ -23,6 +24,7 @@ mod words;
 pub mod figure;
 
 pub mod comparison;
+pub mod crop;
 pub mod disturbance;
 pub mod doubt;
 pub mod features;
@@ -46,6 +48,7 @@ use rayon::prelude::*;
 pub use comparison::difference::Differences;
 use comparison::seams::{Traces, seams};
 use comparison::smoothed::smoothed;
+pub use crop::{Export, WholeBody, extract_crop};
 use disturbance::{Common, Disturbance, MARGIN_SDS, coarse_spacing_mm};
 use doubt::Doubt;
 pub use finding::{Finding, What};
@@ -59,8 +62,8 @@ pub use levels::landmark::{Estimate, Landmark};
 pub use measured::{LegReport, LevelSection};
 pub use method::Method;
 pub use parting::crotch::{Crotch, CrotchFrom};
-use parting::segment::Leg;
 pub use parting::segment::SegmentFault;
+use parting::segment::{Leg, Legs, segment};
 pub use sectioned_leg::LegFault;
 use sectioned_leg::{SectionedLeg, compare_cloth, sectioned_leg};
 pub use side::Side;
@@ -71,12 +74,8 @@ use side::Sides;
 pub struct Extraction {
     /// The body they belong to.
     pub body: Body,
-    /// Points in the scan's file.
-    pub points: usize,
-    /// Triangles in the scan's file.
-    pub triangles: usize,
-    /// The format of the scan's file.
-    pub format: Format,
+    /// The scan's file; of a crop that of the whole body.
+    pub export: Export,
     /// The crotch.
     pub crotch: Crotch,
     /// Measured legs, left before right; at least one.
@@ -140,11 +139,18 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
     let Reading { scan, end } = scan::reading(bytes, format);
     let scan = scan?;
     let mut body = frame::body::body(&scan, method)?;
-    let cut = parting::segment::segment(&body)?;
+    let cut = segment(&body)?;
     if body.stature_mm.is_none() && cut.crotch.is_seen() {
         let (stature_mm, sd_mm) = cut.crotch.stature_mm();
         body.scale_also_by(stature_mm, sd_mm);
     }
+    let (points, triangles) = (scan.points.len(), scan.triangles.len());
+    let has_line_end = end != End::NoLineEnd;
+    measure(body, cut, Export { format, points, triangles, has_line_end }, method)
+}
+
+/// Measures legs that are cut from their body. Nothing above its crop has a part in this.
+fn measure(body: Body, cut: Legs, export: Export, method: &Method) -> Result<Extraction, Refusal> {
     let coarse_mm = coarse_spacing_mm(&cut.legs);
     let (reports, common) = reports(cut.legs, &cut.crotch, &body, coarse_mm, method);
     if let [Err(left), Err(right)] = reports.as_slice() {
@@ -154,10 +160,10 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
     let doubts = common.doubts().into_iter().map(What::Doubtful);
     findings.extend(doubts.map(|what| Finding { side: None, level: None, what }));
     // A list of points has no faces by design.
-    if scan.triangles.is_empty() && format != Format::Xyz {
+    if export.triangles == 0 && export.format != Format::Xyz {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
     }
-    if end == End::NoLineEnd {
+    if !export.has_line_end {
         findings.insert(0, Finding { side: None, level: None, what: What::NoLineEnd });
     }
     let mut legs = Vec::new();
@@ -181,17 +187,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
     if !findings.iter().any(is_cloth) {
         findings.extend(differences.iter().flat_map(swellings));
     }
-    let (points, triangles) = (scan.points.len(), scan.triangles.len());
-    Ok(Extraction {
-        body,
-        points,
-        triangles,
-        format,
-        crotch: cut.crotch,
-        legs,
-        differences,
-        findings,
-    })
+    Ok(Extraction { body, export, crotch: cut.crotch, legs, differences, findings })
 }
 
 /// What one leg is, or why it is not measured.

@@ -47,7 +47,7 @@ impl AsFigure for Side {
 }
 
 /// One value for each of the patient's sides.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sides<T> {
     /// The patient's left.
     pub left: T,

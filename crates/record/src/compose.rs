@@ -36,11 +36,11 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
         phantom_check: provenance.phantom_check.clone(),
         scan: ScanFile {
             sha256: provenance.sha256.clone(),
-            format: extraction.format.ending().to_owned(),
+            format: extraction.export.format.ending().to_owned(),
             unit: body.unit.word().to_owned(),
             unit_inferred: body.unit_inferred,
-            points: extraction.points,
-            triangles: extraction.triangles,
+            points: extraction.export.points,
+            triangles: extraction.export.triangles,
         },
         body: BodyFigures {
             stature_mm: body.stature_mm.map(mm),

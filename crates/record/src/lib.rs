@@ -22,6 +22,7 @@ mod provenance;
 pub mod report;
 mod report_files;
 pub mod rounding;
+pub mod same_numbers;
 pub mod schema;
 pub mod shape;
 pub mod shown;

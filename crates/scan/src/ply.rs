@@ -9,6 +9,7 @@ mod ascii;
 mod binary;
 mod header;
 mod values;
+mod writer;
 
 use super::fault::ScanFault;
 use super::weld::welded;

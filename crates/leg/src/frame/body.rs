@@ -5,6 +5,7 @@ use gaiter_scan::Scan;
 use nalgebra::{
     Matrix4, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3,
 };
+use serde::{Deserialize, Serialize};
 
 use super::body_fault::BodyFault;
 use super::bystanders::without_bystanders;
@@ -50,9 +51,10 @@ const CUT_HEIGHT_SHARE: f64 = 0.85;
 const UNLINKED_MAX_SHARE: f64 = 0.4;
 
 /// A scan in the body frame.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Body {
-    /// The skin in the body frame, fragments left out.
+    /// The skin in the body frame, fragments left out; not part of documents.
+    #[serde(skip)]
     pub mesh: Mesh,
     /// Whether a whole body was scanned, and not a lone leg.
     pub is_whole: bool,
@@ -60,6 +62,8 @@ pub struct Body {
     pub stature_mm: Option<f64>,
     /// The stature that search heights are relative to: the body's own, or one inferred from the feet, mm.
     pub scale_mm: f64,
+    /// The same before a crotch improved it, mm: the legs are followed at heights relative to it.
+    pub tracking_scale_mm: f64,
     /// Standard error of `scale_mm`, as a share of it.
     pub scale_sd_share: f64,
     /// Middle of each shank that is present, looking along −Z, mm.
@@ -85,7 +89,8 @@ pub struct Body {
 }
 
 /// The source of the facing.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FacingFrom {
     /// The toes.
     Feet,
@@ -163,11 +168,13 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         * Translation3::new(-origin.x, -origin.y, -stance.floor.height_mm);
     let in_body = |p: Point2<f64>| (to_body * Point3::new(p.x, p.y, 0.0)).xy();
     let stature_mm = is_crown_seen.then(|| standing.highest_mm() - stance.floor.height_mm);
+    let scale_mm = stature_mm.unwrap_or(size.scale_mm);
     Ok(Body {
         mesh: standing.moved(&to_body),
         is_whole: size.is_whole,
         stature_mm,
-        scale_mm: stature_mm.unwrap_or(size.scale_mm),
+        scale_mm,
+        tracking_scale_mm: scale_mm,
         scale_sd_share: if stature_mm.is_some() { CROWN_SD_SHARE } else { FOOT_SD_SHARE },
         shanks: Sides { left: sides.left.map(in_body), right: sides.right.map(in_body) },
         forward_mm: stance.forward_mm,

@@ -2,6 +2,7 @@
 //! ends, and the toes lie no higher than a bare foot's.
 
 use nalgebra::{Rotation2, Vector2};
+use serde::{Deserialize, Serialize};
 
 use crate::statistics::{median, quantile, range};
 
@@ -80,7 +81,8 @@ pub(crate) struct Soles {
 
 coded_enum! {
     /// Why the soles do not show the floor.
-    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
     pub enum FloorDoubt {
         /// The soles do not lie in a level plane.
         Uneven {

@@ -1,6 +1,7 @@
 //! The stance of a body: its shanks, its feet, the direction of the toes, and the floor.
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::floor::{Floor, floor};
 use super::soles::{LongAxis, long_axis};
@@ -82,7 +83,8 @@ pub struct Stance {
 
 coded_enum! {
     /// Why the feet do not show the facing.
-    #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, thiserror::Error)]
+    #[serde(rename_all = "kebab-case")]
     pub enum FeetUnclear {
         /// Hardly any points near the floor.
         #[error("a foot has only {points} points")]

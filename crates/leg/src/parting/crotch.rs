@@ -1,5 +1,7 @@
 //! The crotch: where two legs become one body (paper 1, fig. 2a).
 
+use serde::{Deserialize, Serialize};
+
 /// Standard error of the crotch if its skin, or the thighs up to it, were seen, mm.
 pub(super) const APART_SD_MM: f64 = 3.0;
 
@@ -29,8 +31,12 @@ const LEVELS_MAX_SD_MM: f64 = 25.0;
 /// 0.45 to 0.52; children and patients need some room.
 pub(super) const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
 
+/// A body is cropped this far above its crotch, mm: 40 mm above what a leg keeps, because the corners of its facets lie
+/// up to two thirds of their longest edge from their middle.
+const CROP_ABOVE_CROTCH_MM: f64 = 100.0;
+
 /// The height of the crotch and its source.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Crotch {
     /// Above the floor, mm.
     pub height_mm: f64,
@@ -45,8 +51,8 @@ pub struct Crotch {
 
 word_enum! {
     /// The source of the crotch's height.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub enum CrotchFrom {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum CrotchFrom as serde {
         /// The skin between the legs, seen.
         Saddle => "saddle",
         /// The border of what was seen there.
@@ -88,6 +94,11 @@ impl Crotch {
     /// Height above which the legs are joined without a visible fold, mm, if the crotch is hidden.
     pub fn hidden_from_mm(&self) -> Option<f64> {
         if self.is_seen() { None } else { self.touching_from_mm }
+    }
+
+    /// The height below which a body is cropped, mm: nothing above it has a part in what is measured on the legs.
+    pub fn crop_mm(&self) -> f64 {
+        self.height_mm + CROP_ABOVE_CROTCH_MM
     }
 
     /// The stature of people with this crotch and its standard error, mm.

@@ -2,7 +2,8 @@
 //!
 //! Each leg is followed slice by slice from its shank, upwards into the trunk and downwards to the
 //! floor. Thighs that touch are split along the neck between them. A leg that is missing or ends
-//! early does not prevent cutting the other.
+//! early does not prevent cutting the other. The crotch is looked for in all of the body; with it, the legs are
+//! followed in what lies below the crop.
 
 use nalgebra::{Point2, Point3};
 
@@ -95,13 +96,19 @@ coded_enum! {
 /// # Errors
 /// A [`SegmentFault`] if no leg can be followed to where the legs meet.
 pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
-    let stature_mm = body.scale_mm;
-    let start_mm = START_SHARE * stature_mm;
-    let top_mm = CROTCH_SHARE[1] * stature_mm + ABOVE_CROTCH_MM;
+    let top_mm = CROTCH_SHARE[1] * body.tracking_scale_mm + ABOVE_CROTCH_MM;
     let mesh = &body.mesh.part(|facet| facet.middle().z < top_mm + EDGE_MAX_MM);
-    let seeds = seeds(mesh, &body.shanks, start_mm);
-    let up = follow(mesh, &seeds, &heights(start_mm, top_mm), GROWTH_UP_MM, Parting::Neck);
-    let crotch = found_crotch(body, mesh, &up)?;
+    let (_, up) = upwards(body, mesh, top_mm);
+    Ok(segment_below(body, found_crotch(body, mesh, &up)?))
+}
+
+/// Cuts the legs from a body with this crotch. Only what lies below the crop is looked at, so that a crop has the same
+/// legs as the whole body.
+pub(crate) fn segment_below(body: &Body, crotch: Crotch) -> Legs {
+    let stature_mm = body.tracking_scale_mm;
+    let start_mm = START_SHARE * stature_mm;
+    let mesh = &body.mesh.wholly_below(crotch.crop_mm());
+    let (seeds, up) = upwards(body, mesh, crotch.crop_mm());
     let mut downwards = heights(0.0, start_mm);
     downwards.reverse();
     let mut down = follow(mesh, &seeds, &downwards, GROWTH_DOWN_MM, Parting::Nearest);
@@ -124,7 +131,15 @@ pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
     };
     let Sides { left, right } = skins;
     let legs = Sides { left: leg(Side::Left, left), right: leg(Side::Right, right) };
-    Ok(Legs { legs, crotch })
+    Legs { legs, crotch }
+}
+
+/// The legs' footprints where tracking starts, and the legs followed from there up to a height.
+fn upwards(body: &Body, mesh: &Mesh, top_mm: f64) -> (Sides<Option<Footprint>>, Track) {
+    let start_mm = START_SHARE * body.tracking_scale_mm;
+    let seeds = seeds(mesh, &body.shanks, start_mm);
+    let up = follow(mesh, &seeds, &heights(start_mm, top_mm), GROWTH_UP_MM, Parting::Neck);
+    (seeds, up)
 }
 
 /// Heights from `from` to below `to`, ascending; the first is half a step above `from`.
@@ -152,7 +167,7 @@ fn seeds(
 
 /// The crotch, checked against the usual range.
 fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentFault> {
-    let stature_mm = body.scale_mm;
+    let stature_mm = body.tracking_scale_mm;
     if !body.is_whole {
         return Ok(Crotch::unseen(stature_mm));
     }

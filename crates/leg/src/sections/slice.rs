@@ -29,7 +29,7 @@ pub(crate) const EDGE_MAX_MM: f64 = 60.0;
 const EDGES_MAX: usize = 5000;
 
 /// A skin to be sliced: a triangle mesh with vertex normals, or a bare point cloud.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Mesh {
     points: Vec<Point3<f64>>,
     /// Empty for a point cloud.
@@ -221,6 +221,12 @@ impl Mesh {
             }
         }
         parts.map(|triangles| self.of_triangles(triangles))
+    }
+
+    /// What lies wholly below a height, with the normals of what remains.
+    pub(crate) fn wholly_below(&self, height_mm: f64) -> Mesh {
+        let below = self.part(|facet| !facet.reaches([height_mm, f64::INFINITY]));
+        if below.triangles.is_empty() { below } else { Mesh::new(below.points, below.triangles) }
     }
 
     /// The mesh without some of its triangles, with the normals of what remains.

@@ -5,6 +5,7 @@
 mod at_heights;
 mod closed_forms;
 mod cloud;
+mod crop;
 mod curvature;
 mod features;
 mod findings;

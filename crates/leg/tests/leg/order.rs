@@ -24,6 +24,7 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         is_whole: true,
         stature_mm: Some(STATURE_MM),
         scale_mm: STATURE_MM,
+        tracking_scale_mm: STATURE_MM,
         scale_sd_share: 0.01,
         floor_doubt: None,
         floor_sd_mm: 0.0,

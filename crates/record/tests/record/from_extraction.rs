@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use gaiter_leg::method::{AxisFit, SectionFit, Tape};
-use gaiter_leg::{Level, Method};
+use gaiter_leg::{Level, Method, WholeBody, extract_crop};
+use gaiter_record::same_numbers::crop_differs;
 use support::recorded::export;
 use support::records::{bodies, measured, record_of};
 
@@ -72,4 +73,15 @@ fn a_height_that_no_leg_has_is_null_and_a_finding_of_each_leg() {
         assert_eq!(none.doubts, ["height-not-measured"]);
     }
     assert_eq!(record.legs.len(), 2);
+}
+
+#[test]
+fn the_record_of_a_crop_says_what_that_of_the_whole_says() {
+    let (whole, method) = (&measured(BODY).0, Method::default());
+    let crop = |told: &WholeBody| extract_crop(&whole.crop().to_ply(), told, &method).unwrap();
+    let mut told = WholeBody::from_extraction(whole);
+    assert_eq!(crop_differs(whole, &crop(&told), &method).unwrap(), None);
+    told.body.scale_mm *= 1.02;
+    let differs = crop_differs(whole, &crop(&told), &method).unwrap();
+    assert!(differs.is_some_and(|differs| differs.starts_with('.')), "another stature");
 }
