@@ -11,8 +11,8 @@ use gaiter_leg::method::{Scope, Up};
 use gaiter_leg::{Extraction, Method, Side, WholeBody, extract, extract_crop};
 use gaiter_scan::{Format, Scan, read};
 use support::mesh::Mesh;
+use support::recorded::coarse_body;
 use support::recorded::{export, scan};
-use support::scans::coarse_body;
 use support::writers::Writer;
 
 use crate::found::extraction_of;
