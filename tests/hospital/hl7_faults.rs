@@ -48,7 +48,7 @@ fn a_message_whose_answer_is_lost_is_sent_again_with_the_same_control_id() {
         let port = house.server.port("plain").to_string();
         assert!(!told.replace(&port, "").contains(PATIENT), "{told}");
         taken += usize::from(!fault.ends_with("before"));
-        assert_eq!(house.messages().len(), taken, "{fault}");
+        house.has_taken(taken, fault);
     }
     house.becomes("");
     assert!(!put(&sender.store, &SMALL).already_there);

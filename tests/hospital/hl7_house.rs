@@ -4,7 +4,8 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use gaiter::store::hl7::{Hl7Store, Hl7Way};
 use gaiter_https::TlsFiles;
@@ -79,6 +80,16 @@ impl House {
         let mut paths: Vec<_> = paths.filter(is_whole).collect();
         paths.sort();
         paths.iter().map(|path| message(path)).collect()
+    }
+
+    /// Waits until it has taken so many messages, and no more: a busy receiver takes one after its sender has gone.
+    #[track_caller]
+    pub fn has_taken(&self, count: usize, what: &str) {
+        let until = Instant::now() + LONG;
+        while self.messages().len() < count && Instant::now() < until {
+            sleep(Duration::from_millis(20));
+        }
+        assert_eq!(self.messages().len(), count, "{what}");
     }
 
     /// The control ids of the messages, each once.

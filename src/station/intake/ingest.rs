@@ -120,7 +120,11 @@ pub fn take(
     let name = file.to_string_lossy();
     // A look only offers files with a known format.
     let Ok(format) = Format::of_file_name(&name) else { return Ok(Taken::Done) };
-    let Inspection { end, fingerprint } = inspection::inspected(core, export, format)?;
+    let Inspection { end, fingerprint } = match core.custody.known(&export.scan, "")? {
+        // Its bytes were inspected when they first came.
+        Some(_) => inspection::NOTHING_SHOWN,
+        None => inspection::inspected(core, export, format)?,
+    };
     let awaits = match end {
         End::Whole => None,
         End::NoLineEnd => Some(Taken::LineEnd),

@@ -90,7 +90,7 @@ pub struct Body {
 
 /// The source of the facing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum FacingFrom {
     /// The toes.
     Feet,

@@ -82,7 +82,7 @@ pub(crate) struct Soles {
 coded_enum! {
     /// Why the soles do not show the floor.
     #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-    #[serde(rename_all = "kebab-case")]
+    #[serde(rename_all = "snake_case")]
     pub enum FloorDoubt {
         /// The soles do not lie in a level plane.
         Uneven {

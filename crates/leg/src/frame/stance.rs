@@ -84,7 +84,7 @@ pub struct Stance {
 coded_enum! {
     /// Why the feet do not show the facing.
     #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, thiserror::Error)]
-    #[serde(rename_all = "kebab-case")]
+    #[serde(rename_all = "snake_case")]
     pub enum FeetUnclear {
         /// Hardly any points near the floor.
         #[error("a foot has only {points} points")]
