@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 
 use gaiter_language::Language;
+use gaiter_record::scan_id::SHORT;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +14,6 @@ use super::lifecycle::{HANDED_OVER, REVISION_REFUSED, SUPERSEDED, UNASSIGNED};
 use super::patient::erasure::ERASED;
 use super::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use super::round::AMBIGUOUS;
-use super::scan_id::SHORT;
 use super::words::{ago, duration};
 use super::{Closed, DeliveryState, ScanState};
 

@@ -4,11 +4,12 @@
 
 use std::time::Duration;
 
+use gaiter_record::ScanId;
+
 use super::account::Whole;
 use super::booth::Signal;
 use super::complaint::Complaint;
 use super::disposition::Disposition;
-use super::scan_id::ScanId;
 
 /// The shortest time for which a signal is shown; a shorter one would not be seen.
 const STANDS: Duration = Duration::from_secs(1);

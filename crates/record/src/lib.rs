@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+pub mod archive;
 mod cells;
 pub mod change;
 pub mod chart;
@@ -23,6 +24,7 @@ pub mod report;
 mod report_files;
 pub mod rounding;
 pub mod same_numbers;
+pub mod scan_id;
 pub mod schema;
 pub mod shape;
 pub mod shown;
@@ -43,5 +45,6 @@ pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };
 pub use report_files::{FilesFault, ReportChoice, report_files};
+pub use scan_id::ScanId;
 pub use schema::Record;
 pub use summary::{RecordSummary, SheetLine, SummaryFigures, SummaryLevel, sheet};

@@ -2,16 +2,24 @@
 
 use std::fmt;
 
-use gaiter_record::hex;
+use serde::{Deserialize, Serialize};
+
+use super::files::{hex, sha256};
 
 /// How many characters of an id are used in logs, lists and folder names.
-pub(crate) const SHORT: usize = 8;
+pub const SHORT: usize = 8;
 
 /// The SHA-256 of a scan's bytes, 64 lower-case hexadecimal digits; safe as a file name.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct ScanId(String);
 
 impl ScanId {
+    /// The id of a scan's bytes.
+    pub fn of_bytes(bytes: &[u8]) -> ScanId {
+        ScanId(sha256(bytes))
+    }
+
     /// The id of a finished digest.
     pub fn of_digest(digest: [u8; 32]) -> ScanId {
         ScanId(hex(&digest))
@@ -32,6 +40,25 @@ impl ScanId {
     /// The first eight digits: enough for logs and, with a time, for folder names.
     pub fn short(&self) -> &str {
         &self.0[..SHORT]
+    }
+}
+
+/// A text that is no [`ScanId`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a scan's hash has 64 lower-case hexadecimal digits; this text has not")]
+pub struct NoScanId;
+
+impl TryFrom<String> for ScanId {
+    type Error = NoScanId;
+
+    fn try_from(text: String) -> Result<ScanId, NoScanId> {
+        ScanId::parse(&text).ok_or(NoScanId)
+    }
+}
+
+impl From<ScanId> for String {
+    fn from(id: ScanId) -> String {
+        id.0
     }
 }
 

@@ -1,0 +1,135 @@
+//! What stations write into an archive of many of them, as bytes: the names of objects, announcements, heartbeats and
+//! results. Objects are the truth of an archive; whatever indexes them can be made again from these.
+//!
+//! | object | key | content |
+//! |---|---|---|
+//! | crop of a scan | `scan/<ab>/<sha256>.ply.zst` | [`Extraction::crop`](gaiter_leg::Extraction::crop) as PLY, [`packed`] |
+//! | the station's record | `record/<station>/<sha256>/r<revision>.json.zst` | [`Record`](crate::Record) with a [`Pseudonym`] for the patient, packed |
+//! | announcement, written last | `inbox/<station>/<sha256>-r<revision>.json` | [`Announcement`] |
+//! | result of a method | `result/<method>/<ab>/<sha256>.json.zst` | [`ScanResult`], packed |
+//! | heartbeat, overwritten | `fleet/<station>.json` | [`Heartbeat`] |
+//!
+//! `<sha256>` is that of the crop's PLY, before it is packed; `<ab>` are its first two digits.
+
+mod announcement;
+mod heartbeat;
+mod key;
+mod packing;
+mod result;
+mod words;
+
+pub use announcement::{Announcement, Shows};
+pub use heartbeat::Heartbeat;
+pub use key::{KeyFault, ObjectKey};
+pub use packing::{PackingFault, packed, unpacked};
+pub use result::{Outcome, ScanResult};
+pub use words::{MethodId, Pseudonym, SiteKey, StationId, WordFault};
+
+/// Why the bytes of an object are no document of an archive.
+#[derive(Debug, thiserror::Error)]
+pub enum DocumentFault {
+    /// It is no JSON, or lacks fields.
+    #[error("it is no {schema}: {source}")]
+    NotReadable {
+        /// What was expected.
+        schema: &'static str,
+        /// Why it is none.
+        source: serde_json::Error,
+    },
+    /// It is of another schema.
+    #[error("its schema is {found:?}, not {schema}")]
+    OtherSchema {
+        /// What was expected.
+        schema: &'static str,
+        /// What it says.
+        found: String,
+    },
+    /// It lies under a key that is not its own.
+    #[error("it says of itself that it is {own}")]
+    Elsewhere {
+        /// The key by its content.
+        own: Box<ObjectKey>,
+    },
+}
+
+/// A document that says of itself what it is and where it lies.
+pub trait Document: serde::Serialize + serde::de::DeserializeOwned {
+    /// Name and number of its schema.
+    const SCHEMA: &'static str;
+
+    /// The schema that it names.
+    fn schema(&self) -> &str;
+
+    /// The key of its object, by its content.
+    fn key(&self) -> ObjectKey;
+
+    /// Its bytes, not packed.
+    ///
+    /// # Errors
+    /// If a figure cannot be written as JSON.
+    fn json(&self) -> Result<Vec<u8>, serde_json::Error> {
+        serde_json::to_vec(self)
+    }
+
+    /// Reads the bytes of the object at this key.
+    ///
+    /// # Errors
+    /// See [`DocumentFault`].
+    fn read_at(key: &ObjectKey, bytes: &[u8]) -> Result<Self, DocumentFault> {
+        let schema = Self::SCHEMA;
+        let read: Self = serde_json::from_slice(bytes)
+            .map_err(|source| DocumentFault::NotReadable { schema, source })?;
+        if read.schema() != schema {
+            return Err(DocumentFault::OtherSchema { schema, found: read.schema().to_owned() });
+        }
+        match read.key() {
+            own if own == *key => Ok(read),
+            own => Err(DocumentFault::Elsewhere { own: Box::new(own) }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::ScanId;
+
+    fn announcement() -> Announcement {
+        Announcement {
+            schema: Announcement::SCHEMA.to_owned(),
+            station: StationId::parse("booth-1").unwrap(),
+            scan: ScanId::of_bytes(b"crop"),
+            export: ScanId::of_bytes(b"export"),
+            bytes: 4,
+            revision: 2,
+            method: MethodId::parse("0.1.0+12345678").unwrap(),
+            first_seen: Timestamp::UNIX_EPOCH,
+            shows: Shows::Phantom,
+        }
+    }
+
+    #[test]
+    fn an_announcement_reads_back_under_its_own_key_only() {
+        let announcement = announcement();
+        let bytes = announcement.json().unwrap();
+        let key = announcement.key();
+        assert_eq!(Announcement::read_at(&key, &bytes).unwrap(), announcement);
+        let other = Announcement { revision: 3, ..announcement }.key();
+        let elsewhere = Announcement::read_at(&other, &bytes).unwrap_err();
+        assert!(matches!(elsewhere, DocumentFault::Elsewhere { own } if *own == key));
+    }
+
+    #[test]
+    fn what_is_no_announcement_is_told_so() {
+        let key = announcement().key();
+        let read = |text: &str| Announcement::read_at(&key, text.as_bytes()).unwrap_err();
+        assert!(matches!(read("{}"), DocumentFault::NotReadable { .. }));
+        let text = String::from_utf8(announcement().json().unwrap()).unwrap();
+        let older = text.replace("announcement/1", "announcement/0");
+        assert!(matches!(read(&older), DocumentFault::OtherSchema { .. }));
+        let outside = text.replace("booth-1", "../booth");
+        assert!(matches!(read(&outside), DocumentFault::NotReadable { .. }));
+    }
+}
