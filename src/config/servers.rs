@@ -15,9 +15,6 @@ pub(super) use fhir::fhir;
 pub use hl7::Hl7StoreConfig;
 pub(super) use hl7::hl7;
 
-/// How a credential of systemd is named.
-const CREDENTIAL: &str = "credential:";
-
 /// The longest text in a message or header, characters.
 const LINE_MOST: usize = 200;
 
@@ -81,13 +78,9 @@ fn system(text: &str) -> Result<String, What> {
 
 /// Where a secret is: a full path, or `credential:NAME`.
 fn secret(text: &str) -> Result<Secret, What> {
-    let place = match text.strip_prefix(CREDENTIAL) {
-        Some(name) => is_bare(name).then(|| Secret::Credential(name.to_owned())),
-        None => parse::full_path(text).ok().map(Secret::File),
-    };
     let hint =
         "write the full path of a file, or \"credential:NAME\" with letters, digits, -, _ and .";
-    place.ok_or_else(|| not_a(text, "a valid place of a secret", hint))
+    Secret::at(text).ok_or_else(|| not_a(text, "a valid place of a secret", hint))
 }
 
 /// The bare name of a file of a record.

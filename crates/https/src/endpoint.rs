@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::net::IpAddr;
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 
 use http::Uri;
 
@@ -100,6 +100,24 @@ pub enum Secret {
     File(PathBuf),
     /// In a credential of systemd (`LoadCredential=`), by its name.
     Credential(String),
+}
+
+impl Secret {
+    /// What the name of a credential begins with.
+    const CREDENTIAL: &'static str = "credential:";
+
+    /// The place that a text names: a full path, or `credential:NAME`; `None` if it is neither.
+    pub fn at(text: &str) -> Option<Secret> {
+        if let Some(name) = text.strip_prefix(Secret::CREDENTIAL) {
+            let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
+            let is_bare = !name.is_empty() && !name.starts_with('.') && name.bytes().all(is_plain);
+            return is_bare.then(|| Secret::Credential(name.to_owned()));
+        }
+        let path = Path::new(text);
+        let climbs = path.components().any(|part| part == Component::ParentDir);
+        let is_full = path.is_absolute() && !climbs && !text.contains(char::is_control);
+        is_full.then(|| Secret::File(path.components().collect()))
+    }
 }
 
 impl fmt::Display for Secret {

@@ -2,9 +2,11 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod bucket;
 mod endpoint;
 mod fault;
 pub mod secret;
+mod signature;
 #[cfg(test)]
 mod tests;
 pub mod tls;
@@ -17,11 +19,12 @@ use http::header::{HeaderMap, HeaderName, HeaderValue};
 use http::{Method, Request, Uri};
 use ureq::{Agent, ProxyProtocol};
 
+pub use bucket::{Bucket, BucketFault, BucketPlace, Page, PutNew};
 pub use endpoint::{Endpoint, EndpointFault, Proxy, Secret, TlsFiles, is_this_machine};
 pub use fault::HttpFault;
 pub use secret::SecretFault;
 
-/// The longest answer, bytes: a capability statement has one or two million.
+/// The longest answer, bytes, unless said otherwise: a capability statement has one or two million.
 const ANSWER_MOST: u64 = 16 << 20;
 
 /// The longest head of an answer, bytes.
@@ -49,6 +52,8 @@ pub struct HttpsClient {
     proxy: Option<Proxy>,
     /// For a whole exchange, from the search for the address to the last byte of the answer.
     limit: Duration,
+    /// The longest answer, bytes.
+    answer_most: u64,
     kept: Mutex<Option<Kept>>,
 }
 
@@ -94,7 +99,13 @@ impl HttpAnswer {
 impl HttpsClient {
     /// A client that trusts as `tls` says and gives a whole exchange this much time.
     pub fn new(tls: TlsFiles, proxy: Option<Proxy>, limit: Duration) -> HttpsClient {
-        HttpsClient { tls, proxy, limit, kept: Mutex::default() }
+        HttpsClient { tls, proxy, limit, answer_most: ANSWER_MOST, kept: Mutex::default() }
+    }
+
+    /// It, but with answers of up to so many bytes.
+    #[must_use]
+    pub fn with_answers_up_to(self, answer_most: u64) -> HttpsClient {
+        HttpsClient { answer_most, ..self }
     }
 
     /// Sends a request and reads the answer, whatever its status is.
@@ -104,7 +115,7 @@ impl HttpsClient {
     pub fn send(&self, request: HttpRequest) -> Result<HttpAnswer, HttpFault> {
         let endpoint = Endpoint::from_uri(&request.uri)?;
         let agent = self.agent(endpoint.is_encrypted)?;
-        let answer = exchange(&agent, request)
+        let answer = exchange(&agent, request, self.answer_most)
             .map_err(|error| {
                 HttpFault::from_client_error(error, self.way_to(&endpoint), self.limit)
             })
@@ -169,7 +180,11 @@ impl HttpsClient {
     }
 }
 
-fn exchange(agent: &Agent, request: HttpRequest) -> Result<HttpAnswer, ureq::Error> {
+fn exchange(
+    agent: &Agent,
+    request: HttpRequest,
+    answer_most: u64,
+) -> Result<HttpAnswer, ureq::Error> {
     let HttpRequest { method, uri, headers, body } = request;
     let mut head = Request::new(());
     *head.method_mut() = method;
@@ -180,7 +195,7 @@ fn exchange(agent: &Agent, request: HttpRequest) -> Result<HttpAnswer, ureq::Err
         false => agent.run(head.map(|()| body))?,
     };
     let (head, mut body) = answer.into_parts();
-    let body = body.with_config().limit(ANSWER_MOST).read_to_vec()?;
+    let body = body.with_config().limit(answer_most).read_to_vec()?;
     Ok(HttpAnswer { status: head.status.as_u16(), headers: head.headers, body })
 }
 

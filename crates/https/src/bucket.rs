@@ -1,0 +1,276 @@
+//! A bucket of an S3-compatible store of objects.
+
+use http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, HeaderName, HeaderValue, IF_NONE_MATCH};
+use http::{Method, Uri};
+use jiff::Timestamp;
+
+use super::endpoint::{Endpoint, Secret};
+use super::fault::HttpFault;
+use super::secret::{self, SecretFault};
+use super::signature::{Signer, escaped, sha256};
+use super::{HttpAnswer, HttpRequest, HttpsClient};
+
+/// How many keys a store is asked for at a time; none gives more.
+const PAGE_KEYS: &str = "1000";
+
+/// How much of what a store says of a fault is told, characters.
+const SAID_MOST: usize = 200;
+
+/// The headers that a request is signed with besides `host`.
+const CONTENT_SHA256: &str = "x-amz-content-sha256";
+const DATE: &str = "x-amz-date";
+
+/// Where a bucket is, and who asks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BucketPlace {
+    /// The store's address without a slash at its end: `https://s3.clinic.example`.
+    pub address: String,
+    /// The bucket.
+    pub bucket: String,
+    /// The region; stores that have none take any word.
+    pub region: String,
+    /// The id of the access key.
+    pub key_id: String,
+    /// The access key.
+    pub secret: Secret,
+}
+
+/// A bucket.
+#[derive(Debug)]
+pub struct Bucket {
+    place: BucketPlace,
+    client: HttpsClient,
+}
+
+/// What became of an object that was to be put where none is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PutNew {
+    /// It is there now.
+    Stored,
+    /// There was one.
+    AlreadyThere,
+}
+
+/// Some keys of a bucket.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Page {
+    /// The keys, in their order.
+    pub keys: Vec<String>,
+    /// Whether there are more behind the last.
+    pub is_more: bool,
+}
+
+/// Why a store does not do what was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum BucketFault {
+    /// It gave no answer.
+    #[error(transparent)]
+    Http(#[from] HttpFault),
+    /// The access key cannot be read.
+    #[error(transparent)]
+    Secret(#[from] SecretFault),
+    /// The words of the access cannot be sent.
+    #[error("the address, the bucket or the key's id hold what cannot be sent")]
+    Words,
+    /// It answers otherwise.
+    #[error("the store of objects answers {status}: {said}")]
+    Status {
+        /// The status of its answer.
+        status: u16,
+        /// What it says.
+        said: String,
+    },
+}
+
+impl Bucket {
+    /// A bucket that is asked by this client.
+    pub fn new(place: BucketPlace, client: HttpsClient) -> Bucket {
+        Bucket { place, client }
+    }
+
+    /// Puts an object, in place of any that is there.
+    ///
+    /// # Errors
+    /// See [`BucketFault`].
+    pub fn put(&self, key: &str, bytes: Vec<u8>) -> Result<(), BucketFault> {
+        let answer = self.ask(Method::PUT, key, "", Vec::new(), bytes)?;
+        if answer.is_success() { Ok(()) } else { Err(refused(&answer)) }
+    }
+
+    /// Puts an object where none is. A store that does not know the condition puts it in any case.
+    ///
+    /// # Errors
+    /// See [`BucketFault`].
+    pub fn put_new(&self, key: &str, bytes: Vec<u8>) -> Result<PutNew, BucketFault> {
+        let only_new = vec![(IF_NONE_MATCH, HeaderValue::from_static("*"))];
+        let answer = self.ask(Method::PUT, key, "", only_new, bytes)?;
+        match answer.status {
+            412 => Ok(PutNew::AlreadyThere),
+            _ if answer.is_success() => Ok(PutNew::Stored),
+            _ => Err(refused(&answer)),
+        }
+    }
+
+    /// The bytes of an object; `None` if there is none.
+    ///
+    /// # Errors
+    /// See [`BucketFault`].
+    pub fn get(&self, key: &str) -> Result<Option<Vec<u8>>, BucketFault> {
+        let answer = self.ask(Method::GET, key, "", Vec::new(), Vec::new())?;
+        match answer.status {
+            404 => Ok(None),
+            _ if answer.is_success() => Ok(Some(answer.body)),
+            _ => Err(refused(&answer)),
+        }
+    }
+
+    /// The length of an object, bytes; `None` if there is none.
+    ///
+    /// # Errors
+    /// See [`BucketFault`].
+    pub fn length(&self, key: &str) -> Result<Option<u64>, BucketFault> {
+        let answer = self.ask(Method::HEAD, key, "", Vec::new(), Vec::new())?;
+        let length = answer.headers.get(CONTENT_LENGTH).and_then(|length| length.to_str().ok());
+        match (answer.status, length.and_then(|length| length.parse().ok())) {
+            (404, _) => Ok(None),
+            (_, Some(length)) if answer.is_success() => Ok(Some(length)),
+            _ => Err(refused(&answer)),
+        }
+    }
+
+    /// Removes an object, if it is there.
+    ///
+    /// # Errors
+    /// See [`BucketFault`].
+    pub fn remove(&self, key: &str) -> Result<(), BucketFault> {
+        let answer = self.ask(Method::DELETE, key, "", Vec::new(), Vec::new())?;
+        if answer.is_success() || answer.status == 404 { Ok(()) } else { Err(refused(&answer)) }
+    }
+
+    /// The keys with this beginning that come after another; after none if that is empty.
+    ///
+    /// # Errors
+    /// See [`BucketFault`].
+    pub fn list(&self, prefix: &str, after: &str) -> Result<Page, BucketFault> {
+        let mut query =
+            format!("list-type=2&max-keys={PAGE_KEYS}&prefix={}", escaped(prefix, false));
+        if !after.is_empty() {
+            query.push_str(&format!("&start-after={}", escaped(after, false)));
+        }
+        let answer = self.ask(Method::GET, "", &query, Vec::new(), Vec::new())?;
+        let text = String::from_utf8_lossy(&answer.body);
+        if !answer.is_success() || !text.contains("<ListBucketResult") {
+            return Err(refused(&answer));
+        }
+        Ok(page(&text))
+    }
+
+    /// Sends a signed request; `query` is as it is sent, with its keys in their order.
+    fn ask(
+        &self,
+        method: Method,
+        key: &str,
+        query: &str,
+        mut headers: Vec<(HeaderName, HeaderValue)>,
+        body: Vec<u8>,
+    ) -> Result<HttpAnswer, BucketFault> {
+        let BucketPlace { address, bucket, region, key_id, secret } = &self.place;
+        let path = match key {
+            "" => format!("/{bucket}"),
+            key => format!("/{bucket}/{}", escaped(key, true)),
+        };
+        let mark = if query.is_empty() { "" } else { "?" };
+        let uri: Uri =
+            format!("{address}{path}{mark}{query}").parse().map_err(|_| BucketFault::Words)?;
+        let host = Endpoint::from_uri(&uri).map_err(HttpFault::Address)?.authority();
+        let secret = secret::read(secret)?;
+        let signer = Signer { key_id, secret: &secret, region, at: Timestamp::now() };
+        let (date, content) = (signer.date(), sha256(&body));
+        let signed = [("host", &*host), (CONTENT_SHA256, &*content), (DATE, &*date)];
+        let authorization = signer.authorization(&method, &path, query, &signed, &content);
+        let (content_sha256, of_date) =
+            (HeaderName::from_static(CONTENT_SHA256), HeaderName::from_static(DATE));
+        for (name, value) in [
+            (HOST, host),
+            (content_sha256, content),
+            (of_date, date),
+            (AUTHORIZATION, authorization),
+        ] {
+            headers.push((name, HeaderValue::try_from(value).map_err(|_| BucketFault::Words)?));
+        }
+        Ok(self.client.send(HttpRequest { method, uri, headers, body })?)
+    }
+}
+
+/// The keys in a list. What could not stand in XML as it is, is in none of ours.
+fn page(text: &str) -> Page {
+    let keys = text.split("<Key>").skip(1).filter_map(|rest| rest.split("</Key>").next());
+    let is_more = text.contains("<IsTruncated>true</IsTruncated>");
+    Page { keys: keys.map(str::to_owned).collect(), is_more }
+}
+
+/// What a store says of a fault: its code and its message, in a line.
+fn refused(answer: &HttpAnswer) -> BucketFault {
+    let text = String::from_utf8_lossy(&answer.body);
+    let element = |name: &str| {
+        let (_, rest) = text.split_once(&format!("<{name}>"))?;
+        rest.split_once('<').map(|(inner, _)| inner.to_owned())
+    };
+    let said: Vec<String> = ["Code", "Message"].into_iter().filter_map(element).collect();
+    let is_plain = |c: &char| !c.is_control();
+    let said = said.join(": ").chars().filter(is_plain).take(SAID_MOST).collect();
+    BucketFault::Status { status: answer.status, said }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use support::http_server::{answer, serve_answers};
+
+    use super::*;
+    use crate::TlsFiles;
+
+    fn bucket(port: u16, secret: &std::path::Path) -> Bucket {
+        let place = BucketPlace {
+            address: format!("http://127.0.0.1:{port}"),
+            bucket: "archive".to_owned(),
+            region: "us-east-1".to_owned(),
+            key_id: "station".to_owned(),
+            secret: Secret::File(secret.to_owned()),
+        };
+        Bucket::new(place, HttpsClient::new(TlsFiles::default(), None, Duration::from_secs(30)))
+    }
+
+    #[test]
+    fn an_answer_says_whether_the_object_is_new_there_or_not() {
+        let dir = tempfile::tempdir().unwrap();
+        let secret = dir.path().join("key");
+        std::fs::write(&secret, "word").unwrap();
+        let denied = "<Error><Code>AccessDenied</Code><Message>No\nentry</Message></Error>";
+        let (port, requests) = serve_answers(vec![
+            answer("200 OK", ""),
+            answer("412 Precondition Failed", ""),
+            answer("403 Forbidden", denied),
+        ]);
+        let bucket = bucket(port, &secret);
+        let put = || bucket.put_new("result/0.1.0+ab/x", b"{}".to_vec());
+        assert_eq!(put().unwrap(), PutNew::Stored);
+        assert_eq!(put().unwrap(), PutNew::AlreadyThere);
+        let fault = put().unwrap_err().to_string();
+        assert_eq!(fault, "the store of objects answers 403: AccessDenied: Noentry");
+        let request = requests.try_iter().next().unwrap().to_ascii_lowercase();
+        assert!(request.starts_with("put /archive/result/0.1.0%2bab/x http/1.1\r\n"), "{request}");
+        assert!(request.contains("\r\nif-none-match: *\r\n"), "{request}");
+        assert_eq!(request.matches("\r\nhost: ").count(), 1, "{request}");
+        assert!(!request.contains("word"), "{request}");
+    }
+
+    #[test]
+    fn a_list_tells_its_keys_and_whether_there_are_more() {
+        let text = "<ListBucketResult><IsTruncated>true</IsTruncated><Contents><Key>inbox/a/b</Key>\
+                    </Contents><Contents><Key>inbox/c/d</Key></Contents></ListBucketResult>";
+        let keys = ["inbox/a/b", "inbox/c/d"].map(str::to_owned).to_vec();
+        assert_eq!(page(text), Page { keys, is_more: true });
+    }
+}
