@@ -6,6 +6,7 @@
 //! | crop of a scan | `scan/<ab>/<sha256>.ply.zst` | [`Extraction::crop`](gaiter_leg::Extraction::crop) as PLY, [`packed`] |
 //! | the station's record | `record/<station>/<sha256>/r<revision>.json.zst` | [`Record`](crate::Record) with a [`Pseudonym`] for the patient, packed |
 //! | announcement, written last | `inbox/<station>/<sha256>-r<revision>.json` | [`Announcement`] |
+//! | announcement, once indexed | `announced/<station>/<sha256>-r<revision>.json` | the same |
 //! | result of a method | `result/<method>/<ab>/<sha256>.json.zst` | [`ScanResult`], packed |
 //! | heartbeat, overwritten | `fleet/<station>.json` | [`Heartbeat`] |
 //!

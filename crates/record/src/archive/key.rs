@@ -59,13 +59,16 @@ pub enum KeyFault {
 
 impl ObjectKey {
     /// What the keys of all announcements begin with.
-    pub const INBOX: &str = "inbox/";
+    pub const INBOX: &'static str = "inbox/";
+
+    /// What the keys of announcements begin with that are indexed: they are moved there, so that the inbox stays short.
+    pub const ANNOUNCED: &'static str = "announced/";
 
     /// What the keys of all results begin with.
-    pub const RESULTS: &str = "result/";
+    pub const RESULTS: &'static str = "result/";
 
     /// What the keys of all heartbeats begin with.
-    pub const FLEET: &str = "fleet/";
+    pub const FLEET: &'static str = "fleet/";
 }
 
 impl fmt::Display for ObjectKey {

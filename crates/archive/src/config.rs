@@ -1,0 +1,246 @@
+//! `archive.toml`: where database and bucket are.
+
+use std::fs;
+use std::io;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use gaiter_https::{BucketPlace, Endpoint, EndpointFault, Secret, TlsFiles, is_this_machine};
+use gaiter_toml::{Absent, Hint, Reader, utf8};
+use http::Uri;
+use toml::de::DeTable;
+
+/// The configuration.
+#[derive(Debug, Clone)]
+pub struct ArchiveConfig {
+    /// `[database]`
+    pub database: DatabasePlace,
+    /// `[objects]`
+    pub objects: BucketPlace,
+    /// `[objects]`: which authorities are trusted.
+    pub objects_tls: TlsFiles,
+    /// `[work]`: how many scans are measured at a time.
+    pub processes: usize,
+}
+
+/// Where the database is, and who asks.
+#[derive(Debug, Clone)]
+pub struct DatabasePlace {
+    /// A host, or the full path of the folder with its socket.
+    pub host: String,
+    /// The port.
+    pub port: u16,
+    /// The database.
+    pub name: String,
+    /// The role.
+    pub user: String,
+    /// Its password; `None` where the socket says who asks.
+    pub password: Option<Secret>,
+    /// Which authorities are trusted.
+    pub tls: TlsFiles,
+}
+
+impl DatabasePlace {
+    /// Whether the connection must be encrypted: all but those that stay on this machine.
+    pub fn is_encrypted(&self) -> bool {
+        !self.host.starts_with('/') && !is_this_machine(&self.host)
+    }
+}
+
+/// What is wrong with a value.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum What {
+    /// What can be wrong with any file.
+    #[error(transparent)]
+    Toml(#[from] gaiter_toml::What),
+    /// A text that is not what it should be.
+    #[error("\"{text}\" is not {what}")]
+    NotA {
+        /// As written.
+        text: String,
+        /// What it should be.
+        what: &'static str,
+        /// What to write.
+        hint: &'static str,
+    },
+}
+
+impl Hint for What {
+    fn hint(&self) -> Option<String> {
+        match self {
+            What::Toml(what) => what.hint(),
+            What::NotA { hint, .. } => Some((*hint).to_owned()),
+        }
+    }
+}
+
+/// A fault of the file.
+pub type FileFault = gaiter_toml::Fault<What>;
+
+/// Why there is no configuration.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigFault {
+    /// The file cannot be read.
+    #[error("{}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// It has faults.
+    #[error("the configuration has faults:\n{}", lines(.0))]
+    Faults(Vec<FileFault>),
+}
+
+fn lines(faults: &[FileFault]) -> String {
+    faults.iter().map(|fault| format!("{fault:#}")).collect::<Vec<_>>().join("\n")
+}
+
+/// Reads the configuration.
+///
+/// # Errors
+/// See [`ConfigFault`].
+pub fn read(path: &Path) -> Result<ArchiveConfig, ConfigFault> {
+    let bytes = fs::read(path)
+        .map_err(|source| ConfigFault::Unreadable { path: path.to_owned(), source })?;
+    let loaded = utf8(&bytes).map_err(|fault| vec![fault]).and_then(load);
+    loaded.map_err(|mut faults| {
+        faults.iter_mut().for_each(|fault| fault.file = path.display().to_string());
+        ConfigFault::Faults(faults)
+    })
+}
+
+fn load(text: &str) -> Result<ArchiveConfig, Vec<FileFault>> {
+    let (root, errors) = DeTable::parse_recoverable(text);
+    let mut reader = Reader::new(text, root.get_ref(), &errors, &[]);
+    let found = keys(&mut reader);
+    let faults = reader.finish();
+    match found {
+        Some(config) if faults.is_empty() => Ok(config),
+        _ => Err(faults),
+    }
+}
+
+fn keys(reader: &mut Reader<'_, What>) -> Option<ArchiveConfig> {
+    use Absent::{Default, Required};
+    let host = reader.text("database.host", Default("/run/postgresql"), word);
+    let port = reader.text("database.port", Default("5432"), port);
+    let name = reader.text("database.name", Default("gaiter_archive"), word);
+    let user = reader.text("database.user", Default("gaiter_archive"), word);
+    let password = reader.text("database.password", Default(""), or_none(secret));
+    let authorities = reader.text("database.authorities", Default(""), or_none(full_path));
+    let address = reader.text("objects.address", Required("https://s3.clinic.example"), address);
+    let bucket = reader.text("objects.bucket", Required("gaiter-archive"), word);
+    let region = reader.text("objects.region", Default("us-east-1"), word);
+    let key_id = reader.text("objects.key_id", Required("GK31c2f2"), word);
+    let key = reader.text("objects.key", Required("credential:archive-key"), secret);
+    let trusted = reader.text("objects.authorities", Default(""), or_none(full_path));
+    let processes = reader.text("work.processes", Default("cores"), processes);
+    let tls = |authorities| TlsFiles { authorities, own: None };
+    Some(ArchiveConfig {
+        database: DatabasePlace {
+            host: host?.value,
+            port: port?.value,
+            name: name?.value,
+            user: user?.value,
+            password: password?.value,
+            tls: tls(authorities?.value),
+        },
+        objects: BucketPlace {
+            address: address?.value,
+            bucket: bucket?.value,
+            region: region?.value,
+            key_id: key_id?.value,
+            secret: key?.value,
+        },
+        objects_tls: tls(trusted?.value),
+        processes: processes?.value,
+    })
+}
+
+fn not_a(text: &str, what: &'static str, hint: &'static str) -> What {
+    What::NotA { text: text.to_owned(), what, hint }
+}
+
+/// A text that goes into addresses and connections as it is.
+fn word(text: &str) -> Result<String, What> {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_./:".contains(&byte);
+    match !text.is_empty() && text.bytes().all(is_plain) {
+        true => Ok(text.to_owned()),
+        false => Err(not_a(text, "a name", "write letters, digits, -, _, ., / and :")),
+    }
+}
+
+fn port(text: &str) -> Result<u16, What> {
+    let port = text.parse().ok().filter(|port| *port > 0);
+    port.ok_or_else(|| not_a(text, "a port", "write a number from 1 to 65535 in quotes: \"5432\""))
+}
+
+fn secret(text: &str) -> Result<Secret, What> {
+    let hint = "write the full path of a file, or \"credential:NAME\"";
+    Secret::at(text).ok_or_else(|| not_a(text, "the place of a secret", hint))
+}
+
+fn full_path(text: &str) -> Result<PathBuf, What> {
+    let path = Path::new(text);
+    match path.is_absolute() {
+        true => Ok(path.to_owned()),
+        false => Err(not_a(text, "a full path", "begin with /")),
+    }
+}
+
+fn address(text: &str) -> Result<String, What> {
+    let base = text.trim_end_matches('/');
+    let of = |hint| not_a(text, "the address of a server", hint);
+    let uri: Uri = base.parse().map_err(|_| of("write \"https://s3.clinic.example\""))?;
+    if uri.path().len() > 1 || uri.query().is_some() {
+        return Err(of("write it without a path: the bucket has a key of its own"));
+    }
+    match Endpoint::of(&uri) {
+        Ok(_) => Ok(base.to_owned()),
+        Err(EndpointFault::NotEncrypted) => {
+            Err(of("write https: http is for a server on this machine only"))
+        }
+        Err(EndpointFault::Address) => Err(of("write \"https://s3.clinic.example\"")),
+    }
+}
+
+fn processes(text: &str) -> Result<usize, What> {
+    let count = match text {
+        "cores" => Some(thread::available_parallelism().map_or(1, NonZero::get)),
+        text => text.parse().ok().filter(|count| (1..=1024).contains(count)),
+    };
+    count.ok_or_else(|| not_a(text, "a number of processes", "write \"cores\" or 1 to 1024"))
+}
+
+/// An empty text means `None`.
+fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Result<Option<T>, What> {
+    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEAST: &str = "[objects]\naddress = \"https://s3.clinic.example/\"\nbucket = \"a\"\n\
+                         key_id = \"k\"\nkey = \"credential:archive-key\"\n";
+
+    #[test]
+    fn three_keys_and_a_secret_are_enough() {
+        let config = load(LEAST).unwrap();
+        assert_eq!(config.objects.address, "https://s3.clinic.example");
+        assert!(!config.database.is_encrypted());
+        let far = load(&format!("{LEAST}[database]\nhost = \"db.clinic.example\"\n")).unwrap();
+        assert!(far.database.is_encrypted());
+    }
+
+    #[test]
+    fn all_faults_are_told_at_once() {
+        let text = LEAST.replace("https", "http").replace("credential:", "");
+        let faults = load(&format!("{text}[database]\nport = \"0\"\nhosts = \"x\"\n")).unwrap_err();
+        let keys: Vec<&str> = faults.iter().map(|fault| fault.key.as_str()).collect();
+        assert_eq!(keys, ["objects.address", "objects.key", "database.port", "database.hosts"]);
+    }
+}

@@ -1,0 +1,133 @@
+//! The archive of many stations: index, workers and questions on PostgreSQL and object storage.
+//!
+#![doc = include_str!("../README.md")]
+
+mod check;
+mod config;
+mod database;
+mod fault;
+mod figures;
+mod index;
+mod measure;
+mod objects;
+mod reextract;
+mod status;
+mod work;
+
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use fault::ArchiveFault;
+
+/// The command line is wrong.
+const EXIT_USAGE: u8 = 64;
+
+/// The archive of many stations.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// The configuration.
+    #[arg(long, global = true, default_value = "/etc/gaiter/archive.toml")]
+    config: PathBuf,
+    /// What to do.
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Indexes what stations announce, and what they say of themselves; goes on until it is stopped.
+    Index {
+        /// Make a lost database again from the objects, first.
+        #[arg(long)]
+        reconcile: bool,
+        /// End when all that is there is indexed.
+        #[arg(long)]
+        once: bool,
+    },
+    /// Measures what is to be measured; goes on until it is stopped.
+    Work {
+        /// End when nothing is left to be measured.
+        #[arg(long)]
+        until_empty: bool,
+    },
+    /// What the archive holds, what is to be done, how the stations are.
+    Status {
+        /// For programs.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Tries out configuration, database, bucket and confinement.
+    Check,
+    /// Measures all scans by the method of this version: a sample first, then, with --go, all others.
+    Reextract {
+        /// How many scans are the sample.
+        #[arg(long, default_value_t = 200)]
+        sample: u32,
+        /// How far girths of B, C or D may move on average before a person must agree, mm.
+        #[arg(long, default_value_t = 0.5)]
+        limit_mm: f64,
+        /// Measure all others, and take the method as the current one when all are measured.
+        #[arg(long)]
+        go: bool,
+        /// With --go: also if the sample moved further than the limit.
+        #[arg(long, requires = "go")]
+        over_limit: bool,
+    },
+    /// The worker's measuring process.
+    #[command(name = measure::VERB, hide = true)]
+    Measure,
+}
+
+fn main() -> ExitCode {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(said) => {
+            let _ = said.print();
+            return ExitCode::from(if said.use_stderr() { EXIT_USAGE } else { 0 });
+        }
+    };
+    match run(args) {
+        Ok(code) => code,
+        Err(fault) => {
+            note(format_args!("gaiter-archive: {}", fault::chain(&fault)));
+            ExitCode::from(fault.exit_code())
+        }
+    }
+}
+
+fn run(args: Args) -> Result<ExitCode, ArchiveFault> {
+    // It gets no configuration, and reads no file.
+    if matches!(args.verb, Verb::Measure) {
+        measure::serve(io::stdin().lock(), io::stdout().lock())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let config = config::read(&args.config)?;
+    match args.verb {
+        Verb::Index { reconcile, once } => index::index(&config, reconcile, once)?,
+        Verb::Work { until_empty } => work::work(&config, until_empty)?,
+        Verb::Status { json } => print(status::status(&config, json)?)?,
+        Verb::Check => return check::check(&config),
+        Verb::Reextract { sample, limit_mm, go, over_limit } => {
+            let choice = reextract::Choice { sample, limit_mm, go, over_limit };
+            return reextract::reextract(&config, &choice);
+        }
+        Verb::Measure => {}
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A line in the log.
+fn note(text: impl Display) {
+    // Nobody is left to be told that the log has gone.
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// What was asked for.
+fn print(text: impl Display) -> io::Result<()> {
+    writeln!(io::stdout().lock(), "{text}")
+}

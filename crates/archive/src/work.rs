@@ -1,0 +1,155 @@
+//! The worker: claims jobs, measures, writes results. It holds no state: killed at any point, its claims run out and
+//! others do them again, to the same results.
+
+use std::process;
+use std::thread;
+use std::time::Duration;
+
+use gaiter_confined::Ended;
+use gaiter_https::{Bucket, PutNew};
+use gaiter_leg::Method;
+use gaiter_record::archive::{Document, MethodId, ObjectKey, ScanResult, packed};
+use postgres::Client;
+
+use crate::config::ArchiveConfig;
+use crate::database::{self, Claimed};
+use crate::fault::{ArchiveFault, chain};
+use crate::index::result_at;
+use crate::measure::{Answer, Job, measure};
+use crate::note;
+use crate::objects::bucket;
+
+/// How many jobs are claimed at a time: with 16 a claim one server gives 10 000 jobs a second, one by one 500.
+const CLAIM: i64 = 16;
+
+/// How long a worker waits if there is nothing to do.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// How long it waits if a server is away.
+const SETBACK: Duration = Duration::from_secs(5);
+
+/// The machine's name.
+const HOST_NAME: &str = "/proc/sys/kernel/hostname";
+
+/// One of the threads, each with a connection of its own.
+struct Worker<'a> {
+    config: &'a ArchiveConfig,
+    method: Method,
+    id: MethodId,
+    name: String,
+    until_empty: bool,
+}
+
+/// What became of a job.
+enum Done {
+    /// It has a result, which is in the store.
+    Result(Box<ScanResult>),
+    /// It has none.
+    Not {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Measures what is to be measured. It waits for servers that are away.
+///
+/// # Errors
+/// If the method cannot be named.
+pub fn work(config: &ArchiveConfig, until_empty: bool) -> Result<(), ArchiveFault> {
+    let method = Method::default();
+    let id = MethodId::of(&method)?;
+    let host = std::fs::read_to_string(HOST_NAME).unwrap_or_default();
+    thread::scope(|scope| {
+        for number in 0..config.processes {
+            let name = format!("{}:{}:{number}", host.trim(), process::id());
+            let (method, id) = (method.clone(), id.clone());
+            scope.spawn(move || Worker { config, method, id, name, until_empty }.run());
+        }
+    });
+    Ok(())
+}
+
+impl Worker<'_> {
+    fn run(&self) {
+        while let Err(fault) = self.session() {
+            note(format_args!("work: {}", chain(&fault)));
+            thread::sleep(SETBACK);
+        }
+    }
+
+    /// Works until nothing is left, or a server fails.
+    fn session(&self) -> Result<(), ArchiveFault> {
+        let mut client = database::connect(&self.config.database)?;
+        database::check_schema(&mut client)?;
+        let bucket = bucket(self.config);
+        loop {
+            let claimed = database::claim(&mut client, &self.name, &self.id, CLAIM)?;
+            if !claimed.is_empty() {
+                self.batch(&mut client, &bucket, &claimed)?;
+            } else if self.until_empty && database::open_jobs(&mut client, &self.id)? == 0 {
+                return Ok(());
+            } else {
+                thread::sleep(PAUSE);
+            }
+        }
+    }
+
+    fn batch(
+        &self,
+        client: &mut Client,
+        bucket: &Bucket,
+        claimed: &[Claimed],
+    ) -> Result<(), ArchiveFault> {
+        let scans: Vec<&str> = claimed.iter().map(|job| job.scan.as_str()).collect();
+        for (at, job) in claimed.iter().enumerate() {
+            if !database::begin(client, &self.name, &self.id, &scans[at..])? {
+                continue;
+            }
+            match self.done(bucket, job) {
+                Ok(Done::Result(result)) => database::enter_result(client, &result)?,
+                Ok(Done::Not { reason }) => {
+                    note(format_args!("work: {}: {reason}", job.scan));
+                    database::put_off(client, &self.name, &self.id, scans[at], &reason)?;
+                }
+                Err(fault) => {
+                    database::give_back(client, &self.name, &self.id, &scans[at..])?;
+                    return Err(fault);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Fetches a scan, measures it, and writes its result.
+    fn done(&self, bucket: &Bucket, job: &Claimed) -> Result<Done, ArchiveFault> {
+        let not = |reason: String| Ok(Done::Not { reason });
+        let Some(object) = bucket.get(&ObjectKey::Scan(job.scan.clone()).to_string())? else {
+            return not("the scan is not in the store".to_owned());
+        };
+        let whole = match serde_json::from_str(&job.whole) {
+            Ok(whole) => whole,
+            Err(why) => return not(format!("what its station said of the body: {why}")),
+        };
+        let (scan, bytes, method) = (job.scan.clone(), job.bytes, self.method.clone());
+        let outcome = match measure(&Job { scan, bytes, whole, method }, &object)? {
+            Ended::Answered(Answer::Said(outcome)) => outcome,
+            Ended::Answered(Answer::Damaged(why)) => return not(format!("the scan: {why}")),
+            Ended::Trouble(trouble) => return not(format!("{}: {trouble}", trouble.code())),
+        };
+        let result = ScanResult {
+            schema: ScanResult::SCHEMA.to_owned(),
+            scan: job.scan.clone(),
+            method: self.id.clone(),
+            outcome,
+        };
+        let key = result.key().to_string();
+        match bucket.put_new(&key, packed(&result.json()?))? {
+            PutNew::Stored => Ok(Done::Result(Box::new(result))),
+            // Somebody measured it before and was ended before saying so: what is in the store counts.
+            PutNew::AlreadyThere => match result_at(bucket, &key)? {
+                Ok(result) => Ok(Done::Result(Box::new(result))),
+                Err(why) => not(format!("the result in the store: {}", chain(&why))),
+            },
+        }
+    }
+}
