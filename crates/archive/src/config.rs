@@ -237,6 +237,14 @@ mod tests {
     }
 
     #[test]
+    fn the_shipped_file_has_every_key_with_its_default() {
+        let shipped = load(include_str!("../../../systemd/archive/archive.toml")).unwrap();
+        let usual = load(LEAST).unwrap();
+        assert_eq!(format!("{:?}", shipped.database), format!("{:?}", usual.database));
+        assert_eq!(shipped.processes, usual.processes);
+    }
+
+    #[test]
     fn all_faults_are_told_at_once() {
         let text = LEAST.replace("https", "http").replace("credential:", "");
         let faults = load(&format!("{text}[database]\nport = \"0\"\nhosts = \"x\"\n")).unwrap_err();

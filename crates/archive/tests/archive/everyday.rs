@@ -1,0 +1,105 @@
+//! What an archive does on a usual day, and after the usual mishaps.
+
+use gaiter_record::ScanId;
+use gaiter_record::archive::{ObjectKey, Outcome, packed};
+use serde_json::Value;
+
+use crate::gate::Gate;
+use crate::place::{Place, crop, method, wait_for, whole};
+use crate::servers::{database, store};
+
+/// Enough that several workers meet.
+const SCANS: usize = 12;
+
+#[test]
+#[ignore = "needs PostgreSQL and moto, run by .ci/run"]
+fn every_scan_gets_one_result_whether_one_worker_measures_or_two() {
+    let place = Place::new();
+    for workers in [1, 2] {
+        place.renew(SCANS);
+        place.verb(&["index", "--once"]);
+        let start = |_| place.start(store().port, database().port, &["work", "--until-empty"]);
+        let mut running: Vec<_> = (0..workers).map(start).collect();
+        running.iter_mut().for_each(|worker| worker.ends());
+        assert_eq!(place.wrong(SCANS), Vec::<String>::new(), "{workers} workers");
+    }
+    let output = place.verb(&["status", "--json"]);
+    let status: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(status["scans"], SCANS);
+    assert_eq!(status["methods"][0]["results"], SCANS);
+    assert_eq!(status["stations"][0]["scans"], SCANS);
+}
+
+#[test]
+#[ignore = "needs PostgreSQL and moto, run by .ci/run"]
+fn a_lost_database_comes_back_from_the_objects() {
+    let place = Place::new();
+    place.renew(3);
+    place.verb(&["index", "--once"]);
+    place.verb(&["work", "--until-empty"]);
+    // One that nobody has measured yet.
+    place.announce(&crop(3));
+    place.verb(&["index", "--once"]);
+    let before = place.rows();
+    assert_eq!(before.len(), 4 + 4 + 3);
+    place.client().batch_execute("drop schema gaiter cascade").unwrap();
+    place.verb(&["index", "--once", "--reconcile"]);
+    assert_eq!(place.rows(), before);
+    place.verb(&["work", "--until-empty"]);
+    assert_eq!(place.wrong(4), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs PostgreSQL and moto, run by .ci/run"]
+fn a_refusal_is_a_result_and_a_damaged_scan_a_dead_letter() {
+    let place = Place::new();
+    place.renew(1);
+    // No legs are in three points.
+    let mut few = whole().crop();
+    few.points.truncate(3);
+    few.triangles = vec![[0, 1, 2]];
+    let empty = few.to_ply();
+    place.announce(&(empty.clone(), crop(0).1));
+    // The bytes of another scan.
+    let (ply, whole) = crop(2);
+    place.announce(&(ply.clone(), whole));
+    let damaged = ScanId::of_bytes(&ply);
+    place.bucket.put(&ObjectKey::Scan(damaged.clone()).to_string(), packed(&crop(1).0)).unwrap();
+    place.verb(&["index", "--once"]);
+    let worker = place.start(store().port, database().port, &["work"]);
+    let mut client = place.client();
+    wait_for("the dead letter", || {
+        place.time_passes();
+        let rows = client.query("select scan, reason from dead_letter", &[]).unwrap();
+        rows.iter().any(|row| row.get::<_, String>(0) == damaged.as_str())
+    });
+    drop(worker);
+    let statement = "select scan, reason from dead_letter";
+    let rows = client.query(statement, &[]).unwrap();
+    assert_eq!(rows.len(), 1);
+    let reason: String = rows[0].get(1);
+    assert_eq!(reason, "the scan: its bytes are not those of its hash");
+    let refused = ObjectKey::Result { method: method(), scan: ScanId::of_bytes(&empty) };
+    let refused = place.result(&refused.to_string());
+    assert!(matches!(refused.outcome, Outcome::Refused { .. }), "{refused:?}");
+    let outcomes = "select count(*) from result where outcome = 'measured'";
+    assert_eq!(client.query_one(outcomes, &[]).unwrap().get::<_, i64>(0), 1);
+}
+
+#[test]
+#[ignore = "needs PostgreSQL and moto, run by .ci/run"]
+fn while_a_server_is_away_no_attempt_counts() {
+    let place = Place::new();
+    place.renew(2);
+    place.verb(&["index", "--once"]);
+    let gate = Gate::open(store().port);
+    gate.close(true);
+    let mut worker = place.start(gate.port, database().port, &["work", "--until-empty"]);
+    wait_for("a second try", || gate.sent_away() > 2);
+    let attempts: i16 =
+        place.client().query_one("select max(attempts) from job", &[]).unwrap().get(0);
+    assert!(attempts <= 1, "{attempts}");
+    gate.close(false);
+    worker.ends();
+    assert_eq!(place.wrong(2), Vec::<String>::new());
+}

@@ -1,0 +1,124 @@
+//! A gate before a server: it lets bytes through, and at one of the pieces that a client sends it stops, before that
+//! piece or before what is answered to it.
+
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+
+/// Where the gate stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// The server does not get the piece.
+    Before,
+    /// The client does not get an answer to it.
+    After,
+}
+
+/// The state of a gate.
+struct State {
+    stop: Stop,
+    /// Counted from 1; 0 for none.
+    at: usize,
+    pieces: AtomicUsize,
+    has_stopped: AtomicBool,
+    is_closed: AtomicBool,
+    sent_away: AtomicUsize,
+}
+
+/// A gate.
+pub struct Gate {
+    pub port: u16,
+    state: Arc<State>,
+}
+
+impl Gate {
+    /// A gate before the server at this port, which stops at the `at`th piece.
+    pub fn new(server: u16, stop: Stop, at: usize) -> Gate {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let state = Arc::new(State {
+            stop,
+            at,
+            pieces: AtomicUsize::new(0),
+            has_stopped: AtomicBool::new(false),
+            is_closed: AtomicBool::new(false),
+            sent_away: AtomicUsize::new(0),
+        });
+        let shared = Arc::clone(&state);
+        thread::spawn(move || {
+            for client in listener.incoming().map_while(Result::ok) {
+                if shared.is_closed.load(Ordering::SeqCst) {
+                    let _ = client.shutdown(Shutdown::Both);
+                    shared.sent_away.fetch_add(1, Ordering::SeqCst);
+                    continue;
+                }
+                let server = TcpStream::connect(("127.0.0.1", server)).unwrap();
+                let (from, to, state) =
+                    (client.try_clone().unwrap(), server.try_clone().unwrap(), Arc::clone(&shared));
+                thread::spawn(move || state.to_server(from, to));
+                let state = Arc::clone(&shared);
+                thread::spawn(move || state.to_client(server, client));
+            }
+        });
+        Gate { port, state }
+    }
+
+    /// A gate that stops at nothing.
+    pub fn open(server: u16) -> Gate {
+        Gate::new(server, Stop::Before, 0)
+    }
+
+    pub fn has_stopped(&self) -> bool {
+        self.state.has_stopped.load(Ordering::SeqCst)
+    }
+
+    /// Whether clients are sent away from now on.
+    pub fn close(&self, is_closed: bool) {
+        self.state.is_closed.store(is_closed, Ordering::SeqCst);
+    }
+
+    /// How many clients were sent away.
+    pub fn sent_away(&self) -> usize {
+        self.state.sent_away.load(Ordering::SeqCst)
+    }
+
+    /// How many pieces clients have sent.
+    pub fn pieces(&self) -> usize {
+        self.state.pieces.load(Ordering::SeqCst)
+    }
+}
+
+impl State {
+    fn to_server(&self, mut from: TcpStream, mut to: TcpStream) {
+        let mut piece = [0; 1 << 16];
+        while let Ok(length @ 1..) = from.read(&mut piece) {
+            let is_it = self.pieces.fetch_add(1, Ordering::SeqCst) + 1 == self.at;
+            if is_it {
+                self.has_stopped.store(true, Ordering::SeqCst);
+            }
+            if is_it && self.stop == Stop::Before || to.write_all(&piece[..length]).is_err() {
+                break;
+            }
+        }
+        // The other way stays open for what is still answered.
+        let _ = to.shutdown(Shutdown::Write);
+    }
+
+    fn to_client(&self, mut from: TcpStream, mut to: TcpStream) {
+        let mut piece = [0; 1 << 16];
+        while let Ok(length @ 1..) = from.read(&mut piece) {
+            // From the stop on nobody hears anything.
+            let is_silent = self.has_stopped.load(Ordering::SeqCst);
+            if !is_silent && to.write_all(&piece[..length]).is_err() {
+                break;
+            }
+        }
+        while self.has_stopped.load(Ordering::SeqCst) {
+            // The client waits for an answer, and is not told that none comes.
+            thread::park();
+        }
+        let _ = to.shutdown(Shutdown::Both);
+    }
+}
