@@ -104,16 +104,18 @@ fn tests_of(name: &str) -> Vec<String> {
 
 /// What the words behind the three marks of a block may be; `tests/pages` and `systemd/boot` say which they
 /// run.
-const KINDS: [&str; 11] = [
+const KINDS: [&str; 13] = [
     "sh clone",
     "sh station",
     "sh install",
     "sh package",
     "sh hardware",
     "sh developer",
+    "sh archive",
     "text",
     "toml",
     "json",
+    "sql",
     "ini",
     "udev",
 ];
