@@ -16,7 +16,7 @@ create table scan (
     first_seen timestamptz not null
 );
 
--- What stations said of it. Nobody's scan has no patient; a later revision may have another.
+-- What stations said of it, and when by their clocks. Nobody's scan has no patient. The same may be there several times.
 create table announcement (
     station text not null,
     scan bytea not null references scan on delete cascade,
@@ -25,10 +25,20 @@ create table announcement (
     method text not null,
     first_seen timestamptz not null,
     patient bytea check (octet_length(patient) = 32),
-    primary key (station, scan, revision)
+    said timestamptz not null,
+    primary key (station, scan, revision, said)
 );
 create index announcement_scan on announcement (scan);
 create index announcement_patient on announcement (patient) where patient is not null;
+
+-- What stations have taken back: what they said earlier of this export and this patient does not count.
+create table withdrawal (
+    station text not null,
+    export bytea not null check (octet_length(export) = 32),
+    patient bytea check (octet_length(patient) = 32),
+    said timestamptz not null,
+    primary key (station, export, said)
+);
 
 -- Methods by the order in which the archive met them. A person moves `is_current`.
 create table method (
@@ -94,12 +104,14 @@ select encode(r.scan, 'hex') as scan, r.method, leg.key as side, level.key as le
     (level.value ->> 'girth_sd_mm')::real as girth_sd_mm
 from result r, jsonb_each(r.levels) leg, jsonb_each(leg.value) level;
 
--- Which station sent which scan when, of whom: the newest revision of each.
+-- Which station sent which scan when, of whom: the newest revision of each, unless it was taken back.
 create view visit as
-select distinct on (station, scan)
-    station, encode(scan, 'hex') as scan, revision, first_seen, encode(patient, 'hex') as patient
-from announcement
-order by station, scan, revision desc;
+select distinct on (a.station, a.scan, a.patient)
+    a.station, encode(a.scan, 'hex') as scan, a.revision, a.first_seen, encode(a.patient, 'hex') as patient
+from announcement a
+where not exists (select from withdrawal w where w.station = a.station and w.export = a.export
+    and w.patient is not distinct from a.patient and w.said > a.said)
+order by a.station, a.scan, a.patient, a.revision desc;
 
 -- Scans that could not be measured.
 create view dead_letter as

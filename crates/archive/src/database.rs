@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use gaiter_https::{secret, tls};
 use gaiter_record::ScanId;
-use gaiter_record::archive::{Announcement, Heartbeat, MethodId, ScanResult, Shows};
+use gaiter_record::archive::{Announcement, Heartbeat, MethodId, ScanResult, Shows, Withdrawal};
 use postgres::config::SslMode;
 use postgres::{Client, Config, NoTls};
 use tokio_postgres_rustls::MakeRustlsConnect;
@@ -147,8 +147,9 @@ pub fn enter_announcement(
             insert into scan (scan, bytes, whole, first_seen)
             values (decode($1, 'hex'), $2, $3::text::json, $4::text::timestamptz) on conflict do nothing),
         of_station as (
-            insert into announcement (station, scan, revision, export, method, first_seen, patient)
-            values ($5, decode($1, 'hex'), $6, decode($7, 'hex'), $8, $4::text::timestamptz, decode($9, 'hex'))
+            insert into announcement (station, scan, revision, export, method, first_seen, patient, said)
+            values ($5, decode($1, 'hex'), $6, decode($7, 'hex'), $8, $4::text::timestamptz, decode($9, 'hex'),
+                $12::text::timestamptz)
             on conflict do nothing)
         insert into job (scan, method)
         select decode($1, 'hex'), $10 where $11 and $3::text is not null
@@ -168,8 +169,23 @@ pub fn enter_announcement(
             &patient.map(|patient| patient.as_str()),
             &method.as_str(),
             &(then == Then::Measure),
+            &announced.at.to_string(),
         ],
     )?;
+    Ok(())
+}
+
+/// Enters what a station has taken back. It does not matter whether that is indexed already.
+///
+/// # Errors
+/// Those of the database.
+pub fn enter_withdrawal(client: &mut Client, withdrawn: &Withdrawal) -> Result<(), ArchiveFault> {
+    let Withdrawal { station, export, patient, at, .. } = withdrawn;
+    let statement = "\
+        insert into withdrawal (station, export, patient, said)
+        values ($1, decode($2, 'hex'), decode($3, 'hex'), $4::text::timestamptz) on conflict do nothing";
+    let patient = patient.as_ref().map(|patient| patient.as_str());
+    client.execute(statement, &[&station.as_str(), &export.as_str(), &patient, &at.to_string()])?;
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use gaiter_https::{Bucket, BucketFault};
 use gaiter_leg::Method;
 use gaiter_record::archive::{
     Announcement, Document, DocumentFault, Heartbeat, KeyFault, MethodId, ObjectKey, PackingFault,
-    ScanResult, unpacked,
+    ScanResult, Withdrawal, unpacked,
 };
 use postgres::Client;
 
@@ -93,7 +93,21 @@ fn pass(config: &ArchiveConfig, method: &MethodId, which: Pass) -> Result<(), Ar
     each_page(&bucket, ObjectKey::FLEET, |keys| heartbeats(&bucket, &mut client, keys))
 }
 
-/// Enters announcements. Returns the keys and bytes of those that were entered.
+/// What a station says in the inbox.
+enum Said {
+    Announced(Box<Announcement>),
+    Withdrawn(Withdrawal),
+}
+
+fn said(key: &str, bytes: &[u8]) -> Result<Said, Unread> {
+    let key: ObjectKey = key.parse()?;
+    Ok(match key {
+        ObjectKey::Withdrawal { .. } => Said::Withdrawn(Withdrawal::read_at(&key, bytes)?),
+        _ => Said::Announced(Box::new(Announcement::read_at(&key, bytes)?)),
+    })
+}
+
+/// Enters what stations announced or took back. Returns the keys and bytes of what was entered.
 fn announcements(
     bucket: &Bucket,
     client: &mut Client,
@@ -106,13 +120,17 @@ fn announcements(
         let Some(bytes) = bucket.get(key)? else { continue };
         // Wherever it lies, it is what was in the inbox.
         let own = key.replacen(ObjectKey::ANNOUNCED, ObjectKey::INBOX, 1);
-        match read::<Announcement>(&own, &bytes) {
-            Ok(announced) => {
+        match said(&own, &bytes) {
+            Ok(Said::Announced(announced)) => {
                 database::enter_announcement(client, &announced, method, then)?;
-                entered.push((key.clone(), bytes));
             }
-            Err(why) => passed_over(key, &why),
+            Ok(Said::Withdrawn(withdrawn)) => database::enter_withdrawal(client, &withdrawn)?,
+            Err(why) => {
+                passed_over(key, &why);
+                continue;
+            }
         }
+        entered.push((key.clone(), bytes));
     }
     Ok(entered)
 }

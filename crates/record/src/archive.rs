@@ -4,27 +4,32 @@
 //! | object | key | content |
 //! |---|---|---|
 //! | crop of a scan | `scan/<ab>/<sha256>.ply.zst` | [`Extraction::crop`](gaiter_leg::Extraction::crop) as PLY, [`packed`] |
-//! | the station's record | `record/<station>/<sha256>/r<revision>.json.zst` | [`Record`](crate::Record) with a [`Pseudonym`] for the patient, packed |
-//! | announcement, written last | `inbox/<station>/<sha256>-r<revision>.json` | [`Announcement`] |
-//! | announcement, once indexed | `announced/<station>/<sha256>-r<revision>.json` | the same |
+//! | the station's record | `record/<station>/<sha256>/<record>.json.zst` | [`pseudonymous()`] [`Record`](crate::Record), packed |
+//! | announcement, written last | `inbox/<station>/<sha256>-r<revision>-<at>.json` | [`Announcement`] |
+//! | withdrawal | `inbox/<station>/<export>-withdrawn-<at>.json` | [`Withdrawal`] |
+//! | both, once indexed | the same below `announced/` | the same |
 //! | result of a method | `result/<method>/<ab>/<sha256>.json.zst` | [`ScanResult`], packed |
 //! | heartbeat, overwritten | `fleet/<station>.json` | [`Heartbeat`] |
 //!
-//! `<sha256>` is that of the crop's PLY, before it is packed; `<ab>` are its first two digits.
+//! `<sha256>` is that of the crop's PLY, before it is packed; `<ab>` are its first two digits. `<record>` is the SHA-256
+//! of the record's JSON, `<export>` that of the scanner's file, `<at>` the time by the station's clock, milliseconds since
+//! 1970. So nothing but the heartbeat has a key under which other content lay before.
 
 mod announcement;
 mod heartbeat;
 mod key;
 mod packing;
+mod pseudonymous;
 mod result;
 mod words;
 
-pub use announcement::{Announcement, Shows};
+pub use announcement::{Announcement, Shows, Withdrawal};
 pub use heartbeat::Heartbeat;
 pub use key::{KeyFault, ObjectKey};
 pub use packing::{PackingFault, packed, unpacked};
+pub use pseudonymous::pseudonymous;
 pub use result::{Outcome, ScanResult};
-pub use words::{MethodId, Pseudonym, SiteKey, StationId, WordFault};
+pub use words::{MethodId, Pseudonym, RecordHash, SiteKey, StationId, WordFault};
 
 /// Why the bytes of an object are no document of an archive.
 #[derive(Debug, thiserror::Error)]
@@ -104,7 +109,9 @@ mod tests {
             scan: ScanId::of_bytes(b"crop"),
             export: ScanId::of_bytes(b"export"),
             bytes: 4,
+            record: RecordHash::of_bytes(b"record"),
             revision: 2,
+            at: Timestamp::UNIX_EPOCH,
             method: MethodId::parse("0.1.0+12345678").unwrap(),
             first_seen: Timestamp::UNIX_EPOCH,
             shows: Shows::Phantom,
@@ -116,10 +123,29 @@ mod tests {
         let announcement = announcement();
         let bytes = announcement.json().unwrap();
         let key = announcement.key();
-        assert_eq!(Announcement::read_at(&key, &bytes).unwrap(), announcement);
+        assert_eq!(Announcement::read_at(&key, &bytes).unwrap().json().unwrap(), bytes);
         let other = Announcement { revision: 3, ..announcement }.key();
         let elsewhere = Announcement::read_at(&other, &bytes).unwrap_err();
         assert!(matches!(elsewhere, DocumentFault::Elsewhere { own } if *own == key));
+    }
+
+    #[test]
+    fn a_scan_that_comes_back_to_a_patient_is_announced_beside_what_was_withdrawn() {
+        let (first, at) = (announcement(), Timestamp::from_millisecond(1500).unwrap());
+        let withdrawal = Withdrawal {
+            schema: Withdrawal::SCHEMA.to_owned(),
+            station: first.station.clone(),
+            export: first.export.clone(),
+            patient: None,
+            at,
+        };
+        let key = withdrawal.key();
+        assert_eq!(key.to_string().parse(), Ok(key.clone()));
+        let bytes = withdrawal.json().unwrap();
+        assert_eq!(Withdrawal::read_at(&key, &bytes).unwrap(), withdrawal);
+        assert!(Announcement::read_at(&key, &bytes).is_err());
+        let again = Announcement { at, ..first.clone() };
+        assert_ne!(again.key(), first.key());
     }
 
     #[test]

@@ -32,6 +32,30 @@ fn every_scan_gets_one_result_whether_one_worker_measures_or_two() {
 
 #[test]
 #[ignore = "needs PostgreSQL and moto, run by .ci/run"]
+fn what_a_station_has_taken_back_is_no_visit_whichever_is_indexed_first() {
+    let place = Place::new();
+    let visits = || -> i64 {
+        place.verb(&["index", "--once"]);
+        place.client().query_one("select count(*) from visit", &[]).unwrap().get(0)
+    };
+    place.renew(2);
+    assert_eq!(visits(), 2);
+    place.withdraw(&crop(0));
+    assert_eq!(visits(), 1);
+    place.client().batch_execute("drop schema gaiter cascade").unwrap();
+    place.verb(&["index", "--once", "--reconcile"]);
+    assert_eq!(visits(), 1);
+    place.renew(0);
+    place.withdraw(&crop(0));
+    assert_eq!(visits(), 0);
+    place.announce(&crop(0));
+    assert_eq!(visits(), 0);
+    place.announce(&crop(1));
+    assert_eq!(visits(), 1);
+}
+
+#[test]
+#[ignore = "needs PostgreSQL and moto, run by .ci/run"]
 fn a_lost_database_comes_back_from_the_objects() {
     let place = Place::new();
     place.renew(3);

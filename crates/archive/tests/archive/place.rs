@@ -12,8 +12,8 @@ use gaiter_https::{Bucket, BucketPlace, HttpsClient, Secret, TlsFiles};
 use gaiter_leg::{Extraction, Format, Method, WholeBody, extract};
 use gaiter_record::ScanId;
 use gaiter_record::archive::{
-    Announcement, Document, MethodId, ObjectKey, Outcome, ScanResult, Shows, StationId, packed,
-    unpacked,
+    Announcement, Document, MethodId, ObjectKey, Outcome, RecordHash, ScanResult, Shows, StationId,
+    Withdrawal, packed, unpacked,
 };
 use jiff::Timestamp;
 use postgres::Client;
@@ -85,13 +85,27 @@ impl Place {
             export: ScanId::of_bytes(scan.as_str().as_bytes()),
             scan,
             bytes: ply.len() as u64,
+            record: RecordHash::of_bytes(ply),
             revision: 1,
+            at: Timestamp::UNIX_EPOCH,
             method: method(),
             first_seen: Timestamp::UNIX_EPOCH,
             shows: Shows::Legs { whole: Box::new(whole.clone()), patient: None },
         };
         let key = announced.key().to_string();
         self.bucket.put(&key, announced.json().unwrap()).unwrap();
+    }
+
+    /// Takes a scan of nobody back, as its station does, a moment after it was announced.
+    pub fn withdraw(&self, (ply, _): &(Vec<u8>, WholeBody)) {
+        let withdrawn = Withdrawal {
+            schema: Withdrawal::SCHEMA.to_owned(),
+            station: StationId::parse("booth-1").unwrap(),
+            export: ScanId::of_bytes(ScanId::of_bytes(ply).as_str().as_bytes()),
+            patient: None,
+            at: Timestamp::from_millisecond(1).unwrap(),
+        };
+        self.bucket.put(&withdrawn.key().to_string(), withdrawn.json().unwrap()).unwrap();
     }
 
     /// A configuration that asks servers at these ports.

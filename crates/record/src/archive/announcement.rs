@@ -1,4 +1,4 @@
-//! What a station says of a scan that it has put into the archive.
+//! What a station says of a scan that it has put into the archive, or has taken back.
 
 use gaiter_leg::WholeBody;
 use jiff::Timestamp;
@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::Document;
 use super::key::ObjectKey;
-use super::words::{MethodId, Pseudonym, StationId};
+use super::words::{MethodId, Pseudonym, RecordHash, StationId};
 use crate::scan_id::ScanId;
 
 /// That a scan and its record are in the archive. It is written after them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Announcement {
     /// [`Document::SCHEMA`].
     pub schema: String,
@@ -22,9 +22,13 @@ pub struct Announcement {
     pub export: ScanId,
     /// Length of the crop's PLY, before it is packed.
     pub bytes: u64,
-    /// The revision of the record.
+    /// The record.
+    pub record: RecordHash,
+    /// Its revision.
     pub revision: u32,
-    /// What the record was measured with.
+    /// When the station says so, by its own clock. The same may be announced again if an answer was lost.
+    pub at: Timestamp,
+    /// With this the station has measured the crop, and found what it has measured on the whole body.
     pub method: MethodId,
     /// When the station first saw the export.
     pub first_seen: Timestamp,
@@ -33,7 +37,7 @@ pub struct Announcement {
 }
 
 /// What a scan shows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shows {
     /// A body of known girths, with which the scanner is checked. It is not measured anew.
@@ -56,6 +60,35 @@ impl Document for Announcement {
 
     fn key(&self) -> ObjectKey {
         let (station, scan) = (self.station.clone(), self.scan.clone());
-        ObjectKey::Announcement { station, scan, revision: self.revision }
+        let at_ms = self.at.as_millisecond();
+        ObjectKey::Announcement { station, scan, revision: self.revision, at_ms }
+    }
+}
+
+/// That a scan is this patient's no longer: announcements of it that are older do not count.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Withdrawal {
+    /// [`Document::SCHEMA`].
+    pub schema: String,
+    /// The station.
+    pub station: StationId,
+    /// SHA-256 of the scanner's export: whatever was announced of it is meant.
+    pub export: ScanId,
+    /// Whose it is no longer; `None` for one of which nobody knew.
+    pub patient: Option<Pseudonym>,
+    /// When the station says so, by its own clock.
+    pub at: Timestamp,
+}
+
+impl Document for Withdrawal {
+    const SCHEMA: &'static str = "gaiter.withdrawal/1";
+
+    fn schema(&self) -> &str {
+        &self.schema
+    }
+
+    fn key(&self) -> ObjectKey {
+        let (station, export) = (self.station.clone(), self.export.clone());
+        ObjectKey::Withdrawal { station, export, at_ms: self.at.as_millisecond() }
     }
 }

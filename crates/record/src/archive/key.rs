@@ -3,11 +3,14 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::words::{MethodId, StationId, WordFault};
+use super::words::{MethodId, RecordHash, StationId, WordFault};
 use crate::scan_id::ScanId;
 
 /// How many digits of a hash are a folder of their own, so that none holds millions.
 const FOLDER_DIGITS: usize = 2;
+
+/// What stands in the key of a withdrawal where an announcement has its revision.
+const WITHDRAWN: &str = "withdrawn";
 
 /// The key of an object.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,8 +23,8 @@ pub enum ObjectKey {
         station: StationId,
         /// The scan.
         scan: ScanId,
-        /// The revision of the record.
-        revision: u32,
+        /// The record.
+        record: RecordHash,
     },
     /// That both are there.
     Announcement {
@@ -31,6 +34,17 @@ pub enum ObjectKey {
         scan: ScanId,
         /// The revision of the record.
         revision: u32,
+        /// When it was announced, milliseconds since 1970.
+        at_ms: i64,
+    },
+    /// That a station has taken a scan back from a patient.
+    Withdrawal {
+        /// The station.
+        station: StationId,
+        /// The scanner's export.
+        export: ScanId,
+        /// When it was taken back, milliseconds since 1970.
+        at_ms: i64,
     },
     /// What a method says of a scan.
     Result {
@@ -75,11 +89,14 @@ impl fmt::Display for ObjectKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ObjectKey::Scan(scan) => write!(f, "scan/{}/{scan}.ply.zst", folder(scan)),
-            ObjectKey::Record { station, scan, revision } => {
-                write!(f, "record/{station}/{scan}/r{revision}.json.zst")
+            ObjectKey::Record { station, scan, record } => {
+                write!(f, "record/{station}/{scan}/{record}.json.zst")
             }
-            ObjectKey::Announcement { station, scan, revision } => {
-                write!(f, "inbox/{station}/{scan}-r{revision}.json")
+            ObjectKey::Announcement { station, scan, revision, at_ms } => {
+                write!(f, "inbox/{station}/{scan}-r{revision}-{at_ms}.json")
+            }
+            ObjectKey::Withdrawal { station, export, at_ms } => {
+                write!(f, "inbox/{station}/{export}-{WITHDRAWN}-{at_ms}.json")
             }
             ObjectKey::Result { method, scan } => {
                 write!(f, "result/{method}/{}/{scan}.json.zst", folder(scan))
@@ -103,23 +120,12 @@ fn parsed(text: &str) -> Result<ObjectKey, KeyFault> {
     let words: Vec<&str> = text.split('/').collect();
     Ok(match words.as_slice() {
         ["scan", _, scan] => ObjectKey::Scan(scan_id(without(scan, ".ply.zst")?)?),
-        ["record", station, scan, revision] => {
-            let revision = without(revision, ".json.zst")?;
-            ObjectKey::Record {
-                station: StationId::parse(station)?,
-                scan: scan_id(scan)?,
-                revision: number(revision.strip_prefix('r').ok_or(KeyFault::Shape)?)?,
-            }
-        }
-        ["inbox", station, name] => {
-            let name = without(name, ".json")?;
-            let (scan, revision) = name.split_once("-r").ok_or(KeyFault::Shape)?;
-            ObjectKey::Announcement {
-                station: StationId::parse(station)?,
-                scan: scan_id(scan)?,
-                revision: number(revision)?,
-            }
-        }
+        ["record", station, scan, record] => ObjectKey::Record {
+            station: StationId::parse(station)?,
+            scan: scan_id(scan)?,
+            record: RecordHash::parse(without(record, ".json.zst")?)?,
+        },
+        ["inbox", station, name] => said(StationId::parse(station)?, without(name, ".json")?)?,
         ["result", method, _, scan] => ObjectKey::Result {
             method: MethodId::parse(method)?,
             scan: scan_id(without(scan, ".json.zst")?)?,
@@ -127,6 +133,18 @@ fn parsed(text: &str) -> Result<ObjectKey, KeyFault> {
         ["fleet", station] => ObjectKey::Heartbeat(StationId::parse(without(station, ".json")?)?),
         _ => return Err(KeyFault::Shape),
     })
+}
+
+/// What a station says, by the name of its object.
+fn said(station: StationId, name: &str) -> Result<ObjectKey, KeyFault> {
+    let words: Vec<&str> = name.splitn(3, '-').collect();
+    let [hash, kind, at_ms] = words[..] else { return Err(KeyFault::Shape) };
+    let (hash, at_ms) = (scan_id(hash)?, number(at_ms)?);
+    if kind == WITHDRAWN {
+        return Ok(ObjectKey::Withdrawal { station, export: hash, at_ms });
+    }
+    let revision = number(kind.strip_prefix('r').ok_or(KeyFault::Shape)?)?;
+    Ok(ObjectKey::Announcement { station, scan: hash, revision, at_ms })
 }
 
 fn folder(scan: &ScanId) -> &str {
@@ -141,7 +159,7 @@ fn scan_id(text: &str) -> Result<ScanId, KeyFault> {
     ScanId::parse(text).ok_or(KeyFault::Scan)
 }
 
-fn number(text: &str) -> Result<u32, KeyFault> {
+fn number<N: FromStr>(text: &str) -> Result<N, KeyFault> {
     text.parse().map_err(|_| KeyFault::Shape)
 }
 
@@ -149,14 +167,17 @@ fn number(text: &str) -> Result<u32, KeyFault> {
 mod tests {
     use super::*;
 
-    fn keys() -> [ObjectKey; 5] {
-        let (station, scan) = (StationId::parse("booth-1").unwrap(), ScanId::of_bytes(b"crop"));
+    fn keys() -> [ObjectKey; 6] {
+        let (scan, at_ms) = (ScanId::of_bytes(b"crop"), 1_795_000_000_123);
+        let station = || StationId::parse("booth-1").unwrap();
+        let record = RecordHash::of_bytes(b"record");
         [
             ObjectKey::Scan(scan.clone()),
-            ObjectKey::Record { station: station.clone(), scan: scan.clone(), revision: 1 },
-            ObjectKey::Announcement { station: station.clone(), scan: scan.clone(), revision: 12 },
+            ObjectKey::Record { station: station(), scan: scan.clone(), record },
+            ObjectKey::Announcement { station: station(), scan: scan.clone(), revision: 12, at_ms },
+            ObjectKey::Withdrawal { station: station(), export: scan.clone(), at_ms },
             ObjectKey::Result { method: MethodId::parse("0.1.0+0a1b2c3d").unwrap(), scan },
-            ObjectKey::Heartbeat(station),
+            ObjectKey::Heartbeat(station()),
         ]
     }
 
@@ -180,10 +201,13 @@ mod tests {
             &format!("scan/ab/{hash}.obj.zst"),
             &format!("/scan/ab/{hash}.ply.zst"),
             &format!("scan/ab/{}.ply.zst", hash.to_uppercase()),
-            &format!("inbox/booth-1/{hash}-r01.json"),
-            &format!("inbox/booth-1/{hash}-r-1.json"),
-            &format!("inbox/../{hash}-r1.json"),
-            &format!("record/booth-1/{hash}/1.json.zst"),
+            &format!("inbox/booth-1/{hash}-r1.json"),
+            &format!("inbox/booth-1/{hash}-r01-5.json"),
+            &format!("inbox/booth-1/{hash}-r-1-5.json"),
+            &format!("inbox/booth-1/{hash}-r1-05.json"),
+            &format!("inbox/booth-1/{hash}-removed-5.json"),
+            &format!("inbox/../{hash}-r1-5.json"),
+            &format!("record/booth-1/{hash}/r1.json.zst"),
             &format!("result/0.1.0/ab/{hash}.json.zst"),
         ] {
             assert!(text.parse::<ObjectKey>().is_err(), "{text}");

@@ -34,6 +34,14 @@ pub enum WordFault {
         /// Its length, bytes.
         len: usize,
     },
+    /// No hash of a record.
+    #[error(
+        "a record's hash has 64 lower-case hexadecimal digits; this text ({len} bytes) is none"
+    )]
+    RecordHash {
+        /// Its length, bytes.
+        len: usize,
+    },
     /// No key of a site.
     #[error("a site's key has 64 hexadecimal digits; this text is none")]
     SiteKey,
@@ -118,6 +126,18 @@ word! {
 word! {
     /// What stands for a patient outside of the house.
     Pseudonym, Pseudonym, |text| text.len() == SHA256_DIGITS && is_hexadecimal(text)
+}
+
+word! {
+    /// The SHA-256 of a record's JSON, before it is packed.
+    RecordHash, RecordHash, |text| text.len() == SHA256_DIGITS && is_hexadecimal(text)
+}
+
+impl RecordHash {
+    /// The hash of a record's JSON.
+    pub fn of_bytes(json: &[u8]) -> RecordHash {
+        RecordHash(sha256(json))
+    }
 }
 
 fn is_hexadecimal(text: &str) -> bool {

@@ -15,6 +15,7 @@ mod gdt_orders;
 mod hl7_message;
 mod levels;
 mod one_order;
+mod pseudonymous;
 mod report_content;
 mod report_page;
 mod report_paper;
