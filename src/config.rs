@@ -48,7 +48,7 @@ pub use load::{load, load_with, nested};
 pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
 pub use phantom::PhantomConfig;
-pub use servers::{FhirStoreConfig, Hl7StoreConfig};
+pub use servers::{ArchiveStoreConfig, FhirStoreConfig, Hl7StoreConfig};
 pub use sizes::beside::Files;
 pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;
@@ -187,6 +187,8 @@ pub struct StoreConfig {
     pub fhir: Option<FhirStoreConfig>,
     /// `[store.hl7]`: a receiver of HL7 v2 that gets every named record, if configured.
     pub hl7: Option<Hl7StoreConfig>,
+    /// `[store.archive]`: an archive of many stations that gets every named record, if configured.
+    pub archive: Option<ArchiveStoreConfig>,
 }
 
 /// `[store.folder]`: records as folders.

@@ -33,6 +33,7 @@ pub mod delivery;
 pub mod demo;
 pub mod error;
 pub mod event;
+mod fleet;
 mod housekeeping;
 pub mod intake;
 pub mod journal;

@@ -1,6 +1,7 @@
 //! Record stores: where finished records go. Each store's `put` is idempotent: a second call leaves one
 //! record and returns a receipt again.
 
+pub mod archive;
 pub mod brief;
 pub mod durable;
 mod fault;
@@ -22,6 +23,7 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
+pub use archive::ArchiveStore;
 pub use fault::{Rejection, StoreFault};
 pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};

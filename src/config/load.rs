@@ -106,6 +106,7 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let (gdt_product, (gdt_path, gdt)) = gdt::store(reader);
     let fhir = servers::fhir(reader);
     let (hl7_path, hl7) = servers::hl7(reader);
+    let archive = servers::archive(reader);
     let retention = retention(reader);
     let status = observability::status(reader);
     let page = page::config(reader);
@@ -183,6 +184,7 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
             gdt: gdt?,
             fhir: fhir?,
             hl7: hl7?,
+            archive: archive?,
         },
         retention: retention?,
         status: status?,

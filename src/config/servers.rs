@@ -1,5 +1,6 @@
-//! `[store.fhir]` and `[store.hl7]`: stores that are servers, and what they have in common.
+//! `[store.fhir]`, `[store.hl7]` and `[store.archive]`: stores that are servers, and what they have in common.
 
+mod archive;
 mod fhir;
 mod hl7;
 
@@ -10,6 +11,8 @@ use http::Uri;
 
 use super::fault::What;
 use super::parse::{self, Absent, Found, Reader, not_a, or_none};
+pub use archive::ArchiveStoreConfig;
+pub(super) use archive::archive;
 pub use fhir::FhirStoreConfig;
 pub(super) use fhir::fhir;
 pub use hl7::Hl7StoreConfig;

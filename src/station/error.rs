@@ -109,6 +109,8 @@ pub enum Worker {
     Booth,
     /// Removes what is no longer needed.
     Housekeeping,
+    /// Tells an archive of many stations how this one is.
+    Fleet,
     /// Serves the page, metrics and health, and answers on the control socket.
     Http,
     /// Serves a port of the booth.
@@ -127,6 +129,7 @@ impl fmt::Display for Worker {
             Worker::Preview => f.write_str("the previews"),
             Worker::Booth => f.write_str("the booth"),
             Worker::Housekeeping => f.write_str("the housekeeping"),
+            Worker::Fleet => f.write_str("the heartbeat for the archive"),
             Worker::Http => f.write_str("the page and the control socket"),
             Worker::Trigger { port } => write!(f, "the {port} port"),
         }

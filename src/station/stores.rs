@@ -8,9 +8,13 @@ use gaiter_record::fhir::FhirRules;
 use gaiter_record::hl7::Hl7Rules;
 use jiff::tz::TimeZone;
 
-use crate::config::{Config, FhirStoreConfig, GdtStoreConfig, Hl7StoreConfig};
+use super::measure::CropJob;
+use super::measure::crop::ConfinedCrop;
+use crate::config::{ArchiveStoreConfig, Config, FhirStoreConfig, GdtStoreConfig, Hl7StoreConfig};
 use crate::store::gdt::Attach;
-use crate::store::{FhirStore, FolderStore, GdtStore, Hl7Store, RecordStore, StoreFault};
+use crate::store::{
+    ArchiveStore, FhirStore, FolderStore, GdtStore, Hl7Store, RecordStore, StoreFault,
+};
 
 /// The system of gaiter's codes in FHIR. It is the same everywhere, so that a code means the same everywhere.
 const FHIR_CODES: &str = "urn:gaiter:measure";
@@ -39,7 +43,8 @@ impl Stores {
         let gdt = store.gdt.as_ref().map(|gdt| boxed(gdt_store(config, gdt)));
         let fhir = store.fhir.as_ref().map(|fhir| boxed(fhir_store(config, fhir)));
         let hl7 = store.hl7.as_ref().map(|hl7| boxed(hl7_store(config, hl7)));
-        let all = [Some(first), copy, gdt, fhir, hl7].into_iter().flatten().collect();
+        let archive = store.archive.as_ref().map(|of| boxed(archive_store(config, of)));
+        let all = [Some(first), copy, gdt, fhir, hl7, archive].into_iter().flatten().collect();
         Stores { all, opened: Mutex::default() }
     }
 
@@ -138,4 +143,11 @@ fn hl7_store(config: &Config, hl7: &Hl7StoreConfig) -> Hl7Store {
         garment: config.garment.clone(),
     };
     Hl7Store::new(hl7.way.clone(), rules, &config.station.state_dir).of_station(station)
+}
+
+/// The store of an archive.
+fn archive_store(config: &Config, archive: &ArchiveStoreConfig) -> ArchiveStore {
+    let job = CropJob { method: config.method.clone(), choice: archive.crop };
+    let crops = ConfinedCrop { limits: config.measure, job };
+    ArchiveStore::new(archive.place.clone(), config.method.clone(), Box::new(crops))
 }

@@ -12,6 +12,7 @@ use super::assembly::Station;
 use super::booth::{self, orders, trigger};
 use super::delivery::{self, preview};
 use super::error::{StationError, Worker};
+use super::fleet;
 use super::housekeeping;
 use super::intake::export_locks::ExportLocks;
 use super::intake::{self, ExportDir};
@@ -73,6 +74,11 @@ impl Workers {
         workers.start_one(Worker::Preview, task);
         let task = |beat| housekeeping::worker(Arc::clone(core), beat, stop.clone());
         workers.start_one(Worker::Housekeeping, task);
+        if let Some(archive) = &core.config.store.archive {
+            let place = archive.place.clone();
+            let task = |beat| fleet::worker(Arc::clone(core), place, beat, stop.clone());
+            workers.start_one(Worker::Fleet, task);
+        }
         // They wait for people and monitors and have no heartbeat: nothing depends on them.
         let (desk, listeners) = (Arc::clone(&station.desk), Arc::clone(&resources.listeners));
         let id = workers.endpoints.spawn(http::worker(desk, listeners, endpoints_stop)).id();

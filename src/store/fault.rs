@@ -32,6 +32,9 @@ pub enum StoreFault {
     /// A server does not take the record now, but may later.
     #[error(transparent)]
     Server(#[from] ServerFault),
+    /// What leaves the house of this scan could not be made now.
+    #[error("the scan could not be cropped now: {0}")]
+    NoCrop(String),
     /// The store will never take this record.
     #[error("the store cannot take this record: {0}")]
     Permanent(Rejection),
@@ -44,7 +47,7 @@ impl StoreFault {
             StoreFault::Transient { what, source, .. } => {
                 Cause::of_system(source).after(format_args!("{what} failed"))
             }
-            StoreFault::NotFetched => Cause::said(self),
+            StoreFault::NotFetched | StoreFault::NoCrop(_) => Cause::said(self),
             StoreFault::Server(fault) => fault.cause(),
             StoreFault::Permanent(rejection) => rejection.cause(),
         }
@@ -53,10 +56,14 @@ impl StoreFault {
     /// The stable code of this fault, for the journal and `reason.json`.
     pub fn code(&self) -> &'static str {
         match self {
-            StoreFault::Transient { .. } | StoreFault::Server(_) => "store-unavailable",
+            StoreFault::Transient { .. } | StoreFault::Server(_) | StoreFault::NoCrop(_) => {
+                "store-unavailable"
+            }
             StoreFault::NotFetched => "result-not-fetched",
             StoreFault::Permanent(Rejection::Occupied(_)) => "store-place-occupied",
             StoreFault::Permanent(Rejection::InTheWay { .. }) => "store-place-occupied",
+            StoreFault::Permanent(Rejection::OtherObject { .. }) => "store-place-occupied",
+            StoreFault::Permanent(Rejection::CropDiffers { .. }) => "crop-differs",
             StoreFault::Permanent(Rejection::FolderIsLink) => "patient-folder-is-a-link",
             StoreFault::Permanent(Rejection::FolderClash) => "patient-folder-clash",
             StoreFault::Permanent(Rejection::HandedOver) => "result-handed-over",
@@ -154,6 +161,23 @@ pub enum Rejection {
         /// What it says.
         why: String,
     },
+    /// Nothing of the scan can leave the house.
+    #[error(
+        "nothing of the scan goes to the archive, because its crop is not measured as the whole \
+         body is: {why}"
+    )]
+    CropDiffers {
+        /// The first number that differs, or why there is none.
+        why: String,
+    },
+    /// The archive has another object in the scan's place.
+    #[error("the archive has another object in the scan's place: {there} bytes, not {own}")]
+    OtherObject {
+        /// Its length, bytes.
+        there: u64,
+        /// The length of the scan, packed, bytes.
+        own: u64,
+    },
     /// It was handed over to practice software, which keeps its own records.
     #[error(
         "it was handed over to the practice software and cannot be withdrawn: delete it in the \
@@ -176,6 +200,7 @@ impl Rejection {
                 let names = [("status", status.to_string()), ("why", why.clone())];
                 Cause::known("server-refuses", names)
             }
+            Rejection::CropDiffers { why } => Cause::known("crop-differs", [("why", why.clone())]),
             Rejection::ReceiverRefused { code, why } => {
                 let names = [("code", code.clone()), ("why", why.clone())];
                 Cause::known("receiver-refuses", names)
@@ -200,6 +225,7 @@ mod tests {
             Rejection::PatientNotInUse,
             Rejection::TakenBackThere,
             Rejection::ServerRefused { status: 422, why: why.clone() },
+            Rejection::CropDiffers { why: why.clone() },
             Rejection::ReceiverRefused { code: "AR".to_owned(), why },
         ] {
             let cause = rejection.cause();

@@ -3,6 +3,7 @@
 use gaiter_flow::cause::Cause;
 
 use gaiter_https::{EndpointFault, HttpFault, SecretFault};
+use gaiter_record::archive::WordFault;
 
 /// Why a server does not take a record now. It may later, so it is asked again.
 ///
@@ -15,6 +16,9 @@ pub enum ServerFault {
     /// A secret cannot be read.
     #[error(transparent)]
     Secret(#[from] SecretFault),
+    /// The key of the site is none.
+    #[error("the secret for the server cannot be read: {0}")]
+    SiteKey(WordFault),
     /// It lets the station in no more, or not for this.
     #[error("the server does not let the station do this ({status}): {why}")]
     Forbidden {
@@ -83,9 +87,10 @@ impl ServerFault {
             ServerFault::Later(_) | ServerFault::Answer(_) => true,
             ServerFault::Http(fault) => matches!(fault, HttpFault::TooLong { .. }),
             ServerFault::Busy { status, .. } => matches!(status, 409 | 412 | 423),
-            ServerFault::Secret(_) | ServerFault::Forbidden { .. } | ServerFault::NoToken(_) => {
-                false
-            }
+            ServerFault::Secret(_)
+            | ServerFault::SiteKey(_)
+            | ServerFault::Forbidden { .. }
+            | ServerFault::NoToken(_) => false,
         }
     }
 
@@ -96,6 +101,9 @@ impl ServerFault {
         match self {
             ServerFault::Http(fault) => fault.cause(),
             ServerFault::Secret(fault) => {
+                Cause::known("server-secret", [("why", fault.to_string())])
+            }
+            ServerFault::SiteKey(fault) => {
                 Cause::known("server-secret", [("why", fault.to_string())])
             }
             ServerFault::Forbidden { status, why } => {
@@ -129,6 +137,7 @@ mod tests {
         for fault in [
             ServerFault::Forbidden { status: 403, why: "scope".to_owned() },
             ServerFault::NoToken(TokenFault::NotThere),
+            ServerFault::SiteKey(WordFault::SiteKey),
             ServerFault::Answer("no bundle".to_owned()),
             ServerFault::Later("AE: full".to_owned()),
             ServerFault::Http(HttpFault::Redirect),

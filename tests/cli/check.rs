@@ -421,6 +421,30 @@ fn a_server_that_is_away_fails_and_its_secret_is_looked_at() {
 }
 
 #[test]
+fn an_archive_that_is_away_fails_and_whole_bodies_are_warned_of() {
+    let root = TempDir::new().unwrap();
+    let port = closed_port();
+    let [key, site_key] = [("key", "word"), ("site", &*"0b".repeat(32))].map(|(name, text)| {
+        let path = root.path().join(name);
+        fs::write(&path, text).unwrap();
+        path.display().to_string()
+    });
+    let more = format!(
+        "[store.archive]\naddress = \"http://127.0.0.1:{port}\"\nbucket = \"chain\"\n\
+         station = \"house-1\"\nkey_id = \"station\"\nkey = \"{key}\"\nsite_key = \"{site_key}\"\n\
+         crop = \"whole\"\n"
+    );
+    let output = check(&station(root.path(), &more), &["--json"]);
+    assert_eq!(code(&output), Some(74), "{}", stdout(&output));
+    assert_eq!(rows(&output, "secret").len(), 2);
+    let [(place, found, detail)] = &rows(&output, "archive")[..] else { panic!() };
+    assert_eq!((place, found.as_str()), (&format!("http://127.0.0.1:{port}/chain"), "fail"));
+    assert!(detail.contains("refused"), "{detail}");
+    let [(_, found, _)] = &rows(&output, "crop")[..] else { panic!() };
+    assert_eq!(found, "warn");
+}
+
+#[test]
 fn a_credential_is_for_the_service_and_the_server_is_not_tried_without_it() {
     let root = TempDir::new().unwrap();
     let more = format!(

@@ -1,14 +1,16 @@
-//! The stores of hospitals against real servers: Medplum's FHIR router, and a receiver of HL7 v2 by hl7apy.
+//! The stores of hospitals against real servers: Medplum's FHIR router, a receiver of HL7 v2 by hl7apy, and moto as the
+//! store of objects of an archive.
 //!
 //! Faults are injected in front of each server; what validates, searches and keeps is its own. `.ci/run`
 //! installs them. By hand:
 //!
 //! ```text
 //! npm --prefix tests/hospital ci
-//! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install hl7apy jsonschema
+//! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install hl7apy jsonschema 'moto[server]' boto3
 //! GAITER_PYTHON=/tmp/venv/bin/python cargo test --test hospital -- --include-ignored
 //! ```
 
+mod archive;
 mod fhir;
 mod fhir_access;
 mod fhir_faults;

@@ -1,6 +1,7 @@
 //! The station as the real program, as technicians, operators and monitors meet it.
 
 mod amend;
+mod archive;
 mod booth;
 mod companions;
 mod confinement;

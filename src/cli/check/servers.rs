@@ -10,10 +10,11 @@ use jiff::Timestamp;
 
 use super::environment::writable;
 use super::row::{Row, Verdict};
-use crate::config::{Config, FhirStoreConfig, Hl7StoreConfig};
+use crate::config::{ArchiveStoreConfig, Config, FhirStoreConfig, Hl7StoreConfig};
 use crate::station::stores::Stores;
+use crate::store::archive::CropChoice;
 use crate::store::hl7::Hl7Way;
-use crate::store::{FhirStore, Hl7Store, OTHERS, RecordStore};
+use crate::store::{ArchiveStore, FhirStore, Hl7Store, OTHERS, RecordStore};
 
 /// A row for each server, each secret and each certificate of the station.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
@@ -22,7 +23,9 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     let hl7 = config.store.hl7.as_ref().zip(stores.named(Hl7Store::NAME));
     let fhir = fhir.map(|(fhir, store)| fhir_rows(fhir, store)).unwrap_or_default();
     let hl7 = hl7.map(|(hl7, store)| hl7_rows(hl7, store)).unwrap_or_default();
-    fhir.into_iter().chain(hl7).collect()
+    let archive = config.store.archive.as_ref().zip(stores.named(ArchiveStore::NAME));
+    let archive = archive.map(|(archive, store)| archive_rows(archive, store));
+    fhir.into_iter().chain(hl7).chain(archive.unwrap_or_default()).collect()
 }
 
 fn fhir_rows(config: &FhirStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
@@ -49,6 +52,18 @@ fn hl7_rows(config: &Hl7StoreConfig, store: &dyn RecordStore) -> Vec<Row> {
         let detail = "not encrypted: anyone in the network can read the results; \
                       encryption = \"tls\" if the receiver can";
         rows.push(Row::at("encryption", store.place(), Verdict::Warn, detail));
+    }
+    rows
+}
+
+fn archive_rows(config: &ArchiveStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
+    let secrets = config.place.secrets();
+    let mut rows: Vec<Row> = secrets.iter().map(|secret| of_secret(secret)).collect();
+    rows.push(tried("archive", store, &secrets, "takes what the station writes"));
+    if config.crop == CropChoice::Whole {
+        let detail =
+            "whole bodies with their faces leave the house; crop = \"legs\" sends legs only";
+        rows.push(Row::at("crop", store.place(), Verdict::Warn, detail));
     }
     rows
 }

@@ -300,6 +300,7 @@ pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> DeliveryFault {
         StoreFault::Server(fault) if fault.is_of_a_record() => {
             DeliveryFault::NotTaken { error: fault.to_string() }
         }
+        StoreFault::NoCrop(_) => DeliveryFault::NotTaken { error: fault.to_string() },
         passing => {
             DeliveryFault::StoreFailed { code, refusal: StoreRefusal::Fault(passing.cause()) }
         }

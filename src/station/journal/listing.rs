@@ -17,7 +17,7 @@ use super::withdrawal::places::elsewhere;
 use super::{Journal, JournalError};
 
 /// The numbers of scans and deliveries, and the two scans asked for most often.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Tally {
     /// Scans by the word of their state; every state is present. Refused scans that need no further
     /// decision are not counted.

@@ -7,15 +7,18 @@ use gaiter_confined::confine;
 use gaiter_flow::ScanId;
 use gaiter_leg::comparison::opinion::SecondOpinion;
 use gaiter_leg::comparison::second_opinion::compare;
-use gaiter_leg::{self as leg, Finding, phantom};
+use gaiter_leg::{self as leg, Extraction, Finding, WholeBody, phantom};
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::phantom::CheckRecord;
+use gaiter_record::same_numbers::crop_differs;
 use gaiter_record::{self as record, RecordFile, ScanFile};
 use gaiter_scan::{self as scan, Format, Reading, Scan, ord};
 use sha2::{Digest, Sha256};
 
-use super::job::{CheckJob, Inspection, Job, JobAnswer, Purpose, RecordJob};
+use super::crop::{CROP, WHOLE_BODY};
+use super::job::{CheckJob, CropJob, Inspection, Job, JobAnswer, Purpose, RecordJob};
 use crate::station::runtime::{caught, chain};
+use crate::store::archive::CropChoice;
 use crate::store::sums;
 
 /// How fingerprints of this kind begin: none is taken for one of another kind.
@@ -66,6 +69,7 @@ fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> JobAnswer {
         Purpose::Inspection => inspected(scan, format),
         Purpose::Record(job) => recorded(job, scan, format, ord),
         Purpose::Check(job) => checked(job, scan, format),
+        Purpose::Crop(job) => cropped(job, scan, format),
     }
 }
 
@@ -120,6 +124,49 @@ fn checked(job: &CheckJob, scan: &[u8], format: Format) -> JobAnswer {
             JobAnswer::Files { files, to_do: Vec::new(), views_apart_mm: None }
         }
         Err(error) => refused("record-not-written", error.to_string()),
+    }
+}
+
+/// What leaves the house of a scan, and what its whole body told. The archive gets both as bytes, so the crop is measured
+/// from these bytes, and every number must be that of the whole body.
+fn cropped(job: &CropJob, scan: &[u8], format: Format) -> JobAnswer {
+    let CropJob { method, choice } = job;
+    let extraction = match leg::extract(scan, format, method) {
+        Ok(extraction) => extraction,
+        Err(refusal) => return refused(refusal.code(), refusal.to_string()),
+    };
+    let ply = leaving(&extraction, *choice).to_ply();
+    let told = WholeBody::from_extraction(&extraction);
+    let written = serde_json::to_vec(&told);
+    let read =
+        |bytes: Vec<u8>| serde_json::from_slice::<WholeBody>(&bytes).map(|told| (told, bytes));
+    let (read, bytes) = match written.and_then(read) {
+        Ok(written) => written,
+        Err(error) => return refused("record-not-written", error.to_string()),
+    };
+    let again = match leg::extract_crop(&ply, &read, method) {
+        Ok(again) => again,
+        Err(refusal) => return refused(refusal.code(), refusal.to_string()),
+    };
+    match crop_differs(&extraction, &again, method) {
+        Ok(None) => {
+            let file = |name: &str, bytes| RecordFile { name: name.to_owned(), bytes };
+            let files = vec![file(CROP, ply), file(WHOLE_BODY, bytes)];
+            JobAnswer::Files { files, to_do: Vec::new(), views_apart_mm: None }
+        }
+        Ok(Some(differs)) => refused("crop-differs", differs),
+        Err(error) => refused("record-not-written", error.to_string()),
+    }
+}
+
+/// What of the body leaves the house, in the body frame.
+fn leaving(extraction: &Extraction, choice: CropChoice) -> Scan {
+    let mesh = &extraction.body.mesh;
+    match choice {
+        CropChoice::Legs => extraction.crop(),
+        CropChoice::Whole => {
+            Scan { points: mesh.points().to_vec(), triangles: mesh.triangles().to_vec() }
+        }
     }
 }
 

@@ -13,6 +13,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::config::MeasureConfig;
+use crate::store::archive::CropChoice;
 
 /// The longest line of an answer.
 const LINE_MAX: u64 = 1 << 20;
@@ -53,6 +54,8 @@ pub enum Purpose {
     Record(Box<RecordJob>),
     /// To check the scanner: it shows the phantom.
     Check(Box<CheckJob>),
+    /// To know what of it leaves the house for an archive.
+    Crop(Box<CropJob>),
 }
 
 /// How a record is made.
@@ -83,6 +86,15 @@ pub struct CheckJob {
     pub at: Timestamp,
     /// SHA-256 of the scan's bytes, lower-case hexadecimal.
     pub sha256: String,
+}
+
+/// How a scan is cropped.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CropJob {
+    /// How the scan and its crop are measured.
+    pub method: Method,
+    /// How much of it leaves the house.
+    pub choice: CropChoice,
 }
 
 /// The answer of a measuring process that finished.
@@ -269,8 +281,10 @@ mod tests {
             at: Timestamp::UNIX_EPOCH,
             sha256,
         };
+        let crop = CropJob { method: config.method.clone(), choice: CropChoice::Legs };
         let record = Purpose::Record(Box::new(record));
-        for purpose in [Purpose::Inspection, record, Purpose::Check(Box::new(check))] {
+        let (check, crop) = (Purpose::Check(Box::new(check)), Purpose::Crop(Box::new(crop)));
+        for purpose in [Purpose::Inspection, record, check, crop] {
             let job = Job::new(&config.measure, purpose, "obj", 7);
             let mut line = Vec::new();
             job.write(&mut line).unwrap();

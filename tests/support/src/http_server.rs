@@ -50,5 +50,6 @@ pub fn request_of(stream: &mut impl Read) -> io::Result<String> {
     });
     let mut body = vec![0; lengths.next_back().unwrap_or(0)];
     stream.read_exact(&mut body)?;
-    Ok(head + &String::from_utf8(body).unwrap())
+    // Packed bytes are no text; what is a text stays as it is.
+    Ok(head + &String::from_utf8_lossy(&body))
 }

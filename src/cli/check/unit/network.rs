@@ -54,23 +54,27 @@ fn hosts(config: &Config) -> Vec<String> {
     let mut hosts = Vec::new();
     if let Some(fhir) = &config.store.fhir {
         let server = &fhir.server;
-        let host = |address: &str| {
-            Some(Endpoint::from_uri(&address.parse().ok()?).ok()?.name().to_owned())
-        };
         let token = match &server.access {
-            FhirAccess::Smart(smart) => smart.token_address.as_deref().and_then(host),
+            FhirAccess::Smart(smart) => smart.token_address.as_deref().and_then(host_of),
             _ => None,
         };
         match &server.proxy {
             Some(proxy) => hosts.push(proxy.endpoint.name().to_owned()),
-            None => hosts.extend(host(&server.base).into_iter().chain(token)),
+            None => hosts.extend(host_of(&server.base).into_iter().chain(token)),
         }
+    }
+    if let Some(archive) = &config.store.archive {
+        hosts.extend(host_of(&archive.place.bucket.address));
     }
     if let Some(Hl7Way::Mllp { host, .. }) = config.store.hl7.as_ref().map(|hl7| &hl7.way) {
         hosts.push(host.trim_matches(['[', ']']).to_owned());
     }
     hosts.dedup();
     hosts
+}
+
+fn host_of(address: &str) -> Option<String> {
+    Some(Endpoint::from_uri(&address.parse().ok()?).ok()?.name().to_owned())
 }
 
 /// The addresses of a host, and those of the name servers if it is a name.
@@ -133,7 +137,9 @@ fn is_within(address: &IpAddr, range: &str) -> bool {
 fn named(config: &Config) -> Vec<&str> {
     let fhir = config.store.fhir.as_ref().map(|fhir| fhir.server.secrets()).unwrap_or_default();
     let hl7 = config.store.hl7.as_ref().and_then(|hl7| hl7.way.secret());
-    let named = fhir.into_iter().chain(hl7).filter_map(|secret| match secret {
+    let archive = config.store.archive.as_ref();
+    let archive = archive.map(|archive| archive.place.secrets()).unwrap_or_default();
+    let named = fhir.into_iter().chain(hl7).chain(archive).filter_map(|secret| match secret {
         Secret::Credential(name) => Some(name.as_str()),
         Secret::File(_) => None,
     });
