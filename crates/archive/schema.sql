@@ -16,20 +16,21 @@ create table scan (
     first_seen timestamptz not null
 );
 
--- What stations said of it, and when by their clocks. Nobody's scan has no patient. The same may be there several times.
+-- What each station said of it last, by its clock: nobody's scan has no patient, and a later announcement may have
+-- another. Earlier ones are in the bucket.
 create table announcement (
-    station text not null,
     scan bytea not null references scan on delete cascade,
+    station text not null,
     revision integer not null,
     export bytea not null check (octet_length(export) = 32),
     method text not null,
     first_seen timestamptz not null,
     patient bytea check (octet_length(patient) = 32),
     said timestamptz not null,
-    primary key (station, scan, revision, said)
+    primary key (scan, station)
 );
-create index announcement_scan on announcement (scan);
-create index announcement_patient on announcement (patient) where patient is not null;
+-- Scans of one person are found in it alone.
+create index announcement_patient on announcement (patient, station, first_seen) include (scan);
 
 -- What stations have taken back: what they said earlier of this export and this patient does not count.
 create table withdrawal (
@@ -61,8 +62,21 @@ create table job (
 ) with (fillfactor = 70, autovacuum_vacuum_scale_factor = 0.02);
 create index job_due on job (method, due);
 
+-- Where the figures of a leg's level stand in the arrays of `result`.
+create table place (
+    number smallint primary key,
+    side text not null,
+    level text not null,
+    unique (side, level)
+);
+insert into place
+select row_number() over (order by side_order, level_order), side, level
+from unnest(array['left', 'right']) with ordinality sides(side, side_order),
+    unnest(array['A', 'Y', 'B', 'B1', 'C', 'D', 'E', 'F', 'G']) with ordinality levels(level, level_order);
+
 -- What a method says of a scan: a row for an object `result/…`. The whole record is there. `outcome` is `measured`
--- or the code of a refusal; `levels` has the figures of each level found, by leg.
+-- or the code of a refusal. The arrays have a figure for each `place`, null where the level is not found: an archive
+-- of millions is asked for one level of all, and must not read all levels of all as text.
 create table result (
     scan bytea not null references scan on delete cascade,
     method text not null references method,
@@ -70,7 +84,9 @@ create table result (
     stature_mm real,
     crotch_height_mm real,
     findings text[] not null,
-    levels jsonb not null,
+    height_mm real[] not null,
+    girth_mm real[] not null,
+    girth_sd_mm real[] not null,
     written timestamptz not null default now(),
     primary key (scan, method)
 );
@@ -87,34 +103,89 @@ create table station (
     scans jsonb not null
 );
 
+-- The last heartbeat of each station on each day (UTC): how many scans are in its journal, and how many of them could
+-- not be used. Heartbeats are overwritten, so this alone cannot be made again; it begins anew.
+create table station_day (
+    station text not null references station on delete cascade,
+    day date not null,
+    scans bigint not null,
+    refused bigint not null,
+    phantom_bias_mm real,
+    primary key (station, day)
+);
+
 -- For questions: the views of docs/archive.md. Only these are for the role that reads.
 
--- The result of each scan by the current method, else by the newest that has one.
+-- Every result. A scan that is measured anew has several. The current method has a result of each scan, but of those
+-- that came in since a newer version measures.
 create view scan_result as
-select distinct on (r.scan)
-    encode(r.scan, 'hex') as scan, r.method, r.outcome, r.stature_mm, r.crotch_height_mm, r.findings, s.first_seen
-from result r join method m using (method) join scan s using (scan)
-order by r.scan, m.is_current desc, m.number desc;
+select r.scan, r.method, m.is_current, r.outcome, r.stature_mm, r.crotch_height_mm, r.findings
+from result r join method m using (method);
 
--- Every level of every result.
+-- Every level that was found, of every result.
 create view level as
-select encode(r.scan, 'hex') as scan, r.method, leg.key as side, level.key as level,
-    (level.value ->> 'height_mm')::real as height_mm,
-    (level.value ->> 'girth_mm')::real as girth_mm,
-    (level.value ->> 'girth_sd_mm')::real as girth_sd_mm
-from result r, jsonb_each(r.levels) leg, jsonb_each(leg.value) level;
+select r.scan, r.method, m.is_current, r.stature_mm, p.side, p.level,
+    r.height_mm[p.number] as height_mm, r.girth_mm[p.number] as girth_mm, r.girth_sd_mm[p.number] as girth_sd_mm
+from result r join method m using (method) cross join place p
+where r.girth_mm[p.number] is not null;
 
--- Which station sent which scan when, of whom: the newest revision of each, unless it was taken back.
+-- Which station sent which scan when, and of whom, unless it was taken back.
 create view visit as
-select distinct on (a.station, a.scan, a.patient)
-    a.station, encode(a.scan, 'hex') as scan, a.revision, a.first_seen, encode(a.patient, 'hex') as patient
+select station, scan, first_seen, patient
 from announcement a
 where not exists (select from withdrawal w where w.station = a.station and w.export = a.export
-    and w.patient is not distinct from a.patient and w.said > a.said)
-order by a.station, a.scan, a.patient, a.revision desc;
+    and w.patient is not distinct from a.patient and w.said > a.said);
+
+-- Every level of every visit by every method; of a scan without levels, such as a refused one, one row without a level.
+-- This is what is exported.
+create view visit_level as
+select v.station, v.scan, v.first_seen, v.patient, r.method, m.is_current, r.outcome, r.stature_mm, r.crotch_height_mm,
+    p.side, p.level, r.height_mm[p.number] as height_mm, r.girth_mm[p.number] as girth_mm,
+    r.girth_sd_mm[p.number] as girth_sd_mm
+from visit v join result r using (scan) join method m using (method)
+left join place p on r.girth_mm[p.number] is not null;
 
 -- Scans that could not be measured.
 create view dead_letter as
-select encode(scan, 'hex') as scan, method, attempts, coalesce(reason, 'its worker ended each time') as reason
+select scan, method, attempts, coalesce(reason, 'its worker ended each time') as reason
 from job
 where attempts >= 5 and due <= now();
+
+-- Each day of each station: how many scans came on this day alone, and how many of them could not be used. Null on the
+-- first day, and on one on which the journal shrank.
+create view station_history as
+select station, day,
+    case when scans >= before and refused >= refused_before then scans - before end as scans,
+    case when scans >= before and refused >= refused_before then refused - refused_before end as refused,
+    phantom_bias_mm
+from (
+    select *, lag(scans) over days as before, lag(refused) over days as refused_before
+    from station_day window days as (partition by station order by day)) counted;
+
+-- How each station is: its last heartbeat; scans and refusals of today; its share of refusals, and its mean bias of the
+-- phantom, on the 30 days before; how many scans of it are here.
+create view station_status as
+with archived as (select station, count(*) as archived from visit group by station)
+select station, s.heard, s.gaiter, s.is_ready, s.oldest_undelivered, of_days.scans_today, of_days.refused_today,
+    of_days.refused_share, s.phantom_bias_mm, s.phantom_bias_mm - of_days.mean_bias_mm as phantom_drift_mm,
+    coalesce(a.archived, 0) as archived
+from station s full join archived a using (station)
+left join lateral (
+    select sum(h.scans) filter (where h.day = now.day)::bigint as scans_today,
+        sum(h.refused) filter (where h.day = now.day)::bigint as refused_today,
+        sum(h.refused) filter (where h.day < now.day)::float8
+            / nullif(sum(h.scans) filter (where h.day < now.day), 0) as refused_share,
+        avg(h.phantom_bias_mm) filter (where h.day < now.day) as mean_bias_mm
+    from station_history h, (select (now() at time zone 'UTC')::date as day) now
+    where h.station = s.station and h.day between now.day - 30 and now.day) of_days on true;
+
+-- The role that reads, where there is one.
+do $$
+begin
+    if exists (select from pg_roles where rolname = 'gaiter_reader') then
+        grant usage on schema gaiter to gaiter_reader;
+        grant select on version, scan_result, level, visit, visit_level, dead_letter, station_history, station_status
+            to gaiter_reader;
+    end if;
+end
+$$;

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use gaiter_flow::disposition::Disposition;
 use gaiter_https::{secret, tls};
 use gaiter_record::ScanId;
 use gaiter_record::archive::{Announcement, Heartbeat, MethodId, ScanResult, Shows, Withdrawal};
@@ -36,6 +37,9 @@ pub const ATTEMPTS_MOST: i16 = 5;
 
 /// How long a claim holds. Longer than the longest step between two renewals: fetching, measuring, writing.
 pub const LEASE: Duration = Duration::from_secs(300);
+
+/// Scans of a heartbeat that could not be used, whether a person has decided on them or not.
+const REFUSED: [Disposition; 2] = [Disposition::Refused, Disposition::Closed];
 
 /// A claimed job.
 #[derive(Debug, Clone)]
@@ -128,7 +132,7 @@ pub enum Then {
     Wait,
 }
 
-/// Enters what a station announced.
+/// Enters what a station announced. What it said later, by its clock, takes the place of what it said earlier.
 ///
 /// # Errors
 /// Those of the database; of a figure that cannot be written as JSON.
@@ -150,7 +154,9 @@ pub fn enter_announcement(
             insert into announcement (station, scan, revision, export, method, first_seen, patient, said)
             values ($5, decode($1, 'hex'), $6, decode($7, 'hex'), $8, $4::text::timestamptz, decode($9, 'hex'),
                 $12::text::timestamptz)
-            on conflict do nothing)
+            on conflict (scan, station) do update set (revision, export, method, first_seen, patient, said)
+            = (excluded.revision, excluded.export, excluded.method, excluded.first_seen, excluded.patient, excluded.said)
+            where (announcement.said, announcement.revision) < (excluded.said, excluded.revision))
         insert into job (scan, method)
         select decode($1, 'hex'), $10 where $11 and $3::text is not null
             and not exists (select from result where scan = decode($1, 'hex') and method = $10)
@@ -210,10 +216,19 @@ pub fn enter_missing_jobs(client: &mut Client, method: &MethodId) -> Result<u64,
 /// Those of the database; of a figure that cannot be written as JSON.
 pub fn enter_heartbeat(client: &mut Client, beat: &Heartbeat) -> Result<(), ArchiveFault> {
     let statement = "\
-        insert into station values ($1, $2::text::timestamptz, $3, $4, $5::text::timestamptz, $6::float8, $7::text::jsonb)
-        on conflict (station) do update set (heard, gaiter, is_ready, oldest_undelivered, phantom_bias_mm, scans)
-        = (excluded.heard, excluded.gaiter, excluded.is_ready, excluded.oldest_undelivered,
-           excluded.phantom_bias_mm, excluded.scans)";
+        with of_station as (
+            insert into station
+            values ($1, $2::text::timestamptz, $3, $4, $5::text::timestamptz, $6::float8, $7::text::jsonb)
+            on conflict (station) do update set (heard, gaiter, is_ready, oldest_undelivered, phantom_bias_mm, scans)
+            = (excluded.heard, excluded.gaiter, excluded.is_ready, excluded.oldest_undelivered,
+               excluded.phantom_bias_mm, excluded.scans))
+        insert into station_day (station, day, scans, refused, phantom_bias_mm)
+        values ($1, ($2::text::timestamptz at time zone 'UTC')::date, $8, $9, $6::float8)
+        on conflict (station, day) do update set (scans, refused, phantom_bias_mm)
+        = (excluded.scans, excluded.refused, excluded.phantom_bias_mm)";
+    let total = |sum: u64, count: &u64| sum.saturating_add(*count);
+    let scans = beat.scans.values().fold(0, total);
+    let refused = REFUSED.iter().filter_map(|is| beat.scans.get(is.word())).fold(0, total);
     client.execute(
         statement,
         &[
@@ -224,6 +239,8 @@ pub fn enter_heartbeat(client: &mut Client, beat: &Heartbeat) -> Result<(), Arch
             &beat.oldest_undelivered.map(|at| at.to_string()),
             &beat.phantom_bias_mm,
             &serde_json::to_string(&beat.scans)?,
+            &scans.cast_signed(),
+            &refused.cast_signed(),
         ],
     )?;
     Ok(())
@@ -234,22 +251,26 @@ pub fn enter_heartbeat(client: &mut Client, beat: &Heartbeat) -> Result<(), Arch
 /// # Errors
 /// Those of the database.
 pub fn enter_result(client: &mut Client, result: &ScanResult) -> Result<(), ArchiveFault> {
-    let Figures { outcome, stature_mm, crotch_height_mm, findings, levels } = Figures::of(result);
+    let of = Figures::of(result);
     let statement = "\
         with done as (delete from job where scan = decode($1, 'hex') and method = $2)
-        insert into result (scan, method, outcome, stature_mm, crotch_height_mm, findings, levels)
-        select scan, $2, $3, $4::float8, $5::float8, $6::text[], $7::text::jsonb from scan where scan = decode($1, 'hex')
+        insert into result
+            (scan, method, outcome, stature_mm, crotch_height_mm, findings, height_mm, girth_mm, girth_sd_mm)
+        select scan, $2, $3, $4::float8, $5::float8, $6::text[], $7::float8[], $8::float8[], $9::float8[]
+        from scan where scan = decode($1, 'hex')
         on conflict do nothing";
     client.execute(
         statement,
         &[
             &result.scan.as_str(),
             &result.method.as_str(),
-            &outcome,
-            &stature_mm,
-            &crotch_height_mm,
-            &findings,
-            &levels.to_string(),
+            &of.outcome,
+            &of.stature_mm,
+            &of.crotch_height_mm,
+            &of.findings,
+            &of.height_mm,
+            &of.girth_mm,
+            &of.girth_sd_mm,
         ],
     )?;
     Ok(())

@@ -6,6 +6,7 @@ use std::io;
 use gaiter_confined::RunFault;
 use gaiter_https::tls::TlsFault;
 use gaiter_https::{BucketFault, SecretFault};
+use parquet::errors::ParquetError;
 
 use crate::config::ConfigFault;
 
@@ -50,6 +51,9 @@ pub enum ArchiveFault {
     /// A document cannot be written.
     #[error("a document cannot be written")]
     NotWritten(#[from] serde_json::Error),
+    /// A file of an export cannot be written.
+    #[error("the export")]
+    Export(#[from] ParquetError),
     /// Input or output fails.
     #[error(transparent)]
     Io(#[from] io::Error),

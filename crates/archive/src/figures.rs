@@ -1,8 +1,9 @@
 //! What of a result is in the index: the figures that questions are about. All others are in its object.
 
+use gaiter_leg::{Level, Side};
 use gaiter_record::Record;
 use gaiter_record::archive::{Outcome, ScanResult};
-use serde_json::{Map, Value, json};
+use gaiter_record::schema::LandmarkFigures;
 
 /// The outcome of a scan that was measured; any other is the code of a refusal.
 pub const MEASURED: &str = "measured";
@@ -18,8 +19,12 @@ pub struct Figures {
     pub crotch_height_mm: Option<f64>,
     /// The codes of the findings.
     pub findings: Vec<String>,
-    /// By leg and level: height and girth as a tape reads it, with its standard error.
-    pub levels: Value,
+    /// The height of each level of each leg, in the order of the table `place`; `None` where it is not found.
+    pub height_mm: Vec<Option<f64>>,
+    /// The girth there as a tape reads it.
+    pub girth_mm: Vec<Option<f64>>,
+    /// Its standard error.
+    pub girth_sd_mm: Vec<Option<f64>>,
 }
 
 impl Figures {
@@ -32,29 +37,47 @@ impl Figures {
                 stature_mm: None,
                 crotch_height_mm: None,
                 findings: Vec::new(),
-                levels: json!({}),
+                height_mm: Vec::new(),
+                girth_mm: Vec::new(),
+                girth_sd_mm: Vec::new(),
             },
         }
     }
 
     fn of_record(record: &Record) -> Figures {
-        let legs = record.legs.iter().map(|leg| {
-            let levels = leg.landmarks.iter().map(|(level, of)| {
-                let figures = json!({
-                    "height_mm": of.height_mm,
-                    "girth_mm": of.girth_tape_mm,
-                    "girth_sd_mm": of.girth_of_level_sd_mm,
-                });
-                (level.clone(), figures)
+        let of_each = |figure: fn(&LandmarkFigures) -> Option<f64>| {
+            let at = places().map(|(side, level)| {
+                let leg = record.legs.iter().find(|leg| leg.side == side.word())?;
+                leg.landmarks.get(level.name()).and_then(figure)
             });
-            (leg.side.clone(), Value::Object(levels.collect()))
-        });
+            at.collect()
+        };
         Figures {
             outcome: MEASURED.to_owned(),
             stature_mm: record.body.stature_mm,
             crotch_height_mm: record.body.crotch_height_mm,
             findings: record.findings.iter().map(|finding| finding.code.clone()).collect(),
-            levels: Value::Object(legs.collect::<Map<String, Value>>()),
+            height_mm: of_each(|of| Some(of.height_mm)),
+            girth_mm: of_each(|of| Some(of.girth_tape_mm)),
+            girth_sd_mm: of_each(|of| of.girth_of_level_sd_mm),
         }
+    }
+}
+
+/// The rows of the table `place`, in their order.
+fn places() -> impl Iterator<Item = (Side, Level)> {
+    Side::BOTH.into_iter().flat_map(|side| Level::ALL.map(|level| (side, level)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_schema_has_every_level_in_the_order_of_the_leg() {
+        let listed = |words: Vec<&str>| format!("unnest(array['{}'])", words.join("', '"));
+        let schema = include_str!("../schema.sql");
+        assert!(schema.contains(&listed(Side::BOTH.map(Side::word).to_vec())));
+        assert!(schema.contains(&listed(Level::ALL.map(Level::name).to_vec())));
     }
 }

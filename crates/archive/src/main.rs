@@ -5,17 +5,20 @@
 mod check;
 mod config;
 mod database;
+mod export;
 mod fault;
 mod figures;
 mod index;
 mod measure;
 mod objects;
+mod query;
 mod reextract;
 mod status;
 mod work;
 
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -60,6 +63,22 @@ enum Verb {
         /// For programs.
         #[arg(long)]
         json: bool,
+        /// Serve it at this address instead, as a page and, under /metrics, for Prometheus.
+        #[arg(long, conflicts_with = "json")]
+        listen: Option<SocketAddr>,
+    },
+    /// Answers a question, as CSV.
+    Query {
+        /// calf-by-stature, repeatability, phantom-drift, or a statement in SQL.
+        question: String,
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Writes the figures of all scans as Parquet, a file for each method and month; replaces those of before.
+    Export {
+        /// The folder.
+        folder: PathBuf,
     },
     /// Tries out configuration, database, bucket and confinement.
     Check,
@@ -110,7 +129,10 @@ fn run(args: Args) -> Result<ExitCode, ArchiveFault> {
     match args.verb {
         Verb::Index { reconcile, once } => index::index(&config, reconcile, once)?,
         Verb::Work { until_empty } => work::work(&config, until_empty)?,
-        Verb::Status { json } => print(status::status(&config, json)?)?,
+        Verb::Status { listen: Some(address), .. } => status::serve::serve(&config, address)?,
+        Verb::Status { json, listen: None } => print(status::status(&config, json)?)?,
+        Verb::Query { question, json } => query::query(&config, &question, json)?,
+        Verb::Export { folder } => export::export(&config, &folder)?,
         Verb::Check => return check::check(&config),
         Verb::Reextract { sample, limit_mm, go, over_limit } => {
             let choice = reextract::Choice { sample, limit_mm, go, over_limit };

@@ -156,14 +156,14 @@ fn changes(client: &mut Client, old: &str, new: &MethodId) -> Result<Vec<Change>
         with both_have as (
             select scan from result where method = $1 and outcome = 'measured'
             intersect select scan from result where method = $2 and outcome = 'measured'),
-        o as (select * from level where method = $1 and scan in (select encode(scan, 'hex') from both_have)),
-        n as (select * from level where method = $2 and scan in (select encode(scan, 'hex') from both_have)),
+        o as (select * from level where method = $1 and scan in (select scan from both_have)),
+        n as (select * from level where method = $2 and scan in (select scan from both_have)),
         c as (select coalesce(o.side, n.side) side, coalesce(o.level, n.level) level, coalesce(o.scan, n.scan) scan,
                 o.girth_mm is null came, n.girth_mm is null went, abs(n.girth_mm - o.girth_mm)::float8 moved
             from o full join n on (o.scan, o.side, o.level) = (n.scan, n.side, n.level))
         select side, level, count(moved), count(*) filter (where came), count(*) filter (where went),
             coalesce(avg(moved), 0), coalesce(max(moved), 0),
-            coalesce((array_agg(scan order by moved desc nulls last))[1], '')
+            coalesce(encode((array_agg(scan order by moved desc nulls last))[1], 'hex'), '')
         from c group by side, level order by side, level";
     let rows = client.query(statement, &[&old, &new.as_str()])?;
     let changes = rows.into_iter().map(|row| Change {

@@ -1,8 +1,12 @@
-//! What the archive holds, what is to be done, how the stations are.
+//! What the archive holds, what is to be done, how the stations are: in the terminal, and as a page and metrics.
+
+mod metrics;
+mod page;
+pub mod serve;
 
 use std::fmt::Write;
 
-use postgres::{Client, Row};
+use postgres::{IsolationLevel, Row, Transaction};
 use serde::Serialize;
 
 use crate::config::ArchiveConfig;
@@ -11,6 +15,9 @@ use crate::fault::ArchiveFault;
 
 /// How many dead letters are shown; all are in the view `dead_letter`.
 const LETTERS_MOST: i64 = 20;
+
+/// A station that is silent for longer is not well, seconds: its heart beats every minute.
+const SILENT_MOST_S: i64 = 600;
 
 /// The state of an archive.
 #[derive(Debug, Serialize)]
@@ -57,8 +64,16 @@ struct StationRow {
     silent_s: Option<i64>,
     gaiter: Option<String>,
     is_ready: Option<bool>,
-    oldest_undelivered: Option<String>,
+    /// How long the scan waits that waits longest for the archive, seconds.
+    oldest_undelivered_s: Option<i64>,
+    scans_today: Option<i64>,
+    refused_today: Option<i64>,
+    /// Its share of refusals on the 30 days before.
+    refused_share: Option<f64>,
     phantom_bias_mm: Option<f64>,
+    /// The bias, less its mean on the 30 days before.
+    phantom_drift_mm: Option<f64>,
+    /// How many scans of it are in the archive.
     scans: i64,
 }
 
@@ -67,14 +82,20 @@ struct StationRow {
 /// # Errors
 /// If the database does not tell.
 pub fn status(config: &ArchiveConfig, json: bool) -> Result<String, ArchiveFault> {
-    let mut client = database::connect(&config.database)?;
-    database::check_schema(&mut client)?;
-    let status = Status::of(&mut client)?;
+    let status = Status::read(config)?;
     if json { Ok(serde_json::to_string_pretty(&status)?) } else { Ok(status.text()) }
 }
 
 impl Status {
-    fn of(client: &mut Client) -> Result<Status, ArchiveFault> {
+    /// All of one moment; nothing is written.
+    fn read(config: &ArchiveConfig) -> Result<Status, ArchiveFault> {
+        let mut client = database::connect(&config.database)?;
+        database::check_schema(&mut client)?;
+        let moment = client.build_transaction().isolation_level(IsolationLevel::RepeatableRead);
+        Status::of(&mut moment.read_only(true).start()?)
+    }
+
+    fn of(client: &mut Transaction<'_>) -> Result<Status, ArchiveFault> {
         let scans = client.query_one("select count(*) from scan", &[])?.get(0);
         let methods = "\
             select m.method, m.is_current, coalesce(r.results, 0), coalesce(r.refused, 0),
@@ -90,14 +111,13 @@ impl Status {
             order by m.number";
         let workers = "select worker, count(*) from job where due > now() and worker is not null \
                        group by worker order by worker";
-        let letters = "select scan, method, reason from dead_letter order by scan limit $1";
+        let letters =
+            "select encode(scan, 'hex'), method, reason from dead_letter order by scan limit $1";
         let stations = "\
-            select coalesce(s.station, a.station), extract(epoch from now() - s.heard)::bigint, s.gaiter, s.is_ready,
-                to_char(s.oldest_undelivered at time zone 'UTC', 'YYYY-MM-DD\"T\"HH24:MI:SS\"Z\"'),
-                s.phantom_bias_mm::float8, coalesce(a.scans, 0)
-            from station s full join (select station, count(distinct scan) scans from announcement
-                group by station) a on a.station = s.station
-            order by 1";
+            select station, extract(epoch from now() - heard)::bigint, gaiter, is_ready,
+                extract(epoch from now() - oldest_undelivered)::bigint, scans_today, refused_today, refused_share,
+                phantom_bias_mm::float8, phantom_drift_mm, archived
+            from station_status order by station";
         let rows = |rows: Vec<Row>| rows.into_iter();
         Ok(Status {
             scans,
@@ -131,19 +151,7 @@ impl Status {
             let _ = writeln!(text, "dead letter {scan} {method}: {reason}");
         }
         for of in &self.stations {
-            let heard =
-                of.silent_s.map_or("never heard".to_owned(), |s| format!("heard {s} s ago"));
-            let version = of.gaiter.as_deref().unwrap_or("unknown version");
-            let ready = if of.is_ready == Some(false) { ", not ready" } else { "" };
-            let waits = of.oldest_undelivered.as_ref();
-            let waits = waits.map_or(String::new(), |since| format!(", delivers since {since}"));
-            let bias =
-                of.phantom_bias_mm.map_or(String::new(), |mm| format!(", phantom {mm:+.1} mm"));
-            let _ = writeln!(
-                text,
-                "station {}: {heard}, {version}{ready}{waits}{bias}, {} scans",
-                of.station, of.scans
-            );
+            let _ = writeln!(text, "station {}: {}", of.station, of.cells().join(", "));
         }
         text.truncate(text.trim_end().len());
         text
@@ -171,9 +179,119 @@ impl StationRow {
             silent_s: row.get(1),
             gaiter: row.get(2),
             is_ready: row.get(3),
-            oldest_undelivered: row.get(4),
-            phantom_bias_mm: row.get(5),
-            scans: row.get(6),
+            oldest_undelivered_s: row.get(4),
+            scans_today: row.get(5),
+            refused_today: row.get(6),
+            refused_share: row.get(7),
+            phantom_bias_mm: row.get(8),
+            phantom_drift_mm: row.get(9),
+            scans: row.get(10),
         }
+    }
+
+    /// Whether somebody must look after it.
+    fn is_well(&self) -> bool {
+        self.is_ready == Some(true) && self.silent_s.is_some_and(|s| s <= SILENT_MOST_S)
+    }
+
+    /// What is told of it: last heard, version, what waits, refusals, phantom, scans.
+    fn cells(&self) -> [String; 6] {
+        let ready = if self.is_ready == Some(false) { ", not ready" } else { "" };
+        let heard =
+            self.silent_s.map_or("never heard".to_owned(), |s| format!("heard {} ago", lasting(s)));
+        let waits = self.oldest_undelivered_s;
+        let share = self
+            .refused_share
+            .map_or(String::new(), |of| format!(" (usually {:.1} %)", 100.0 * of));
+        let refused = self.refused_today.zip(self.scans_today);
+        let drift = self.phantom_drift_mm.map_or(String::new(), |mm| format!(" (drift {mm:+.1})"));
+        let bias = self.phantom_bias_mm;
+        [
+            format!("{heard}{ready}"),
+            self.gaiter.clone().unwrap_or_else(|| "unknown version".to_owned()),
+            waits.map_or("nothing waits".to_owned(), |s| format!("waits for {}", lasting(s))),
+            refused.map_or("no scans counted today".to_owned(), |(refused, scans)| {
+                format!("{refused} of {scans} refused today{share}")
+            }),
+            bias.map_or("no phantom".to_owned(), |mm| format!("phantom {mm:+.1} mm{drift}")),
+            format!("{} scans", self.scans),
+        ]
+    }
+}
+
+/// A time in the largest unit of which it has two.
+fn lasting(seconds: i64) -> String {
+    let units = [(86_400, "d"), (3600, "h"), (60, "min")];
+    let unit = units.into_iter().find(|(length, _)| seconds >= 2 * length);
+    unit.map_or(format!("{seconds} s"), |(length, unit)| format!("{} {unit}", seconds / length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A station that told more than a page should show.
+    fn status() -> Status {
+        let station = StationRow {
+            station: "booth-1".to_owned(),
+            silent_s: Some(7200),
+            gaiter: Some("<script>".to_owned()),
+            is_ready: Some(true),
+            oldest_undelivered_s: None,
+            scans_today: Some(20),
+            refused_today: Some(3),
+            refused_share: Some(0.02),
+            phantom_bias_mm: Some(0.74),
+            phantom_drift_mm: Some(-0.26),
+            scans: 4711,
+        };
+        let letter = LetterRow {
+            scan: "ab".repeat(32),
+            method: "0.1.0+1a2b3c4d".to_owned(),
+            reason: "a & b".to_owned(),
+        };
+        let stations = vec![station];
+        Status {
+            scans: 4711,
+            methods: vec![],
+            workers: vec![],
+            dead_letters: vec![letter],
+            stations,
+        }
+    }
+
+    #[test]
+    fn a_station_is_a_line() {
+        let text = status().text();
+        let line = "station booth-1: heard 2 h ago, <script>, nothing waits, 3 of 20 refused today \
+                    (usually 2.0 %), phantom +0.7 mm (drift -0.3), 4711 scans";
+        assert_eq!(text.lines().last(), Some(line));
+    }
+
+    #[test]
+    fn the_page_says_the_same_and_runs_nothing_that_a_station_wrote() {
+        let page = status().page();
+        assert!(
+            page.contains("<tr class=\"fault\"><td>booth-1</td><td>heard 2 h ago</td>"),
+            "{page}"
+        );
+        assert!(page.contains("&lt;script&gt;") && !page.contains("<script"), "{page}");
+        assert!(page.contains("a &amp; b"), "{page}");
+    }
+
+    #[test]
+    fn metrics_are_of_each_station() {
+        let text = status().metrics().unwrap();
+        for line in [
+            "gaiter_archive_scans 4711.0",
+            "gaiter_archive_station_silent_seconds{station=\"booth-1\"} 7200.0",
+            "gaiter_archive_station_refused_today{station=\"booth-1\"} 3.0",
+            "gaiter_archive_station_phantom_drift_millimetres{station=\"booth-1\"} -0.26",
+            "# EOF",
+        ] {
+            assert!(text.lines().any(|found| found == line), "no {line} in\n{text}");
+        }
+        let unknown = "gaiter_archive_station_oldest_undelivered_seconds{";
+        assert!(!text.contains(unknown), "{text}");
     }
 }

@@ -94,11 +94,12 @@ fn a_refusal_is_a_result_and_a_damaged_scan_a_dead_letter() {
     let mut client = place.client();
     wait_for("the dead letter", || {
         place.time_passes();
-        let rows = client.query("select scan, reason from dead_letter", &[]).unwrap();
+        let rows =
+            client.query("select encode(scan, 'hex'), reason from dead_letter", &[]).unwrap();
         rows.iter().any(|row| row.get::<_, String>(0) == damaged.as_str())
     });
     drop(worker);
-    let statement = "select scan, reason from dead_letter";
+    let statement = "select encode(scan, 'hex'), reason from dead_letter";
     let rows = client.query(statement, &[]).unwrap();
     assert_eq!(rows.len(), 1);
     let reason: String = rows[0].get(1);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! apt-get install postgresql
-//! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install 'moto[server]' boto3
+//! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install 'moto[server]' boto3 pyarrow
 //! GAITER_PYTHON=/tmp/venv/bin/python cargo test -p gaiter-archive --test archive -- --include-ignored
 //! ```
 
@@ -12,4 +12,5 @@ mod everyday;
 mod gate;
 mod kill;
 mod place;
+mod questions;
 mod servers;

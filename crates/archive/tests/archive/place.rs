@@ -123,17 +123,27 @@ impl Place {
         path
     }
 
-    fn command(&self, store: u16, database: u16, args: &[&str]) -> Command {
+    /// A verb that is not begun yet.
+    pub fn command(&self, args: &[&str]) -> Command {
+        self.command_at(store().port, database().port, args)
+    }
+
+    fn command_at(&self, store: u16, database: u16, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter-archive"));
         command.arg("--config").arg(self.config(store, database)).args(args);
         command.stdin(Stdio::null());
         command
     }
 
+    /// Runs a verb to its end, whichever that is.
+    pub fn tried(&self, args: &[&str]) -> Output {
+        self.command(args).output().unwrap()
+    }
+
     /// Runs a verb to its end.
     #[track_caller]
     pub fn verb(&self, args: &[&str]) -> Output {
-        let output = self.command(store().port, database().port, args).output().unwrap();
+        let output = self.tried(args);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{args:?}: {said}");
         output
@@ -141,7 +151,7 @@ impl Place {
 
     /// Starts a verb whose servers are at these ports.
     pub fn start(&self, store: u16, database: u16, args: &[&str]) -> Running {
-        let mut command = self.command(store, database, args);
+        let mut command = self.command_at(store, database, args);
         Running(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
     }
 
@@ -171,7 +181,8 @@ impl Place {
     pub fn rows(&self) -> Vec<String> {
         let statement = "\
             select s::text from scan s union all select a::text from announcement a union all
-            select (scan, method, outcome, stature_mm, crotch_height_mm, findings, levels)::text from result
+            select (scan, method, outcome, stature_mm, crotch_height_mm, findings, height_mm, girth_mm, girth_sd_mm)::text
+            from result
             order by 1";
         let rows = self.client().query(statement, &[]).unwrap();
         rows.iter().map(|row| row.get(0)).collect()

@@ -1,6 +1,7 @@
 //! The servers, each as one process for all tests. They end when nothing holds their standard input any longer.
 
 use std::env;
+use std::ffi::OsString;
 use std::fs;
 use std::net::TcpListener;
 use std::os::unix::fs::MetadataExt;
@@ -47,10 +48,9 @@ pub fn client(name: &str) -> Client {
 fn started_store() -> Server {
     let folder = tempfile::tempdir().unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/archive/store.py");
-    let python = env::var_os("GAITER_PYTHON").unwrap_or_else(|| "python3".into());
     let port = folder.path().join("port");
     let said = fs::File::create(folder.path().join("said")).unwrap();
-    let mut command = Command::new(python);
+    let mut command = Command::new(python());
     command.arg(script).arg(&port).stdin(Stdio::piped());
     let process = command.stdout(said.try_clone().unwrap()).stderr(said).spawn().unwrap();
     let began = Instant::now();
@@ -63,6 +63,11 @@ fn started_store() -> Server {
         sleep(Duration::from_millis(20));
     };
     Server { port, _folder: folder, _process: process }
+}
+
+/// The Python that has moto and pyarrow.
+pub fn python() -> OsString {
+    env::var_os("GAITER_PYTHON").unwrap_or_else(|| "python3".into())
 }
 
 /// The folder of PostgreSQL's programs, which Debian has not in the path.
