@@ -268,5 +268,5 @@ pub fn crop(number: usize) -> (Vec<u8>, WholeBody) {
     let mut crop = whole().crop();
     // Far below all that is measured, and other bytes.
     crop.points[0].x += 1e-9 * number as f64;
-    (crop.to_ply(), WholeBody::of(whole()))
+    (crop.to_ply(), WholeBody::from_extraction(whole()))
 }
