@@ -5,8 +5,7 @@ use gaiter_record::archive::{ObjectKey, Outcome, packed};
 use serde_json::Value;
 
 use crate::gate::Gate;
-use crate::place::{Place, crop, method, wait_for, whole};
-use crate::servers::{database, store};
+use crate::place::{Place, Ports, crop, method, wait_for, whole};
 
 /// Enough that several workers meet.
 const SCANS: usize = 12;
@@ -18,7 +17,7 @@ fn every_scan_gets_one_result_whether_one_worker_measures_or_two() {
     for workers in [1, 2] {
         place.renew(SCANS);
         place.verb(&["index", "--once"]);
-        let start = |_| place.start(store().port, database().port, &["work", "--until-empty"]);
+        let start = |_| place.start(place.ports, &["work", "--until-empty"]);
         let mut running: Vec<_> = (0..workers).map(start).collect();
         running.iter_mut().for_each(|worker| worker.ends());
         assert_eq!(place.wrong(SCANS), Vec::<String>::new(), "{workers} workers");
@@ -90,7 +89,7 @@ fn a_refusal_is_a_result_and_a_damaged_scan_a_dead_letter() {
     let damaged = ScanId::of_bytes(&ply);
     place.bucket.put(&ObjectKey::Scan(damaged.clone()).to_string(), packed(&crop(1).0)).unwrap();
     place.verb(&["index", "--once"]);
-    let worker = place.start(store().port, database().port, &["work"]);
+    let worker = place.start(place.ports, &["work"]);
     let mut client = place.client();
     wait_for("the dead letter", || {
         place.time_passes();
@@ -117,9 +116,10 @@ fn while_a_server_is_away_no_attempt_counts() {
     let place = Place::new();
     place.renew(2);
     place.verb(&["index", "--once"]);
-    let gate = Gate::open(store().port);
+    let gate = Gate::open(place.ports.store);
     gate.close(true);
-    let mut worker = place.start(gate.port, database().port, &["work", "--until-empty"]);
+    let through = Ports { store: gate.port, ..place.ports };
+    let mut worker = place.start(through, &["work", "--until-empty"]);
     wait_for("a second try", || gate.sent_away() > 2);
     let attempts: i16 =
         place.client().query_one("select max(attempts) from job", &[]).unwrap().get(0);

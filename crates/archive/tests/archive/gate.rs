@@ -1,11 +1,15 @@
 //! A gate before a server: it lets bytes through, and at one of the pieces that a client sends it stops, before that
-//! piece or before what is answered to it.
+//! piece, before what is answered to it, or within it.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
+use std::time::Duration;
+
+/// How often a line that is stopped looks whether it goes on.
+const GLANCE: Duration = Duration::from_millis(5);
 
 /// Where the gate stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +18,8 @@ pub enum Stop {
     Before,
     /// The client does not get an answer to it.
     After,
+    /// The server gets half of the piece, and the line is cut. All others are let through.
+    Within,
 }
 
 /// The state of a gate.
@@ -23,6 +29,7 @@ struct State {
     at: usize,
     pieces: AtomicUsize,
     has_stopped: AtomicBool,
+    is_over: AtomicBool,
     is_closed: AtomicBool,
     sent_away: AtomicUsize,
 }
@@ -43,6 +50,7 @@ impl Gate {
             at,
             pieces: AtomicUsize::new(0),
             has_stopped: AtomicBool::new(false),
+            is_over: AtomicBool::new(false),
             is_closed: AtomicBool::new(false),
             sent_away: AtomicUsize::new(0),
         });
@@ -54,7 +62,8 @@ impl Gate {
                     shared.sent_away.fetch_add(1, Ordering::SeqCst);
                     continue;
                 }
-                let server = TcpStream::connect(("127.0.0.1", server)).unwrap();
+                // A server that was killed takes nobody.
+                let Ok(server) = TcpStream::connect(("127.0.0.1", server)) else { continue };
                 let (from, to, state) =
                     (client.try_clone().unwrap(), server.try_clone().unwrap(), Arc::clone(&shared));
                 thread::spawn(move || state.to_server(from, to));
@@ -74,6 +83,11 @@ impl Gate {
         self.state.has_stopped.load(Ordering::SeqCst)
     }
 
+    /// Cuts the lines that were stopped, and lets everything through from now on.
+    pub fn resume(&self) {
+        self.state.is_over.store(true, Ordering::SeqCst);
+    }
+
     /// Whether clients are sent away from now on.
     pub fn close(&self, is_closed: bool) {
         self.state.is_closed.store(is_closed, Ordering::SeqCst);
@@ -90,7 +104,20 @@ impl Gate {
     }
 }
 
+impl Drop for Gate {
+    fn drop(&mut self) {
+        self.resume();
+    }
+}
+
 impl State {
+    /// Whether nobody hears anything: from the stop on, until it goes on.
+    fn is_silent(&self) -> bool {
+        self.stop != Stop::Within
+            && self.has_stopped.load(Ordering::SeqCst)
+            && !self.is_over.load(Ordering::SeqCst)
+    }
+
     fn to_server(&self, mut from: TcpStream, mut to: TcpStream) {
         let mut piece = [0; 1 << 16];
         while let Ok(length @ 1..) = from.read(&mut piece) {
@@ -98,7 +125,12 @@ impl State {
             if is_it {
                 self.has_stopped.store(true, Ordering::SeqCst);
             }
-            if is_it && self.stop == Stop::Before || to.write_all(&piece[..length]).is_err() {
+            let passed = match self.stop {
+                Stop::Before if is_it => break,
+                Stop::Within if is_it => length / 2,
+                Stop::Before | Stop::After | Stop::Within => length,
+            };
+            if to.write_all(&piece[..passed]).is_err() || passed < length {
                 break;
             }
         }
@@ -108,16 +140,16 @@ impl State {
 
     fn to_client(&self, mut from: TcpStream, mut to: TcpStream) {
         let mut piece = [0; 1 << 16];
+        let mut was_silent = false;
         while let Ok(length @ 1..) = from.read(&mut piece) {
-            // From the stop on nobody hears anything.
-            let is_silent = self.has_stopped.load(Ordering::SeqCst);
-            if !is_silent && to.write_all(&piece[..length]).is_err() {
+            was_silent |= self.is_silent();
+            if !was_silent && to.write_all(&piece[..length]).is_err() {
                 break;
             }
         }
-        while self.has_stopped.load(Ordering::SeqCst) {
+        while self.is_silent() {
             // The client waits for an answer, and is not told that none comes.
-            thread::park();
+            thread::sleep(GLANCE);
         }
         let _ = to.shutdown(Shutdown::Both);
     }

@@ -1,14 +1,14 @@
 //! An archive of its own for each test: a database, a bucket, what stations have put there.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use gaiter_https::{Bucket, BucketPlace, HttpsClient, Secret, TlsFiles};
+use gaiter_https::{Bucket, BucketFault, BucketPlace, HttpsClient, Secret, TlsFiles};
 use gaiter_leg::{Extraction, Format, Method, WholeBody, extract};
 use gaiter_record::ScanId;
 use gaiter_record::archive::{
@@ -17,10 +17,17 @@ use gaiter_record::archive::{
 };
 use jiff::Timestamp;
 use postgres::Client;
-use support::scans::coarse_body;
+use support::recorded::coarse_body;
 use tempfile::TempDir;
 
 use crate::servers::{client, database, store};
+
+/// Where the servers are.
+#[derive(Debug, Clone, Copy)]
+pub struct Ports {
+    pub store: u16,
+    pub database: u16,
+}
 
 /// How long a verb may take, on a busy machine.
 const LONG: Duration = Duration::from_secs(120);
@@ -39,30 +46,41 @@ pub struct Place {
     database: String,
     bucket_name: String,
     pub bucket: Bucket,
+    pub ports: Ports,
 }
 
 impl Place {
+    /// On the servers of all tests.
     pub fn new() -> Place {
+        Place::on(Ports { store: store().port, database: database().port })
+    }
+
+    /// On these servers.
+    pub fn on(ports: Ports) -> Place {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let folder = tempfile::tempdir().unwrap();
-        let secret = folder.path().join("key");
-        fs::write(&secret, "word").unwrap();
+        fs::write(folder.path().join("key"), "word").unwrap();
         let (database, bucket_name) = (format!("archive_{number}"), format!("archive-{number}"));
-        client("postgres").batch_execute(&format!("create database {database}")).unwrap();
-        let place = BucketPlace {
-            address: format!("http://127.0.0.1:{}", store().port),
-            bucket: bucket_name.clone(),
-            region: "us-east-1".to_owned(),
-            key_id: "key".to_owned(),
-            secret: Secret::File(secret),
-        };
-        let asked = HttpsClient::new(TlsFiles::default(), None, LONG);
-        Place { folder, database, bucket_name, bucket: Bucket::new(place, asked) }
+        let mut client = client(ports.database, "postgres");
+        client.batch_execute(&format!("create database {database}")).unwrap();
+        let bucket = bucket(ports.store, &bucket_name, "key", &folder.path().join("key"));
+        // What is put under no key is the bucket itself.
+        bucket.put("", Vec::new()).unwrap();
+        Place { folder, database, bucket_name, bucket, ports }
+    }
+
+    /// The bucket as another key sees it, through another port.
+    pub fn bucket_of(&self, key_id: &str, port: u16) -> Bucket {
+        bucket(port, &self.bucket_name, key_id, &self.folder.path().join("key"))
+    }
+
+    pub fn bucket_name(&self) -> &str {
+        &self.bucket_name
     }
 
     pub fn client(&self) -> Client {
-        let mut client = client(&self.database);
+        let mut client = client(self.ports.database, &self.database);
         client.batch_execute("set search_path = gaiter").unwrap();
         client
     }
@@ -75,25 +93,8 @@ impl Place {
     }
 
     /// Puts a scan and its announcement there, as a station does.
-    pub fn announce(&self, (ply, whole): &(Vec<u8>, WholeBody)) {
-        let scan = ScanId::of_bytes(ply);
-        let key = ObjectKey::Scan(scan.clone()).to_string();
-        self.bucket.put(&key, packed(ply)).unwrap();
-        let announced = Announcement {
-            schema: Announcement::SCHEMA.to_owned(),
-            station: StationId::parse("booth-1").unwrap(),
-            export: ScanId::of_bytes(scan.as_str().as_bytes()),
-            scan,
-            bytes: ply.len() as u64,
-            record: RecordHash::of_bytes(ply),
-            revision: 1,
-            at: Timestamp::UNIX_EPOCH,
-            method: method(),
-            first_seen: Timestamp::UNIX_EPOCH,
-            shows: Shows::Legs { whole: Box::new(whole.clone()), patient: None },
-        };
-        let key = announced.key().to_string();
-        self.bucket.put(&key, announced.json().unwrap()).unwrap();
+    pub fn announce(&self, scan: &(Vec<u8>, WholeBody)) {
+        send(&self.bucket, scan).unwrap();
     }
 
     /// Takes a scan of nobody back, as its station does, a moment after it was announced.
@@ -109,7 +110,8 @@ impl Place {
     }
 
     /// A configuration that asks servers at these ports.
-    pub fn config(&self, store: u16, database: u16) -> PathBuf {
+    pub fn config(&self, ports: Ports) -> PathBuf {
+        let Ports { store, database } = ports;
         let path = self.folder.path().join(format!("{store}-{database}.toml"));
         let text = format!(
             "[database]\nhost = \"127.0.0.1\"\nport = \"{database}\"\nname = \"{}\"\nuser = \"postgres\"\n\
@@ -125,12 +127,12 @@ impl Place {
 
     /// A verb that is not begun yet.
     pub fn command(&self, args: &[&str]) -> Command {
-        self.command_at(store().port, database().port, args)
+        self.command_at(self.ports, args)
     }
 
-    fn command_at(&self, store: u16, database: u16, args: &[&str]) -> Command {
+    fn command_at(&self, ports: Ports, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter-archive"));
-        command.arg("--config").arg(self.config(store, database)).args(args);
+        command.arg("--config").arg(self.config(ports)).args(args);
         command.stdin(Stdio::null());
         command
     }
@@ -150,8 +152,8 @@ impl Place {
     }
 
     /// Starts a verb whose servers are at these ports.
-    pub fn start(&self, store: u16, database: u16, args: &[&str]) -> Running {
-        let mut command = self.command_at(store, database, args);
+    pub fn start(&self, ports: Ports, args: &[&str]) -> Running {
+        let mut command = self.command_at(ports, args);
         Running(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
     }
 
@@ -219,6 +221,38 @@ impl Place {
         }
         found
     }
+}
+
+fn bucket(port: u16, name: &str, key_id: &str, secret: &Path) -> Bucket {
+    let place = BucketPlace {
+        address: format!("http://127.0.0.1:{port}"),
+        bucket: name.to_owned(),
+        region: "us-east-1".to_owned(),
+        key_id: key_id.to_owned(),
+        secret: Secret::File(secret.to_owned()),
+    };
+    Bucket::new(place, HttpsClient::new(TlsFiles::default(), None, LONG))
+}
+
+/// Sends a scan and its announcement, as a station does.
+pub fn send(bucket: &Bucket, (ply, whole): &(Vec<u8>, WholeBody)) -> Result<(), BucketFault> {
+    let scan = ScanId::of_bytes(ply);
+    let announced = Announcement {
+        schema: Announcement::SCHEMA.to_owned(),
+        station: StationId::parse("booth-1").unwrap(),
+        export: ScanId::of_bytes(scan.as_str().as_bytes()),
+        scan: scan.clone(),
+        bytes: ply.len() as u64,
+        record: RecordHash::of_bytes(ply),
+        revision: 1,
+        at: Timestamp::UNIX_EPOCH,
+        method: method(),
+        first_seen: Timestamp::UNIX_EPOCH,
+        shows: Shows::Legs { whole: Box::new(whole.clone()), patient: None },
+    };
+    bucket.put_new(&ObjectKey::Scan(scan).to_string(), packed(ply))?;
+    bucket.put_new(&announced.key().to_string(), announced.json().unwrap())?;
+    Ok(())
 }
 
 /// A verb that runs; it is killed where the test ends before it.
