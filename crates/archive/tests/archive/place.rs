@@ -259,6 +259,10 @@ pub fn send(bucket: &Bucket, (ply, whole): &(Vec<u8>, WholeBody)) -> Result<(), 
 pub struct Running(Child);
 
 impl Running {
+    pub fn id(&self) -> u32 {
+        self.0.id()
+    }
+
     pub fn kill(&mut self) {
         self.0.kill().unwrap();
         self.0.wait().unwrap();

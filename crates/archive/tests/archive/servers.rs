@@ -2,7 +2,6 @@
 //! holds their standard input any longer.
 
 use std::env;
-use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::Write;
 use std::net::{TcpListener, TcpStream};

@@ -4,6 +4,7 @@
 
 mod adversary;
 mod everyday;
+mod fleet;
 mod simulation;
 mod trigger_laws;
 mod typed_laws;
