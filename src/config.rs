@@ -58,13 +58,9 @@ pub use words::WithoutTrigger;
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]
 pub struct Config {
-    /// `[station]`
     pub station: StationConfig,
-    /// `[scanner]`
     pub scanner: ScannerConfig,
-    /// `[capture]`
     pub capture: CaptureConfig,
-    /// `[patient]`
     pub patient: PatientConfig,
     /// `[trigger]` and `[patient.reader]`: the devices on the ports of the booth.
     pub trigger: TriggerConfig,
@@ -92,11 +88,9 @@ pub struct Config {
     pub visits: VisitsConfig,
     /// `[measure]`: limits on the measurement of one scan.
     pub measure: MeasureConfig,
-    /// `[store]`
     pub store: StoreConfig,
     /// `[retention]`: how long data is kept after it is no longer needed.
     pub retention: Retention,
-    /// `[status]`
     pub status: StatusConfig,
     /// `[page]`: the operator's page.
     pub page: PageConfig,
@@ -175,7 +169,6 @@ pub struct ScannerConfig {
 /// `[store]`: where records go.
 #[derive(Debug, Clone)]
 pub struct StoreConfig {
-    /// `[store.folder]`
     pub folder: FolderStoreConfig,
     /// `[store.copy]`: a second folder that receives every record too, if configured.
     pub copy: Option<FolderStoreConfig>,
@@ -213,7 +206,6 @@ pub struct StatusConfig {
 /// Why a file yields no configuration.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
-    /// The file could not be read.
     #[error("cannot read {}", path.display())]
     Unreadable {
         /// The file name as given.
@@ -226,7 +218,6 @@ pub enum ConfigError {
     Faults {
         /// The file name as given.
         path: PathBuf,
-        /// What is wrong.
         faults: Vec<ConfigFault>,
     },
 }

@@ -239,7 +239,6 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
 /// One record on its way to a store.
 #[derive(Debug, Clone, Copy)]
 pub struct Delivery<'a> {
-    /// The scan.
     pub scan: &'a ScanId,
     /// The patient's id; `None` if no patient was named.
     pub patient: Option<&'a str>,
@@ -281,7 +280,6 @@ impl<'a> Delivery<'a> {
 /// A record in a store, as far as its place tells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FoundRecord {
-    /// Its scan.
     pub scan: ScanId,
     /// The patient's id; `None` if no patient was named.
     pub patient: Option<String>,
@@ -291,14 +289,12 @@ pub struct FoundRecord {
     pub format: String,
     /// Size of the scan, bytes.
     pub size: u64,
-    /// Its folder.
     pub folder: PathBuf,
 }
 
 /// A scan as stored in its record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredScan {
-    /// Its bytes.
     pub bytes: Vec<u8>,
     /// The scanner's own measures that came with it, if any.
     pub ord: Option<Vec<u8>>,

@@ -33,7 +33,6 @@ const ID_MOST: u64 = 1024;
 pub enum AskFault {
     /// No configuration names the state folder.
     Config(ConfigError),
-    /// No station answers.
     NoStation {
         /// Its state folder.
         state_dir: PathBuf,

@@ -132,7 +132,6 @@ struct Report {
     exit: u8,
     /// Why the file could not be read, if it could not.
     unreadable: Option<String>,
-    /// The faults of the configuration.
     faults: Vec<ConfigFault>,
     /// The checks of the environment; empty if the configuration has faults.
     checks: Vec<Row>,

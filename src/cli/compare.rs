@@ -33,7 +33,6 @@ enum CompareFault {
     /// The records cannot be compared.
     #[error("{fault}; the records: {names}")]
     Course {
-        /// Why.
         fault: CourseFault,
         /// The paths, counted from 1.
         names: String,
@@ -136,7 +135,6 @@ struct Chosen {
     affected: Option<Affected>,
     /// Whether what is kept cannot be read.
     is_affected_unreadable: bool,
-    /// Makes a course of records.
     make: fn(&[Record], Choice) -> Result<Course, CourseFault>,
 }
 

@@ -211,7 +211,6 @@ fn same_folder(scans: &[Result<PathBuf, FolderFault>]) -> Option<[&Path; 2]> {
 /// Why a file gave no record.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum FileFault {
-    /// It cannot be read.
     #[error("{0}")]
     Unreadable(#[source] io::Error),
     /// Reading it might block forever, or return no file content.
@@ -356,12 +355,7 @@ enum Undelivered {
     Json(#[from] serde_json::Error),
     /// A file or folder of the record cannot be written.
     #[error("cannot write {}: {source}", terminal_safe(path.display()))]
-    Write {
-        /// Its path.
-        path: PathBuf,
-        /// The underlying error.
-        source: io::Error,
-    },
+    Write { path: PathBuf, source: io::Error },
     /// Something else is in the record's place.
     #[error(
         "{} is not an unchanged record of this scan: {what}; nothing was written there; move it \

@@ -39,28 +39,13 @@ enum OrderVerbFault {
     Ref(#[from] RefFault),
     /// The last order cannot be read.
     #[error("{}: {source}", terminal_safe(path.display()))]
-    Unreadable {
-        /// Its path.
-        path: PathBuf,
-        /// The underlying error.
-        source: io::Error,
-    },
+    Unreadable { path: PathBuf, source: io::Error },
     /// It is none.
     #[error("{}: {}", terminal_safe(path.display()), terminal_safe(source))]
-    Last {
-        /// Its path.
-        path: PathBuf,
-        /// Why.
-        source: LastFault,
-    },
+    Last { path: PathBuf, source: LastFault },
     /// It cannot be repeated for this record.
     #[error("{}: {}", terminal_safe(path.display()), terminal_safe(source))]
-    Reorder {
-        /// Its path.
-        path: PathBuf,
-        /// Why.
-        source: ReorderFault,
-    },
+    Reorder { path: PathBuf, source: ReorderFault },
     /// The order cannot be written as JSON.
     #[error("the order cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),

@@ -50,7 +50,6 @@ pub fn told(paths: &[PathBuf], as_json: bool) -> String {
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportFault {
-    /// Nothing has this name.
     #[error(
         "{}: there is no such file or folder; name a record's folder, its record.json, or a \
          patient's folder", terminal_safe(.0.display())
@@ -64,24 +63,12 @@ pub enum ReportFault {
     NoRecordIn(PathBuf),
     /// It is a folder that cannot be listed.
     #[error("{}: {}", terminal_safe(path.display()), terminal_safe(chain(source)))]
-    Unlisted {
-        /// The path.
-        path: PathBuf,
-        /// Why.
-        source: StoreFault,
-    },
+    Unlisted { path: PathBuf, source: StoreFault },
     /// The record cannot be looked at or read.
     #[error("{}: {}", terminal_safe(path.display()), terminal_safe(source))]
-    Unreadable {
-        /// Its path.
-        path: PathBuf,
-        /// The underlying error.
-        source: io::Error,
-    },
-    /// It is not a record.
+    Unreadable { path: PathBuf, source: io::Error },
     #[error("{}: is not a gaiter record: {source}", terminal_safe(path.display()))]
     NoRecord {
-        /// Its path.
         path: PathBuf,
         /// Why it cannot be parsed.
         source: serde_json::Error,
@@ -92,28 +79,17 @@ pub enum ReportFault {
          restore the folder from a backup, or measure the scan again with gaiter extract",
         terminal_safe(path.display()), terminal_safe(source)
     )]
-    Changed {
-        /// Its path.
-        path: PathBuf,
-        /// What changed.
-        source: SumsFault,
-    },
+    Changed { path: PathBuf, source: SumsFault },
     /// Its figures are impossible for a leg.
     #[error("{}: is not a record of a leg: {source}", terminal_safe(path.display()))]
     Impossible {
-        /// Its path.
         path: PathBuf,
         /// Which figure is impossible.
         source: RecordFault,
     },
     /// It has another schema.
     #[error("{}: has the schema {}, this program knows {SCHEMA}", terminal_safe(path.display()), terminal_safe(schema))]
-    OtherSchema {
-        /// Its path.
-        path: PathBuf,
-        /// Its schema.
-        schema: String,
-    },
+    OtherSchema { path: PathBuf, schema: String },
     /// The destination is the folder of a record.
     #[error(
         "{} is the folder of a record, and {SUMS} covers every file in it; nothing was written: \
@@ -132,7 +108,6 @@ pub enum ReportFault {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// The underlying error.
         source: io::Error,
     },
 }

@@ -34,7 +34,6 @@ pub enum What {
     NotALimit {
         /// As written.
         text: String,
-        /// The unit.
         unit: &'static str,
     },
     /// A duration, size, length or distance outside the allowed range.

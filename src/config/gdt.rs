@@ -34,7 +34,6 @@ pub struct GdtStoreConfig {
 pub struct OrdersConfig {
     /// The folder.
     pub path: PathBuf,
-    /// Which files are orders.
     pub files: Mask,
     /// When they arrive, relative to the press.
     pub when: OrdersWhen,
@@ -51,7 +50,6 @@ pub struct OrdersConfig {
 /// What happens to an order after it is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AfterOrder {
-    /// It is deleted.
     Delete,
     /// It stays in the folder, and the station remembers it.
     Keep,

@@ -20,9 +20,7 @@ const ID: &str = "{id}";
 /// A USB device by the ids that it reports.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UsbName {
-    /// Vendor.
     pub vendor: u16,
-    /// Product.
     pub product: u16,
     /// Serial number; `None` for any device of the product.
     pub serial: Option<String>,
@@ -47,7 +45,6 @@ pub enum SerialPlace {
 /// Where an input device is found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InputPlace {
-    /// At this path.
     Path(PathBuf),
     /// By the name that it reports.
     Name(String),
@@ -56,7 +53,6 @@ pub enum InputPlace {
 /// Where a reader is found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReaderPort {
-    /// At a serial port.
     Serial(SerialPlace),
     /// As a keyboard.
     Keys(InputPlace),
@@ -65,11 +61,8 @@ pub enum ReaderPort {
 /// The parity bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parity {
-    /// No parity bit.
     None,
-    /// Even parity.
     Even,
-    /// Odd parity.
     Odd,
 }
 
@@ -80,7 +73,6 @@ pub struct Settings {
     pub baud: u32,
     /// 7 or 8.
     pub data_bits: u8,
-    /// The parity bit.
     pub parity: Parity,
     /// 1 or 2.
     pub stop_bits: u8,

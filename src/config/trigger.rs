@@ -52,7 +52,6 @@ pub type Say = BTreeMap<Signal, Vec<u8>>;
 /// `[trigger.serial]`
 #[derive(Debug, Clone)]
 pub struct SerialTrigger {
-    /// The line.
     pub line: SerialLine,
     /// The lines of text that count as presses.
     pub tokens: Tokens,
@@ -61,7 +60,6 @@ pub struct SerialTrigger {
 /// `[trigger.usb]`
 #[derive(Debug, Clone)]
 pub struct UsbTrigger {
-    /// The device.
     pub device: UsbName,
     /// What its reports contain while the button is down.
     pub pattern: Pattern,
@@ -70,7 +68,6 @@ pub struct UsbTrigger {
 /// `[trigger.keys]`
 #[derive(Debug, Clone)]
 pub struct KeysTrigger {
-    /// The device.
     pub device: InputPlace,
     /// The key that is the button.
     pub key: u16,
@@ -79,7 +76,6 @@ pub struct KeysTrigger {
 /// `[patient.reader]`
 #[derive(Debug, Clone)]
 pub struct ReaderConfig {
-    /// Where it is.
     pub at: ReaderPlace,
     /// What it puts around an id.
     pub codes: Codes,

@@ -166,7 +166,6 @@ pub struct LockedCaptures<'a> {
 pub struct BoothState {
     /// What the light shows.
     pub signal: Signal,
-    /// How many exports are awaited.
     pub awaited: usize,
     /// A patient is named for the next press.
     pub is_named: bool,

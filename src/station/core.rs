@@ -26,7 +26,6 @@ use crate::config::{Config, PhantomConfig};
 /// What the workers of a station share.
 #[derive(Debug)]
 pub struct Core {
-    /// The configuration.
     pub config: Config,
     /// The rules for patients' ids.
     pub identity: Identity,
@@ -46,7 +45,6 @@ pub struct Core {
     pub anew: Notify,
     /// Errors that may or may not mean that the journal is damaged.
     pub suspicion: Suspicion,
-    /// The station's own clock.
     pub clock: Clock,
     space: Mutex<Space>,
     paused: AtomicBool,

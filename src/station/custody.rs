@@ -72,11 +72,8 @@ pub struct Custody {
 /// Bytes that have come in.
 #[derive(Debug)]
 pub struct Arrival<'a> {
-    /// Their id.
     pub scan: &'a ScanId,
-    /// The bytes.
     pub bytes: &'a [u8],
-    /// Their format.
     pub format: Format,
     /// The file's own time.
     pub file_time: Option<Timestamp>,
@@ -97,15 +94,12 @@ pub struct Arrival<'a> {
 /// Why custody could not change. It is unchanged, or recovers at the next start or attempt.
 #[derive(Debug, thiserror::Error)]
 pub enum CustodyFault {
-    /// The journal failed.
     #[error("the journal could not be read or written")]
     Journal(#[from] JournalError),
     /// The state folder failed.
     #[error("{what} failed")]
     Io {
-        /// What was tried.
         what: &'static str,
-        /// How it failed.
         #[source]
         source: io::Error,
     },

@@ -32,7 +32,6 @@ impl SimulatedButton {
         Ok(SimulatedButton { box_end, port })
     }
 
-    /// The port's path.
     pub fn port(&self) -> &PathBuf {
         &self.port
     }

@@ -18,7 +18,6 @@ pub enum StationError {
     State {
         /// The folder.
         path: PathBuf,
-        /// How it failed.
         #[source]
         source: io::Error,
     },
@@ -46,16 +45,13 @@ pub enum StationError {
     /// The journal could not be opened.
     #[error("opening the journal {path} failed")]
     Journal {
-        /// The journal.
         path: PathBuf,
-        /// How it failed.
         #[source]
         source: JournalError,
     },
     /// A corrupt journal could not be set aside.
     #[error("setting a corrupt journal aside failed")]
     SetAside {
-        /// How it failed.
         #[source]
         source: io::Error,
     },
@@ -77,18 +73,13 @@ pub enum StationError {
     /// A worker panicked, or a step of its own.
     #[error("{worker} panicked")]
     WorkerPanicked {
-        /// The worker.
         worker: Worker,
-        /// The panic.
         #[source]
         source: JoinError,
     },
     /// A worker ended without being asked to.
     #[error("{worker} ended unexpectedly")]
-    WorkerStopped {
-        /// The worker.
-        worker: Worker,
-    },
+    WorkerStopped { worker: Worker },
 }
 
 /// The workers of a station.

@@ -13,9 +13,7 @@ use gaiter_flow::ScanId;
 pub enum StationEvent {
     /// The journal is open and every folder in reach has been looked at.
     Ready,
-    /// The button was pressed.
     Pressed,
-    /// No export came for a press.
     NoExport,
     /// Its format shows that more data will come; the station waits for it.
     AwaitsRest {

@@ -58,7 +58,6 @@ const GATE_RETRY: Duration = Duration::from_secs(2);
 pub struct ExportDir {
     /// Its place among them, from 0.
     pub place: usize,
-    /// Its path.
     pub folder: PathBuf,
 }
 

@@ -28,7 +28,6 @@ pub struct Overview {
     pub complaints: Vec<Complaint>,
     /// How long the station has been running.
     pub running: Duration,
-    /// The time of the overview.
     pub now: Timestamp,
 }
 

@@ -145,7 +145,6 @@ fn hl7_store(config: &Config, hl7: &Hl7StoreConfig) -> Hl7Store {
     Hl7Store::new(hl7.way.clone(), rules, &config.station.state_dir).of_station(station)
 }
 
-/// The store of an archive.
 fn archive_store(config: &Config, archive: &ArchiveStoreConfig) -> ArchiveStore {
     let job = CropJob { method: config.method.clone(), choice: archive.crop };
     let crops = ConfinedCrop { limits: config.measure, job };

@@ -101,7 +101,6 @@ pub trait CropScan: fmt::Debug + Send + Sync {
     fn longest(&self) -> Duration;
 }
 
-/// An archive as a store.
 #[derive(Debug)]
 pub struct ArchiveStore {
     place: ArchivePlace,

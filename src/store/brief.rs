@@ -16,15 +16,12 @@ const RECORD_MOST: u64 = 16_000_000;
 /// What is read.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Brief {
-    /// The revision.
     pub revision: u32,
     /// Its patient; `None` if none was named.
     pub patient: Option<Patient>,
     /// When the scan was taken.
     pub acquired: Option<Acquired>,
-    /// The scan.
     pub scan: BriefScan,
-    /// What people set.
     #[serde(default)]
     pub amendments: Vec<BriefAmendment>,
 }
@@ -39,15 +36,10 @@ pub struct BriefScan {
 /// A measure that a person set.
 #[derive(Debug, Clone, Deserialize)]
 pub struct BriefAmendment {
-    /// Which leg.
     pub leg: String,
-    /// Which measure.
     pub measure: String,
-    /// Why.
     pub reason: String,
-    /// Who.
     pub by: String,
-    /// When.
     pub at: Timestamp,
 }
 

@@ -15,11 +15,8 @@ pub enum StoreFault {
     /// The store cannot take the record now, but may later.
     #[error("{what} failed on {path}")]
     Transient {
-        /// What was tried.
         what: &'static str,
-        /// On what.
         path: PathBuf,
-        /// How it failed.
         #[source]
         source: io::Error,
     },
@@ -89,21 +86,13 @@ pub enum Rejection {
     OtherBytes,
     /// A file name that could leave the record's folder or hide.
     #[error("a file of the record has the invalid name {name:?}")]
-    FileName {
-        /// The name.
-        name: String,
-    },
+    FileName { name: String },
     /// The record's place is taken by something that is not this scan's complete record.
     #[error("its folder exists but is not this scan's complete record: {0}")]
     Occupied(sums::SumsFault),
     /// Something is in the way of this record alone.
     #[error("something is in its way: {what} failed ({error})")]
-    InTheWay {
-        /// What was tried.
-        what: &'static str,
-        /// How it failed.
-        error: io::ErrorKind,
-    },
+    InTheWay { what: &'static str, error: io::ErrorKind },
     /// The patient's folder is a link, which may lead to another patient's.
     #[error("the patient's folder is a symbolic link")]
     FolderIsLink,
@@ -148,7 +137,6 @@ pub enum Rejection {
     /// The server does not take what was sent. The words are without the patient's id.
     #[error("the server does not take the record ({status}): {why}")]
     ServerRefused {
-        /// The status of its answer.
         status: u16,
         /// What it says.
         why: String,

@@ -222,7 +222,6 @@ pub struct Given {
     pub sha256: String,
     /// The file under which it was handed over.
     pub file: PathBuf,
-    /// When.
     pub at: Timestamp,
     /// The file is there: it was not fetched, or another result has its name by now.
     pub is_there: bool,

@@ -36,7 +36,6 @@ pub enum Hl7Way {
     Mllp {
         /// Name or address of the receiver; an address of IPv6 in brackets.
         host: String,
-        /// Its port.
         port: u16,
         /// What is trusted; `None` for a connection that is not encrypted.
         tls: Option<TlsFiles>,

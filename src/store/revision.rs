@@ -29,7 +29,6 @@ const STAGING: &str = ".reextract.";
 /// The record of one scan for one patient with all its revisions in a folder store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Family {
-    /// The folder they are in.
     pub patient_folder: PathBuf,
     /// The revisions, the latest last; at least one.
     revisions: Vec<(RecordName, PathBuf)>,

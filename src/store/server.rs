@@ -22,7 +22,6 @@ pub enum ServerFault {
     /// It lets the station in no more, or not for this.
     #[error("the server does not let the station do this ({status}): {why}")]
     Forbidden {
-        /// The status of the answer.
         status: u16,
         /// What the server says.
         why: String,
@@ -30,7 +29,6 @@ pub enum ServerFault {
     /// It is busy, or has a fault of its own.
     #[error("the server cannot do it now ({status}): {why}")]
     Busy {
-        /// The status of the answer.
         status: u16,
         /// What the server says.
         why: String,
@@ -64,7 +62,6 @@ pub enum TokenFault {
     /// The place of tokens gives none.
     #[error("the server answers {status}: {why}")]
     Refused {
-        /// The status of the answer.
         status: u16,
         /// What the server says.
         why: String,

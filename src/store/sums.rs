@@ -30,7 +30,6 @@ pub enum SumsFault {
         /// 1-based.
         line: usize,
     },
-    /// A listed file is missing.
     #[error("its file {name:?} is missing")]
     Missing {
         /// The listed name.

@@ -14,9 +14,7 @@ use toml::de::DeTable;
 /// The configuration.
 #[derive(Debug, Clone)]
 pub struct ArchiveConfig {
-    /// `[database]`
     pub database: DatabasePlace,
-    /// `[objects]`
     pub objects: BucketPlace,
     /// `[objects]`: which authorities are trusted.
     pub objects_tls: TlsFiles,
@@ -29,9 +27,7 @@ pub struct ArchiveConfig {
 pub struct DatabasePlace {
     /// A host, or the full path of the folder with its socket.
     pub host: String,
-    /// The port.
     pub port: u16,
-    /// The database.
     pub name: String,
     /// The role.
     pub user: String,
@@ -75,7 +71,6 @@ impl Hint for What {
     }
 }
 
-/// A fault of the file.
 pub type FileFault = gaiter_toml::Fault<What>;
 
 /// Why there is no configuration.
@@ -83,13 +78,7 @@ pub type FileFault = gaiter_toml::Fault<What>;
 pub enum ConfigFault {
     /// The file cannot be read.
     #[error("{}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// It has faults.
+    Unreadable { path: PathBuf, source: io::Error },
     #[error("the configuration has faults:\n{}", lines(.0))]
     Faults(Vec<FileFault>),
 }

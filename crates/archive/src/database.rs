@@ -17,7 +17,6 @@ use crate::figures::Figures;
 /// The tables and views.
 const SCHEMA: &str = include_str!("../schema.sql");
 
-/// The number of the schema.
 const SCHEMA_NUMBER: i32 = 1;
 
 /// Whether there are tables.
@@ -44,7 +43,6 @@ const REFUSED: [Disposition; 2] = [Disposition::Refused, Disposition::Closed];
 /// A claimed job.
 #[derive(Debug, Clone)]
 pub struct Claimed {
-    /// The scan.
     pub scan: ScanId,
     /// The length of its PLY, bytes.
     pub bytes: u64,

@@ -28,7 +28,6 @@ pub enum ArchiveFault {
     /// The database has another schema.
     #[error("the database has schema {found}, and this version has {own}")]
     OtherSchema {
-        /// The schema found.
         found: i32,
         /// That of this version.
         own: i32,

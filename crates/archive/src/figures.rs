@@ -13,9 +13,7 @@ pub const MEASURED: &str = "measured";
 pub struct Figures {
     /// [`MEASURED`], or the code of a refusal.
     pub outcome: String,
-    /// The stature.
     pub stature_mm: Option<f64>,
-    /// The height of the crotch.
     pub crotch_height_mm: Option<f64>,
     /// The codes of the findings.
     pub findings: Vec<String>,

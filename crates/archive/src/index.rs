@@ -47,7 +47,6 @@ pub enum Unread {
     /// It cannot be unpacked.
     #[error(transparent)]
     Packing(#[from] PackingFault),
-    /// It has gone.
     #[error("it is no longer there")]
     Gone,
 }

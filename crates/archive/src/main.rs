@@ -33,7 +33,6 @@ const EXIT_USAGE: u8 = 64;
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// The configuration.
     #[arg(long, global = true, default_value = "/etc/gaiter/archive.toml")]
     config: PathBuf,
     /// What to do.
@@ -71,15 +70,11 @@ enum Verb {
     Query {
         /// calf-by-stature, repeatability, phantom-drift, or a statement in SQL.
         question: String,
-        /// As JSON.
         #[arg(long)]
         json: bool,
     },
     /// Writes the figures of all scans as Parquet, a file for each method and month; replaces those of before.
-    Export {
-        /// The folder.
-        folder: PathBuf,
-    },
+    Export { folder: PathBuf },
     /// Tries out configuration, database, bucket and confinement.
     Check,
     /// Measures all scans by the method of this version: a sample first, then, with --go, all others.

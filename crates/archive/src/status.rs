@@ -29,7 +29,6 @@ struct Status {
     stations: Vec<StationRow>,
 }
 
-/// A method.
 #[derive(Debug, Serialize)]
 struct MethodRow {
     method: String,
@@ -56,7 +55,6 @@ struct LetterRow {
     reason: String,
 }
 
-/// A station.
 #[derive(Debug, Serialize)]
 struct StationRow {
     station: String,

@@ -45,10 +45,7 @@ enum Done {
     /// It has a result, which is in the store.
     Result(Box<ScanResult>),
     /// It has none.
-    Not {
-        /// Why.
-        reason: String,
-    },
+    Not { reason: String },
 }
 
 /// Measures what is to be measured. It waits for servers that are away.

@@ -14,6 +14,8 @@
 //! | `iges/solid.rs`, `iges/notation.rs` | its faces and edges; the notation of IGES files |
 //! | [`mesh`] | STL, OBJ and glTF: triangles within a tolerance |
 
+#![warn(missing_docs)]
+
 pub mod ends;
 pub mod header;
 pub mod iges;

@@ -32,10 +32,7 @@ pub enum ConfineFault {
     Seccomp(#[from] seccompiler::Error),
     /// The kernel lacks a guard that the configuration requires.
     #[error("the kernel has no {missing}, and measure.confine requires it")]
-    Lacking {
-        /// What it lacks.
-        missing: &'static str,
-    },
+    Lacking { missing: &'static str },
     /// The guards could not be tried.
     #[error("the guards of this machine could not be tried")]
     NotTried(#[from] std::io::Error),

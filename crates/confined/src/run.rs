@@ -31,7 +31,6 @@ const COMPLAINT_MAX_BYTES: u64 = 400;
 /// How a process ended.
 #[derive(Debug)]
 pub enum Ended<A> {
-    /// With an answer.
     Answered(A),
     /// It exceeded a limit, or ended without an answer.
     Trouble(Trouble),

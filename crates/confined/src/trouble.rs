@@ -12,7 +12,6 @@ pub enum Trouble {
     /// It took too long.
     #[error("measuring took more than {} s", .limit.as_secs())]
     Wall {
-        /// The limit.
         limit: Duration,
         /// The processor time that it used; `None` if unknown.
         cpu: Option<Duration>,
@@ -22,10 +21,7 @@ pub enum Trouble {
     Memory(u64),
     /// Something else ended its process.
     #[error("measuring was killed from outside by signal {signal}")]
-    Killed {
-        /// The signal.
-        signal: i32,
-    },
+    Killed { signal: i32 },
     /// Its process could not be prepared.
     #[error("the measuring process ended with exit code {code}{complaint}")]
     NotReady {
@@ -34,10 +30,8 @@ pub enum Trouble {
         /// Its error output.
         complaint: String,
     },
-    /// Its process crashed.
     #[error("measuring ended with signal {signal}{complaint}")]
     Crashed {
-        /// The signal.
         signal: i32,
         /// Its error output.
         complaint: String,
@@ -92,7 +86,6 @@ impl Trouble {
         }
     }
 
-    /// What is to blame.
     pub fn blame(&self) -> Blame {
         match self {
             // A machine that sleeps or stalls lets the time pass without computing.

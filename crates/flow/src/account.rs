@@ -27,7 +27,6 @@ pub struct Seen {
     pub scan: String,
     /// When the station first saw it.
     pub first_seen: Timestamp,
-    /// Its state.
     pub state: ScanState,
 }
 
@@ -38,9 +37,7 @@ pub struct Listed {
     pub scan: String,
     /// When the station first saw it.
     pub first_seen: Timestamp,
-    /// Its state.
     pub state: ScanState,
-    /// What became of it.
     pub disposition: Disposition,
     /// A delivery of it waits for the operator.
     pub held: bool,
@@ -107,7 +104,6 @@ gaiter_record::word_enum! {
 pub struct Search {
     /// The beginning of a scan's id, or a part of a patient's id; everything if empty.
     pub text: String,
-    /// The state.
     pub state: Option<SearchState>,
     /// First seen at this time or later.
     pub from: Option<Timestamp>,
@@ -122,13 +118,11 @@ pub struct Search {
     pub limit: u32,
 }
 
-/// The states to search for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SearchState {
     /// It waits for a decision.
     Undecided,
-    /// It was refused.
     Refused,
     /// A patient has its record.
     Delivered,
@@ -248,7 +242,6 @@ impl Whole {
 pub struct Happened {
     /// When, UTC.
     pub at: String,
-    /// What happened.
     pub event: String,
     /// Its details as JSON; may contain patients' ids.
     pub detail: String,
@@ -257,7 +250,6 @@ pub struct Happened {
 /// The scan itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Its state.
     pub state: ScanState,
     /// When the station first saw it.
     pub first_seen: Timestamp,
@@ -283,9 +275,7 @@ pub struct Summary {
 pub struct Delivered {
     /// The patient's id; `None` while no patient is named.
     pub patient: Option<String>,
-    /// The store.
     pub store: String,
-    /// Its state.
     pub state: DeliveryState,
     /// Why it is held or was refused.
     pub code: Option<String>,

@@ -13,12 +13,7 @@ pub enum Heard {
     Press(Press),
     /// The patient of the next scan was named: a card or barcode was read, or the operator entered the id.
     /// The id is as it was read; the station decides whether it is valid.
-    Named {
-        /// The id.
-        id: String,
-        /// The source that named it.
-        by: SourceKind,
-    },
+    Named { id: String, by: SourceKind },
     /// The file of an order names the patient of the next scan.
     Ordered {
         /// The id, as it was read.

@@ -21,7 +21,6 @@ const OF_DISK: [&str; 9] = ["2", "5", "13", "20", "21", "28", "30", "116", "122"
 /// Why something does not work.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cause {
-    /// In English.
     english: String,
     /// The key of its text in the table `cause` of each language; `None` if there are only the English words of
     /// a library.

@@ -56,7 +56,6 @@ pub struct Complaint {
 #[serde(transparent)]
 pub struct ComplaintFigures(BTreeMap<String, ComplaintFigure>);
 
-/// A figure of a complaint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ComplaintFigure {

@@ -21,7 +21,6 @@ pub enum Enforced {
     Fully,
     /// An older version: files are closed to the process; some newer restrictions are missing.
     Partly,
-    /// Nothing.
     Not,
 }
 

@@ -9,9 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Decision {
-    /// When.
     pub at: Timestamp,
-    /// What.
     pub what: Decided,
     /// The patient to whom the scan belongs as a result; for a scan that was taken back, the previous
     /// patient. `None` if the decision concerns no patient.

@@ -73,9 +73,7 @@ impl Disposition {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Task {
-    /// Nothing.
     Nothing,
-    /// Decide about it.
     Decide,
     /// Take measures by hand that its record lacks, or scan the patient again.
     Complete,

@@ -33,9 +33,7 @@ pub struct FileHistory {
 /// Who asks: in which language, and in which time zone times are told.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked<'a> {
-    /// The language.
     pub language: Language,
-    /// The time zone.
     pub zone: &'a TimeZone,
 }
 

@@ -54,7 +54,6 @@ pub struct Facts {
 pub struct SourceFacts {
     /// The folder; `None` before its worker starts. Paths are never shown in a status.
     pub folder: Option<PathBuf>,
-    /// Its state.
     pub state: SourceState,
     /// Since when it is in this state.
     pub since: Timestamp,
@@ -121,7 +120,6 @@ impl SourceState {
 /// A file that is not taken yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WaitingFile {
-    /// What it waits for.
     pub wait: Wait,
     /// Since when, by the station's wall clock.
     pub since: Timestamp,
@@ -172,7 +170,6 @@ impl StoreRefusal {
 pub enum StoreAttempt {
     /// A look whether it can be reached.
     Look(Option<StoreRefusal>),
-    /// A delivery.
     Delivery(Option<StoreRefusal>),
 }
 
@@ -209,7 +206,6 @@ impl StoreFacts {
 /// One port of the booth.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct TriggerFacts {
-    /// Its state.
     pub state: PortState,
     /// Why it is not open, without its path.
     pub why: Option<Cause>,
@@ -247,7 +243,6 @@ pub enum IntakeState {
     /// Scans are taken in.
     #[default]
     Open,
-    /// The operator has paused the station.
     Paused,
     /// The disk of the state folder is nearly full; exports stay where they are.
     DiskLow {
@@ -277,7 +272,6 @@ impl IntakeState {
 pub struct Alarm {
     /// The figures in its message.
     pub figures: ComplaintFigures,
-    /// Since when.
     pub since: Timestamp,
 }
 

@@ -15,7 +15,6 @@
 use serde::{Deserialize, Serialize};
 
 gaiter_record::word_enum! {
-    /// Where a scan is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum ScanState as serde {
         /// Its bytes are in the spool; at least one delivery is to be made.
@@ -41,7 +40,6 @@ gaiter_record::word_enum! {
 }
 
 gaiter_record::word_enum! {
-    /// Where a delivery is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     pub enum DeliveryState as serde {
         /// To be made.

@@ -23,7 +23,6 @@ pub enum Last {
     /// This scan ended, or needs a person. How it stands is asked when the light is shown: a person may have
     /// decided since.
     Scan {
-        /// The scan.
         scan: ScanId,
         /// What is to be done with the patient, in sentences.
         to_do: Vec<String>,

@@ -113,7 +113,6 @@ pub type FolderId = (u64, u64);
 /// What a look at the folder of orders means for the orders that it does not list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unlisted {
-    /// They are gone.
     Gone,
     /// Nothing yet, but this is their folder from now on.
     TheirFolder,

@@ -15,11 +15,9 @@ const SEVERAL: usize = 3;
 /// Identifies one delivery.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
-    /// The scan.
     pub scan: ScanId,
     /// The patient's id; `None` while no patient is named.
     pub patient: Option<String>,
-    /// The store's name.
     pub store: String,
 }
 
@@ -63,10 +61,11 @@ enum Reach {
     Unknown,
     /// It is being asked.
     Asked,
-    /// It answered.
     Answers,
     /// It is to be asked again at this time.
-    Away { until: Duration },
+    Away {
+        until: Duration,
+    },
     /// An operation that was started there does not return.
     Stalled,
 }

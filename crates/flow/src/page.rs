@@ -37,7 +37,6 @@ pub const SCHEMA: &str = "gaiter.page/1";
 /// Who sees patients' ids on the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IdsShown {
-    /// Nobody.
     Nobody,
     /// People with the station's token.
     Operator,
@@ -65,9 +64,7 @@ pub struct Shown {
     pub page: String,
     /// The station's name.
     pub station: String,
-    /// The one light.
     pub light: LightShown,
-    /// Who is next.
     pub next: NextShown,
     /// The operator has paused the station.
     pub paused: bool,
@@ -135,9 +132,7 @@ pub struct StationView<'a> {
     pub facts: &'a Facts,
     /// What keeps it from being ready.
     pub complaints: &'a [Complaint],
-    /// The booth.
     pub booth: Situation<'a>,
-    /// The current time.
     pub now: Timestamp,
 }
 

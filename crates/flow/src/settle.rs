@@ -59,7 +59,6 @@ pub struct LookTime {
 /// A file that may be taken now.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Settled {
-    /// The file.
     pub path: PathBuf,
     /// The state in which it was unchanged for the quiet time.
     pub stamp: Stamp,

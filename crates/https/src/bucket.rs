@@ -25,7 +25,6 @@ const DATE: &str = "x-amz-date";
 pub struct BucketPlace {
     /// The store's address without a slash at its end: `https://s3.clinic.example`.
     pub address: String,
-    /// The bucket.
     pub bucket: String,
     /// The region; stores that have none take any word.
     pub region: String,
@@ -35,7 +34,6 @@ pub struct BucketPlace {
     pub secret: Secret,
 }
 
-/// A bucket.
 #[derive(Debug)]
 pub struct Bucket {
     place: BucketPlace,
@@ -47,7 +45,6 @@ pub struct Bucket {
 pub enum PutNew {
     /// It is there now.
     Stored,
-    /// There was one.
     AlreadyThere,
 }
 
@@ -75,7 +72,6 @@ pub enum BucketFault {
     /// It answers otherwise.
     #[error("the store of objects answers {status}: {said}")]
     Status {
-        /// The status of its answer.
         status: u16,
         /// What it says.
         said: String,

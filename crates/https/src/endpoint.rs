@@ -11,7 +11,6 @@ use http::Uri;
 pub struct Endpoint {
     /// Name or address of the host; an IPv6 address in brackets.
     pub host: String,
-    /// The port.
     pub port: u16,
     /// Whether the connection is encrypted.
     pub is_encrypted: bool,
@@ -93,10 +92,8 @@ pub struct TlsFiles {
     pub own: Option<(PathBuf, Secret)>,
 }
 
-/// Where a secret is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Secret {
-    /// In a file.
     File(PathBuf),
     /// In a credential of systemd (`LoadCredential=`), by its name.
     Credential(String),

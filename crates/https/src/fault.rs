@@ -28,45 +28,22 @@ pub enum HttpFault {
     Certificates(#[from] TlsFault),
     /// The network does not say what address the host has.
     #[error("the network does not know {host}")]
-    UnknownHost {
-        /// The host.
-        host: String,
-    },
+    UnknownHost { host: String },
     /// The host cannot be reached.
     #[error("{host} cannot be reached: {source}")]
-    Connect {
-        /// The host.
-        host: String,
-        /// The underlying error.
-        source: io::Error,
-    },
+    Connect { host: String, source: io::Error },
     /// The proxy does not let the connection through.
     #[error("the proxy does not let the connection through: {0}")]
     Proxy(String),
     /// The server cannot be trusted, or does not trust the station.
     #[error("no safe connection with {host}: {source}")]
-    Tls {
-        /// The host.
-        host: String,
-        /// The underlying error.
-        source: io::Error,
-    },
+    Tls { host: String, source: io::Error },
     /// The connection ended before the answer did.
     #[error("the connection with {host} broke: {source}")]
-    Broken {
-        /// The host.
-        host: String,
-        /// The underlying error.
-        source: io::Error,
-    },
+    Broken { host: String, source: io::Error },
     /// What was received is no HTTP.
     #[error("{host} does not answer by HTTP: {why}")]
-    NotHttp {
-        /// The host.
-        host: String,
-        /// What is wrong.
-        why: String,
-    },
+    NotHttp { host: String, why: String },
     /// The answer is longer than any that is expected.
     #[error("the answer has more than {most} bytes")]
     TooLong {
@@ -78,10 +55,7 @@ pub enum HttpFault {
     Redirect,
     /// The exchange took too long.
     #[error("no whole answer within {} s", limit.as_secs_f64())]
-    TimedOut {
-        /// The limit.
-        limit: Duration,
-    },
+    TimedOut { limit: Duration },
 }
 
 impl HttpFault {

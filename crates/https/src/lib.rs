@@ -65,12 +65,9 @@ struct Kept {
     since: Instant,
 }
 
-/// A request.
 #[derive(Debug)]
 pub struct HttpRequest {
-    /// Its method.
     pub method: Method,
-    /// The whole address.
     pub uri: Uri,
     /// Headers besides those that every request has.
     pub headers: Vec<(HeaderName, HeaderValue)>,
@@ -83,9 +80,7 @@ pub struct HttpRequest {
 pub struct HttpAnswer {
     /// Its status, such as 201.
     pub status: u16,
-    /// Its headers.
     pub headers: HeaderMap,
-    /// Its body.
     pub body: Vec<u8>,
 }
 

@@ -17,14 +17,8 @@ const BYTES_MOST: u64 = 64 * 1024;
 /// Why a secret cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum SecretFault {
-    /// Its file cannot be read.
     #[error("{}: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    Unreadable { path: PathBuf, source: io::Error },
     /// The service has no credentials.
     #[error("there is no credential \"{0}\", because systemd has given none: LoadCredential={0}:…")]
     NoCredentials(String),

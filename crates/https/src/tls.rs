@@ -22,12 +22,7 @@ use super::validity;
 pub enum TlsFault {
     /// A file of certificates cannot be read.
     #[error("{}: {source}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    File { path: PathBuf, source: io::Error },
     /// A file has no certificate, or one that cannot be understood.
     #[error("{}: it holds no certificate (PEM) that can be used", .0.display())]
     NoCertificate(PathBuf),
@@ -45,7 +40,6 @@ pub enum TlsFault {
     Own {
         /// The certificate's file.
         path: PathBuf,
-        /// Why.
         source: rustls::Error,
     },
     /// The cryptography of this build lacks the protocol.

@@ -19,10 +19,8 @@ type Texts = BTreeMap<String, String>;
 /// The language of a report, of the operator's page and of the terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Language {
-    /// English.
     #[default]
     En,
-    /// German.
     De,
 }
 
@@ -35,7 +33,6 @@ struct Row {
 }
 
 impl Language {
-    /// Every language.
     pub const ALL: [Language; 2] = [Language::En, Language::De];
 
     /// Its tag in the configuration and on pages (BCP 47).

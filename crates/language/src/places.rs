@@ -7,7 +7,6 @@ pub enum Piece<'a> {
     Words(&'a str),
     /// A place that is filled in.
     Place {
-        /// Its name.
         name: &'a str,
         /// What follows the colon: the number of decimals, `*` for all of them, `cm` for a length in mm that
         /// is shown in whole cm, `around` for an angle that is shown as a part of the leg; empty without one.

@@ -18,6 +18,8 @@
 //! [`mod@sectioned_leg`] calls them up to the girth curve, [`report`] all after it; between them both legs are compared for
 //! what a [`disturbance`] is. The results are in [`measured`], [`finding`] and [`doubt`].
 
+#![warn(missing_docs)]
+
 #[macro_use]
 mod words;
 #[macro_use]

@@ -110,7 +110,6 @@ pub fn changes(old: &Record, old_json: &Value, new: &Record) -> Result<Changes, 
     })
 }
 
-/// The levels of a leg.
 fn places(leg: &LegFigures) -> impl Iterator<Item = LegLevel> + '_ {
     leg.landmarks.keys().map(|level| LegLevel { leg: leg.side.clone(), level: level.clone() })
 }

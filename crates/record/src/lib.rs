@@ -1,6 +1,7 @@
 //! Reports → [`Record`].
 //!
 #![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
 
 pub mod archive;
 mod cells;

@@ -11,10 +11,8 @@ use super::picture::svg;
 use super::report::{self, AgeMax, Document, PdfFault, Print, ReportContent};
 use super::sizing::{SizeChoice, SizeVerdicts};
 
-/// The report as an HTML page.
 const PAGE: &str = "report.html";
 
-/// The report as a PDF.
 const PAPER: &str = "report.pdf";
 
 /// Both legs at a glance.

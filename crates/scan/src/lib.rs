@@ -6,6 +6,8 @@
 //! points (24 each) and triangles (12 each) read so far. Counts in a header are trusted only as far
 //! as the bytes for them are present.
 
+#![warn(missing_docs)]
+
 pub mod ending;
 pub mod fault;
 mod format;

@@ -31,7 +31,6 @@ pub(super) fn read<T>(
     })
 }
 
-/// The keys of a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SectionKeys {
     /// The names of those of this section. `note_…` stands for any that begins so.

@@ -1,6 +1,7 @@
 //! [`SizeTable`], [`Garment`] and the measures of a leg → a [`verdict`].
 //!
 #![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
 
 pub mod check;
 mod document;

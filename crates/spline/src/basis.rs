@@ -343,7 +343,6 @@ fn even_values(t: f64) -> [f64; 4] {
     ]
 }
 
-/// Their slopes.
 #[inline]
 fn even_slopes(t: f64) -> [f64; 4] {
     let (u, square) = (1.0 - t, t * t);

@@ -21,6 +21,8 @@
 //!
 //! All splines have degree 3. Nothing in this crate depends on the unit of the abscissa.
 
+#![warn(missing_docs)]
+
 pub mod basis;
 pub mod fit;
 pub mod foot;

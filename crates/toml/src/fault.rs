@@ -19,7 +19,6 @@ pub struct Fault<W> {
     pub source_line: String,
     /// How many characters are marked, starting at `column`; at least 1.
     pub width: usize,
-    /// What is wrong.
     pub what: W,
 }
 
@@ -84,7 +83,6 @@ pub enum What {
     Kind {
         /// The required kind.
         expected: &'static str,
-        /// The kind that was found.
         found: String,
         /// What to write.
         example: String,

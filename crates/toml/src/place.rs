@@ -11,7 +11,6 @@ pub(crate) struct Finding<W> {
     pub at: Range<usize>,
     /// The key with its sections.
     pub key: String,
-    /// What is wrong.
     pub what: W,
 }
 

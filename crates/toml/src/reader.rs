@@ -41,7 +41,6 @@ pub struct Key {
     pub path: &'static str,
     /// What applies if it is absent.
     pub absent: Absent,
-    /// Whether it is a list.
     pub list: bool,
 }
 
@@ -64,7 +63,6 @@ impl Key {
 /// A value and its place.
 #[derive(Debug, Clone)]
 pub struct Found<T> {
-    /// The value.
     pub value: T,
     /// Its byte range; for a default, the range of its section.
     pub at: Range<usize>,

@@ -147,7 +147,6 @@ impl<'s, 't, W: Hint> Section<'s, 't, W> {
         self.start..self.end
     }
 
-    /// Its name.
     pub fn name(self) -> &'s str {
         self.name
     }

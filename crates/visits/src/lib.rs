@@ -12,6 +12,8 @@
 //!
 //! The two parts of an uncertainty are in [`quantity`].
 
+#![warn(missing_docs)]
+
 pub mod caution;
 pub mod comparison;
 pub mod course;

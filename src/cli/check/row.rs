@@ -22,11 +22,9 @@ gaiter_leg::word_enum! {
 /// One check with its result.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Row {
-    /// What was checked.
     pub check: &'static str,
     /// The folder or file it was checked on.
     pub place: String,
-    /// Its result.
     pub verdict: Verdict,
     /// What was found.
     pub detail: String,

@@ -14,13 +14,11 @@ const MAN: &[u8] = include_bytes!("../../../fixtures/scans/m_average_clean.obj.g
 /// The required result of an export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Expected {
-    /// A record.
     Record,
     /// A refusal: the scan goes to quarantine.
     Refusal,
 }
 
-/// An export of the demo.
 pub struct DemoExport {
     /// The file, and how long the scanner takes to write it.
     pub export: Export,

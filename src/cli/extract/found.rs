@@ -13,12 +13,7 @@ use crate::cli::{Exit, terminal_safe};
 pub enum FolderFault {
     /// The folder, or a folder within it, cannot be listed.
     #[error("{}: {source}", terminal_safe(folder.display()))]
-    Unreadable {
-        /// The folder.
-        folder: PathBuf,
-        /// The underlying error.
-        source: io::Error,
-    },
+    Unreadable { folder: PathBuf, source: io::Error },
     /// No file in it has a scan's file ending.
     #[error(
         "{}: the folder holds no scan (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt){}",
@@ -26,7 +21,6 @@ pub enum FolderFault {
         if *recursive { "" } else { "; --recursive looks into its folders, too" }
     )]
     NoScan {
-        /// The folder.
         folder: PathBuf,
         /// Whether the folders within it were searched.
         recursive: bool,

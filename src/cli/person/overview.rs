@@ -12,7 +12,6 @@ const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:64rem;margin:2rem a
 table{border-collapse:collapse;width:100%;margin:.5rem 0 1.5rem}\
 td,th{border:1px solid #999;padding:.25rem .5rem;text-align:left;vertical-align:top;overflow-wrap:anywhere}";
 
-/// The page.
 pub(super) fn page(person: &Person, language: Language) -> String {
     let text = |key| escaped(language.text(key));
     let head = language.filled(

@@ -43,14 +43,7 @@ pub(super) enum PersonFault {
     Awaited,
     /// A file or folder cannot be read or written.
     #[error("{what} {path}: {source}")]
-    File {
-        /// What was tried.
-        what: &'static str,
-        /// On what.
-        path: String,
-        /// How it failed.
-        source: io::Error,
-    },
+    File { what: &'static str, path: String, source: io::Error },
     /// The folder is there already.
     #[error("{0} is there already; nothing was written: choose another folder with --out DIR")]
     There(String),
@@ -100,7 +93,6 @@ impl PersonFault {
 pub(super) struct Reached<'a> {
     config: &'a Path,
     stopped: Option<Stopped>,
-    /// The language of its texts.
     pub language: Language,
 }
 

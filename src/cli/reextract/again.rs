@@ -22,7 +22,6 @@ pub enum ReextractFault {
     /// Today's method refuses the scan.
     #[error("{refusal}")]
     Refused {
-        /// The reason.
         #[from]
         refusal: Refusal,
     },
@@ -76,13 +75,11 @@ pub enum ReextractOutcome {
 /// A record that was measured again.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Again {
-    /// The outcome.
     pub outcome: ReextractOutcome,
     /// The revision it was compared with: the latest.
     pub from_revision: u32,
     /// The new revision; null if none was added.
     pub revision: Option<u32>,
-    /// What differs.
     #[serde(flatten)]
     pub changes: Changes,
 }

@@ -24,7 +24,6 @@ pub struct RecordChoices {
     pub method: Method,
     /// Its CAD files.
     pub output: Output,
-    /// Its report.
     pub report: ReportChoice,
 }
 

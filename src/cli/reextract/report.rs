@@ -16,7 +16,6 @@ const WORST: usize = 20;
 /// A record that was measured again, with its name in the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReextractEntry {
-    /// Its name.
     pub name: String,
     /// What became of it.
     pub again: Again,

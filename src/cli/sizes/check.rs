@@ -120,7 +120,6 @@ fn named(table: &SizeTable) -> String {
     format!("{}, {}", id(&table.id), id(&table.edition))
 }
 
-/// A remark in words.
 pub fn remark_in_words(remark: &Remark, language: Language) -> String {
     let at = |key: &'static str, at: &Neighbours| {
         let [low, high] = at.names.each_ref().map(|name| id(name));

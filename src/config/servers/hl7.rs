@@ -21,13 +21,11 @@ pub struct Hl7StoreConfig {
     pub receiver: [String; 2],
     /// `P` for production, `T` for training.
     pub processing: char,
-    /// The version.
     pub version: String,
     /// Who assigns the patients' ids.
     pub authority: String,
     /// How the PDF is sent.
     pub pdf: PdfForm,
-    /// The character set.
     pub charset: Charset,
 }
 

@@ -12,12 +12,9 @@ const ENDING: &str = "toml";
 /// The most files of a folder that are read: more are no collection of size tables.
 const FILES_MAX: usize = 200;
 
-/// A file with its text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextFile {
-    /// Its path.
     pub path: PathBuf,
-    /// Its text.
     pub text: String,
 }
 
@@ -38,13 +35,11 @@ pub enum NoFiles {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// The underlying error.
         source: io::Error,
     },
     /// The text is not UTF-8.
     #[error("{}:{line}: this is not UTF-8 text; save the file as UTF-8", path.display())]
     NotUtf8 {
-        /// The file.
         path: PathBuf,
         /// The line of the first such byte, from 1.
         line: usize,
@@ -52,7 +47,6 @@ pub enum NoFiles {
     /// The file is too long for its kind.
     #[error("{} has {found} bytes; such a file has at most {BYTES_MAX}", path.display())]
     TooLong {
-        /// The file.
         path: PathBuf,
         /// Its length, bytes.
         found: u64,

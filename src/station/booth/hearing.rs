@@ -28,7 +28,6 @@ pub enum NameFault {
     /// Another patient is named and not scanned yet, and must not be replaced.
     #[error("another patient is named and not scanned yet")]
     AnotherNamed,
-    /// The journal failed.
     #[error("the journal could not be written")]
     Journal(#[from] JournalError),
 }

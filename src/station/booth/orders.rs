@@ -60,13 +60,10 @@ enum TakeFault {
     /// I/O failed at the folder of orders, or where refused orders are set aside.
     #[error("{what} failed")]
     Io {
-        /// What was tried.
         what: &'static str,
-        /// How it failed.
         #[source]
         source: io::Error,
     },
-    /// The journal failed.
     #[error("the journal could not be read or written")]
     Journal(#[from] JournalError),
 }

@@ -32,7 +32,6 @@ pub struct Attended {
     pub opener: Box<dyn PortOpener>,
     /// Decodes its input.
     pub decoder: InputDecoder,
-    /// How it is attended.
     pub manner: Manner,
 }
 

@@ -20,7 +20,6 @@ struct DecisionsOfScan {
     ruling: Ruling,
     /// The ids of those who have the scan no more.
     former: BTreeSet<String>,
-    /// The number of decisions.
     number: usize,
 }
 

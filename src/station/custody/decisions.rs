@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 use super::json_folder::JsonFolder;
 
-/// The folder of the decisions.
 #[derive(Debug)]
 pub(super) struct Decisions(pub(super) JsonFolder);
 
@@ -70,7 +69,6 @@ impl Decisions {
         self.0.keep(scan.as_str(), &bytes)
     }
 
-    /// The scans that have decisions.
     pub fn scans(&self) -> io::Result<Vec<ScanId>> {
         Ok(self.0.names()?.iter().filter_map(|name| ScanId::parse(name)).collect())
     }

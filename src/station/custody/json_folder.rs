@@ -22,7 +22,6 @@ impl JsonFolder {
         Ok(JsonFolder(durable::open_folder(state_dir, name)?))
     }
 
-    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.0
     }

@@ -74,7 +74,6 @@ impl Quarantine {
         Ok(Quarantine { folder: durable::open_folder(state_dir, "quarantine")? })
     }
 
-    /// The folder of the quarantine.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -99,7 +98,6 @@ impl Quarantine {
         self.intake(scan).is_ok()
     }
 
-    /// The scans in quarantine.
     pub fn entries(&self) -> io::Result<Vec<ScanId>> {
         spool::entries(&self.folder)
     }

@@ -59,7 +59,6 @@ pub struct Intake {
 pub struct Companion {
     /// What follows `scan.` in its name here: `ord`, `mtl`, `2.ord` if there are two.
     pub name_ending: String,
-    /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
@@ -84,12 +83,10 @@ impl Spool {
         self.folder.is_dir()
     }
 
-    /// The folder of the spool.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The scans in the spool.
     pub fn entries(&self) -> io::Result<Vec<ScanId>> {
         entries(&self.folder)
     }

@@ -62,7 +62,6 @@ pub(super) fn admit(custody: &Custody, whose: Whose) -> Verdict {
     custody.admit(&Arrival { known, ..arrival(&scan, whose) }).unwrap()
 }
 
-/// The scan as a store has it.
 pub(super) fn stored() -> StoredScan {
     StoredScan { bytes: BYTES.to_vec(), ord: Some(b"MEASURE Calf=1\n".to_vec()) }
 }

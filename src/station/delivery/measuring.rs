@@ -33,9 +33,7 @@ const NOT_STARTED: &str = "measuring-not-started";
 /// The outcome of a measurement.
 #[derive(Debug)]
 pub enum MeasureOutcome {
-    /// It was measured.
     Files {
-        /// The record's files.
         files: Vec<RecordFile>,
         /// What is to be done before the patient dresses, in sentences; empty if nothing is.
         to_do: Vec<String>,

@@ -18,7 +18,6 @@ pub enum SearchFault {
     /// A record that was found could not be entered.
     #[error(transparent)]
     Custody(#[from] CustodyFault),
-    /// The journal failed.
     #[error(transparent)]
     Journal(#[from] JournalError),
 }

@@ -62,10 +62,8 @@ pub enum TakeFault {
     /// A scan of the phantom could not be taken.
     #[error("a scan of the known body could not be taken")]
     Phantom(#[from] CheckFault),
-    /// Custody failed.
     #[error(transparent)]
     Custody(#[from] CustodyFault),
-    /// The journal failed.
     #[error("the journal could not be read or written")]
     Journal(#[from] JournalError),
 }

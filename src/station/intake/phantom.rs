@@ -29,7 +29,6 @@ pub enum CheckFault {
     /// The check could not be kept.
     #[error("the check could not be kept")]
     Series(#[from] io::Error),
-    /// The journal failed.
     #[error("the journal could not be read or written")]
     Journal(#[from] JournalError),
 }

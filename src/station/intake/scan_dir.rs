@@ -53,7 +53,6 @@ pub struct Found {
 /// Something that is ignored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Passed {
-    /// Why.
     pub why: PassedOver,
     /// When it changed last, if it may be an export, else 0; by its own clock, nanoseconds since 1970.
     pub changed_ns: i128,

@@ -19,9 +19,7 @@ use crate::store::sums;
 /// The bytes of one state of an export.
 #[derive(Debug)]
 pub struct Export {
-    /// The bytes.
     pub bytes: Vec<u8>,
-    /// Their id.
     pub scan: ScanId,
     /// The file's own time of last change.
     pub file_time: Option<Timestamp>,

@@ -38,7 +38,6 @@ const KEPT: i64 = 1000;
 /// A capture as the journal holds it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CaptureRow {
-    /// The capture.
     pub capture: Capture,
     /// The machine start that its times refer to.
     pub boot: String,

@@ -12,17 +12,14 @@ use super::row::{cell, first, json_cell, patient_id, run, scan_id, time, value};
 /// A delivery to make or withdraw.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Due {
-    /// The scan.
     pub scan: ScanId,
     /// Its patient; `None` if no patient was named.
     pub patient: Option<Patient>,
-    /// The store's name.
     pub store: String,
     /// What is to be done there.
     pub task: Task,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
-    /// The number of attempts.
     pub attempts: u32,
 }
 

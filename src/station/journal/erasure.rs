@@ -29,7 +29,6 @@ const OLD_HEAD: &str = "old-head:";
 /// The state folder, as a place of a head.
 const OWN: &str = "";
 
-/// What is to be erased.
 #[derive(Debug, Clone, Copy)]
 pub struct Erasing<'a> {
     /// The patient's id.

@@ -14,9 +14,7 @@ pub enum JournalError {
     /// The journal's folder could not be synced.
     #[error("syncing the folder of the journal {path} failed")]
     Folder {
-        /// The journal.
         path: PathBuf,
-        /// How it failed.
         #[source]
         source: std::io::Error,
     },
@@ -46,7 +44,6 @@ pub enum JournalError {
     /// A cell holds what gaiter never writes.
     #[error("the journal's column {column} holds {found:?}")]
     Cell {
-        /// Column.
         column: String,
         /// Its content.
         found: String,
@@ -59,10 +56,7 @@ pub enum JournalError {
     },
     /// A row differs from the one that was written.
     #[error("a row of the journal's table {table} does not match its seal")]
-    Seal {
-        /// The table.
-        table: &'static str,
-    },
+    Seal { table: &'static str },
     /// The history has been changed or damaged.
     #[error("the journal's history is broken at its row {seq}")]
     Chain {

@@ -20,13 +20,10 @@ use super::{Due, Event, Journal, JournalError, ScanRow, Task, history};
 /// A record that a store holds.
 #[derive(Debug, Clone, Copy)]
 pub struct FoundThere<'a> {
-    /// Its scan.
     pub row: &'a ScanRow,
     /// Its patient there; `None` if unassigned.
     pub patient: Option<&'a Patient>,
-    /// The store.
     pub store: &'a str,
-    /// Its folder there.
     pub folder: &'a str,
 }
 

@@ -35,7 +35,6 @@ pub enum LockError {
     Io {
         /// The lock file.
         path: PathBuf,
-        /// How it failed.
         #[source]
         source: io::Error,
     },

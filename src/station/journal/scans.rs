@@ -18,7 +18,6 @@ use super::{Event, Journal, JournalError, captures, history};
 /// What the journal knows of a scan itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ScanRow {
-    /// The scan.
     pub scan: ScanId,
     /// The file-name ending of its format.
     pub format: String,
@@ -30,14 +29,12 @@ pub struct ScanRow {
     pub file_time: Option<Timestamp>,
     /// When the button was pressed for it; `None` if it answered no press.
     pub pressed_at: Option<Timestamp>,
-    /// Its state.
     pub state: ScanState,
 }
 
 /// A scan that comes in.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry<'a> {
-    /// The scan itself.
     pub row: &'a ScanRow,
     /// Its patient; `None` if no patient was named.
     pub patient: Option<&'a Patient>,

@@ -21,7 +21,6 @@ pub(super) const WHOLE_BODY: &str = "whole-body.json";
 /// Crops scans in processes with these limits.
 #[derive(Debug)]
 pub struct ConfinedCrop {
-    /// The limits.
     pub limits: MeasureConfig,
     /// How scans are measured and cropped.
     pub job: CropJob,

@@ -39,7 +39,6 @@ pub struct Job {
     pub ord_bytes: u64,
     /// The number of threads that measure it.
     pub threads: usize,
-    /// The limits of the process.
     pub limits: Limits,
     /// Whether it measures even if it cannot be confined.
     pub confine: Confine,
@@ -61,11 +60,9 @@ pub enum Purpose {
 /// How a record is made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordJob {
-    /// How the scan is measured.
     pub method: Method,
     /// Which CAD files and meshes are made.
     pub output: Output,
-    /// How the report is made.
     pub report: ReportChoice,
     /// Where the scan comes from.
     pub provenance: Provenance,
@@ -76,7 +73,6 @@ pub struct RecordJob {
 /// How the phantom is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CheckJob {
-    /// How the scan is measured.
     pub method: Method,
     /// What is known of the phantom.
     pub phantom: Phantom,
@@ -100,7 +96,6 @@ pub struct CropJob {
 /// The answer of a measuring process that finished.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JobAnswer {
-    /// It was inspected.
     Inspected(Inspection),
     /// It was measured.
     Files {
@@ -123,7 +118,6 @@ pub enum JobAnswer {
 /// What is known of an export before it is taken in.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inspection {
-    /// How its file ends.
     #[serde(with = "EndWord")]
     pub end: End,
     /// What tells its scan from every other, in whatever bytes it comes; `None` if there is no scan in it.

@@ -27,17 +27,9 @@ pub enum FhirAccess {
     /// It does not.
     Open,
     /// By user and password.
-    Basic {
-        /// The user.
-        user: String,
-        /// The password.
-        password: Secret,
-    },
+    Basic { user: String, password: Secret },
     /// By a token that does not change.
-    Bearer {
-        /// The token.
-        token: Secret,
-    },
+    Bearer { token: Secret },
     /// By SMART Backend Services: a signed statement gives a token for some minutes.
     Smart(SmartAccess),
 }

@@ -22,7 +22,6 @@ file is missing, the station assumes that the share is not mounted.\n";
 /// The program that fetches results runs as another user: the folder's group may read them.
 const FETCHED_MODE: u32 = 0o660;
 
-/// An exchange folder.
 #[derive(Debug, Clone)]
 pub(super) struct ExchangeFolder {
     folder: PathBuf,

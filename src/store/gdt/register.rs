@@ -39,7 +39,6 @@ pub(super) struct Entry {
     pub size: u64,
     /// The name of the file that was handed over.
     pub name: String,
-    /// The number in it.
     pub number: u16,
     /// When it was registered.
     pub at: Timestamp,

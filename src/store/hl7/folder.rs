@@ -15,7 +15,6 @@ const ENDING: &str = "hl7";
 /// The receiver runs as another user: the folder's group may fetch messages.
 const FETCHED_MODE: u32 = 0o660;
 
-/// A folder of messages.
 #[derive(Debug, Clone)]
 pub(super) struct MessageFolder {
     folder: PathBuf,

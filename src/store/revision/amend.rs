@@ -21,16 +21,13 @@ const REVISION: &str = "_r";
 /// A record with another revision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Amended {
-    /// Its folder.
     pub folder: PathBuf,
-    /// The record as it is now.
     pub record: Record,
 }
 
 /// Why a record was not amended. It is unchanged then.
 #[derive(Debug, thiserror::Error)]
 pub enum AmendRecordFault {
-    /// There is no record.
     #[error("{}", Cause::known("no-record", []))]
     NoRecord,
     /// It cannot be read.
@@ -88,11 +85,13 @@ fn other_version(version: &str) -> Cause {
 
 /// The revisions of a record.
 enum Revisions {
-    /// In a store.
     Stored(Family),
     /// In a folder of its own that `gaiter extract` wrote: the latest revision, and its name without the
     /// number.
-    Alone { latest: PathBuf, name: String },
+    Alone {
+        latest: PathBuf,
+        name: String,
+    },
 }
 
 /// Sets measures of a record, in this order: writes a further revision beside the latest one. Values that are

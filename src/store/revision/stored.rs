@@ -46,7 +46,6 @@ impl StoredFault {
 /// A record folder whose files are all as they were written.
 #[derive(Debug)]
 pub struct Stored {
-    /// The record.
     pub record: Record,
     /// The record with all keys, also those that this version does not know.
     pub json: Value,

@@ -15,7 +15,6 @@ use super::stored::StoredFault;
 use super::{Family, families};
 use crate::store::{StoreFault, sums};
 
-/// The records of a patient.
 #[derive(Debug, Default)]
 pub struct PatientRecords {
     /// Those that can be used, by the times of their folders' names.
@@ -29,18 +28,15 @@ pub struct PatientRecords {
 pub struct PlacedRecord {
     /// Its folder; or its `record.json`, where a person named that.
     pub folder: PathBuf,
-    /// The record.
     pub record: Record,
 }
 
 /// A record that cannot be used.
 #[derive(Debug)]
 pub struct UnusableRecord {
-    /// Its folder.
     pub folder: PathBuf,
     /// What the folder's name says.
     name: RecordName,
-    /// Why.
     pub fault: StoredFault,
 }
 

@@ -20,7 +20,6 @@ th, td { text-align: left; padding: .2rem .8rem .2rem 0; border-bottom: 1px soli
 ";
 
 impl Status {
-    /// The page.
     pub(super) fn page(&self) -> String {
         let stations = self.stations.iter().map(|of| {
             let class = if of.is_well() { "" } else { "fault" };

@@ -44,7 +44,6 @@ pub struct Group {
 /// A file beside a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Companion {
-    /// The file.
     pub path: PathBuf,
     /// Its state.
     pub stamp: Stamp,
@@ -58,7 +57,6 @@ pub struct Companion {
 pub enum Done {
     /// This scanner writes no done file.
     NotAsked,
-    /// The done file is missing.
     Missing,
     /// The done file exists, in this state.
     There(Stamp),
@@ -128,7 +126,6 @@ type Stem = (PathBuf, Vec<u8>);
 struct Beside {
     /// The files that are not scans, in name order.
     files: Vec<(PathBuf, Stamp)>,
-    /// The number of scans.
     scans: usize,
 }
 

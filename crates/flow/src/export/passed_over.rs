@@ -26,7 +26,6 @@ gaiter_record::word_enum! {
         TooDeep => "too_deep",
         /// A folder that the station may not read.
         NoAccess => "no_access",
-        /// A link.
         Link => "link",
         /// A packed scan.
         Packed => "packed",
@@ -36,9 +35,7 @@ gaiter_record::word_enum! {
         Unfinished => "unfinished",
         /// A file without the ending of a scan.
         NoScan => "no_scan",
-        /// A pipe.
         Pipe => "pipe",
-        /// A socket.
         Socket => "socket",
         /// Whatever else is no regular file.
         Device => "device",
@@ -48,7 +45,6 @@ gaiter_record::word_enum! {
 /// Something in an export folder that is passed over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ignored {
-    /// Why.
     pub why: PassedOver,
     /// When it changed last, by the clock of its file system, nanoseconds since 1970; 0 where that does
     /// not matter.

@@ -7,9 +7,7 @@ use serde::{Deserialize, Serialize};
 /// What distinguishes one state of a file from the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stamp {
-    /// Device.
     pub dev: u64,
-    /// Inode.
     pub ino: u64,
     /// Size, bytes.
     pub size: u64,

@@ -34,7 +34,6 @@ impl NextShown {
     }
 }
 
-/// Who is next.
 pub fn next_shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let who = next(booth);
     NextShown {

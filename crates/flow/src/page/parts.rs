@@ -14,13 +14,11 @@ use crate::trigger::PortState;
 /// One part on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct PartShown {
-    /// What it is.
     pub name: String,
     /// Its state, in a word or two.
     pub word: &'static str,
     /// `good`, `wait` or `bad`; it decides colour and sign.
     pub health: &'static str,
-    /// Why.
     pub why: Option<String>,
 }
 

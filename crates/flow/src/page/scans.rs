@@ -16,7 +16,6 @@ use crate::patient::erasure::ERASED;
 use crate::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::{Closed, Disposition, ScanState, Task, round};
 
-/// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ScanShown {
     /// Its id, all digits.
@@ -64,9 +63,7 @@ pub struct ScanShown {
 pub struct ScanDetails {
     /// Its record is stored, and only a result that nobody has fetched yet keeps another from its place.
     pub is_to_be_fetched: bool,
-    /// Its measures.
     pub measures: Option<RecordSummary>,
-    /// Its files.
     pub files: Vec<String>,
     /// The code for why a held scan cannot be measured.
     pub unmeasured: Option<String>,

@@ -28,7 +28,6 @@ pub struct ErasedScan {
 pub struct Owed {
     /// The scan, 64 hexadecimal digits.
     pub sha256: String,
-    /// The store.
     pub store: String,
     /// What is to be done there.
     pub step: OwedStep,
@@ -48,7 +47,6 @@ pub enum OwedStep {
     Correct,
 }
 
-/// An erasure.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Erasure {
@@ -92,7 +90,6 @@ pub enum Next<'a> {
         /// When the station's own folder was cleared.
         before: Timestamp,
     },
-    /// Nothing.
     Nothing,
 }
 
@@ -162,7 +159,6 @@ impl Erasure {
         self.end_if_done(now);
     }
 
-    /// A store is cleared.
     pub fn store_cleared(&mut self, store: &str, now: Timestamp) {
         self.stores.retain(|known| known != store);
         self.end_if_done(now);

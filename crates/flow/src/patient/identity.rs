@@ -52,7 +52,6 @@ pub struct Whose {
 /// What a file name or the scanner's own measures say about the patient.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NameSays {
-    /// Nothing.
     Nothing,
     /// This id, allowed by the pattern.
     Patient(Patient),

@@ -28,7 +28,6 @@ const MANY_NAMES: usize = 6;
 pub struct Taken<'a> {
     /// The file's name.
     pub name: &'a str,
-    /// The id.
     pub patient: &'a str,
 }
 
@@ -39,7 +38,6 @@ pub enum NameFinding {
     Date {
         /// The latest of them.
         patient: String,
-        /// What it reads as.
         reads: Reading,
         /// How many names have such an id.
         count: usize,
@@ -55,7 +53,6 @@ pub enum NameFinding {
     },
     /// Most names have the same id.
     OneForMany {
-        /// The id.
         patient: String,
         /// How many names have it.
         count: usize,

@@ -19,7 +19,6 @@ pub struct Person {
     pub schema: String,
     /// The patient's id.
     pub patient: String,
-    /// The station.
     pub station: String,
     /// When this was put together.
     pub at: Timestamp,
@@ -65,11 +64,9 @@ pub struct KnownVisits {
 pub struct NamedLeg {
     /// `left`, `right`, `both` or `none`.
     pub affected: String,
-    /// When.
     pub at: Timestamp,
 }
 
-/// A scan of a person.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PersonScan {
     /// The hash of its bytes, 64 hexadecimal digits.
@@ -79,7 +76,6 @@ pub struct PersonScan {
     /// Whether it is erased with them: no one else has it, and all others to whom it may belong are erased.
     #[serde(default)]
     pub goes_whole: bool,
-    /// The scan itself.
     #[serde(flatten)]
     pub summary: Summary,
     /// Where its record was delivered for them.
@@ -105,7 +101,6 @@ pub enum WhoseScan {
 /// A delivery of a scan for a person.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PersonDelivery {
-    /// The store.
     pub store: String,
     /// Its state, as a word.
     pub state: String,
@@ -126,7 +121,6 @@ pub struct PersonDelivery {
 pub struct PersonStore {
     /// Its name in the journal.
     pub store: String,
-    /// Its folder.
     pub place: PathBuf,
     /// Why it cannot be read now, in English.
     pub fault: Option<String>,
@@ -141,14 +135,11 @@ pub struct PersonStore {
     pub of_another: usize,
 }
 
-/// A record of a person.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PersonRecord {
-    /// Its folder.
     pub folder: PathBuf,
     /// When the scan was taken; `None` if the record does not say.
     pub acquired: Option<Acquired>,
-    /// The revision.
     pub revision: Option<u32>,
     /// What people set, when and who.
     pub amendments: Vec<PersonAmendment>,
@@ -159,11 +150,8 @@ pub struct PersonRecord {
 pub struct PersonAmendment {
     /// Leg and measure.
     pub what: String,
-    /// Who.
     pub by: String,
-    /// When.
     pub at: Timestamp,
-    /// Why.
     pub reason: String,
 }
 
@@ -174,7 +162,6 @@ pub struct HandedOver {
     pub sha256: String,
     /// The result's file in the exchange folder.
     pub file: PathBuf,
-    /// When.
     pub at: Timestamp,
     /// It still lies there: the practice software has not fetched it.
     pub waits: bool,
@@ -187,14 +174,12 @@ pub struct HandedOver {
 pub struct OnServer {
     /// The scan, 64 hexadecimal digits.
     pub sha256: String,
-    /// The store.
     pub store: String,
     /// The server, as it was configured when it was given that.
     pub place: String,
     /// By what it is found there: a report's address, or a message's control id; `None` if no answer
     /// came yet, or if only a journal that was lost knew it. The server may then have nothing.
     pub reference: Option<String>,
-    /// Since when.
     pub at: Option<Timestamp>,
     /// It was taken back: the server may keep it, marked as wrong.
     pub is_withdrawn: bool,
@@ -208,7 +193,6 @@ pub struct OnServer {
 /// A wait for a scan of a person: a press, or a name without a button.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PersonCapture {
-    /// Its number.
     pub number: i64,
     /// When it began.
     pub at: Timestamp,
@@ -221,7 +205,6 @@ pub struct PersonCapture {
 pub struct PersonEvent {
     /// The scan, 64 hexadecimal digits; '' if it is about none.
     pub scan: String,
-    /// What happened.
     #[serde(flatten)]
     pub happened: Happened,
 }

@@ -36,7 +36,6 @@ impl Rules {
 pub struct Named {
     /// The id, accepted as valid.
     pub id: String,
-    /// The source that named it.
     pub by: SourceKind,
 }
 

@@ -13,7 +13,6 @@ const A_MOMENT: Duration = Duration::from_millis(1);
 /// Why the next scan would be held, and how long at the most.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeldNext {
-    /// The reason.
     pub why: HoldReason,
     /// The patients whom the earlier captures name.
     pub of: Vec<String>,

@@ -15,9 +15,7 @@ use crate::orders::OrdersWhen;
 /// A name and when it was given; times as in [`Capture`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Said {
-    /// Who.
     pub named: Named,
-    /// When.
     pub at: Duration,
 }
 
@@ -50,7 +48,6 @@ impl Next {
 /// A press without a certain name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unsure {
-    /// When.
     pub at: Duration,
     /// Nobody was named for it.
     pub is_unnamed: bool,

@@ -12,11 +12,9 @@ pub enum CaptureMatch {
     Unpressed,
     /// None: the scan is known.
     Known,
-    /// This one.
     Of(Capture),
     /// The operator must decide.
     Held {
-        /// Why.
         why: Why,
         /// The one patient whom every capture in question names, if there is one.
         patient: Option<Named>,

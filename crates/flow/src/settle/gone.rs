@@ -42,7 +42,6 @@ pub(super) struct Missing {
 
 /// What is known about a content that may be gone.
 enum Fate {
-    /// It is there.
     There,
     /// The next look tells.
     Open,

@@ -27,7 +27,6 @@ pub struct Memory {
 pub struct Remembered {
     /// Its state at the last look.
     pub stamp: Stamp,
-    /// How it was written.
     pub writing: Writing,
 }
 

@@ -12,7 +12,6 @@ use crate::words::decimals;
 /// A file that is not taken yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Waiting {
-    /// What it waits for.
     pub wait: Wait,
     /// Since when it waits, on the daemon's monotonic clock.
     pub since: Duration,
@@ -39,7 +38,6 @@ pub enum Wait {
         /// How much longer it waits.
         left: Duration,
     },
-    /// Its done file.
     DoneFile,
     /// A file written beside it that names its patient.
     Companion {
@@ -53,7 +51,6 @@ pub enum Wait {
         /// How long until the next attempt.
         left: Duration,
     },
-    /// Its turn.
     Turn,
     /// Its folder, which is out of reach.
     Folder,

@@ -8,7 +8,6 @@ use crate::booth::Press;
 /// A button that is held this long is a long press. Nobody holds a button this long by mistake.
 const LONG_PRESS: Duration = Duration::from_secs(3);
 
-/// A button.
 #[derive(Debug, Clone)]
 pub(super) struct Button {
     /// How long after a press no other press counts: people press twice when nothing seems to happen.

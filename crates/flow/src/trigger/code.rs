@@ -12,7 +12,6 @@ pub struct Codes {
 /// What a line from a reader means.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Said {
-    /// This id.
     Id(String),
     /// An id that cannot be understood: the text in its place is empty or not plain text, or there are
     /// control signs where the reader puts none.

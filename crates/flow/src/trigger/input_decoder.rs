@@ -25,7 +25,6 @@ pub enum Input {
     Report(Vec<u8>),
     /// A key, by its number in Linux.
     Key {
-        /// Its number.
         code: u16,
         /// What it did.
         action: KeyAction,

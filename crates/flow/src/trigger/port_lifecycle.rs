@@ -8,7 +8,6 @@ use serde::Serialize;
 use crate::cause::Cause;
 
 gaiter_record::word_enum! {
-    /// The state of a port.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
     pub enum PortState as serde {
         /// It has not been looked for yet.
@@ -44,7 +43,6 @@ impl PortState {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{why}")]
 pub struct PortFault {
-    /// The kind of fault.
     pub kind: PortFaultKind,
     /// In words, without the port's path.
     pub why: Cause,
@@ -90,17 +88,14 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// What to do with a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Want {
-    /// Open it.
     Open,
     /// Leave it alone for this long.
     Wait(Duration),
     /// Listen, but do not trust the input for this long.
     Settle(Duration),
-    /// Listen.
     Listen,
 }
 
-/// The lifecycle of one port.
 #[derive(Debug, Clone)]
 pub struct PortLifecycle {
     settle: Duration,
@@ -130,7 +125,6 @@ impl PortLifecycle {
         }
     }
 
-    /// The state of the port.
     pub fn state(&self) -> PortState {
         self.state
     }

@@ -49,9 +49,7 @@ pub(crate) struct Extremum {
 /// The extremum of a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Peak {
-    /// The extremum itself.
     pub at: Extremum,
-    /// Its prominence, mm.
     pub prominence_mm: f64,
     /// Distance along the axis of another extremum with the same girth, mm.
     pub rival_mm: Option<f64>,

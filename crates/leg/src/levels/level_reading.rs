@@ -20,7 +20,6 @@ const FOLDS_DOUBT_SHARE: f64 = 0.01;
 
 /// Reads levels off a girth curve.
 pub(crate) struct Ruler<'c, F> {
-    /// The curve.
     pub curve: &'c GirthCurve,
     /// The section nearest to a distance along the axis, if it could be measured.
     pub near: F,

@@ -50,7 +50,6 @@ struct OfRow<'a> {
     side: Option<OrderSide>,
     /// The row of the order, for a row per level or box.
     row: Option<&'a Row>,
-    /// The level.
     level: String,
     /// The name of the box, and its part of the row.
     form_box: Option<(String, Part)>,

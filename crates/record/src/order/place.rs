@@ -7,9 +7,7 @@ use super::{Order, OrderFigure, OrderSide, Row};
 /// Whether a figure is the girth or the length of its row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
-    /// The girth.
     Girth,
-    /// The length.
     Length,
 }
 

@@ -19,7 +19,6 @@ const CROTCH_UNCERTAIN: &str = "crotch-uncertain";
 pub(super) struct Read {
     /// What the scan says.
     pub scanned: Value,
-    /// What counts.
     pub counting: Value,
 }
 

@@ -321,7 +321,6 @@ const OPEN_FIELDS: [&str; 12] = [
 struct Report<'a> {
     record: &'a Record,
     language: Language,
-    /// The garment that is ordered.
     garment: &'a Garment,
 }
 

@@ -22,7 +22,6 @@ const OFF_PLANE_MAX: f64 = 0.35;
 /// A cell, counted from the origin along each axis.
 type Cell = [i64; 3];
 
-/// The points in a cell.
 #[derive(Default, Clone)]
 struct CellPoints {
     used: Vec<u32>,

@@ -8,7 +8,6 @@ pub(super) const DEPTH_MAX: usize = 100;
 /// Index of a node in its scene.
 pub(super) type NodeId = usize;
 
-/// A node.
 #[derive(Debug)]
 pub(super) enum Node {
     /// Contains other nodes.

@@ -38,7 +38,6 @@ pub struct Profile {
     pub(super) boxes: Vec<FormBox>,
     /// The levels of the boxes that are needed, highest first.
     pub(super) levels: Vec<Level>,
-    /// The unit of the form.
     pub(super) unit: FormUnit,
     /// Girths are printed to the next multiple of this, mm.
     pub(super) round_girths_mm: f64,

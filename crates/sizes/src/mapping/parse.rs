@@ -231,7 +231,6 @@ fn texts(
     texts
 }
 
-/// The columns.
 fn columns(whole: Section<'_, '_>, rows: Option<Rows>) -> Vec<Column> {
     whole.must_have("column", "[[column]] with name and value");
     let tables = whole.tables("column");

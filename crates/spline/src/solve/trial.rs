@@ -9,7 +9,6 @@ pub struct Trials<'a> {
     moments: &'a [f64],
     /// Rows of the Gram matrix; below the last, [`DEGREE`] rows of zeros.
     gram: Vec<band::Row>,
-    /// Rows of the penalty.
     penalty: Vec<band::Row>,
     /// Rows of the factor at the last λ; above and below, [`DEGREE`] rows of the identity.
     factor: Vec<FactorRow>,

@@ -20,7 +20,6 @@ pub struct Found {
     pub orders: BTreeMap<PathBuf, Group>,
     /// Names that exist but whose files could not be examined.
     pub unexamined: BTreeSet<PathBuf>,
-    /// The folder itself.
     pub folder: FolderId,
 }
 

@@ -175,7 +175,6 @@ impl Attendant {
         }
     }
 
-    /// The state of the port.
     pub fn state(&self) -> PortState {
         self.lifecycle.state()
     }

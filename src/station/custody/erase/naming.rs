@@ -19,7 +19,6 @@ pub(in crate::station) struct Files {
     beginning: &'static str,
 }
 
-/// Refused orders.
 pub(in crate::station) const REFUSED_ORDERS: Files =
     Files { folder: "orders-refused", beginning: "" };
 

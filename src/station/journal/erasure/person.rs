@@ -22,7 +22,6 @@ const ANOTHER: &str = "(another patient)";
 /// A scan that the journal connects with a person.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ScanOfPerson {
-    /// The scan.
     pub scan: ScanId,
     /// Whether it is theirs.
     pub whose: WhoseScan,

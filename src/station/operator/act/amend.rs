@@ -24,7 +24,6 @@ use crate::store::revision::amend::amend_record;
 pub struct Setting {
     /// The measures, in the order in which they are set.
     pub measures: Vec<Measured>,
-    /// Why.
     pub reason: String,
     /// The person's name.
     pub by: String,
@@ -43,13 +42,11 @@ pub struct Measured {
     pub measure: String,
     /// What the person did.
     pub is: Deed,
-    /// The girth, mm.
     #[serde(default)]
     pub girth_mm: Option<f64>,
     /// The height above the floor, mm.
     #[serde(default)]
     pub height_mm: Option<f64>,
-    /// The length, mm.
     #[serde(default)]
     pub length_mm: Option<f64>,
 }

@@ -20,7 +20,6 @@ pub enum ActFault {
     Unknown,
     /// The scan's state does not allow the decision.
     NoOccasion {
-        /// The scan.
         scan: ScanId,
         /// The key of its state, and of what there is not to be done.
         why: &'static str,
@@ -39,10 +38,8 @@ pub enum ActFault {
     NotAmended(amend_record::AmendRecordFault),
     /// The scan already belongs to a patient.
     HasPatient,
-    /// Custody failed.
     #[error(transparent)]
     Custody(#[from] CustodyFault),
-    /// The journal failed.
     Journal(#[from] JournalError),
     /// The store is out of reach, and only it has the bytes.
     Store(Cause),

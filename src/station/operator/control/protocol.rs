@@ -20,7 +20,6 @@ pub const DIGITS_LEAST: usize = 4;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "ask")]
 pub enum Request {
-    /// The station's status.
     Status,
     /// Its scans, newest first.
     Scans {
@@ -159,11 +158,9 @@ fn replaces() -> bool {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "is", content = "of")]
 pub enum ControlAnswer {
-    /// The station's status.
     Status(Box<Status>),
     /// Scans, newest first.
     Scans(Vec<Listed>),
-    /// One scan.
     Scan(Box<Whole>),
     /// All that the station holds of a person.
     Person(Box<Person>),
@@ -190,7 +187,6 @@ pub struct ControlFault {
     /// What the page says instead of the text of the code: a sentence with figures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub on_page: Option<String>,
-    /// Whose fault it is.
     pub kind: ControlFaultKind,
 }
 

@@ -29,9 +29,7 @@ pub struct Status {
     pub station: String,
     /// Gaiter's version.
     pub gaiter: String,
-    /// The process id.
     pub pid: u32,
-    /// When it started.
     pub started: Timestamp,
     /// How long it has been running, s.
     pub running_s: u64,
@@ -81,7 +79,6 @@ pub struct Status {
 /// What keeps the station from being ready, or what a person should know, for programs in English.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ComplaintStatus {
-    /// The complaint as data.
     #[serde(flatten)]
     pub complaint: Complaint,
     /// What is wrong, a sentence without its full stop.
@@ -109,7 +106,6 @@ pub struct SourceStatus {
     /// The same as data, for people of another language.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
-    /// Since when.
     pub since: Timestamp,
     /// The kind of file system.
     pub file_system: Option<String>,
@@ -137,7 +133,6 @@ pub struct SourceStatus {
 pub struct BoothStatus {
     /// What its light shows: `ready`, `armed`, `receiving`, `done`, `attention` or `no_export`.
     pub light: String,
-    /// How many exports are awaited.
     pub awaited: usize,
     /// A patient is named for the next press.
     pub named: bool,
@@ -187,7 +182,6 @@ pub struct StoreStatus {
     /// The fault is that the practice software has not fetched the last result.
     #[serde(default)]
     pub waits_for_fetch: bool,
-    /// Since when.
     pub since: Timestamp,
 }
 
@@ -201,7 +195,6 @@ pub struct TriggerStatus {
     /// The same as data, for people of another language.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
-    /// Since when.
     pub since: Timestamp,
     /// Presses in this run.
     pub presses: u64,
@@ -211,12 +204,10 @@ pub struct TriggerStatus {
     pub garbage: u64,
 }
 
-/// The status of an alarm.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AlarmStatus {
     /// Message for people.
     pub message: String,
-    /// Since when.
     pub since: Timestamp,
 }
 

@@ -44,7 +44,6 @@ pub struct Listeners(Mutex<BTreeMap<Way, Listening>>);
 pub struct Opened {
     /// Its address; `None` for the control socket.
     pub address: Option<SocketAddr>,
-    /// Who answers there.
     pub answers: watch::Sender<Answers>,
 }
 

@@ -29,7 +29,6 @@ const LABEL_PX: f64 = 80.0;
 /// Peaks and valleys that stand out by less than this are not marked, mm.
 const PROMINENCE_MIN_MM: f64 = 1.5;
 
-/// A level on the chart.
 struct ChartLevel {
     side: Side,
     name: &'static str,

@@ -180,7 +180,6 @@ pub(super) fn extent(legs: &[Drawn], from: From) -> Option<[f64; 2]> {
     (low < high).then_some([low, high])
 }
 
-/// One view.
 pub(super) struct View {
     pub from: From,
     /// Place of the body frame's origin, px.

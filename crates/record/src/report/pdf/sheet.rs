@@ -14,7 +14,6 @@ pub(super) const SIZE: [f64; 2] = Paper::A4.size_pt();
 
 /// The pages of a PDF.
 pub(super) struct Sheets {
-    /// The content, page by page.
     pub pages: Vec<Content>,
     /// The letters in use, regular and bold.
     pub letters: [Letters; 2],
@@ -63,7 +62,6 @@ impl Sheets {
 
 /// Draws on a page.
 pub(super) struct Pen<'a> {
-    /// The page.
     pub content: &'a mut Content,
     letters: &'a mut [Letters; 2],
 }

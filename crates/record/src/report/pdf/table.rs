@@ -24,7 +24,6 @@ const BOX_WIDTH: f64 = 36.0;
 /// The smallest letters of a table, pt.
 const SIZE_MIN: f64 = 5.5;
 
-/// A cell.
 #[derive(Debug, Clone)]
 pub(super) struct Cell {
     /// Writable text.
@@ -77,7 +76,6 @@ pub(super) struct Row {
     pub is_joined: bool,
 }
 
-/// A table.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
     pub heads: Vec<Row>,

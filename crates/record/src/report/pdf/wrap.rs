@@ -8,7 +8,6 @@ use crate::report::held;
 pub(super) struct Type {
     /// Font size, pt.
     pub size: f64,
-    /// Whether it is bold.
     pub is_bold: bool,
 }
 
