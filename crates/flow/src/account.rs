@@ -17,7 +17,7 @@ use super::round::AMBIGUOUS;
 use super::words::{ago, duration};
 use super::{Closed, DeliveryState, ScanState};
 
-/// The text for a scan that may be of several patients, of whom one is known at the most.
+/// The text for a scan that may belong to several patients, of whom at most one is known.
 const ONE_NAMED: &str = "capture-ambiguous-one";
 
 /// A scan, when it was first seen, and where it is.
@@ -58,7 +58,7 @@ pub struct Listed {
 }
 
 impl Listed {
-    /// A scan as it stands in a list.
+    /// A scan in a list.
     pub fn from_whole(whole: &Whole) -> Listed {
         let Whole { scan, summary, deliveries, .. } = whole;
         let is_any = |state| deliveries.iter().any(|of| of.state == state);
@@ -91,7 +91,7 @@ gaiter_record::word_enum! {
         Delivered => "delivered",
         /// Refused, in quarantine.
         Refused => "refused",
-        /// A person must say whose it is.
+        /// A person must decide whose it is.
         Held => "held",
         /// Its record is stored without a patient.
         Unassigned => "unassigned",
@@ -113,7 +113,7 @@ pub struct Search {
     pub incomplete: bool,
     /// How many of the newest to leave out.
     pub offset: u32,
-    /// The largest number of scans; not for the page to say.
+    /// The largest number of scans; the page cannot set it.
     #[serde(skip)]
     pub limit: u32,
 }
@@ -368,7 +368,7 @@ pub fn explain(
     }
 }
 
-/// Why a scan was refused, if that is known. The figures in it are only told in English.
+/// Why a scan was refused, if that is known. Its figures are in English only.
 pub fn why_refused(summary: &Summary, language: Language) -> Option<&str> {
     let code = summary.code.as_deref().unwrap_or_default();
     let own = match language {

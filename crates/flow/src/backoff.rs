@@ -8,7 +8,7 @@ const FIRST: Duration = Duration::from_secs(1);
 /// The longest pause of all: a share that comes back is noticed within this time.
 pub(crate) const CEILING: Duration = Duration::from_secs(300);
 
-/// The shortest pause: full jitter may draw nearly zero, and a hot loop is of no use.
+/// The shortest pause: full jitter may draw nearly zero, and a hot loop is useless.
 const FLOOR: Duration = Duration::from_millis(200);
 
 /// The pause after `failures` failures in a row, at least one. `chance` is uniform in [0, 1).

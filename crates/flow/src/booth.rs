@@ -1,4 +1,4 @@
-//! Messages between the booth and the station: what the ports hear, and what the light shows.
+//! Messages between the booth and the station: what the ports receive, and what the light shows.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use gaiter_record::SourceKind;
 
 use super::round::Doubt;
 
-/// What a port has heard.
+/// What a port has received.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Heard {
     /// The button was pressed and released, or was held for the time of a long press.
@@ -48,9 +48,9 @@ gaiter_record::word_enum! {
     /// What the light at the booth shows.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     pub enum Signal {
-        /// The next press will be heard.
+        /// The next press will be registered.
         Ready => "ready",
-        /// A press was heard; the station waits for its export.
+        /// A press was registered; the station waits for its export.
         Armed => "armed",
         /// Its export is arriving, or is being measured.
         Receiving => "receiving",

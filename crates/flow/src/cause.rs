@@ -26,13 +26,13 @@ pub struct Cause {
     /// a library.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     is: Option<String>,
-    /// What stands in the places of its text.
+    /// What fills the places of its text.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     names: BTreeMap<String, String>,
 }
 
 impl Cause {
-    /// One that has a text in each language, with what stands in its places.
+    /// One that has a text in each language, with what fills its places.
     pub fn known(is: &str, names: impl IntoIterator<Item = (&'static str, String)>) -> Cause {
         let names: BTreeMap<String, String> =
             names.into_iter().map(|(name, words)| (name.to_owned(), words)).collect();
@@ -40,12 +40,12 @@ impl Cause {
         Cause { english, is: Some(is.to_owned()), names }
     }
 
-    /// One that is said in English in every language: in the words of a library, or for experts.
+    /// One in English in every language: the words of a library, or a text for experts.
     pub fn said(words: impl Display) -> Cause {
         Cause { english: words.to_string(), is: None, names: BTreeMap::new() }
     }
 
-    /// An error of the operating system. Another error speaks for itself.
+    /// An error of the operating system. Any other error keeps its own text.
     pub fn of_system(error: &io::Error) -> Cause {
         let said = Cause::said(error);
         match (error.raw_os_error(), error.kind()) {
@@ -84,7 +84,7 @@ impl Cause {
     }
 }
 
-/// The text of a key with what stands in its places; `None` if the language has none.
+/// The text of a key with its places filled; `None` if the language has none.
 fn worded(is: &str, names: &BTreeMap<String, String>, language: Language) -> Option<String> {
     let text = language.find(&format!("cause.{is}"))?;
     fill(text, |name, _| match (is, name) {

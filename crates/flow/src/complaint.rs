@@ -34,7 +34,7 @@ pub enum Severity {
     Notice,
 }
 
-/// Something that keeps the station from being ready, or that a person should know. Its words stand under its
+/// Something that keeps the station from being ready, or that a person should know. Its words are under its
 /// code in the table `complaint` of each language.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Complaint {
@@ -77,7 +77,7 @@ impl ComplaintFigures {
         ComplaintFigures::default().cause(WHY, why)
     }
 
-    /// A number of things, with which of the complaint's texts tells it: `one` or `more`.
+    /// A number of things, and which of the complaint's texts fits it: `one` or `more`.
     pub fn counted(count: usize) -> ComplaintFigures {
         let case = if count == 1 { "one" } else { "more" };
         ComplaintFigures::default().count("count", count as u64).words("case", case)
@@ -193,8 +193,8 @@ impl Complaint {
         fill(template, |name, form| Some(self.word(name, form, language)))
     }
 
-    /// What stands in a place of a text. `time` is of a duration in seconds, `size` of bytes, `signed` of a
-    /// measure with its sign, `tenths` of one without; in the place of a `word` stands the text of the complaint with that key.
+    /// What fills a place of a text. `time` is of a duration in seconds, `size` of bytes, `signed` of a measure with
+    /// its sign, `tenths` of one without; in the place of a `word` stands the text of the complaint with that key.
     fn word(&self, name: &str, form: &str, language: Language) -> String {
         if let ("subject", Some(subject)) = (name, &self.subject) {
             return subject.clone();

@@ -12,7 +12,7 @@ gaiter_record::word_enum! {
     pub enum Disposition as serde {
         /// It cannot be measured, or its record cannot be stored: it lies in quarantine until a person decides.
         Refused => "refused",
-        /// A person must say whose it is.
+        /// A person must decide whose it is.
         Held => "held",
         /// Its record is still to be made, or waits for a store.
         Spooled => "spooled",
@@ -22,7 +22,7 @@ gaiter_record::word_enum! {
         Delivered => "delivered",
         /// It was refused or held, and needs no decision any more.
         Closed => "closed",
-        /// Its record is stored without a patient: a person must say whose it is.
+        /// Its record is stored without a patient: a person must decide whose it is.
         Unassigned => "unassigned",
         /// Its record is stored without a patient, and a person left it there.
         Left => "left",

@@ -20,9 +20,9 @@ pub struct FileHistory {
     /// The outcome for its scan, in words that follow the scan: "was delivered", "was refused
     /// (scan-cut-short) and is in quarantine".
     pub state: String,
-    /// Why, as a sentence of its own, if there is more to say.
+    /// The reason as a sentence of its own, if there is one.
     pub why: Option<&'static str>,
-    /// When that was; `None` if the journal does not say.
+    /// When that was; `None` if the journal does not know.
     pub at: Option<Timestamp>,
     /// The scan's first digits; `None` for a file that was refused unread.
     pub scan: Option<String>,
@@ -30,7 +30,7 @@ pub struct FileHistory {
     pub again_since: Option<Timestamp>,
 }
 
-/// Who asks: in which language, and in which time zone times are told.
+/// Who asks: the language and time zone of the answer.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked<'a> {
     pub language: Language,

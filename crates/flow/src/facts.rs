@@ -37,7 +37,7 @@ pub struct Facts {
     pub alarms: BTreeMap<&'static str, Alarm>,
     /// The checks with the phantom; `None` if none is configured.
     pub phantom: Option<PhantomFacts>,
-    /// What the last scans say of the scanner's cameras.
+    /// What the last scans show about the scanner's cameras.
     pub views: ViewsSeries,
     /// What was wrong with the configuration at the last reload; `None` if it was accepted.
     pub refused_reload: Option<String>,
@@ -108,7 +108,7 @@ impl SourceState {
         }
     }
 
-    /// Why it is not watched, as far as there is more to say than the word.
+    /// Why it is not watched, where the state's word does not state it.
     pub fn why(&self) -> Option<&Cause> {
         match self {
             SourceState::OutOfReach(why) | SourceState::NotMounted(why) => Some(why),
@@ -174,8 +174,8 @@ pub enum StoreAttempt {
 }
 
 impl StoreFacts {
-    /// The facts after an attempt. `is_awaited` says whether a record still waits for the store: until one is
-    /// delivered, or none waits, the fault of a delivery stays.
+    /// The facts after an attempt. `is_awaited` states whether a record still waits for the store: until one
+    /// is delivered, or none waits, the fault of a delivery stays.
     pub fn after(
         before: Option<&StoreFacts>,
         attempt: StoreAttempt,
@@ -267,7 +267,7 @@ impl IntakeState {
     }
 }
 
-/// Something that the operator must know. Its words stand under its code, as those of a complaint.
+/// Something that the operator must know. Its words are under its code, as those of a complaint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alarm {
     /// The figures in its message.

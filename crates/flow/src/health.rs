@@ -25,7 +25,7 @@ pub(crate) const BLIP: Duration = Duration::from_secs(5);
 /// How long a port may be out of order before it is reported: long enough to plug it in elsewhere.
 const REPLUG: Duration = Duration::from_secs(60);
 
-/// A certificate of the station that ends sooner is told: the authority of a house may need weeks for a new one.
+/// A certificate of the station that ends sooner is reported: a clinic's authority may need weeks for a new one.
 pub const CERTIFICATE_ENDS_SOON: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// Complaint: exports were overwritten or deleted before they were taken.

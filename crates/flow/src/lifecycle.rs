@@ -46,7 +46,7 @@ gaiter_record::word_enum! {
         Pending => "pending",
         /// The store has given its receipt.
         Delivered => "delivered",
-        /// The operator must say whose scan this is.
+        /// The operator must decide whose scan this is.
         Held => "held",
         /// It will not be made, because the scan was refused.
         Refused => "refused",
@@ -93,7 +93,7 @@ gaiter_record::word_enum! {
         Refuse => "refuse",
         /// The operator wants it tried again.
         Retry => "retry",
-        /// The operator says that the scan is this patient's.
+        /// The operator decides that the scan is this patient's.
         Release => "release",
         /// The record of the same scan has reached the patient it belongs to.
         Withdraw => "withdraw",

@@ -24,7 +24,7 @@ pub enum Last {
     /// decided since.
     Scan {
         scan: ScanId,
-        /// What is to be done with the patient, in sentences.
+        /// What to do with the patient, in sentences.
         to_do: Vec<String>,
     },
     /// A patient was to be named, and the id could not be read.
@@ -33,24 +33,24 @@ pub enum Last {
     Known(ScanId),
 }
 
-/// What the light tells of what happened last.
+/// What the light shows of the last event.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LastOutcome {
     /// Its record is stored.
     Delivered,
     /// Its record is stored, and some measures must be taken by hand or the patient scanned again.
     Incomplete {
-        /// What is to be done with the patient, in sentences.
+        /// What to do with the patient, in sentences.
         to_do: Vec<String>,
     },
-    /// The operator must say whose it is.
+    /// The operator must decide whose it is.
     Held {
         /// Why, as a stable code.
         code: String,
     },
-    /// Its record is stored without a patient: the operator must say whose it is.
+    /// Its record is stored without a patient: the operator must decide whose it is.
     Unassigned {
-        /// What is to be done with the patient, in sentences.
+        /// What to do with the patient, in sentences.
         to_do: Vec<String>,
     },
     /// It cannot be measured, or its record cannot be stored.

@@ -1,7 +1,7 @@
 //! Orders from practice software: which are new, and whether they arrive before the press of the button or after it.
 //!
-//! An order may stay in its folder for years after it was heard, and other programs and people may touch its
-//! file: a virus scanner, a backup, an administrator who sets permissions. None of that names a patient
+//! An order may stay in its folder for years after it was applied, and other programs and people may touch
+//! its file: a virus scanner, a backup, an administrator who sets permissions. None of that names a patient
 //! again.
 
 use std::fmt::Display;
@@ -60,8 +60,8 @@ pub fn orders_come_late(orders: &[OrderCame]) -> Option<OrdersComeLate> {
     is_habit.then_some(OrdersComeLate { after, of: last.len() })
 }
 
-/// A file in the folder of orders, as far as it matters to whether it was heard. Excludes what a change
-/// of mode or a link changes.
+/// The state of a file in the folder of orders by which an applied order is recognised. Excludes what a
+/// change of mode or a link changes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OrderState {
     /// Its size, bytes.
@@ -76,17 +76,17 @@ pub struct OrderState {
 /// What a file in the folder of orders is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum News {
-    /// The order that was already heard.
+    /// The order that was already applied.
     Known,
-    /// The same words as the heard order, written at another time: it is in doubt whether the patient
-    /// comes again.
+    /// The same content as the applied order, written at another time: whether the patient comes again is in
+    /// doubt.
     Repeated,
-    /// An order that was not heard before.
+    /// An order that was not applied before.
     New,
 }
 
-/// Classifies a file by what is known of the order that was heard under its name. Nothing is known of an
-/// order whose file was gone since.
+/// Classifies a file by what is known of the order that was applied under its name. Nothing is known of an
+/// order whose file has been missing since.
 pub fn news(known: Option<&OrderState>, found: &OrderState) -> News {
     let Some(known) = known else { return News::New };
     let is_unread = known.digest.is_empty() || found.digest.is_empty();
@@ -212,7 +212,7 @@ mod tests {
         let (share, bare) = ((1, 7), (2, 9));
         assert_eq!(unlisted(Some(share), share, false), Unlisted::Gone);
         assert_eq!(unlisted(Some(share), bare, false), Unlisted::Nothing);
-        // It was mounted anew, or no folder was ever seen.
+        // It was mounted again, or no folder was ever seen.
         assert_eq!(unlisted(Some(share), (3, 7), true), Unlisted::TheirFolder);
         assert_eq!(unlisted(None, share, true), Unlisted::TheirFolder);
     }

@@ -1,4 +1,4 @@
-//! To whom a scan belongs: ids and their rules, what file names say, how folders are named, what is known
+//! To whom a scan belongs: ids and their rules, what file names state, how folders are named, what is known
 //! about a patient's records and about a person, and how all of that is erased.
 
 pub mod check_digit;

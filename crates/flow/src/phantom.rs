@@ -46,7 +46,7 @@ impl PhantomFacts {
 }
 
 impl Facts {
-    /// That the cameras' views do not meet, if most of the last scans say so.
+    /// The cameras' views do not meet, if most of the last scans show it.
     pub fn views_apart(&self) -> Option<Complaint> {
         let checks = self.phantom.as_ref().map(|phantom| &phantom.checks[..]);
         self.views.complaint(checks.unwrap_or_default())

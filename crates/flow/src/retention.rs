@@ -1,4 +1,4 @@
-//! How long data is kept after it is no longer needed, and whether the clock may be believed that says so.
+//! How long data is kept after it is no longer needed, and whether the clock can be trusted for it.
 
 use std::time::Duration;
 
@@ -55,7 +55,7 @@ impl WallClock {
 mod tests {
     use super::*;
 
-    /// Asks at this hour of the station's own clock, the wall clock being ahead by so many hours.
+    /// Asks at this hour of the station's own clock, the wall clock being ahead by this many hours.
     fn is_steady_at(clock: &mut WallClock, hour: u32, ahead_h: i64) -> bool {
         let wall = Timestamp::from_second(1_800_000_000 + (i64::from(hour) + ahead_h) * 3600);
         clock.is_steady(wall.unwrap(), Duration::from_secs(u64::from(hour) * 3600))

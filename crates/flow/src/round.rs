@@ -6,9 +6,9 @@
 //!
 //! - **R1 Rest before it.** At the press every earlier capture has ended: its own scan is measured, a person
 //!   has decided, or its window and `late` are over and somebody was named at the booth since.
-//! - **R2 One name.** From that rest to the press one patient was named. Card, page and terminal say who is
-//!   there; an order says who is expected. Two orders, or an order left over from a round that ended
-//!   otherwise, need a word at the booth. A name after the press is of the next round.
+//! - **R2 One name.** From that rest to the press one patient was named. Card, page and terminal name who is
+//!   there; an order names who is expected. Two orders, or an order left over from a round that ended
+//!   otherwise, need somebody named at the booth. A name after the press belongs to the next round.
 //! - **R3 One press, after the name.** A name soon after a press without one may be for that press or for the
 //!   next. So may an order whose file may have lain there unread at a press ([`Rounds::overtaken`]).
 //! - **R4 One new content.** No other content was written beside it since the press, and none taken since
@@ -16,9 +16,9 @@
 //!   time, its change time and those of the folders above it ([`super::export::writing`]): it was not brought
 //!   in, set back in time, or swapped in with a folder or a link. A content that was seen and is gone before
 //!   it was taken counts ([`super::settle::Gone`]).
-//! - **R5 Every ear open.** Whatever could not be heard for a while (a port, a name that could not be read, a
-//!   press that could not be kept, the station itself) ends certainty until the next word at the booth; an
-//!   unheard press does so for as long as its export may come.
+//! - **R5 No source missed.** Whatever could not be received for a while (a port, a name that could not be
+//!   read, a press that could not be kept, the station itself) ends certainty until somebody is named at the
+//!   booth again; a missed press does so for as long as its export may come.
 //! - **R6 In time.** The export began within the window and was taken before `late` was over.
 //!
 //! Without a button the name takes the place of the press. A known scan, by bytes or geometry, answers
@@ -62,7 +62,7 @@ pub struct Rounds {
     uncertain: Option<Doubt>,
     /// The patients of captures that came to nothing since that word: they may still be there.
     missed: Vec<Named>,
-    /// Those of whom a person said since that word that a scan is theirs: their orders are used.
+    /// Patients to whom a person assigned a scan since then: their orders are used.
     decided: Vec<String>,
     hearing: Hearing,
 }
@@ -74,7 +74,7 @@ const NAMES_MOST: usize = 100;
 /// How many of the latest unsure presses, and of the patients of captures that came to nothing, are kept.
 const DOUBTS_MOST: usize = 64;
 
-/// Whether presses are heard.
+/// Whether presses are received.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Hearing {
     /// A port is away.
@@ -94,7 +94,7 @@ impl Rounds {
         rounds
     }
 
-    /// Something could not be heard: names and these captures are certain no more.
+    /// Something was missed: names and these captures are no longer certain.
     fn unheard(&mut self, of: impl Fn(&Capture) -> bool) {
         self.doubt_names(Doubt::Unheard);
         for capture in self.open.iter_mut().filter(|capture| of(capture)) {
@@ -108,7 +108,7 @@ impl Rounds {
         self.unheard(|capture| capture.by == Opener::Press);
     }
 
-    /// A press was heard but could not be kept: its export may be taken for that of another press.
+    /// A press was received but could not be kept: its export may be taken for that of another press.
     pub fn missed_press(&mut self, now: Duration) {
         if self.hearing != Hearing::Deaf {
             self.hearing = Hearing::Since(now);
@@ -116,8 +116,8 @@ impl Rounds {
         self.unheard(|capture| capture.by == Opener::Press);
     }
 
-    /// A source of names is away, or was: to be said at the beginning of the gap and at its end. A press that
-    /// was made before then has its name already.
+    /// A source of names is away, or was: call it at the beginning of the gap and at its end. A press before
+    /// that has its name already.
     pub fn missed_name(&mut self) {
         self.unheard(|capture| capture.by == Opener::Name);
     }
@@ -176,7 +176,7 @@ impl Rounds {
         self.rules.by_press && self.doubt_left(now) != Some(Duration::ZERO)
     }
 
-    /// How long presses are in doubt from now on, if the button is heard; `None` while it is not.
+    /// How long presses are in doubt from now on, if the button can be read; `None` while it cannot.
     pub fn doubt_left(&self, now: Duration) -> Option<Duration> {
         match self.hearing {
             // The export of a missed press may arrive as late as any other.

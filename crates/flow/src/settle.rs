@@ -1,9 +1,9 @@
 //! When a file has settled: neither it nor what belongs to it has changed for the quiet time of our own
 //! monotonic clock.
 //!
-//! The file's own times are compared for change only, never with our clock: other machines' clocks
-//! differ. What lies between two times of one file system tells what was brought in from elsewhere. A file
-//! that keeps changing is waited for without limit.
+//! The file's own times are compared for change only, never with our clock: other machines' clocks differ.
+//! The interval between two times of one file system shows what was brought in from elsewhere. The wait for a
+//! file that keeps changing has no limit.
 //!
 //! A settled file is offered at every look until the caller reports the outcome:
 //! [`Settling::taken`], [`Settling::cut_short`], [`Settling::changed`] or [`Settling::failed`].
@@ -34,7 +34,7 @@ pub use memory::{Memory, Remembered};
 pub use sights::Sights;
 pub use wait::{Wait, Waiting};
 
-/// A last line end is waited for so many times as long as for a whole file.
+/// A last line end is waited for this many times as long as for a whole file.
 const LINE_END_QUIETS: u32 = 3;
 
 /// What one look at a folder found.
@@ -70,7 +70,7 @@ pub struct Settled {
     pub is_shared: bool,
     /// The wait for its rest is over: it is to be taken even if it is cut short.
     pub awaited: bool,
-    /// How it was written, as far as looks can tell, on their clock.
+    /// How it was written, as far as looks show it, on their clock.
     pub writing: Writing,
     /// It was taken before, and a file beside it has appeared or changed since.
     pub has_late_companion: bool,

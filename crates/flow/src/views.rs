@@ -1,5 +1,5 @@
-//! What the last scans say of the scanner's cameras: whether their views meet. One scan may be a chance; most of
-//! the last ones are the booth's fault, and every girth is wrong until it is put right.
+//! What the last scans show about the scanner's cameras: whether their views meet. One scan may be chance; if
+//! most of the last ones show it, the booth is at fault, and every girth is wrong until that is put right.
 
 use gaiter_record::phantom::{CheckResult, LastCheck};
 use jiff::Timestamp;
@@ -18,7 +18,7 @@ const SHOWN_MOST: usize = 30;
 const JUDGED: usize = 5;
 const APART_LEAST: usize = 3;
 
-/// What a measured scan says of the cameras.
+/// What a measured scan shows about the cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ViewsSeen {
     /// When the scan came in.
@@ -27,13 +27,13 @@ pub struct ViewsSeen {
     pub step_mm: Option<f64>,
 }
 
-/// What the last scans say of the cameras, oldest first.
+/// What the last scans show about the cameras, oldest first.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct ViewsSeries(Vec<ViewsSeen>);
 
 impl ViewsSeries {
-    /// Adds a scan. One that came in at the same moment and says the same is the same scan, measured again.
+    /// Adds a scan. One with the same time and the same values is the same scan, measured again.
     pub fn add(&mut self, seen: ViewsSeen) {
         self.0.retain(|earlier| *earlier != seen);
         let place = self.0.partition_point(|earlier| earlier.at <= seen.at);
@@ -52,8 +52,8 @@ impl ViewsSeries {
         apart(&self.0)
     }
 
-    /// That the cameras' views do not meet, if most of the last scans say so. `checks` are those with the phantom,
-    /// oldest first. A check that found the girths right answers for the scans before it.
+    /// The cameras' views do not meet, if most of the last scans show it. `checks` are those with the phantom,
+    /// oldest first. A check that found the girths right clears the scans before it.
     pub fn complaint(&self, checks: &[LastCheck]) -> Option<Complaint> {
         let right = checks.iter().rev().find(|check| check.result == CheckResult::Within);
         let since = right.map_or(Timestamp::MIN, |check| check.at);

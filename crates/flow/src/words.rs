@@ -36,10 +36,10 @@ pub fn duration(duration: Duration, language: Language) -> String {
     }
 }
 
-/// In which steps time that is left is told, seconds: a step that has begun counts. A screen reader reads out each.
+/// Steps in which the time left is shown, seconds: a step that has begun counts. A screen reader reads out each.
 const LEFT_STEP_S: u64 = 60;
 
-/// In which steps the last minute is told, seconds.
+/// Steps in which the last minute is shown, seconds.
 const LAST_STEP_S: u64 = 20;
 
 /// Time that is left, up to the end of the step that has begun.
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(said(Language::De), ["999 B", "1,5 kB", "12,3 GB"]);
     }
 
-    /// Red while the last minute was told as one.
+    /// Failed while the last minute was shown as one.
     #[test]
     fn time_that_is_left_counts_down_to_its_end() {
         for (seconds, english) in [

@@ -1,4 +1,4 @@
-//! What is said of a scan in each of its states.
+//! The sentences about a scan in each of its states.
 
 use super::*;
 use crate::facts::StoreRefusal;

@@ -105,7 +105,7 @@ impl PassedOver {
         PassedOver::UNREAD.contains(&self)
     }
 
-    /// Whether only its name tells that it is passed over.
+    /// Whether its name alone shows that it is passed over.
     pub fn is_of_name(self) -> bool {
         matches!(self, PassedOver::Hidden | PassedOver::Unfinished)
     }

@@ -1,4 +1,4 @@
-//! The state of a file, as far as a look can tell.
+//! The state of a file, as far as a look shows it.
 
 use std::time::Duration;
 
@@ -35,8 +35,8 @@ impl Stamp {
         if is_coarse { COARSE } else { Duration::ZERO }
     }
 
-    /// Whether a file in this state has the same content as in an earlier one, as far as its size and
-    /// time can tell. A change of its name, mode or links changes neither.
+    /// Whether a file in this state has the same content as in an earlier one, as far as its size and time
+    /// show it. A change of its name, mode or links changes neither.
     pub(crate) fn has_content_of(&self, earlier: &Stamp) -> bool {
         (self.dev, self.ino, self.size, self.mtime_ns)
             == (earlier.dev, earlier.ino, earlier.size, earlier.mtime_ns)

@@ -1,9 +1,9 @@
-//! When the content of a file was written, as far as looks and short reads can tell.
+//! When the content of a file was written, as far as looks and short reads show it.
 //!
-//! A look sees sizes and times, never content. So a few bytes of each file that is not taken yet are
-//! read whenever it has changed, and kept as a [`Fingerprint`]. A later content that begins with the marked
-//! part has grown since; one that does not was written anew. A capture's export is judged by when its
-//! content began, not by when its name appeared.
+//! A look sees sizes and times, never content. So a few bytes of each file that is not taken yet are read
+//! whenever it has changed, and kept as a [`Fingerprint`]. A later content that begins with the marked part
+//! has grown since; one that does not was written again. A capture's export is judged by when its content
+//! began, not by when its name appeared.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ pub const END_BYTES: usize = 4096;
 /// A shorter part is no evidence, bytes: two exports may begin with the same header.
 const MARK_LEAST: u64 = END_BYTES as u64;
 
-/// Two contents are told apart by so much behind their headers, bytes.
+/// This much behind their headers distinguishes two contents, bytes.
 const TRUNK_BYTES: usize = END_BYTES / 2;
 
 /// The header of a binary STL: a title, and a count that some exporters write last, bytes.
@@ -27,7 +27,7 @@ const STL_HEADER_BYTES: usize = 84;
 /// What some programs put before a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// So many zeros at the end are a place that is reserved and not written yet, bytes.
+/// This many zeros at the end are reserved space that is not written yet, bytes.
 const RESERVED_LEAST: usize = 16;
 
 /// How many marks of one file are kept: the first, and the last ones.
@@ -82,7 +82,7 @@ pub struct Fingerprint {
     pub sum: String,
     /// The sum of what comes first behind its header; `None` if that is not written yet.
     trunk: Option<String>,
-    /// When it was written at the latest, if the times of its file say that it was written elsewhere.
+    /// When it was written at the latest, if the times of its file show that it was written elsewhere.
     pub written: Option<Duration>,
 }
 
@@ -114,7 +114,7 @@ impl Fingerprint {
     }
 }
 
-/// Whether a mark is of a given content.
+/// Whether a mark belongs to a given content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Match {
     /// It is a part of it.
@@ -130,7 +130,7 @@ fn ends(bytes: &[u8]) -> (&[u8], &[u8]) {
     (&bytes[..length], &bytes[bytes.len() - length..])
 }
 
-/// What tells a body from another, whatever is written behind it or changed in the header.
+/// What distinguishes a body from another, whatever is appended to it or changed in its header.
 fn trunk(head: &[u8]) -> Option<String> {
     let begins = header(head);
     let part = head.get(begins..begins + TRUNK_BYTES)?;
@@ -138,8 +138,8 @@ fn trunk(head: &[u8]) -> Option<String> {
     is_written.then(|| sum(part, &[]))
 }
 
-/// The length of what may say when a body was exported, or how much of it is to come: comments, the header
-/// of a PLY, the title and count of a binary STL. Bytes.
+/// The length of what may state when a body was exported, or how much of it follows: comments, the header of
+/// a PLY, the title and count of a binary STL. Bytes.
 fn header(head: &[u8]) -> usize {
     if head.starts_with(b"ply") {
         let last = b"end_header";
@@ -169,8 +169,8 @@ pub struct Writing {
     /// When its content was last seen to have changed since; `None` if it has not.
     changed: Option<Duration>,
     marks: Vec<Fingerprint>,
-    /// When what it holds since part of it was last read was written at the latest, if its times say that it
-    /// was written elsewhere.
+    /// The latest time at which its content since the last partial read was written, if its times show that
+    /// it was written elsewhere.
     written: Option<Duration>,
     /// Its lengths each time it was read whole, bytes.
     read: Vec<u64>,
@@ -186,13 +186,13 @@ struct Kept {
 }
 
 impl Writing {
-    /// A file that was seen for the first time, or started anew.
+    /// A file that was seen for the first time, or started again.
     pub fn new(first: Appeared) -> Writing {
         let (changed, written, kept) = (None, None, None);
         Writing { first, changed, marks: Vec::new(), written, read: Vec::new(), kept }
     }
 
-    /// The same for a file whose times may say that its content was written elsewhere.
+    /// The same for a file whose times may show that its content was written elsewhere.
     pub(crate) fn found(first: Appeared, written: Option<Duration>) -> Writing {
         Writing { written, ..Writing::new(first.written_by(written)) }
     }
@@ -212,7 +212,7 @@ impl Writing {
         self.changed = Some(seen);
     }
 
-    /// In its new state its times may say that its content was written elsewhere.
+    /// In its new state, its times may show that its content was written elsewhere.
     pub(crate) fn date(&mut self, written: Option<Duration>) {
         self.written = self.written.into_iter().chain(written).min();
     }
@@ -253,7 +253,7 @@ impl Writing {
         })
     }
 
-    /// By what the content that was marked last is told from others; `None` if that is not known.
+    /// What distinguishes the content that was marked last; `None` if not known.
     pub(crate) fn trunk(&self) -> Option<&str> {
         self.marks.last().and_then(|last| last.trunk.as_deref())
     }
@@ -263,7 +263,7 @@ impl Writing {
         self.marks.last().is_some_and(|last| last.trunk.is_none())
     }
 
-    /// Whether this part is of another content than the one that was marked last and was not dealt with.
+    /// Whether this part belongs to another content than the one that was marked last and was not dealt with.
     pub(crate) fn loses_to(&self, mark: &Fingerprint) -> bool {
         let Some(last) = self.marks.last() else { return false };
         let is_other = last.trunk.is_some() && mark.trunk.is_some() && last.trunk != mark.trunk;
@@ -319,7 +319,7 @@ impl Writing {
         began.written_by(self.written_last(bytes))
     }
 
-    /// When this content of the file was written at the latest, if times say that it was written elsewhere.
+    /// When this content of the file was written at the latest, if times show that it was written elsewhere.
     pub(crate) fn written_last(&self, bytes: &[u8]) -> Option<Duration> {
         self.written(bytes).into_iter().chain(self.written).min()
     }
@@ -331,7 +331,7 @@ impl Writing {
         own.filter_map(|(mark, _)| mark.written).min()
     }
 
-    /// Each mark, in their order, and whether it is of this content.
+    /// Each mark, in their order, and whether it belongs to this content.
     fn compared(&self, bytes: &[u8]) -> impl Iterator<Item = (&Fingerprint, Match)> {
         let trunk = trunk(ends(bytes).0);
         // What was dealt with is no part of what comes after it, unless that begins with it.
@@ -435,7 +435,7 @@ mod tests {
         for (before, seen) in [(&counted(0)[..7_000], 10), (&filled, 10), (&reserved, 30)] {
             let mut writing = first(9, 10);
             writing.mark(Fingerprint::whole(s(10), s(10), before));
-            // A press comes in between, and a look at what lies there then.
+            // A press comes in between, and a look at what is there then.
             writing.change(s(20));
             writing.mark(Fingerprint::whole(s(20), s(20), before));
             writing.change(s(30));

@@ -87,7 +87,7 @@ fn every_fault_has_its_code_and_something_to_do() {
     }
 }
 
-/// It is said in every language with all its figures, and names no file.
+/// Its text exists in every language with all its figures, and names no file.
 fn assert_said(found: &Complaint) {
     for language in Language::ALL {
         let (message, remedy) = (found.message(language), found.remedy(language));

@@ -43,15 +43,15 @@ pub struct Situation<'a> {
     pub next: &'a [String],
     /// The ids of the patients whose exports are expected; without a button a name opens the capture.
     pub awaited_for: &'a [String],
-    /// It is not certain who is next: somebody at the booth must say so.
+    /// It is not certain who is next: somebody at the booth must confirm it.
     pub is_asked: bool,
     /// A press may have been missed.
     pub is_in_doubt: bool,
-    /// How much longer presses are in doubt for that; `None` while the button is not heard.
+    /// How much longer presses are in doubt for that; `None` while the button cannot be read.
     pub doubt_left: Option<Duration>,
     /// Why the scan that is made next would be held.
     pub held_next: Option<&'a HeldNext>,
-    /// How far the export or scan is for which the light says "measuring".
+    /// How far the export or scan is for which the light shows "measuring".
     pub progress: Option<Progress>,
     /// How the last scan since the last press ended; `None` if none has ended since.
     pub last: Option<&'a LastOutcome>,

@@ -1,5 +1,5 @@
-//! Codes → the situation and what to do, each in one sentence. docs/codes.md and docs/patients.md say the same in more
-//! detail; an unknown code is shown as it is.
+//! Codes → the situation and what to do, each in one sentence. docs/codes.md and docs/patients.md have the same in
+//! more detail; an unknown code is shown as it is.
 
 use gaiter_language::Language;
 use serde::Serialize;
@@ -31,7 +31,7 @@ impl Advice {
         format!("{} {}", self.what, self.next)
     }
 
-    /// This situation first, then the other; what to do is of this one.
+    /// This situation first, then the other; what to do is that of this one.
     pub(super) fn before(self, other: &Advice) -> Advice {
         Advice { what: format!("{} {}", self.what, other.what), ..self }
     }
@@ -62,7 +62,7 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
         .unwrap_or_else(|| said_as_it_is(code, "page.do.retry", language))
 }
 
-/// That the button is not there, as its complaint says a minute later.
+/// The button is not there; its complaint follows a minute later.
 pub(super) fn of_button_away(language: Language) -> String {
     let advice = Advice::find("page.complaint", "trigger-absent", language);
     advice.map(|advice| advice.in_a_row()).unwrap_or_default()

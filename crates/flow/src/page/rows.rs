@@ -8,7 +8,7 @@ use gaiter_record::sha256;
 use crate::account::{Delivered, Whole};
 use crate::{DeliveryState, ScanState};
 
-/// The digits of a row's key: enough to tell the patients of one scan apart.
+/// The digits of a row's key: enough to distinguish the patients of one scan.
 const KEY_DIGITS: usize = 16;
 
 /// The rows of a scan. The one that waits for a decision or a record is first, then the patients who have
@@ -40,13 +40,13 @@ fn of_owner(whole: &Whole, id: &str) -> Whole {
     let theirs = |of: &&Delivered| of.patient.as_deref() == Some(id) && !of.is_to_go();
     let deliveries = whole.deliveries.iter().filter(theirs).cloned().collect();
     let mut row = Whole { deliveries, candidates: Vec::new(), ..whole.clone() };
-    // What became of the scan for others is told in their rows.
+    // What became of the scan for others is in their rows.
     row.summary.state = ScanState::Delivered;
     (row.summary.code, row.summary.message, row.summary.closed) = (None, None, None);
     row
 }
 
-/// What tells a patient's row of a scan from the others in an address, without naming the patient there.
+/// Identifies a patient's row of a scan in an address, without naming the patient.
 pub fn key(scan: &str, patient: &str) -> String {
     let digest = sha256(format!("{scan} {patient}").as_bytes());
     digest.chars().take(KEY_DIGITS).collect()

@@ -85,7 +85,7 @@ impl Text {
         })
     }
 
-    /// Whether it says nothing.
+    /// Whether it has no text.
     pub(super) fn is_empty(&self) -> bool {
         self.0.iter().all(String::is_empty)
     }

@@ -1,4 +1,4 @@
-//! What the page says and offers in each state.
+//! What the page shows and offers in each state.
 
 mod held;
 mod light;

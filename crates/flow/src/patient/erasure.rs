@@ -1,15 +1,15 @@
 //! The erasure of all that a station holds of one person: what has been done and what is left to do.
 //!
 //! It is noted before anything is removed, and every step can be repeated. The id is needed until the last
-//! store is cleared; then only a keyed hash of it is left, by which the station knows scans that lie in an
-//! export folder still.
+//! store is cleared; then only a keyed hash of it is left, by which the station recognises scans that are
+//! still in an export folder.
 //!
-//! What a server is owed comes first: only the station's own data tells what is to be taken back or corrected there.
+//! What a server is owed comes first: only the station's own data shows what to take back or correct there.
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-/// What stands in the place of an erased id: in the history, and among those to whom a held scan may belong.
+/// What replaces an erased id: in the history, and among those to whom a held scan may belong.
 pub const ERASED: &str = "(erased)";
 
 /// A scan of an erased person, of which only the hash is left.
@@ -29,19 +29,20 @@ pub struct Owed {
     /// The scan, 64 hexadecimal digits.
     pub sha256: String,
     pub store: String,
-    /// What is to be done there.
+    /// What to do there.
     pub step: OwedStep,
     /// The server, as it was configured when it was given the record; `None` if only a journal that was lost knew.
     pub place: Option<String>,
-    /// By what the record is found there; `None` if no answer came: the server may then have nothing.
+    /// The name by which the record is found there; `None` if no answer came: the server may then have
+    /// nothing.
     pub reference: Option<String>,
 }
 
-/// What is to be done with a record at a server.
+/// What to do with a record at a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OwedStep {
-    /// It is of the wrong patient, and is to be taken back.
+    /// It belongs to the wrong patient, and must be taken back.
     TakeBack,
     /// A person set measures since, and the server has the earlier ones.
     Correct,
@@ -132,7 +133,7 @@ impl Erasure {
         is_news
     }
 
-    /// What is to be done next.
+    /// What to do next.
     pub fn next(&self) -> Next<'_> {
         match (&self.patient, self.cleared) {
             (Some(patient), None) => Next::Own { patient },
@@ -170,7 +171,7 @@ impl Erasure {
         }
     }
 
-    /// Whether a scan is not to be taken in for a patient, of whom `is_theirs` says whether it is this one.
+    /// Whether a scan must not be taken in for a patient; `is_theirs`: whether that is this patient.
     pub fn refuses(&self, sha256: &str, is_theirs: bool) -> bool {
         let known = self.scans.iter().find(|known| known.sha256 == sha256);
         known.is_some_and(|known| known.is_whole || is_theirs)

@@ -1,4 +1,4 @@
-//! Whose scan it is: what a file name and the scanner's own measures say, how that combines with the
+//! Whose scan it is: what a file name and the scanner's own measures state, how that combines with the
 //! patient who was named before, and what it means when the same bytes are seen again.
 
 use std::collections::BTreeSet;
@@ -49,7 +49,7 @@ pub struct Whose {
     pub claims: Vec<Patient>,
 }
 
-/// What a file name or the scanner's own measures say about the patient.
+/// What a file name or the scanner's own measures state about the patient.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NameSays {
     Nothing,
@@ -88,13 +88,13 @@ impl Identity {
         Ok(Identity { file_name, sidecar, whole_id, check_digit })
     }
 
-    /// What a file name says. Bytes that are not UTF-8 arrive as U+FFFD; two different names may then
-    /// look the same, so no id may contain one.
+    /// What a file name states. Bytes that are not UTF-8 arrive as U+FFFD; two different names may then look
+    /// the same, so no id may contain one.
     pub fn of_file_name(&self, name: &str) -> NameSays {
         self.says(self.file_name.as_ref(), name, SourceKind::FileName)
     }
 
-    /// What the scanner's own measures beside a scan say, by the first line that matches.
+    /// What the scanner's own measures beside a scan state, by the first line that matches.
     pub fn of_sidecar(&self, text: &str) -> NameSays {
         let found = text
             .lines()

@@ -1,5 +1,5 @@
-//! All that a station knows of one person, as it is disclosed, and shown before it is erased. Of other
-//! patients it says nothing but that there are some.
+//! All that a station knows of one person, for disclosure and for the preview of an erasure. Of other
+//! patients it states only that there are some.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -43,7 +43,7 @@ pub struct Person {
     pub exports: Vec<PathBuf>,
     /// Journals that were set aside and name them.
     pub journals: Vec<PathBuf>,
-    /// What the journal says of them and of scans that are theirs alone, oldest first.
+    /// The journal's entries about them and about scans that are theirs alone, oldest first.
     pub history: Vec<PersonEvent>,
 }
 
@@ -110,7 +110,7 @@ pub struct PersonDelivery {
     pub folder: Option<String>,
     /// Who named the patient.
     pub sources: Vec<SourceKind>,
-    /// Where a server has the record, or may have it, each place with its receipt, '' for none. Told by
+    /// Where a server has the record, or may have it, each place with its receipt, '' for none. Disclosed as
     /// [`OnServer`].
     #[serde(skip)]
     pub places: BTreeMap<String, String>,
@@ -138,7 +138,7 @@ pub struct PersonStore {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PersonRecord {
     pub folder: PathBuf,
-    /// When the scan was taken; `None` if the record does not say.
+    /// When the scan was taken; `None` if the record does not state it.
     pub acquired: Option<Acquired>,
     pub revision: Option<u32>,
     /// What people set, when and who.
@@ -163,7 +163,7 @@ pub struct HandedOver {
     /// The result's file in the exchange folder.
     pub file: PathBuf,
     pub at: Timestamp,
-    /// It still lies there: the practice software has not fetched it.
+    /// It is still there: the practice software has not fetched it.
     pub waits: bool,
     /// Files that belong to it and lie in the exchange folder.
     pub attachments: Vec<PathBuf>,
@@ -177,8 +177,8 @@ pub struct OnServer {
     pub store: String,
     /// The server, as it was configured when it was given that.
     pub place: String,
-    /// By what it is found there: a report's address, or a message's control id; `None` if no answer
-    /// came yet, or if only a journal that was lost knew it. The server may then have nothing.
+    /// What identifies it there: a report's address, or a message's control id; `None` if no answer came yet,
+    /// or if only a journal that was lost knew it. The server may then have nothing.
     pub reference: Option<String>,
     pub at: Option<Timestamp>,
     /// It was taken back: the server may keep it, marked as wrong.

@@ -61,7 +61,7 @@ pub struct Capture {
     pub until: Duration,
     /// What opened it.
     pub by: Opener,
-    /// The patient whose scan it is said to be.
+    /// The patient who was named for the scan.
     pub patient: Option<Named>,
     /// Other patients whose scan it may be.
     pub others: Vec<Named>,
@@ -168,7 +168,7 @@ gaiter_record::word_enum! {
         Unclear => "capture-unclear",
         /// It arrived after the window of the press it must belong to.
         Late => "export-late",
-        /// The station could not hear for a while, and a missed press may have made this export.
+        /// The station could not receive presses for a while, and a missed one may have made this export.
         Unheard => "press-unheard",
         /// An attempt to name a patient before it could not be read.
         Unread => "name-unread",

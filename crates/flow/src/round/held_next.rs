@@ -1,4 +1,4 @@
-//! Why the scan that is made next would be held: told before it is made, with what ends it.
+//! Why the next scan would be held: shown before it is made, with what ends it.
 
 use std::time::Duration;
 

@@ -145,7 +145,7 @@ impl Rounds {
         }
     }
 
-    /// Somebody at the booth says who is there.
+    /// Somebody at the booth names who is there.
     fn word(&mut self, named: Named, now: Duration) -> NamedNext {
         // R3: it may be for a press that was made without a name.
         let is_crossed = self.unsure(now).any(|press| press.is_unnamed);
@@ -209,9 +209,9 @@ impl Rounds {
         came
     }
 
-    /// An order is about to be heard whose file was not there yet at `absent` (`None`: that is not known). Each
-    /// press since then may be its patient's. Returns whether there was one: then the order may have been for
-    /// that one and not for the next; where orders come after their presses, for one before it.
+    /// An order is about to be applied whose file was not there yet at `absent` (`None`: not known). Each press
+    /// since then may be its patient's. Returns whether there was one. If so, the order may have been for that
+    /// press and not for the next; where orders come after their presses, for one before it.
     pub fn overtaken(&mut self, named: &Named, absent: Option<Duration>) -> bool {
         let is_since = |capture: &&mut Capture| {
             capture.by == Opener::Press && absent.is_none_or(|absent| capture.opened > absent)
@@ -228,8 +228,8 @@ impl Rounds {
         was_pressed
     }
 
-    /// A name could not be read that was not said yet at `absent` (`None`: that is not known): the patient
-    /// named before may have left, and each press since then may be that of the one who was named.
+    /// A name could not be read that had not arrived at `absent` (`None`: not known): the patient named
+    /// before may have left, and each press since then may belong to the one in the unreadable name.
     pub fn unread(&mut self, absent: Option<Duration>) {
         self.doubt_names(Doubt::Unread);
         let may_be_theirs = |capture: &&mut Capture| {
@@ -281,8 +281,8 @@ impl Rounds {
         NamedNext::Opened(opened, given_up)
     }
 
-    /// A word of a person ends what waits for others; a card only what waits for the same patient, if something
-    /// went unheard since.
+    /// A name from a person ends what waits for others; a card only ends what waits for the same patient, if
+    /// something was missed since.
     fn give_up(&mut self, named: &Named, coming: &[Appeared]) -> Vec<Capture> {
         let id = named.id.as_str();
         // Whether a refused export comes again is asked first: this is the answer if it stands beside hers.
@@ -408,7 +408,7 @@ impl Rounds {
         None
     }
 
-    /// Whether so many patients wait that adding this id is of no use: an export could be anybody's.
+    /// Whether too many patients wait to add this id: an export could be anybody's.
     pub fn is_crowded(&self, id: &str) -> bool {
         let names = self.next().map_or(&[][..], |next| &next.names);
         let awaited = self.waiting().flat_map(Capture::named);
@@ -459,8 +459,8 @@ impl Rounds {
     }
 }
 
-/// Whether a card names somebody of whom it was not said yet that they are there, while that was said of
-/// somebody else. A word of a person replaces that on purpose.
+/// Whether a card names somebody who was not yet named as present, while somebody else was. A name from a
+/// person replaces that on purpose.
 fn contradicts(before: &Next, named: &Named) -> bool {
     let mut said = before.names.iter().filter(|said| said.named.by != SourceKind::Order).peekable();
     let is_other = said.peek().is_some() && said.all(|said| said.named.id != named.id);

@@ -195,7 +195,7 @@ fn a_second_press_without_a_name_after_one_with_a_name_is_not_taken_for_the_same
     captures.pressed(2, at(10));
     let judged = export(&mut captures, seen(20));
     assert_eq!(code(&judged), AMBIGUOUS);
-    // The one patient who was named can be told to the person who decides.
+    // The one patient who was named can be shown to the person who decides.
     assert!(
         matches!(judged, CaptureMatch::Held { patient: Some(patient), .. } if patient.id == "4711")
     );

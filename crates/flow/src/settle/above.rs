@@ -32,8 +32,8 @@ impl Above {
     fn found(&mut self, folders: Folders) {
         (self.is_export_replaced, self.replaced) = match &self.folders {
             Some(before) => {
-                // One that an exporter makes anew for each scan has no other device, and one that was
-                // renamed tells by its change time.
+                // A folder that an exporter makes for each scan has the same device, and a renamed one shows
+                // it by its change time.
                 let is_other = |(path, folder): &(&PathBuf, &Stamp)| {
                     before.below.get(*path).is_some_and(|known| known.dev != folder.dev)
                 };

@@ -32,7 +32,7 @@ pub struct Gone {
 #[derive(Debug)]
 pub(super) struct Missing {
     content: Gone,
-    /// By what it is known elsewhere.
+    /// The name by which it is known elsewhere.
     trunk: Option<String>,
     /// Its file is there, and was cut off or written over.
     is_overwritten: bool,
@@ -43,7 +43,7 @@ pub(super) struct Missing {
 /// What is known about a content that may be gone.
 enum Fate {
     There,
-    /// The next look tells.
+    /// The next look decides.
     Open,
     Gone,
 }
@@ -60,7 +60,7 @@ impl Settling {
         let mut missing = Vec::new();
         for (path, file) in self.untaken() {
             let (stamp, writing) = (file.group.stamp, &file.writing);
-            // A share that was mounted anew has other numbers for the same files.
+            // A share that was mounted again has other numbers for the same files.
             let is_same = seen.get(path).is_some_and(|now| {
                 (now.stamp.size, now.stamp.mtime_ns) == (stamp.size, stamp.mtime_ns)
             });
@@ -92,8 +92,8 @@ impl Settling {
         self.missing.extend(lost);
     }
 
-    /// The content that a settled file held before, if these bytes were written over it and no look has
-    /// told of it.
+    /// The content that a settled file held before, if these bytes were written over it and no look has shown
+    /// it.
     pub fn overwritten_by(&self, settled: &Settled, bytes: &[u8]) -> Option<Gone> {
         let whole = Fingerprint::whole(Duration::ZERO, Duration::ZERO, bytes);
         let file = self.files.get(&settled.path)?;
@@ -128,7 +128,7 @@ impl Settling {
         }
         let own = missing.content.stamp.inode();
         let is_open = match there.iter().find(|(stamp, _)| stamp.inode() == own) {
-            // The number may be another file's by now: where something was read, that tells.
+            // The inode may be another file's by now: where something was read, the content decides.
             Some(_) if trunk.is_none() && !missing.is_overwritten => return Fate::There,
             Some((_, writing)) => writing.trunk().is_none(),
             None => Some(missing.since) == self.last_look,
@@ -137,7 +137,7 @@ impl Settling {
     }
 }
 
-/// The content that was read there before, if this part is of another one.
+/// The content that was read there before, if this part belongs to another one.
 fn lost_to(path: &Path, stamp: Stamp, writing: &Writing, mark: &Fingerprint) -> Option<Gone> {
     let appeared = writing.marked_began().filter(|_| writing.loses_to(mark))?;
     Some(Gone { path: path.to_owned(), stamp, appeared })

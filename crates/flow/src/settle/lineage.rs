@@ -1,13 +1,13 @@
 //! Which content a file has, whatever its name: a file is followed by device and inode.
 //!
-//! Scanners write under a temporary name and rename; people and programs link, move and copy. A name
-//! does not tell when its content was written, so what is known about the content goes with the inode,
-//! even through names that are not scans.
+//! Scanners write under a temporary name and rename; people and programs link, move and copy. A name does not
+//! show when its content was written, so what is known about the content stays with the inode, even through
+//! names that are not scans.
 //!
 //! A file that is brought in with older content shows it: by the clock of the file system, the new name, the
 //! changed time or the move of its folder is later than the time at which its content was written. This is
-//! checked whenever a content or its time is new, because programs that copy set the old time last. It says
-//! nothing against an export that was written in place: a changed mode, a link or another name comes after
+//! checked whenever a content or its time is new, because programs that copy set the old time last. It is no
+//! evidence against an export that was written in place: a changed mode, a link or another name comes after
 //! it was seen.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -133,9 +133,9 @@ impl Settling {
         self.departed.drain(..spare);
     }
 
-    /// When the content of a settled file began. Part of it may have been seen before in another file
-    /// that is not taken: a copy, or an export that was started anew, is no younger than that, nor than the
-    /// times of any of them say.
+    /// When the content of a settled file began. Part of it may have been seen before in another file that is
+    /// not taken: a copy, or an export that was started again, is no younger than that, nor than any of their
+    /// times.
     pub fn began(&self, settled: &Settled, bytes: &[u8]) -> Appeared {
         let own = settled.writing.began(bytes);
         let others = self.untaken().filter(|(path, _)| **path != settled.path);

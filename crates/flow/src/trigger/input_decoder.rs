@@ -1,4 +1,4 @@
-//! What the station listens for at one port: all of its input → what was heard.
+//! What the station listens for at one port: all of its input → what was received.
 
 use std::time::Duration;
 
@@ -83,7 +83,7 @@ impl InputDecoder {
         InputDecoder { sense: Sense::Reader { codes, lines, typed }, closed: false, garbage: 0 }
     }
 
-    /// The port was opened anew: nothing is known about its contact. A lock-out continues.
+    /// The port was opened again: nothing is known about its contact. A lock-out continues.
     pub fn begin(&mut self) {
         self.closed = false;
         match &mut self.sense {
@@ -175,7 +175,7 @@ impl InputDecoder {
                 }
             }
         }
-        // Input that is not a press says nothing about a patient: it is only counted.
+        // Input that is not a press has no patient: it is only counted.
         let _ = lines.tick(now);
         self.garbage += lines.dropped();
         presses

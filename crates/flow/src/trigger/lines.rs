@@ -74,13 +74,13 @@ impl Lines {
         (!self.line.is_empty()).then(|| self.last_byte + HALF_LINE)
     }
 
-    /// Starts anew with the next byte; the unfinished line is not counted.
+    /// Starts again with the next byte; the unfinished line is not counted.
     pub fn clear(&mut self) {
         self.line.clear();
         self.in_tail = false;
     }
 
-    /// Starts anew with the next line; the unfinished line is not counted.
+    /// Starts again with the next line; the unfinished line is not counted.
     pub fn pass_over(&mut self) {
         self.in_tail |= !self.line.is_empty();
         self.line.clear();

@@ -1,4 +1,4 @@
-//! Keys that a reader types → lines: as a US keyboard would type them, or unread. A line is never told
+//! Keys that a reader types → lines: as a US keyboard would type them, or unread. A line is never passed on
 //! without one of its keys.
 
 use std::time::Duration;
@@ -56,14 +56,14 @@ enum State {
     /// It holds characters, or nothing yet.
     #[default]
     Text,
-    /// It is unread, and this is said at its end: a key that types no character fell into it, or keys
-    /// were lost, perhaps with its end.
+    /// It is unread, and is reported so at its end: a key that types no character fell into it, or keys were
+    /// lost, perhaps with its end.
     Spoilt {
-        /// It is said as soon as nothing more comes, too. What follows may be another card, so the end
-        /// says it again.
+        /// It is also reported as soon as nothing more comes. What follows may be another card, so the end
+        /// reports it again.
         is_due: bool,
     },
-    /// It was said that it is unread: everything that follows up to Enter is its tail, and not a line.
+    /// It was reported as unread: everything that follows up to Enter is its tail, and not a line.
     Tail,
 }
 
@@ -149,12 +149,12 @@ impl Typed {
         waits.then(|| self.last_key + HALF_LINE)
     }
 
-    /// Starts anew with the next key, of a device that was just opened.
+    /// Starts again with the next key, of a device that was just opened.
     pub fn clear(&mut self) {
         *self = Typed { dropped: self.dropped, ..Typed::default() };
     }
 
-    /// Starts anew with the next line; the unfinished line is not counted.
+    /// Starts again with the next line; the unfinished line is not counted.
     pub fn pass_over(&mut self) {
         let dropped = self.dropped;
         if self.due().is_some() {
@@ -225,7 +225,7 @@ impl Typed {
         }
     }
 
-    /// The line is unread, and this is said now.
+    /// The line is unread, and is reported so now.
     fn drop_line(&mut self) -> Line {
         self.dropped += self.text.len() as u64;
         self.text.clear();
@@ -346,7 +346,7 @@ mod tests {
                 assert_eq!(tapped(&mut keys, &[5, ENTER]), whole("4"), "{line:?}");
             }
         }
-        // It is said once it stops, and again at an end that may be another card's.
+        // It is reported once it stops, and again at an end that may be another card's.
         tapped(&mut keys, &[F1]);
         assert_eq!(keys.tick(NOW + HALF_LINE), Some(Line::Dropped));
         assert_eq!((keys.due(), keys.tick(NOW * 9)), (None, None));
@@ -448,7 +448,7 @@ mod tests {
         tapped(&mut keys, &[ENTER, 76, 80]);
         keys.key(ALT, Up, NOW);
         assert_eq!(tapped(&mut keys, &[ENTER]), [Line::Dropped]);
-        // A card whose end was lost is said by itself, and so is the one that follows.
+        // A card whose end was lost is reported by itself, and so is the one that follows.
         tapped(&mut keys, &[5, 8]);
         keys.lose(&[], NOW);
         assert_eq!(keys.tick(NOW + HALF_LINE), Some(Line::Dropped));

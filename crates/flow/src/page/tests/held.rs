@@ -72,7 +72,7 @@ fn a_held_scan_that_cannot_be_measured_says_that_first_and_offers_first_to_give_
         assert_eq!(next, of_refused("no-leg", language).next);
         assert_eq!(shown.acts, ["give_up", "release", "assign"]);
         assert!(shown.unmeasured.as_deref().unwrap().ends_with("[no-leg]"));
-        // The light says the same of the scan that ended last, and of no other.
+        // The light shows the same for the scan that ended last, and for no other.
         let last = LastOutcome::Held { code: "export-late".to_owned() };
         for (last_scan, is_told) in
             [(Some(shown.scan.as_str()), true), (Some("0"), false), (None, false)]

@@ -1,4 +1,4 @@
-//! What the light says: after a scan, while a person is needed, in a pause.
+//! What the light shows: after a scan, while a person is needed, in a pause.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Who is next, as the page, the light and `gaiter patient show` say it.
+//! Who is next, as the page, the light and `gaiter patient show` show it.
 
 use super::*;
 

@@ -192,7 +192,7 @@ fn without_a_button_whoever_is_expected_is_not_certain_once_a_source_was_away() 
     captures.missed_name();
     let mut again = captures.clone();
     assert_eq!(code(&is_held(&mut captures, 10, &["1"])), UNHEARD);
-    // A word at the booth says who is there.
+    // A name at the booth states who is there.
     again.named(by_whom("2", SourceKind::Operator), 2, at(5), &[]);
     assert_eq!(patient_of(&export(&mut again, seen(10))), Some("2"));
 }
@@ -577,7 +577,7 @@ fn a_press_whose_scan_a_person_decided_crosses_no_card() {
     let judged = is_held(&mut captures, 10, &["1"]);
     captures.decided(&judged, "1", at(15));
     captures.measured(1);
-    // The first card may have been for the next press: the same card again says who is there.
+    // The first card may have been for the next press: the same card again shows who is there.
     captures.named(by_whom("2", SourceKind::Reader), 2, at(30), &[]);
     captures.named(by_whom("2", SourceKind::Reader), 2, at(32), &[]);
     captures.pressed(2, at(35));

@@ -231,7 +231,7 @@ fn a_naming_that_failed_disarms_the_name_that_waits_until_a_word_at_the_booth() 
     }
     captures.named(order("1"), 2, at(100), &[]);
     captures.unread(Some(at(900)));
-    // The corrected order says who is expected, not who is there.
+    // The corrected order names who is expected, not who is there.
     captures.named(order("2"), 2, at(101), &[]);
     captures.pressed(2, at(102));
     assert_eq!(candidates(&export(&mut captures, seen(120))), ["1", "2"]);

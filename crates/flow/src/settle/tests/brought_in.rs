@@ -13,7 +13,7 @@ fn file(ino: u64, size: usize, written: i128, changed: i128) -> Stamp {
     Stamp { dev: 1, ino, size: size as u64, mtime_ns: ns(written), ctime_ns: ns(changed) }
 }
 
-/// What lies there.
+/// What is there.
 #[derive(Default)]
 struct There<'a> {
     /// Which folder the path leads to.
@@ -138,7 +138,7 @@ fn the_folder_of_a_day_and_a_temporary_name_make_nothing_old() {
 #[test]
 fn where_another_export_folder_took_the_place_of_one_nothing_new_is_known_to_have_been_absent() {
     let before = There { export: 1, below: &[("d", 50, 10), ("e", 60, 10)], ..There::default() };
-    // A sub-folder that the exporter makes anew is no other one.
+    // A sub-folder that the exporter makes again is no other one.
     for (export, d, is_known) in [(1, 50, true), (2, 50, false), (1, 51, true)] {
         let (mut settling, body) = (settling(), body(1));
         before.looked(&mut settling, &body, 1005);

@@ -136,7 +136,7 @@ fn what_was_taken_or_whose_bytes_are_kept_and_what_is_out_of_reach_is_not_gone()
     settling.observe(Look::OutOfReach, at(11));
     assert_eq!(settling.gone(false), []);
     assert_eq!(looked(&mut settling, 20, &[("a.obj", 7, &first[..], 9)]), []);
-    // Mounted anew.
+    // Mounted again.
     assert_eq!(looked(&mut settling, 21, &[("a.obj", 99, &first[..], 9)]), []);
 }
 
