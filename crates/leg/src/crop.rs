@@ -1,5 +1,5 @@
-//! The crop of a body above its crotch, which shows no face, and what the whole body told. With both, the same is
-//! measured as on the whole, to the last bit: once the crotch is known, only what lies below the crop is looked at.
+//! The crop of a body above its crotch, which shows no face, and what the whole body has shown. Both together give
+//! the same measures as the whole, to the last bit: once the crotch is known, only what lies below the crop counts.
 
 use gaiter_scan::{self as scan, Format, Scan};
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ enum FormatWord {
     Xyz,
 }
 
-/// What a whole body told that its crop does not show.
+/// What a whole body shows and its crop does not.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct WholeBody {
     /// The file of the whole body's scan.
@@ -50,7 +50,7 @@ pub struct WholeBody {
 }
 
 impl WholeBody {
-    /// What the body of an extraction told.
+    /// What the body of an extraction has shown.
     pub fn from_extraction(extraction: &Extraction) -> WholeBody {
         let Extraction { body, export, crotch, .. } = extraction;
         let is_cloud = body.mesh.triangles().is_empty();
@@ -72,8 +72,8 @@ impl Extraction {
     }
 }
 
-/// Measures both legs in the bytes of a crop, as on the whole body, which told this. Unit, up, facing, winding and
-/// scope of the method do not count: what they are about is in `whole`.
+/// Measures both legs in the bytes of a crop, as on the whole body, which gave `whole`. Unit, up, facing, winding
+/// and scope of the method do not count: what they are about is in `whole`.
 ///
 /// # Errors
 /// A [`Refusal`] if the bytes are no PLY file, or no leg can be measured.

@@ -57,7 +57,7 @@ pub struct Common {
 }
 
 impl Common {
-    /// What has a cause that can be told, each as a disturbance of all girths.
+    /// The causes that are known, each as a disturbance of all girths.
     pub fn told(&self) -> Vec<Disturbance> {
         let seams = self.seams.map(Disturbance::of_seams);
         let smoothed = self.smoothed.map(Disturbance::of_smoothing);

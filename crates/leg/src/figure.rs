@@ -1,6 +1,6 @@
-//! What findings say, as data: a stable code, and figures by name.
+//! Findings as data: a stable code, and figures by name.
 
-/// What is said. Its texts stand in the language files under its code.
+/// A statement: its texts are in the language files under its code.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Said {
     /// The stable code.
@@ -9,7 +9,7 @@ pub struct Said {
     pub figures: Vec<(&'static str, Figure)>,
 }
 
-/// A figure of what is said.
+/// A figure of a statement.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Figure {
     /// A number.
@@ -87,7 +87,7 @@ macro_rules! coded_enum {
                 }
             }
 
-            /// What it says.
+            /// Its code and figures.
             pub fn said(&self) -> $crate::figure::Said {
                 match self {
                     $(Self::$variant $({ $($field,)+ })? => {

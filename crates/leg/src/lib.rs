@@ -233,7 +233,7 @@ const CROTCH_USUAL_SHARE: [f64; 2] = [0.435, 0.535];
 /// A crotch with a larger standard error is a finding, mm: G, 50 mm below it, moves by as much.
 const CROTCH_SURE_SD_MM: f64 = 6.0;
 
-/// The girth for which it is told how far coarse points let it be off, mm: an ankle's, where it is most.
+/// The girth for which the error by coarse points is reported, mm: an ankle's, where it is largest.
 const ANKLE_GIRTH_MM: f64 = 200.0;
 
 /// One foot stands ahead of the other if its shank does by more than this, mm: of bodies that stand straight by up to

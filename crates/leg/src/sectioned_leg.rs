@@ -1,5 +1,5 @@
-//! A leg cut into sections: what is known before its levels are looked for. Both legs come this far first, because what
-//! covers one, and what the scanner's cameras did to both, is told by comparing them.
+//! A leg cut into sections: what is known before its levels are looked for. Both legs come this far first, because
+//! comparing them shows what covers one, and what the scanner's cameras did to both.
 
 use crate::comparison::seams::{SPAN_SHARE, Traces};
 use crate::levels::girth::{GirthCurve, girth_curve};
@@ -37,7 +37,7 @@ pub struct SectionedLeg {
     pub curve: GirthCurve,
     /// What covers the skin.
     pub cloth: Cloth,
-    /// What the mesh says about seams; `None` where cloth hangs over the skin, whose folds look alike.
+    /// The mesh's evidence for seams; `None` where cloth hangs over the skin, whose folds look alike.
     pub traces: Option<Traces>,
 }
 

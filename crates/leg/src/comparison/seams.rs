@@ -3,9 +3,9 @@
 //!
 //! A camera sees the skin that faces it, so the seam of its view runs along both legs where the skin has a certain
 //! direction. Edges of the mesh that cross a seam are uneven, longer or shorter than others, and lead outwards or
-//! inwards. What belongs to the legs themselves, such as a vein, a tendon or the edge of the shin, is on one leg only, or
-//! on the other side of the other leg. So both legs must say the same of a direction, and what both say counts as much
-//! as on the leg that says less.
+//! inwards. What belongs to the legs themselves, such as a vein, a tendon or the edge of the shin, is on one leg only,
+//! or on the other side of the other leg. So both legs must show the same in a direction, and it counts as much as on
+//! the leg that shows less.
 //!
 //! A girth is off by the sum of what edges are too long at all seams (Cauchy: a part that is moved by d adds to the
 //! girth what d and the vector between its ends make). Shells that overlap are compared by themselves.
@@ -26,16 +26,16 @@ const BANDS: usize = 6;
 /// … and as many of the lowest are looked at for themselves, where a turned camera is off most.
 const LOW_BANDS: usize = 3;
 
-/// The edges of a seam lie in up to so many directions to each side …
+/// The edges of a seam lie in up to this many directions to each side …
 const SEAM_REACH: usize = 1;
 
 /// … and are compared with those so far aside.
 const BESIDE: [usize; 3] = [3, 4, 5];
 
-/// Two seams of a camera are at least so many directions apart.
+/// Two seams of a camera are at least this many directions apart.
 const SEAMS_APART: usize = 6;
 
-/// Edges of more than so many times the mean length bridge holes.
+/// Edges of more than this many times the mean length bridge holes.
 const LONG: f64 = 4.0;
 
 /// A point that is further off its neighbour counts as this far, mm: a speck should not look like a seam.
@@ -54,10 +54,10 @@ const ALL: Least = Least { uneven: 1.0, longer_mm: 1.2, shorter_mm: 0.8, step: 1
 /// In the lowest bands alone there are half as many edges, and the median counts.
 const LOW: Least = Least { uneven: 1.6, longer_mm: 1.8, shorter_mm: 1.2, step: 1.9 };
 
-/// Unevenness of a seam, mm²: so many times the variance of the noise, and what skin may have without any.
+/// Unevenness of a seam, mm²: this many times the variance of the noise, and what skin may have without any.
 const UNEVEN: [f64; 2] = [2.5, 0.15];
 
-/// Mean step over a seam, mm: so many times the standard deviation of the noise, and what skin may have.
+/// Mean step over a seam, mm: this many times the standard deviation of the noise, and what skin may have.
 const STEP: [f64; 2] = [0.35, 0.15];
 
 /// Lengths across vary with the length of edges: these limits are for edges of up to this mean length, mm …
@@ -66,9 +66,9 @@ const EDGE_MM: f64 = 7.0;
 /// … and grow with this power of it, because coarse meshes are less even, too.
 const EDGE_POWER: f64 = 1.25;
 
-/// Traces that together exceed their limits so many times (root of the sum of squares) are a seam, if there is a second
-/// one, for a view has two borders, that exceeds them so many times. Scans without seams, also decimated ones and such
-/// whose views have more or less noise, had up to 1.21 in the first, or less in the second.
+/// Traces that together exceed their limits this many times (root of the sum of squares) are a seam, if there is a
+/// second one, for a view has two borders, that exceeds them this many times. Scans without seams, also decimated ones
+/// and such whose views have more or less noise, had up to 1.21 in the first, or less in the second.
 const TOGETHER_MIN: f64 = 1.35;
 const SECOND_MIN: f64 = 0.85;
 
@@ -86,12 +86,12 @@ const GIRTH_PER_APART: f64 = 1.2;
 /// … and per millimetre by which edges are too long or too short at two seams, together …
 const GIRTH_PER_LONGER: f64 = 1.5;
 
-/// … for which unevenness and mean step stand with so many millimetres, if that is more.
+/// … for which unevenness and mean step stand with this many millimetres, if that is more.
 const LONGER_PER_UNEVEN: f64 = 2.0;
 const LONGER_PER_STEP: f64 = 3.0;
 
-/// A view is off by so many times what edges across a seam are too long, with what unevenness stands for at right angles
-/// to it: some is lost in the fit of the skin and in the directions beside.
+/// A view is off by this many times what edges across a seam are too long, with what unevenness stands for at right
+/// angles to it: some is lost in the fit of the skin and in the directions beside.
 const STEP_SHARE: f64 = 1.3;
 const STEP_PER_UNEVEN: f64 = 1.7;
 
@@ -112,7 +112,7 @@ struct Least {
     step: f64,
 }
 
-/// What the edges of a band say about a direction, summed over them.
+/// The evidence of a band's edges in a direction, summed over them.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     edges: f64,
@@ -131,7 +131,7 @@ struct Uneven {
     more_mm2: f64,
 }
 
-/// What the mesh of one leg says about seams.
+/// The evidence for seams in the mesh of one leg.
 #[derive(Debug, Clone)]
 pub struct Traces {
     directions: Vec<[Sums; BANDS]>,
@@ -248,9 +248,9 @@ fn about() -> impl Iterator<Item = usize> {
     (0..=2 * SEAM_REACH).map(|index| (DIRECTIONS + index - SEAM_REACH) % DIRECTIONS)
 }
 
-/// How uneven the mesh is everywhere, from the squared steps of all edges. Where a view has more noise, or edges see the
-/// skin at a flat angle, all squares are larger; at a seam a few are. A membrane over a hole has no noise, so the noisier
-/// side of its border tells what is usual.
+/// How uneven the mesh is everywhere, from the squared steps of all edges. Where a view has more noise, or edges see
+/// the skin at a flat angle, all squares are larger; at a seam a few are. A membrane over a hole has no noise, so the
+/// noisier side of its border shows what is usual.
 fn uneven(squares: &[[Vec<f64>; BANDS]], crossing: &[f64; BANDS]) -> Vec<[Uneven; BANDS]> {
     let mut found = vec![[Uneven::default(); BANDS]; DIRECTIONS];
     for (band, crossing) in crossing.iter().enumerate() {
@@ -306,7 +306,7 @@ impl Trace {
     }
 }
 
-/// What a direction says, and how remarkable each kind of trace is.
+/// The evidence of a direction, and how remarkable each kind of trace is.
 #[derive(Debug, Clone, Copy)]
 struct Found {
     /// Sizes.
@@ -322,8 +322,8 @@ impl Found {
     }
 }
 
-/// The seams that the legs show; `None` if the views meet, or if that cannot be told: from one leg alone, unless its
-/// shells overlap, or from a cloud.
+/// The seams that the legs show; `None` if the views meet, or if that cannot be determined: from one leg alone,
+/// unless its shells overlap, or from a cloud.
 pub fn seams(legs: &[&Traces]) -> Option<Seams> {
     let apart_mm = legs.iter().filter_map(|leg| leg.shells_apart_mm).reduce(f64::max);
     if let Some(apart_mm) = apart_mm {

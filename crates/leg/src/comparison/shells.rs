@@ -2,7 +2,7 @@
 //!
 //! Where two shells overlap, both show the same skin. A shell that is moved by a small distance lies further outside
 //! by what of it points along the skin's normal. So the distances between the two skins, over all directions of the
-//! normal, tell the shift; that they grow along the leg tells a turn. Even a shift along the skin shows, because the
+//! normal, give the shift; their growth along the leg gives a turn. Even a shift along the skin shows, because the
 //! overlap is some degrees wide.
 
 use std::f64::consts::{PI, TAU};
@@ -19,7 +19,7 @@ pub const SPAN_SHARE: [f64; 2] = [0.06, 0.44];
 /// A shell has at least this share of the leg's points; less is a fragment.
 const SHELL_MIN_SHARE: f64 = 0.04;
 
-/// The skins are compared over cells of this height, mm, and so many around: in 8 mm, skin departs from the
+/// The skins are compared over cells of this height, mm, and this many around: in 8 mm, skin departs from the
 /// fit by little.
 const CELL_MM: f64 = 8.0;
 const CELLS_AROUND: usize = 36;

@@ -1,6 +1,6 @@
 //! Meshes that the scanner's software smoothed by moving each point towards the mean of its neighbours (umbrella or
 //! Laplace smoothing; Taubin, A signal processing approach to fair surface design, 1995): every round makes a leg
-//! thinner, by half a millimetre of girth where points are 5 mm apart, and takes the noise away that would tell.
+//! thinner, by half a millimetre of girth where points are 5 mm apart, and removes the noise that would show it.
 //!
 //! It also moves points along the skin, which shows. The points of a scan lie unevenly: the distance of each to the mean
 //! of its neighbours, along the skin, has nothing to do with that of its neighbours. Smoothing evens it out like heat, so
@@ -23,7 +23,7 @@ const SMOOTHED_MAX: f64 = 0.75;
 /// meshes most of whose points have six neighbours they are two to three times fewer.
 const ROUNDS: f64 = 1.7;
 
-/// More rounds than this cannot be told from each other.
+/// More rounds than this cannot be distinguished.
 const ROUNDS_MAX: f64 = 100.0;
 
 /// A point goes this share of the way to the mean of its neighbours in a round.
@@ -37,7 +37,7 @@ const SD_SHARE: f64 = 0.8;
 /// evenly by themselves: its corners are all alike, or every second one is.
 const IRREGULAR_SHARE: [f64; 2] = [0.02, 0.8];
 
-/// As many points tell the ratio to a hundredth or two.
+/// This many points give the ratio to one or two hundredths.
 const POINTS_MIN: f64 = 300.0;
 
 /// A mesh that was smoothed.
@@ -47,7 +47,7 @@ pub struct Smoothed {
     pub girth_sd_mm: f64,
 }
 
-/// What the points of legs say together.
+/// Sums over the points of the legs.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     points: f64,
@@ -60,7 +60,8 @@ struct Sums {
     across_mm: f64,
 }
 
-/// Whether the meshes of the legs were smoothed; `None` if not, or if that cannot be told: of point clouds and grids.
+/// Whether the meshes of the legs were smoothed; `None` if not, or if that cannot be determined: for point clouds and
+/// grids.
 pub fn smoothed(legs: &[&Mesh], stature_mm: f64) -> Option<Smoothed> {
     let span_mm = SPAN_SHARE.map(|share| share * stature_mm);
     let mut sums = Sums::default();
@@ -122,7 +123,7 @@ fn to_mean(
     sums.into_iter().zip(around).zip(values).map(mean).collect()
 }
 
-/// The points that facets surround, and whose neighbours are such points up to so many edges away.
+/// The points that facets surround, and whose neighbours are such points up to this many edges away.
 fn inner(mesh: &Mesh, around: &[Around], edges_away: usize) -> Vec<bool> {
     let mut inner: Vec<bool> = around.iter().map(Around::is_surrounded).collect();
     for _ in 0..edges_away {

@@ -72,7 +72,7 @@ pub struct Body {
     pub forward_mm: Option<f64>,
     /// Standard error of the floor's height, mm.
     pub floor_sd_mm: f64,
-    /// What speaks against the floor.
+    /// A reason to doubt the floor.
     pub floor_doubt: Option<FloorDoubt>,
     /// Direction of the toes in the export: degrees about up, counter-clockwise from above.
     pub facing_deg: f64,
@@ -107,7 +107,7 @@ impl Body {
         let own_sd_mm = self.scale_sd_share * self.scale_mm;
         let [own, other] = [own_sd_mm, sd_mm].map(|sd_mm| sd_mm.powi(-2));
         self.scale_mm = (own * self.scale_mm + other * stature_mm) / (own + other);
-        // Where both disagree by more than they should, neither is as certain as it says.
+        // Where both disagree by more than they should, neither is as certain as its standard error.
         let apart_mm = (self.scale_mm - stature_mm).abs();
         self.scale_sd_share = (1.0 / (own + other)).sqrt().max(apart_mm) / self.scale_mm;
     }

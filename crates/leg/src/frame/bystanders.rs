@@ -18,7 +18,8 @@ const STEP_MM: f64 = 20.0;
 /// Both legs are thicker than what stands beside them by this factor.
 const THICKER: f64 = 1.25;
 
-/// A shell is a bystander if it stands beside the legs in so many slices, and in this share of those that show it.
+/// A shell is a bystander if it stands beside the legs in this many slices, and in this share of those that show
+/// it.
 const SLICES_MIN: usize = 4;
 const SLICES_SHARE: f64 = 0.7;
 

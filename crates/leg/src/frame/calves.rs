@@ -44,8 +44,7 @@ pub(crate) fn front(mesh: &Mesh, shanks: &[Point2<f64>], stature_mm: f64) -> Opt
     agree.then_some(square)
 }
 
-/// From the belly of a calf to the line from ankle to knee, mm; `None` where that was not seen, or is too short to
-/// tell.
+/// From the belly of a calf to the line from ankle to knee, mm; `None` where that was not seen, or is too short.
 fn before_calf(
     middles: &[Vec<Point2<f64>>],
     shank: Point2<f64>,

@@ -49,7 +49,7 @@ pub struct Floor {
     pub height_mm: f64,
     /// Standard error, mm.
     pub sd_mm: f64,
-    /// What speaks against it.
+    /// A reason to doubt it.
     pub doubt: Option<FloorDoubt>,
 }
 

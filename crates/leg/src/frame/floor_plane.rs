@@ -16,7 +16,7 @@ use crate::statistics::range;
 /// 250 mm.
 const FLOOR_SHARE: f64 = 0.15;
 
-/// The body above this share of the scan's height tells which side of its triangles is outside.
+/// The body above this share of the scan's height shows which side of its triangles is outside.
 const BODY_SHARE: f64 = 0.2;
 
 /// A facet of a level floor turns up by this at least (cosine): within 32°, which noise of 1.5 mm turns facets of an

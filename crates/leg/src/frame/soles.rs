@@ -71,9 +71,9 @@ const STRIP_MIN_SHARE: f64 = 0.02;
 /// In a strip that shows the sole no gap is wider than this share of it; between two edges without a sole it is 0.7.
 const STRIP_GAP_MAX_SHARE: f64 = 0.5;
 
-/// What the soles of the feet say about the floor.
+/// Evidence of the soles about the floor.
 pub(crate) struct Soles {
-    /// What speaks against it.
+    /// A reason to doubt it.
     pub doubt: Option<FloorDoubt>,
     /// What they add to its standard error, mm.
     pub sd_mm: f64,
@@ -99,7 +99,7 @@ coded_enum! {
     }
 }
 
-/// What these feet of a body with this stature say about the floor.
+/// The evidence of these feet, of a body with this stature, about the floor.
 pub(crate) fn soles(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Soles {
     let parts: Vec<Foot> = feet.iter().map(|foot| Foot::from_points(foot)).collect();
     let spread_mm = spread_mm(&parts);
@@ -194,7 +194,7 @@ pub(crate) fn is_sole_seen(foot: &[[f64; 3]], stature_mm: f64) -> bool {
     2 * bridged.iter().filter(|is_bridged| **is_bridged).count() > bridged.len()
 }
 
-/// Whether there is skin all across a strip of a sole, given where its points are; `None` if it is too narrow to tell.
+/// Whether there is skin all across a strip of a sole, given where its points are; `None` if it is too narrow.
 fn is_bridged(strip: &mut [f64], width_min_mm: f64) -> Option<bool> {
     strip.sort_by(f64::total_cmp);
     let width_mm = strip.last()? - strip.first()?;

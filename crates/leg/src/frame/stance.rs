@@ -33,8 +33,8 @@ const SHANK_DIAMETER_MM: [f64; 2] = [35.0, 300.0];
 /// Minimum diameter of the pylon of a prosthesis, mm: usual tubes have 22 to 34.
 const PYLON_DIAMETER_MM: f64 = 15.0;
 
-/// A prosthesis shows its pylon beside a single shank at so many of these heights; its socket and its shoe may be as
-/// thick as a shank.
+/// A prosthesis shows its pylon beside a single shank at this many of these heights; its socket and its shoe may be
+/// as thick as a shank.
 const PYLON_SLICES_MIN: usize = 2;
 
 /// A ring surrounds its middle if its points fall into this many of eight equal sectors; a sheet,

@@ -37,8 +37,7 @@ pub(crate) fn extent(points: impl Iterator<Item = Point3<f64>>) -> (Point3<f64>,
     points.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
-/// The size of a standing body with this extent, upright, in export units. `is_child` says whether it has the head of
-/// a child.
+/// The size of a standing body with this extent, upright, in export units. `is_child`: whether its head is a child's.
 pub(crate) fn whole_body(
     method: &Method,
     upright: &Rotation3<f64>,

@@ -1,8 +1,8 @@
 //! Which way round the triangles of an export are wound.
 //!
-//! A mirrored export has left and right exchanged, and its triangles turn inwards. So do those of an
-//! export that is only wound the other way round; nothing in the scan tells the two apart. A point cloud, and
-//! pieces of a mesh that contradict each other, tell nothing.
+//! A mirrored export has left and right exchanged, and its triangles turn inwards. So do those of an export
+//! that is only wound the other way round; nothing in the scan distinguishes the two. A point cloud, and
+//! pieces of a mesh that contradict each other, show nothing.
 
 use nalgebra::{Point3, Vector3};
 
@@ -11,11 +11,11 @@ use super::union_find::DisjointSets;
 use crate::method::Winding;
 use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 
-/// If pieces of less than this share of the volume are wound one way, they are wound either way and say
-/// nothing.
+/// If the pieces that are wound one way have less than this share of the volume, the winding is mixed and
+/// shows nothing.
 const CLEAR_SHARE: f64 = 0.98;
 
-/// Checks that the triangles are wound as declared. Returns whether they tell.
+/// Checks that the triangles are wound as declared. Returns whether the winding is clear.
 ///
 /// # Errors
 /// [`BodyFault::WoundInward`] or [`BodyFault::WoundOutward`].
@@ -81,8 +81,8 @@ fn pieces(triangles: &[[u32; 3]]) -> Vec<u32> {
     (0..triangles.len() as u32).map(|triangle| sets.root(triangle)).collect()
 }
 
-/// Whether the triangles turn inwards or outwards about the middle of the body, as far as all of them
-/// together tell: quick, and right where all are wound alike.
+/// Whether the triangles turn inwards or outwards about the middle of the body, by the sum over all of them:
+/// quick, and right where all are wound alike.
 fn seem_outward(mesh: &Mesh) -> bool {
     volume(mesh.points(), mesh.triangles().iter()) > 0.0
 }

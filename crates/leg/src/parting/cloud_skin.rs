@@ -1,8 +1,8 @@
 //! The skin of a point cloud: which neighbouring points the skin connects, and where it ends.
 //!
-//! Thighs that nearly touch are as near to each other as the points of one skin, so nearness is not
-//! enough: a step over the skin stays in the plane of the points around both its ends. That tells two
-//! skins apart that are further from each other than half the reach of a step.
+//! Thighs that nearly touch are as near to each other as the points of one skin, so nearness is not enough: a
+//! step over the skin stays in the plane of the points around both its ends. That distinguishes two skins
+//! that are further apart than half the reach of a step.
 
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 

@@ -107,7 +107,7 @@ impl Crotch {
         (stature_mm, (self.sd_mm / MEAN_SHARE).hypot(SD_SHARE / MEAN_SHARE * stature_mm))
     }
 
-    /// Whether levels may be measured from it. One by proportion gives estimates, which say so.
+    /// Whether levels may be measured from it. One by proportion gives estimates, which are marked so.
     pub fn carries_levels(&self) -> bool {
         !self.is_seen() || self.sd_mm <= LEVELS_MAX_SD_MM
     }

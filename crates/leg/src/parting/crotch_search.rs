@@ -24,8 +24,8 @@ const NECK_ABOVE_MM: [f64; 2] = [12.0, 25.0];
 /// bodies with a known crotch); skins of thighs that grew together are thinner (0.21 to 0.26).
 const NECK_MIN_SHARE: f64 = 0.40;
 
-/// Thighs are grown together if the fold between them goes on this far above a crotch found otherwise, mm, or two
-/// of its standard errors: on bodies with separate thighs it does for up to 17 mm.
+/// Thighs are grown together if the fold between them continues this far above a crotch found otherwise, mm, or
+/// two of its standard errors: on bodies with separate thighs it does for up to 17 mm.
 const GROWN_MIN_MM: f64 = 20.0;
 
 /// The step from which on legs, followed upwards, stay joined; `None` if they never do.

@@ -3,7 +3,7 @@
 //! or a patch of a smooth surface. It lies inside the true skin by up to a centimetre and more, looks like
 //! skin, and makes girths too small.
 //!
-//! Three things tell it: triangles far longer than those around; no noise amid noise; and no mean curvature,
+//! Three things show it: triangles far longer than those around; no noise amid noise; and no mean curvature,
 //! with a crease all around. A membrane over a hole is bent nowhere on average, since it is stretched, so what
 //! the skin would turn over the hole, it must turn at the border. Where skin is flat by nature, as on the front
 //! of the shin, it turns less all around, too.
@@ -24,7 +24,7 @@ use crate::frame::union_find::DisjointSets;
 use crate::sections::slice::Mesh;
 use crate::statistics::range;
 
-/// An edge is long from so many median edges on: on no mesh of good scans is one, also not if it was
+/// An edge is long from this many median edges on: on no mesh of good scans is one, also not if it was
 /// decimated to a fifth of its facets.
 const LONG_EDGES: f64 = 3.0;
 
@@ -33,18 +33,18 @@ const LONG_EDGES: f64 = 3.0;
 /// most, and small groups.
 const INNER_TO_OUTLINE: f64 = 1.6;
 
-/// Across edges of so many median edges, a group of long triangles continues into smaller ones.
+/// Across edges of this many median edges, a group of long triangles continues into smaller ones.
 const WIDE_EDGES: f64 = 2.0;
 
 /// An edge is quiet if it is less uneven than this share of the leg's noise. By chance one edge in five is. The second
 /// share is for what a camera saw that has less noise than the others.
 const QUIET_SHARES: [f64; 2] = [0.25, 0.1];
 
-/// So many quiet triangles side by side are no chance: on 170 legs there were groups of up to 11, on a mesh
+/// This many quiet triangles side by side are no chance: on 170 legs there were groups of up to 11, on a mesh
 /// without noise, which consists of larger facets, of 17.
 const QUIET_MIN: usize = 18;
 
-/// So many are enough if they are larger than the leg's triangles by this factor (median): a coarse fill.
+/// This many are enough if they are larger than the leg's triangles by this factor (median): a coarse fill.
 const COARSE_MIN: usize = 8;
 const COARSE_AREAS: f64 = 2.5;
 
@@ -58,7 +58,7 @@ const NOISE_MIN_MM: f64 = 0.05;
 /// triangles of all shapes has up to 0.5.
 const FLAT_SHARE: f64 = 0.4;
 
-/// So many flat triangles side by side.
+/// This many flat triangles side by side.
 const FLAT_MIN: usize = 12;
 
 /// Flat parts count if they are as smooth as this, mm: on noisy skin, flat parts come by chance.
@@ -69,8 +69,8 @@ const SMOOTH_MM: f64 = 0.1;
 /// five above 1.4, up to 3: those below are narrow beside the leg's radius and do little harm.
 const CREASE: f64 = 1.4;
 
-/// Sectors around a flat part in which its border is looked at: half of them tell, so a crest of the shin on one
-/// side does not.
+/// Sectors around a flat part in which its border is looked at: half of them must show it, so a crest of the
+/// shin on one side does not count.
 const SECTORS: usize = 8;
 const SECTORS_MIN: usize = 5;
 
@@ -78,7 +78,7 @@ const SECTORS_MIN: usize = 5;
 const AREA_MIN_MM2: f64 = 600.0;
 
 /// From what is certain, a part continues over triangles that are less uneven than this share of the skin around,
-/// or flatter than this share of what is usual, for so many triangles.
+/// or flatter than this share of what is usual, for this many triangles.
 const LOOSE_QUIET_SHARE: f64 = 0.35;
 const LOOSE_FLAT_SHARE: f64 = 0.6;
 const LOOSE_ROUNDS: usize = 3;
@@ -140,7 +140,7 @@ pub fn filled(mesh: &Mesh, span_mm: [f64; 2]) -> Filled {
     Filled { is_filled, patches }
 }
 
-/// A leg's mesh with what tells skin.
+/// A leg's mesh with the figures that identify skin.
 struct Skin<'a> {
     mesh: &'a Mesh,
     /// Unit normals, wound like the triangles and without the long ones; zero at points that only these use.
@@ -227,8 +227,8 @@ impl Skin<'_> {
         self.sides[triangle].iter().all(|side| self.uneven_mm[*side as usize] < limit_mm)
     }
 
-    /// The connected groups of triangles that are chosen, which have at least so many and the least area, and
-    /// whose middle lies between two heights, mm.
+    /// The connected groups of triangles that are chosen, which have at least this many and the least area,
+    /// and whose middle lies between two heights, mm.
     fn parts(
         &self,
         is_chosen: impl Fn(usize) -> bool,

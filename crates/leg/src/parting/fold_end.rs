@@ -1,10 +1,10 @@
 //! Where the fold between thighs that touch ends: there two legs become one body.
 //!
-//! Where thighs touch, the skin in front has a groove along the middle, however an exporter rounds it.
-//! Above the crotch the middle lies no further inward than the skin beside it. (Behind, the groove goes on
-//! between the buttocks and tells nothing.) Each slice speaks for one or the other, and people's
-//! proportions speak for some heights more than for others. The crotch is the mean of all heights that could
-//! part the slices, weighted by what speaks for each; so its standard error tells how clear the end is.
+//! Where thighs touch, the skin in front has a groove along the middle, however an exporter rounds it. Above
+//! the crotch the middle lies no further inward than the skin beside it. (Behind, the groove continues
+//! between the buttocks and shows nothing.) Each slice is evidence for one or the other, and people's
+//! proportions make some heights more likely than others. The crotch is the mean of all heights that could
+//! part the slices, weighted by the evidence for each; so its standard error shows how clear the end is.
 
 use super::crotch::{CROTCH_SHARE, MEAN_SHARE};
 use super::leg_tracking::{STEP_MM, Step};
@@ -13,8 +13,8 @@ use super::leg_tracking::{STEP_MM, Step};
 /// from 10 mm above a known crotch −0.5 to 0.2; noise of 1.5 mm changes it by 0.05.
 const STEEP: f64 = 0.3;
 
-/// What a slice says at most, as the logarithm of a ratio of probabilities. Slices 10 mm apart see nearly the same
-/// skin, so that none of them says more.
+/// The most evidence of one slice, as the logarithm of a ratio of probabilities. Slices 10 mm apart see nearly the
+/// same skin, so the evidence of each is limited.
 const SLICE_MAX: f64 = 1.0;
 
 /// Standard deviation of the crotch's usual height as a share of stature: 0.015 among soldiers; children, heavy people, and skin that no rod is
@@ -31,7 +31,7 @@ const OWN_SD_MM: f64 = 10.0;
 /// settled about the crotch that no outline shows.
 const SD_PER_MM: f64 = 0.1;
 
-/// The fold is clear if the slices below its end say at least this …
+/// The fold is clear if the evidence of the slices below its end is at least this …
 const CLEAR_MIN: f64 = 1.5;
 
 /// … and this per slice, so that the pleats of cloth do not add up to a fold.
@@ -51,7 +51,7 @@ pub struct FoldEnd {
 /// A height that could part the slices.
 struct CrotchCandidate {
     crotch_mm: f64,
-    /// What the slices below say for a fold.
+    /// The evidence of the slices below for a fold.
     below: f64,
     /// The logarithm of its weight.
     log_weight: f64,
@@ -105,8 +105,8 @@ fn end_mm(steps: &[&Step], count_below: usize) -> f64 {
     low.height_mm + share * (high.height_mm - low.height_mm)
 }
 
-/// What a slice says for a fold between thighs; negative against it. One that falls apart, as of a trunk with few
-/// points, says nothing.
+/// The evidence of a slice for a fold between thighs; negative against it. A slice in pieces, as of a trunk with
+/// few points, has none.
 fn says(step: &Step) -> f64 {
     let steepness = step.neck.and_then(|neck| neck.front_steepness).unwrap_or(STEEP);
     let steep = steepness.min(2.0 * STEEP);

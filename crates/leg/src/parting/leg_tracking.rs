@@ -1,5 +1,5 @@
-//! Tracks legs slice by slice: whatever lies where a leg was one slice ago is the leg. Hands,
-//! specks and floor pieces never lie there. Shells, holes and closed outlines are irrelevant.
+//! Tracks legs slice by slice: whatever lies where a leg was one slice ago is the leg. Hands, specks and
+//! floor pieces are never there. Shells, holes and closed outlines are irrelevant.
 
 use nalgebra::{Point2, Point3, Vector3};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub(super) const STEP_MM: f64 = 10.0;
 /// A leg may widen by this from one slice to the next, mm: a slope of 45° and some noise.
 pub(super) const GROWTH_UP_MM: f64 = 12.0;
 
-/// … or so many edges of the mesh: a slice has a point on each edge that it crosses, and the longest edge
+/// … or this many edges of the mesh: a slice has a point on each edge that it crosses, and the longest edge
 /// of a triangle is rarely longer.
 const LINK_EDGES: f64 = 1.6;
 
@@ -48,7 +48,7 @@ const FOLD_SHIFT_MM: f64 = 20.0;
 const FOLD_MIN_SHARE: f64 = 0.95;
 
 /// After a hole that hid one side of a leg for long, a closed outline is that leg again if it is no larger than the
-/// leg was within so many slices, 200 mm, by more than this factor: a calf grows by 1.3 over 120 mm …
+/// leg was within this many slices, 200 mm, by more than this factor: a calf grows by 1.3 over 120 mm …
 const AGAIN_STEPS: usize = 20;
 const AGAIN_GROWTH: f64 = 1.5;
 

@@ -14,8 +14,8 @@ use crate::frame::union_find::DisjointSets;
 use crate::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::side::{Side, Sides};
 
-/// The thighs are told apart in this band of heights, as shares of stature: below every crotch, above
-/// knees that touch.
+/// The thighs are separated in this band of heights, as shares of stature: below every crotch, above knees
+/// that touch.
 const BAND_SHARE: [f64; 2] = [0.33, 0.35];
 
 /// Neighbours in a cloud are up to this many spacings apart: about twenty points; and more where the
@@ -34,9 +34,9 @@ pub struct Saddle {
     pub border_bottom_mm: Option<f64>,
 }
 
-/// The saddle of a skin whose legs are told apart by `owner`, up to a height; `None` if the legs are
-/// not connected below, or are one already where they are told apart (cloth). Triangles with an edge longer
-/// than `EDGE_MAX_MM` are no skin.
+/// The saddle of a skin whose legs are separated by `owner`, up to a height; `None` if the legs are not
+/// connected below, or are one already where they are separated (cloth). Triangles with an edge longer than
+/// `EDGE_MAX_MM` are no skin.
 pub fn saddle(
     mesh: &Mesh,
     stature_mm: f64,
@@ -90,7 +90,7 @@ fn of_cloud(
     let mut edges = Vec::with_capacity(high().count());
     edges.extend(high());
     let top = legs.first_joined(points, edges)?;
-    // How far down a border reaches is not told in a cloud.
+    // A cloud does not show how far down a border reaches.
     let border_bottom_mm = skin.is_open(top).then_some(from_mm);
     Some(Saddle { height_mm: points[top as usize].z, border_bottom_mm })
 }

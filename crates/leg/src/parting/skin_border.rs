@@ -1,5 +1,4 @@
-//! The borders of a skin: where its triangles end, because nothing was seen there or another shell
-//! goes on.
+//! The borders of a skin: where its triangles end, because nothing was seen there or another shell continues.
 
 use nalgebra::Point3;
 
@@ -7,8 +6,8 @@ use crate::frame::components::connected;
 use crate::frame::union_find::DisjointSets;
 use crate::sections::slice::Mesh;
 
-/// Shells go on in each other where their normals differ by at most this: cosine of 60°. The skins of
-/// two thighs that touch face each other.
+/// Shells continue in each other where their normals differ by at most this: cosine of 60°. The skins of two
+/// thighs that touch face each other.
 pub const SAME_SKIN_MIN_COSINE: f64 = 0.5;
 
 /// … and where a step from border to border stays on the skin: it leaves the plane of the skin by at
@@ -22,9 +21,9 @@ const OFF_SKIN_MIN_MM: f64 = 1.5;
 pub struct SkinBorder {
     /// Points around which the triangles do not close, lowest first.
     points: Vec<u32>,
-    /// Whether another border is so near, by point, that the skin goes on there.
+    /// Whether another border is so near, by point, that the skin continues there.
     is_seam: Vec<bool>,
-    /// Pairs of border points between which the skin goes on.
+    /// Pairs of border points between which the skin continues.
     pub seams: Vec<[u32; 2]>,
 }
 
@@ -100,7 +99,7 @@ fn open_points(mesh: &Mesh, from_mm: f64) -> Vec<u32> {
     open
 }
 
-/// Whether the skin goes on from one border point to another.
+/// Whether the skin continues from one border point to another.
 fn goes_on(mesh: &Mesh, a: u32, b: u32, link_mm: f64) -> bool {
     let step = mesh.points()[b as usize] - mesh.points()[a as usize];
     let (na, nb) = (mesh.normal(a), mesh.normal(b));

@@ -33,7 +33,7 @@ pub struct Neck {
     /// Distance from notch to notch, front to back, as a share of the outline's depth.
     pub thickness_share: f64,
     /// How steeply the skin in front runs inwards to the middle between the legs, mm per mm; negative where the
-    /// middle bulges, infinite where no skin was seen there, `None` if there is too little skin to tell.
+    /// middle bulges, infinite where no skin was seen there, `None` if there is too little skin.
     pub front_steepness: Option<f64>,
 }
 

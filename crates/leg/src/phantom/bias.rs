@@ -2,11 +2,11 @@
 
 use crate::statistics::range;
 
-/// Known girths must differ by this much for scale and offset to be told apart, mm …
+/// Known girths must differ by this much to distinguish scale from offset, mm …
 const SPREAD_MIN_MM: f64 = 50.0;
 
-/// … and the girth may change by this much per mm of height at most. On a cone they cannot be told apart: a
-/// wrong scale is in the heights, too, and makes all its girths differ by the same.
+/// … and the girth may change by this much per mm of height at most. On a cone they cannot be distinguished:
+/// a wrong scale is in the heights, too, and makes all its girths differ by the same.
 const SLOPE_MAX: f64 = 0.05;
 
 /// A girth of the phantom as it was measured.

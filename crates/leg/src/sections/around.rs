@@ -1,6 +1,6 @@
 //! Where something lies around a leg, in words, because degrees are a language of machines.
 
-/// Within so many degrees of the front, the back or a side, a place lies there and not between two of them.
+/// Within this many degrees of the front, the back or a side, a place is there and not between two of them.
 const STRAIGHT_DEG: f64 = 15.0;
 
 word_enum! {

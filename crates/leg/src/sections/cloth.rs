@@ -63,7 +63,7 @@ impl Cover {
         [self.lower, self.upper].iter().flatten().any(|edge| edge.is_sharp)
     }
 
-    /// The edge that tells most: the lower one.
+    /// The edge with the most evidence: the lower one.
     pub fn edge(&self) -> Option<Edge> {
         self.lower.or(self.upper)
     }

@@ -1,13 +1,13 @@
 //! The edges of triangles, each once.
 
-/// A point of a regular mesh has three neighbours of larger index on average; so many have a place in its
+/// A point of a regular mesh has three neighbours of larger index on average; this many have a place in its
 /// row.
 const PLACES: usize = 8;
 
 /// Marks a place without a neighbour.
 const NONE: u32 = u32::MAX;
 
-/// The edges of triangles over so many points, smaller index first, in ascending order.
+/// The edges of triangles over this many points, smaller index first, in ascending order.
 ///
 /// Each goes into the row of its smaller index, unless it is there already, so that only rows are sorted.
 pub fn edges(points: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {

@@ -5,8 +5,8 @@
 //! facets instead, so that the points lie outside the skin: with 20 000 facets a body, calves become 2 mm larger.
 //! Software that puts the points of a cell together in their mean leaves them inside it by as much.
 //!
-//! Which points are neighbours tells that a mesh was decimated: collapsed edges and merged cells leave points with four
-//! neighbours beside such with nine. It does not tell how, and the facets' shape does not either.
+//! The neighbours of the points show that a mesh was decimated: collapsed edges and merged cells leave points with four
+//! neighbours beside points with nine. They do not show how, and neither does the facets' shape.
 
 use std::f64::consts::TAU;
 
@@ -34,7 +34,7 @@ const SHARE_SD_DECIMATED: f64 = 0.6;
 /// holds 20 facets of the coarsest mesh that is measured.
 const BAND_MM: f64 = 30.0;
 
-/// As many facets tell their mean in each band to 2 %.
+/// This many facets give their mean in each band to 2 %.
 const FACETS_MAX: usize = 5000;
 
 /// The middle of an edge that is less than this share of the radius from the leg's middle is that of a chord over more

@@ -103,7 +103,7 @@ impl Curve {
         }
     }
 
-    /// Radii at equal angles from −180° on; quickest with spokes for so many angles in this curve's basis.
+    /// Radii at equal angles from −180° on; quickest with spokes for this many angles in this curve's basis.
     pub fn radii(&self, count: usize, spokes: Option<&Spokes>) -> Vec<f64> {
         match (self, spokes) {
             (Curve::Periodic { basis, coefficients }, Some(spokes)) if spokes.basis == *basis => {

@@ -5,8 +5,8 @@
 //! millimetres, and none of the flat facets between them. Holes are bridged from all sides.
 //! Cross-validation chooses the amount of smoothing along and around.
 //!
-//! What the smoothing removes from the slow waves around is restored by `waves`; how far the points of a decimated mesh
-//! may lie off the skin is told by `sag`.
+//! What the smoothing removes from the slow waves around is restored by `waves`; `sag` gives how far the points of a
+//! decimated mesh may lie off the skin.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -53,8 +53,8 @@ const SEEN_SPACINGS: f64 = 1.5;
 /// further apart than the points within a row.
 const SEEN_MIN_MM: f64 = 5.5;
 
-/// A section is not measured if a wider angle of its skin was not seen, degrees: less than half of the
-/// leg would say what the rest is.
+/// A section is not measured if a wider angle of its skin was not seen, degrees: less than half of the leg
+/// would determine the rest.
 const SKIN_GAP_MAX_DEG: f64 = 150.0;
 
 /// Standard error of a girth across a gap, as a share of the girth per cube of the gap in radians: root

@@ -25,7 +25,7 @@ const SLAB_HALF_MIN_MM: f64 = 5.5;
 /// usual export, and wider than any hole that could be closed reliably.
 pub(crate) const EDGE_MAX_MM: f64 = 60.0;
 
-/// As many edges tell their median length to 1 %.
+/// This many edges give their median length to 1 %.
 const EDGES_MAX: usize = 5000;
 
 /// A skin to be sliced: a triangle mesh with vertex normals, or a bare point cloud.
@@ -159,7 +159,7 @@ impl Mesh {
         longer as f64 / count as f64
     }
 
-    /// Lengths of edges of as many triangles as tell what is usual, mm.
+    /// Edge lengths of a sample of triangles, mm.
     fn sampled_edges_mm(&self) -> impl ExactSizeIterator<Item = f64> {
         let at = move |point: u32| self.points[point as usize];
         let stride = self.triangles.len().div_ceil(EDGES_MAX).max(1);

@@ -10,7 +10,7 @@ use crate::parting::segment::Leg;
 use crate::sections::plane_frame::PlaneFrame;
 use crate::sections::slice::EDGE_MAX_MM;
 
-/// Edge of a cell, mm. Toes can be told apart, and a foot has about a thousand points.
+/// Edge of a cell, mm. It resolves toes, and a foot has about a thousand points.
 const CELL_MM: f64 = 7.0;
 
 /// The foot reaches this far above the lowest section, mm, so that no gap is seen between them.

@@ -11,10 +11,10 @@ const STEP_MM: f64 = 20.0;
 /// … and at least this share of the whole leg's.
 const USUAL_MIN_SHARE: f64 = 0.3;
 
-/// So many values tell a median to 2 %.
+/// This many values give a median to 2 %.
 const SAMPLE_MAX: usize = 5000;
 
-/// So many triangles at least tell a median.
+/// A median needs at least this many triangles.
 const USUAL_MIN: usize = 20;
 
 /// Twice the area of a triangle along its normal.

@@ -5,13 +5,13 @@ use super::rows::{DIRECTIONS, Lean, ROW_MM, Rows, SECTORS, of_sector};
 use super::search::SHARP;
 use super::step::{BETTER_MIN, Furrow, ROUND_SCALE_MIN_MM, Step};
 
-/// In so many of them a step must be measured.
+/// In this many of them a step must be measured.
 const SECTORS_MIN: usize = 9;
 
 /// In a sector the edge may lie up to this far from the plane, mm: edges wave.
 const WAVE_OFFSETS_MM: [f64; 7] = [-4.5, -3.0, -1.5, 0.0, 1.5, 3.0, 4.5];
 
-/// A step of so many standard errors is clear enough in each sector to align the sectors.
+/// A step of this many standard errors is clear enough in each sector to align the sectors.
 const ALIGN_MIN_SDS: f64 = 12.0;
 
 /// How often the sectors are aligned.
@@ -36,7 +36,7 @@ const SOFT_SCALE_MAX_MM: f64 = 6.0;
 /// A soft edge must fit better than a furrow by this sum.
 const SOFT_BETTER_MIN: f64 = 4.0;
 
-/// … and step by this at least, mm, and by so many standard errors.
+/// … and step by this at least, mm, and by this many standard errors.
 const SOFT_MIN_MM: f64 = 1.5;
 const SOFT_MIN_SDS: f64 = 5.0;
 
@@ -98,8 +98,8 @@ pub(super) struct Reading {
 }
 
 impl Rows {
-    /// What a step looks like; `None` if it cannot be told. Where its edge waves, the directions are aligned first: the
-    /// waves would make it look round.
+    /// The shape of a step; `None` if it is unclear. Where its edge waves, the directions are aligned first: the waves
+    /// would make it look round.
     pub(super) fn reading(&self, border: usize, lean: Lean) -> Option<Reading> {
         let mut shifts = self.shifts(lean);
         for _ in 0..ALIGNMENTS {

@@ -8,11 +8,11 @@ use super::step::{inverse, logistic, with_cubic};
 /// No edge is looked for within these distances of the ends of the span, mm: instep and groin.
 const ENDS_MM: [f64; 2] = [15.0, 30.0];
 
-/// Edges of one kind are at least so many rows apart, 25 mm.
+/// Edges of one kind are at least this many rows apart, 25 mm.
 pub(super) const APART: usize = 10;
 
-/// So many places are looked at closely, the clearest: nobody wears more than a few edges, but folds of a scan without
-/// noise have dozens.
+/// This many places are looked at closely, the clearest: nobody wears more than a few edges, but folds of a scan
+/// without noise have dozens.
 const PLACES_MAX: usize = 8;
 
 /// How an edge is looked for.

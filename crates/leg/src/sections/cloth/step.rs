@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::rows::{BELOW_MIN, Mean};
 
-/// A pivot below this share of its diagonal is none: the shapes cannot be told apart.
+/// A pivot below this share of its diagonal is none: the shapes cannot be distinguished.
 const PIVOT_MIN_SHARE: f64 = 1e-9;
 
 /// Scales of the steps that are compared, mm.
@@ -171,7 +171,8 @@ struct Solution<const N: usize> {
     pub(super) misfit: f64,
 }
 
-/// Least squares of shapes, given at distances from a place, through means; `None` if the shapes cannot be told apart.
+/// Least squares of shapes, given at distances from a place, through means; `None` if the shapes cannot be
+/// distinguished.
 fn solve<const N: usize>(
     means: &[Mean],
     at_mm: f64,
@@ -191,7 +192,7 @@ fn solve<const N: usize>(
     Some(Solution { coefficients, variances: inverse.diagonal(), misfit })
 }
 
-/// The inverse of the normal matrix of weighted shapes; `None` if they cannot be told apart.
+/// The inverse of the normal matrix of weighted shapes; `None` if they cannot be distinguished.
 pub(super) fn inverse<const N: usize>(
     shapes: impl Iterator<Item = (SVector<f64, N>, f64)>,
 ) -> Option<SMatrix<f64, N, N>> {
