@@ -47,7 +47,7 @@ pub enum DocumentFault {
     OtherSchema {
         /// What was expected.
         schema: &'static str,
-        /// What it says.
+        /// Its text.
         found: String,
     },
     /// It lies under a key that is not its own.

@@ -83,7 +83,7 @@ pub struct AtFigures {
     pub girth_contour_mm: Option<f64>,
     /// Standard error of the tape girth.
     pub girth_sd_mm: Option<f64>,
-    /// Codes of doubts; `height-not-measured` if there is no girth, and then its finding says why.
+    /// Codes of doubts; `height-not-measured` if there is no girth: its finding states why.
     pub doubts: Vec<String>,
 }
 
@@ -158,7 +158,7 @@ pub(crate) fn codes(doubts: &[Doubt]) -> Vec<String> {
     doubts.iter().map(|doubt| doubt.code().to_owned()).collect()
 }
 
-/// The volumes of a leg; `by` says how one is made of girths.
+/// The volumes of a leg; `by`: how one is made of girths.
 pub(crate) fn volumes(report: &LegReport, by: VolumeBy) -> VolumeFigures {
     let leg = &report.volume;
     let value = |volume: Option<Volume>| volume.and_then(|volume| known(volume.ml, ml));

@@ -1,5 +1,5 @@
-//! Whether a record holds all measures that an order needs, and what is to be done before the patient
-//! dresses: nothing, measure by hand, or scan again.
+//! Whether a record holds all measures that an order needs, and what to do before the patient dresses:
+//! nothing, measure by hand, or scan again.
 //!
 //! It is derived here and nowhere else; report, operator's page, light and terminal show it in the same words.
 
@@ -18,7 +18,7 @@ pub struct Completeness {
     pub garment: Garment,
     /// What to do otherwise when the patient is scanned again; empty if another scan would not help.
     pub again: Vec<Again>,
-    /// What is to be measured by hand on each leg, in the order of [`Side::FROM_FRONT`](gaiter_leg::Side::FROM_FRONT);
+    /// What to measure by hand on each leg, in the order of [`Side::FROM_FRONT`](gaiter_leg::Side::FROM_FRONT);
     /// highest first.
     pub by_hand: [Vec<Item>; 2],
     /// What a person noted as not measurable on each leg, in the same order.
@@ -28,7 +28,7 @@ pub struct Completeness {
 }
 
 gaiter_leg::word_enum! {
-    /// What is to be done.
+    /// What to do.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     pub enum Kind {
         /// Every measure was taken without a doubt, or set by a person.
@@ -72,7 +72,7 @@ impl Item {
     }
 }
 
-/// What of a level is to be measured.
+/// What to measure of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     /// Girth and height.
@@ -84,7 +84,7 @@ pub enum Part {
 }
 
 gaiter_leg::word_enum! {
-    /// What is to be different in another scan.
+    /// What must differ in another scan.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     pub enum Again {
         /// Both legs must be in view, whole.
@@ -126,7 +126,7 @@ gaiter_leg::word_enum! {
 }
 
 impl Completeness {
-    /// What is to be done.
+    /// What to do.
     pub fn kind(&self) -> Kind {
         if !self.again.is_empty() {
             Kind::ScanAgain

@@ -2,7 +2,7 @@
 //! down to A, girths by tape and vertical heights above the floor.
 //!
 //! A figure that is estimated by the body's proportions is not among them: a number whose mark is lost would be
-//! taken for a measured one. It is in the report that goes along.
+//! taken for a measured one. It is in the report that is sent with them.
 
 use gaiter_leg::{Level, Side};
 use jiff::tz::TimeZone;
@@ -82,8 +82,8 @@ pub fn export_figures(record: &Record) -> Vec<ExportFigure> {
     figures
 }
 
-/// When a record's scan was taken, by the clock at the scanner; UTC if its zone is not known. `first_seen` is the
-/// time of a record that does not say when.
+/// When a record's scan was taken, by the clock at the scanner; UTC if its zone is not known. `first_seen` stands
+/// in where the record has no time.
 pub(crate) fn taken(record: &Record, first_seen: Timestamp) -> Zoned {
     match &record.acquired {
         Some(acquired) => acquired.local(),

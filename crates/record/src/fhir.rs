@@ -1,7 +1,8 @@
 //! A record as FHIR R4: an observation per leg, a report with its PDF, and documents, as one transaction; and what a
-//! server says about a fault.
+//! server reports about a fault.
 //!
-//! Nothing here talks to a server: the store looks up the patient, sends the resources and reads the answers.
+//! Nothing here connects to a server: the store looks up the patient, sends the resources and reads the
+//! answers.
 
 mod bundle;
 mod document;
@@ -36,21 +37,21 @@ pub struct FhirRules {
     pub language: Language,
     /// The garment whose measures an order needs.
     pub garment: Garment,
-    /// Files of the record that go along, by name: `report.pdf` within the report, any other as a document. A file
-    /// that a record lacks is left out.
+    /// Files of the record that are sent with it, by name: `report.pdf` within the report, any other as a
+    /// document. A file that a record lacks is left out.
     pub attach: Vec<String>,
 }
 
 gaiter_leg::word_enum! {
-    /// What a resource says about the figures in it; its words are the codes of observations and reports, and of what is
-    /// in a document.
+    /// The status of the figures in a resource; its words are the codes of observations and reports, and of what is in
+    /// a document.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Status {
         /// They hold.
         Final => "final",
         /// They hold, and are not those of the first revision.
         Amended => "amended",
-        /// They are of another patient.
+        /// They belong to another patient.
         EnteredInError => "entered-in-error",
     }
 }
@@ -72,7 +73,7 @@ pub struct Sent<'a> {
     pub record: &'a Record,
     /// Its files.
     pub files: &'a [RecordFile],
-    /// When the station first saw the scan: the time of a record that does not say when it was taken.
+    /// When the station first saw the scan: the time of a record that does not state when it was taken.
     pub first_seen: Timestamp,
     /// The reference of the patient on the server, such as `Patient/17`.
     pub subject: &'a str,

@@ -99,9 +99,9 @@ pub fn files_beside_scan(
     Ok((record, files))
 }
 
-/// The files of a revision that differs from the one before in what people set: what shows a measure is
-/// made again from the record, everything else, such as scan and surfaces, stays as it is. The tables and the
-/// files of the order are those of now: an earlier one would tell measures that no longer count. `before` are
+/// The files of a revision that differs from the one before in what people set: what shows a measure is made
+/// again from the record, everything else, such as scan and surfaces, stays as it is. The tables and the
+/// files of the order are those of now: an earlier one would show measures that no longer count. `before` are
 /// all files of the revision before except `SHA256SUMS`, in their order.
 ///
 /// # Errors

@@ -53,7 +53,7 @@ pub enum Charset {
     /// UTF-8.
     Utf8,
     /// ISO 8859-1; a letter that it lacks becomes a question mark. A message about a patient whose id it cannot
-    /// write is in UTF-8, and says so: an id with a question mark may be another's.
+    /// write is in UTF-8, and declares it: an id with a question mark may be another's.
     Latin1,
 }
 

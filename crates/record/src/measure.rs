@@ -132,7 +132,7 @@ impl Measure<'_> {
         }
     }
 
-    /// What the scan says of a level; `None` if it was not found.
+    /// The scan's measure of a level; `None` if it was not found.
     pub fn scanned(leg: &LegFigures, level: Level) -> Option<Measure<'_>> {
         let estimate = leg.estimates.get(level.name());
         match (leg.landmarks.get(level.name()), estimate) {
@@ -193,8 +193,8 @@ impl Measure<'_> {
         }
     }
 
-    /// What a person set in place of what the scan says. If they set only the height, the girth is the
-    /// scan's there. `None` if neither gives a girth.
+    /// What a person set in place of the scan's measure. If they set only the height, the girth is the scan's
+    /// at that height. `None` if neither gives a girth.
     fn amended<'a>(
         leg: Option<&LegFigures>,
         scanned: Option<Measure<'a>>,
@@ -258,7 +258,7 @@ impl Length {
         }
     }
 
-    /// What the scan says of such a length; `None` if it was not seen.
+    /// The scan's measure of such a length; `None` if it was not seen.
     pub(crate) fn scanned_of(record: &Record, side: Side, subject: Subject) -> Option<Length> {
         let leg = record.leg(side);
         let foot = leg.and_then(|leg| leg.foot.as_ref());

@@ -1,7 +1,7 @@
 //! An order: what a record gives for the form of a garment, as data for a maker or a shop system.
 //!
-//! An order has no patient, and says of every figure whether it is sure. What the scan measured stays readable
-//! where a person set another value: it has a row of its own, before the one that counts.
+//! An order has no patient, and states for every figure whether it is sure. What the scan measured stays
+//! readable where a person set another value: it has a row of its own, before the one that counts.
 
 mod choice;
 mod compose;
@@ -65,7 +65,8 @@ pub struct Order {
     /// Always `skin`: no tension is applied to the girths.
     #[cfg_attr(test, schemars(extend("const" = BASIS)))]
     pub basis: String,
-    /// How the patient held the legs: `both-legs`, `one-leg`, `sitting` or `lying`; null if the record does not say.
+    /// How the patient held the legs: `both-legs`, `one-leg`, `sitting` or `lying`; null if the record does not
+    /// state it.
     pub posture: Option<String>,
     /// Whether the weight was on both legs, and so not on the measured one alone; null if it is not known.
     pub weight_on_both_legs: Option<bool>,
@@ -73,7 +74,7 @@ pub struct Order {
     pub units: Units,
     /// A standard error common to all girths of the scanner, mm; 0 if none is known.
     pub scanner_girth_mm: f64,
-    /// What is to be done before the order: `complete`, `not-measurable`, `by-hand` or `scan-again`.
+    /// What to do before the order: `complete`, `not-measurable`, `by-hand` or `scan-again`.
     pub state: String,
     /// What a person must make sure of, as codes; empty if nothing is. `scan-age`: on the day of the order the scan
     /// was too old for one, or its day is not known.
@@ -276,7 +277,7 @@ pub struct Reorder {
     /// The scan of the other order.
     pub last_scan: OrderedScan,
     /// What the two scans were taken or measured with differently, as keys of `made_by.method` or `schema`;
-    /// differences of figures are then not told.
+    /// differences of figures are then not reported.
     pub taken_otherwise: Vec<String>,
 }
 

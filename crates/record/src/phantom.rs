@@ -145,7 +145,7 @@ impl CheckRecord {
         }
     }
 
-    /// What a record says of it.
+    /// What a record contains of it.
     pub fn brief(&self) -> LastCheck {
         let figures = self.figures.as_ref();
         LastCheck {

@@ -19,7 +19,7 @@ pub use figure::{Reliability, ReportFigure};
 pub use html::{VIEWER, page, viewer};
 pub use pdf::{PdfFault, paper};
 
-/// What stands on every page of a report.
+/// What is on every page of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Head {
     /// The language of the texts.

@@ -23,7 +23,7 @@ const DRAWING: &str = "legs.svg";
 pub struct ReportChoice {
     /// The language of the report and its figures.
     pub language: Language,
-    /// The garment that is ordered: the sheet says what it lacks.
+    /// The garment that is ordered: the sheet states which measures are missing.
     pub garment: Garment,
     /// What the report is printed on, and how much of it.
     pub print: Print,

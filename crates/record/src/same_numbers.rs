@@ -1,4 +1,4 @@
-//! Whether the record of a crop says the same as that of the whole body: all texts, counts and nulls, and every number.
+//! Whether the record of a crop equals that of the whole body: all texts, counts and nulls, and every number.
 
 use gaiter_leg::{Extraction, Method};
 use serde_json::Value;

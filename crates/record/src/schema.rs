@@ -352,7 +352,7 @@ mod tests {
 
     // The JSON Schemas that are shipped are those of the types. `tests/schema_check.py` holds records to them.
     //
-    // `GAITER_RENEW=1 cargo test -p gaiter-record --lib schema::` writes them anew.
+    // `GAITER_RENEW=1 cargo test -p gaiter-record --lib schema::` writes them again.
 
     use std::fs;
 

@@ -3,7 +3,7 @@
 /// The longest line of another program, characters.
 const LINE_MOST: usize = 200;
 
-/// So much of what another program says is looked at, characters.
+/// This much of another program's text is read, characters.
 const READ_MOST: usize = 100 * LINE_MOST;
 
 /// An id with nothing hidden in it. Characters that are invisible, or that change the text direction,

@@ -40,7 +40,7 @@ impl Default for SizeChoice {
     }
 }
 
-/// What tables say about a record.
+/// The verdicts of tables on a record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SizeVerdicts {
     /// The name and number of this schema.
@@ -63,7 +63,7 @@ pub struct SizeVerdicts {
     pub calibre: Vec<Stretch>,
 }
 
-/// What a table says about a record.
+/// A table's verdict on a record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableVerdict {
     /// The table's name.
@@ -84,34 +84,34 @@ pub struct TableVerdict {
     pub entered_by: Option<String>,
     /// Who checked them; null if none is named.
     pub checked_by: Option<String>,
-    /// The last day on which it is valid; null if nothing is said.
+    /// The last day on which it is valid; null if not stated.
     pub valid_until: Option<Date>,
     /// Whether it is no longer valid.
     pub is_expired: bool,
-    /// Whether its girths are of skin; null if nothing is said.
+    /// Whether its girths are of skin; null if not stated.
     pub basis: Option<Basis>,
     /// Whether a limit belongs to its range.
     pub limits: Limits,
     /// The point by which the size is sought; null if no point is.
     pub decides: Option<Point>,
-    /// Why it says nothing about this garment; null if it does.
+    /// Why it has no verdict on this garment; null if it has one.
     pub not_comparable: Option<NotComparable>,
-    /// Each leg of the record, the right one first; empty if it says nothing.
+    /// Each leg of the record, the right one first; empty if it has no verdict.
     pub legs: Vec<LegSizes>,
 }
 
-/// What a table says about a leg.
+/// A table's verdict on a leg.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LegSizes {
     /// The patient's `left` or `right`.
     pub side: &'static str,
-    /// What it says.
+    /// Its verdicts.
     #[serde(flatten)]
     pub verdict: LegVerdict,
 }
 
 impl SizeVerdicts {
-    /// What the tables say about a record for an order of this garment.
+    /// The tables' verdicts on a record for an order of this garment.
     pub fn new(record: &Record, garment: &Garment, choice: &SizeChoice) -> SizeVerdicts {
         SizeVerdicts {
             schema: SCHEMA,

@@ -53,7 +53,7 @@ impl Statement {
         self
     }
 
-    /// A figure that is not finite is left out, because JSON cannot say it, and told as [`NOT_KNOWN`].
+    /// A figure that is not finite is left out, because JSON cannot hold it, and shown as [`NOT_KNOWN`].
     fn number(self, name: &str, value: f64) -> Statement {
         if value.is_finite() {
             self.with(name, StatementFigure::Number(rounding::share(value)))

@@ -25,7 +25,7 @@ pub struct RecordSummary {
     pub notes: String,
     /// `complete`, `not-measurable`, `by-hand` or `scan-again`; see [`Kind`](super::completeness::Kind).
     pub verdict: &'static str,
-    /// What is to be done before the patient dresses, in sentences; at least one.
+    /// What to do before the patient dresses, in sentences; at least one.
     pub to_do: Vec<String>,
 }
 

@@ -40,7 +40,7 @@ pub struct Announcement {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shows {
-    /// A body of known girths, with which the scanner is checked. It is not measured anew.
+    /// A body of known girths, with which the scanner is checked. It is not measured again.
     Phantom,
     /// The legs of a person.
     Legs {

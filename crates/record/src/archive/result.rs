@@ -17,7 +17,7 @@ pub struct ScanResult {
     pub scan: ScanId,
     /// The method.
     pub method: MethodId,
-    /// What it says.
+    /// Its text.
     pub outcome: Outcome,
 }
 

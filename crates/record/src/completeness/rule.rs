@@ -42,7 +42,7 @@ enum State {
     ByHand,
     /// A person noted that it cannot be measured.
     NotMeasurable,
-    /// It is to be measured by hand.
+    /// It must be measured by hand.
     Open,
 }
 

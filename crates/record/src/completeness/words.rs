@@ -1,4 +1,4 @@
-//! What is to be done, in words.
+//! What to do, in words.
 
 use std::fmt::Display;
 
@@ -8,7 +8,7 @@ use gaiter_leg::{Level, Side};
 use super::{Completeness, Item, Kind, Part};
 
 impl Completeness {
-    /// What is to be done in sentences, the most important first; at least one.
+    /// What to do in sentences, the most important first; at least one.
     pub fn sentences(&self, language: Language) -> Vec<String> {
         let garment = self.garment.in_sentence(language.tag());
         if self.kind() == Kind::Complete {

@@ -66,7 +66,8 @@ impl Identifier {
         self.is_among(resource, |one, other| one == other)
     }
 
-    /// Whether a resource has it but for capital and small letters, which a search need not tell apart (R4, token).
+    /// Whether a resource has it but for capital and small letters, which a search need not distinguish (R4,
+    /// token).
     pub fn is_like(&self, resource: &Value) -> bool {
         self.is_among(resource, |one, other| one.to_lowercase() == other.to_lowercase())
     }

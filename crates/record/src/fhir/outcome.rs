@@ -1,10 +1,10 @@
-//! What a server says about a fault: the issues of an OperationOutcome, in words.
+//! What a server reports about a fault: the issues of an OperationOutcome, in words.
 
 use serde_json::Value;
 
 pub use crate::shown::in_a_line;
 
-/// The most issues that are told; servers repeat one fault at every place.
+/// The most issues that are reported; servers repeat one fault at every place.
 const ISSUES_MOST: usize = 3;
 
 /// The issues of an answer in a line, without these words, which must not get into a log; `None` if the answer

@@ -103,7 +103,7 @@ impl OrderFault {
         }
     }
 
-    /// The key of its text in the table `cause` of each language, and what stands in the places of the text.
+    /// The key of its text in the table `cause` of each language, and what fills the places of the text.
     pub fn says(&self) -> (&'static str, Vec<(&'static str, String)>) {
         match self {
             OrderFault::TooLarge { bytes } => {
@@ -182,7 +182,7 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
     if !lenient {
         total(&lines, bytes)?;
     } else if lines.last().is_some_and(|line| line.field == PATIENT) && !bytes.ends_with(b"\n") {
-        // Half an id may be another patient's, and a lenient reader cannot tell from the length.
+        // Half an id may be another patient's, and a lenient reader does not check the length.
         return Err(OrderFault::PatientCut);
     }
     let (mark, _) = line::unmarked(bytes);

@@ -137,7 +137,7 @@ impl Block<'_> {
     }
 }
 
-/// What is to be done for an order of this garment, in lines.
+/// What to do for an order of this garment, in lines.
 fn verdict(record: &Record, garment: &Garment, rules: &GdtRules) -> Vec<String> {
     let sentences = Completeness::from_record(record, garment).sentences(Language::De);
     let written =

@@ -3,7 +3,7 @@
 
 use super::charset::Charset;
 
-/// A practice software with known settings: those of GDT 2.1 where nothing else is said of it.
+/// A practice software with known settings: those of GDT 2.1 unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Product {
     /// GDT 2.1 as specified.
@@ -99,7 +99,7 @@ pub struct GdtRules {
     pub version: String,
     /// The character set of messages.
     pub charset: Charset,
-    /// The examination (8402), which tells the practice software how to handle the result.
+    /// The examination (8402), by which the practice software knows how to handle the result.
     pub procedure: String,
     /// The fields that describe attachments.
     pub attachment_fields: AttachmentFields,

@@ -7,7 +7,7 @@ use crate::shown::in_a_line;
 /// itself.
 const LATER: [&str; 2] = ["206", "207"];
 
-/// The longest unknown code that is told, characters.
+/// The longest unknown code that is reported, characters.
 const CODE_MOST: usize = 8;
 
 /// What a receiver answers.
@@ -19,7 +19,7 @@ pub enum Acknowledgment {
     Refused {
         /// The code of MSA-1.
         code: String,
-        /// What the receiver says about it, in a line.
+        /// The receiver's text about it, in a line.
         why: String,
         /// Whether the same message may be taken later.
         is_passing: bool,
@@ -85,7 +85,7 @@ fn decoded(bytes: &[u8]) -> String {
     std::str::from_utf8(bytes).map_or_else(|_| letters(), str::to_owned)
 }
 
-/// The signs that separate the parts of a message; it says itself which.
+/// The signs that separate the parts of a message; the message declares them.
 struct Signs {
     field: char,
     component: char,

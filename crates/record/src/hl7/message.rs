@@ -54,8 +54,8 @@ pub fn observed(record: &Record, has_pdf: bool) -> Vec<String> {
 
 /// The result of a record, for its patient. `gone` are the codes of what earlier results held and this one does not,
 /// such as a girth that cannot be measured after all: each is marked as wrong, because a receiver keeps what a
-/// correction does not name. `control` is its [`control_id`], `first_seen` the time of a record that does not say when
-/// it was taken, `now` that of the message. `None` if the record names no patient.
+/// correction does not name. `control` is its [`control_id`], `first_seen` the time of a record that does not state
+/// when it was taken, `now` that of the message. `None` if the record names no patient.
 pub fn result(
     control: &str,
     record: &Record,
@@ -121,7 +121,7 @@ fn kind_of(form: PdfForm) -> Option<&'static str> {
     }
 }
 
-/// What a message says about the figures in it.
+/// The status of the figures in a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Status {
     /// They hold.
@@ -151,7 +151,7 @@ impl Status {
     }
 }
 
-/// What an OBX says.
+/// The content of an OBX.
 #[derive(Default)]
 struct Observation<'a> {
     /// OBX-2: the data type.
@@ -194,7 +194,7 @@ impl Message<'_> {
             escaped(version),
             self.charset().name()
         );
-        // The name is required and not known: its type says so.
+        // The name is required and not known: its type states that.
         let id = format!("{}^^^{}^PI", escaped(self.patient), escaped(authority));
         let pid = format!("PID|1||{id}||^^^^^^U");
         let filler: String = scan.chars().take(CONTROL_DIGITS).collect();

@@ -1,4 +1,4 @@
-//! Measures that a person set. They stand beside what the scan says and never replace it; what is printed,
+//! Measures that a person set. They stand beside the scan's measures and never replace them; what is printed,
 //! exported and sent is the amended value with its mark.
 
 mod fault;
@@ -173,7 +173,7 @@ impl Record {
         }
     }
 
-    /// Checks that a value is not far off what the scan says at the height that counts.
+    /// Checks that a value is not far off the scan's at the height that counts.
     fn is_near(&self, side: Side, subject: Subject, of: &Amendment) -> Result<(), AmendFault> {
         let scanned = self.leg(side).and_then(|leg| match subject {
             Subject::Level(level) => {

@@ -91,7 +91,7 @@ struct Line {
     note: String,
     /// Whether the note is a sentence, which is always in quotes.
     is_sentence: bool,
-    /// What the scan says of a level that a person set.
+    /// The scan's measure of a level that a person set.
     scan_girth_mm: Option<f64>,
     scan_height_mm: Option<f64>,
 }

@@ -61,8 +61,8 @@ pub fn order_files(
     Ok(files)
 }
 
-/// A name that no file has yet, on file systems that do not tell capitals from small letters too: with a number
-/// before its ending where the places of two mappings were filled alike.
+/// A name that no file has yet, even on file systems that ignore case: with a number before its ending where
+/// the places of two mappings were filled alike.
 fn own_name(name: String, files: &[RecordFile]) -> String {
     let is_free = |name: &str| !files.iter().any(|of| of.name.eq_ignore_ascii_case(name));
     if is_free(&name) {

@@ -64,7 +64,8 @@ impl Order {
         }
     }
 
-    /// The order as it is made on a day: it says until when its measures hold, and whether they do no more.
+    /// The order as it is made on a day: it states until when its measures are valid, and whether they have
+    /// expired.
     pub fn on(mut self, today: Date, most: AgeMax) -> Order {
         let taken = self.scan.acquired.as_ref().map(|acquired: &Acquired| acquired.local().date());
         self.holds_until = taken.and_then(|taken| most.last_day(taken));
@@ -153,7 +154,7 @@ impl Ordered<'_> {
         points.iter().flat_map(of_point).collect()
     }
 
-    /// The row of a point, and a further one before it for what the scan says where a person set something else.
+    /// The row of a point, and before it one with the scan's measure where a person set another value.
     fn of_point(&self, leg: Option<Side>, name: &str, boxes: &[&FormBox]) -> Vec<Row> {
         let reads: Vec<(&FormBox, Read)> = boxes
             .iter()

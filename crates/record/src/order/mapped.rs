@@ -1,4 +1,4 @@
-//! An order as a file for a maker or a shop system, as its mapping says.
+//! An order as a file for a maker or a shop system, by its mapping.
 
 use encoding_rs::WINDOWS_1252;
 use gaiter_sizes::Point;
@@ -55,9 +55,9 @@ struct OfRow<'a> {
     form_box: Option<(String, Part)>,
 }
 
-/// What stands in a cell.
+/// The content of a cell.
 enum CellContent {
-    /// A figure, written as the mapping says.
+    /// A figure, written by the mapping.
     Number(String),
     /// A text of the mapping itself, or a day as it writes them.
     Own(String),
@@ -228,7 +228,7 @@ impl<'a> Mapped<'a> {
                 Some(mm) => CellContent::Number(figures.text(mm, figures.rounding)),
                 None => CellContent::Own(self.instead(figure)),
             },
-            // Rounded up, so that it is never told as smaller than it is.
+            // Rounded up, so that it never looks smaller than it is.
             Of::U95 => number(written.and_then(|figure| figure.u95_mm), Rounding::Up),
             Of::Method => {
                 let way = written.and_then(|figure| figure.method);
@@ -335,8 +335,8 @@ fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// A text in code page 1252. A letter that the code page lacks is told by its number, so that no name becomes
-/// another.
+/// A text in code page 1252. A letter that the code page lacks is written as its number, so that no name
+/// becomes another.
 fn in_cp1252(text: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(text.len());
     for letter in text.chars() {

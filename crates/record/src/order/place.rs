@@ -1,4 +1,4 @@
-//! Where a point of a form stands in the rows of an order.
+//! Where a point of a form is in the rows of an order.
 
 use gaiter_sizes::{Beyond, Point};
 
@@ -11,7 +11,7 @@ pub(super) enum Part {
     Length,
 }
 
-/// The point of the row that a point of a form stands in, and its part of the row.
+/// The point of the row that contains a point of a form, and its part of the row.
 pub(super) fn place(point: Point) -> (String, Part) {
     match point {
         Point::Girth(level) => (level.name().to_owned(), Part::Girth),

@@ -30,13 +30,13 @@ pub enum LastFault {
     /// It is not JSON.
     #[error("it is no JSON: {0}: name an order.json")]
     NotJson(String),
-    /// It is of another format.
+    /// It has another format.
     #[error("its schema is {found}, not \"{SCHEMA}\": name an order.json of this version")]
     Format {
         /// As written.
         found: String,
     },
-    /// A part of an order is missing, or is of another kind.
+    /// A part of an order is missing, or has another kind.
     #[error("it is no whole order: {0}")]
     Shape(String),
     /// A figure that no leg has.
@@ -47,12 +47,12 @@ pub enum LastFault {
         /// The figure, mm.
         found: f64,
     },
-    /// A figure that does not match what is said of it.
+    /// A figure that does not match its description.
     #[error("{place}: it is said to be {said}, which does not match its figure")]
     Mismatch {
         /// Side and box.
         place: String,
-        /// What is said.
+        /// The description.
         said: &'static str,
     },
     /// A text that cannot stand in a line.

@@ -1,4 +1,4 @@
-//! A point of a form, from a record: what the scan says, and what counts.
+//! A point of a form, from a record: the scan's measure, and the one that counts.
 
 use gaiter_leg::{Level, Side};
 use gaiter_sizes::Point;
@@ -17,7 +17,7 @@ const CROTCH_UNCERTAIN: &str = "crotch-uncertain";
 /// A point of a form.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Read {
-    /// What the scan says.
+    /// The scan's measure.
     pub scanned: Value,
     pub counting: Value,
 }
@@ -33,7 +33,7 @@ pub(super) struct Value {
 }
 
 impl Read {
-    /// Whether a person set something else than the scan says.
+    /// Whether a person set another value than the scan's.
     pub fn is_edited(&self) -> bool {
         self.counting != self.scanned
     }

@@ -14,16 +14,16 @@ const OF_THE_METHOD: [&str; 7] =
 /// Why an order does not repeat another.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ReorderFault {
-    /// It is of another patient.
+    /// It belongs to another patient.
     #[error("the last order is of another patient than the record: nothing was ordered")]
     OtherPatient,
-    /// Nothing shows that both are of one patient.
+    /// Nothing shows that both belong to one patient.
     #[error(
         "nothing shows that the last order is of the record's patient, because one of the two names \
          none: order anew, without --reorder"
     )]
     NoPatient,
-    /// It is of another garment.
+    /// It is for another garment.
     #[error(
         "the last order is of the garment {last}, this one of {now}: order anew, without --reorder"
     )]
@@ -41,7 +41,8 @@ pub enum ReorderFault {
 }
 
 impl Order {
-    /// The last order again, with its figures. The record is only asked whether it is of the same patient.
+    /// The last order again, with its figures. The record is only asked whether it belongs to the same
+    /// patient.
     ///
     /// # Errors
     /// See [`ReorderFault`].
@@ -63,7 +64,7 @@ impl Order {
     }
 
     /// An order of the record with the figures of the last order, and the differences from them, beside its own.
-    /// It says what is larger or smaller, and never what is better.
+    /// It states what is larger or smaller, and never what is better.
     ///
     /// # Errors
     /// See [`ReorderFault`].

@@ -58,7 +58,7 @@ pub(super) fn without_id(text: &str, record: &Record) -> Option<String> {
     (!holds_id(text, record)).then(|| text.to_owned())
 }
 
-/// Whether the patient's id stands in a text as a word of its own.
+/// Whether a text contains the patient's id as a word of its own.
 fn holds_id(text: &str, record: &Record) -> bool {
     let Some(patient) = &record.patient else { return false };
     let (text, id) = (text.to_lowercase(), patient.id.to_lowercase());

@@ -54,7 +54,7 @@ impl Font {
         glyphs.map(|glyph| u32::from(self.advance(glyph))).sum()
     }
 
-    /// The width of so many units at a letter size, in the unit of that size.
+    /// The width of this many units at a letter size, in the unit of that size.
     pub fn of_units(units: u32, size: f64) -> f64 {
         f64::from(units) / UNITS_PER_EM * size
     }

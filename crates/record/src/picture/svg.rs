@@ -25,9 +25,9 @@ pub(crate) fn file(title: &str, size: [f64; 2], marks: &str) -> String {
     element(" role=\"img\"", view_box, &[&title_element(title), &first, marks])
 }
 
-/// For embedding in a page whose style sheet has [`dark_rules`]. A picture with cuts stands there twice:
-/// whole (class `whole`), and in parts (class `parts`) that show the same marks, for narrow screens. The
-/// style sheet shows one of the two. `name` must be unique in the page.
+/// For embedding in a page whose style sheet has [`dark_rules`]. A picture with cuts is there twice: whole
+/// (class `whole`), and in parts (class `parts`) that show the same marks, for narrow screens. The style
+/// sheet shows one of the two. `name` must be unique in the page.
 pub(crate) fn embedded(name: &str, picture: &Picture, marks: &str) -> String {
     let Picture { title, size: [width, height], cuts, .. } = picture;
     let titled = title_element(title);
@@ -43,7 +43,7 @@ pub(crate) fn embedded(name: &str, picture: &Picture, marks: &str) -> String {
     page.push_str("<div class=\"parts\">\n");
     for (index, end) in ends.windows(2).enumerate() {
         let part_box = [end[0], 0.0, end[1] - end[0], *height];
-        // The first part speaks for all.
+        // The first part stands for all.
         page.push_str(&match index {
             0 => element(" role=\"img\"", part_box, &[&titled, &again]),
             _ => element(" aria-hidden=\"true\"", part_box, &[&again]),

@@ -27,7 +27,7 @@ impl AgeMax {
     }
 }
 
-/// What a sheet says about the age of its scan.
+/// What a sheet states about the age of its scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Age {
     /// For paper, which does not know the day on which it is read: until when the measures hold.
@@ -36,7 +36,7 @@ pub struct Age {
     pub counted: Option<Counted>,
 }
 
-/// What a page needs to tell the age of its scan.
+/// What a page needs to state the age of its scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Counted {
     /// The day of the scan, on the calendar of its scanner.

@@ -7,7 +7,7 @@ use super::document::{Appendix, Block, Document, Origin, Room, Sheet, View};
 use crate::Record;
 use crate::picture::figures::{DrawnFigure, SHEET};
 
-/// How many facts about the record stand on the sheet: patient, record, order, and who named the patient.
+/// How many facts about the record are on the sheet: patient, record, order, and who named the patient.
 const SHEET_FACTS: usize = 4;
 
 /// The figures of the appendix, by their names.

@@ -28,11 +28,11 @@ use crate::sizing::{SizeChoice, SizeVerdicts};
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportContent {
-    /// What stands on every page.
+    /// What is on every page.
     pub head: Head,
     /// The origin: patient, time, station, scan, program.
     pub facts: Vec<Fact>,
-    /// What is to be done before the patient dresses.
+    /// What to do before the patient dresses.
     pub verdict: Verdict,
     /// The measuring sheet.
     pub levels: Levels,
@@ -148,7 +148,7 @@ pub struct SheetRow {
 /// What matters most.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
-    /// What is to be done before the patient dresses; `None` where nothing is.
+    /// What to do before the patient dresses; `None` if nothing.
     pub kind: Option<Kind>,
     /// It in words, the most important first.
     pub parts: Vec<VerdictPart>,
@@ -159,11 +159,11 @@ pub struct Verdict {
 pub struct VerdictPart {
     /// What it is about; `None` for the whole report.
     pub heading: Option<String>,
-    /// What is said, a sentence a line.
+    /// The text, a sentence a line.
     pub sentences: Vec<String>,
 }
 
-/// What makers' tables say, and the boxes of an order form.
+/// The verdicts of makers' tables, and the boxes of an order form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sizes {
     /// The heading.
@@ -196,7 +196,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Whether it has so many columns that its letters are smaller.
+    /// Whether its letters are smaller, because it has many columns.
     pub(super) fn is_dense(&self) -> bool {
         self.columns.len() > COLUMNS_MANY
     }
@@ -244,7 +244,7 @@ impl ReportContent {
         ReportContent::with_sizes(record, language, garment, &none, AgeMax::default())
     }
 
-    /// The content of a report with what size tables say about the record, and how old its scan may be.
+    /// The content of a report with the size tables' verdicts on the record, and how old its scan may be.
     pub fn with_sizes(
         record: &Record,
         language: Language,

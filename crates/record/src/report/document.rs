@@ -12,7 +12,7 @@ use crate::picture::figures::DrawnFigure;
 /// Where a report comes from, for the properties of its PDF.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
-    /// What tells it from all others, such as the hashes of its scans.
+    /// What identifies it, such as the hashes of its scans.
     pub id: String,
     /// Who made it.
     pub author: String,
@@ -25,13 +25,13 @@ pub struct Origin {
 /// A report of blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {
-    /// What stands on every page.
+    /// What is on every page.
     pub head: Head,
     /// Where it comes from.
     pub origin: Origin,
     /// The same report as a PDF; `None` if a reader of the page cannot open it from there.
     pub paper: Option<PaperLink>,
-    /// Its content, in reading order. What stands before the first [`Block::Turn`] is one page of paper.
+    /// Its content, in reading order. The content before the first [`Block::Turn`] is one page of paper.
     pub blocks: Vec<Block>,
     /// What few readers need; `None` if there is nothing of that kind.
     pub appendix: Option<Appendix>,
@@ -51,7 +51,7 @@ pub struct Appendix {
 pub struct PaperLink {
     /// Where it is, from the page.
     pub address: String,
-    /// What the link says.
+    /// The text of the link.
     pub words: String,
 }
 
@@ -141,7 +141,7 @@ pub enum Room {
 /// The measuring sheet, with both legs and with what a person fills in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
-    /// What tells it from all other sheets: for paper, where the other facts are on another page.
+    /// What identifies it: for paper, where the other facts are on another page.
     pub facts: Vec<Fact>,
     /// The figures of an order.
     pub levels: Levels,

@@ -54,7 +54,7 @@ pub fn page(of: &Document, paper: Paper) -> Result<String, serde_json::Error> {
     ))
 }
 
-/// The blocks of a report. What stands before its turn is the first page on paper.
+/// The blocks of a report. The content before its turn is the first page on paper.
 fn body(of: &Document) -> String {
     let language = of.head.language;
     let appended = of.appendix.iter().flat_map(|of| &of.blocks);

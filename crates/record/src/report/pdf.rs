@@ -1,7 +1,7 @@
 //! `report.pdf`: the report on A4, with embedded fonts and with tags for screen readers.
 //!
-//! `flow` has the margins and breaks the text into pages, `sheet` draws on a page, `parts` and `measuring_sheet` say
-//! what is on them, `document` writes the objects of the file.
+//! `flow` has the margins and breaks the text into pages, `sheet` draws on a page, `parts` and `measuring_sheet`
+//! define what is on them, `document` writes the objects of the file.
 
 mod blocks;
 mod document;

@@ -1,4 +1,4 @@
-//! Measures that a person set, as the record holds them. [`crate::measure::amendment`] says what they
+//! Measures that a person set, as the record holds them. [`crate::measure::amendment`] defines what they
 //! mean.
 
 use jiff::Timestamp;

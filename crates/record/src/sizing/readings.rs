@@ -43,8 +43,8 @@ fn girth(record: &Record, side: Side, level: Level, scanner_mm: f64) -> Result<G
     })
 }
 
-/// The height of a level above the floor. No source says how well a person marks one, so the uncertainty of a
-/// height by hand is unknown.
+/// The height of a level above the floor. No source states how well a person marks one, so the uncertainty of
+/// a height by hand is unknown.
 fn height(record: &Record, side: Side, level: Level) -> Result<Length, NotGiven> {
     let measure = Measure::find(record, side, level).map_err(NotGiven::from)?;
     trusted(&measure, measure.height.ok_or(NotGiven::NotFound)?)

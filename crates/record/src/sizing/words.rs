@@ -12,10 +12,10 @@ use super::{LegSizes, TableVerdict};
 use crate::rounding::{cm_words, number, signed};
 use crate::shown;
 
-/// How many digits of a file's hash tell it from all others of a clinic.
+/// How many digits of a file's hash identify it within a clinic.
 pub(crate) const HASH_DIGITS: usize = 12;
 
-/// Probabilities this near to one that decides, as shares, are told with a decimal.
+/// Probabilities this near to a deciding one, as shares, are shown with a decimal.
 const NEAR: f64 = 0.005;
 
 /// The sign of a table in a report: T1, T2 …. A letter alone would be that of a level.
@@ -39,7 +39,7 @@ pub fn heading(index: usize, table: &TableVerdict, language: Language) -> String
     language.filled("sizes.table", &words)
 }
 
-/// What tells the table from all others: name, edition and the beginning of its hash.
+/// What identifies the table: name, edition and the beginning of its hash.
 pub fn identity(table: &TableVerdict, language: Language) -> String {
     let hash: String = table.sha256.chars().take(HASH_DIGITS).collect();
     let (id, edition) = (shown::id(&table.id), shown::id(&table.edition));
@@ -74,7 +74,7 @@ pub fn size(of: &SizeVerdict, language: Language) -> String {
     }
 }
 
-/// A verdict, with the points that speak against it or that are missing for it.
+/// A verdict, with the points that contradict it or are missing for it.
 pub fn fit(fit: Fit, points: &[PointVerdict], language: Language) -> String {
     let verdict = language.word("sizes.fit", fit.word());
     let key = match fit {
@@ -91,7 +91,7 @@ pub fn fit(fit: Fit, points: &[PointVerdict], language: Language) -> String {
 }
 
 /// How far a value lies above the lower and below the upper limit, cm: `+0.4 / −0.1`. The sign of a margin
-/// that is rounded to nothing stays: it says on which side of the limit the value lies.
+/// that is rounded to zero stays: it shows on which side of the limit the value lies.
 pub fn margins(margins_mm: [f64; 2], language: Language) -> String {
     margins_mm.map(|mm| margin(mm, language)).join(" / ")
 }
@@ -105,7 +105,7 @@ fn margin(mm: f64, language: Language) -> String {
     }
 }
 
-/// A probability in per cent. Next to one that decides it has a decimal, so that 94.9 % is not told as 95 %.
+/// A probability in per cent. Next to a deciding one it has a decimal, so that 94.9 % is not shown as 95 %.
 pub(crate) fn percent(share: f64, language: Language) -> String {
     use gaiter_sizes::verdict::{SURE, UNLIKELY};
     let is_near = [SURE, UNLIKELY].iter().any(|limit| (share - limit).abs() < NEAR);

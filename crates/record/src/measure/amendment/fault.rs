@@ -65,7 +65,7 @@ pub enum What {
         /// The height of the other level, mm.
         other_mm: f64,
     },
-    /// A value that is far off the scan's, by a person who did not say that they are sure.
+    /// A value that is far off the scan's, from a person who did not confirm it.
     FarOff {
         /// Which.
         value: &'static str,

@@ -47,10 +47,10 @@ const STEPS: f64 = 4.0;
 /// From this share of the scale on, a colour is so strong that its sign must be pale.
 const STRONG_SHARE: f64 = 0.625;
 
-/// Radius of the dot that says inside, px.
+/// Radius of the dot for inside, px.
 const DOT: f64 = 1.1;
 
-/// Width of the stroke that says outside, px.
+/// Width of the stroke for outside, px.
 const STROKE: f64 = 1.1;
 
 /// Width of the net over what was not seen, px.

@@ -35,7 +35,7 @@ impl Scale {
     }
 }
 
-/// So many labels fit on either side of zero.
+/// This many labels fit on either side of zero.
 const STEPS_MAX: f64 = 4.0;
 
 /// A scale about zero that reaches so far to either side, and the step of its labels: the first of these that gives few

@@ -36,7 +36,7 @@ const MIDDLE: f64 = 82.0;
 /// Radius of the largest section, px.
 const RADIUS: f64 = 62.0;
 
-/// Length of the bar that tells the scale, mm.
+/// Length of the scale bar, mm.
 const BAR_MM: f64 = 50.0;
 
 /// Left and right of a chart of curvature within its half, px.
@@ -122,7 +122,7 @@ impl Sheet {
         ]
     }
 
-    /// The bar that tells the scale, from its left end.
+    /// The scale bar, from its left end.
     fn bar(&self, [x, y]: [f64; 2]) -> [Mark; 2] {
         let end = x + BAR_MM * self.px_per_mm;
         let tick = |x: f64| vec![[x, y - 3.0], [x, y + 3.0]];

@@ -15,7 +15,7 @@ const SLOPES_PX: [f64; 2] = [500.0, 662.0];
 /// Steps of which the smallest is labelled that gives at most [`LABELS_MAX`] labels.
 const STEPS: [f64; 4] = [0.5, 1.0, 2.0, 5.0];
 
-/// So many labels fit beside each other.
+/// This many labels fit beside each other.
 const LABELS_MAX: f64 = 6.0;
 
 /// The chart, at the heights of that of the girths.

@@ -71,7 +71,7 @@ impl Report<'_> {
         facts
     }
 
-    /// What tells this sheet from all others: the beginning of the scan's id, and the revision.
+    /// What identifies this sheet: the beginning of the scan's id, and the revision.
     fn which_record(&self) -> String {
         let digits: String = self.record.scan.sha256.chars().take(ID_DIGITS).collect();
         let words: [(&str, &dyn Display); 2] =

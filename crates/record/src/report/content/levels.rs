@@ -132,7 +132,7 @@ impl Report<'_> {
         }
     }
 
-    /// How to read the signs that stand on the sheet.
+    /// How to read the signs on the sheet.
     fn key(&self, rows: &[LevelRow]) -> String {
         let figures = rows.iter().flat_map(|row| &row.legs);
         let figures = figures.flat_map(|leg| [&leg.girth, &leg.height]);
@@ -238,12 +238,12 @@ impl Report<'_> {
 
 // Where a tape that is not held square reads another girth.
 
-/// The tilt that is told of, degrees: one that nobody sees while laying the tape, a difference in height
-/// of 6 mm between the two sides of a calf of 110 mm.
+/// The tilt that is reported, degrees: one that nobody sees while laying the tape, a difference in height of
+/// 6 mm between the two sides of a calf of 110 mm.
 const TILT_DEG: f64 = 3.0;
 
-/// Only a difference above this is told, mm. Less is lost in what tapes scatter: one person's readings of
-/// a leg differ by 3 % (te Slaa 2011), and order forms have steps of up to 5 mm.
+/// Only a difference above this is reported, mm. Less is lost in the scatter of tapes: one person's readings
+/// of a leg differ by 3 % (te Slaa 2011), and order forms have steps of up to 5 mm.
 const TELL_MM: f64 = 2.0;
 
 impl Report<'_> {

@@ -28,7 +28,7 @@ pub(super) fn header(head: &Head, paper: Option<&PaperLink>) -> String {
     element("header", "", &[title, patient, taken, paper].join("\n"))
 }
 
-/// What matters most, a sentence a line, below the headings of its parts. What is to be done comes first.
+/// What matters most, a sentence a line, below the headings of its parts. What to do comes first.
 pub(super) fn verdict(of: &Verdict) -> String {
     let mut first = of.kind.map(|_| " class=\"first\"");
     let part = |part: &VerdictPart| {

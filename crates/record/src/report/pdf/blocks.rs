@@ -11,7 +11,7 @@ use crate::report::document::{Block, Document};
 /// The smallest scale at which the letters of a picture can be read, pt per px.
 const READABLE: f64 = 0.35;
 
-/// Writes a report. What stands before its turn is one page, and so begins the appendix.
+/// Writes a report. The content before its turn is one page; the appendix begins a page, too.
 pub(super) fn write(flow: &mut Flow<'_>, of: &Document, has_appendix: bool) {
     flow.text(&of.head.title, StructRole::H1, TITLE_TYPE, Ink::Text);
     flow.space(6.0);
@@ -27,7 +27,7 @@ pub(super) fn write(flow: &mut Flow<'_>, of: &Document, has_appendix: bool) {
 }
 
 /// What matters most on a page of its own: its pictures share the height that its words leave. Only where that is so
-/// little that they could not be read, they go on.
+/// little that they could not be read, they continue.
 fn first_page(flow: &mut Flow<'_>, blocks: &[Block]) {
     let mut pictures: Vec<(&String, &Picture, &String)> = Vec::new();
     for of in blocks {

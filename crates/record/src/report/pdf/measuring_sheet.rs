@@ -22,7 +22,7 @@ const FIELD_GAP: f64 = 14.0;
 /// The smallest height at which the legs are worth drawing, pt.
 const DRAWING_MIN: f64 = 120.0;
 
-/// Writes the sheet. With many doubts it goes on to a second page.
+/// Writes the sheet. With many doubts it continues to a second page.
 pub(super) fn write(flow: &mut Flow<'_>, of: &Sheet) {
     let rows = of.facts.iter().map(fact).collect();
     Table { heads: Vec::new(), rows, is_ruled: false, padding: PADDING, follows: 0.0 }.write(flow);

@@ -37,8 +37,7 @@ const COLUMNS_PLAIN: usize = 4;
 /// A note or paragraph of up to this height stays on one page, pt.
 const WHOLE_MAX: f64 = 150.0;
 
-/// What matters most, a sentence a line, below the headings of its parts. What is to be done stands out between two
-/// lines.
+/// What matters most, a sentence a line, below the headings of its parts. What to do stands out between two lines.
 pub(super) fn verdict(flow: &mut Flow<'_>, of: &Verdict) {
     let [first, others] =
         if of.kind.is_some() { [HEADING_TYPE, BOLD_TYPE] } else { [BODY_TYPE; 2] };
@@ -66,7 +65,7 @@ pub(super) fn verdict(flow: &mut Flow<'_>, of: &Verdict) {
     }
 }
 
-/// A line as thick as what is to be done matters.
+/// A line as thick as the action is important.
 fn rule(flow: &mut Flow<'_>, kind: Kind) {
     let width = match kind {
         Kind::Complete => 0.7,
