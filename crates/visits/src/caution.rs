@@ -1,4 +1,4 @@
-//! What speaks against comparing two visits, though their figures mean the same.
+//! Reasons for caution in comparing two visits whose figures mean the same.
 
 use gaiter_leg::Side;
 use gaiter_record::Acquired;
@@ -7,14 +7,14 @@ use super::course::{Course, Group};
 use super::stance::StanceChange;
 use super::visit::Visit;
 
-/// Legs swell during the day; times of day that differ by more than this are told, hours.
+/// Legs swell during the day; times of day that differ by more than this are reported, hours.
 const TIME_OF_DAY_H: f64 = 3.0;
 
-/// A phantom's mean error that differs by more than this between two checks is told, mm: beyond what the
-/// checks themselves scatter by.
+/// A phantom's mean error that differs by more than this between two checks is reported, mm: beyond the
+/// scatter of the checks themselves.
 const DRIFT_MM: f64 = 0.5;
 
-/// What speaks against a comparison.
+/// A reason for caution in a comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Caution {
     /// The times of day differ.
@@ -65,7 +65,7 @@ impl Caution {
     }
 }
 
-/// What speaks against comparing an earlier visit with a later one.
+/// Reasons for caution in comparing an earlier visit with a later one.
 pub(super) fn cautions([earlier, later]: [&Visit; 2]) -> Vec<Caution> {
     let mut found: Vec<Caution> = time_of_day([earlier, later]).into_iter().collect();
     found.extend(earlier.is_of_other_posture(later).then_some(Caution::Posture));
@@ -86,7 +86,7 @@ pub(super) fn cautions([earlier, later]: [&Visit; 2]) -> Vec<Caution> {
     found
 }
 
-/// What speaks against comparing two visits because of their times of day.
+/// The caution that two visits differ in their times of day.
 fn time_of_day(visits: [&Visit; 2]) -> Option<Caution> {
     let [one, other] = visits.map(|visit| visit.acquired.as_ref().and_then(time_of_day_h));
     let (Some(one), Some(other)) = (one, other) else { return Some(Caution::TimeUnknown) };
@@ -110,7 +110,7 @@ fn stance(visits: [&Visit; 2], side: Side) -> Option<Caution> {
     Some(Caution::Stance { side, change })
 }
 
-/// How differently a leg stood; `None` if one of the records does not say.
+/// How differently a leg stood; `None` if one of the records does not state it.
 pub(super) fn stance_change(visits: [&Visit; 2], side: Side) -> Option<StanceChange> {
     let [before, after] = visits.map(|visit| visit.legs.get(side).as_ref()?.stance);
     Some(before?.to(&after?))

@@ -29,9 +29,9 @@ pub struct Comparison {
     pub left_minus_right: Option<Change>,
     /// The excess volume of the affected leg; `None` unless one leg is named, and where `left_minus_right` is.
     pub excess: Option<ExcessChange>,
-    /// The excess volume at the later visit, also in another posture: it is of one scan.
+    /// The excess volume at the later visit, also in another posture: it comes from one scan.
     pub later_excess: Option<Excess>,
-    /// What speaks against comparing them.
+    /// Reasons for caution in comparing them.
     pub cautions: Vec<Caution>,
     /// Which of the two stand in the place of a record that is left out.
     pub stand_ins: StandIns,

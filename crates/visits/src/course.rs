@@ -19,7 +19,7 @@ const FIRST_STEP: Step = 3;
 /// How visits are to be compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
-    /// How all volumes are made of girths; `None` takes what the records say.
+    /// How all volumes are made of girths; `None` takes the records' own way.
     pub volume: Option<VolumeBy>,
     /// The affected leg; `None` if nobody named it. It is never guessed.
     pub affected: Option<Affected>,
@@ -27,8 +27,8 @@ pub struct Choice {
     pub girth_common_mm: f64,
 }
 
-/// Which leg is affected, as a person named it. The girths cannot tell: a leg that treatment made smaller would
-/// make the healthy one the larger one.
+/// Which leg is affected, as a person named it. The girths cannot show it: after treatment, the healthy leg may
+/// be the larger one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Affected {
     /// One; the other is what it is compared with.
@@ -114,7 +114,7 @@ pub enum CourseFault {
         /// Counted from 1.
         other: usize,
     },
-    /// Two records are of the same scan.
+    /// Two records come from the same scan.
     #[error("records {first} and {other} are of the same scan")]
     SameScan {
         /// Counted from 1.
@@ -241,7 +241,7 @@ impl Course {
     }
 
     /// The volume of a leg at a visit, over the pieces that all visits of the group have, mL. Its ± is that of the
-    /// whole leg in the report of the visit's scan, so that the two never tell different ones.
+    /// whole leg in the report of the visit's scan, so that the two never differ.
     pub fn volume(&self, group: &Group, visit: usize, side: Side) -> Option<Quantity> {
         let pieces = group.pieces.get(side);
         let visit = &self.visits[visit];

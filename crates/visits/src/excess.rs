@@ -2,7 +2,7 @@
 //! where a person named one, else the difference left minus right.
 //!
 //! Percent change of a leg and percent reduction of its excess are not interchangeable: the same nine
-//! patients had 8 % of the one and 35 % of the other. So each is told by its full name.
+//! patients had 8 % of the one and 35 % of the other. So each has its full name.
 
 use std::collections::BTreeSet;
 
@@ -36,7 +36,7 @@ pub struct ExcessChange {
     pub later: Excess,
     /// The change, mL.
     pub change: Change,
-    /// By how much of the earlier excess it is smaller, or why that is not told.
+    /// By how much of the earlier excess it is smaller, or why that is not reported.
     pub reduction: Result<Reduction, NoReduction>,
 }
 
@@ -50,7 +50,7 @@ pub struct Reduction {
 }
 
 gaiter_leg::word_enum! {
-    /// Why no percent reduction is told.
+    /// Why no percent reduction is reported.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum NoReduction {
         /// No change of the excess is shown, so no share of it is either.
@@ -141,8 +141,8 @@ fn reduction(
         return Err(NoReduction::SmallerLeg);
     }
     let ratio = after.value / before.value;
-    // The partial derivatives of E₁ / E₀ with respect to both. At which visit the leg was held differently from
-    // what its excess means cannot be told, so the stance counts where it does more.
+    // The partial derivatives of E₁ / E₀ with respect to both. The visit at which the leg was held differently
+    // is not known from its excess, so the stance counts where it has more effect.
     let of_after = after.parts.total() / before.value;
     let of_before = ratio * before.parts.total() / before.value;
     let of_stance = ratio.abs().max(1.0) * change.stance / before.value;

@@ -9,7 +9,7 @@ use serde::Serialize;
 /// A record that is left out.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
-    /// When its scan was first seen, as its folder's name says.
+    /// When its scan was first seen, from its folder's name.
     pub seen: Timestamp,
     /// The beginning of its scan's id.
     pub scan: String,
@@ -31,7 +31,7 @@ pub struct StandIns {
 
 impl LeftOut {
     /// Whether its visit would come before or after one that was taken then; equal if that one would count
-    /// instead, because it is of the same day and later.
+    /// instead, because it is from the same day and later.
     fn against(&self, visit: &Acquired) -> Ordering {
         match self.seen > visit.at {
             true => Ordering::Greater,
@@ -57,8 +57,8 @@ impl LeftOut {
 
 impl StandIns {
     /// Which of two visits of a group, taken at these times, stand in the place of a record that is left out: with
-    /// it, the first of the group, the one before the last, or the last would be another. `is_first` says whether
-    /// the earlier visit is the first of its group, `is_next` whether the later one follows it. A visit without a
+    /// it, the first of the group, the one before the last, or the last would be another. `is_first`: whether the
+    /// earlier visit is the first of its group, `is_next`: whether the later one follows it. A visit without a
     /// time may stand in.
     pub(super) fn find(
         left_out: &[LeftOut],

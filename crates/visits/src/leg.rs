@@ -16,10 +16,9 @@ use super::stance::Stance;
 pub struct LegAtVisit {
     /// Girths at the places where there are any.
     pub places: BTreeMap<Step, GirthAtPlace>,
-    /// Standard error of the whole leg's volume as the report of its scan tells it, mL; `None` if the record states
-    /// none.
+    /// Standard error of the whole leg's volume as in the report of its scan, mL; `None` if the record states none.
     pub volume_sd_ml: Option<f64>,
-    /// How it stood; `None` if the record does not say.
+    /// How it stood; `None` if the record does not state it.
     pub stance: Option<Stance>,
 }
 
@@ -46,7 +45,7 @@ pub struct Common {
 }
 
 impl LegAtVisit {
-    /// The leg of a record. A girth of unknown uncertainty is left out: nothing can be said about its change.
+    /// The leg of a record. A girth of unknown uncertainty is left out: its change cannot be judged.
     pub fn new(body: &BodyFigures, leg: &LegFigures) -> LegAtVisit {
         LegAtVisit {
             places: leg.along.iter().filter_map(place).collect(),

@@ -8,7 +8,7 @@
 //! | the visits in order, and which can be compared | [`course`] |
 //! | what is no visit though it was delivered | [`left_out`] |
 //! | what changed between two of them | [`comparison`], [`excess`] |
-//! | what speaks against comparing them | [`caution`] |
+//! | reasons for caution in comparing them | [`caution`] |
 //!
 //! The two parts of an uncertainty are in [`quantity`].
 

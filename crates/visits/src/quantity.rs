@@ -18,8 +18,8 @@ const PLACE_SDS: f64 = 3.2;
 pub struct Parts {
     /// What is independent from place to place and from scan to scan; not negative.
     pub random: f64,
-    /// The effect of one standard error in common of all girths of the scan; its sign tells figures apart
-    /// that go up together from those that go against each other.
+    /// The effect of one standard error in common of all girths of the scan; its sign distinguishes figures
+    /// that grow together from those that grow in opposite directions.
     pub girths: f64,
     /// The effect of one standard error of the floor's height, by which all places of the scan are shifted.
     pub floor: f64,
@@ -42,7 +42,7 @@ impl Parts {
 pub struct Quantity {
     /// The figure.
     pub value: f64,
-    /// Its standard uncertainty at its own visit, which its ± tells: of a leg's volume, that of the report of its scan.
+    /// Its standard uncertainty at its own visit, shown as its ±: of a leg's volume, that of the report of its scan.
     pub sd: f64,
     /// What counts of its uncertainty in a change.
     pub parts: Parts,
@@ -71,7 +71,7 @@ impl Quantity {
 }
 
 gaiter_leg::word_enum! {
-    /// What a comparison shows. It never says better or worse.
+    /// What a comparison shows. It never states better or worse.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Shown {
         /// The later figure is larger, by more than the detectable change.
@@ -110,7 +110,7 @@ impl Change {
     }
 
     /// The change at one of the many places of two legs. It must exceed more of its own uncertainty, so that
-    /// of all places of a pair of scans together none is told as changed by chance in 95 of 100 pairs.
+    /// in 95 of 100 pairs of scans no place is reported as changed by chance.
     pub(crate) fn at_place(earlier: &Quantity, later: &Quantity) -> Change {
         Change::of_one(earlier, later, PLACE_SDS)
     }
@@ -133,8 +133,8 @@ impl Change {
         Change { stance, ..self }
     }
 
-    /// The smallest change that is told from none, which clinics call the minimal detectable change (MDC95): a difference of two scans of an unchanged leg exceeds it
-    /// in about 5 of 100 comparisons.
+    /// The smallest change that is distinguished from none, which clinics call the minimal detectable change (MDC95): a
+    /// difference of two scans of an unchanged leg exceeds it in about 5 of 100 comparisons.
     pub fn detectable(&self) -> f64 {
         self.sds * self.random.hypot(self.common).hypot(self.stance)
     }

@@ -145,7 +145,7 @@ impl Registration {
 }
 
 impl Rings {
-    /// The rings of so many points each; those that do not close are left out.
+    /// The rings of this many points each; those that do not close are left out.
     pub fn new(points: &Packed, columns: usize) -> Rings {
         let points = points.as_points();
         let rows = points.chunks(columns.max(3));

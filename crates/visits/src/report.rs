@@ -34,7 +34,7 @@ pub struct ReportOf<'a> {
     pub thresholds: &'a [Threshold],
     /// The day on which it is read.
     pub today: Date,
-    /// A scan that is older than this is told as old.
+    /// A scan that is older than this is reported as old.
     pub age_max: AgeMax,
     /// The language of its texts.
     pub language: Language,
@@ -76,8 +76,8 @@ impl ReportOf<'_> {
         Document { paper, ..self.document() }
     }
 
-    /// The tables and pictures of the visits that can be compared with the last one. Tables that may go on on the next
-    /// page stand between the pictures, which may not.
+    /// The tables and pictures of the visits that can be compared with the last one. Tables that may continue on the
+    /// next page stand between the pictures, which may not.
     fn of_group(&self, words: &Words, group: &Group, compared: &[Comparison]) -> Vec<Block> {
         let mut blocks: Vec<Block> = Vec::new();
         let compared_volumes = compared.iter().filter(|of| !of.is_of_other_posture());
@@ -136,7 +136,7 @@ impl ReportOf<'_> {
     }
 }
 
-/// The visits of a group that stand beside each other: the first, and the last three.
+/// The visits of a group that are beside each other: the first, and the last three.
 fn visits_side_by_side(group: &Group) -> Vec<usize> {
     let from = group.visits.len().saturating_sub(VISITS_BEFORE_LAST + 1);
     let mut shown = group.visits[from..].to_vec();

@@ -56,13 +56,13 @@ pub struct VisitFigures {
     pub acquired: Option<Acquired>,
     /// The station; null for a bare `extract`.
     pub station: Option<String>,
-    /// How the patient held the legs; null if the record does not say.
+    /// How the patient held the legs; null if the record does not state it.
     pub posture: Option<String>,
     /// Mean error of the last phantom check before; null if there was none.
     pub phantom_bias_mm: Option<f64>,
     /// What the girths mean.
     pub definition: String,
-    /// What of it speaks against comparing it with the last visit of its group, by code: `time-of-day-differs`.
+    /// Reasons for caution in comparing it with the last visit of its group, by code: `time-of-day-differs`.
     pub cautions: Vec<&'static str>,
     /// The legs that were measured.
     pub legs: Vec<LegAtVisitFigures>,
@@ -81,7 +81,7 @@ pub struct LegAtVisitFigures {
     pub volume_ml: Option<QuantityFigures>,
     /// Girths at fixed lengths.
     pub girths: Vec<PlaceFigures>,
-    /// Girths at the levels, found anew at this visit.
+    /// Girths at the levels, found again at this visit.
     pub levels: Vec<LevelFigures>,
 }
 
@@ -144,7 +144,7 @@ pub struct ComparisonFigures {
     pub earlier: usize,
     /// The place of the later one.
     pub later: usize,
-    /// Whether the earlier visit stands in the place of a record that is left out.
+    /// Whether the earlier visit replaces a record that is left out.
     pub is_earlier_stand_in: bool,
     /// Whether a record that is left out is newer than the later visit.
     pub is_later_stand_in: bool,
@@ -155,9 +155,9 @@ pub struct ComparisonFigures {
     pub left_minus_right_ml: Option<ChangeFigures>,
     /// The excess of the affected leg; null unless `affected` is one leg, and with `left_minus_right_ml`.
     pub excess: Option<ExcessChangeFigures>,
-    /// What speaks against the comparison, by code; see docs/codes.md.
+    /// Reasons for caution in the comparison, by code; see docs/codes.md.
     pub cautions: Vec<&'static str>,
-    /// What the clinic's own thresholds say.
+    /// The verdicts of the clinic's own thresholds.
     pub thresholds: Vec<ThresholdFigures>,
 }
 
@@ -225,16 +225,16 @@ pub struct ExcessChangeFigures {
     pub affected: &'static str,
     /// In mL.
     pub volume_ml: ChangeFigures,
-    /// 100 (earlier − later) / earlier; null if it is not told.
+    /// 100 (earlier − later) / earlier; null if it is not reported.
     pub percent_reduction: Option<f64>,
     /// Its expanded uncertainty, percentage points; null with it.
     pub percent_reduction_u95: Option<f64>,
-    /// Why it is not told: `no-change-shown`, `within-uncertainty` (the earlier excess is) or `smaller-leg` (the
-    /// affected leg was the smaller one); null if it is.
+    /// Why it is not reported: `no-change-shown`, `within-uncertainty` (the earlier excess is) or `smaller-leg`
+    /// (the affected leg was the smaller one); null if it is.
     pub no_percent_reduction: Option<&'static str>,
 }
 
-/// What a threshold says.
+/// The verdict of a threshold.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ThresholdFigures {
     /// Its name.
@@ -383,7 +383,7 @@ fn change(of: &Change) -> ChangeFigures {
     }
 }
 
-/// A change of the difference of two legs: a percentage of what may be nothing says nothing.
+/// A change of the difference of two legs, without a percentage: the difference may be zero.
 fn difference_change(of: &Change) -> ChangeFigures {
     ChangeFigures { percent_change: None, detectable_percent: None, ..change(of) }
 }

@@ -79,7 +79,7 @@ impl Stance {
 }
 
 impl StanceChange {
-    /// Whether it is told: at some places at least, girths are not compared because of it.
+    /// Whether it is reported: at some places at least, girths are not compared because of it.
     pub(crate) fn matters(&self) -> bool {
         self.bend_deg > KNEE_BEND_DEG || self.tilt_deg > TILT_DEG
     }

@@ -33,14 +33,14 @@ gaiter_leg::word_enum! {
 }
 
 gaiter_leg::word_enum! {
-    /// What a figure says about a threshold.
+    /// How a figure relates to a threshold.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Reached {
         /// It is reached, also less the uncertainty.
         Yes => "reached",
         /// It is not reached, also with the uncertainty.
         No => "not-reached",
-        /// The uncertainty does not let it be told.
+        /// The uncertainty is too large to decide it.
         Open => "open",
     }
 }
@@ -86,7 +86,7 @@ impl ThresholdVerdict<'_> {
     }
 }
 
-/// What a comparison says about thresholds, in their order, the patient's right leg first.
+/// The verdicts of a comparison on thresholds, in their order, the patient's right leg first.
 pub(crate) fn verdicts<'a>(
     thresholds: &'a [Threshold],
     of: &Comparison,
@@ -122,7 +122,7 @@ fn figure(limited: Limited, of: &Comparison, side: Side) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
 
-    /// What a figure says about a limit of 3.
+    /// How a figure relates to a limit of 3.
     fn reached(of: Limited, value: f64, expanded: f64) -> Reached {
         let (name, source) = ("mild".to_owned(), "a paper".to_owned());
         let threshold = &Threshold { name, source, of, limit: 3.0 };

@@ -1,4 +1,4 @@
-//! Which scans are visits, and what a record says of one that comparisons need.
+//! Which scans are visits, and what comparisons need of a record.
 
 use std::collections::BTreeMap;
 
@@ -42,7 +42,7 @@ pub struct Visit {
     pub station: Option<String>,
     /// What its figures mean.
     pub definition: Definition,
-    /// How the patient held the legs; `None` if the record does not say.
+    /// How the patient held the legs; `None` if the record does not state it.
     pub posture: Option<String>,
     /// The phantom's mean error at the last check before, mm; `None` if there was none.
     pub phantom_mm: Option<f64>,
@@ -59,7 +59,7 @@ pub struct Visit {
 pub struct Definition {
     /// How the tape lies around the leg, from which axis, and how sections are fitted.
     pub girths: String,
-    /// How a volume is made of girths; `None` if the record does not say, or nothing was chosen.
+    /// How a volume is made of girths; `None` if the record does not state it, or nothing was chosen.
     pub volume: Option<VolumeBy>,
 }
 
@@ -103,7 +103,8 @@ impl Visit {
         }
     }
 
-    /// Whether another posture was declared than at another visit; not if one of the records does not say.
+    /// Whether another posture was declared than at another visit; not if one of the records does not state
+    /// it.
     pub(crate) fn is_of_other_posture(&self, other: &Visit) -> bool {
         self.posture.as_ref().zip(other.posture.as_ref()).is_some_and(|(one, other)| one != other)
     }

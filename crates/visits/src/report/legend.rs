@@ -1,4 +1,4 @@
-//! How to read the figures of a report of visits: only what it tells.
+//! How to read the figures of a report of visits: only those in it.
 
 use std::fmt::Display;
 
@@ -12,7 +12,7 @@ use crate::course::{Course, Group};
 use crate::excess::Reduction;
 use crate::place::along_mm;
 
-/// How to read what the comparisons of a group of visits tell.
+/// How to read the comparisons of a group of visits.
 pub(super) fn legend(words: &Words, group: &Group, compared: &[Comparison]) -> Vec<String> {
     let legs = || compared.iter().flat_map(|of| Side::BOTH.map(|side| of.legs.get(side).as_ref()));
     let is_of_girths = legs().flatten().any(|leg| !leg.girths.is_empty());
@@ -31,7 +31,7 @@ pub(super) fn legend(words: &Words, group: &Group, compared: &[Comparison]) -> V
     said
 }
 
-/// Which volumes are told; nothing if there are none.
+/// Which volumes are reported; nothing if there are none.
 fn volumes(words: &Words, group: &Group) -> Option<String> {
     let cm = |mm: f64| number(mm / 10.0, 0, words.language);
     let of = |side: Side| {

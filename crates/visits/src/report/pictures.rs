@@ -33,7 +33,7 @@ pub(super) fn first(words: &Words, compared: &[Comparison]) -> Vec<Block> {
     drawn.map(|(name, of, caption)| captioned(name, of.title.clone(), of, caption)).collect()
 }
 
-/// The girths along the legs at the visits that stand beside each other.
+/// The girths along the legs at the visits that are beside each other.
 pub(super) fn profiles(words: &Words, shown: &[usize]) -> Option<Block> {
     // Curves in another posture are not laid over each other.
     let visits = &words.course.visits;

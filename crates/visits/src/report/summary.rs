@@ -28,7 +28,7 @@ impl ReportOf<'_> {
         let is_named = matches!(self.course.choice.affected, Some(Affected::One(_)))
             || self.course.is_affected_unreadable;
         let (mut before, mut last) = (Vec::new(), Vec::new());
-        // What both comparisons share: it is of the last visit.
+        // What both comparisons share: it belongs to the last visit.
         if let Some(of) = compared.first() {
             last.extend(self.of_thresholds(words, of, |limited| limited == Limited::Excess));
             // That the later visit is not the last one.
@@ -67,14 +67,14 @@ impl ReportOf<'_> {
             None => apart,
         }));
         said.extend(self.of_thresholds(words, of, |limited| limited != Limited::Excess));
-        // What hangs on the earlier visit, where it stands in the place of a record that is left out.
+        // What depends on the earlier visit, where it replaces a record that is left out.
         let [date, _] = words.days(of);
         let key = "visits.stand_in_earlier";
         said.extend(of.stand_ins.earlier.then(|| words.filled(key, &[("date", &date)])));
         said
     }
 
-    /// What those of the clinic's thresholds say that limit such a figure.
+    /// The verdicts of those of the clinic's thresholds that limit such a figure.
     fn of_thresholds(
         &self,
         words: &Words,
@@ -122,7 +122,7 @@ impl ReportOf<'_> {
         Some(words.filled(key, &[("days", &days), ("most", &self.age_max.0)]))
     }
 
-    /// What speaks against the comparisons, and where visits cannot be compared.
+    /// Reasons for caution in the comparisons, and where visits cannot be compared.
     pub(super) fn cautions(&self, words: &Words) -> Vec<String> {
         let mut said: Vec<String> = Vec::new();
         for pair in self.course.groups.windows(2) {
@@ -140,7 +140,7 @@ impl ReportOf<'_> {
             said.push(words.filled("visits.break", &values));
         }
         let Some(group) = self.course.last_group() else { return said };
-        // What holds for several comparisons is told once.
+        // What holds for several comparisons is stated once.
         let compared = self.course.last_compared(group);
         let all = compared.iter().flat_map(|of| {
             let told = move |caution| (words.caution(of, caution), between(words, of));
@@ -158,7 +158,7 @@ pub(super) fn between(words: &Words, of: &Comparison) -> String {
     words.filled("visits.between", &[("earlier", &earlier), ("later", &later)])
 }
 
-/// Why what the legs differ by is told where no change of either leg is shown.
+/// Why the legs' difference is reported where no change of either leg is shown.
 pub(super) fn cancelling(words: &Words, of: &Comparison) -> Option<String> {
     let volumes = Side::BOTH.map(|side| of.legs.get(side).as_ref().and_then(|leg| leg.volume));
     let is_shown = volumes.into_iter().flatten().any(|of| of.shown() != Shown::NoChange);
@@ -201,14 +201,14 @@ fn excess(words: &Words, change: &ExcessChange) -> String {
             let [percent, margin] = words.reduction(reduction);
             words.filled("visits.reduction", &[("percent", &percent), ("margin", &margin)])
         }
-        // The sentence before it says so already.
+        // The sentence before it states that already.
         Err(NoReduction::NoChange) => return shown,
         Err(why) => words.of_code("visits.no_reduction", why.word(), &[]),
     };
     format!("{shown} {reduction}")
 }
 
-/// The difference of the legs where no excess of one is told.
+/// The difference of the legs where no excess of one is reported.
 fn difference(words: &Words, group: &Group, of: &Comparison) -> Option<String> {
     let change: Change = of.left_minus_right?;
     let at = |visit: usize| words.course.left_minus_right(group, visit);

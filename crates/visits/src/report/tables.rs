@@ -123,8 +123,8 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
     }
 }
 
-/// What the legs differ by at the two visits of a comparison. Its percent change is not told: that of an excess has a
-/// name of its own, and a difference may be nothing.
+/// The legs' difference at the two visits of a comparison. Its percent change is not reported: that of an excess has
+/// a name of its own, and a difference may be zero.
 fn volumes_apart(words: &Words, group: &Group, of: &Comparison) -> Option<TableRow> {
     let (head, ends, change) = match &of.excess {
         Some(excess) => {
@@ -223,7 +223,7 @@ pub(super) fn slices(
     is_compared.then(|| table_of_places(words, title, shown, compared, rows))
 }
 
-/// The sums of the slices of a leg, as the tables of volumes tell them. Slices that are not compared count.
+/// The sums of the slices of a leg, as in the tables of volumes. Slices that are not compared count.
 fn sums(
     words: &Words,
     group: &Group,
@@ -297,7 +297,7 @@ fn table_of_places(
     Table { title, explanation: Some(explanation), columns, rows, below }
 }
 
-/// The girths at the levels, which are found anew at each visit, of both legs beside each other.
+/// The girths at the levels, which are found again at each visit, of both legs beside each other.
 pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
     let row = |(side, level): (Side, Level)| {
         let of = |visit: usize| {

@@ -22,16 +22,16 @@ const ML_DECIMALS: [(usize, f64); 4] = [(0, 1.0), (1, 10.0), (2, 100.0), (3, 100
 /// The same of percentages.
 const PERCENT_DECIMALS: [(usize, f64); 2] = [(1, 10.0), (2, 100.0)];
 
-/// Behind the day of a visit that stands in the place of a record that is left out.
+/// Behind the day of a visit that replaces a record that is left out.
 const STAND_IN: &str = " #";
 
-/// Whether a change, as it is told, reaches what can be shown, as that is told, exactly if it is shown.
+/// Whether a change, as printed, reaches the detectable change, as printed, exactly if it is shown.
 fn is_told_as_shown([by, detectable]: [f64; 2], shown: Shown, scale: f64) -> bool {
     let is_reached = (scale * by).round().abs() >= scale * up(detectable, scale) - 0.5;
     is_reached == (shown != Shown::NoChange)
 }
 
-/// Rounded up, so that what can be shown is never told as smaller than it is.
+/// Rounded up, so that the detectable change never looks smaller than it is.
 fn up(value: f64, scale: f64) -> f64 {
     (scale * value - 1e-9).ceil() / scale
 }
@@ -158,8 +158,8 @@ impl Words<'_> {
         self.told_with(&PERCENT_DECIMALS, figures, change.shown())
     }
 
-    /// A change with its sign, and from which on it can be shown. Only where it would be told as reaching that without
-    /// being shown, or the other way round, have both as many decimals as tell them apart.
+    /// A change with its sign, and the detectable change. Only where the printed change would reach the printed
+    /// detectable one without being shown, or the reverse, both have enough decimals to distinguish them.
     fn told_with(
         &self,
         all: &[(usize, f64)],
@@ -174,7 +174,7 @@ impl Words<'_> {
         [signed(by, &words(by)), words(up(detectable, scale))]
     }
 
-    /// What speaks against a comparison.
+    /// A reason for caution in a comparison.
     pub(super) fn caution(&self, of: &Comparison, caution: &Caution) -> String {
         let whole = |value: f64| number(value, 0, self.language);
         let tenths = |value: f64| tenths_words(value, self.language);

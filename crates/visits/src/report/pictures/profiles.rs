@@ -1,4 +1,4 @@
-//! Girth over the length along each leg, at the visits that stand beside each other.
+//! Girth over the length along each leg, at the visits that are beside each other.
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
