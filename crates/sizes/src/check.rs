@@ -48,7 +48,7 @@ pub enum Remark {
         /// The last day on which it was.
         last: Date,
     },
-    /// It does not say until when it is valid.
+    /// It does not state until when it is valid.
     NoEnd,
     /// The name of who entered or of who checked the figures is missing.
     Unsigned {
@@ -68,9 +68,9 @@ pub enum Remark {
     Draft,
     /// Its girths are under tension: no measure of a scan is compared with it.
     Tension,
-    /// It does not say whether its girths are of skin: no measure is compared with it.
+    /// It does not state whether its girths are of skin: no measure is compared with it.
     NoBasis,
-    /// It does not say where its lengths begin; the floor is assumed.
+    /// It does not state where its lengths begin; the floor is assumed.
     NoLengthsFrom,
     /// It names a garment of which no profile is known here.
     UnknownGarment {
@@ -95,7 +95,8 @@ pub struct Neighbours {
 }
 
 impl Remark {
-    /// Whether it says only how neighbours lie: makers' tables have gaps and overlaps, and it is good to know.
+    /// Whether it only describes how neighbouring sizes lie: makers' tables have gaps and overlaps, which are
+    /// no fault.
     pub fn is_of_neighbours(&self) -> bool {
         matches!(self, Remark::Gap(_) | Remark::Overlap(_) | Remark::Touch { .. })
     }
@@ -152,7 +153,7 @@ pub fn remarks(table: &SizeTable, today: Date, garments: &[&str]) -> Vec<Remark>
 }
 
 /// What no size holds at a point, what one of them lacks, and limits that do not grow with the size. Sizes
-/// overlap at these points, so overlaps and touching limits say nothing.
+/// overlap at these points, so overlaps and touching limits mean nothing.
 fn of_other_points(table: &SizeTable) -> Vec<Remark> {
     let (mut remarks, mut seen) = (Vec::new(), BTreeSet::new());
     let points = table.sizes.iter().flat_map(|size| &size.ranges).map(|of| of.point);

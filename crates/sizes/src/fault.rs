@@ -13,7 +13,7 @@ pub enum What {
     /// What can be wrong with any file.
     #[error(transparent)]
     Toml(#[from] gaiter_toml::What),
-    /// The file is of another kind or version.
+    /// The file has another kind or version.
     #[error("the format is \"{found}\", not \"{expected}\"")]
     Format {
         /// As written.

@@ -75,7 +75,7 @@ fn table(whole: Section<'_, '_>, sha256: String) -> Option<SizeTable> {
     let unit = unit.unwrap_or(UNITS[0].1);
     let lengths = lengths(whole, unit);
     let sizes = sizes(whole, unit, &variants, &lengths);
-    // A range that is wrong is told as such, not as missing.
+    // A range that is wrong is reported as such, not as missing.
     let known = if whole.is_sound() { sizes.as_slice() } else { &[] };
     let required = required(whole, known);
     if let Some(Some((point, at))) = &decides {
@@ -138,7 +138,7 @@ fn signatures(whole: Section<'_, '_>, status: Option<Status>, signed: &[Option<S
     }
 }
 
-/// Whether two names are of one person: the same letters, however they are written.
+/// Whether two names belong to one person: the same letters, however they are written.
 pub(super) fn is_same_person(one: &str, other: &str) -> bool {
     let letters = |name: &str| -> String {
         name.chars().filter(|of| of.is_alphanumeric()).flat_map(char::to_lowercase).collect()

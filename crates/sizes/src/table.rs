@@ -21,7 +21,7 @@ pub struct SizeTable {
     pub edition: String,
     /// Where the figures were read.
     pub source: String,
-    /// How sure they are, in words; `None` if nothing is said.
+    /// How sure they are, in words; `None` if not stated.
     pub sureness: Option<String>,
     /// What it may be used for.
     pub status: Status,
@@ -29,15 +29,15 @@ pub struct SizeTable {
     pub entered_by: Option<String>,
     /// Who checked them.
     pub checked_by: Option<String>,
-    /// The last day on which it is valid; `None` if nothing is said.
+    /// The last day on which it is valid; `None` if not stated.
     pub valid_until: Option<Date>,
     /// Whether a limit belongs to its range.
     pub limits: Limits,
     /// The point by which the size is sought first; `None` if no point is.
     pub decides: Option<Point>,
-    /// Whether its girths are of skin; `None` if nothing is said.
+    /// Whether its girths are of skin; `None` if not stated.
     pub basis: Option<Basis>,
-    /// Whether the file says where lengths begin; without that it is the floor.
+    /// Whether the file states where lengths begin; otherwise at the floor.
     pub says_where_lengths_begin: bool,
     /// The garments it is for; empty if it is for each whose points it has.
     pub garments: Vec<String>,

@@ -1,4 +1,4 @@
-//! What a size table says about a leg: every size with each point's margins and probability, never a choice.
+//! A size table's verdict on a leg: every size with each point's margins and probability, never a choice.
 
 use serde::Serialize;
 
@@ -62,7 +62,7 @@ gaiter_leg::word_enum! {
         DoesNotFit => "does-not-fit",
         /// A required point is not given.
         NotDecided => "not-decided",
-        /// Nothing speaks against it but a value near a limit.
+        /// Nothing contradicts it but a value near a limit.
         FitsWithinUncertainty => "fits-within-uncertainty",
         /// Every required point does, surely.
         Fits => "fits",
@@ -120,7 +120,7 @@ pub struct LengthVerdict {
     pub points: Vec<PointVerdict>,
 }
 
-/// What a table says about a leg.
+/// A table's verdict on a leg.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LegVerdict {
     /// The best that any of its sizes and any of its lengths allow together.
@@ -132,12 +132,12 @@ pub struct LegVerdict {
 }
 
 gaiter_leg::word_enum! {
-    /// Why a table says nothing about a garment.
+    /// Why a table has no verdict on a garment.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
     pub enum NotComparable as serde {
         /// Its girths are under tension, the measures are of skin. Nothing is converted.
         Tension => "tension",
-        /// It does not say whether its girths are of skin.
+        /// It does not state whether its girths are of skin.
         BasisUnknown => "basis-unknown",
         /// It is not for this garment, or has none of its points.
         OtherGarment => "other-garment",

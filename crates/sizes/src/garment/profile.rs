@@ -22,7 +22,7 @@ const LETTER: &str = "{level}";
 /// The roundings for print, mm: a tenth of a millimetre to five centimetres.
 const ROUNDINGS_MM: [f64; 2] = [0.1, 50.0];
 
-/// Rounding for print if the file says nothing, mm: as on a tape.
+/// Rounding for print if the file has none, mm: as on a tape.
 const ROUNDING_MM: f64 = 1.0;
 
 /// What an order form of a garment asks for.

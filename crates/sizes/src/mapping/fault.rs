@@ -12,7 +12,7 @@ pub enum MappingWhat {
     /// A point without its leg in a file with one row.
     #[error("\"{0}\" names no leg, and the file has one row for both")]
     NoLeg(String),
-    /// A point of the body that is said to be of a leg.
+    /// A point of the body that is declared as a leg's.
     #[error("\"{0}\" is a point of the body and of no leg")]
     OfTheBody(String),
     /// A value that a row of this kind does not have.

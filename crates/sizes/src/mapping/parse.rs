@@ -264,7 +264,7 @@ fn cell(section: Section<'_, '_>, rows: Option<Rows>) -> Option<Cell> {
         }
         (Some(value), None) => {
             let text = section.text("value")?;
-            // Without the kind of rows nothing can be said about their values.
+            // Without the kind of rows their values cannot be checked.
             match Cell::of_value(&text, rows?) {
                 Ok(cell) => cell,
                 Err(what) => {

@@ -123,7 +123,7 @@ fn replaced_points_exist(whole: Section<'_, '_>, variants: &[Variant], sizes: &[
     let tables = whole.get("variant").map(|value| value.span());
     for (variant, point) in variants.iter().flat_map(|of| of.replaces.iter().map(move |p| (of, p)))
     {
-        // A range that is wrong is told as such.
+        // A range that is wrong is reported as such.
         if whole.is_sound()
             && !sizes.is_empty()
             && sizes.iter().all(|size| size.range(*point).is_none())
