@@ -1,5 +1,5 @@
 //! The figures of all scans as Parquet, for DuckDB, Spark and pandas: `method=…/month=…/part.parquet`, as Hive names
-//! folders. Each export writes all files anew, so that what was deleted from the archive goes from there, too.
+//! folders. Each export writes all files again, so that what was deleted from the archive goes from there, too.
 
 mod part;
 

@@ -1,4 +1,4 @@
-//! Why the archive does not go on.
+//! Why the archive does not continue.
 
 use std::error::Error;
 use std::io;
@@ -16,7 +16,7 @@ pub const EXIT_IO: u8 = 74;
 /// The configuration has faults.
 const EXIT_CONFIG: u8 = 78;
 
-/// Why the archive does not go on.
+/// Why the archive does not continue.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveFault {
     /// The configuration has faults.

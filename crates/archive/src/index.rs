@@ -51,7 +51,7 @@ pub enum Unread {
     Gone,
 }
 
-/// Indexes what stations announce. Without `once` it goes on, and waits for servers that are away.
+/// Indexes what stations announce. Without `once` it continues, and waits for servers that are away.
 ///
 /// # Errors
 /// With `once`: whatever keeps it from indexing.

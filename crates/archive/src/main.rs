@@ -42,7 +42,7 @@ struct Args {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Indexes what stations announce, and what they say of themselves; goes on until it is stopped.
+    /// Indexes what stations announce, and what they say of themselves; continues until it is stopped.
     Index {
         /// Make a lost database again from the objects, first.
         #[arg(long)]
@@ -51,13 +51,13 @@ enum Verb {
         #[arg(long)]
         once: bool,
     },
-    /// Measures what is to be measured; goes on until it is stopped.
+    /// Measures what is to be measured; continues until it is stopped.
     Work {
         /// End when nothing is left to be measured.
         #[arg(long)]
         until_empty: bool,
     },
-    /// What the archive holds, what is to be done, how the stations are.
+    /// What the archive holds, what to do, how the stations are.
     Status {
         /// For programs.
         #[arg(long)]

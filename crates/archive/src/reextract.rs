@@ -15,7 +15,7 @@ use crate::{database, print};
 /// The sample moved further than the limit.
 const EXIT_OVER_LIMIT: u8 = 65;
 
-/// The share of scans of the sample that may be refused anew.
+/// The share of scans of the sample that may be refused again.
 const REFUSED_SHARE: f64 = 0.001;
 
 /// What a person chose.
@@ -44,7 +44,7 @@ struct Change {
     largest_scan: String,
 }
 
-/// Begins or goes on with measuring anew, and says how far it is.
+/// Begins or continues with measuring again, and says how far it is.
 ///
 /// # Errors
 /// Those of the database.

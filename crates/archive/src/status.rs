@@ -1,4 +1,4 @@
-//! What the archive holds, what is to be done, how the stations are: in the terminal, and as a page and metrics.
+//! What the archive holds, what to do, how the stations are: in the terminal, and as a page and metrics.
 
 mod metrics;
 mod page;

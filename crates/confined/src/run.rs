@@ -73,7 +73,7 @@ pub fn run<A>(
             Some(cpu)
         });
         let fed = feed(&pipes.input);
-        // It may wait for more than the job tells of.
+        // It may wait for more than the job announces.
         drop(pipes.input);
         let answer = read(&mut BufReader::new(pipes.output));
         drop(done);
@@ -82,7 +82,7 @@ pub fn run<A>(
     let mut child = child.into_inner().unwrap_or_else(PoisonError::into_inner);
     let unanswered = match answer {
         Ok(answer) => {
-            // It has nothing more to say and does not need to clean up.
+            // Its answer is complete, and it has nothing to clean up.
             end(&mut child).map_err(RunFault::NotStarted)?;
             return Ok(Ended::Answered(answer));
         }

@@ -73,7 +73,7 @@ pub enum BucketFault {
     #[error("the store of objects answers {status}: {said}")]
     Status {
         status: u16,
-        /// What it says.
+        /// Its text.
         said: String,
     },
 }

@@ -10,11 +10,11 @@ use super::endpoint::EndpointFault;
 use super::secret::SecretFault;
 use super::tls::TlsFault;
 
-/// How `std` begins what it says of a name that was not found; there is no kind of error for it.
+/// The beginning of `std`'s message for a name that was not found; it has no kind of error.
 const NAME_NOT_FOUND: &str = "failed to lookup address information";
 
-/// Why a request got no answer. Whether the server has carried it out is then not known. None tells the address
-/// that was asked for, which may hold a patient's id.
+/// Why a request got no answer. Whether the server has carried it out is then not known. None contains the
+/// address that was asked for, which may hold a patient's id.
 #[derive(Debug, thiserror::Error)]
 pub enum HttpFault {
     /// The address cannot be asked.
@@ -26,7 +26,7 @@ pub enum HttpFault {
     /// The certificates cannot be used.
     #[error(transparent)]
     Certificates(#[from] TlsFault),
-    /// The network does not say what address the host has.
+    /// The network has no address for the host.
     #[error("the network does not know {host}")]
     UnknownHost { host: String },
     /// The host cannot be reached.
@@ -115,7 +115,7 @@ impl HttpFault {
             }
             ureq::Error::LargeResponseHeader(_, most) => HttpFault::TooLong { most },
             ureq::Error::ConnectProxyFailed(why) => HttpFault::Proxy(why),
-            // It tells the whole address.
+            // It contains the whole address.
             ureq::Error::BadUri(_) => HttpFault::Address(EndpointFault::Address),
             other => HttpFault::NotHttp { host, why: other.to_string() },
         }

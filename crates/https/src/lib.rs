@@ -92,12 +92,12 @@ impl HttpAnswer {
 }
 
 impl HttpsClient {
-    /// A client that trusts as `tls` says and gives a whole exchange this much time.
+    /// A client that trusts by `tls`; `limit` is for a whole exchange.
     pub fn new(tls: TlsFiles, proxy: Option<Proxy>, limit: Duration) -> HttpsClient {
         HttpsClient { tls, proxy, limit, answer_most: ANSWER_MOST, kept: Mutex::default() }
     }
 
-    /// It, but with answers of up to so many bytes.
+    /// It, but with answers of up to this many bytes.
     #[must_use]
     pub fn with_answers_up_to(self, answer_most: u64) -> HttpsClient {
         HttpsClient { answer_most, ..self }

@@ -30,7 +30,7 @@ pub enum SecretFault {
 /// Reads a secret. A file may be renewed while the station runs.
 ///
 /// # Errors
-/// See [`SecretFault`]; none tells what is in the file.
+/// See [`SecretFault`]; none contains what is in the file.
 pub fn read(secret: &Secret) -> Result<String, SecretFault> {
     let path = path(secret)?;
     let unreadable = |source| SecretFault::Unreadable { path: path.clone(), source };

@@ -78,7 +78,7 @@ fn an_answer_that_is_too_long_is_given_up() {
     let port = serve(|mut stream| {
         request_of(&mut stream).unwrap();
         let _ = stream.write_all(b"HTTP/1.1 200 OK\r\nContent-Length: 104857600\r\n\r\n");
-        // It goes on until the client has gone.
+        // It continues until the client has gone.
         while stream.write_all(&[b' '; 65_536]).is_ok() {}
     });
     let fault = client(LONG).send(get(&format!("http://127.0.0.1:{port}/"))).unwrap_err();

@@ -69,7 +69,7 @@ pub fn trust(files: &TlsFiles) -> Result<Arc<ClientConfig>, TlsFault> {
     Ok(Arc::new(config(files, &read(files)?)?))
 }
 
-/// Until when the first certificate of a file holds; `None` if it does not say so as it should.
+/// When the first certificate of a file ends; `None` if its validity is not well-formed.
 ///
 /// # Errors
 /// If the file cannot be read, or holds no certificate.

@@ -1,4 +1,4 @@
-//! Until when a certificate holds (RFC 5280, 4.1). The library that verifies certificates does not tell.
+//! When a certificate ends (RFC 5280, 4.1). The library that verifies certificates does not report it.
 
 use jiff::Timestamp;
 use jiff::civil::DateTime;
@@ -38,7 +38,7 @@ impl Element<'_> {
     }
 }
 
-/// Until when a certificate (DER) holds; `None` if it does not say so as it should.
+/// When a certificate (DER) ends; `None` if its validity is not well-formed.
 pub(super) fn not_after(certificate: &[u8]) -> Option<Timestamp> {
     let signed = Element::first(Element::first(certificate)?.content)?.content;
     let first = Element::first(signed)?;

@@ -17,7 +17,7 @@ pub enum ScanFault {
         /// The ending as found, without the dot; empty if the name has none.
         ending: String,
     },
-    /// The content is clearly something other than the ending says.
+    /// The content clearly contradicts the file-name ending.
     #[error("the content looks like {content}, not {format}; {}", content.advice())]
     LooksLike {
         /// The detected content.

@@ -96,7 +96,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scan, ScanFault> {
     reading(bytes, format).scan
 }
 
-/// Decodes the bytes of one export, and says how they end.
+/// Decodes the bytes of one export, and reports how they end.
 pub fn reading(bytes: &[u8], format: Format) -> Reading {
     if let Some(fault) = misnamed(bytes, format) {
         return Reading { scan: Err(fault), end: End::Whole };
@@ -149,7 +149,7 @@ pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
     }
 }
 
-/// The fault if the content clearly has another format than the ending says.
+/// The fault if the content clearly has another format than the file-name ending.
 fn misnamed(bytes: &[u8], format: Format) -> Option<ScanFault> {
     let content = sniff::detect(bytes)?;
     (content != Content::Scan(format)).then_some(ScanFault::LooksLike { content, format })

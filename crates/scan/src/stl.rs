@@ -190,8 +190,8 @@ fn binary_completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     Ok(())
 }
 
-/// Decodes a binary STL. A file that is longer than its triangle count says is refused: either the
-/// count or the rest is wrong, and a body without a leg must not pass.
+/// Decodes a binary STL. A file that is longer than its triangle count allows is refused: either the count or
+/// the rest is wrong, and a body without a leg must not pass.
 ///
 /// # Errors
 /// [`ScanFault::CutShort`], [`ScanFault::TooLong`], [`ScanFault::NotFinite`].

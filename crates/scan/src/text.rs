@@ -48,7 +48,7 @@ impl<'a> Lines<'a> {
         self.passed
     }
 
-    /// Goes on with this rest, after so many lines that were read in another way.
+    /// Continues with this rest, after this many lines that were read in another way.
     pub(super) fn pass(&mut self, lines: usize, rest: &'a [u8]) {
         self.passed += lines;
         self.rest = rest;

@@ -1,12 +1,11 @@
 //! VRML 1 and VRML 2 (97) scenes, as text.
 //!
-//! Reads `IndexedFaceSet` and `PointSet` with their `Coordinate` or `Coordinate3`, anywhere in
-//! groups and transforms, once for every `USE`. Of a `Switch` it reads the chosen child, of an
-//! `LOD` the first, which is the finest. Everything that only colours, lights or moves the scene is
-//! skipped, including `ROUTE`; so are lines, text and the primitive solids.
-//! Faces are turned round where `ccw` or, in VRML 1, `vertexOrdering` says that they are clockwise.
-//! Refuses everything that could hide a part of the body: `PROTO`, `EXTERNPROTO`, `Inline`,
-//! `WWWInline`, and points within a node that gaiter does not know.
+//! Reads `IndexedFaceSet` and `PointSet` with their `Coordinate` or `Coordinate3`, anywhere in groups and
+//! transforms, once for every `USE`. Of a `Switch` it reads the chosen child, of an `LOD` the first, which is
+//! the finest. Everything that only colours, lights or moves the scene is skipped, including `ROUTE`; so are
+//! lines, text and the primitive solids. Faces are turned round where `ccw` or, in VRML 1, `vertexOrdering`
+//! declares them clockwise. Refuses everything that could hide a part of the body: `PROTO`, `EXTERNPROTO`,
+//! `Inline`, `WWWInline`, and points within a node that gaiter does not know.
 
 mod placement;
 mod reader;

@@ -46,7 +46,7 @@ fn notation(said: &str, hint: &str) -> What {
 /// How a key and its value are written.
 const VALUE: &str = r#"write: name = "value""#;
 
-/// What the parser says of a key that stands twice.
+/// The parser's message for a key that stands twice.
 const TWICE: &str = "duplicate key";
 
 /// The parser's message in plainer words, with a hint, and whether the lines below are still read

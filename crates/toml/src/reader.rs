@@ -293,7 +293,7 @@ impl<'t, W: Hint> Reader<'t, W> {
         let errors = self.errors;
         let mut faults = self.close();
         if !errors.is_empty() {
-            // What is said of a value is reliable on lines without syntax faults.
+            // A fault of a value is reliable on lines without syntax faults.
             let text = faults.text;
             let (notation, sound_until) = notation::findings(text, errors, |_| None);
             let line = |at: &Range<usize>| line_of(text, at.start);

@@ -13,7 +13,7 @@ const STATEMENTS: &str = "v vt vn vp f fo l p o g s mg mtllib usemtl usemap mapl
 /// Number of words of a point: `v` and three coordinates.
 pub(super) const WORDS_OF_POINT: usize = 4;
 
-/// The first word of a trimmed statement, which may go on in the next line right after it.
+/// The first word of a trimmed statement, which may continue in the next line right after it.
 pub(super) fn keyword(statement: &[u8]) -> &[u8] {
     let statement = statement.strip_suffix(b"\\").unwrap_or(statement);
     statement.split(u8::is_ascii_whitespace).next().unwrap_or_default()
@@ -47,7 +47,7 @@ pub(super) fn refuse_others(bytes: &[u8]) -> Result<(), ScanFault> {
 /// Reads the `v`, `f` and `fo` statements of a text, one after the other.
 pub(super) struct Geometry<'a> {
     pub lines: Lines<'a>,
-    /// A statement that goes on over several lines, joined.
+    /// A statement that continues over several lines, joined.
     joined: Vec<u8>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> Geometry<'a> {
         Geometry { lines: text::lines(bytes), joined: Vec::new() }
     }
 
-    /// Reads the next line, and the ones that it goes on with. If it is a `v`, `f` or `fo` statement,
+    /// Reads the next line, and the ones that it continues with. If it is a `v`, `f` or `fo` statement,
     /// returns that, trimmed, and its first line. A `\` at the end of such a line continues it on the next
     /// one; in names it is an ordinary character, as in Windows paths.
     ///

@@ -219,7 +219,7 @@ fn corners(statement: &[u8]) -> impl Iterator<Item = &[u8]> {
     words(statement).skip(1).take_while(|word| !word.starts_with(b"#"))
 }
 
-/// The first fault of a file of so many points, with its line; `None` if there is none that is known here.
+/// The first fault of a file of this many points, with its line; `None` if there is none that is known here.
 fn first_fault(bytes: &[u8], point_count: usize) -> Option<ScanFault> {
     let mut decimals = Decimals::default();
     let found = each_geometry(bytes, |line, statement| {

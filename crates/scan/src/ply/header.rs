@@ -149,7 +149,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The fault of a file that has only so many of its records.
+    /// The fault of a file that has only this many of its records.
     pub(super) fn missing(&self, has: usize) -> ScanFault {
         cut_short(CutSign::Missing { what: self.kind.plural(), has, of: self.count })
     }
@@ -235,7 +235,7 @@ impl Header {
     }
 
     /// Refuses lists that may be faces under another name: without them, a mesh would be read as bare points,
-    /// or in part. Where there are faces, or under the vertices, only the list's name tells.
+    /// or in part. Where there are faces, or under the vertices, only the list's name decides.
     fn refuse_other_faces(&self) -> Result<(), ScanFault> {
         let present = || self.elements.iter().filter(|element| element.count > 0);
         let has_faces = present().any(|element| element.kind.has_corners());
@@ -261,7 +261,7 @@ impl Header {
     }
 }
 
-/// Whether a text begins with the first line of a PLY file and goes on after it.
+/// Whether a text begins with the first line of a PLY file and continues after it.
 pub(in super::super) fn opens(text: &[u8]) -> bool {
     first_line(text, false).is_some_and(|(line, end)| is_opening(line) && end < text.len())
 }

@@ -86,7 +86,7 @@ const ROUGHLY: f64 = 1e-4;
 /// … and in the last one.
 const FINALLY: f64 = 1e-6;
 
-/// Fits the function, with its angles around in so many equal pieces. Residuals of `least_scale` are never
+/// Fits the function, with its angles around in this many equal pieces. Residuals of `least_scale` are never
 /// outliers.
 ///
 /// # Errors

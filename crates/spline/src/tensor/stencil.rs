@@ -20,13 +20,13 @@ pub struct System {
 }
 
 impl System {
-    /// The zero matrix for so many coefficients along and around.
+    /// The zero matrix for this many coefficients along and around.
     pub fn zero(height: usize, width: usize) -> System {
         let factors = vec![[[0.0; LANES]; REACH * REACH]; height * width.div_ceil(LANES)];
         System { height, width, factors }
     }
 
-    /// Sets the entry of a coefficient, along and around, and its neighbour so many ahead along and, from
+    /// Sets the entry of a coefficient, along and around, and its neighbour this many ahead along and, from
     /// three behind on, around; and the mirrored entry.
     #[inline]
     pub fn set(&mut self, [i, j]: [usize; 2], [ahead, b]: [usize; 2], value: f64) {
