@@ -1,5 +1,5 @@
 //! The operator's decisions: `gaiter assign`, `unassign`, `amend`, `patient` and `gdt-order`. Those that only send a
-//! request stand where the verbs are told apart.
+//! request are in the dispatch of the verbs.
 
 mod amend;
 
@@ -60,7 +60,7 @@ pub fn patient(verb: &PatientVerb) -> Exit {
     }
 }
 
-/// Does what a verb does, unless a patient's id stands on the command line: then it says how to give it instead.
+/// Does what a verb does, unless a patient's id is on the command line: then it prints how to give it instead.
 fn unless_given(stray: Option<&OsString>, command: &str, does: impl FnOnce() -> Exit) -> Exit {
     if stray.is_none() {
         return does();

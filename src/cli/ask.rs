@@ -248,7 +248,7 @@ pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
 pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
     let exit = fault.exit();
     if args.json {
-        // If printing fails, the exit code still tells the caller.
+        // If printing fails, the exit code still informs the caller.
         let _ = print(format_args!("{:#}\n", fault.json()));
         return exit;
     }

@@ -1,4 +1,4 @@
-//! `gaiter calibrate`: measures a scan of a body of known girths, and says how far off scanner and method
+//! `gaiter calibrate`: measures a scan of a body of known girths, and prints how far off scanner and method
 //! are. Changes nothing.
 
 use std::fmt::Write;

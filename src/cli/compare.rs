@@ -105,7 +105,7 @@ pub fn visits(how: &CompareChoice) -> Exit {
         if patient.is_empty() {
             return Err(CompareFault::EmptyId);
         }
-        // First what was delivered, then what is there: a delivery in between is not told as removed.
+        // First what was delivered, then what is there: a delivery in between is not reported as removed.
         let known = known(&how.config, &patient);
         let (found, left_out) = records::of_patient(root, &patient, &known.delivered)?;
         match (found.len(), left_out.is_empty()) {

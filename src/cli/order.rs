@@ -1,4 +1,4 @@
-//! `gaiter order`: an order from a record, as a table, as JSON, or as a mapping says.
+//! `gaiter order`: an order from a record, as a table, as JSON, or by a mapping.
 
 mod check;
 mod open;
@@ -71,7 +71,7 @@ impl OrderVerbFault {
     }
 }
 
-/// Writes or prints the order, and says what is open.
+/// Writes or prints the order, and prints what is open.
 fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
     let complained = |fault: OrderVerbFault| {
         complain(format_args!("gaiter: {fault}"));

@@ -130,7 +130,7 @@ impl ReportFault {
     }
 }
 
-/// The record at a path; which of several it is, is told.
+/// The record at a path; prints which of several it is.
 ///
 /// # Errors
 /// See [`ReportFault`].
@@ -142,7 +142,7 @@ pub fn record_at(path: &Path) -> Result<Record, ReportFault> {
     record_of_file(found.path)
 }
 
-/// A record's file, and what there is to say about how it was found.
+/// A record's file, and a remark on how it was found.
 #[derive(Debug, PartialEq, Eq)]
 struct Found {
     /// The path of its `record.json`.
@@ -185,7 +185,7 @@ fn found(path: &Path) -> Result<Found, ReportFault> {
     Ok(Found { path: folder.join(RECORD), remark: Some(remark) })
 }
 
-/// As [`record_at`]; that nothing vouches for its figures is told, too.
+/// As [`record_at`]; also prints that nothing vouches for its figures.
 ///
 /// # Errors
 /// See [`ReportFault`].

@@ -22,10 +22,10 @@ use crate::station::runtime::chain;
 use crate::station::{self, Orders, Reload, StationError};
 use crate::store::Access;
 
-/// Its log contains file names, which may identify patients: it stays off, whatever the environment says.
+/// Its log contains file names, which may identify patients: it stays off, whatever the environment sets.
 const SILENT: &str = "notify";
 
-/// The environment variable that says what is logged.
+/// The environment variable that sets what is logged.
 const LOG_FILTER: &str = "RUST_LOG";
 
 /// The log level if the environment sets none.

@@ -1,4 +1,4 @@
-//! `gaiter sizes`: what makers' size tables say about a record, and whether tables are sound.
+//! `gaiter sizes`: the verdicts of makers' size tables on a record, and whether tables are sound.
 
 mod check;
 mod tables;
@@ -23,7 +23,7 @@ pub fn sizes(args: &SizesArgs) -> Result<Exit, Exit> {
     }
 }
 
-/// Judges a record and prints what the tables say.
+/// Judges a record and prints the tables' verdicts.
 fn print_verdicts(args: &SizesOf) -> Result<Exit, Exit> {
     // clap asks for a record where no other verb is named.
     let path = args.record.as_ref().ok_or(Exit::Usage)?;

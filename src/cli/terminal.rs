@@ -19,7 +19,7 @@ pub fn local(time: Timestamp) -> String {
     health::local(time, &TimeZone::system())
 }
 
-/// All is well. A colour only repeats what the words say.
+/// All is well. A colour only repeats the words.
 pub const GOOD: Style = AnsiColor::Green.on_default().bold();
 
 /// Needs attention.

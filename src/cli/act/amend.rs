@@ -115,7 +115,7 @@ fn refused(args: &AmendArgs, path: &Path, fault: &AmendRecordFault) -> Exit {
     );
     if args.ask.json {
         let fault = json!({ "fault": { "code": code, "message": said, "exit": exit.code() } });
-        // If printing fails, the exit code still tells the caller.
+        // If printing fails, the exit code still informs the caller.
         let _ = print(format_args!("{fault:#}\n"));
     } else {
         complain(format_args!("gaiter: {said} [{code}]"));

@@ -1,4 +1,4 @@
-//! The garment that is ordered, for every verb that says what an order needs.
+//! The garment that is ordered, for every verb that lists what an order needs.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ impl GarmentArgs {
     /// The garments known otherwise, with those of the file in place of or after them.
     ///
     /// # Errors
-    /// The exit of the verb if the file cannot be read or has faults; all are told.
+    /// The exit of the verb if the file cannot be read or has faults; all are printed.
     pub fn known(&self, known: &[Garment]) -> Result<Vec<Garment>, Exit> {
         let mut all = known.to_vec();
         self.of_files()?.into_iter().for_each(|garment| add(&mut all, garment));
@@ -33,7 +33,7 @@ impl GarmentArgs {
     /// The garment of the command line: the one named, else that of the file, else the usual one.
     ///
     /// # Errors
-    /// The exit of the verb if there is no such garment, or if the file has faults; both are told.
+    /// The exit of the verb if there is no such garment, or if the file has faults; both are printed.
     pub fn chosen(&self, known: &[Garment], usual: &Garment) -> Result<Garment, Exit> {
         let mut all = known.to_vec();
         let own = self.of_files()?;

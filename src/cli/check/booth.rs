@@ -20,7 +20,7 @@ pub(super) fn rows(config: &Config, running: Option<&Status>) -> Vec<Row> {
     }
 }
 
-/// What the running station says of its ports, and of addresses that it could not have.
+/// What the running station reports about its ports, and about addresses that it could not open.
 fn of_station(status: &Status) -> Vec<Row> {
     let ports = status.triggers.iter().map(|(port, of)| {
         let why = of.why.as_ref().map_or(String::new(), |why| format!(": {why}"));

@@ -107,8 +107,8 @@ pub(super) fn writable(folder: &Path) -> io::Result<String> {
     })
 }
 
-/// As any folder that is written; and nobody but the station's user may have rights in it. Who that is, root
-/// cannot tell.
+/// As any folder that is written; and nobody but the station's user may have rights in it. Run as root, the
+/// check does not know who that is.
 fn state_folder(folder: &Path) -> Row {
     let check = "state folder";
     let row = Row::from_attempt(check, folder, writable(folder));

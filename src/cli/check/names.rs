@@ -14,8 +14,7 @@ use crate::station::share::stall::StepCounter;
 /// The check's name in the table.
 const CHECK: &str = "file names";
 
-/// The most names that are read, newest first. Exports of other years say nothing about today's
-/// names.
+/// The most names that are read, newest first. Exports of other years show nothing about today's names.
 const NAMES_MAX: usize = 2000;
 
 /// The most examples that are shown: enough to see the rule, few enough to read.

@@ -13,7 +13,7 @@ use crate::config::Config;
 /// The check's name in the table.
 const CHECK: &str = "size table";
 
-/// A row for each remark on a table. How neighbours lie is told in one row, which warns of nothing.
+/// A row for each remark on a table. How neighbouring sizes lie is in one row, which is no warning.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
     let today = Zoned::now().date();
     let names: Vec<&str> = config.garments.iter().map(Garment::name).collect();

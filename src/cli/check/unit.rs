@@ -55,7 +55,7 @@ pub(super) fn rows(file: &Path, config: &Config) -> Vec<Row> {
     refused.chain(servers).chain(network::credentials(&files, config)).collect()
 }
 
-/// What systemd says; `None` where there is no systemd.
+/// The output of `systemctl`; `None` where there is no systemd.
 fn systemctl(arguments: &[&str]) -> Option<String> {
     let asked = Command::new("systemctl").args(arguments).output();
     let answer = asked.ok().filter(|answer| answer.status.success())?;

@@ -1,5 +1,5 @@
-//! What the station knows of a patient whose visits are compared. A comparison is made without it, too: it is then
-//! said what cannot be told.
+//! What the station knows of a patient whose visits are compared. A comparison is made without it, too: it then
+//! states what is not known.
 
 use std::error::Error;
 use std::path::Path;

@@ -25,7 +25,7 @@ pub(super) fn at(paths: &[PathBuf]) -> Result<Vec<PlacedRecord>, ReportFault> {
 }
 
 /// The records of a patient in a store, of each day the last scan, and what is left out: records that cannot be
-/// used, and of the `delivered` ones those that are gone. Both are told.
+/// used, and of the `delivered` ones those that are gone. Both are printed.
 pub(super) fn of_patient(
     store: &Path,
     patient: &str,

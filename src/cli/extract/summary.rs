@@ -115,7 +115,7 @@ fn said(verdict: Kind) -> &'static str {
     }
 }
 
-/// The totals: scans measured, scans not measured by reason, and what is to be done with them.
+/// The totals: scans measured, scans not measured by reason, and what to do with them.
 fn totals(rows: &[Row]) -> String {
     let (mut verdicts, mut why) = (BTreeMap::<Kind, usize>::new(), BTreeMap::<&str, usize>::new());
     let mut unwritten = 0;

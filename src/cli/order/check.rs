@@ -40,7 +40,7 @@ pub fn check(args: &OrderCheckArgs) -> Exit {
 /// The mapping of a file.
 ///
 /// # Errors
-/// The exit of the verb if it cannot be read or has faults, or if the path is a folder; all are told.
+/// The exit of the verb if it cannot be read or has faults, or if the path is a folder; all are printed.
 pub fn mapping(path: &Path) -> Result<Mapping, Exit> {
     let mut mappings = read_all(path, parse)?;
     let (Some(mapping), true) = (mappings.pop(), mappings.is_empty()) else {

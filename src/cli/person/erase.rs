@@ -44,7 +44,7 @@ fn read_again(language: Language) -> io::Result<String> {
     read_patient()
 }
 
-/// Tells what is known of an erasure; `None` if nobody could be asked to the end.
+/// Prints what is known of an erasure; `None` if no station answered to the end.
 fn told(
     args: &EraseArgs,
     erasure: Option<&Erasure>,

@@ -33,8 +33,8 @@ impl Bundle {
         Ok(Bundle { staged, listed: RefCell::default() })
     }
 
-    /// Copies a file or folder into a folder of the disclosure. Links are left out, and so are files of whose
-    /// name `takes` says so.
+    /// Copies a file or folder into a folder of the disclosure. Links are left out, and so are files whose
+    /// name `takes` rejects.
     pub(super) fn copy(
         &self,
         from: &Path,

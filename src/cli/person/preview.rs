@@ -1,4 +1,4 @@
-//! What an erasure will remove, what it cannot, and what the law says, before the id is asked for again.
+//! What an erasure will remove, what it cannot, and what the law requires, before the id is asked for again.
 
 use std::fmt::Display;
 

@@ -147,8 +147,8 @@ impl<'a> Reached<'a> {
         }
     }
 
-    /// Carries an erasure on that a station began which runs no more. An erasure that was noted before `asked`
-    /// is an earlier one, unless this one `is_noted`.
+    /// Carries an erasure on that was begun by a station that no longer runs. An erasure that was noted before
+    /// `asked` is an earlier one, unless this one `is_noted`.
     ///
     /// # Errors
     /// If the state folder cannot be taken: the station may be about to start.

@@ -1,5 +1,5 @@
-//! Watches an erasure at a running station, which may end at any moment, begin anew, or not come back. What it said
-//! before it fell silent does not count: it is asked again until it is known what has become of the erasure.
+//! Watches an erasure at a running station, which may end at any moment, begin again, or not come back. Answers
+//! before a silence do not count: the station is asked again until the outcome of the erasure is known.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use jiff::Timestamp;
 use super::reach::{PersonFault, Reached};
 use crate::store::polling::poll;
 
-/// How long the station may take to begin anew and to clear its folder and the stores.
+/// How long the station may take to begin again and to clear its folder and the stores.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How long after its own folder, without a break, the stores that are in reach are cleared; and how long servers that
@@ -28,7 +28,7 @@ pub(super) struct Watch<'a> {
     leaves_owed: bool,
     /// When it was asked for: an erasure from before is another one.
     asked: Timestamp,
-    /// Whether a station said that it noted the wish.
+    /// Whether a station reported that it noted the request.
     is_noted: bool,
     heard: Heard,
 }
@@ -40,16 +40,16 @@ impl<'a> Watch<'a> {
         Watch { reached, patient, leaves_owed, asked, is_noted: false, heard }
     }
 
-    /// The station said that it noted the wish.
+    /// The station reported that it noted the request.
     pub(super) fn noted(self) -> Watch<'a> {
         Watch { is_noted: true, ..self }
     }
 
-    /// Asks again until nothing is left to do, or only at a store or server that is out of reach. Returns what a station
-    /// says at the end; `None` if none says anything.
+    /// Asks again until nothing is left to do, or only at a store or server that is out of reach. Returns the station's
+    /// last answer; `None` if there is none.
     ///
     /// # Errors
-    /// If a station that had not noted the wish refuses it.
+    /// If a station that had not noted the request refuses it.
     pub(super) fn until_known(mut self) -> Result<Option<Erasure>, PersonFault> {
         match poll(PATIENCE, || self.look().transpose()) {
             Some(known) => known.map(Some),
@@ -85,11 +85,12 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// What a station said, as far as it has not fallen silent since.
+/// The answers of a station since its last silence.
 #[derive(Debug, Default)]
 struct Heard {
     last: Option<Erasure>,
-    /// Since when it has said, without a break, that its own folder is cleared, or is not because of servers.
+    /// Since when it has reported, without a break, that its own folder is cleared, or is not because of
+    /// servers.
     waits_since: Option<(bool, Instant)>,
     /// Since when it has been silent.
     silent_since: Option<Instant>,
@@ -109,7 +110,7 @@ impl Heard {
         is_over.then_some(erasure)
     }
 
-    /// There was no answer: what was said before counts no more. Returns for how long there has been none.
+    /// There was no answer: earlier answers no longer count. Returns how long there has been none.
     fn silence(&mut self, now: Instant) -> Duration {
         (self.last, self.waits_since) = (None, None);
         now.duration_since(*self.silent_since.get_or_insert(now))

@@ -52,14 +52,14 @@ struct Checked {
     remarks: Vec<Remark>,
 }
 
-/// What stands in a file without faults.
+/// The content of a file without faults.
 enum Sound {
     Table(Box<SizeTable>),
     Garment(Garment),
 }
 
 impl Sound {
-    /// Reads a size table, or a garment if the file says that it is one.
+    /// Reads a size table, or a garment if the file declares one.
     fn read(bytes: &[u8]) -> Result<Sound, Vec<DocumentFault>> {
         let is_garment = |fault: &DocumentFault| matches!(&fault.what, What::Format { found, .. } if found == garment::FORMAT);
         match parse(bytes) {
@@ -115,7 +115,7 @@ fn text(checked: &[Checked], language: Language, columns: usize) -> String {
     text
 }
 
-/// What tells a table from others.
+/// What identifies a table.
 fn named(table: &SizeTable) -> String {
     format!("{}, {}", id(&table.id), id(&table.edition))
 }

@@ -10,7 +10,7 @@ use crate::config::sizes::beside::{TextFile, on_disk};
 /// The file at a path, or the files of a folder there.
 ///
 /// # Errors
-/// The exit of the verb if there are none, or if one cannot be read; it is told.
+/// The exit of the verb if there are none, or if one cannot be read; it is printed.
 pub fn files_at(path: &Path) -> Result<Vec<TextFile>, Exit> {
     on_disk(path).map_err(|why| {
         complain(format_args!("gaiter: {}", terminal_safe(&why)));
@@ -18,10 +18,10 @@ pub fn files_at(path: &Path) -> Result<Vec<TextFile>, Exit> {
     })
 }
 
-/// What the files at a path say.
+/// The content of the files at a path.
 ///
 /// # Errors
-/// The exit of the verb if one of them cannot be read or has faults; all of them are told.
+/// The exit of the verb if one of them cannot be read or has faults; all of them are printed.
 pub fn read_all<T>(
     path: &Path,
     read: impl Fn(&[u8]) -> Result<T, Vec<DocumentFault>>,
@@ -44,7 +44,7 @@ pub fn read_all<T>(
 /// The tables of these files and folders, in their order.
 ///
 /// # Errors
-/// The exit of the verb if one of them cannot be read or has faults; all of them are told.
+/// The exit of the verb if one of them cannot be read or has faults; all of them are printed.
 pub fn tables(paths: &[PathBuf]) -> Result<Vec<SizeTable>, Exit> {
     let (mut tables, mut worst) = (Vec::new(), Exit::Done);
     for path in paths {

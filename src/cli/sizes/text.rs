@@ -64,7 +64,7 @@ fn reading_help(verdicts: &SizeVerdicts, language: Language) -> Vec<String> {
     said
 }
 
-/// What all tables say about a leg.
+/// The verdicts of all tables on a leg.
 fn leg(verdicts: &SizeVerdicts, side: &str, language: Language, columns: usize) -> String {
     let tables = verdicts.tables.iter().enumerate();
     let legs: Vec<(usize, &TableVerdict, &LegSizes)> = tables
@@ -126,7 +126,7 @@ fn of_table(
     text + &indented(&words::together(index, table, leg, language), "  ", columns)
 }
 
-/// The colour of a verdict, which only repeats what its words say.
+/// The colour of a verdict, which only repeats its words.
 fn colour(fit: Fit) -> Style {
     match fit {
         Fit::Fits => terminal::GOOD,

@@ -136,7 +136,7 @@ abcd1234  2027-01-15 08:00:00  spooled      obj       4.5 MB
 
 #[test]
 fn a_station_in_order_says_so_first_and_its_last_scans_at_the_end() {
-    // Times are told in the zone of the machine that runs the test.
+    // Times are shown in the zone of the machine that runs the test.
     let ready = READY.replace("2027-01-15 08:00:00", &local(at(0)));
     assert_eq!(screen(status(), vec![scan(ScanState::Spooled)], None), ready);
 }

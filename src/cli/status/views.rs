@@ -1,4 +1,4 @@
-//! What the last scans say of the scanner's cameras: how many have views apart, and a chart of the steps.
+//! What the last scans show about the scanner's cameras: how many have views apart, and a chart of the steps.
 
 use std::fmt::Display;
 

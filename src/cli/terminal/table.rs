@@ -58,7 +58,7 @@ pub fn render(record: &Record, garment: &Garment, columns: usize) -> String {
     text
 }
 
-/// The colour of a verdict, which only repeats what its words say.
+/// The colour of a verdict, which only repeats its words.
 pub fn colour(kind: Kind) -> anstyle::Style {
     match kind {
         Kind::Complete => GOOD,

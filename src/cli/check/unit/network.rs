@@ -109,7 +109,7 @@ fn closed(unit: &Unit<'_>, addresses: &[IpAddr]) -> Option<&'static str> {
     if addresses.iter().any(|address| !may_use(family(address))) {
         return Some("RestrictAddressFamilies");
     }
-    // An address of the one list is let through, whatever the other says (systemd.resource-control(5)).
+    // An address of the one list is let through, whatever is in the other (systemd.resource-control(5)).
     let is_in = |list: &str, address: &IpAddr| {
         unit.get(list).split_whitespace().any(|range| is_within(address, range))
     };
