@@ -40,7 +40,7 @@ const NOT_READY: Duration = Duration::from_secs(1);
 /// How many scans that waited for their records before a start the light follows: more than a day has.
 const IN_WORK_MOST: u32 = 1000;
 
-/// For how long after a scan a start still tells at the light what it needs.
+/// How long after a scan the light still shows at a start what it needs.
 const TODAY: SignedDuration = SignedDuration::from_hours(24);
 
 /// The booth of a station.
@@ -65,7 +65,7 @@ struct Inner {
     next_number: i64,
     /// The ports that are not open.
     away: BTreeSet<&'static str>,
-    /// Scans that came in and whose records are not all delivered, with what is to be done with the patient.
+    /// Scans that came in and whose records are not all delivered, with what to do with the patient.
     in_work: BTreeMap<ScanId, Vec<String>>,
     /// Whether the last orders came before or after the press.
     orders: Vec<OrderCame>,
@@ -114,7 +114,7 @@ impl Inner {
         let next_number = journal.next_capture()?;
         let mut in_work = BTreeMap::new();
         for scan in journal.spooled(IN_WORK_MOST)? {
-            // The light has told already how others ended.
+            // The light has already shown how others ended.
             if journal.whole(&scan)?.is_some_and(|whole| is_of_today(&whole) && !whole.has_record())
             {
                 in_work.insert(scan, Vec::new());
@@ -137,8 +137,8 @@ impl Inner {
     }
 }
 
-/// What the light told before the start, if a person must still see it: of the newest scan, unless the button was
-/// pressed or a patient named after it. What older ones need stands on the page.
+/// What the light showed before the start, if a person must still see it: for the newest scan, unless the button
+/// was pressed or a patient named after it. What older ones need is on the page.
 fn last_before(journal: &Journal, next_capture: i64) -> Result<Option<Last>, JournalError> {
     let Some(scan) = journal.newest(1)?.pop() else { return Ok(None) };
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
@@ -149,7 +149,7 @@ fn last_before(journal: &Journal, next_capture: i64) -> Result<Option<Last>, Jou
     Ok((is_last && needs_person).then(|| Last::Scan { scan, to_do: Vec::new() }))
 }
 
-/// Whether a scan was seen so lately that the light tells of it after a start.
+/// Whether a scan was seen so recently that the light shows it after a start.
 fn is_of_today(whole: &Whole) -> bool {
     Timestamp::now().duration_since(whole.summary.first_seen) < TODAY
 }
@@ -199,7 +199,7 @@ impl Booth {
         &self.core
     }
 
-    /// Tells who is next, and whose exports are awaited. Blocks.
+    /// Passes on who is next, and whose exports are awaited. Blocks.
     pub fn who_is_next<T>(&self, tell: impl FnOnce(Situation<'_>) -> T) -> T {
         let state = self.state();
         let has_button = !self.core.config.buttons().is_empty();
@@ -265,7 +265,7 @@ impl Booth {
         }
     }
 
-    /// What is to be done with the patient of a scan, as far as this run knows.
+    /// What to do with the patient of a scan, as far as this run knows.
     pub fn to_do(&self, of: &ScanId) -> Vec<String> {
         let inner = self.inner();
         match (inner.in_work.get(of), &inner.last) {
@@ -275,8 +275,8 @@ impl Booth {
         }
     }
 
-    /// Notes that a step of a scan has ended, and what is to be done with the patient. If the station does not work
-    /// on the scan any more, the light shows how it ended. Blocks.
+    /// Notes that a step of a scan has ended, and what to do with the patient. If the station does not work on the
+    /// scan any more, the light shows how it ended. Blocks.
     pub fn ended(&self, scan: &ScanId, to_do: &[String]) {
         let now = self.core.now();
         let mut inner = self.inner();
@@ -309,7 +309,7 @@ impl Booth {
         whole.inspect_err(|error| self.core.check_corruption(error)).ok().flatten()
     }
 
-    /// What the light tells of what happened last, and of whose scan.
+    /// What the light shows of the last event, and whose scan it was.
     fn last(&self, inner: &Inner) -> Option<(LastOutcome, Vec<String>)> {
         let (last, _) = inner.last.as_ref()?;
         match last {
@@ -421,7 +421,7 @@ impl LockedCaptures<'_> {
         self.inner.captures.match_content(content, self.booth.core.now())
     }
 
-    /// A known scan was exported again: if another export is expected, or somebody named, the light says so.
+    /// A known scan was exported again: if another export is expected, or somebody named, the light shows it.
     pub fn known(&mut self, scan: &ScanId) {
         // The scanner may write a scan once more that is being measured.
         if self.inner.in_work.contains_key(scan) {

@@ -37,7 +37,7 @@ pub struct Core {
     pub board: Board,
     /// Receives the station's events.
     pub observer: Observer,
-    /// Tells the delivery that the journal has something new; only a hint.
+    /// Notifies the delivery that the journal has something new; only a hint.
     pub work: Notify,
     /// Requests a rebuild of the journal.
     pub ruin: Notify,

@@ -1,7 +1,7 @@
-//! Custody: which bytes the station keeps, and why. Spool, quarantine and journal change together only
-//! here. The bytes come first when they are added and the journal first when they are removed, so a
-//! crash in between leaves too many bytes, never too few. What fails says with [`CustodyFault`] whether
-//! the folders or the journal failed.
+//! Custody: which bytes the station keeps, and why. Spool, quarantine and journal change together only here.
+//! The bytes come first when they are added and the journal first when they are removed, so a crash in
+//! between leaves too many bytes, never too few. [`CustodyFault`] states whether the folders or the journal
+//! failed.
 
 mod acts;
 mod affected;

@@ -1,9 +1,9 @@
 //! The delivery: works on as many scans at once as there are jobs allowed, each store at its own pace.
 //!
-//! What is to be done is in the journal and is read from there each time that something can start; a
-//! hint only makes the next read come sooner. [`Outbox`] decides what is tried when. Its pauses use the
-//! monotonic clock: after a restart everything is tried at once. Every step that may wait for a disk, a
-//! share or a measurement is a job of its own; this loop waits for none of them.
+//! The work is in the journal and is read from there each time that something can start; a hint only makes
+//! the next read come sooner. [`Outbox`] decides what is tried when. Its pauses use the monotonic clock:
+//! after a restart everything is tried at once. Every step that may wait for a disk, a share or a measurement
+//! is a job of its own; this loop waits for none of them.
 
 mod hand_over;
 pub(in crate::station) mod measuring;
@@ -43,8 +43,8 @@ const JOBS_MAX: usize = 5;
 /// waiting: a server that hangs would otherwise take all jobs.
 const SLOW: Duration = Duration::from_secs(5);
 
-/// So many measured scans are kept, the latest, until every store has their records: a store that is slow or away
-/// does not cause a second measurement. A record has a few megabytes.
+/// This many measured scans are kept, the latest, until every store has their records: a store that is slow or
+/// away does not cause a second measurement. A record has a few megabytes.
 const KEPT_READY: usize = 4;
 
 /// The result of a job.

@@ -1,6 +1,6 @@
-//! Deletes what is past its retention, once an hour, but nothing that is still to be delivered; and soon
-//! after, what could not be removed when it was due. It also lets erasures go on that waited for servers, reports
-//! the station's state to the service manager and checks the journal after errors.
+//! Deletes what is past its retention, once an hour, but nothing that is still to be delivered; and soon after,
+//! what could not be removed when it was due. It also lets erasures that waited for servers continue, reports the
+//! station's state to the service manager and checks the journal after errors.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,7 +24,7 @@ use super::service::{status_line, tell_status};
 /// Interval between deletions.
 const ROUND: Duration = Duration::from_secs(3600);
 
-/// Interval at which the service manager is told the station's state, if it has changed.
+/// Interval at which the service manager gets the station's state, if it has changed.
 const STATUS: Duration = Duration::from_secs(30);
 
 /// Interval of the worker's heartbeat and of its looks at the wall clock.

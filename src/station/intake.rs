@@ -210,8 +210,8 @@ impl Intake {
         Ok(Some((watch, due, when.ended.saturating_sub(when.began))))
     }
 
-    /// Tells of contents that were seen and are gone before they were taken, but for those that the journal
-    /// knows: the booth before anything else is taken, then the operator.
+    /// Reports contents that were seen and are gone before they were taken, except those that the journal
+    /// knows: to the booth before anything else is taken, then to the operator.
     async fn lose(&mut self, gone: Vec<Gone>) -> Result<(), JoinError> {
         if gone.is_empty() {
             return Ok(());

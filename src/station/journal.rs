@@ -93,7 +93,7 @@ impl Journal {
     /// chain of its history, and that it is not an older copy of itself.
     ///
     /// # Errors
-    /// See [`JournalError`]; [`JournalError::is_ruin`] tells which ones a rebuild repairs.
+    /// See [`JournalError`]; [`JournalError::is_ruin`]: which ones a rebuild repairs.
     pub fn open(path: &Path) -> Result<Journal, JournalError> {
         Journal::open_or_create(path, false)
     }

@@ -96,7 +96,7 @@ pub async fn run(
     let mut first_start = lock.first_start;
     let (mut ruins, mut first_generation) = (0, true);
     let resources = ProcessResources::default();
-    // From now on verbs wait for the station. If this fails, its worker says so and tries again.
+    // From now on verbs wait for the station. If this fails, its worker reports it and tries again.
     let _ = resources.listeners.open(&config, Way::Control).await;
     let stop = orders.stop;
     tokio::pin!(stop);
@@ -169,7 +169,7 @@ async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) 
     }
 }
 
-/// Warns of size tables that are no longer valid: reports still show them, and say so.
+/// Warns of size tables that are no longer valid: reports still show them, with a note.
 fn tell_expired_tables(config: &Config) {
     let today = Zoned::now().date();
     for table in config.tables.iter().filter(|table| table.is_expired(today)) {
@@ -269,8 +269,8 @@ async fn wind_up(
 }
 
 /// Ends the delivery before the next generation, and waits as long as a step at a server may take: one that runs on
-/// could meet the next generation on the same record. The booth is heard meanwhile, and files are taken in. Returns
-/// whether the station is to stop instead.
+/// could meet the next generation on the same record. The booth's input is handled meanwhile, and files are taken
+/// in. Returns whether the station is to stop instead.
 async fn deliveries_over(
     station: &Station,
     workers: &mut Workers,

@@ -90,9 +90,9 @@ impl Stop {
 /// machine is late, too, but not by so much.
 pub const ASLEEP: Duration = Duration::from_secs(2);
 
-/// The daemon's monotonic clock. It counts from the boot of the machine, so that a time in the journal
-/// means the same to the next run. It goes on while the machine sleeps: a name given in the evening is
-/// not valid the next morning.
+/// The daemon's monotonic clock. It counts from the boot of the machine, so that a time in the journal means
+/// the same to the next run. It continues while the machine sleeps: a name given in the evening is not valid
+/// the next morning.
 #[derive(Debug)]
 pub struct Clock {
     began: Duration,

@@ -33,7 +33,7 @@ pub struct ProcessResources {
 /// The workers, their names and their heartbeats.
 pub struct Workers {
     tasks: JoinSet<Result<(), JoinError>>,
-    /// The delivery: it may be ended while the others go on.
+    /// The delivery: it may be ended while the others continue.
     delivery: JoinSet<Result<(), JoinError>>,
     delivery_stopper: Stopper,
     /// The workers that answer people and monitors: they continue until the others have ended.

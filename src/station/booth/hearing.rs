@@ -1,5 +1,5 @@
-//! Handles what the booth hears. Presses, names and the passing of time open, end and call off
-//! captures, and every change goes into the journal.
+//! Handles the booth's input. Presses, names and the passing of time open, end and call off captures, and
+//! every change goes into the journal.
 
 use std::time::Duration;
 
@@ -33,7 +33,7 @@ pub enum NameFault {
 }
 
 impl Booth {
-    /// Handles what a port has heard. Returns `false` if the journal failed; then nothing has happened.
+    /// Handles what a port has received. Returns `false` if the journal failed; then nothing has happened.
     /// Blocks for a write to the journal.
     pub fn hear(&self, heard: &Heard) -> bool {
         let done = match heard {
@@ -144,7 +144,7 @@ impl Booth {
         if !replaces && inner.captures.is_another_named(&id) {
             return Err(NameFault::AnotherNamed);
         }
-        // If the journal fails, the person is told and says it again.
+        // If the journal fails, the person sees it and enters the name again.
         Ok(self.name(&mut inner, Named { id, by }, None, Some(self.core.now()))?)
     }
 
@@ -242,7 +242,7 @@ impl Booth {
     /// Notes that a person decided whose a scan is: its round ends once it is measured. Blocks.
     ///
     /// # Errors
-    /// See [`JournalError`]; what waits goes on waiting.
+    /// See [`JournalError`]; what waits continues to wait.
     pub fn decided(&self, scan: &ScanId) -> Result<(), JournalError> {
         let custody = &self.core.custody;
         // Without its intake the scan has left the station, and its round ends by time.
@@ -250,7 +250,7 @@ impl Booth {
             custody.spool().intake(scan).map_or(CaptureMatch::Unpressed, |intake| intake.judged);
         let owners = custody.journal().owners(scan)?;
         let mut inner = self.inner();
-        // The light tells how it ends, whatever it told last.
+        // The light shows how it ends, whatever it showed last.
         inner.in_work.insert(scan.clone(), Vec::new());
         let mut after = inner.captures.clone();
         let now = self.core.now();
@@ -270,7 +270,7 @@ impl Booth {
     /// Notes that a person gave up a scan: no other export of it is expected. Blocks.
     ///
     /// # Errors
-    /// See [`JournalError`]; what waits goes on waiting.
+    /// See [`JournalError`]; what waits continues to wait.
     pub fn given_up(&self, scan: &ScanId) -> Result<(), JournalError> {
         let answered = self.core.custody.journal().capture_answered_by(scan)?;
         let Some(Capture { number, .. }) = answered else { return Ok(()) };
@@ -344,8 +344,8 @@ impl Booth {
         }
     }
 
-    /// Notes that the machine slept, that the process was stopped, or that a slow disk kept a port waiting: what was
-    /// said meanwhile lies in buffers and files, and is heard in any order. Blocks.
+    /// Notes that the machine slept, that the process was stopped, or that a slow disk kept a port waiting: input of
+    /// that time is in buffers and files, and arrives in any order. Blocks.
     pub fn note_sleep(&self) {
         warn!(event = "booth-slept");
         self.missed_anything();

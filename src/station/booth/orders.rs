@@ -1,9 +1,9 @@
 //! Orders of practice software: files that name the patient of the next scan.
 //!
-//! An order names its patient at most once. It is noted as heard before it is heard, and removed
-//! afterwards. So after any interruption, no old order is heard again while another patient stands in
-//! the booth. [`gaiter_flow::orders`] decides which file is a new order. An order that cannot be
-//! read is set aside with its reason and reported to the operator.
+//! An order names its patient at most once. It is noted as applied before it is applied, and removed
+//! afterwards. So after any interruption, no old order is applied again while another patient stands in the
+//! booth. [`gaiter_flow::orders`] decides which file is a new order. An order that cannot be read is set
+//! aside with its reason and reported to the operator.
 
 mod aside;
 mod known;
@@ -68,10 +68,10 @@ enum TakeFault {
     Journal(#[from] JournalError),
 }
 
-/// The orders of one folder on their way to being heard.
+/// The orders of one folder that are to be applied.
 struct Orders {
     settling: Settling,
-    /// Orders that could not be heard: they could not be read, or the journal failed.
+    /// Orders that could not be applied: they could not be read, or the journal failed.
     unheard: BTreeMap<PathBuf, Before>,
     /// The files that the last look found.
     lying: BTreeMap<PathBuf, Lying>,
@@ -155,10 +155,10 @@ pub async fn worker(
     Ok(())
 }
 
-/// Looks at the folder, and updates the journal before anything is heard. Blocks.
+/// Looks at the folder, and updates the journal before any order is applied. Blocks.
 ///
 /// # Errors
-/// If the folder cannot be listed or the journal fails. Then nothing may be heard.
+/// If the folder cannot be listed or the journal fails. Then no order may be applied.
 fn looked(
     core: &Core,
     config: &OrdersConfig,
@@ -209,7 +209,7 @@ impl Orders {
         }
     }
 
-    /// When it was last seen that this order did not lie there yet.
+    /// When a look last showed that this order was not there yet.
     fn absent(&self, path: &Path) -> Option<Duration> {
         self.lying.get(path).and_then(|lying| lying.absent)
     }
@@ -245,7 +245,7 @@ impl Orders {
     }
 }
 
-/// Whether the folder of orders is in reach. While it is not, orders may come and go unheard.
+/// Whether the folder of orders is in reach. While it is not, orders may come and go unnoticed.
 struct Reach {
     booth: Arc<Booth>,
     is_in: AtomicBool,
@@ -254,7 +254,7 @@ struct Reach {
 }
 
 impl Reach {
-    /// Converts the result of a look, before anything that it found is heard. Blocks.
+    /// Converts the result of a look, before any order that it found is applied. Blocks.
     fn told(&self, found: io::Result<list_orders::Found>) -> Look {
         match found {
             Ok(found) => {

@@ -7,7 +7,7 @@ use gaiter_record::SourceKind;
 use super::super::journal::{BoothChange, Entry, ScanRow};
 use super::*;
 
-/// What tells this start of the machine from another.
+/// Identifies this start of the machine.
 const BOOT: &str = "this start";
 
 const SECOND: Duration = Duration::from_secs(1);
@@ -22,7 +22,7 @@ fn rules() -> Rules {
     }
 }
 
-/// A patient was named, the button pressed, the export taken, and then the machine started anew.
+/// A patient was named, the button pressed, the export taken, and then the machine started again.
 fn taken_before(journal: &Journal, boot: &str) -> ScanId {
     let before = Rounds::new(rules(), Vec::new(), Names::default());
     let mut after = before.clone();

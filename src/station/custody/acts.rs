@@ -21,7 +21,7 @@ pub enum Acted {
     Done(usize),
     /// The decision does not apply to the present state of the scan.
     Nothing,
-    /// The scan may belong to more than one patient, and the decision does not say which.
+    /// The scan may belong to more than one patient, and the decision does not name one.
     Several,
     /// The scan already belongs to a patient.
     HasPatient,

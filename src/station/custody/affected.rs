@@ -2,7 +2,7 @@
 //! not know.
 //!
 //! `affected/<hash>.json` holds what was named of one patient. The hash is that of the person's erasures, so the
-//! folder shows no id. The history of the journal tells what was named when.
+//! folder shows no id. The history of the journal has what was named when.
 
 use std::io;
 use std::sync::PoisonError;

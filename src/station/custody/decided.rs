@@ -18,7 +18,7 @@ use crate::store::{FoundRecord, StoredScan};
 /// The operators' decisions about a scan.
 struct DecisionsOfScan {
     ruling: Ruling,
-    /// The ids of those who have the scan no more.
+    /// The ids of those who no longer have the scan.
     former: BTreeSet<String>,
     number: usize,
 }

@@ -80,7 +80,7 @@ impl Custody {
         Ok(owed)
     }
 
-    /// Takes from the erasures what servers are owed no more. Returns whether there was any.
+    /// Takes from the erasures what servers are no longer owed. Returns whether there was any.
     ///
     /// # Errors
     /// See [`CustodyFault`]; the next call tries again.
@@ -134,7 +134,7 @@ impl Custody {
     ) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scans = self.scans_to_erase(patient)?;
-        // Before they are removed: afterwards only this tells which they were.
+        // Before they are removed: afterwards only this shows which they were.
         erasure.add(scans);
         io("noting an erasure", self.erasures.keep(whose, &erasure))?;
         let whole = whole_scans(&erasure);
@@ -146,7 +146,7 @@ impl Custody {
         io("erasing the affected leg", self.affected.remove(whose))?;
         self.leave_shared(patient)?;
         let previews = state_dir.join(PREVIEWS);
-        // The next generation makes those anew that it needs.
+        // The next generation makes those again that it needs.
         io("erasing previews", durable::remove_folder(&previews))?;
         io("erasing orders", naming::remove(state_dir, REFUSED_ORDERS, patient))?;
         let erasing = Erasing {

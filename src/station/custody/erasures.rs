@@ -1,8 +1,8 @@
 //! The erasures of persons, kept apart from the journal: a journal that is rebuilt must know which scans are
 //! not to be taken in again, and which erasures were cut off.
 //!
-//! `erasures/<hash>.json` holds the erasures of one person. The hash is of the patient's id with a secret of
-//! this station, `erasures/key`: without it, a short id could be found by trying.
+//! `erasures/<hash>.json` holds the erasures of one person. The hash is that of the patient's id with a
+//! secret of this station, `erasures/key`: without it, a short id could be found by trying.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};

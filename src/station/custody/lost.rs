@@ -69,7 +69,7 @@ mod tests {
         fs::remove_dir_all(custody.spool.entry(&scan)).unwrap();
         custody.recover().unwrap();
         let seen = custody.journal.scan(&scan).unwrap().unwrap().first_seen;
-        // A patient named now says nothing about whose scan it was.
+        // A patient named now does not show whose scan it was.
         assert_eq!(admit(&custody, Whose::default()), Verdict::Already);
         assert_eq!(for_whom(&custody), ["4711"]);
         assert_eq!(fs::read(custody.spool.scan_file(&scan, "obj")).unwrap(), BYTES);

@@ -40,7 +40,7 @@ pub struct Intake {
     /// When the button was pressed for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressed_at: Option<Timestamp>,
-    /// The patient the scan is said to belong to.
+    /// The patient named for the scan.
     pub patient: Option<Patient>,
     /// The bytes are kept for an operator's decision; nothing is delivered without it.
     pub held: bool,

@@ -339,7 +339,7 @@ fn a_held_scan_keeps_that_it_may_be_an_erased_persons_until_all_it_may_belong_to
     assert!(!custody.goes_whole(&theirs[0], "4711").unwrap(), "it may be 0815's");
     erase(&custody, dir.path(), "4711");
     assert_eq!(custody.journal.candidates(&scan).unwrap(), ["0815", ERASED]);
-    // A journal that is made anew says the same.
+    // A journal that is made again has the same.
     assert_eq!(custody.spool.intake(&scan).unwrap().candidates, ["0815", ERASED]);
     assert_eq!(custody.release(&scan).unwrap(), Acted::Several);
     // What the next erasure will do is known before.
@@ -542,7 +542,7 @@ fn what_servers_are_owed_outlives_a_journal_that_was_lost_before_the_erasure_is_
     let erasure = || custody.erasures().of(&custody.erasures().hash("4711")).unwrap();
     let owed = erasure().owed;
     assert_eq!(owed.len(), 1);
-    // The journal knows nothing of it any more, and says so.
+    // The journal no longer knows it, and reports that.
     for due in custody.journal.pending().unwrap() {
         custody.journal.withdrawn(&due).unwrap();
     }

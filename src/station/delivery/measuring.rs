@@ -35,7 +35,7 @@ const NOT_STARTED: &str = "measuring-not-started";
 pub enum MeasureOutcome {
     Files {
         files: Vec<RecordFile>,
-        /// What is to be done before the patient dresses, in sentences; empty if nothing is.
+        /// What to do before the patient dresses, in sentences; empty if nothing.
         to_do: Vec<String>,
     },
     /// The scan cannot be measured, now or later.
@@ -94,7 +94,7 @@ pub fn measured(
     }
 }
 
-/// Adds what a scan says of the cameras to what the last ones said.
+/// Adds what a scan shows about the cameras to the series.
 fn note_views(core: &Core, seen: ViewsSeen) {
     let series = core.board.note(|facts| {
         facts.views.add(seen);
@@ -136,7 +136,7 @@ fn unread(core: &Core, error: &io::Error) -> MeasureOutcome {
     waits(core, NOT_STARTED, format!("the spool could not be read: {error}"))
 }
 
-/// The scan waits, and an alarm says why.
+/// The scan waits, and an alarm states why.
 fn waits(core: &Core, code: &'static str, error: String) -> MeasureOutcome {
     note_impaired(core, &error);
     MeasureOutcome::Waits { code, error }

@@ -1,4 +1,4 @@
-//! Previews: what a held scan shows of its legs before an operator has said whose it is.
+//! Previews: what a held scan shows of its legs before an operator has decided whose it is.
 //!
 //! `STATE/previews/<sha256>/` holds the files of a record that the operator's page shows, measured
 //! without a patient. It is a cache. It is emptied at each start, so everything in it comes from this

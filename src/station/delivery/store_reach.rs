@@ -104,7 +104,7 @@ pub fn note(core: &Core, name: &str, attempt: StoreAttempt) {
     }
 }
 
-/// Whether a record waits for the store; if the journal cannot say, one does. Blocks.
+/// Whether a record waits for the store; if the journal fails, one does. Blocks.
 fn awaits(core: &Core, store: &str) -> bool {
     let pending = core.custody.journal().pending();
     pending.map_or(true, |due| due.iter().any(|due| due.store == store))

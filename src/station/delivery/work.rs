@@ -31,7 +31,7 @@ pub const NOT_TAKEN: &str = "not-taken-now";
 pub struct Ready {
     row: ScanRow,
     files: Vec<RecordFile>,
-    /// What is to be done before the patient dresses; empty if nothing is.
+    /// What to do before the patient dresses; empty if nothing.
     to_do: Vec<String>,
 }
 
@@ -40,8 +40,8 @@ pub struct Ready {
 pub(super) enum DeliveryFault {
     /// It never will finish.
     Refused(Reason),
-    /// The record that was to be taken back was changed, or something is in its way; the rejection says what.
-    /// It stays where it is until an operator has checked it.
+    /// The record that was to be taken back was changed, or something is in its way; the rejection states
+    /// what. It stays where it is until an operator has checked it.
     Kept(Rejection),
     /// It may finish later.
     PutOff { code: &'static str, error: String },

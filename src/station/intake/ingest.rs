@@ -95,7 +95,7 @@ pub fn admitted(core: &Core, settled: &Settled) -> Result<Admitted, TakeFault> {
     Ok(Admitted::ToBeRead)
 }
 
-/// When contents of exports began, which tells whose they are.
+/// When contents of exports began, by which the station decides whose they are.
 pub struct Beginnings {
     /// That of the file that is taken.
     pub own: Appeared,
@@ -205,7 +205,7 @@ struct Found<'a> {
     companions: Vec<Companion>,
 }
 
-/// Gives an export to custody, for the capture that it answers. Returns what custody says, and the earlier scan
+/// Gives an export to custody, for the capture that it answers. Returns custody's verdict, and the earlier scan
 /// of other bytes with the same fingerprint.
 fn admit(
     booth: &Booth,
@@ -273,7 +273,7 @@ fn admit(
     Ok((verdict, same_as))
 }
 
-/// What the scanner's own measures beside a scan say about the patient; two such files say nothing.
+/// What the scanner's own measures beside a scan state about the patient; two such files state nothing.
 fn beside(core: &Core, companions: &[Companion]) -> NameSays {
     let mut measures = companions.iter().filter(|file| file.name_ending.ends_with("ord"));
     match (measures.next(), measures.next()) {

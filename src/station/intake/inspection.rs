@@ -28,8 +28,8 @@ pub enum InspectFault {
 /// that measure.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// What is known of an export whose content shows nothing, or nothing new: it goes on; where it is new, it is refused
-/// when it is measured.
+/// What is known of an export whose content shows nothing, or nothing new: it continues; where it is new, it is
+/// refused when it is measured.
 pub const NOTHING_SHOWN: Inspection = Inspection { end: End::Whole, fingerprint: None };
 
 /// Inspects an export. Blocks.

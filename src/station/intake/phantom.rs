@@ -64,7 +64,7 @@ pub fn take(
     Ok(())
 }
 
-/// What the series says now.
+/// What the series shows now.
 pub fn facts(phantom: &PhantomConfig, series: &PhantomSeries) -> PhantomFacts {
     PhantomFacts { every: phantom.every, checks: series.newest(SHOWN_MOST) }
 }

@@ -111,8 +111,8 @@ impl Journal {
         })
     }
 
-    /// Records an attempt that failed for a reason that may pass. A delivery that is no longer to be
-    /// made, or was made before, is left as it is: its code says why.
+    /// Records an attempt that failed for a reason that may pass. A delivery that is no longer to be made, or
+    /// was made before, is left as it is: its code states why.
     pub fn put_off(&self, due: &Due, code: &str, next_at: Timestamp) -> Result<(), JournalError> {
         if due.task == Task::HandOver {
             return Ok(());
@@ -145,7 +145,7 @@ pub(super) fn owners(connection: &Connection, scan: &ScanId) -> Result<Vec<Strin
     all(connection, &owners, cells, |row| Ok(row.get(0)?))
 }
 
-/// Says why a scan is refused.
+/// Records why a scan is refused.
 fn set_reason(
     transaction: &Transaction<'_>,
     scan: &ScanId,

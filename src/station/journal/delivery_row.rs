@@ -16,14 +16,14 @@ pub struct Due {
     /// Its patient; `None` if no patient was named.
     pub patient: Option<Patient>,
     pub store: String,
-    /// What is to be done there.
+    /// What to do there.
     pub task: Task,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
     pub attempts: u32,
 }
 
-/// What is to be done at a store.
+/// What to do at a store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Task {
     /// The record is to be put there.
@@ -44,7 +44,7 @@ impl Due {
 /// The columns of a delivery and its scan, as [`due`] takes them.
 pub(super) const CELLS: &str = "sha256, patient, sources, store, first_seen, attempts";
 
-/// A delivery and what is to be done with it.
+/// A delivery and what to do with it.
 pub(super) fn due(row: &Row<'_>, task: Task) -> Result<Due, JournalError> {
     let sources = json_cell(row, 2)?;
     Ok(Due {

@@ -25,7 +25,7 @@ CREATE TEMP TRIGGER delivery_went AFTER DELETE ON main.deliveries
 BEGIN INSERT INTO touched VALUES (OLD.sha256); END;
 ";
 
-/// Decides anew about the scans that a change has touched.
+/// Decides again about the scans that a change has touched.
 pub(super) fn decide_touched(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     if decide(transaction, "SELECT DISTINCT sha256 FROM touched")? {
         run(transaction, "DELETE FROM touched", [])?;
@@ -76,7 +76,7 @@ pub(super) fn is_one_of(wanted: impl Fn(Disposition) -> bool) -> String {
 
 #[cfg(test)]
 impl super::Journal {
-    /// The scans whose kept disposition is not what their rows say, with the kept one.
+    /// The scans whose kept disposition differs from that of their rows, with the kept one.
     pub fn misjudged(&self) -> Vec<(String, String)> {
         let connection = self.connection();
         let mut query = connection.prepare("SELECT sha256, disposition FROM scans").unwrap();

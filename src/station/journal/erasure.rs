@@ -1,9 +1,9 @@
 //! The erasure of a person from the journal: their id is in no row, no free page and no log of it afterwards.
 //!
 //! Rows of the history are never removed for this: the id in them gives way to a word. As each row's hash
-//! covers its text, all hashes from the first changed row on are made anew, and so is the head that the state
-//! folder and the stores keep of the history. Until such a head is written and durable, a note in the journal
-//! says that the one which is found there is of the history as it was.
+//! covers its text, all hashes from the first changed row on are made again, and so is the head that the
+//! state folder and the stores keep of the history. Until such a head is written and durable, a note in the
+//! journal states that the head found there is of the earlier history.
 
 mod person;
 #[cfg(test)]
@@ -75,7 +75,7 @@ impl Journal {
         renew_own_head(&self.connection(), &self.head)
     }
 
-    /// Writes the whole journal anew and empties its log: what was removed is in neither. No other process
+    /// Writes the whole journal again and empties its log: what was removed is in neither. No other process
     /// must read it meanwhile.
     ///
     /// # Errors
@@ -88,7 +88,7 @@ impl Journal {
         if is_busy == 0 { Ok(()) } else { Err(JournalError::Read) }
     }
 
-    /// Whether the head that a store keeps is of the history as it was before an erasure.
+    /// Whether the head that a store keeps belongs to the history before an erasure.
     pub fn has_old_head(&self, store: &str) -> Result<bool, JournalError> {
         Ok(self.fact(&format!("{OLD_HEAD}{store}"))?.is_some())
     }
@@ -99,7 +99,7 @@ impl Journal {
     }
 }
 
-/// Writes the head in the state folder if it is of the history as it was before an erasure.
+/// Writes the head in the state folder if it belongs to the history before an erasure.
 pub(super) fn renew_own_head(connection: &Connection, head: &HeadFile) -> Result<(), JournalError> {
     let own = format!("{OLD_HEAD}{OWN}");
     if fact(connection, &own, |_| Some(()))?.is_some() {
@@ -159,7 +159,8 @@ fn hold_for_others(transaction: &Transaction<'_>, patient: &str) -> Result<(), J
     Ok(())
 }
 
-/// Forgets files whose paths name the person. If one is still there it is read again: then its hash tells.
+/// Forgets files whose paths name the person. If one is still there it is read again: then its hash
+/// identifies it.
 fn forget_paths(transaction: &Transaction<'_>, patient: &str) -> Result<(), JournalError> {
     for table in ["sightings", "orders"] {
         let paths = format!("SELECT path FROM {table}");
@@ -206,8 +207,8 @@ fn leave_captures(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jo
 /// A row of the history: number, time, scan, event, details as text and as values, hash.
 type Row = (i64, String, String, String, String, Value, String);
 
-/// Takes the person from the details of the history, and makes the hashes anew from there on. Returns whether
-/// a row changed.
+/// Takes the person from the details of the history, and makes the hashes again from there on. Returns
+/// whether a row changed.
 fn rewrite(transaction: &Transaction<'_>, patient: &str) -> Result<bool, JournalError> {
     let written = json!(patient).to_string();
     let first = "SELECT min(seq) FROM history WHERE instr(detail, ?1) > 0";

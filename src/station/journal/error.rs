@@ -123,8 +123,8 @@ impl JournalError {
         }
     }
 
-    /// Reports whether the error may come from a damaged journal or from a bug in gaiter: an index that
-    /// hides a row, a missing table, or a wrong statement. [`super::Journal::check`] tells which.
+    /// Reports whether the error may come from a damaged journal or from a bug in gaiter: an index that hides
+    /// a row, a missing table, or a wrong statement. [`super::Journal::check`] finds out which.
     pub fn is_suspicious(&self) -> bool {
         use rusqlite::Error::{InvalidColumnType, SqlInputError};
         use rusqlite::ErrorCode::{ConstraintViolation, Unknown};

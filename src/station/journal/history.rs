@@ -226,7 +226,7 @@ impl HeadFile {
     }
 }
 
-/// Reports whether the journal lacks a row that its head says was committed.
+/// Reports whether the journal lacks a row that was committed by its head.
 pub(super) fn is_behind(connection: &Connection, head: &Head) -> Result<bool, JournalError> {
     let found = hash_of(connection, head.seq)?;
     let newest = newest(connection)?.map_or(0, |newest| newest.seq);
@@ -241,7 +241,7 @@ impl Journal {
     }
 
     /// Checks that the journal holds the row that a line from a store names. A text that is not such a line
-    /// says nothing.
+    /// is ignored.
     ///
     /// # Errors
     /// [`JournalError::Behind`] if it does not.

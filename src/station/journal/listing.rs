@@ -24,7 +24,7 @@ pub struct Tally {
     pub scans: BTreeMap<&'static str, u64>,
     /// Scans by the word of what became of them; every one is present.
     pub dispositions: BTreeMap<&'static str, u64>,
-    /// Scans of which a person must say whose they are, whatever their own state.
+    /// Scans for which a person must decide whose they are, whatever their own state.
     pub held: u64,
     /// Refused or held scans that need no further decision.
     pub closed: u64,
@@ -45,7 +45,7 @@ pub struct Tally {
 impl Journal {
     /// Counts of everything, the oldest waiting scan, and the latest scan.
     pub fn tally(&self) -> Result<Tally, JournalError> {
-        // One transaction, so that all counts are of one moment.
+        // One transaction, so that all counts belong to one moment.
         let viewer = self.viewer();
         let connection = viewer.unchecked_transaction()?;
         let mut scans: BTreeMap<&'static str, u64> =

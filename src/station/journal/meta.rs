@@ -13,15 +13,15 @@ const PAUSED: &str = "paused";
 /// Prefix for stores that are still to be searched for records that a rebuilt journal does not know.
 const TO_SEARCH: &str = "to-search:";
 
-/// Present from the creation of a journal that replaces a lost one until it was filled from the spool and
-/// the quarantine. The value says why it is new, '' if the start that created it ended before that was
+/// Present from the creation of a journal that replaces a lost one until it was filled from the spool and the
+/// quarantine. The value states why it is new, '' if the start that created it ended before that was
 /// recorded.
 pub(super) const TO_FILL: &str = "to-fill";
 
 /// Prefix for the place where each store was begun: from then on its mark must be found there.
 pub(super) const BEGUN: &str = "begun:";
 
-/// What the last scans said of the scanner's cameras.
+/// What the last scans showed about the scanner's cameras.
 const VIEWS: &str = "views";
 
 /// A fact; `None` if it is not there.
@@ -45,7 +45,7 @@ pub(super) fn set_fact(
     run(connection, set, [name, value])
 }
 
-/// Notes a fact that says nothing but that it is there. Returns whether it was not there before.
+/// Notes a fact without a value. Returns whether it is new.
 pub(super) fn note_fact(connection: &Connection, name: &str) -> Result<bool, JournalError> {
     let noted = "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING";
     Ok(connection.execute(noted, [name])? > 0)
@@ -67,12 +67,12 @@ impl Journal {
         forget_fact(&self.connection(), TO_FILL).map(drop)
     }
 
-    /// What the last scans said of the scanner's cameras.
+    /// What the last scans showed about the scanner's cameras.
     pub fn views(&self) -> Result<ViewsSeries, JournalError> {
         Ok(fact(&self.connection(), VIEWS, of_json)?.unwrap_or_default())
     }
 
-    /// Saves what the last scans said of the cameras.
+    /// Saves what the last scans showed about the cameras.
     pub fn keep_views(&self, series: &ViewsSeries) -> Result<(), JournalError> {
         set_fact(&self.connection(), VIEWS, &json_text(series)?)
     }

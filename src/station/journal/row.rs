@@ -106,7 +106,7 @@ pub(super) fn json_cell<T: DeserializeOwned>(
     cell(row, column, of_json)
 }
 
-/// What a text of JSON says; `None` if it is not what gaiter wrote.
+/// The value of a JSON text; `None` if gaiter did not write it.
 pub(super) fn of_json<T: DeserializeOwned>(text: &str) -> Option<T> {
     // As bytes, like all other JSON of the station: a second kind of reader is a second copy of each type's.
     serde_json::from_slice(text.as_bytes()).ok()

@@ -1,4 +1,4 @@
-//! Scans in the journal, and the patients they are said to belong to.
+//! Scans in the journal, and the patients named for them.
 
 use std::ops::Range;
 
@@ -40,7 +40,7 @@ pub struct Entry<'a> {
     pub patient: Option<&'a Patient>,
     /// Why an operator must decide; `None` if its records are to be made.
     pub held: Option<&'static str>,
-    /// What each source says, if they differ.
+    /// The patient of each source, if they differ.
     pub claims: &'a [Patient],
     /// The captures that it answers.
     pub judged: &'a CaptureMatch,

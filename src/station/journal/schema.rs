@@ -9,17 +9,17 @@ use super::{JournalError, disposition, history, meta};
 /// The schema this gaiter reads and writes, in `PRAGMA user_version`. An empty file has none: 0.
 pub(super) const KNOWN: i64 = 1;
 
-/// The tables, their indexes and triggers, except what [`history`] makes anew at times.
+/// The tables, their indexes and triggers, except what [`history`] makes again at times.
 ///
 /// Scans: `changed_at` is the time of the last change of state. `crashes` counts measurements that ended
 /// without a result. `pressed_at` is the press that the scan answered. `geometry` is the fingerprint of its
 /// points and triangles, '' if nothing was read. `candidates` are the ids of the patients that a held scan,
-/// or the export of a capture, may belong to, as JSON. `closed` says why a refused scan needs no further
+/// or the export of a capture, may belong to, as JSON. `closed` states why a refused scan needs no further
 /// decision: `given-up`, `superseded` or `let-go`. `incomplete`: its record lacks measures that must be taken
 /// by hand, or the patient should be scanned again. `disposition`: what became of the scan, as flow decides
 /// from the scan and its deliveries.
 ///
-/// Deliveries: `patient` is '' if no patient was named. `sources` is JSON. `next_at` tells operators when the
+/// Deliveries: `patient` is '' if no patient was named. `sources` is JSON. `next_at` shows operators when the
 /// next attempt is due; the station itself uses its monotonic clock. `amended` of a delivery that was made:
 /// whether a later revision is to be handed over; '' if not. `places` are those where a server has the record, or
 /// may have it, each with its receipt, as JSON.
@@ -35,7 +35,7 @@ pub(super) const KNOWN: i64 = 1;
 /// `looks` holds what the looks at each folder know about files that are not taken in yet, as JSON; `boot` and
 /// `looked_ms` as in `captures`. `orders` are handled orders that are still in their folder.
 ///
-/// A `seal` protects the cells that say whose scan it is and where its record goes.
+/// A `seal` protects the cells that hold whose scan it is and where its record goes.
 const TABLES_SQL: &str = "
 CREATE TABLE scans (
     sha256      TEXT PRIMARY KEY,

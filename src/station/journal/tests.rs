@@ -285,7 +285,7 @@ fn a_refused_scan_is_closed_by_the_same_patients_next_good_one_and_by_nobody_els
         scans.iter().map(|scan| scan.as_str()[..1].to_owned()).collect::<String>()
     };
     assert_eq!(undecided(), "dcba");
-    // A next scan without a patient says nothing of the one before, and waits for a decision itself.
+    // A next scan without a patient decides nothing about the one before, and waits for a decision itself.
     for (digit, id, left) in [('e', None, "decba"), ('f', Some("4711"), "decb")] {
         enter(&journal, &at(digit, 5), id, DeliveryState::Pending);
         let due = journal.pending().unwrap();

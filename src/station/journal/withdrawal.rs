@@ -2,11 +2,11 @@
 //! deliveries. So whatever an operator decides while deliveries are running, and in whatever order these
 //! end, in the end a record is only with those the scan belongs to.
 //!
-//! A delivery becomes unwanted by its code, while its state says what the store may hold: `delivered`
-//! with [`UNASSIGNED`] was made; `delivered` with [`SUPERSEDED`] may be running, or may have been made
-//! by a run that ended before it could record that. Both are withdrawn as soon as the store holds a
-//! record that is wanted, so that a folder always has one of the scan; at a server at once, because others
-//! treat the wrong patient by it. Withdrawing a record that is not there does nothing.
+//! A delivery becomes unwanted by its code, while its state shows what the store may hold: `delivered` with
+//! [`UNASSIGNED`] was made; `delivered` with [`SUPERSEDED`] may be running, or may have been made by a run
+//! that ended before it could record that. Both are withdrawn as soon as the store holds a record that is
+//! wanted, so that a folder always has one of the scan; at a server at once, because others treat the wrong
+//! patient by it. Withdrawing a record that is not there does nothing.
 
 pub(super) mod places;
 

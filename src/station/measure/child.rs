@@ -80,7 +80,7 @@ fn inspected(scan: &[u8], format: Format) -> JobAnswer {
     JobAnswer::Inspected(Inspection { end, fingerprint })
 }
 
-/// The fingerprint of the points and triangles that were read: what tells that a scan is known, in whatever bytes it
+/// The fingerprint of the points and triangles that were read: it identifies a known scan, in whatever bytes it
 /// comes.
 fn fingerprint(scan: &Scan) -> String {
     let mut digest = Sha256::new();
@@ -170,7 +170,7 @@ fn leaving(extraction: &Extraction, choice: CropChoice) -> Scan {
     }
 }
 
-/// What the scanner's own measures say about the extraction. Of several files none is believed.
+/// The opinions of the scanner's own measures on the extraction. Of several files none is trusted.
 fn opinions(extraction: &leg::Extraction, ord: Option<&[u8]>, files: usize) -> Vec<Finding> {
     match ord.map(ord::read) {
         Some(Ok(ord)) => compare(extraction, &ord),

@@ -101,7 +101,7 @@ pub enum JobAnswer {
     Files {
         /// The record's files except the scan's own bytes, `SHA256SUMS` last.
         files: Vec<RecordFile>,
-        /// What is to be done before the patient dresses, in sentences; empty if nothing is.
+        /// What to do before the patient dresses, in sentences; empty if nothing.
         to_do: Vec<String>,
         /// How far apart the cameras' views are, mm; `None` if they meet.
         views_apart_mm: Option<f64>,
@@ -120,7 +120,7 @@ pub enum JobAnswer {
 pub struct Inspection {
     #[serde(with = "EndWord")]
     pub end: End,
-    /// What tells its scan from every other, in whatever bytes it comes; `None` if there is no scan in it.
+    /// Identifies its scan, in whatever bytes it comes; `None` if there is no scan in it.
     pub fingerprint: Option<String>,
 }
 

@@ -49,7 +49,7 @@ pub fn measure(
     })
 }
 
-/// Measures bytes in their own process; without a `scan` it is not told their hash. Blocks.
+/// Measures bytes in their own process; without a `scan` it does not get their hash. Blocks.
 pub fn measure_bytes(
     scan: Option<&ScanId>,
     job: &Job,

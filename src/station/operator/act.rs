@@ -1,5 +1,5 @@
 //! What an operator decides at a running station. Each decision returns a sentence in the station's language
-//! that says what was done. All of them block.
+//! on what was done. All of them block.
 
 mod amend;
 mod fault;
@@ -133,7 +133,7 @@ pub(super) fn unassign(core: &Core, row: &ScanRow, from: Option<&str>) -> Result
     Ok(elsewhere(core, said))
 }
 
-/// What was said of a scan that was taken back, with what comes of it outside the folders.
+/// The sentence about a scan that was taken back, with what follows outside the folders.
 fn elsewhere(core: &Core, said: String) -> String {
     let filled = |key, said: String| core.config.language.filled(key, &[("said", &said)]);
     let is_any = |holds: fn(&dyn RecordStore) -> bool| core.stores.iter().any(holds);

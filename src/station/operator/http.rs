@@ -1,7 +1,7 @@
 //! The station over HTTP: the operator's page, metrics and health at an address of this machine or on a
-//! socket that the service manager has opened; the page, read-only, at another address; and all of it for
-//! the verbs of the command line at the control socket. No client holds up the others, and a request that
-//! arrives while a disk hangs gets an answer that says so.
+//! socket that the service manager has opened; the page, read-only, at another address; and all of it for the
+//! verbs of the command line at the control socket. No client blocks the others, and a request that arrives
+//! while a disk hangs gets an answer that reports it.
 
 pub mod listeners;
 pub mod serve;
@@ -82,7 +82,7 @@ async fn keep(desk: &Arc<Desk>, listeners: &Listeners, way: Way, mut stop: Stop)
                 if !std::mem::replace(&mut was_unavailable, true) {
                     warn!(event = "http-unavailable", way = way.word(), %error);
                 }
-                // What the facts say of it is about the page's address.
+                // The facts about it concern the page's address.
                 if way != Way::Control {
                     let why = Cause::of_system(&error);
                     core.board.note(|facts| drop(facts.endpoints.insert(way.word(), why)));

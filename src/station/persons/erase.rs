@@ -65,7 +65,7 @@ fn clear_own_of(
     Ok(())
 }
 
-/// Lets erasures go on that waited for servers, in a new generation of the workers.
+/// Lets erasures that waited for servers continue, in a new generation of the workers.
 ///
 /// # Errors
 /// See [`CustodyFault`]; the next call tries again.

@@ -64,7 +64,7 @@ pub(in crate::station) fn person(
         exports.extend(paths.map(|path| PathBuf::from(OsStr::from_bytes(&path))));
     }
     exports.extend(named_exports(config, identity, patient));
-    // The same bytes may lie there under the name of another patient.
+    // The same bytes may be there under the name of another patient.
     exports.retain(|path| path.is_file() && !names_another(identity, path, patient));
     exports.sort();
     exports.dedup();
@@ -91,8 +91,8 @@ pub(in crate::station) fn person(
     })
 }
 
-/// What a station knows of a patient whose visits are compared. An affected leg that cannot be read is said to be so:
-/// without it, too, visits can be compared.
+/// What a station knows of a patient whose visits are compared. An affected leg that cannot be read is reported so:
+/// visits can be compared without it.
 ///
 /// # Errors
 /// If the journal cannot be read.
@@ -196,7 +196,7 @@ fn record(folder: PathBuf, brief: Option<Brief>) -> PersonRecord {
     }
 }
 
-/// What a store handed over; nothing for one that cannot say.
+/// What a store handed over; nothing for a store that cannot list it.
 fn given(store: &dyn RecordStore, patient: &str) -> Vec<HandedOver> {
     let given = store.given(patient).unwrap_or_default().into_iter();
     let handed_over = given.map(|of| HandedOver {

@@ -117,7 +117,7 @@ impl Stopped {
             match erase::clear_store(&self.custody, store) {
                 // The next start renews the head if it cannot be done now.
                 Ok(_) => drop(renew_head(&self.custody, store)?),
-                // It stays pending, and the answer says so.
+                // It stays pending, and the answer states that.
                 Err(ClearFault::Store(_)) => {}
                 Err(ClearFault::Custody(fault)) => return Err(fault.into()),
             }
@@ -132,7 +132,7 @@ impl Stopped {
     }
 }
 
-/// Writes the head of the history in a store anew if it is of the history before an erasure.
+/// Writes the head of the history in a store again if it belongs to the history before an erasure.
 pub(in crate::station) fn renew_head(
     custody: &Custody,
     store: &dyn RecordStore,

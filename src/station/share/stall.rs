@@ -57,10 +57,9 @@ impl Stall {
     }
 }
 
-/// Does `work` on a thread and returns its result. If a stop is requested first, returns `None`; the
-/// work goes on and its result is dropped. `beat` is called while waiting, and `stalled` once if the
-/// work makes no step within `deadline`. The same work is still awaited then, so that no share ever
-/// holds two threads.
+/// Does `work` on a thread and returns its result. If a stop is requested first, returns `None`; the work
+/// continues and its result is dropped. `beat` is called while waiting, and `stalled` once if the work makes
+/// no step within `deadline`. The same work is still awaited then, so that no share ever holds two threads.
 ///
 /// # Errors
 /// If the work panicked.

@@ -15,11 +15,11 @@ use crate::station::journal::JournalError;
 use crate::station::share::stall::StepCounter;
 use crate::store::durable;
 
-/// Notes all orders as heard, because only the lost journal knew which of them had been heard. Hearing
-/// one twice could give one patient another patient's scan, so none of them is heard.
+/// Notes all orders as applied, because only the lost journal knew which of them had been. Applying one twice
+/// could give one patient another patient's scan, so none of them is applied.
 ///
 /// # Errors
-/// See [`JournalError`]; what was not noted must not be heard.
+/// See [`JournalError`]; what was not noted must not be applied.
 pub fn pass_over(core: &Core, found: &Found, counter: &StepCounter) -> Result<(), JournalError> {
     for (path, order) in &found.orders {
         let stamp = order.stamp;

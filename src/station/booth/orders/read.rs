@@ -13,7 +13,7 @@ use crate::store::sums;
 /// A file that was read.
 #[derive(Debug)]
 pub struct Read {
-    /// Tells it apart from the order that was heard.
+    /// Distinguishes it from the order that was applied.
     pub state: OrderState,
     /// Its bytes; empty if it is too large to be an order.
     pub bytes: Vec<u8>,

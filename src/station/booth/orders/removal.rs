@@ -1,5 +1,5 @@
-//! Removes an order that was heard, and no other file: practice software may put the next order under
-//! the same name at any time.
+//! Removes an order that was applied, and no other file: practice software may put the next order under the
+//! same name at any time.
 //!
 //! A file cannot be compared and deleted in one step, but it can be renamed. So the order first gets a
 //! hidden name of ours, then it is examined, and only the file that was read is deleted. Any other file
@@ -65,7 +65,7 @@ pub(super) fn remove_in_steps(
     Ok(())
 }
 
-/// Deletes a file under a hidden name durably: one that a power cut restores is heard again.
+/// Deletes a file under a hidden name durably: one that a power cut restores is applied again.
 pub fn delete(taken: &Path) -> io::Result<()> {
     fs::remove_file(taken)?;
     durable::sync_folder(taken.parent().unwrap_or(Path::new(".")))

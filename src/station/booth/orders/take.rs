@@ -32,16 +32,16 @@ pub enum Taken {
     Changed,
     /// Its file must still be removed or put back.
     Later,
-    /// The journal failed when it was to be heard. Holds what was known before it was noted.
+    /// The journal failed when it was to be applied. Holds what was known before it was noted.
     Unheard(Option<OrderState>),
 }
 
-/// An order that could not be heard before.
+/// An order that could not be applied before.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Before {
     /// It could not be read or noted.
     Unnoted,
-    /// It was noted but could not be heard. Holds what was known before that.
+    /// It was noted but could not be applied. Holds what was known before that.
     Noted(Option<OrderState>),
 }
 
@@ -54,18 +54,18 @@ struct Taking<'a> {
     read: Read,
     /// It has a hidden name of ours.
     is_hidden: bool,
-    /// It could not be heard earlier: other patients may have been named since.
+    /// It could not be applied earlier: other patients may have been named since.
     is_late: bool,
-    /// It did not lie there yet at this time; `None` if that is not known.
+    /// It was not there yet at this time; `None` if not known.
     absent: Option<Duration>,
     counter: &'a StepCounter,
 }
 
-/// Deals with one order. `before` is set if it could not be heard before; at `absent` it did not lie there
-/// yet. Blocks.
+/// Deals with one order. `before` is set if it could not be applied before; at `absent` it was not there yet.
+/// Blocks.
 ///
 /// # Errors
-/// See [`TakeFault`]; nothing was heard.
+/// See [`TakeFault`]; nothing was applied.
 pub fn take(
     booth: &Booth,
     config: &OrdersConfig,
@@ -124,8 +124,8 @@ impl Taking<'_> {
         !matches!(order, Err(OrderFault::OtherKind { .. } | OrderFault::TooLarge { .. }))
     }
 
-    /// Hears an order that was not heard yet, or refuses it. It is noted first, so that no interruption
-    /// makes it heard twice.
+    /// Applies an order that was not applied yet, or refuses it. It is noted first, so that no interruption
+    /// applies it twice.
     fn hear(&self, known: Option<OrderState>, repeated: bool) -> Result<Taken, TakeFault> {
         let (heard, refused) = match self.order() {
             // Results and orders may share a folder: this file is for another program and goes back.
@@ -197,8 +197,8 @@ impl Taking<'_> {
         }
     }
 
-    /// Removes the file if it is still the one that was read, and forgets what was known under these
-    /// names. If it cannot be removed, an alarm is raised and the order is not heard again.
+    /// Removes the file if it is still the one that was read, and forgets what was known under these names.
+    /// If it cannot be removed, an alarm is raised and the order is not applied again.
     fn remove(&self, names: &[&Path]) -> Result<Taken, TakeFault> {
         let removed = match self.is_hidden {
             true => removal::delete(self.path()),
@@ -221,7 +221,7 @@ impl Taking<'_> {
     }
 }
 
-/// Notes that a valid order was heard. It clears the alarms about earlier orders.
+/// Notes that a valid order was applied. It clears the alarms about earlier orders.
 pub(super) fn tell_taken(core: &Core) {
     info!(event = "order-taken");
     core.board.clear(REFUSED);

@@ -49,7 +49,7 @@ fn remove(path: &Path, read: &read::Read, between: impl FnOnce()) {
     removal::remove_in_steps(path, read, &StepCounter::default(), between).unwrap();
 }
 
-/// A file written anew at a time of its own, as another program does that makes it beside and renames.
+/// A file written again at a time of its own, as another program does that makes it beside and renames.
 fn put(path: &Path, text: &str, seconds: u64) {
     let new = path.with_extension("new");
     fs::write(&new, text).unwrap();

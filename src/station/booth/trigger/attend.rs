@@ -122,7 +122,7 @@ impl Attendant {
 
     fn settle(&mut self, rest: Duration, clock: &dyn Fn() -> Duration) {
         match self.read(rest, clock) {
-            // The state of the contact must be known, but nothing heard now is a press.
+            // The state of the contact must be known, but nothing received now is a press.
             Ok(input) => drop(self.decoder.hear(&input, clock())),
             Err(fault) => self.lose(&fault, clock),
         }

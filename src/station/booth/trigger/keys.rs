@@ -25,7 +25,7 @@ impl PortOpener for KeysOpener {
             InputPlace::Path(path) => path.clone(),
             InputPlace::Name(name) => named(name)?,
         };
-        // Not the device that the crate repairs: it would say nothing about keys that were lost.
+        // Not the device that the crate repairs: it would report no lost keys.
         let mut device = RawDevice::open(&path).map_err(|error| of_io(&error))?;
         ioctl_fionbio(&device, true).map_err(|error| of_io(&error.into()))?;
         // Exclusive for the first program that grabs it: the pedal must not type into a console too.
@@ -45,7 +45,7 @@ fn named(name: &str) -> Result<PathBuf, PortFault> {
     })
 }
 
-/// The keys that are down. The system forgets what it had to tell about keys up to now.
+/// The keys that are down. The system drops the events of keys up to now.
 fn held(device: &RawDevice) -> io::Result<Vec<u16>> {
     Ok(device.get_key_state()?.iter().map(|key| key.0).collect())
 }

@@ -1,4 +1,4 @@
-//! The thread of one port: attends it, tells the booth what it hears and the board what state it is in.
+//! The thread of one port: attends it, passes its input to the booth and its state to the board.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -76,17 +76,17 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, counter: &StepCounter) {
         let showing = *signal.borrow();
         let pause = attendant.turn(&clock, showing, &mut heard);
         if was_open == Some(true) && clock().saturating_sub(listens_since) > ASLEEP {
-            // Other ports may have been read since, and what was heard here now may be older.
+            // Other ports may have been read since, and what was received here now may be older.
             booth.note_sleep();
             was_open = None;
         }
-        // A gap ends before what is heard after it.
+        // A gap ends before what is received after it.
         let is_open = attendant.state() == PortState::Open;
         if was_open != Some(is_open) {
             was_open = Some(is_open);
             booth.port(name, is_open);
         }
-        // A journal that is slow to take what was heard keeps this port waiting: that counts as a sleep.
+        // A journal that is slow to take the input keeps this port waiting: that counts as a sleep.
         listens_since = clock();
         for heard in heard.drain(..) {
             noted.count(&heard);

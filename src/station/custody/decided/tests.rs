@@ -42,7 +42,7 @@ fn delivered(custody: &Custody) -> ScanRow {
     custody.journal.scan(&sums::scan_id(BYTES)).unwrap().unwrap()
 }
 
-/// What is to be done: for whom, and what.
+/// What to do: for whom, and what.
 fn to_do(custody: &Custody) -> Vec<(String, Task)> {
     let due = custody.journal.pending().unwrap();
     due.iter().map(|due| (due.patient_cell().to_owned(), due.task)).collect()

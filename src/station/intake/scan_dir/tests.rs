@@ -92,7 +92,7 @@ fn a_look_tells_through_which_folders_it_went_and_when_they_came_to_their_places
     let before = looked(dir.path(), &config).folders;
     assert_eq!(before.export, folder_id(dir.path()).unwrap());
     assert_eq!(before.below.keys().collect::<Vec<_>>(), [&at("1"), &at("1/2")]);
-    // The clock of stamps goes on in steps.
+    // The clock of stamps advances in steps.
     std::thread::sleep(Duration::from_millis(50));
     fs::rename(at("1"), at("new")).unwrap();
     let after = looked(dir.path(), &config).folders;
@@ -137,7 +137,7 @@ fn of_many_files_that_are_no_scans_those_that_changed_last_are_followed() {
         file.set_times(old).unwrap();
     }
     fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
-    // Until the clock of stamps has gone on, nothing can tell which is the newest.
+    // Until the clock of stamps has advanced, the newest is not known.
     let stamp_of = |name: &str| stamp(&fs::metadata(dir.path().join(name)).unwrap());
     let last = (0..2 * UNRELATED_MAX).map(|n| stamp_of(&format!("{n}.jpg")).ctime_ns).max();
     while Some(stamp_of("now.tmp").ctime_ns) <= last {

@@ -28,7 +28,7 @@ pub(super) const DUE: &str = "due";
 pub struct GivenRevision<'a> {
     /// Its number.
     pub revision: u32,
-    /// Where it is there, as the store's receipt says.
+    /// Where it is there, from the store's receipt.
     pub place: &'a Path,
 }
 

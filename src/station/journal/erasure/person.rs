@@ -129,8 +129,8 @@ impl Journal {
         Ok(found)
     }
 
-    /// What the history says of a person and of these scans, which are theirs alone, oldest first. It names no
-    /// other patient.
+    /// The history of a person and of these scans, which are theirs alone, oldest first. It names no other
+    /// patient.
     pub fn history_of_person(
         &self,
         patient: &str,

@@ -1,5 +1,5 @@
-//! Seals. SQLite notices a page that makes no sense, but not a changed digit in a patient's id. So the
-//! cells that say whose a scan is and where its record goes carry a checksum.
+//! Seals. SQLite notices a page that makes no sense, but not a changed digit in a patient's id. So the cells
+//! that hold whose a scan is and where its record goes have a checksum.
 
 use gaiter_record::sha256;
 use rusqlite::Connection;
@@ -31,7 +31,7 @@ pub(in crate::station::journal) fn of_delivery(
     seal(&[scan, patient, store, sources])
 }
 
-/// The seal of the cells that say whose scan a capture's export is. `others` is JSON.
+/// The seal of the cells that hold whose scan a capture's export is. `others` is JSON.
 pub(in crate::station::journal) fn of_capture(
     number: i64,
     patient: &str,

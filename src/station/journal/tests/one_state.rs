@@ -1,4 +1,4 @@
-//! Whatever happens to scans: what light, page, lists, search and status say of them is the same.
+//! Whatever happens to scans: light, page, lists, search and status agree about them.
 //!
 //! `GAITER_SEQUENCES` is the number of histories, of [`SCANS`] scans each journal.
 
@@ -158,7 +158,7 @@ fn comes(journal: &Journal, scan: &ScanId, of: Option<&str>, is_held: bool) {
     journal.enter(&entry, stores).unwrap();
 }
 
-/// What is said of one scan.
+/// Light, page and lists agree about one scan.
 fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     let scan = scan(n);
     let Some(whole) = journal.whole(&scan).unwrap() else { return Ok(()) };
@@ -178,7 +178,7 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     prop_assert!(!(is.needs_decision() && shown.acts.is_empty()), "{:?}", &whole);
     let is_told = matches!(is, Disposition::Held | Disposition::Refused);
     prop_assert_eq!(shown.advice.is_some(), is_told, "{:?}", &whole);
-    // The light says that a person is needed if page and lists do.
+    // The light shows that a person is needed if page and lists do.
     let at_the_light = match LastOutcome::from_whole(&whole, &[]) {
         _ if whole.is_in_work(&none) => vec![Disposition::Spooled],
         Some(LastOutcome::Held { .. }) => vec![Disposition::Held],
@@ -187,7 +187,7 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
         None => vec![Disposition::Withdrawing, Disposition::Closed, Disposition::Left],
     };
     prop_assert!(at_the_light.contains(&is), "{:?}: {:?}", at_the_light, &whole);
-    // While a result waits to be fetched, the light says "done" only of a record that a patient has.
+    // While a result waits to be fetched, the light shows "done" only for a record that a patient has.
     let waits = is == Disposition::Spooled && !whole.is_in_work(&BTreeSet::from(["gdt"]));
     let is_done = LastOutcome::from_whole(&whole, &[]).is_some();
     prop_assert_eq!(waits && is_done, waits && whole.has_record(), "{:?}", &whole);
@@ -205,7 +205,7 @@ fn agrees(journal: &Journal, n: usize) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// What lists, search and status say of all scans.
+/// Lists, search and status agree about all scans.
 fn lists_agree(journal: &Journal) -> Result<(), TestCaseError> {
     prop_assert_eq!(journal.misjudged(), []);
     let all: Vec<Whole> = (0..SCANS).filter_map(|n| journal.whole(&scan(n)).unwrap()).collect();

@@ -50,7 +50,7 @@ impl Journal {
         })
     }
 
-    /// Forgets, because a person said so, the places of records of a scan that are to be withdrawn but for where their
+    /// Forgets, by a person's decision, the places of records of a scan that are to be withdrawn, except where their
     /// stores are now: there they are withdrawn. Returns whether there was any.
     pub fn withdraw_here(&self, scan: &ScanId) -> Result<bool, JournalError> {
         self.change(|transaction| {

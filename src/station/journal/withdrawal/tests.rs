@@ -38,9 +38,9 @@ enum Happening {
     Assign(bool),
     /// A person takes it back from whose it is.
     Unassign,
-    /// What is to be done is begun, as far as the outbox lets it.
+    /// Begins the work, as far as the outbox allows it.
     Begin,
-    /// What is in hand at this place goes on by a step; the store may fail at it.
+    /// What is in hand at this place continues by a step; the store may fail at it.
     GoOn(usize, bool),
     /// The station is killed and starts again.
     Crash,
@@ -377,7 +377,7 @@ fn what_practice_software_was_handed_stays_and_is_nobodys_any_more() {
     let left = of(&due.store);
     assert_eq!((left.state, left.code.as_deref()), (DeliveryState::Delivered, Some(HANDED_OVER)));
     assert!(left.is_to_go() && !left.is_there());
-    // And theirs again, if it is said so.
+    // And theirs again, if that is decided.
     world.unassign();
     world.assign("1");
     assert_eq!(world.journal.owners(&scan()).unwrap(), ["1"]);

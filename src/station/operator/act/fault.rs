@@ -24,7 +24,7 @@ pub enum ActFault {
         /// The key of its state, and of what there is not to be done.
         why: &'static str,
     },
-    /// It could belong to more than one patient, and the decision does not say to which.
+    /// It could belong to more than one patient, and the decision names none.
     Several(ScanId),
     /// The bytes are gone.
     NoBytes(ScanId),
@@ -32,7 +32,7 @@ pub enum ActFault {
     NotAnId,
     /// Another patient is named and must not be replaced.
     AnotherNamed,
-    /// What is to be set is not possible.
+    /// The value to set is not possible.
     NotSet(AmendFault),
     /// The record cannot be amended now.
     NotAmended(amend_record::AmendRecordFault),
@@ -83,7 +83,7 @@ impl ActFault {
             ActFault::NotAmended(fault) => {
                 because("act.fault.not_set", &fault.cause().in_words(language))
             }
-            // They have no figures: page and terminal say the same.
+            // They have no figures: page and terminal have the same text.
             ActFault::AnotherNamed | ActFault::HasPatient => {
                 of_fault(self.code(), language).unwrap_or_else(|| self.code()).to_owned()
             }
@@ -93,7 +93,7 @@ impl ActFault {
         }
     }
 
-    /// What the page says instead of the text of the code: a sentence with figures.
+    /// What the page shows instead of the text of the code: a sentence with figures.
     pub fn on_page(&self, language: Language) -> Option<String> {
         match self {
             ActFault::NotSet(fault) => Some(fault.in_words(language)),

@@ -259,7 +259,7 @@ fn acted(desk: &Desk, acted: Result<String, ActFault>) -> Result<ControlAnswer, 
     })
 }
 
-/// Hears an order that a client hands in.
+/// Applies an order that a client hands in.
 fn ordered(desk: &Desk, bytes: &[u8]) -> Result<ControlAnswer, ControlFault> {
     let refused = |fault: OrderFault| {
         let message = |language: Language| {

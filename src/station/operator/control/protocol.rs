@@ -184,7 +184,7 @@ pub struct ControlFault {
     /// The same in the station's language, if that is another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub local: Option<String>,
-    /// What the page says instead of the text of the code: a sentence with figures.
+    /// What the page shows instead of the text of the code: a sentence with figures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub on_page: Option<String>,
     pub kind: ControlFaultKind,

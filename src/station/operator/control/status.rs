@@ -67,7 +67,7 @@ pub struct Status {
     /// The checks with the phantom; `None` if none is configured.
     #[serde(default)]
     pub phantom: Option<PhantomStatus>,
-    /// What the last scans say of the scanner's cameras, oldest first.
+    /// What the last scans show about the scanner's cameras, oldest first.
     #[serde(default)]
     pub views: ViewsSeries,
     /// What an operator must know, by code.

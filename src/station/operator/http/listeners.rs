@@ -1,6 +1,6 @@
-//! The addresses at which the station listens, and its control socket. They belong to the process and
-//! outlive a reload: while workers change, clients are told so or wait, and no other program on this
-//! machine can take an address.
+//! The addresses at which the station listens, and its control socket. They belong to the process and outlive
+//! a reload: while workers change, clients get a notice or wait, and no other program on this machine can
+//! take an address.
 
 use std::collections::BTreeMap;
 use std::fs::{self, Permissions};

@@ -1,6 +1,6 @@
 //! Serves the connections of a listener, each with one request. A connection that waits only for its own
-//! client makes room for later ones, so that a client that keeps connections open holds up no other.
-//! Between two generations of workers requests are told so, or wait.
+//! client makes room for later ones, so that a client that keeps connections open holds up no other. Between
+//! two generations of workers requests get a notice, or wait.
 //!
 //! Not by `axum::serve`: it sets no time for the head of a request and no limit of connections, and layers
 //! begin only when the head has arrived.
@@ -58,7 +58,7 @@ const LAST_ANSWERS: Duration = Duration::from_secs(5);
 /// The longest head of a request, bytes; hyper's default would keep 400 kB for each connection.
 const HEAD_MOST: usize = 64 * 1024;
 
-/// What monitors are told between two generations.
+/// The answer to monitors between two generations.
 const CHANGES_OVER: &str = "station-changes-over";
 
 /// Where a browser finds the page.
@@ -224,7 +224,7 @@ mod tests {
 
     use super::*;
 
-    /// Tells when a request has arrived, and lets it be answered.
+    /// Signals that a request has arrived, and lets it be answered.
     #[derive(Clone, Default)]
     struct Gate {
         arrived: Arc<Notify>,

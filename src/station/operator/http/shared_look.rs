@@ -8,7 +8,7 @@ use tokio::sync::Mutex;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-/// How long to wait for a look. A look that takes longer hangs on a disk, and goes on.
+/// How long to wait for a look. A look that takes longer hangs on a disk, and continues.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 /// A look that callers share.

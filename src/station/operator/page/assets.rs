@@ -36,7 +36,7 @@ pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
     let html = |template: &str| Html(fill(template, language, endpoint.way));
     let (page, kiosk) = (html(PAGE), html(KIOSK));
     let script = |text: &'static str| ([(CONTENT_TYPE, JAVASCRIPT)], text);
-    // Without its words the view says nothing, and the page shows everything else.
+    // Without its words the view shows nothing, and the page shows everything else.
     let with_words = ([(CONTENT_TYPE, JAVASCRIPT)], viewer(language, &[]).unwrap_or_default());
     let style = ([(CONTENT_TYPE, "text/css; charset=utf-8")], STYLE);
     Router::new()

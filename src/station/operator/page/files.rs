@@ -111,8 +111,8 @@ fn open(folder: &Path, name: &str) -> Result<(File, u64), NotServed> {
     Ok((file, metadata.len()))
 }
 
-/// What a browser is told about a file. A saved one gets the scan's id before its name, because files of
-/// several scans often lie in one folder of downloads.
+/// The headers of a file. A saved one gets the scan's id before its name, because files of several scans
+/// often lie in one folder of downloads.
 fn headers_of(name: &str, scan: &ScanId, size: u64) -> HeaderMap {
     let served = served(name);
     let saved = format!("attachment; filename=\"{}_{name}\"", scan.short());

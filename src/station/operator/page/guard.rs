@@ -17,7 +17,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
                       connect-src 'self'; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
 
-/// Admits a request or says why not, and sets the headers of every answer.
+/// Admits a request or answers why not, and sets the headers of every answer.
 pub async fn guard(
     State(endpoint): State<Arc<HttpEndpoint>>,
     request: Request,

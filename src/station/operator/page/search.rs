@@ -1,4 +1,4 @@
-//! The search among all scans, and one scan with what its record tells.
+//! The search among all scans, and one scan with the details of its record.
 
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ pub async fn scans(
     answer(found.await.ok())
 }
 
-/// `/scan/ID`: the rows of one scan with what their records tell.
+/// `/scan/ID`: the rows of one scan with the details of their records.
 pub async fn one(
     State(endpoint): State<Arc<HttpEndpoint>>,
     UrlPath(scan): UrlPath<String>,
@@ -65,7 +65,7 @@ pub async fn measures(
     of_scan(endpoint, &scan, &headers, sheet).await
 }
 
-/// What a scan's records tell, for readers who may see whose scan it is.
+/// The details of a scan's records, for readers who may see whose scan it is.
 async fn of_scan<T: Serialize + Send + 'static>(
     endpoint: Arc<HttpEndpoint>,
     scan: &str,

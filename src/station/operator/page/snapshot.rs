@@ -21,11 +21,12 @@ const LAST: u32 = 12;
 /// How many scans that wait for a decision are shown. More than that cannot be handled by clicks.
 const UNDECIDED: u32 = 20;
 
-/// How long measures that a record lacks are asked for: then the patient is gone, and the record says what it lacks.
+/// How long measures that a record lacks are asked for: then the patient is gone, and the record lists what it
+/// lacks.
 const COMPLETED_WITHIN: SignedDuration = SignedDuration::from_hours(24);
 
-/// Takes a snapshot. Blocks, on the local disk only: what records say comes from the summaries. The
-/// second value names the records that the summaries should read, by the key of their row.
+/// Takes a snapshot. Blocks, on the local disk only: details of records come from the summaries. The second
+/// value names the records that the summaries should read, by the key of their row.
 pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
     let overview = Overview::take(&desk.core);
     desk.booth.who_is_next(|booth| whole_page(desk, &overview, booth))
@@ -48,7 +49,7 @@ fn whole_page(
         records.extend(folder(desk, row).map(|folder| (row_name(row), folder)));
         scan(desk, row)
     };
-    // A scan stands in one list only: what waits for a decision stands above.
+    // A scan is in one list only: what waits for a decision is above.
     let needs = |row: &Whole| match row.task() {
         Task::Decide => true,
         Task::Complete => row.summary.first_seen >= measured_since,
@@ -84,7 +85,7 @@ fn rows(desk: &Desk, ids: Result<Vec<ScanId>, JournalError>) -> Vec<Whole> {
     wholes.into_iter().flat_map(page::rows::rows).collect()
 }
 
-/// What tells the row of a scan from all others.
+/// Identifies the row of a scan.
 fn row_name(row: &Whole) -> String {
     format!("{}{}", row.scan, page::row_key(row).unwrap_or_default())
 }
@@ -94,7 +95,7 @@ fn scan(desk: &Desk, row: &Whole) -> ScanShown {
     scan_row(desk, row, told.unwrap_or_default())
 }
 
-/// The row of a scan with what its record tells.
+/// The row of a scan with the details of its record.
 fn scan_row(desk: &Desk, row: &Whole, mut told: ScanDetails) -> ScanShown {
     if let Some(Preview::Impossible(code)) = preview(desk, row) {
         told.unmeasured = Some(code);
@@ -106,7 +107,7 @@ fn scan_row(desk: &Desk, row: &Whole, mut told: ScanDetails) -> ScanShown {
     page::scan_shown(row, &told, desk.core.config.language)
 }
 
-/// The scans that a search finds, without what their records tell, and whether there are more. Blocks, on
+/// The scans that a search finds, without details of their records, and whether there are more. Blocks, on
 /// the local disk only.
 pub fn found(desk: &Desk, search: &Search) -> (Vec<ScanShown>, bool) {
     let ids = desk.core.custody.journal().search(search);
@@ -116,7 +117,7 @@ pub fn found(desk: &Desk, search: &Search) -> (Vec<ScanShown>, bool) {
     (rows(desk, ids).iter().map(|row| scan_row(desk, row, told())).collect(), has_more)
 }
 
-/// The rows of one scan with what their records tell. Blocks as long as the store does.
+/// The rows of one scan with the details of their records. Blocks as long as the store does.
 pub fn one(desk: &Desk, scan: &ScanId) -> Vec<ScanShown> {
     let config = &desk.core.config;
     let told = |row: &Whole| {
@@ -141,7 +142,7 @@ pub fn row(desk: &Desk, scan: &ScanId, key: Option<&str>) -> Option<Whole> {
     match key {
         Some(key) => rows.into_iter().find(|row| page::row_key(row).as_deref() == Some(key)),
         None if rows.len() == 1 => rows.pop(),
-        // A held scan's preview, or an unassigned record, is of no patient who has a record.
+        // A held scan's preview, or an unassigned record, belongs to no patient who has a record.
         None => rows.into_iter().find(|row| page::row_key(row).is_none()),
     }
 }

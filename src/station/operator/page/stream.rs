@@ -1,5 +1,5 @@
-//! The snapshots as server-sent events: at once and at every change, with a beat in between that tells
-//! a browser that the station is alive. A stream ends with the station or with its reader.
+//! The snapshots as server-sent events: at once and at every change, with a beat in between that shows a
+//! browser that the station is alive. A stream ends with the station or with its reader.
 
 use std::io;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! What records and previews say about their scans, read in the background: a store that does not
-//! answer delays the measures, but never the page.
+//! Details of scans from records and previews, read in the background: a store that does not answer delays
+//! the measures, but never the page.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -93,7 +93,7 @@ impl Summaries {
         self.inner().is_reading = false;
     }
 
-    /// Notes what a scan's record in this folder says, read at the time `now` of the station's clock.
+    /// Notes the details of a scan's record in this folder, read at the time `now` of the station's clock.
     pub fn note(&self, scan: String, folder: PathBuf, told: ScanDetails, now: Duration) {
         let mut inner = self.inner();
         let before = inner.known.get(&scan).map(|known| &known.told);
@@ -104,7 +104,7 @@ impl Summaries {
     }
 }
 
-/// What the record in this folder, or its latest revision, says. Blocks as long as the store does.
+/// The details of the record in this folder, or of its latest revision. Blocks as long as the store does.
 pub fn read(folder: &Path, language: Language, garment: &Garment) -> ScanDetails {
     let folder = revision::latest(folder);
     let record = record(&folder.join("record.json"));

@@ -81,7 +81,7 @@ fn made(desk: &Desk, patient: &str, is_paper: bool) -> Result<Vec<u8>, NoVisits>
         warn!(event = "visits-failed", error = chain(error));
         FAILED
     };
-    // First what was delivered, then what is there: a delivery in between is not told as removed.
+    // First what was delivered, then what is there: a delivery in between is not reported as removed.
     let known = persons::visits(&desk.core.custody, patient).map_err(|error| {
         desk.core.check_corruption(&error);
         failed(&error)
