@@ -1,5 +1,5 @@
-//! An archive of many stations as a store: a bucket of an S3-compatible store, into which the station may write and from
-//! which it may read nothing. [`gaiter_record::archive`] says what lies there.
+//! An archive of many stations as a store: a bucket of an S3-compatible store, into which the station may write and
+//! from which it may read nothing. [`gaiter_record::archive`] says what is there.
 //!
 //! A scan leaves the house as what [`CropScan`] makes of it, a record with a pseudonym. Both have keys of their content,
 //! so they can be sent again at any time, whoever sent them before. The announcement comes last: what is not announced is
@@ -145,7 +145,7 @@ impl ArchiveStore {
         }
     }
 
-    /// Says something in the inbox. Its key has the time: if something lies there, something else was said just then.
+    /// Says something in the inbox. Its key has the time: if something is there, something else was said just then.
     fn say(&self, document: &impl Document) -> Result<(), StoreFault> {
         let json = document.json().map_err(|_| StoreFault::Permanent(Rejection::NoRecord))?;
         match self.bucket.put_new(&document.key().to_string(), json).map_err(fault)? {

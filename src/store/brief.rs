@@ -1,4 +1,4 @@
-//! The part of a `record.json` that tells whose it is and when it was made.
+//! The part of a `record.json` with whose it is and when it was made.
 
 use std::fs::File;
 use std::io::Read;

@@ -96,7 +96,7 @@ pub enum Rejection {
     /// The patient's folder is a link, which may lead to another patient's.
     #[error("the patient's folder is a symbolic link")]
     FolderIsLink,
-    /// The patient's folder cannot be told apart from another patient's.
+    /// The patient's folder cannot be distinguished from another patient's.
     #[error(
         "the store has a folder whose name differs from this patient's only in letter case: it may \
          be another patient's"
@@ -138,7 +138,7 @@ pub enum Rejection {
     #[error("the server does not take the record ({status}): {why}")]
     ServerRefused {
         status: u16,
-        /// What it says.
+        /// Its text.
         why: String,
     },
     /// The receiver does not take the message. The words are without the patient's id.
@@ -146,7 +146,7 @@ pub enum Rejection {
     ReceiverRefused {
         /// The code of its answer.
         code: String,
-        /// What it says.
+        /// Its text.
         why: String,
     },
     /// Nothing of the scan can leave the house.

@@ -43,7 +43,7 @@ const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
 const TRIAL_PATIENT: &str = "gaiter-check";
 
 /// Requests of a long step: one for the patient, two that write, one for each resource that is there already, and two
-/// for a token, which may have to be had again.
+/// for a token, which may have to be requested again.
 const REQUESTS_MOST: u32 = 16;
 
 /// A FHIR server as a store.
@@ -54,7 +54,7 @@ pub struct FhirStore {
     client: HttpsClient,
     /// The token in use.
     token: Mutex<Option<Token>>,
-    /// The station's name: a withdrawal says whose it is.
+    /// The station's name: a withdrawal names it.
     station: String,
 }
 
@@ -62,7 +62,7 @@ impl FhirStore {
     /// Its name in the journal.
     pub const NAME: &str = "fhir";
 
-    /// Resources as `rules` says, for this server.
+    /// A store of resources by `rules`, at this server.
     pub fn new(server: FhirServer, rules: FhirRules) -> FhirStore {
         let client = HttpsClient::new(server.tls.clone(), server.proxy.clone(), server.limit);
         FhirStore { server, rules, client, token: Mutex::default(), station: String::new() }
@@ -101,7 +101,7 @@ impl FhirStore {
     }
 
     /// Asks the server for a path below its base, with a body or without, and reads the answer as JSON. One with
-    /// another status than 2xx is a fault, told without the words of `secret`.
+    /// another status than 2xx is a fault, reported without the words of `secret`.
     fn ask(
         &self,
         method: Method,
@@ -179,7 +179,7 @@ impl RecordStore for FhirStore {
         true
     }
 
-    /// The server answers, speaks R4, and lets the station in.
+    /// Checks that the server answers, uses R4, and admits the station.
     fn reach(&self) -> Result<(), StoreFault> {
         let statement = self.ask(Method::GET, "metadata", None, &[])?;
         let not_usable = |why: String| Err(ServerFault::Answer(why).into());

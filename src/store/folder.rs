@@ -42,7 +42,7 @@ find this file assumes that the share is not mounted.\n";
 /// Suffix of a staged folder that is complete and waits for its place.
 const WHOLE: &str = ".whole";
 
-/// Errors that say that something else lies where a record or its folder belongs.
+/// Errors that mean that something else is where a record or its folder belongs.
 const TAKEN: [ErrorKind; 4] = [
     ErrorKind::AlreadyExists,
     ErrorKind::InvalidFilename,
@@ -107,7 +107,7 @@ impl FolderStore {
         Ok(Receipt { folder: place, already_there })
     }
 
-    /// Tells a fault of one record from one of the store: an error of one of these kinds, met in a
+    /// Distinguishes a fault of one record from one of the store: an error of one of these kinds, met in a
     /// patient's folder, keeps no other record from the store.
     fn of_record(&self, fault: StoreFault, kinds: &[ErrorKind]) -> StoreFault {
         match fault {
@@ -173,7 +173,7 @@ impl RecordStore for FolderStore {
     }
 
     /// The folder is made for a station's first start only: later a missing one means a share that is not mounted,
-    /// and nothing may be written in its place. Its mark tells it from the empty folder that remains then.
+    /// and nothing may be written in its place. Its mark distinguishes it from the empty folder that remains then.
     fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
         if make_folder {
             tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))?;

@@ -1,7 +1,7 @@
 //! Practice software as a store: each record is a result (GDT 6310) in an exchange folder. The practice
 //! software fetches it from there and deletes it.
 //!
-//! A missing file has been fetched, so the folder does not tell what was handed over; a register in the
+//! A missing file has been fetched, so the folder does not show what was handed over; a register in the
 //! station's state folder does. A result is staged beside the exchange folder's files and synced, then
 //! registered, then given its name. So each point at which a crash can interrupt this has one meaning:
 //!

@@ -83,7 +83,7 @@ impl Hl7Store {
     /// Its name in the journal.
     pub const NAME: &str = "hl7";
 
-    /// Messages as `rules` says, on this way; what was sent is noted in the state folder.
+    /// A store of messages by `rules`, on this way; what was sent is noted in the state folder.
     pub fn new(way: Hl7Way, rules: Hl7Rules, state_dir: &Path) -> Hl7Store {
         let sent = SentMessages::in_state(state_dir);
         Hl7Store { way, rules, sent, station: String::new() }

@@ -7,7 +7,7 @@ use gaiter_record::archive::WordFault;
 
 /// Why a server does not take a record now. It may later, so it is asked again.
 ///
-/// What a server says is reported in one line, without the patient's id and the station's credentials.
+/// A server's message is reported in one line, without the patient's id and the station's credentials.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerFault {
     /// It gave no answer.
@@ -23,14 +23,14 @@ pub enum ServerFault {
     #[error("the server does not let the station do this ({status}): {why}")]
     Forbidden {
         status: u16,
-        /// What the server says.
+        /// The server's message.
         why: String,
     },
     /// It is busy, or has a fault of its own.
     #[error("the server cannot do it now ({status}): {why}")]
     Busy {
         status: u16,
-        /// What the server says.
+        /// The server's message.
         why: String,
     },
     /// There is no token to be let in with.
@@ -63,7 +63,7 @@ pub enum TokenFault {
     #[error("the server answers {status}: {why}")]
     Refused {
         status: u16,
-        /// What the server says.
+        /// The server's message.
         why: String,
     },
     /// The station's key is none that can sign.
@@ -78,7 +78,7 @@ pub enum TokenFault {
 }
 
 impl ServerFault {
-    /// Whether a server that works may say so of one record, such as one that is locked there.
+    /// Whether a working server may answer so for one record, such as one that is locked there.
     pub fn is_of_a_record(&self) -> bool {
         match self {
             ServerFault::Later(_) | ServerFault::Answer(_) => true,

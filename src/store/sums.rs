@@ -1,4 +1,4 @@
-//! `SHA256SUMS`: tells whether a record folder is complete.
+//! `SHA256SUMS`: shows whether a record folder is complete.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -169,7 +169,7 @@ fn a_scan_that_is_there_is_a_receipt_if_its_length_is_right_or_nobody_may_ask() 
         let (port, requests) = serve_answers(vec![there.clone(), head, done(), there.clone()]);
         let station = Station::at(port, requests, Ok(cropped()));
         let put = station.put();
-        // The last answer is about the announcement, which is told anew.
+        // The last answer is about the announcement, which is told again.
         let Err(StoreFault::Server(fault)) = put else { panic!("{put:?}") };
         assert!(fault.is_of_a_record(), "{fault}");
         let asked = station.asked();

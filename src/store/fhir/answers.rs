@@ -26,7 +26,7 @@ impl Asked {
         answers.iter().zip(entries).map(|(of, entry)| one(of, entry.kind())).collect()
     }
 
-    /// The answers to so many entries, all of them done.
+    /// The answers to this many entries, all of them done.
     pub(super) fn all<'a>(
         answer: &'a Value,
         count: usize,
@@ -98,7 +98,7 @@ pub(super) fn outcome_of(status: u16, answer: &Value, secret: &[&str]) -> StoreF
 }
 
 /// A fault of a transaction that replaces what was read before. If another changed it meanwhile, the next try
-/// reads it anew.
+/// reads it again.
 pub(super) fn of_replacing(fault: StoreFault) -> StoreFault {
     match fault {
         StoreFault::Permanent(Rejection::ServerRefused { status: 412, why }) => {

@@ -9,10 +9,10 @@ use super::answers::{Asked, reference};
 use crate::store::server::ServerFault;
 use crate::store::{Rejection, StoreFault};
 
-/// The kind that says of a whole record whether it holds.
+/// The kind that states whether a whole record is valid.
 pub(super) const REPORT: &str = "DiagnosticReport";
 
-/// The kinds of resources that say something about a patient's legs. A device says nothing about a patient.
+/// The kinds of resources with data about a patient's legs. A device has none.
 const KINDS: [&str; 3] = ["Observation", REPORT, "DocumentReference"];
 
 /// The most resources of a kind that a search asks for: more than a record has.
@@ -128,7 +128,7 @@ impl FhirStore {
         Identifier { system: self.rules.identifiers.clone(), value }
     }
 
-    /// The revision that a resource of the server is of; 0 if it does not say.
+    /// The revision that a resource of the server is of; 0 if it does not state it.
     fn revision_of(&self, resource: &Value, key: &FhirKey) -> u32 {
         let prefix = key.part("r");
         let own = resource["identifier"].as_array().into_iter().flatten();

@@ -16,7 +16,7 @@ impl FhirStore {
     /// The reference of the patient of this id: `Patient/17`.
     pub(super) fn subject(&self, id: &str) -> Result<String, StoreFault> {
         let identifier = Identifier { system: self.server.patients.clone(), value: id.to_owned() };
-        // Servers repeat the address in what they say.
+        // Servers repeat the address in their messages.
         let secret = [identifier.query(), id.to_owned()];
         let secret = secret.each_ref().map(String::as_str);
         let found = self.found("Patient", &identifier, PATIENTS_MOST, &secret)?;

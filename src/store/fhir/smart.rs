@@ -25,7 +25,7 @@ use crate::store::server::{ServerFault, TokenFault};
 /// How long a statement holds, s: five minutes at most, by the specification.
 const STATEMENT_S: i64 = 240;
 
-/// How long a token holds whose end the server does not tell: short enough that it is renewed in time.
+/// How long a token is valid if the server does not state its end: short enough that it is renewed in time.
 const LASTS_USUALLY: Duration = Duration::from_secs(120);
 
 /// A token is never used for longer.
@@ -85,7 +85,7 @@ fn asked(
     if answer.is_success() {
         return Ok(json);
     }
-    // OAuth tells an error by a code and a sentence (RFC 6749, 5.2).
+    // OAuth reports an error as a code and a sentence (RFC 6749, 5.2).
     let told = [&json["error"], &json["error_description"]].map(|part| part.as_str());
     let told: Vec<&str> = told.into_iter().flatten().collect();
     let why = match told.is_empty() {

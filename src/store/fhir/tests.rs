@@ -283,7 +283,7 @@ fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
     store.withdraw(&scan, Some("4711"), None, None).unwrap();
     assert_eq!(requests.try_iter().count(), 3);
 
-    // Another changed it between the search and the transaction: the next try reads it anew.
+    // Another changed it between the search and the transaction: the next try reads it again.
     let changed = outcome("412 Precondition Failed", "version");
     let (store, _requests) = answered(vec![holds, found(&[]), found(&[]), changed]);
     let fault = store.withdraw(&scan, Some("4711"), None, None).unwrap_err();

@@ -19,7 +19,7 @@ use crate::store::{
 /// The beginning of the name of a file with measures that people set in a record that was withdrawn.
 const SET_BY_HAND: &str = "set-by-hand";
 
-/// Errors that say that one record cannot leave its place, and nothing about the store.
+/// Errors that mean that one record cannot leave its place; the store itself works.
 pub(super) const KEEPS_IT: [ErrorKind; 6] = [
     ErrorKind::AlreadyExists,
     ErrorKind::DirectoryNotEmpty,
@@ -213,7 +213,7 @@ fn keep(
     Ok(())
 }
 
-/// The names that a note of a record may get elsewhere: its own, that which says where it is from, and
+/// The names that a note of a record may get elsewhere: its own, one that states where it is from, and
 /// numbered ones. What an earlier move put before its own is left out, so that names do not grow.
 fn names(name: &OsStr, record: &str) -> impl Iterator<Item = OsString> {
     let own = name.to_str().and_then(|name| own_name(name, record)).map_or(name, OsStr::new);

@@ -72,7 +72,7 @@ impl ExchangeFolder {
         Ok(folder)
     }
 
-    /// Reports whether a result is staged. Only the folder that was begun can say that it is not.
+    /// Reports whether a result is staged. Only the folder that was begun can show that it is not.
     pub fn is_staged(&self, key: &str) -> Result<bool, StoreFault> {
         let folder = self.opened()?;
         match statat(&folder, file_name(key), AtFlags::SYMLINK_NOFOLLOW) {

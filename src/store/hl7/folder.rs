@@ -80,7 +80,7 @@ impl MessageFolder {
         let staged = self.staged_file(key, control);
         match fs::rename(&staged, self.message(control)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                // Only the folder that was begun can say that it is not there.
+                // Only the folder that was begun can show that it is not there.
                 self.reach()?;
                 if staged.exists() {
                     return tried("renaming", &staged, Err(error));

@@ -57,7 +57,7 @@ impl Receiver<'_> {
     /// A connection, on which nothing was sent yet.
     pub fn connected(&self) -> Result<Connection, HttpFault> {
         let until = Instant::now() + self.limit;
-        // Read first: without its certificates a connection is of no use.
+        // Read first: without its certificates a connection is useless.
         let config = self.tls.map(tls::trust).transpose()?;
         let stream = self.tcp(until)?;
         let stream = Timed { stream, until };
@@ -123,7 +123,7 @@ impl Receiver<'_> {
         match (source.kind(), phase) {
             (io::ErrorKind::TimedOut, _) => HttpFault::TimedOut { limit: self.limit },
             (_, Phase::Connect) => HttpFault::Connect { host, source },
-            // As rustls tells an alert of the receiver, such as that it wants a certificate.
+            // How rustls reports an alert of the receiver, such as that it wants a certificate.
             (io::ErrorKind::InvalidData, _) | (_, Phase::Handshake) => {
                 HttpFault::Tls { host, source }
             }
@@ -173,7 +173,7 @@ impl Connection {
         }
     }
 
-    /// Says good-bye as the protocol wants it, whatever the receiver makes of that.
+    /// Closes the connection as the protocol requires, whatever the receiver does with that.
     fn close(self) {
         if let Connection::Encrypted(mut stream) = self {
             stream.conn.send_close_notify();
@@ -218,7 +218,7 @@ fn left(until: Instant) -> io::Result<Duration> {
     }
 }
 
-/// The system says of a wait that has ended that it would have to wait on.
+/// A wait that has ended is reported by the system as one that would block.
 fn timed_out(error: io::Error) -> io::Error {
     match error.kind() {
         io::ErrorKind::WouldBlock => io::ErrorKind::TimedOut.into(),

@@ -20,7 +20,7 @@ use crate::store::sums;
 enum Mode {
     Accept,
     Refuse,
-    /// It says that the record is locked.
+    /// It answers that the record is locked.
     Locked,
     /// It answers nothing and keeps the connection.
     Silent,
@@ -81,7 +81,7 @@ impl Receiving {
     }
 }
 
-/// OBX-3 and OBX-11 of each observation of a message: its code, and what the message says about it.
+/// OBX-3 and OBX-11 of each observation of a message: its code, and its status in the message.
 fn observations(message: &str) -> Vec<(String, String)> {
     let observations = message.split('\r').filter(|segment| segment.starts_with("OBX|"));
     let fields = observations.map(|obx| obx.split('|').collect::<Vec<_>>());

@@ -1,4 +1,5 @@
-//! Measures that a person sets: a further revision of the record with what was set beside what the scan says.
+//! Measures that a person sets: a further revision of the record with what was set beside the scan's
+//! measures.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -33,7 +34,7 @@ pub enum AmendRecordFault {
     /// It cannot be read.
     #[error(transparent)]
     Stored(#[from] StoredFault),
-    /// What is to be set is not possible.
+    /// The value to set is not possible.
     #[error(transparent)]
     Amend(#[from] AmendFault),
     /// It was made by another version, and would lose figures if this one wrote it.

@@ -1,8 +1,8 @@
 //! The records of one patient in a store: the latest revision of each scan.
 //!
-//! The store has a folder for each patient, so nothing else has to be listed, and nothing that is remembered
-//! can be out of date: what a person removes or moves is not there when it is asked for. A station that delivered
-//! it still knows of it, and says so.
+//! The store has a folder for each patient, so nothing else has to be listed, and nothing that is remembered can
+//! be out of date: what a person removes or moves is not there when it is asked for. A station that delivered it
+//! still knows it, and reports that.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub struct PlacedRecord {
 #[derive(Debug)]
 pub struct UnusableRecord {
     pub folder: PathBuf,
-    /// What the folder's name says.
+    /// The content of the folder's name.
     name: RecordName,
     pub fault: StoredFault,
 }
