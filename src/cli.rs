@@ -113,7 +113,7 @@ pub fn print_to(mut out: impl Write, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// The exit of a verb after it printed this; if it could not, it is told.
+/// The exit of a verb after it printed this; a failure to print is reported.
 pub fn exit_of_printing(what: &str, printed: io::Result<()>) -> Exit {
     match printed {
         Ok(()) => Exit::Done,
@@ -148,7 +148,7 @@ pub fn terminal_safe(text: impl Display) -> String {
 /// usual place.
 ///
 /// # Errors
-/// The exit of the verb if it cannot be read or has faults; all are told.
+/// The exit of the verb if it cannot be read or has faults; all are printed.
 pub fn config_if_any(path: &Path) -> Result<Option<Config>, Exit> {
     match config::read(path) {
         Ok(config) => Ok(Some(config)),

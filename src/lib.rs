@@ -13,7 +13,7 @@
 //! | [`gaiter_leg`] | scan → leg reports: the paper, a folder per step |
 //! | [`gaiter_cad`] | surface → CAD files and meshes |
 //! | [`gaiter_toml`] | what people write in TOML → values, or every fault with its place |
-//! | [`gaiter_sizes`] | garments, size tables and what a table says about a leg; no records |
+//! | [`gaiter_sizes`] | garments, size tables and their verdicts on a leg; no records |
 //! | [`gaiter_record`] | reports → record: JSON, CSV, pictures, the report that people read |
 //! | [`gaiter_visits`] | records of one patient → what changed between visits |
 //! | [`gaiter_flow`] | the station's decisions as functions of state and `now` |

@@ -277,7 +277,7 @@ impl<'a> Delivery<'a> {
     }
 }
 
-/// A record in a store, as far as its place tells.
+/// A record in a store, as far as its place shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FoundRecord {
     pub scan: ScanId,
@@ -309,8 +309,8 @@ pub struct Receipt {
     pub already_there: bool,
 }
 
-/// Treats an I/O error of a store as transient: disks fill and empty, shares go and come back. What is in
-/// the way of one record is told apart where the record is known.
+/// Treats an I/O error of a store as transient: disks fill and empty, shares go and come back. What is in the
+/// way of one record is distinguished where the record is known.
 fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, StoreFault> {
     result.map_err(|source| StoreFault::Transient { what, path: path.to_owned(), source })
 }

@@ -1,4 +1,4 @@
-//! `[store.gdt]` and `[patient.orders]`: practice software that speaks GDT.
+//! `[store.gdt]` and `[patient.orders]`: practice software with GDT.
 
 use std::path::PathBuf;
 use std::time::Duration;

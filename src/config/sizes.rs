@@ -1,4 +1,4 @@
-//! `[sizes]`, `[orders]`, and the garments of `[report]`: what stands in files of its own.
+//! `[sizes]`, `[orders]`, and the garments of `[report]`: what is in files of its own.
 
 pub mod beside;
 
@@ -9,7 +9,7 @@ use self::beside::{Files, TextFile};
 use super::fault::What;
 use super::parse::{self, Absent, Found, Reader};
 
-/// The most bytes of all files together: every measuring process gets what they say before its scan.
+/// The most bytes of all files together: every measuring process gets their content before its scan.
 const BYTES_MOST: usize = 4 << 20;
 
 /// The garments that can be ordered.

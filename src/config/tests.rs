@@ -22,7 +22,7 @@ fn keys() -> Vec<Key> {
     reader.keys
 }
 
-/// The key and the value of a line that sets one and says nothing else.
+/// The key and the value of a line that sets one and has nothing else.
 fn setting(line: &str) -> Option<(&str, &str)> {
     line.split_once(" = ").filter(|_| DeTable::parse(line).is_ok())
 }

@@ -206,7 +206,7 @@ fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlac
     (made(), device)
 }
 
-/// What is sent for each signal; signals without a text are left out. A pause without a text is told as
+/// What is sent for each signal; signals without a text are left out. A pause without a text is sent as
 /// attention: a light must not stay green through it.
 fn say(reader: &mut Reader) -> Option<Say> {
     let said = SAY.map(|key| reader.text(key, Absent::Default(""), port::bytes));

@@ -20,7 +20,7 @@ use crate::store::Access;
 /// What happens to an export for which nobody pressed the button or named a patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WithoutTrigger {
-    /// It is processed as its file name says.
+    /// It is processed by its file name.
     Process,
     /// It is held until the operator decides.
     Hold,

@@ -15,7 +15,7 @@ pub struct FhirStoreConfig {
     pub server: FhirServer,
     /// The system of the identifiers of what is sent.
     pub identifiers: String,
-    /// Files of the record that go along.
+    /// Files of the record that are sent with it.
     pub attach: Vec<String>,
 }
 
