@@ -41,7 +41,7 @@ pub use exit::Exit;
 pub fn main() -> ExitCode {
     let exit = match Args::of_process() {
         Ok(args) => dispatch(args.verb),
-        Err(said) => explain(&said),
+        Err(error) => explain(&error),
     };
     exit.into()
 }
@@ -82,12 +82,12 @@ fn dispatch(verb: Verb) -> Exit {
 
 /// Prints clap's message. Requested help and version text are no fault. For everything else the
 /// documented exit code is used, not clap's 2.
-fn explain(said: &clap::Error) -> Exit {
-    let asked_for = !said.use_stderr();
+fn explain(error: &clap::Error) -> Exit {
+    let asked_for = !error.use_stderr();
     // clap writes to a closed pipe without a panic, and then no reader is left.
-    let _ = said.print();
+    let _ = error.print();
     let is_patient = std::env::args_os().nth(1).is_some_and(|verb| verb == "patient");
-    if said.kind() == ErrorKind::InvalidSubcommand && is_patient {
+    if error.kind() == ErrorKind::InvalidSubcommand && is_patient {
         complain("  hint: gaiter patient set asks for the id of the next patient");
     }
     if asked_for { Exit::Done } else { Exit::Usage }

@@ -68,7 +68,7 @@ impl AskFault {
     }
 
     /// The fault in a sentence.
-    pub fn said(&self, language: Language) -> String {
+    pub fn in_words(&self, language: Language) -> String {
         let because = |key, why: &dyn Display| language.filled(key, &[("why", why)]);
         match self {
             AskFault::Config(error) => error.to_string(),
@@ -130,7 +130,7 @@ impl AskFault {
 
 impl Display for AskFault {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.said(Language::En))
+        out.write_str(&self.in_words(Language::En))
     }
 }
 
@@ -208,7 +208,7 @@ pub fn language(config: &Path) -> Language {
 /// Sends a request, prints the answer, and returns the exit that `exit` derives from it. `taken`
 /// extracts the value from the answer, which `--json` prints, and `table` renders it for people in the
 /// station's language.
-pub fn told<T: Serialize>(
+pub fn answered<T: Serialize>(
     args: &AskArgs,
     request: &Request,
     taken: impl FnOnce(ControlAnswer) -> Option<T>,
@@ -241,7 +241,7 @@ pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
     let table = |answer: &serde_json::Value, _| {
         format!("{}\n", terminal_safe(answer["sentence"].as_str().unwrap_or_default()))
     };
-    told(args, request, taken, table, |_| Exit::Done)
+    answered(args, request, taken, table, |_| Exit::Done)
 }
 
 /// Prints why there is no answer, with `--json` as an object.
@@ -256,7 +256,7 @@ pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
         return explain_config(error);
     }
     let language = language(&args.config);
-    complain(format_args!("gaiter: {}", terminal_safe(fault.said(language))));
+    complain(format_args!("gaiter: {}", terminal_safe(fault.in_words(language))));
     if let Some(hint) = fault.hint(language) {
         complain(format_args!("  {}: {hint}", language.text("terminal.hint")));
     }

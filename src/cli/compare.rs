@@ -16,7 +16,7 @@ use jiff::Zoned;
 use self::known::known;
 use super::args::{CompareArgs, CompareChoice};
 use super::ask::read_patient;
-use super::report::{self, placed, told};
+use super::report::{self, placed, written};
 use super::terminal::{self, screen};
 use super::{Exit, complain, config_if_any, exit_of_printing, print, report_choice, terminal_safe};
 use crate::config::{Config, FolderStoreConfig};
@@ -186,7 +186,7 @@ fn compared(
     let printed = match (&how.out, how.json) {
         (Some(out), _) => {
             let paths = placed(&files(&report, how.paper, json)?, out, how.force)?;
-            print(told(&paths, false))
+            print(written(&paths, false))
         }
         (None, true) => print(json),
         (None, false) => {

@@ -145,21 +145,21 @@ async fn show(
 ) -> Result<(), DemoFault> {
     let export_dir = config.scanner.export_dirs[0].clone();
     let state_dir = config.station.state_dir.clone();
-    let (tell, mut events) = unbounded_channel();
+    let (sender, mut events) = unbounded_channel();
     let (stop, stopped) = oneshot::channel::<()>();
     let asked = async {
         // A dropped sender ends the station too.
         let _ = stopped.await;
     };
-    let station = tokio::spawn(station::run(config, Orders::stop_only(asked), Some(tell)));
+    let station = tokio::spawn(station::run(config, Orders::stop_only(asked), Some(sender)));
     let button = Arc::new(Mutex::new(button));
     let exports = exports(&export_dir)?;
-    let teller = Teller::new(exports.len(), json);
+    let printer = DemoPrinter::new(exports.len(), json);
     let exports = exports.into_iter();
     let expected: Vec<Expected> =
-        exports.map(|export| scan(export, Arc::clone(&button), teller.clone())).collect();
-    let watched = timeout(PATIENCE, watch(&mut events, &expected, &teller)).await;
-    drop(teller);
+        exports.map(|export| scan(export, Arc::clone(&button), printer.clone())).collect();
+    let watched = timeout(PATIENCE, watch(&mut events, &expected, &printer)).await;
+    drop(printer);
     drop(stop);
     let ended = station.await.map_err(io::Error::other)?;
     let seen = match (watched, ended) {
@@ -177,27 +177,27 @@ async fn show(
 fn scan(
     DemoExport { export, expected, after }: DemoExport,
     button: Arc<Mutex<Option<SimulatedButton>>>,
-    teller: Teller,
+    printer: DemoPrinter,
 ) -> Expected {
     tokio::spawn(async move {
         tokio::time::sleep(after).await;
-        press(&button, &teller);
+        press(&button, &printer);
         tokio::time::sleep(SCANNING).await;
         let name = name_of(&export.path);
-        teller.say(&format!("scanner  exports {name}"));
+        printer.print(&format!("scanner  exports {name}"));
         match demo::write(export).await {
-            Ok(()) => teller.say(&format!("scanner  has exported {name}")),
+            Ok(()) => printer.print(&format!("scanner  has exported {name}")),
             Err(error) => complain(format_args!("scanner: {error}")),
         }
     });
     expected
 }
 
-fn press(button: &Mutex<Option<SimulatedButton>>, teller: &Teller) {
+fn press(button: &Mutex<Option<SimulatedButton>>, printer: &DemoPrinter) {
     let mut button = button.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(button) = button.as_mut() else { return };
     match button.press() {
-        Ok(()) => teller.say("operator presses the button"),
+        Ok(()) => printer.print("operator presses the button"),
         Err(error) => complain(format_args!("button: {error}")),
     }
 }
@@ -213,7 +213,7 @@ struct Seen {
 async fn watch(
     events: &mut UnboundedReceiver<StationEvent>,
     expected: &[Expected],
-    teller: &Teller,
+    printer: &DemoPrinter,
 ) -> Result<Seen, DemoFault> {
     let count = |wanted| expected.iter().filter(|expected| **expected == wanted).count();
     let (records, refusals) = (count(Expected::Record), count(Expected::Refusal));
@@ -222,13 +222,13 @@ async fn watch(
         let Some(event) = events.recv().await else {
             return Err(DemoFault::Unexpected("the station ended early".to_owned()));
         };
-        teller.say(&line(&event));
+        printer.print(&line(&event));
         match event {
             StationEvent::Delivered { folder, .. } => seen.records.push(folder),
             StationEvent::Refused { .. } => seen.refusals += 1,
             _ => continue,
         }
-        teller.progress.advance();
+        printer.progress.advance();
     }
     if seen.records.len() > records || seen.refusals > refusals {
         let message = format!("{} records and {} refusals", seen.records.len(), seen.refusals);
@@ -264,20 +264,20 @@ fn name_of(path: &Path) -> String {
 
 /// Prints what happens, with the seconds since the start.
 #[derive(Clone)]
-struct Teller {
+struct DemoPrinter {
     began: Instant,
     progress: Arc<Progress>,
     /// Whether standard output is for a program, so that nothing is printed.
     is_silent: bool,
 }
 
-impl Teller {
-    fn new(scans: usize, is_silent: bool) -> Teller {
+impl DemoPrinter {
+    fn new(scans: usize, is_silent: bool) -> DemoPrinter {
         let progress = Arc::new(Progress::new(scans, "scans"));
-        Teller { began: Instant::now(), progress, is_silent }
+        DemoPrinter { began: Instant::now(), progress, is_silent }
     }
 
-    fn say(&self, line: &str) {
+    fn print(&self, line: &str) {
         if self.is_silent {
             return;
         }

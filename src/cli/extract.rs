@@ -69,7 +69,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
         measured
     };
     in_order(&scans, jobs, work, |scan, measured| {
-        let told = || match (scan, measured) {
+        let outcome = || match (scan, measured) {
             (Err(fault), _) => {
                 complain(format_args!("gaiter: {fault}"));
                 (fault.exit(), None)
@@ -78,7 +78,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
             (Ok(path), Err(panic)) => run.delivered(path, Err(FileFault::Panic(panic))),
             (Ok(_), Ok(None)) => (Exit::Done, None),
         };
-        let (exit, row) = progress.aside(told);
+        let (exit, row) = progress.aside(outcome);
         worst = worst.max(exit);
         rows.extend(row);
     });
@@ -155,8 +155,8 @@ impl Run<'_> {
     /// Where a record was written, and its files.
     fn written(&self, folder: &Path, files: &[RecordFile]) -> String {
         let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-        let said = format!("written to {}: {}", terminal_safe(folder.display()), names.join(", "));
-        screen::indented(&said, "  ", self.columns)
+        let text = format!("written to {}: {}", terminal_safe(folder.display()), names.join(", "));
+        screen::indented(&text, "  ", self.columns)
     }
 }
 

@@ -90,19 +90,20 @@ fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
     let record = report::record_at(path).map_err(|fault| complained(fault.into()))?;
     if record.has_finding(NOT_VOUCHED) {
         let name = terminal_safe(path.display());
-        let said = language.filled("ordering.not_vouched", &[("record", &name), ("sums", &SUMS)]);
-        complain(format_args!("gaiter: {said}"));
+        let message =
+            language.filled("ordering.not_vouched", &[("record", &name), ("sums", &SUMS)]);
+        complain(format_args!("gaiter: {message}"));
     }
     let order = order_from_args(args, &record, &garment, last, choice.sizes.scanner_girth_mm);
     let order = order.map_err(complained)?.on(Zoned::now().date(), choice.age_max);
     let files = files(&order, mapping.as_ref(), &record, language)
         .map_err(|fault| complained(fault.into()))?;
-    open::told(&order, language).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
+    open::lines(&order, language).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
     let printed = match &args.out {
         Some(out) => {
             let paths = report::placed(&files, out, args.force);
             let paths = paths.map_err(|fault| complained(fault.into()))?;
-            print(report::told(&paths, args.json))
+            print(report::written(&paths, args.json))
         }
         None => {
             let name = OrderFile::Json.word();

@@ -36,7 +36,7 @@ pub fn reextract(args: &ReextractArgs) -> Result<Exit, Exit> {
     let intent = Intent { complete: args.complete, dry_run: args.dry_run };
     let jobs = args.jobs.unwrap_or_else(usual_jobs);
     let progress = Progress::new(records.len(), "measuring again");
-    let (mut worst, mut told) = (Exit::Done, Vec::new());
+    let (mut worst, mut entries) = (Exit::Done, Vec::new());
     let work = |family: &Family| {
         let done = again(family, &choices, intent);
         progress.advance();
@@ -44,14 +44,15 @@ pub fn reextract(args: &ReextractArgs) -> Result<Exit, Exit> {
     };
     in_order(&records, jobs, work, |family, done| {
         let done = done.unwrap_or_else(|panic| Err(ReextractFault::Panic(panic)));
-        let (exit, one) = progress.aside(|| tell(args, family, done));
+        let (exit, one) = progress.aside(|| print_entry(args, family, done));
         worst = worst.max(exit);
-        told.extend(one);
+        entries.extend(one);
     });
     drop(progress);
     if !args.json {
         let left_out = all - records.len();
-        let printed = terminal::print_painted(report(&told, records.len() - told.len(), left_out));
+        let printed =
+            terminal::print_painted(report(&entries, records.len() - entries.len(), left_out));
         worst = worst.max(exit_of_printing("the result", printed));
     }
     Ok(worst)
@@ -98,7 +99,7 @@ fn clear(records: &[Family]) {
 
 /// Prints the part of a record's result that cannot wait for the final report. Returns the exit and the
 /// report's entry.
-fn tell(
+fn print_entry(
     args: &ReextractArgs,
     family: &Family,
     done: Result<Again, ReextractFault>,

@@ -32,14 +32,14 @@ pub fn report(args: &ReportArgs) -> Result<Exit, Exit> {
         complain(format_args!("gaiter: {fault}"));
         fault.exit()
     })?;
-    print(told(&paths, args.json)).map(|()| Exit::Done).map_err(|error| {
+    print(written(&paths, args.json)).map(|()| Exit::Done).map_err(|error| {
         complain(format_args!("gaiter: the report is written, but: {error}"));
         Exit::Io
     })
 }
 
 /// The paths of the report, one line per file or as JSON.
-pub fn told(paths: &[PathBuf], as_json: bool) -> String {
+pub fn written(paths: &[PathBuf], as_json: bool) -> String {
     if as_json {
         let files: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         return format!("{}\n", json!({ "files": files }));
@@ -189,7 +189,7 @@ fn found(path: &Path) -> Result<Found, ReportFault> {
 ///
 /// # Errors
 /// See [`ReportFault`].
-pub fn told_record_at(path: &Path) -> Result<Record, ReportFault> {
+pub fn checked_record_at(path: &Path) -> Result<Record, ReportFault> {
     let record = record_at(path)?;
     if record.has_finding(NOT_VOUCHED) {
         complain(format_args!(
@@ -206,7 +206,7 @@ fn made(
     sizes: SizeChoice,
     garment: Garment,
 ) -> Result<Vec<PathBuf>, ReportFault> {
-    let record = told_record_at(&args.record)?;
+    let record = checked_record_at(&args.record)?;
     let print = Print { paper: args.paper, has_appendix: args.appendix };
     let choice =
         ReportChoice { language: args.language, garment, print, sizes, ..ReportChoice::default() };

@@ -41,7 +41,13 @@ pub fn scans(args: &ScansArgs) -> Exit {
         ControlAnswer::Scans(scans) => Some(scans),
         _ => None,
     };
-    ask::told(&args.ask, &request, taken, |scans, language| list(scans, language), |_| Exit::Done)
+    ask::answered(
+        &args.ask,
+        &request,
+        taken,
+        |scans, language| list(scans, language),
+        |_| Exit::Done,
+    )
 }
 
 /// One row per scan, newest first.
@@ -81,7 +87,7 @@ pub fn show(args: &OneArgs) -> Exit {
         ControlAnswer::Scan(whole) => Some(*whole),
         _ => None,
     };
-    ask::told(&args.ask, &request, taken, detail, |_| Exit::Done)
+    ask::answered(&args.ask, &request, taken, detail, |_| Exit::Done)
 }
 
 fn detail(whole: &Whole, language: Language) -> String {

@@ -34,7 +34,7 @@ fn print_verdicts(args: &SizesOf) -> Result<Exit, Exit> {
         [] => configured.sizes.tables,
         paths => tables(paths)?,
     };
-    let record = report::told_record_at(path).map_err(|fault| {
+    let record = report::checked_record_at(path).map_err(|fault| {
         complain(format_args!("gaiter: {fault}"));
         fault.exit()
     })?;

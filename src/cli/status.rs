@@ -42,7 +42,7 @@ const GAP: usize = 2;
 /// Queries and prints. Returns [`Exit::Io`] if the station is not ready, as `gaiter check` does.
 pub fn status(args: &AskArgs) -> Exit {
     if args.json {
-        return ask::told(args, &Request::Status, taken, |_, _| String::new(), exit);
+        return ask::answered(args, &Request::Status, taken, |_, _| String::new(), exit);
     }
     let look = match Look::take(args) {
         Ok(look) => look,
@@ -128,8 +128,9 @@ fn complained(complaint: &Complaint, language: Language, columns: Option<usize>)
         Severity::Fault => ("terminal.not_ready", terminal::BAD),
         Severity::Notice => ("terminal.note", terminal::CARE),
     };
-    let said = format!("{}: {} [{}]", language.text(key), terminal_safe(message), complaint.code);
-    let lines = wrapped(&said, columns).into_iter();
+    let sentence =
+        format!("{}: {} [{}]", language.text(key), terminal_safe(message), complaint.code);
+    let lines = wrapped(&sentence, columns).into_iter();
     let mut text: String = lines.map(|line| painted(colour, line) + "\n").collect();
     let before = format!("    {}: ", language.text("terminal.do"));
     let indent = before.chars().count();
@@ -232,7 +233,7 @@ fn around(status: &Status, now: Timestamp, language: Language) -> Vec<(String, S
     let mut rows = vec![(text("terminal.label.intake"), intake)];
     rows.extend(status.sources.iter().map(|source| {
         let label = language.filled("terminal.label.export", &[("number", &source.export_dir)]);
-        (label, said_of(source, now, language))
+        (label, state_of(source, now, language))
     }));
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
         (text("terminal.label.trigger"), of_port(port, trigger, now, language))
@@ -263,12 +264,12 @@ fn of_port(port: &str, trigger: &TriggerStatus, now: Timestamp, language: Langua
     ];
     let state = language.filled("terminal.port.state", &words);
     let state = with_why(state, trigger.cause.as_ref(), language);
-    let heard = match (trigger.presses, trigger.ids) {
+    let received = match (trigger.presses, trigger.ids) {
         (presses, 0) => language.filled("terminal.port.presses", &[("count", &presses)]),
         (_, ids) => language.filled("terminal.port.ids", &[("count", &ids)]),
     };
     let garbage = language.filled("terminal.port.garbage", &[("count", &trigger.garbage)]);
-    [state, heard, garbage].join(", ")
+    [state, received, garbage].join(", ")
 }
 
 /// A state with the reason for it.
@@ -300,7 +301,7 @@ fn at_booth(status: &Status, language: Language) -> String {
 }
 
 /// The state of one export folder.
-fn said_of(source: &SourceStatus, now: Timestamp, language: Language) -> String {
+fn state_of(source: &SourceStatus, now: Timestamp, language: Language) -> String {
     let counted = |key, count: usize| language.filled(key, &[("count", &count)]);
     let state = language.word("page.part.folder_state", &source.state);
     let state = match source.state.as_str() {

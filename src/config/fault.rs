@@ -100,7 +100,7 @@ pub enum What {
     LoosePattern(&'static str),
     /// A port on which neither a line nor a contact counts as a press.
     #[error("has neither tokens nor a contact: no press could be detected")]
-    NothingToHear,
+    NoInput,
     /// The button and the id reader use the same port.
     #[error("is also the port of patient.reader")]
     SamePort,
@@ -174,7 +174,7 @@ impl Hint for What {
             What::LoosePattern(_) => {
                 "name the characters an id may hold and how many: '[A-Z]?[0-9]{1,12}'".into()
             }
-            What::NothingToHear => r#"write tokens = ["PRESS"] or contact = "cts""#.into(),
+            What::NoInput => r#"write tokens = ["PRESS"] or contact = "cts""#.into(),
             What::SamePort => "a port can have only one use: remove one".into(),
             What::Without(key) => format!("set {key} too"),
             What::PhantomGirths(_) => {

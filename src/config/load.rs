@@ -127,8 +127,8 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     if let (Some(up), Some(facing)) = (&up, &facing)
         && faces_up_or_down(up.value, facing.value)
     {
-        let (up, said) = (spelt(UPS, up.value), spelt(FACINGS, facing.value));
-        let what = What::FacesUpOrDown { facing: said, up };
+        let (up, faces) = (spelt(UPS, up.value), spelt(FACINGS, facing.value));
+        let what = What::FacesUpOrDown { facing: faces, up };
         reader.note(facing.at.clone(), "scanner.facing", what);
     }
 

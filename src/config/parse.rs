@@ -143,8 +143,8 @@ pub(super) fn full_path(text: &str) -> Result<PathBuf, What> {
 
 fn regex(text: &str) -> Result<Regex, What> {
     Regex::new(text).map_err(|error| {
-        let said = error.to_string();
-        let last = said.lines().last().unwrap_or_default();
+        let message = error.to_string();
+        let last = message.lines().last().unwrap_or_default();
         What::NotARegex(last.trim_start_matches("error: ").into())
     })
 }

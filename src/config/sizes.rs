@@ -87,9 +87,9 @@ fn read_files<T>(
         };
         let bytes = files.bytes + found.iter().map(|file| file.text.len()).sum::<usize>();
         if bytes > BYTES_MOST {
-            let said =
+            let message =
                 format!("garments, size tables and mappings have more than {BYTES_MOST} bytes");
-            note(What::NamedFile(said));
+            note(What::NamedFile(message));
             continue;
         }
         files.bytes = bytes;

@@ -174,7 +174,7 @@ fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<Seria
     if let Some(Found { value: Some(_), at }) = &place
         && deaf
     {
-        reader.note(at.clone(), key, What::NothingToHear);
+        reader.note(at.clone(), key, What::NoInput);
     }
     let texts = |tokens: Vec<Found<String>>| tokens.into_iter().map(|token| token.value).collect();
     let tokens = Tokens { short: texts(short), long: texts(long) };
@@ -209,10 +209,10 @@ fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlac
 /// What is sent for each signal; signals without a text are left out. A pause without a text is sent as
 /// attention: a light must not stay green through it.
 fn say(reader: &mut Reader) -> Option<Say> {
-    let said = SAY.map(|key| reader.text(key, Absent::Default(""), port::bytes));
+    let texts = SAY.map(|key| reader.text(key, Absent::Default(""), port::bytes));
     let mut say = Say::new();
-    for (signal, said) in Signal::ALL.into_iter().zip(said) {
-        let bytes = said?.value;
+    for (signal, text) in Signal::ALL.into_iter().zip(texts) {
+        let bytes = text?.value;
         if !bytes.is_empty() {
             say.insert(signal, bytes);
         }

@@ -128,8 +128,10 @@ fn recover<'a>(
         }
         custody.journal().filled()?;
         error!(event = "journal-rebuilt", why, adopted, quarantined);
-        let alarm =
-            Alarm { figures: ComplaintFigures::why(&Cause::said(why)), since: Timestamp::now() };
+        let alarm = Alarm {
+            figures: ComplaintFigures::why(&Cause::verbatim(why)),
+            since: Timestamp::now(),
+        };
         facts.alarms.insert("journal-rebuilt", alarm);
     }
     // After the scans, which a lost journal must learn of first.

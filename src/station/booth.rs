@@ -109,7 +109,7 @@ impl Inner {
         let mut captures =
             Rounds::new(rules, waiting, names.unwrap_or_default()).with_taken(taken.collect(), now);
         if buttons.is_empty() {
-            captures.hears(Duration::ZERO);
+            captures.receives(Duration::ZERO);
         }
         let next_number = journal.next_capture()?;
         let mut in_work = BTreeMap::new();
@@ -200,7 +200,7 @@ impl Booth {
     }
 
     /// Passes on who is next, and whose exports are awaited. Blocks.
-    pub fn who_is_next<T>(&self, tell: impl FnOnce(Situation<'_>) -> T) -> T {
+    pub fn who_is_next<T>(&self, then: impl FnOnce(Situation<'_>) -> T) -> T {
         let state = self.state();
         let has_button = !self.core.config.buttons().is_empty();
         let mut inner = self.inner();
@@ -216,7 +216,7 @@ impl Booth {
         let is_asked = inner.captures.asks_who();
         let held_next = inner.captures.held_next(self.core.now());
         drop(inner);
-        tell(Situation {
+        then(Situation {
             signal: state.signal,
             has_button,
             is_button_away,

@@ -142,7 +142,7 @@ impl Core {
     pub fn check_corruption(&self, error: &(dyn std::error::Error + 'static)) {
         match JournalError::among_causes(error) {
             Some(fault) if fault.is_ruin() => self.ruin.notify_one(),
-            Some(fault) if fault.is_suspicious() => self.suspicion.tell(chain(error)),
+            Some(fault) if fault.is_suspicious() => self.suspicion.raise(chain(error)),
             _ => {}
         }
     }

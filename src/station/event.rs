@@ -61,7 +61,7 @@ pub struct Observer(pub Option<UnboundedSender<StationEvent>>);
 
 impl Observer {
     /// Sends an event. A receiver that is gone is not an error.
-    pub fn tell(&self, event: StationEvent) {
+    pub fn notify(&self, event: StationEvent) {
         if let Some(sender) = &self.0 {
             let _ = sender.send(event);
         }

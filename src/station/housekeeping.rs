@@ -19,7 +19,7 @@ use super::custody::CustodyFault;
 use super::overview::Overview;
 use super::persons::erase;
 use super::runtime::{Heartbeat, Stop, chain};
-use super::service::{status_line, tell_status};
+use super::service::{notify_status, status_line};
 
 /// Interval between deletions.
 const ROUND: Duration = Duration::from_secs(3600);
@@ -42,7 +42,7 @@ const REFUSES: &str = "journal-refuses";
 /// If a round panicked.
 pub async fn worker(core: Arc<Core>, beat: Heartbeat, mut stop: Stop) -> Result<(), JoinError> {
     let mut next = core.now();
-    let (mut next_status, mut said) = (core.now(), String::new());
+    let (mut next_status, mut last_status) = (core.now(), String::new());
     let (mut next_check, mut wall_clock) = (Duration::ZERO, WallClock::default());
     while !stop.is_requested() {
         beat.beat();
@@ -61,15 +61,15 @@ pub async fn worker(core: Arc<Core>, beat: Heartbeat, mut stop: Stop) -> Result<
             next_status = core.now() + STATUS;
             let core = Arc::clone(&core);
             let line = spawn_blocking(move || status_line(&Overview::take(&core))).await?;
-            if line != said {
-                tell_status(&line);
-                said = line;
+            if line != last_status {
+                notify_status(&line);
+                last_status = line;
             }
         }
         tokio::select! {
             () = stop.requested() => break,
             () = sleep(HEARTBEAT_INTERVAL) => {}
-            () = core.suspicion.told(), if core.now() >= next_check => {
+            () = core.suspicion.raised(), if core.now() >= next_check => {
                 next_check = core.now() + CHECK_PAUSE;
                 let core = Arc::clone(&core);
                 spawn_blocking(move || check_journal(&core)).await?;
@@ -115,7 +115,7 @@ fn check_journal(core: &Core) {
         Ok(()) => {
             error!(event = "journal-refuses", error = why);
             let alarm = Alarm {
-                figures: ComplaintFigures::why(&Cause::said(why)),
+                figures: ComplaintFigures::why(&Cause::verbatim(why)),
                 since: Timestamp::now(),
             };
             core.board.note(|facts| _ = facts.alarms.entry(REFUSES).or_insert(alarm));

@@ -164,13 +164,13 @@ async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) 
             () = &mut *stop => return true,
             () = &mut length => return false,
             // Nothing is running that could hang.
-            _ = watchdog.tick() => service::tell_alive(),
+            _ = watchdog.tick() => service::notify_alive(),
         }
     }
 }
 
 /// Warns of size tables that are no longer valid: reports still show them, with a note.
-fn tell_expired_tables(config: &Config) {
+fn warn_of_expired_tables(config: &Config) {
     let today = Zoned::now().date();
     for table in config.tables.iter().filter(|table| table.is_expired(today)) {
         warn!(event = "size-table-expired", table = table.id);
@@ -184,7 +184,7 @@ async fn generation(
     stop: &mut (impl Future<Output = ()> + Unpin),
     reload: &mut mpsc::Receiver<Reload>,
 ) -> Result<GenerationEnd, StationError> {
-    tell_expired_tables(&station.core.config);
+    warn_of_expired_tables(&station.core.config);
     let (stopper, asked) = Stopper::new();
     let (mut workers, looked) = Workers::start(station, resources, &asked);
     let ready = async {
@@ -192,8 +192,8 @@ async fn generation(
             warn!(event = "first-look-outstanding");
         }
         info!(event = "station-ready");
-        service::tell_ready();
-        station.core.observer.tell(StationEvent::Ready);
+        service::notify_ready();
+        station.core.observer.notify(StationEvent::Ready);
     };
     let turn = {
         tokio::pin!(ready);
@@ -217,7 +217,7 @@ async fn generation(
                 // The watchdog is fed only while no worker hangs.
                 _ = watchdog.tick() => match workers.hung(HUNG) {
                     Some(worker) => error!(event = "worker-hangs", %worker),
-                    None => service::tell_alive(),
+                    None => service::notify_alive(),
                 },
             }
         }
@@ -247,7 +247,7 @@ async fn wind_up(
         turn => turn,
     };
     if matches!(turn, Ok(GenerationEnd::Stop) | Err(_)) {
-        service::tell_stopping();
+        service::notify_stopping();
     }
     info!(event = "station-stopping");
     stopper.request();
@@ -287,7 +287,7 @@ async fn deliveries_over(
             // What is not over by then has the grace of all work.
             ended = &mut ended => return ended.unwrap_or(Ok(())).map(|()| false),
             // The wait has an end.
-            _ = watchdog.tick() => service::tell_alive(),
+            _ = watchdog.tick() => service::notify_alive(),
         }
     }
 }
@@ -299,7 +299,7 @@ async fn first_looks(mut looked: mpsc::Receiver<()>) {
 
 /// The configuration to continue with, accepted as a whole; `None` if the present one stays.
 fn reloaded(core: &Core, reload: Reload) -> Option<Box<Config>> {
-    service::tell_reloading();
+    service::notify_reloading();
     let refused = match reload {
         Ok(next) => match only_with_restart(core, &next) {
             None => {
@@ -313,7 +313,7 @@ fn reloaded(core: &Core, reload: Reload) -> Option<Box<Config>> {
     // The text may quote what is in the file, so it is not logged; operators can ask for it.
     warn!(event = "configuration-refused");
     core.board.note(|facts| facts.refused_reload = Some(refused));
-    service::tell_ready();
+    service::notify_ready();
     None
 }
 

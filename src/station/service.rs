@@ -7,31 +7,31 @@ use super::overview::Overview;
 use super::runtime::chain;
 
 /// Reports that scans are taken in from now on.
-pub fn tell_ready() {
-    tell(&[NotifyState::Ready]);
+pub fn notify_ready() {
+    notify(&[NotifyState::Ready]);
 }
 
-/// Reports that the configuration is read again; `tell_ready` follows when that is over.
-pub fn tell_reloading() {
+/// Reports that the configuration is read again; `notify_ready` follows when that is over.
+pub fn notify_reloading() {
     match NotifyState::monotonic_usec_now() {
-        Ok(now) => tell(&[NotifyState::Reloading, now]),
+        Ok(now) => notify(&[NotifyState::Reloading, now]),
         Err(error) => warn!(event = "notify-failed", error = chain(&error)),
     }
 }
 
 /// Reports that the station is stopping.
-pub fn tell_stopping() {
-    tell(&[NotifyState::Stopping]);
+pub fn notify_stopping() {
+    notify(&[NotifyState::Stopping]);
 }
 
 /// Reports that no worker hangs.
-pub fn tell_alive() {
-    tell(&[NotifyState::Watchdog]);
+pub fn notify_alive() {
+    notify(&[NotifyState::Watchdog]);
 }
 
 /// Reports the state of the station in one line.
-pub fn tell_status(line: &str) {
-    tell(&[NotifyState::Status(line)]);
+pub fn notify_status(line: &str) {
+    notify(&[NotifyState::Status(line)]);
 }
 
 /// The state of the station in one line: only codes and counts, because the service manager keeps it in
@@ -46,7 +46,7 @@ pub fn status_line(overview: &Overview) -> String {
     format!("not ready: {codes}; {waiting} records to be delivered; see gaiter status")
 }
 
-fn tell(states: &[NotifyState<'_>]) {
+fn notify(states: &[NotifyState<'_>]) {
     if let Err(error) = sd_notify::notify(states) {
         warn!(event = "notify-failed", %error);
     }

@@ -44,7 +44,7 @@ impl StoreFault {
             StoreFault::Transient { what, source, .. } => {
                 Cause::of_system(source).after(format_args!("{what} failed"))
             }
-            StoreFault::NotFetched | StoreFault::NoCrop(_) => Cause::said(self),
+            StoreFault::NotFetched | StoreFault::NoCrop(_) => Cause::verbatim(self),
             StoreFault::Server(fault) => fault.cause(),
             StoreFault::Permanent(rejection) => rejection.cause(),
         }
@@ -193,7 +193,7 @@ impl Rejection {
                 let names = [("code", code.clone()), ("why", why.clone())];
                 Cause::known("receiver-refuses", names)
             }
-            other => Cause::said(other),
+            other => Cause::verbatim(other),
         }
     }
 }

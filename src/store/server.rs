@@ -93,7 +93,7 @@ impl ServerFault {
 
     /// Why, for people.
     pub fn cause(&self) -> Cause {
-        let told =
+        let figures =
             |status: u16, why: &str| [("status", status.to_string()), ("why", why.to_owned())];
         match self {
             ServerFault::Http(fault) => fault.cause(),
@@ -104,9 +104,9 @@ impl ServerFault {
                 Cause::known("server-secret", [("why", fault.to_string())])
             }
             ServerFault::Forbidden { status, why } => {
-                Cause::known("server-forbids", told(*status, why))
+                Cause::known("server-forbids", figures(*status, why))
             }
-            ServerFault::Busy { status, why } => Cause::known("server-busy", told(*status, why)),
+            ServerFault::Busy { status, why } => Cause::known("server-busy", figures(*status, why)),
             ServerFault::NoToken(fault) => {
                 Cause::known("server-no-token", [("why", fault.to_string())])
             }

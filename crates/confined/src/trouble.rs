@@ -66,12 +66,12 @@ impl Trouble {
         if let Some(cpu) = too_late {
             return Trouble::Wall { limit: limits.wall, cpu };
         }
-        let said = if complaint.is_empty() { String::new() } else { format!(": {complaint}") };
+        let suffix = if complaint.is_empty() { String::new() } else { format!(": {complaint}") };
         match (status.signal(), status.code()) {
             _ if complaint.contains("memory allocation of") => Trouble::Memory(limits.memory_bytes),
             (Some(signal), _) if FROM_OUTSIDE.contains(&signal) => Trouble::Killed { signal },
-            (Some(signal), _) => Trouble::Crashed { signal, complaint: said },
-            (None, code) => Trouble::NotReady { code: code.unwrap_or(-1), complaint: said },
+            (Some(signal), _) => Trouble::Crashed { signal, complaint: suffix },
+            (None, code) => Trouble::NotReady { code: code.unwrap_or(-1), complaint: suffix },
         }
     }
 

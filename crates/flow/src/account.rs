@@ -153,8 +153,8 @@ impl Whole {
     pub fn disposition(&self) -> Disposition {
         let Whole { summary, deliveries, .. } = self;
         let deliveries = deliveries.iter();
-        let told = deliveries.map(|of| (of.state, of.patient.is_some() && of.is_there()));
-        Disposition::from_states(summary.state, summary.closed.is_some(), told)
+        let states = deliveries.map(|of| (of.state, of.patient.is_some() && of.is_there()));
+        Disposition::from_states(summary.state, summary.closed.is_some(), states)
     }
 
     /// Whether a record is to be removed from its store. One in a store that gets no other in its place is left
@@ -390,9 +390,9 @@ fn refused(scan: &str, summary: &Summary, language: Language) -> String {
         ("why", &why),
         ("closed", &closed),
     ];
-    let said = language.filled("explain.scan.refused", &words);
+    let sentence = language.filled("explain.scan.refused", &words);
     let is_ended = closed.is_empty() && why.ends_with(['?', '!']);
-    if is_ended { said } else { said + "." }
+    if is_ended { sentence } else { sentence + "." }
 }
 
 /// Why a refused or held scan no longer needs a decision, in words that follow its state; empty if it does.

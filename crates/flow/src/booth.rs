@@ -8,7 +8,7 @@ use super::round::Doubt;
 
 /// What a port has received.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Heard {
+pub enum PortEvent {
     /// The button was pressed and released, or was held for the time of a long press.
     Press(Press),
     /// The patient of the next scan was named: a card or barcode was read, or the operator entered the id.

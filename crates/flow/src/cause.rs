@@ -41,20 +41,20 @@ impl Cause {
     }
 
     /// One in English in every language: the words of a library, or a text for experts.
-    pub fn said(words: impl Display) -> Cause {
+    pub fn verbatim(words: impl Display) -> Cause {
         Cause { english: words.to_string(), is: None, names: BTreeMap::new() }
     }
 
     /// An error of the operating system. Any other error keeps its own text.
     pub fn of_system(error: &io::Error) -> Cause {
-        let said = Cause::said(error);
+        let plain = Cause::verbatim(error);
         match (error.raw_os_error(), error.kind()) {
             (Some(number), _) => {
                 let names = BTreeMap::from([("number".to_owned(), number.to_string())]);
-                Cause { is: Some(OF_SYSTEM.to_owned()), names, ..said }
+                Cause { is: Some(OF_SYSTEM.to_owned()), names, ..plain }
             }
             (None, io::ErrorKind::TimedOut) => Cause::known("timed-out", []),
-            (None, _) => said,
+            (None, _) => plain,
         }
     }
 
@@ -104,7 +104,7 @@ impl Display for Cause {
 
 impl From<&str> for Cause {
     fn from(words: &str) -> Cause {
-        Cause::said(words)
+        Cause::verbatim(words)
     }
 }
 

@@ -163,7 +163,7 @@ impl Complaint {
         let Some(what) = self.text("message", language) else { return self.code.clone() };
         match self.figures.0.get(WHY) {
             Some(ComplaintFigure::Words(why)) => {
-                let why = self.told(WHY, why, language);
+                let why = self.words_of(WHY, why, language);
                 language.filled("complaint.because", &[("what", &what), ("why", &why)])
             }
             _ => what,
@@ -218,14 +218,14 @@ impl Complaint {
                 let counts = counts.iter().map(|(why, count)| (why.word(), *count));
                 passed_over::listed(counts, language)
             }
-            (_, Some(ComplaintFigure::Words(words))) => self.told(name, words, language),
+            (_, Some(ComplaintFigure::Words(words))) => self.words_of(name, words, language),
             (_, Some(ComplaintFigure::Cause(cause))) => cause.in_words(language),
             (_, None) => NOT_KNOWN.to_owned(),
         }
     }
 
     /// The words of a figure, in the language if they are those of a cause.
-    fn told(&self, name: &str, words: &str, language: Language) -> String {
+    fn words_of(&self, name: &str, words: &str, language: Language) -> String {
         match self.figures.0.get(&format!("{name}{AS_DATA}")) {
             Some(ComplaintFigure::Cause(cause)) => cause.in_words(language),
             _ => words.to_owned(),

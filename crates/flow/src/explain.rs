@@ -57,7 +57,7 @@ pub fn of_file(facts: &Facts, path: &Path, known: Option<FileHistory>, asked: As
         return asked.language.filled(key, &[("state", &waits(file, facts.intake, asked))]);
     }
     if let Some(known) = known {
-        return said(&known, asked);
+        return known_file(&known, asked);
     }
     match source {
         Some(source) => not_seen(source, path, asked),
@@ -83,7 +83,7 @@ fn waits(file: &WaitingFile, intake: IntakeState, asked: Asked<'_>) -> String {
     language.filled(if file.overdue { "explain.waits_late" } else { "explain.waits" }, &words)
 }
 
-fn said(known: &FileHistory, asked: Asked<'_>) -> String {
+fn known_file(known: &FileHistory, asked: Asked<'_>) -> String {
     let language = asked.language;
     let state = match known.at {
         None => known.state.clone(),
@@ -93,7 +93,7 @@ fn said(known: &FileHistory, asked: Asked<'_>) -> String {
             language.filled("explain.state_at", &words)
         }
     };
-    let said = match (&known.scan, known.again_since) {
+    let sentence = match (&known.scan, known.again_since) {
         (None, _) => language.filled("explain.file", &[("state", &state)]),
         (Some(scan), None) => {
             language.filled("explain.scan_of_file", &[("scan", scan), ("state", &state)])
@@ -105,8 +105,8 @@ fn said(known: &FileHistory, asked: Asked<'_>) -> String {
         }
     };
     match known.why {
-        Some(why) => format!("{said} {why}"),
-        None => said,
+        Some(why) => format!("{sentence} {why}"),
+        None => sentence,
     }
 }
 
@@ -116,10 +116,10 @@ fn not_seen(source: &SourceFacts, path: &Path, asked: Asked<'_>) -> String {
     if let Some((place, why)) = ignored.map(|(place, ignored)| (place, ignored.why)) {
         let is_itself = place == path;
         let words = if is_itself { why.words(language) } else { why.words_within(language) };
-        let said = language.filled("explain.file", &[("state", &words)]);
+        let sentence = language.filled("explain.file", &[("state", &words)]);
         return match why.is_of_name() {
-            true => format!("{said} {}", language.text("explain.name_stays")),
-            false => said,
+            true => format!("{sentence} {}", language.text("explain.name_stays")),
+            false => sentence,
         };
     }
     if let Some(at) = source.gone.get(path) {

@@ -71,11 +71,9 @@ pub fn complaints(
     let alarms = facts.alarms.iter();
     complaints.extend(alarms.map(|(code, alarm)| Complaint::new(code, alarm.figures.clone())));
     let refused = facts.refused_reload.iter();
-    complaints.extend(
-        refused.map(|fault| {
-            Complaint::new("reload-refused", ComplaintFigures::why(&Cause::said(fault)))
-        }),
-    );
+    complaints.extend(refused.map(|fault| {
+        Complaint::new("reload-refused", ComplaintFigures::why(&Cause::verbatim(fault)))
+    }));
     complaints.extend(unfetched(facts, now));
     complaints.extend(revisions_refused(backlog));
     complaints.extend(moved(backlog));

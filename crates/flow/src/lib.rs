@@ -41,5 +41,5 @@ pub use gaiter_record::ScanId;
 pub use lifecycle::{Closed, DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
 pub use orders::{News, OrderState, OrdersWhen};
 pub use outbox::Outbox;
-pub use patient::identity::{Identity, NameSays, Verdict, Whose};
+pub use patient::identity::{Identity, StatedPatient, Verdict, Whose};
 pub use settle::{Look, LookTime, Settled, Settling};

@@ -42,7 +42,7 @@ use capture::distinct;
 pub use capture::{Capture, CaptureState, Doubt, ExportContent, Named, Opener, Rules, Why};
 use gaiter_record::SourceKind;
 pub use held_next::{HeldNext, HoldReason};
-pub use names::{Names, Next, Said, Unsure};
+pub use names::{NamedAt, Names, Next, Unsure};
 pub use outcome::{CalledOff, CaptureMatch, NamedNext, Passed};
 
 /// Finding: the export could belong to captures of different patients.
@@ -64,7 +64,7 @@ pub struct Rounds {
     missed: Vec<Named>,
     /// Patients to whom a person assigned a scan since then: their orders are used.
     decided: Vec<String>,
-    hearing: Hearing,
+    reception: Reception,
 }
 
 /// How many patients may wait, named or pressed for: more than any waiting room holds, and a program
@@ -76,7 +76,7 @@ const DOUBTS_MOST: usize = 64;
 
 /// Whether presses are received.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Hearing {
+enum Reception {
     /// A port is away.
     Deaf,
     /// Every port has been open since then.
@@ -88,14 +88,14 @@ impl Rounds {
     /// lost since the previous run.
     pub fn new(rules: Rules, open: Vec<Capture>, names: Names) -> Rounds {
         let (missed, decided) = (Vec::new(), Vec::new());
-        let (uncertain, hearing) = (None, Hearing::Deaf);
-        let mut rounds = Rounds { rules, open, names, uncertain, missed, decided, hearing };
-        rounds.unheard(|_| true);
+        let (uncertain, reception) = (None, Reception::Deaf);
+        let mut rounds = Rounds { rules, open, names, uncertain, missed, decided, reception };
+        rounds.lose_certainty(|_| true);
         rounds
     }
 
     /// Something was missed: names and these captures are no longer certain.
-    fn unheard(&mut self, of: impl Fn(&Capture) -> bool) {
+    fn lose_certainty(&mut self, of: impl Fn(&Capture) -> bool) {
         self.doubt_names(Doubt::Unheard);
         for capture in self.open.iter_mut().filter(|capture| of(capture)) {
             capture.doubt.get_or_insert(Doubt::Unheard);
@@ -104,29 +104,29 @@ impl Rounds {
 
     /// The port of a button is away: the exports of missed presses may be taken for those of others.
     pub fn deaf(&mut self) {
-        self.hearing = Hearing::Deaf;
-        self.unheard(|capture| capture.by == Opener::Press);
+        self.reception = Reception::Deaf;
+        self.lose_certainty(|capture| capture.by == Opener::Press);
     }
 
     /// A press was received but could not be kept: its export may be taken for that of another press.
     pub fn missed_press(&mut self, now: Duration) {
-        if self.hearing != Hearing::Deaf {
-            self.hearing = Hearing::Since(now);
+        if self.reception != Reception::Deaf {
+            self.reception = Reception::Since(now);
         }
-        self.unheard(|capture| capture.by == Opener::Press);
+        self.lose_certainty(|capture| capture.by == Opener::Press);
     }
 
     /// A source of names is away, or was: call it at the beginning of the gap and at its end. A press before
     /// that has its name already.
     pub fn missed_name(&mut self) {
-        self.unheard(|capture| capture.by == Opener::Name);
+        self.lose_certainty(|capture| capture.by == Opener::Name);
     }
 
     /// Every port of a button is open. A press that was missed until now may have been that of a patient who
     /// was named meanwhile.
-    pub fn hears(&mut self, now: Duration) {
-        if self.hearing == Hearing::Deaf {
-            self.hearing = Hearing::Since(now);
+    pub fn receives(&mut self, now: Duration) {
+        if self.reception == Reception::Deaf {
+            self.reception = Reception::Since(now);
             if let Some(next) = &mut self.names.next {
                 next.doubt.get_or_insert(Doubt::Unheard);
             }
@@ -178,10 +178,10 @@ impl Rounds {
 
     /// How long presses are in doubt from now on, if the button can be read; `None` while it cannot.
     pub fn doubt_left(&self, now: Duration) -> Option<Duration> {
-        match self.hearing {
+        match self.reception {
             // The export of a missed press may arrive as late as any other.
-            Hearing::Since(at) => Some((at + self.rules.awaited()).saturating_sub(now)),
-            Hearing::Deaf => None,
+            Reception::Since(at) => Some((at + self.rules.awaited()).saturating_sub(now)),
+            Reception::Deaf => None,
         }
     }
 
@@ -189,8 +189,8 @@ impl Rounds {
     pub fn pressed(&mut self, number: i64, now: Duration) -> Capture {
         self.drop_old_names(now);
         let (patient, others, doubt) = self.use_next();
-        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
-        let doubt = doubt.or(unheard);
+        let gap = self.is_in_doubt(now).then_some(Doubt::Unheard);
+        let doubt = doubt.or(gap);
         let is_unnamed = patient.is_none() && others.is_empty();
         let is_unsure = match (self.rules.orders, doubt) {
             // A patient who was ordered before the press needs no other order.
@@ -287,14 +287,14 @@ impl Rounds {
     /// The patients who were named at the booth before this export began, while the capture waits for another
     /// export after a refusal. It may be theirs if their press was forgotten.
     fn named_meanwhile(&self, capture: &Capture, export: Appeared) -> Vec<Named> {
-        let said = self.next().map_or(&[][..], |next| &next.names);
-        let is_other = |said: &&Said| {
+        let names = self.next().map_or(&[][..], |next| &next.names);
+        let is_other = |name: &&NamedAt| {
             capture.is_refused
-                && said.named.by != SourceKind::Order
-                && said.at < export.seen
-                && said.named.id != capture.patient.as_ref().map_or("", |own| &own.id)
+                && name.named.by != SourceKind::Order
+                && name.at < export.seen
+                && name.named.id != capture.patient.as_ref().map_or("", |own| &own.id)
         };
-        said.iter().filter(is_other).map(|said| said.named.clone()).collect()
+        names.iter().filter(is_other).map(|name| name.named.clone()).collect()
     }
 
     /// Which capture a content belongs to; nothing changes before [`Rounds::answer`].

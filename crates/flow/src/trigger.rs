@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! bytes ── lines ───────────────┐
-//! levels, reports, keys ── debounce ── button ──▶ Heard::Press
-//! bytes ── lines ── code ──────────────────▶ Heard::Named, Heard::Unread
-//! keys ── typed ── code ──────────────────▶ Heard::Named, Heard::Unread
+//! levels, reports, keys ── debounce ── button ──▶ PortEvent::Press
+//! bytes ── lines ── code ──────────────────▶ PortEvent::Named, PortEvent::Unread
+//! keys ── typed ── code ──────────────────▶ PortEvent::Named, PortEvent::Unread
 //! ```
 //!
 //! `now` is the station's monotonic clock. No input from a port can make anything here grow: buffers are

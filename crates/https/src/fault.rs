@@ -62,7 +62,7 @@ impl HttpFault {
     /// Why, for people.
     pub fn cause(&self) -> Cause {
         match self {
-            HttpFault::Address(fault) => Cause::said(fault),
+            HttpFault::Address(fault) => Cause::verbatim(fault),
             HttpFault::Secret(fault) => Cause::known("server-secret", [("why", fault.to_string())]),
             HttpFault::Certificates(fault) => {
                 Cause::known("server-certificates", [("why", fault.to_string())])

@@ -58,7 +58,7 @@ pub struct Common {
 
 impl Common {
     /// The causes that are known, each as a disturbance of all girths.
-    pub fn told(&self) -> Vec<Disturbance> {
+    pub fn known_causes(&self) -> Vec<Disturbance> {
         let seams = self.seams.map(Disturbance::of_seams);
         let smoothed = self.smoothed.map(Disturbance::of_smoothing);
         let coarse = self.coarse_mm.map(Disturbance::of_coarse);

@@ -64,9 +64,9 @@ pub fn leg_report(
     tilt::complete(across, sections, curve, &others);
     let covers = covers(cloth, &sections.axis);
     covers.iter().for_each(|cover| measures.disturb(cover));
-    let told = common.told();
+    let causes = common.known_causes();
     measures.doubt_uncertain_girths();
-    told.iter().for_each(|told| measures.disturb(told));
+    causes.iter().for_each(|cause| measures.disturb(cause));
     for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
@@ -113,7 +113,7 @@ pub fn leg_report(
     let mut along = at_lengths(curve, &lengths, near);
     let at_heights = at.iter_mut().chain(&mut profile).map(|at| &mut at.found);
     for girth in at_heights.chain(along.iter_mut().map(|at| &mut at.found)).flatten() {
-        let all = covers.iter().chain(&told);
+        let all = covers.iter().chain(&causes);
         all.for_each(|disturbance| disturbance.on_height(girth));
     }
     findings.about_heights(&at);

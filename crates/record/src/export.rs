@@ -53,10 +53,10 @@ impl ExportFigure {
 
     fn of_level(record: &Record, side: Side, level: Level) -> Vec<ExportFigure> {
         let Ok(measure) = Measure::find(record, side, level) else { return Vec::new() };
-        let is_told = |length: &Length| measure.mark_of(*length) != Reliability::Estimated;
+        let is_exported = |length: &Length| measure.mark_of(*length) != Reliability::Estimated;
         let lengths = [(What::Girth, Some(measure.girth)), (What::Height, measure.height)];
-        let told = lengths.into_iter().filter_map(|(what, length)| {
-            let Length { mm, sd_mm, is_by_hand } = length.filter(is_told)?;
+        let exported = lengths.into_iter().filter_map(|(what, length)| {
+            let Length { mm, sd_mm, is_by_hand } = length.filter(is_exported)?;
             let doubts: &[&str] = if is_by_hand { &[] } else { &measure.doubts };
             Some(ExportFigure {
                 side,
@@ -68,7 +68,7 @@ impl ExportFigure {
                 doubts: doubts.iter().map(|doubt| (*doubt).to_owned()).collect(),
             })
         });
-        told.collect()
+        exported.collect()
     }
 }
 

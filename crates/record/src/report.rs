@@ -53,12 +53,12 @@ pub fn grouped<K: PartialEq, V>(all: impl IntoIterator<Item = (K, V)>) -> Vec<(K
 
 /// A statement of a record in this language, and whether it is available in it. If not, as for a later
 /// version or a record without statements, the English text is used.
-fn told(statement: Option<&Statement>, english: &str, language: Language) -> (String, bool) {
+fn in_words(statement: Option<&Statement>, english: &str, language: Language) -> (String, bool) {
     if language == Language::En {
         return (english.to_owned(), true);
     }
     match statement.and_then(|statement| statement.in_words(language)) {
-        Some(told) => (told, true),
+        Some(text) => (text, true),
         None => (english.to_owned(), english.is_empty()),
     }
 }

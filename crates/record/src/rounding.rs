@@ -127,8 +127,8 @@ fn to_places(value: f64, places: i32) -> f64 {
 }
 
 /// Whether a difference is larger than its uncertainty, both as shown; never without one.
-pub(crate) fn exceeds(told: f64, margin: Option<f64>) -> bool {
-    margin.is_some_and(|margin| told.abs() > margin)
+pub(crate) fn exceeds(printed: f64, margin: Option<f64>) -> bool {
+    margin.is_some_and(|margin| printed.abs() > margin)
 }
 
 #[cfg(test)]

@@ -138,7 +138,7 @@ pub fn remarks(table: &SizeTable, today: Date, garments: &[&str]) -> Vec<Remark>
     }
     let ranges = table.sizes.iter().flat_map(|size| &size.ranges);
     let mut ranges = ranges.chain(table.lengths.iter().flat_map(|of| &of.ranges));
-    if !table.says_where_lengths_begin && ranges.any(|of| matches!(of.point, Point::Length(_))) {
+    if !table.states_where_lengths_begin && ranges.any(|of| matches!(of.point, Point::Length(_))) {
         remarks.push(Remark::NoLengthsFrom);
     }
     remarks.extend(unknown_garments(table, garments));

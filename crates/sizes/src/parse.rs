@@ -97,7 +97,7 @@ fn table(whole: Section<'_, '_>, sha256: String) -> Option<SizeTable> {
         limits: limits?,
         decides: decides?.map(|(point, _)| point),
         basis,
-        says_where_lengths_begin: from.is_some(),
+        states_where_lengths_begin: from.is_some(),
         garments: whole.list("garments"),
         required,
         variants,

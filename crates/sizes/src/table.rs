@@ -38,7 +38,7 @@ pub struct SizeTable {
     /// Whether its girths are of skin; `None` if not stated.
     pub basis: Option<Basis>,
     /// Whether the file states where lengths begin; otherwise at the floor.
-    pub says_where_lengths_begin: bool,
+    pub states_where_lengths_begin: bool,
     /// The garments it is for; empty if it is for each whose points it has.
     pub garments: Vec<String>,
     /// The points that must fit; empty if each does that a size has.

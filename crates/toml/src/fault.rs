@@ -43,10 +43,10 @@ pub enum What {
         most: usize,
     },
     /// The text is not valid TOML.
-    #[error("{said}")]
+    #[error("{problem}")]
     Notation {
         /// What is wrong, as far as it is known in the parser's words.
-        said: String,
+        problem: String,
         /// What to do, if known.
         hint: Option<String>,
     },

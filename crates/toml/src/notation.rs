@@ -27,7 +27,7 @@ pub(crate) fn findings(text: &str, errors: &[Error], guess: Guess) -> (Vec<Findi
             false => guess(&text[line_at(text, at.start)]),
         };
         let (what, ends_with_its_line) = match guessed {
-            Some((said, hint)) => (notation(said, hint), true),
+            Some((problem, hint)) => (notation(problem, hint), true),
             None => in_words(error.message(), text.get(at.clone()).unwrap_or_default()),
         };
         let start = at.start;
@@ -39,8 +39,8 @@ pub(crate) fn findings(text: &str, errors: &[Error], guess: Guess) -> (Vec<Findi
     (found, text.len())
 }
 
-fn notation(said: &str, hint: &str) -> What {
-    What::Notation { said: said.into(), hint: Some(hint.into()) }
+fn notation(problem: &str, hint: &str) -> What {
+    What::Notation { problem: problem.into(), hint: Some(hint.into()) }
 }
 
 /// How a key and its value are written.
@@ -75,17 +75,17 @@ fn in_words(message: &str, found: &str) -> (What, bool) {
         return unquoted(found);
     }
     match known.iter().find(|(start, ..)| message.starts_with(start)) {
-        Some((_, said, hint, ends)) => (notation(said, hint), *ends),
-        None => (What::Notation { said: message.into(), hint: None }, false),
+        Some((_, problem, hint, ends)) => (notation(problem, hint), *ends),
+        None => (What::Notation { problem: message.into(), hint: None }, false),
     }
 }
 
 fn unquoted(found: &str) -> (What, bool) {
     let bare = found.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
-    let (said, hint) = if bare.is_empty() {
+    let (problem, hint) = if bare.is_empty() {
         ("a value is missing after the =".to_owned(), VALUE.to_owned())
     } else {
         (format!("{bare} must be in straight quotes"), format!("write \"{bare}\""))
     };
-    (notation(&said, &hint), true)
+    (notation(&problem, &hint), true)
 }

@@ -60,9 +60,9 @@ pub fn read<'t, T, W: Hint>(
     let faults = Faults::new(text);
     for Finding { at, key, what } in notation::findings(text, &errors, guess).0 {
         let what = match what {
-            What::Notation { said, hint } => {
+            What::Notation { problem, hint } => {
                 let line = shortened(&text[line_at(text, at.start)]);
-                What::Notation { said: format!("{said}: {line}"), hint }
+                What::Notation { problem: format!("{problem}: {line}"), hint }
             }
             what => what,
         };

@@ -117,11 +117,11 @@ impl Visit {
 
 impl Definition {
     fn from_record(record: &Record) -> Definition {
-        let said = |key: &str| record.made_by.method.get(key).map_or("", String::as_str);
-        let words = ["scope", "tape", "axis", "fit"].map(said);
+        let setting = |key: &str| record.made_by.method.get(key).map_or("", String::as_str);
+        let words = ["scope", "tape", "axis", "fit"].map(setting);
         let words = words.into_iter().filter(|word| !word.is_empty());
         let words: Vec<&str> = std::iter::once(record.schema.as_str()).chain(words).collect();
-        Definition { girths: words.join(", "), volume: VolumeBy::of_word(said("volume")) }
+        Definition { girths: words.join(", "), volume: VolumeBy::of_word(setting("volume")) }
     }
 }
 

@@ -70,12 +70,12 @@ fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
         return refused(args, path, &AmendRecordFault::NoRecord);
     }
     match amend_record(folder, &setting.amendments(Timestamp::now()), args.sure, &choice) {
-        Ok(amended) => told(args, &amended, &choice),
+        Ok(amended) => report_amended(args, &amended, &choice),
         Err(fault) => refused(args, path, &fault),
     }
 }
 
-fn told(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
+fn report_amended(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
     let Amended { folder, record } = amended;
     let text = match args.ask.json {
         true => {
@@ -108,17 +108,17 @@ fn refused(args: &AmendArgs, path: &Path, fault: &AmendRecordFault) -> Exit {
         AmendRecordFault::Files(_) => ("record-not-written", Exit::Internal),
         AmendRecordFault::Unlisted(_) | AmendRecordFault::Io(_) => ("record-io", Exit::Io),
     };
-    let said = format!(
+    let message = format!(
         "{}: nothing was set: {}",
         terminal_safe(path.display()),
         terminal_safe(chain(fault))
     );
     if args.ask.json {
-        let fault = json!({ "fault": { "code": code, "message": said, "exit": exit.code() } });
+        let fault = json!({ "fault": { "code": code, "message": message, "exit": exit.code() } });
         // If printing fails, the exit code still informs the caller.
         let _ = print(format_args!("{fault:#}\n"));
     } else {
-        complain(format_args!("gaiter: {said} [{code}]"));
+        complain(format_args!("gaiter: {message} [{code}]"));
         if code == "measure-far-off" {
             complain("  hint: --sure sets it all the same");
         }

@@ -76,8 +76,8 @@ fn footing(folder: &Path) -> io::Result<&Path> {
         match fs::metadata(place) {
             Ok(found) if found.is_dir() => return Ok(place),
             Ok(_) => {
-                let said = format!("{} is not a folder", place.display());
-                return Err(io::Error::new(io::ErrorKind::NotADirectory, said));
+                let message = format!("{} is not a folder", place.display());
+                return Err(io::Error::new(io::ErrorKind::NotADirectory, message));
             }
             // A dangling link exists, and no folder can be created in its place.
             Err(error) if error.kind() != io::ErrorKind::NotFound || place.is_symlink() => {

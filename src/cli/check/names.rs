@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::patient::name_check::{self, Taken};
-use gaiter_flow::{Group, Identity, NameSays};
+use gaiter_flow::{Group, Identity, StatedPatient};
 
 use super::row::{Example, Row, Verdict};
 use crate::config::Config;
@@ -42,15 +42,15 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
 fn of_folder(folder: &Path, found: Found, identity: &Identity) -> Vec<Row> {
     let there = found.scans.len();
     let names = newest(found);
-    let says: Vec<(&str, NameSays)> =
+    let stated: Vec<(&str, StatedPatient)> =
         names.iter().map(|name| (name.as_str(), identity.of_file_name(name))).collect();
-    let named = says.iter().filter_map(|(name, says)| match says {
-        NameSays::Patient(patient) => Some(Taken { name, patient: &patient.id }),
-        NameSays::Nothing | NameSays::NotAnId => None,
+    let named = stated.iter().filter_map(|(name, stated)| match stated {
+        StatedPatient::Patient(patient) => Some(Taken { name, patient: &patient.id }),
+        StatedPatient::Nothing | StatedPatient::NotAnId => None,
     });
     let mut taken: Vec<Taken> = named.collect();
-    let not_ids = says.iter().filter(|(_, says)| *says == NameSays::NotAnId).count();
-    let (all, named) = (says.len(), taken.len());
+    let not_ids = stated.iter().filter(|(_, stated)| *stated == StatedPatient::NotAnId).count();
+    let (all, named) = (stated.len(), taken.len());
     let newest = if all < there { format!("the newest {all} of ") } else { String::new() };
     let names = if there == 1 { "name" } else { "names" };
     let without = all - named - not_ids;

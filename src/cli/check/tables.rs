@@ -23,19 +23,19 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
             remarks(table, today, &names).into_iter().partition(Remark::is_of_neighbours);
         rows.push(Row::at(CHECK, &table.id, Verdict::Ok, in_use(table, of_neighbours.len())));
         for remark in warnings {
-            let said = remark_in_words(&remark, Language::En);
-            rows.push(Row::at(CHECK, &table.id, Verdict::Warn, said));
+            let text = remark_in_words(&remark, Language::En);
+            rows.push(Row::at(CHECK, &table.id, Verdict::Warn, text));
         }
     }
     rows
 }
 
 fn in_use(table: &SizeTable, of_neighbours: usize) -> String {
-    let said = format!("{}, {}: in use", id(&table.product), id(&table.edition));
+    let text = format!("{}, {}: in use", id(&table.product), id(&table.edition));
     match of_neighbours {
-        0 => said,
+        0 => text,
         count => format!(
-            "{said}; gaps, overlaps and touching limits: {count}, gaiter sizes check names them"
+            "{text}; gaps, overlaps and touching limits: {count}, gaiter sizes check names them"
         ),
     }
 }

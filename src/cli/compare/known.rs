@@ -16,7 +16,7 @@ use crate::station::runtime::chain;
 /// What the station of a configuration knows of a patient, from its state folder while none runs; nothing if no station
 /// ever ran.
 pub(super) fn known(config: &Path, patient: &str) -> KnownVisits {
-    let untold = |fault: &dyn Error| {
+    let unreported = |fault: &dyn Error| {
         complain(format_args!(
             "gaiter: the station does not say what it knows of this patient, so no record that was \
              removed is noticed, and only --affected names a leg: {}",
@@ -26,15 +26,15 @@ pub(super) fn known(config: &Path, patient: &str) -> KnownVisits {
     };
     match ask(config, &Request::Visits { patient: patient.to_owned() }) {
         Ok(ControlAnswer::Visits(known)) => known,
-        Ok(_) => untold(&AskFault::another_answer()),
+        Ok(_) => unreported(&AskFault::another_answer()),
         Err(AskFault::NoStation { .. }) => match config::read(config) {
             Ok(config) => match Stopped::take(config).and_then(|of| of.visits(patient)) {
                 Ok(known) => known,
                 Err(StoppedFault::NoStation(_)) => KnownVisits::default(),
-                Err(fault) => untold(&fault),
+                Err(fault) => unreported(&fault),
             },
-            Err(error) => untold(&error),
+            Err(error) => unreported(&error),
         },
-        Err(fault) => untold(&fault),
+        Err(fault) => unreported(&fault),
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gaiter_record::RECORD;
 use gaiter_visits::{LeftOut, last_of_days};
 
-use crate::cli::report::{ReportFault, told_record_at};
+use crate::cli::report::{ReportFault, checked_record_at};
 use crate::cli::{complain, terminal_safe};
 use crate::station::runtime::chain;
 use crate::store::revision::families;
@@ -49,7 +49,7 @@ pub(super) fn of_patient(
 }
 
 fn one(path: &Path) -> Result<PlacedRecord, ReportFault> {
-    Ok(PlacedRecord { folder: path.to_owned(), record: told_record_at(path)? })
+    Ok(PlacedRecord { folder: path.to_owned(), record: checked_record_at(path)? })
 }
 
 /// The records of a patient's folder; `None` if it is a record or its folder.

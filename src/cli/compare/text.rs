@@ -31,12 +31,13 @@ pub(super) fn render(document: &Document, columns: usize) -> String {
 
 fn part(of: &VerdictPart, columns: usize) -> String {
     let heading = of.heading.as_ref().map(|heading| format!("{heading}\n"));
-    let said = of.sentences.iter().map(|said| indented(said, "  ", columns));
-    heading.into_iter().chain(said).collect()
+    let sentences = of.sentences.iter().map(|sentence| indented(sentence, "  ", columns));
+    heading.into_iter().chain(sentences).collect()
 }
 
 fn section(of: &Section, columns: usize) -> String {
-    let entries: String = of.entries.iter().map(|said| indented(said, "  ", columns)).collect();
+    let entries: String =
+        of.entries.iter().map(|sentence| indented(sentence, "  ", columns)).collect();
     format!("\n{}\n{entries}", of.title)
 }
 
@@ -57,7 +58,7 @@ fn table(of: &Table, columns: usize) -> String {
     };
     let widths: Vec<usize> = (0..of.columns.len()).map(width).collect();
     let mut text = format!("\n{}\n", of.title);
-    text.extend(of.explanation.as_ref().map(|said| indented(said, "  ", columns)));
+    text.extend(of.explanation.as_ref().map(|sentence| indented(sentence, "  ", columns)));
     for part in parts(&widths, columns.saturating_sub(2)) {
         let head: Vec<(String, Reliability)> =
             of.columns.iter().map(|head| (head.clone(), Reliability::Sure)).collect();
@@ -65,7 +66,7 @@ fn table(of: &Table, columns: usize) -> String {
             text += &line(row, &widths, &part);
         }
     }
-    text.extend(of.below.as_ref().map(|said| indented(said, "  ", columns)));
+    text.extend(of.below.as_ref().map(|sentence| indented(sentence, "  ", columns)));
     text
 }
 

@@ -85,11 +85,11 @@ pub fn summary(rows: &[Row], columns: usize) -> String {
         let _ = match came {
             Came::Measured { girths_mm, verdict, is_delivered } => {
                 let cells: String = girths_mm.iter().flatten().map(|girth| cell(*girth)).collect();
-                let (colour, said) = match is_delivered {
-                    true => (colour(*verdict), said(*verdict)),
+                let (colour, label) = match is_delivered {
+                    true => (colour(*verdict), label(*verdict)),
                     false => (terminal::BAD, "not written"),
                 };
-                writeln!(text, "{name:wide$}{cells}  {}", painted(colour, said))
+                writeln!(text, "{name:wide$}{cells}  {}", painted(colour, label))
             }
             Came::Not { code } => {
                 let why = painted(terminal::BAD, format_args!("not measured [{code}]"));
@@ -106,7 +106,7 @@ fn cell(girth_mm: Option<f64>) -> String {
 }
 
 /// A verdict in a word or two.
-fn said(verdict: Kind) -> &'static str {
+fn label(verdict: Kind) -> &'static str {
     match verdict {
         Kind::Complete => "complete",
         Kind::NotMeasurable => "not measurable",
@@ -131,10 +131,10 @@ fn totals(rows: &[Row]) -> String {
     let not: usize = why.values().sum();
     let scans = counted(rows.len(), "scan");
     let mut text = format!("{scans}: {} measured", rows.len() - not);
-    let told: Vec<String> =
-        verdicts.iter().map(|(kind, count)| format!("{count} {}", said(*kind))).collect();
-    if !told.is_empty() {
-        let _ = write!(text, " ({})", told.join(", "));
+    let counts: Vec<String> =
+        verdicts.iter().map(|(kind, count)| format!("{count} {}", label(*kind))).collect();
+    if !counts.is_empty() {
+        let _ = write!(text, " ({})", counts.join(", "));
     }
     if unwritten > 0 {
         let _ = write!(text, ", {unwritten} not written");

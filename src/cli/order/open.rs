@@ -5,27 +5,27 @@ use gaiter_language::Language;
 use gaiter_record::order::{OpenBox, Order, OrderSide, State};
 
 /// The sentences; empty if there is nothing.
-pub fn told(order: &Order, language: Language) -> Vec<String> {
-    let mut told = Vec::new();
+pub fn lines(order: &Order, language: Language) -> Vec<String> {
+    let mut sentences = Vec::new();
     for side in [OrderSide::Right, OrderSide::Left, OrderSide::Body] {
         let of_side = order.open.iter().filter(|of| of.side == side);
         let boxes: Vec<String> = of_side.map(|of| in_words(of, language)).collect();
         if !boxes.is_empty() {
             let side = language.word("ordering.side", side.word());
             let boxes = boxes.join(", ");
-            told.push(language.filled("ordering.open", &[("side", &side), ("boxes", &boxes)]));
+            sentences.push(language.filled("ordering.open", &[("side", &side), ("boxes", &boxes)]));
         }
     }
-    told.extend(order.is_of_an_old_scan().then(|| of_age(order, language)));
+    sentences.extend(order.is_of_an_old_scan().then(|| of_age(order, language)));
     if !order.to_check.is_empty() {
         let codes = order.to_check.join(", ");
-        told.push(language.filled("ordering.make_sure", &[("codes", &codes)]));
+        sentences.push(language.filled("ordering.make_sure", &[("codes", &codes)]));
     }
     let otherwise = order.reorder.as_ref().map(|reorder| reorder.taken_otherwise.join(", "));
     if let Some(what) = otherwise.filter(|words| !words.is_empty()) {
-        told.push(language.filled("ordering.otherwise", &[("what", &what)]));
+        sentences.push(language.filled("ordering.otherwise", &[("what", &what)]));
     }
-    told
+    sentences
 }
 
 /// Why the scan is too old.

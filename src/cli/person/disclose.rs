@@ -28,8 +28,9 @@ pub(super) fn disclosed(args: &DiscloseArgs) -> Result<Exit, PersonFault> {
     let text = match args.ask.json {
         true => format!("{:#}\n", json!({ "folder": args.out, "files": files, "missing": away })),
         false => {
-            let said = language.filled("person.written", &[("files", &files), ("place", &place)]);
-            format!("{said}\n")
+            let sentence =
+                language.filled("person.written", &[("files", &files), ("place", &place)]);
+            format!("{sentence}\n")
         }
     };
     print(text).map_err(PersonFault::Print)?;

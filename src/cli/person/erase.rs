@@ -32,7 +32,7 @@ pub(super) fn erased(args: &EraseArgs) -> Result<Exit, PersonFault> {
         Err(fault) if fault.is_silence() => watch.until_known()?,
         Err(fault) => return Err(fault),
     };
-    told(args, erasure.as_ref(), language)
+    print_erasure(args, erasure.as_ref(), language)
 }
 
 /// Reads the id a second time, with a prompt if it is typed.
@@ -45,7 +45,7 @@ fn read_again(language: Language) -> io::Result<String> {
 }
 
 /// Prints what is known of an erasure; `None` if no station answered to the end.
-fn told(
+fn print_erasure(
     args: &EraseArgs,
     erasure: Option<&Erasure>,
     language: Language,

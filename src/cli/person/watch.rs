@@ -30,14 +30,14 @@ pub(super) struct Watch<'a> {
     asked: Timestamp,
     /// Whether a station reported that it noted the request.
     is_noted: bool,
-    heard: Heard,
+    answers: Answers,
 }
 
 impl<'a> Watch<'a> {
     /// The watch of an erasure that is asked for next.
     pub(super) fn new(reached: &'a Reached<'a>, patient: &'a str, leaves_owed: bool) -> Watch<'a> {
-        let (asked, heard) = (Timestamp::now(), Heard::default());
-        Watch { reached, patient, leaves_owed, asked, is_noted: false, heard }
+        let (asked, answers) = (Timestamp::now(), Answers::default());
+        Watch { reached, patient, leaves_owed, asked, is_noted: false, answers }
     }
 
     /// The station reported that it noted the request.
@@ -53,7 +53,7 @@ impl<'a> Watch<'a> {
     pub(super) fn until_known(mut self) -> Result<Option<Erasure>, PersonFault> {
         match poll(PATIENCE, || self.look().transpose()) {
             Some(known) => known.map(Some),
-            None => Ok(self.heard.last),
+            None => Ok(self.answers.last),
         }
     }
 
@@ -61,7 +61,7 @@ impl<'a> Watch<'a> {
         match self.reached.erasure(self.patient) {
             Ok(Some(erasure)) if self.is_noted || erasure.at >= self.asked => {
                 self.is_noted = true;
-                Ok(self.heard.answer(erasure, Instant::now()))
+                Ok(self.answers.answer(erasure, Instant::now()))
             }
             // The station that was asked ended before it noted the wish, and another one runs.
             Ok(_) => match self.reached.erase(self.patient, self.leaves_owed) {
@@ -72,7 +72,7 @@ impl<'a> Watch<'a> {
                 }
             },
             Err(fault) => {
-                let away = self.heard.silence(Instant::now());
+                let away = self.answers.silence(Instant::now());
                 if !fault.is_silence() || away <= AWAY_PATIENCE {
                     return Ok(None);
                 }
@@ -87,7 +87,7 @@ impl<'a> Watch<'a> {
 
 /// The answers of a station since its last silence.
 #[derive(Debug, Default)]
-struct Heard {
+struct Answers {
     last: Option<Erasure>,
     /// Since when it has reported, without a break, that its own folder is cleared, or is not because of
     /// servers.
@@ -96,7 +96,7 @@ struct Heard {
     silent_since: Option<Instant>,
 }
 
-impl Heard {
+impl Answers {
     /// Takes in an answer, and returns it if there is nothing left to wait for.
     fn answer(&mut self, erasure: Erasure, now: Instant) -> Option<Erasure> {
         self.silent_since = None;
@@ -134,25 +134,25 @@ mod tests {
 
     #[test]
     fn what_a_station_said_before_it_fell_silent_counts_no_more() {
-        let (mut heard, began) = (Heard::default(), Instant::now());
-        assert_eq!(heard.answer(cleared(), began), None);
-        assert!(heard.last.is_some());
+        let (mut answers, began) = (Answers::default(), Instant::now());
+        assert_eq!(answers.answer(cleared(), began), None);
+        assert!(answers.last.is_some());
         let second = Duration::from_secs(1);
-        assert_eq!(heard.silence(began + second), Duration::ZERO);
-        assert_eq!(heard.last, None, "nobody knows what the station did before it ended");
-        assert_eq!(heard.silence(began + 3 * second), 2 * second);
+        assert_eq!(answers.silence(began + second), Duration::ZERO);
+        assert_eq!(answers.last, None, "nobody knows what the station did before it ended");
+        assert_eq!(answers.silence(began + 3 * second), 2 * second);
     }
 
     #[test]
     fn a_station_that_begins_anew_has_the_whole_time_for_its_stores_again() {
-        let (mut heard, began) = (Heard::default(), Instant::now());
+        let (mut answers, began) = (Answers::default(), Instant::now());
         let at = |seconds| began + Duration::from_secs(seconds);
-        heard.answer(cleared(), at(0));
-        heard.silence(at(1));
+        answers.answer(cleared(), at(0));
+        answers.silence(at(1));
         // Its own folder was cleared long ago, and it is about to clear the stores.
-        assert_eq!(heard.answer(cleared(), at(15)), None);
-        assert_eq!(heard.answer(cleared(), at(24)), None);
-        assert_eq!(heard.answer(cleared(), at(26)), Some(cleared()), "a store is out of reach");
+        assert_eq!(answers.answer(cleared(), at(15)), None);
+        assert_eq!(answers.answer(cleared(), at(24)), None);
+        assert_eq!(answers.answer(cleared(), at(26)), Some(cleared()), "a store is out of reach");
     }
 
     #[test]
@@ -166,13 +166,13 @@ mod tests {
             place: None,
             reference: None,
         }];
-        let (mut heard, began) = (Heard::default(), Instant::now());
+        let (mut answers, began) = (Answers::default(), Instant::now());
         let at = |seconds| began + Duration::from_secs(seconds);
-        assert_eq!(heard.answer(waiting.clone(), at(0)), None);
-        assert_eq!(heard.answer(waiting.clone(), at(11)), Some(waiting));
+        assert_eq!(answers.answer(waiting.clone(), at(0)), None);
+        assert_eq!(answers.answer(waiting.clone(), at(11)), Some(waiting));
         // It came after all: the stores have the whole time.
-        assert_eq!(heard.answer(cleared(), at(12)), None);
-        assert_eq!(heard.answer(cleared(), at(23)), Some(cleared()));
+        assert_eq!(answers.answer(cleared(), at(12)), None);
+        assert_eq!(answers.answer(cleared(), at(23)), Some(cleared()));
     }
 
     #[test]
@@ -181,7 +181,7 @@ mod tests {
         let at = erasure.at;
         erasure.store_cleared("folder", at);
         erasure.store_cleared("copy", at);
-        let (mut heard, now) = (Heard::default(), Instant::now());
-        assert_eq!(heard.answer(erasure.clone(), now), Some(erasure));
+        let (mut answers, now) = (Answers::default(), Instant::now());
+        assert_eq!(answers.answer(erasure.clone(), now), Some(erasure));
     }
 }

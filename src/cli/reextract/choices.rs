@@ -51,23 +51,24 @@ impl Choices {
 /// The default method with the options that were requested when the record was made.
 fn as_asked(record: &Record) -> Method {
     let mut method = Method::default();
-    let said = |key: &str| record.made_by.method.get(key).map(String::as_str);
+    let setting = |key: &str| record.made_by.method.get(key).map(String::as_str);
     let scopes = [Scope::Body, Scope::Leg(Side::Left), Scope::Leg(Side::Right)];
-    let scope = said("scope").and_then(|word| scopes.into_iter().find(|s| s.word() == word));
+    let scope = setting("scope").and_then(|word| scopes.into_iter().find(|s| s.word() == word));
     method.scope = scope.unwrap_or(method.scope);
     // A unit that was inferred once is inferred again, with the same result unless it was wrong.
-    let unit = said("unit").and_then(|word| words::meaning(UNITS, word));
+    let unit = setting("unit").and_then(|word| words::meaning(UNITS, word));
     method.unit = unit.unwrap_or(UnitChoice::Auto);
-    method.up = said("up").and_then(|word| words::meaning(UPS, word)).unwrap_or(method.up);
-    let facing = said("facing").and_then(|word| words::meaning(FACINGS, word));
+    method.up = setting("up").and_then(|word| words::meaning(UPS, word)).unwrap_or(method.up);
+    let facing = setting("facing").and_then(|word| words::meaning(FACINGS, word));
     method.facing = facing.unwrap_or(method.facing);
-    let winding = said("winding").and_then(|word| words::meaning(WINDINGS, word));
+    let winding = setting("winding").and_then(|word| words::meaning(WINDINGS, word));
     method.winding = winding.unwrap_or(method.winding);
-    let posture = said("posture").and_then(|word| words::meaning(POSTURES, word));
+    let posture = setting("posture").and_then(|word| words::meaning(POSTURES, word));
     method.posture = posture.unwrap_or(method.posture);
-    let heights = said("at_heights_mm").map(|list| list.split(", ").flat_map(str::parse).collect());
+    let heights =
+        setting("at_heights_mm").map(|list| list.split(", ").flat_map(str::parse).collect());
     method.at_heights_mm = heights.unwrap_or_default();
-    let mm = |key| said(key)?.strip_suffix("mm")?.parse::<f64>().ok();
+    let mm = |key| setting(key)?.strip_suffix("mm")?.parse::<f64>().ok();
     let levels = &mut method.levels;
     levels.g_below_crotch_mm = mm("g_below_crotch").unwrap_or(levels.g_below_crotch_mm);
     if let Some(distance_mm) = mm("b1_above_b") {

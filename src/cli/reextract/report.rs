@@ -41,24 +41,24 @@ impl ReextractEntry {
 
 /// The whole report, with colours. `failed` records were not measured again. `left_out` records were
 /// first seen too early.
-pub fn report(told: &[ReextractEntry], failed: usize, left_out: usize) -> String {
-    let mut text = totals(told, failed, left_out);
+pub fn report(entries: &[ReextractEntry], failed: usize, left_out: usize) -> String {
+    let mut text = totals(entries, failed, left_out);
     let changed: Vec<&ReextractEntry> =
-        told.iter().filter(|told| told.again.outcome != ReextractOutcome::Unchanged).collect();
+        entries.iter().filter(|one| one.again.outcome != ReextractOutcome::Unchanged).collect();
     if changed.is_empty() {
         return text;
     }
     let _ = writeln!(text, "\n{}", painted(terminal::LABEL, "later minus earlier, mm"));
-    text += &levels(told);
+    text += &levels(entries);
     text += &worst(changed);
-    text += &findings(told);
+    text += &findings(entries);
     text
 }
 
 /// How many records had which outcome.
-fn totals(told: &[ReextractEntry], failed: usize, left_out: usize) -> String {
-    let count = |outcome| told.iter().filter(|told| told.again.outcome == outcome).count();
-    let records = counted(told.len() + failed, "record");
+fn totals(entries: &[ReextractEntry], failed: usize, left_out: usize) -> String {
+    let count = |outcome| entries.iter().filter(|one| one.again.outcome == outcome).count();
+    let records = counted(entries.len() + failed, "record");
     let mut text = format!("{records}: {} unchanged", count(ReextractOutcome::Unchanged));
     for (outcome, words) in [
         (ReextractOutcome::Revised, "with a new revision"),
@@ -90,9 +90,9 @@ struct Row<'a> {
 }
 
 /// One row per level, both legs together.
-fn levels(told: &[ReextractEntry]) -> String {
+fn levels(entries: &[ReextractEntry]) -> String {
     let mut rows: BTreeMap<&str, Row<'_>> = BTreeMap::new();
-    for ReextractEntry { name, again } in told {
+    for ReextractEntry { name, again } in entries {
         for level in &again.changes.levels {
             let row = rows.entry(&level.place.level).or_default();
             row.girths.push((level.girth_mm.by(), name));
@@ -145,13 +145,13 @@ fn worst(mut changed: Vec<&ReextractEntry>) -> String {
         d.cmp(&a).then(e.total_cmp(&b)).then(f.total_cmp(&c)).then(one.name.cmp(&other.name))
     });
     let more = changed.len().saturating_sub(WORST);
-    let wide = changed.iter().take(WORST).map(|told| told.name.chars().count()).max().unwrap_or(0);
+    let wide = changed.iter().take(WORST).map(|one| one.name.chars().count()).max().unwrap_or(0);
     let wide = wide.max("record".len());
     let mut text = format!("\n{:wide$}  revision     girth at           height at\n", "record");
-    for told in changed.into_iter().take(WORST) {
-        let Again { from_revision, revision, changes, .. } = &told.again;
+    for entry in changed.into_iter().take(WORST) {
+        let Again { from_revision, revision, changes, .. } = &entry.again;
         let to = revision.map_or("-".to_owned(), |revision| revision.to_string());
-        let cell = |figure: fn(&LevelChange) -> Change| match told.largest(figure) {
+        let cell = |figure: fn(&LevelChange) -> Change| match entry.largest(figure) {
             Some((by, place)) if by != 0.0 => format!("{:>8} {:9}", signed(by), named(place)),
             _ => format!("{:>8} {:9}", "0.00", ""),
         };
@@ -159,7 +159,7 @@ fn worst(mut changed: Vec<&ReextractEntry>) -> String {
         let came = changes.came.iter().map(|place| format!("  +{}", named(place)));
         let went = changes.went.iter().map(|place| format!("  -{}", named(place)));
         let levels: String = came.chain(went).collect();
-        let name = &told.name;
+        let name = &entry.name;
         let line = format!(
             "{name:wide$}  {:8}  {girths}  {heights}{levels}",
             format!("{from_revision} > {to}")
@@ -177,9 +177,9 @@ fn named(place: &LegLevel) -> String {
 }
 
 /// Findings that came or went, by code.
-fn findings(told: &[ReextractEntry]) -> String {
+fn findings(entries: &[ReextractEntry]) -> String {
     let mut codes: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
-    for ReextractEntry { again, .. } in told {
+    for ReextractEntry { again, .. } in entries {
         for (which, notes) in
             [&again.changes.new_findings, &again.changes.gone_findings].iter().enumerate()
         {

@@ -97,14 +97,14 @@ fn text(checked: &[Checked], language: Language, columns: usize) -> String {
             Err(_) => None,
         };
         let faults: &[DocumentFault] = found.as_ref().err().map_or(&[], Vec::as_slice);
-        let said = match (named, remarks.len()) {
+        let summary = match (named, remarks.len()) {
             (None, _) => format!("{} {}", faults.len(), language.text("sizes.check.fault")),
             (Some(named), 0) => format!("{named}: {}", language.text("sizes.check.fine")),
             (Some(named), count) => {
                 format!("{named}: {count} {}", language.text("sizes.check.remark"))
             }
         };
-        text += &indented(&format!("{}: {said}", terminal_safe(path)), "", columns);
+        text += &indented(&format!("{}: {summary}", terminal_safe(path)), "", columns);
         for fault in faults {
             text += &indented(&fault.to_string(), "  ", columns);
         }
@@ -182,9 +182,9 @@ pub fn remark_in_words(remark: &Remark, language: Language) -> String {
 /// What `--json` prints. Of a table, the garment is null; of a file with faults, also id, edition and hash.
 fn json(checked: &[Checked], language: Language) -> Result<String, serde_json::Error> {
     let with_message = |remark: &Remark| -> Result<Value, serde_json::Error> {
-        let mut said = serde_json::to_value(remark)?;
-        said["message"] = remark_in_words(remark, language).into();
-        Ok(said)
+        let mut value = serde_json::to_value(remark)?;
+        value["message"] = remark_in_words(remark, language).into();
+        Ok(value)
     };
     let mut files = Vec::new();
     for Checked { path, found, remarks } in checked {

@@ -24,18 +24,18 @@ pub fn render(
 ) -> String {
     let title = language.text("sizes.title");
     let mut text = format!("{title}: {}, {}\n", garment.title(language.tag()), verdicts.today);
-    let mut line = |said: &str| text.push_str(&indented(said, "  ", columns));
+    let mut line = |sentence: &str| text.push_str(&indented(sentence, "  ", columns));
     if verdicts.tables.is_empty() {
         line(language.text("sizes.no_tables"));
     }
     for (index, table) in verdicts.tables.iter().enumerate() {
         line(&words::heading(index, table, language));
         line(&words::identity(table, language));
-        words::warnings(table, language).iter().for_each(|said| line(said));
+        words::warnings(table, language).iter().for_each(|sentence| line(sentence));
     }
     let has_legs = verdicts.tables.iter().any(|table| !table.legs.is_empty());
     if has_legs {
-        reading_help(verdicts, language).iter().for_each(|said| line(said));
+        reading_help(verdicts, language).iter().for_each(|sentence| line(sentence));
     }
     for side in gaiter_leg::Side::FROM_FRONT {
         text += &leg(verdicts, side.word(), language, columns);
@@ -49,19 +49,19 @@ fn reading_help(verdicts: &SizeVerdicts, language: Language) -> Vec<String> {
     let percent = |share: f64| number(100.0 * share, 0, language);
     let limits: [(&str, &dyn Display); 2] =
         [("sure", &percent(SURE)), ("unlikely", &percent(UNLIKELY))];
-    let mut said = vec![language.filled("sizes.explanation", &limits)];
+    let mut sentences = vec![language.filled("sizes.explanation", &limits)];
     if verdicts.has(|of| !of.is_required) {
-        said.push(language.text("sizes.not_required").to_owned());
+        sentences.push(language.text("sizes.not_required").to_owned());
     }
     if verdicts.has(PointVerdict::is_by_hand) {
         let mm = shortest(verdicts.tape_girth_mm, language);
-        said.push(language.filled("sizes.tape", &[("mm", &mm)]));
+        sentences.push(language.filled("sizes.tape", &[("mm", &mm)]));
     }
     if verdicts.scanner_girth_mm > 0.0 {
         let mm = shortest(verdicts.scanner_girth_mm, language);
-        said.push(language.filled("sizes.common", &[("mm", &mm)]));
+        sentences.push(language.filled("sizes.common", &[("mm", &mm)]));
     }
-    said
+    sentences
 }
 
 /// The verdicts of all tables on a leg.
@@ -108,16 +108,16 @@ fn of_table(
     let sign = words::marked(index, table, language);
     let verdict = &leg.verdict;
     let mut text = String::new();
-    let mut entry = |name: &str, fit: Fit, said: &str, points: &[PointVerdict]| {
-        let line = indented(&format!("{sign} · {name}: {said}"), "  ", columns);
+    let mut entry = |name: &str, fit: Fit, fit_words: &str, points: &[PointVerdict]| {
+        let line = indented(&format!("{sign} · {name}: {fit_words}"), "  ", columns);
         text.extend(line.lines().map(|line| painted(colour(fit), line) + "\n"));
         text.extend(points.iter().map(|of| point(of, language)));
     };
     for of in verdict.sizes.iter().filter(|of| of.is_candidate) {
         let codes =
             words::codes(of, language).map(|codes| format!("; {codes}")).unwrap_or_default();
-        let said = words::fit(of.fit, &of.points, language) + &codes;
-        entry(&words::size(of, language), of.fit, &said, &of.points);
+        let fit_words = words::fit(of.fit, &of.points, language) + &codes;
+        entry(&words::size(of, language), of.fit, &fit_words, &of.points);
     }
     for of in &verdict.lengths {
         let name = language.filled("sizes.length", &[("name", &of.length)]);
@@ -168,8 +168,8 @@ fn point(of: &PointVerdict, language: Language) -> String {
 /// The calibre jumps of both legs.
 fn calibre(verdicts: &SizeVerdicts, language: Language, columns: usize) -> String {
     let mut text = format!("\n{}\n", language.text("sizes.calibre.title"));
-    for said in words::calibre(&verdicts.calibre, language) {
-        text += &indented(&said, "  ", columns);
+    for sentence in words::calibre(&verdicts.calibre, language) {
+        text += &indented(&sentence, "  ", columns);
     }
     text + &indented(language.text("sizes.calibre.explanation"), "  ", columns)
 }

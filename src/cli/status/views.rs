@@ -25,8 +25,8 @@ pub(super) fn rows(series: &ViewsSeries, language: Language) -> Vec<(String, Str
     let label = language.text("terminal.label.views").to_owned();
     let legend = language.filled("terminal.views.legend", &[("reach_mm", &REACH_MM)]);
     let chart: String = series.scans().iter().map(bar).collect();
-    let said = language.filled("terminal.views.apart", &words);
-    vec![(label, said), (String::new(), format!("{chart}  {legend}"))]
+    let text = language.filled("terminal.views.apart", &words);
+    vec![(label, text), (String::new(), format!("{chart}  {legend}"))]
 }
 
 fn bar(seen: &ViewsSeen) -> char {

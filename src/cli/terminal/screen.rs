@@ -20,8 +20,8 @@ pub fn terminal_columns() -> Option<usize> {
 
 /// The width of what standard output shows: that of the terminal, else `COLUMNS`, else the usual one.
 pub fn columns() -> usize {
-    let told = || env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);
-    terminal_columns().or_else(told).unwrap_or(USUAL)
+    let from_environment = || env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);
+    terminal_columns().or_else(from_environment).unwrap_or(USUAL)
 }
 
 /// Wraps a text into lines of at most this many characters, at spaces only. A longer word, such as an

@@ -170,11 +170,11 @@ fn findings(findings: &[FindingNote]) -> Vec<String> {
             None => groups.push(vec![finding]),
         }
     }
-    groups.iter().filter_map(|group| told(group)).collect()
+    groups.iter().filter_map(|group| finding_text(group)).collect()
 }
 
 /// Findings of one code: `warning: Skin partly not seen, right C, B · left C [gap]`.
-fn told(group: &[&FindingNote]) -> Option<String> {
+fn finding_text(group: &[&FindingNote]) -> Option<String> {
     let FindingNote { severity, code, message, .. } = group.first()?;
     let title = Language::En.find(&format!("finding.{code}.title")).unwrap_or(message);
     let of_leg = |side: Option<&str>| {

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use gaiter_flow::booth::{Heard, Press};
+use gaiter_flow::booth::{PortEvent, Press};
 use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::health::EXPORT_PASSED_OVER;
 use gaiter_flow::light::{Last, NO_EXPORT};
@@ -35,19 +35,19 @@ pub enum NameFault {
 impl Booth {
     /// Handles what a port has received. Returns `false` if the journal failed; then nothing has happened.
     /// Blocks for a write to the journal.
-    pub fn hear(&self, heard: &Heard) -> bool {
-        let done = match heard {
-            Heard::Press(Press::Short) => self.pressed(),
+    pub fn receive(&self, event: &PortEvent) -> bool {
+        let done = match event {
+            PortEvent::Press(Press::Short) => self.pressed(),
             // The operator does not see that what was called off still waits.
-            Heard::Press(Press::Long) => {
+            PortEvent::Press(Press::Long) => {
                 self.call_off().map(drop).inspect_err(|_| self.missed_anything())
             }
-            Heard::Named { id, by } => self.heard_name(id, *by, None, Some(self.core.now())),
-            Heard::Ordered { id, doubt, absent } => {
-                self.heard_name(id, SourceKind::Order, *doubt, *absent)
+            PortEvent::Named { id, by } => self.received_name(id, *by, None, Some(self.core.now())),
+            PortEvent::Ordered { id, doubt, absent } => {
+                self.received_name(id, SourceKind::Order, *doubt, *absent)
             }
-            Heard::Unread => self.unread(SourceKind::Reader, Some(self.core.now())),
-            Heard::UnreadOrder { absent } => self.unread(SourceKind::Order, *absent),
+            PortEvent::Unread => self.unread(SourceKind::Reader, Some(self.core.now())),
+            PortEvent::UnreadOrder { absent } => self.unread(SourceKind::Order, *absent),
         };
         if let Err(error) = done {
             self.core.journal_failed(&error);
@@ -56,7 +56,7 @@ impl Booth {
         true
     }
 
-    fn heard_name(
+    fn received_name(
         &self,
         id: &str,
         by: SourceKind,
@@ -124,7 +124,7 @@ impl Booth {
         self.look_at_folders();
         let (number, has_patient) = (capture.number, patient.is_some());
         info!(event = "pressed", capture = number, has_patient);
-        self.core.observer.tell(StationEvent::Pressed);
+        self.core.observer.notify(StationEvent::Pressed);
         Ok(())
     }
 
@@ -328,7 +328,7 @@ impl Booth {
             false => inner.away.insert(name),
         };
         match inner.away.is_empty() {
-            true => inner.captures.hears(now),
+            true => inner.captures.receives(now),
             false => inner.captures.deaf(),
         }
     }
@@ -377,7 +377,7 @@ impl Booth {
         inner.missed |= !passed.expired.is_empty();
         for capture in &passed.expired {
             warn!(event = "no-export", capture);
-            self.core.observer.tell(StationEvent::NoExport);
+            self.core.observer.notify(StationEvent::NoExport);
         }
         if passed.name_expired {
             warn!(event = "patient-name-expired");
@@ -386,13 +386,13 @@ impl Booth {
             self.core.board.raise(NO_EXPORT, ComplaintFigures::default());
         }
         let opened = inner.captures.waiting().map(|capture| capture.opened).min();
-        self.tell_unread(opened, now);
+        self.report_unread(opened, now);
         Ok(())
     }
 
     /// Raises the alarm for what came into the export folders and is not read while an export is awaited
     /// since `opened`.
-    fn tell_unread(&self, opened: Option<Duration>, now: Duration) {
+    fn report_unread(&self, opened: Option<Duration>, now: Duration) {
         let board = &self.core.board;
         let counts = opened.map(|opened| board.note(|facts| facts.unread_since(opened, now)));
         match counts.unwrap_or_default() {

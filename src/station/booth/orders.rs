@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use gaiter_flow::booth::Heard;
+use gaiter_flow::booth::PortEvent;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::{Group, Look, LookTime, Settled, Settling, Stamp};
@@ -72,7 +72,7 @@ enum TakeFault {
 struct Orders {
     settling: Settling,
     /// Orders that could not be applied: they could not be read, or the journal failed.
-    unheard: BTreeMap<PathBuf, Before>,
+    unapplied: BTreeMap<PathBuf, Before>,
     /// The files that the last look found.
     lying: BTreeMap<PathBuf, Lying>,
     /// When the last look began that could list the folder.
@@ -114,7 +114,7 @@ pub async fn worker(
         let look = move |counter: &StepCounter| {
             let began = of.now();
             let found = looked(&of, &theirs, forgotten, counter);
-            (ours.told(found), LookTime { began, ended: of.now() })
+            (ours.convert(found), LookTime { began, ended: of.now() })
         };
         let looked = patiently(DEADLINE, &mut stop, look, alive, stalled).await?;
         let Some((look, when)) = looked else { break };
@@ -122,14 +122,14 @@ pub async fn worker(
         for settled in orders.due(look, when) {
             alive();
             let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&booth), settled.clone());
-            let before = orders.unheard.get(&settled.path).cloned();
+            let before = orders.unapplied.get(&settled.path).cloned();
             let absent = orders.absent(&settled.path);
             let taking = move |counter: &StepCounter| {
                 let is_first = before.is_none();
                 let taken = take(&of, &theirs, &order, before, absent, counter);
                 if is_first && matches!(taken, Err(TakeFault::Io { .. })) {
                     // Its patient may be the one at the booth.
-                    of.hear(&Heard::UnreadOrder { absent });
+                    of.receive(&PortEvent::UnreadOrder { absent });
                 }
                 taken
             };
@@ -180,15 +180,15 @@ fn looked(
 impl Orders {
     /// Nothing seen yet.
     fn new(settling: Settling) -> Orders {
-        let (unheard, lying, last_look) = (BTreeMap::new(), BTreeMap::new(), None);
-        Orders { settling, unheard, lying, last_look }
+        let (unapplied, lying, last_look) = (BTreeMap::new(), BTreeMap::new(), None);
+        Orders { settling, unapplied, lying, last_look }
     }
 
     /// The orders to be dealt with after a look, oldest first: of two that came at once, the later one
     /// names the patient.
     fn due(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         if let Look::Seen(there) = &look {
-            self.unheard.retain(|path, _| there.contains_key(path));
+            self.unapplied.retain(|path, _| there.contains_key(path));
             self.found(there, when.began);
         }
         let mut due = self.settling.observe(look, when);
@@ -217,7 +217,7 @@ impl Orders {
     fn taken(&mut self, settled: &Settled, taken: Result<Taken, TakeFault>, now: Duration) {
         match taken {
             Ok(Taken::Done) => {
-                self.unheard.remove(&settled.path);
+                self.unapplied.remove(&settled.path);
                 let lying = self.lying.get_mut(&settled.path).map(|lying| {
                     lying.done = Some(settled.stamp);
                     Lying { done: None, ..*lying }
@@ -230,15 +230,15 @@ impl Orders {
             }
             Ok(Taken::Changed) => self.settling.changed(settled, now),
             Ok(Taken::Unheard(known)) => {
-                self.unheard.insert(settled.path.clone(), Before::Noted(known));
+                self.unapplied.insert(settled.path.clone(), Before::Noted(known));
                 self.settling.failed(settled, now, random_unit());
             }
             Ok(Taken::Later) => {
-                self.unheard.remove(&settled.path);
+                self.unapplied.remove(&settled.path);
                 self.settling.failed(settled, now, random_unit());
             }
             Err(_) => {
-                self.unheard.entry(settled.path.clone()).or_insert(Before::Unnoted);
+                self.unapplied.entry(settled.path.clone()).or_insert(Before::Unnoted);
                 self.settling.failed(settled, now, random_unit());
             }
         }
@@ -255,7 +255,7 @@ struct Reach {
 
 impl Reach {
     /// Converts the result of a look, before any order that it found is applied. Blocks.
-    fn told(&self, found: io::Result<list_orders::Found>) -> Look {
+    fn convert(&self, found: io::Result<list_orders::Found>) -> Look {
         match found {
             Ok(found) => {
                 if !self.is_in.swap(true, Ordering::Relaxed) {
@@ -309,11 +309,11 @@ pub fn brought(booth: &Booth, bytes: &[u8]) -> Result<Order, OrderFault> {
     let lenient = config.patient.orders.as_ref().is_some_and(|orders| orders.lenient);
     let order = order::read(bytes, config.store.gdt_product.charset(), lenient);
     match &order {
-        Ok(_) => take::tell_taken(booth.core()),
+        Ok(_) => take::report_taken(booth.core()),
         // It is meant for another program.
         Err(OrderFault::OtherKind { .. }) => {}
         Err(_) => {
-            booth.hear(&Heard::UnreadOrder { absent: Some(booth.core().now()) });
+            booth.receive(&PortEvent::UnreadOrder { absent: Some(booth.core().now()) });
         }
     }
     order

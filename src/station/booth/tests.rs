@@ -26,7 +26,7 @@ fn rules() -> Rules {
 fn taken_before(journal: &Journal, boot: &str) -> ScanId {
     let before = Rounds::new(rules(), Vec::new(), Names::default());
     let mut after = before.clone();
-    after.hears(Duration::ZERO);
+    after.receives(Duration::ZERO);
     let named = Named { id: "4711".to_owned(), by: SourceKind::Operator };
     after.named(named, 1, SECOND * 1000, &[]);
     let capture = after.pressed(1, SECOND * 1001);

@@ -50,9 +50,9 @@ pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<Strin
     };
     let judged = judged.iter().map(|named| &named.id);
     let whose = &arrival.whose;
-    let said = whose.claims.iter().chain(&whose.patient).map(|patient| &patient.id);
+    let stated = whose.claims.iter().chain(&whose.patient).map(|patient| &patient.id);
     let mut candidates: Vec<String> = Vec::new();
-    for id in judged.chain(said) {
+    for id in judged.chain(stated) {
         if !candidates.contains(id) {
             candidates.push(id.clone());
         }

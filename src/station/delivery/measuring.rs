@@ -144,7 +144,7 @@ fn waits(core: &Core, code: &'static str, error: String) -> MeasureOutcome {
 
 /// Notes that scans cannot be measured on this machine, and why.
 pub fn note_impaired(core: &Core, error: &str) {
-    core.board.raise(IMPAIRED, ComplaintFigures::why(&Cause::said(error)));
+    core.board.raise(IMPAIRED, ComplaintFigures::why(&Cause::verbatim(error)));
 }
 
 /// Notes that scans can be measured on this machine.
@@ -170,7 +170,7 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
         Err(fault) if confine == Confine::Required => Err(fault),
         Err(fault) => {
             warn!(event = "confinement-failed", error = chain(&fault));
-            let figures = ComplaintFigures::why(&Cause::said(chain(&fault)));
+            let figures = ComplaintFigures::why(&Cause::verbatim(chain(&fault)));
             Ok(Err(Alarm { figures, since: Timestamp::now() }))
         }
     }

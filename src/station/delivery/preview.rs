@@ -51,7 +51,7 @@ struct Round {
     next: Duration,
     trials: BTreeMap<ScanId, Trial>,
     /// The last fault of the folder, logged once.
-    said: Option<String>,
+    reported: Option<String>,
 }
 
 /// A preview that could not be made.
@@ -73,7 +73,7 @@ pub async fn worker(
     mut stop: Stop,
 ) -> Result<(), JoinError> {
     let (trials, next) = (BTreeMap::new(), Duration::ZERO);
-    let mut round = Round { booth, previews, edition: None, next, trials, said: None };
+    let mut round = Round { booth, previews, edition: None, next, trials, reported: None };
     while !stop.is_requested() {
         let step = spawn_blocking(move || {
             let has_made = round.step();
@@ -118,7 +118,7 @@ impl Round {
         let journal = core.custody.journal();
         let held = journal.held(MOST)?;
         let kept = self.previews.keep_only(&held).map_err(|error| error.to_string());
-        self.tell(kept.err());
+        self.report(kept.err());
         self.trials.retain(|scan, _| held.contains(scan));
         let now = core.now();
         let is_due = |scan: &&ScanId| {
@@ -176,11 +176,11 @@ impl Round {
     }
 
     /// Logs a fault of the folder once.
-    fn tell(&mut self, fault: Option<String>) {
-        if let Some(error) = fault.as_ref().filter(|fault| self.said.as_ref() != Some(fault)) {
+    fn report(&mut self, fault: Option<String>) {
+        if let Some(error) = fault.as_ref().filter(|fault| self.reported.as_ref() != Some(fault)) {
             warn!(event = "preview-failed", error);
         }
-        self.said = fault;
+        self.reported = fault;
     }
 }
 

@@ -145,7 +145,7 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
         core.custody.delivered(due, &receipt.folder)?;
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
-        core.observer.tell(StationEvent::Delivered { scan, folder: receipt.folder });
+        core.observer.notify(StationEvent::Delivered { scan, folder: receipt.folder });
         Ok(())
     };
     let ended = match put() {
@@ -263,7 +263,7 @@ pub(super) fn note_fault(booth: &Booth, due: &Due, fault: DeliveryFault) -> Ende
                 }
                 warn!(event = "scan-refused", scan, code);
                 booth.ended(&due.scan, &[]);
-                core.observer.tell(StationEvent::Refused { code, message });
+                core.observer.notify(StationEvent::Refused { code, message });
                 return Ended::ForGood;
             }
             Err(fault) => custody_failed(fault),
@@ -282,7 +282,7 @@ pub(super) fn note_fault(booth: &Booth, due: &Due, fault: DeliveryFault) -> Ende
         DeliveryFault::Custody(fault) => custody_failed(fault),
     };
     warn!(event = "delivery-put-off", scan, store = due.store, code, error);
-    core.observer.tell(StationEvent::PutOff { scan, code: code.to_owned() });
+    core.observer.notify(StationEvent::PutOff { scan, code: code.to_owned() });
     ended
 }
 

@@ -7,7 +7,7 @@ use gaiter_flow::export::companions;
 use gaiter_flow::facts::IntakeState;
 use gaiter_flow::patient::identity::{self, ID_NOT_ALLOWED, PATIENTS_DIFFER};
 use gaiter_flow::round::{CaptureMatch, ExportContent, Opener};
-use gaiter_flow::{Appeared, NameSays, ScanId, Settled, Verdict};
+use gaiter_flow::{Appeared, ScanId, Settled, StatedPatient, Verdict};
 use gaiter_scan::{End, Format};
 use jiff::Timestamp;
 use tracing::{info, warn};
@@ -129,7 +129,7 @@ pub fn take(
         End::CutShort => Some(Taken::CutShort),
     };
     if let Some(awaits) = awaits.filter(|_| !settled.awaited) {
-        core.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
+        core.observer.notify(StationEvent::AwaitsRest { file: file.to_owned() });
         return Ok(awaits);
     }
     if let Some(phantom) = core.phantom_of(&name) {
@@ -138,11 +138,11 @@ pub fn take(
     }
     let companions = fresh(core, settled, export)?;
     let named = core.identity.of_file_name(&name);
-    let says = [named.clone(), beside(core, &companions)];
+    let stated = [named.clone(), beside(core, &companions)];
     let is_cut_short = end == End::CutShort;
     let fingerprint = fingerprint.unwrap_or_default();
     let found = Found { beginnings, settled, format, is_cut_short, fingerprint, companions };
-    let (verdict, same_as) = admit(booth, export, found, says)?;
+    let (verdict, same_as) = admit(booth, export, found, stated)?;
     if let Verdict::Held(_) = verdict {
         booth.ended(&export.scan, &[]);
     }
@@ -155,8 +155,8 @@ pub fn take(
     }
     announce(core, settled, export, verdict);
     let named = match &named {
-        NameSays::Patient(patient) => Some(patient.id.as_str()),
-        NameSays::Nothing | NameSays::NotAnId => None,
+        StatedPatient::Patient(patient) => Some(patient.id.as_str()),
+        StatedPatient::Nothing | StatedPatient::NotAnId => None,
     };
     if core.custody.erasures().refuse(&export.scan, named) {
         // Its path may name the person: it is read again at the next start, and known by its hash.
@@ -211,7 +211,7 @@ fn admit(
     booth: &Booth,
     export: &Export,
     found: Found<'_>,
-    says: [NameSays; 2],
+    stated: [StatedPatient; 2],
 ) -> Result<(Verdict, Option<ScanId>), TakeFault> {
     let core = booth.core();
     let (custody, scan) = (&core.custody, &export.scan);
@@ -239,7 +239,7 @@ fn admit(
     }
     let judged = captures.match_content(&content);
     let hold = core.config.capture.without_trigger == WithoutTrigger::Hold;
-    let whose = identity::of_judged(&judged, hold, says);
+    let whose = identity::of_judged(&judged, hold, stated);
     let judged = match whose.held {
         Some(PATIENTS_DIFFER) => judged.contradicted(),
         _ => judged,
@@ -274,11 +274,11 @@ fn admit(
 }
 
 /// What the scanner's own measures beside a scan state about the patient; two such files state nothing.
-fn beside(core: &Core, companions: &[Companion]) -> NameSays {
+fn beside(core: &Core, companions: &[Companion]) -> StatedPatient {
     let mut measures = companions.iter().filter(|file| file.name_ending.ends_with("ord"));
     match (measures.next(), measures.next()) {
         (Some(file), None) => core.identity.of_sidecar(&String::from_utf8_lossy(&file.bytes)),
-        _ => NameSays::Nothing,
+        _ => StatedPatient::Nothing,
     }
 }
 
@@ -298,7 +298,7 @@ fn announce(core: &Core, settled: &Settled, export: &Export, verdict: Verdict) {
         Verdict::New => {
             info!(event = "scan-spooled", scan, bytes = export.bytes.len());
             let file = settled.path.file_name().unwrap_or_default().to_owned();
-            core.observer.tell(StationEvent::Spooled { file, scan });
+            core.observer.notify(StationEvent::Spooled { file, scan });
             core.work.notify_one();
         }
         Verdict::Already => {
@@ -306,7 +306,7 @@ fn announce(core: &Core, settled: &Settled, export: &Export, verdict: Verdict) {
         }
         Verdict::Held(code) => {
             warn!(event = "scan-held", scan, code);
-            core.observer.tell(StationEvent::Held { scan });
+            core.observer.notify(StationEvent::Held { scan });
         }
     }
 }
@@ -322,6 +322,6 @@ fn refuse_unread(core: &Core, settled: &Settled) -> Result<(), CustodyFault> {
     let name = quarantine::unread(sums::scan_id(&state).short());
     core.custody.refuse_unread(&name, &reason)?;
     warn!(event = "scan-refused", scan = name, code, bytes = size);
-    core.observer.tell(StationEvent::Refused { code: code.to_owned(), message });
+    core.observer.notify(StationEvent::Refused { code: code.to_owned(), message });
     Ok(())
 }

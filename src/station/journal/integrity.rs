@@ -68,13 +68,13 @@ pub struct Suspicion {
 
 impl Suspicion {
     /// Reports such an error.
-    pub fn tell(&self, error: String) {
+    pub fn raise(&self, error: String) {
         *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
         self.news.notify_one();
     }
 
     /// Completes when an error has been reported since the last check.
-    pub async fn told(&self) {
+    pub async fn raised(&self) {
         self.news.notified().await;
     }
 

@@ -24,7 +24,7 @@ impl Journal {
     }
 
     /// Records that an order is about to be handled or was skipped: it is not handled again.
-    pub fn order_heard(&self, path: &Path, state: &OrderState) -> Result<(), JournalError> {
+    pub fn order_handled(&self, path: &Path, state: &OrderState) -> Result<(), JournalError> {
         let OrderState { size, mtime_ns, digest } = state;
         let size = i64::try_from(*size).unwrap_or(i64::MAX);
         run(
@@ -100,10 +100,10 @@ mod tests {
         let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
         let (a, b) = (Path::new("/orders/a.gdt"), Path::new("/orders/sub/b.gdt"));
         for mtime_ns in [1, -2] {
-            journal.order_heard(a, &state(mtime_ns)).unwrap();
+            journal.order_handled(a, &state(mtime_ns)).unwrap();
             assert_eq!(journal.order_known(a).unwrap(), Some(state(mtime_ns)));
         }
-        journal.order_heard(b, &state(3)).unwrap();
+        journal.order_handled(b, &state(3)).unwrap();
         let known = journal.orders_known(Path::new("/orders")).unwrap();
         assert_eq!(known, BTreeMap::from([(a.to_owned(), state(-2))]));
         journal.forget_orders(&[a]).unwrap();

@@ -129,16 +129,17 @@ pub(super) fn unassign(core: &Core, row: &ScanRow, from: Option<&str>) -> Result
     let scan = short(&row.scan);
     info!(event = "scan-unassigned", scan);
     let key = if owners.len() > 1 { "act.taken_back" } else { "act.unassigned" };
-    let said = of_scan(core, key, &scan);
-    Ok(elsewhere(core, said))
+    let sentence = of_scan(core, key, &scan);
+    Ok(elsewhere(core, sentence))
 }
 
 /// The sentence about a scan that was taken back, with what follows outside the folders.
-fn elsewhere(core: &Core, said: String) -> String {
-    let filled = |key, said: String| core.config.language.filled(key, &[("said", &said)]);
+fn elsewhere(core: &Core, sentence: String) -> String {
+    let filled = |key, sentence: String| core.config.language.filled(key, &[("said", &sentence)]);
     let is_any = |holds: fn(&dyn RecordStore) -> bool| core.stores.iter().any(holds);
-    let said = if is_any(|of| of.is_server()) { filled("act.of_servers", said) } else { said };
-    if is_any(|of| !of.gives_back()) { filled("act.of_practice", said) } else { said }
+    let sentence =
+        if is_any(|of| of.is_server()) { filled("act.of_servers", sentence) } else { sentence };
+    if is_any(|of| !of.gives_back()) { filled("act.of_practice", sentence) } else { sentence }
 }
 
 /// A person names the affected leg of the patient with this id; `None` takes it back.
@@ -216,7 +217,7 @@ fn from_a_store(
             Ok(None) => {}
             // The path only holds the folder of unassigned scans here; the cause is enough.
             Err(StoreFault::Transient { source, .. }) => away = Some(Cause::of_system(&source)),
-            Err(fault) => away = Some(Cause::said(chain(&fault))),
+            Err(fault) => away = Some(Cause::verbatim(chain(&fault))),
         }
     }
     away.map_or(Ok(None), |why| Err(ActFault::Store(why)))

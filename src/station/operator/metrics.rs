@@ -98,7 +98,7 @@ fn of_scans(registry: &mut Registry, overview: &Overview) {
 }
 
 fn of_sources(registry: &mut Registry, overview: &Overview) {
-    let none = || Cause::said("");
+    let none = || Cause::verbatim("");
     let states = [
         SourceState::NotLooked,
         SourceState::Watched,

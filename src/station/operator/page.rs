@@ -88,13 +88,13 @@ async fn state(
 /// operator's page.
 fn plain_page(status: StatusCode, key: &'static str, language: Language) -> Response {
     let (tag, text) = (language.tag(), |key| language.text(key));
-    let (said, back) = (text(key), text("page.plain.back"));
+    let (message, back) = (text(key), text("page.plain.back"));
     let page = format!(
         "<!doctype html>\n<html lang=\"{tag}\">\n<head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <meta name=\"color-scheme\" content=\"light dark\"><title>{said}</title>\
+         <meta name=\"color-scheme\" content=\"light dark\"><title>{message}</title>\
          <link rel=\"stylesheet\" href=\"/page.css\"></head>\n\
-         <body><main><h1>{said}</h1><p><a href=\"/\">{back}</a></p></main></body>\n</html>\n"
+         <body><main><h1>{message}</h1><p><a href=\"/\">{back}</a></p></main></body>\n</html>\n"
     );
     (status, Html(page)).into_response()
 }

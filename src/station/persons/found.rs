@@ -10,7 +10,7 @@ use gaiter_flow::patient::person::{
     HandedOver, KnownVisits, NamedLeg, OnServer, Person, PersonAmendment, PersonDelivery,
     PersonRecord, PersonScan, PersonStore, WhoseScan,
 };
-use gaiter_flow::{DeliveryState, Identity, NameSays, ScanId};
+use gaiter_flow::{DeliveryState, Identity, ScanId, StatedPatient};
 use gaiter_record::RECORD;
 use gaiter_visits::Affected;
 use jiff::Timestamp;
@@ -137,14 +137,14 @@ fn named_exports<'a>(
     let entries = folders.filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
     entries.map(|entry| entry.path()).filter(move |path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        matches!(identity.of_file_name(&name), NameSays::Patient(named) if named.id == patient)
+        matches!(identity.of_file_name(&name), StatedPatient::Patient(named) if named.id == patient)
     })
 }
 
 /// Whether a file's name names another patient.
 fn names_another(identity: &Identity, path: &Path, patient: &str) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    matches!(identity.of_file_name(&name), NameSays::Patient(named) if named.id != patient)
+    matches!(identity.of_file_name(&name), StatedPatient::Patient(named) if named.id != patient)
 }
 
 /// What a store holds in folders; `None` for one that keeps none.

@@ -37,13 +37,13 @@ struct Stall {
     deadline: Duration,
     steps: u64,
     last_step: Duration,
-    told: bool,
+    reported: bool,
 }
 
 impl Stall {
     /// Starts to observe work that begins at this time.
     fn new(deadline: Duration, now: Duration) -> Stall {
-        Stall { deadline, steps: 0, last_step: now, told: false }
+        Stall { deadline, steps: 0, last_step: now, reported: false }
     }
 
     /// Takes in how many steps were made by now. Returns `true` once if the work stalls.
@@ -53,7 +53,7 @@ impl Stall {
             self.last_step = now;
         }
         let stalls = now.saturating_sub(self.last_step) >= self.deadline;
-        stalls && !std::mem::replace(&mut self.told, true)
+        stalls && !std::mem::replace(&mut self.reported, true)
     }
 }
 
@@ -128,8 +128,9 @@ mod tests {
         let steady = (1..1000).find(|n: &u32| stall.observe(u64::from(*n), 29 * *n * second));
         assert_eq!(steady, None);
         let last = 29 * 999 * second;
-        let told: Vec<u32> = (1..90).filter(|n| stall.observe(999, last + *n * second)).collect();
-        assert_eq!(told, [30]);
+        let reported: Vec<u32> =
+            (1..90).filter(|n| stall.observe(999, last + *n * second)).collect();
+        assert_eq!(reported, [30]);
     }
 
     #[tokio::test]

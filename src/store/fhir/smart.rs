@@ -62,8 +62,8 @@ pub(super) fn token(
 fn discovered(client: &HttpsClient, base: &str) -> Result<String, ServerFault> {
     let address = format!("{base}/.well-known/smart-configuration");
     let configuration = asked(client, Method::GET, &address, String::new(), &[])?;
-    let told = configuration["token_endpoint"].as_str();
-    Ok(told.map(str::to_owned).ok_or(TokenFault::NoPlace)?)
+    let place = configuration["token_endpoint"].as_str();
+    Ok(place.map(str::to_owned).ok_or(TokenFault::NoPlace)?)
 }
 
 /// Sends a form, if it is not empty, and reads the answer as JSON.
@@ -86,11 +86,11 @@ fn asked(
         return Ok(json);
     }
     // OAuth reports an error as a code and a sentence (RFC 6749, 5.2).
-    let told = [&json["error"], &json["error_description"]].map(|part| part.as_str());
-    let told: Vec<&str> = told.into_iter().flatten().collect();
-    let why = match told.is_empty() {
+    let parts = [&json["error"], &json["error_description"]].map(|part| part.as_str());
+    let parts: Vec<&str> = parts.into_iter().flatten().collect();
+    let why = match parts.is_empty() {
         true => "it does not say why".to_owned(),
-        false => in_a_line(&told.join(", "), secret),
+        false => in_a_line(&parts.join(", "), secret),
     };
     Err(TokenFault::Refused { status: answer.status, why }.into())
 }

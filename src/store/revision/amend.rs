@@ -72,10 +72,10 @@ impl AmendRecordFault {
             AmendRecordFault::Unlisted(StoreFault::Transient { source, .. }) => {
                 Cause::of_system(source).after(self)
             }
-            AmendRecordFault::Files(fault) => Cause::said(format_args!("{self}: {fault}")),
+            AmendRecordFault::Files(fault) => Cause::verbatim(format_args!("{self}: {fault}")),
             AmendRecordFault::Stored(_)
             | AmendRecordFault::Amend(_)
-            | AmendRecordFault::Unlisted(_) => Cause::said(self),
+            | AmendRecordFault::Unlisted(_) => Cause::verbatim(self),
         }
     }
 }

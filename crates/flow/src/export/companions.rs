@@ -176,12 +176,12 @@ impl DoneFile {
     /// is taken for a scan.
     pub fn new(text: &str) -> Option<DoneFile> {
         let bare = text.replace("{name}", "").replace("{stem}", "");
-        let says = bare.len() < text.len()
+        let is_valid = bare.len() < text.len()
             && !bare.contains(['/', '{', '}'])
             && !bare.contains(char::is_control);
         let rule = DoneFile(text.to_owned());
         let name = rule.of(Path::new("a.obj"));
-        (says && Format::of_file_name(&name.to_string_lossy()).is_err()).then_some(rule)
+        (is_valid && Format::of_file_name(&name.to_string_lossy()).is_err()).then_some(rule)
     }
 
     /// The done file of a scan.

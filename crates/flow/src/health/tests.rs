@@ -83,12 +83,12 @@ fn every_fault_has_its_code_and_something_to_do() {
     for (code, facts) in cases {
         let found = complaints(&facts, &EMPTY, OVERDUE, at(60));
         assert_eq!(found.iter().map(|found| found.code.as_str()).collect::<Vec<_>>(), [code]);
-        assert_said(&found[0]);
+        assert_stated(&found[0]);
     }
 }
 
 /// Its text exists in every language with all its figures, and names no file.
-fn assert_said(found: &Complaint) {
+fn assert_stated(found: &Complaint) {
     for language in Language::ALL {
         let (message, remedy) = (found.message(language), found.remedy(language));
         assert!(message != found.code && !remedy.is_empty(), "{found:?}");
@@ -170,7 +170,7 @@ fn a_clock_that_was_set_back_hides_no_fault() {
     assert_eq!(codes(&stalled, &EMPTY, at(-7200)), ["source-stalled"]);
     let backlog = Backlog { pending: 1, oldest: Some(at(0)), ..EMPTY };
     assert_eq!(codes(&facts(), &backlog, at(-1)), ["delivery-overdue"]);
-    assert_said(&complaints(&facts(), &backlog, OVERDUE, at(-1))[0]);
+    assert_stated(&complaints(&facts(), &backlog, OVERDUE, at(-1))[0]);
 }
 
 proptest! {
@@ -202,7 +202,7 @@ fn a_port_that_is_not_sound_for_a_minute_has_the_code_of_its_state() {
         let facts = at_port(state, Some(at(0)));
         assert_eq!(codes(&facts, &EMPTY, at(59)), Vec::<String>::new());
         assert_eq!(codes(&facts, &EMPTY, at(60)), [code]);
-        assert_said(&complaints(&facts, &EMPTY, OVERDUE, at(60))[0]);
+        assert_stated(&complaints(&facts, &EMPTY, OVERDUE, at(60))[0]);
         assert_eq!(codes(&at_port(state, None), &EMPTY, at(600)), Vec::<String>::new());
     }
 }
@@ -217,7 +217,7 @@ fn a_result_that_nobody_fetched_is_a_notice_of_a_station_that_is_ready() {
     let [notice] = found.as_slice() else { panic!("{found:?}") };
     assert_eq!((notice.code.as_str(), notice.is_fault()), ("result-not-fetched", false));
     assert_eq!(notice.subject.as_deref(), Some("gdt"));
-    assert_said(notice);
+    assert_stated(notice);
 }
 
 #[test]
@@ -227,7 +227,7 @@ fn a_revision_that_a_store_refuses_is_a_notice_until_none_is_left() {
         let found = complaints(&facts(), &backlog, OVERDUE, at(0));
         let [notice] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((notice.code.as_str(), notice.is_fault()), ("revision-refused", false));
-        assert_said(notice);
+        assert_stated(notice);
     }
     assert_eq!(complaints(&facts(), &EMPTY, OVERDUE, at(0)), []);
 }
@@ -259,7 +259,7 @@ fn a_take_back_at_an_earlier_address_of_a_server_is_a_notice() {
         let [notice] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((notice.code.as_str(), notice.is_fault()), ("store-moved", false));
         assert_eq!(notice.subject.as_deref(), Some("fhir"));
-        assert_said(notice);
+        assert_stated(notice);
     }
 }
 
@@ -276,7 +276,7 @@ fn a_certificate_of_the_station_is_a_notice_from_30_days_before_it_ends() {
         let [notice] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((notice.code.as_str(), notice.is_fault()), ("certificate-ends", false));
         assert!(notice.message(Language::En).contains(says), "{notice:?}");
-        assert_said(notice);
+        assert_stated(notice);
     }
 }
 

@@ -37,7 +37,10 @@ impl NextShown {
 pub fn next_shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let who = next(booth);
     NextShown {
-        said: Sentence::new(told(booth, &who, language), anonymous(booth, &who, language)),
+        said: Sentence::new(
+            sentence_on_next(booth, &who, language),
+            anonymous(booth, &who, language),
+        ),
         can_be_called_off: !who.is_empty() || booth.awaited > 0,
         who,
         is_asked: booth.is_asked && !is_asked_later(booth),
@@ -60,7 +63,7 @@ fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
 }
 
 /// Who is next and whose exports are expected.
-fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text {
+fn sentence_on_next(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text {
     let [or, and] = ["page.next.or", "page.next.and"].map(|key| language.text(key));
     let text = match who {
         [_, ..] if is_asked_later(booth) => {
@@ -71,8 +74,8 @@ fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text
         [_] if booth.has_button => Text::new().sentence(language.text("page.next.next"), who, or),
         _ => Text::new(),
     };
-    let is_said = !booth.has_button && (who.len() > 1 || booth.is_asked);
-    let awaited_for = if is_said { Vec::new() } else { distinct(booth.awaited_for) };
+    let is_stated = !booth.has_button && (who.len() > 1 || booth.is_asked);
+    let awaited_for = if is_stated { Vec::new() } else { distinct(booth.awaited_for) };
     let text = match awaited_for.len() {
         0 => text,
         1 => text.sentence(language.text("page.next.export_of"), &awaited_for, and),

@@ -59,7 +59,7 @@ pub fn of_held(code: &str, language: Language) -> Advice {
 /// Why a scan was refused.
 pub fn of_refused(code: &str, language: Language) -> Advice {
     Advice::find("page.refused", code, language)
-        .unwrap_or_else(|| said_as_it_is(code, "page.do.retry", language))
+        .unwrap_or_else(|| verbatim(code, "page.do.retry", language))
 }
 
 /// The button is not there; its complaint follows a minute later.
@@ -77,7 +77,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     let codes = [own.as_deref(), of_reader, Some(code), any];
     let found =
         codes.into_iter().flatten().find_map(|of| Advice::find("page.complaint", of, language));
-    found.unwrap_or_else(|| said_as_it_is(code, "page.do.technician", language))
+    found.unwrap_or_else(|| verbatim(code, "page.do.technician", language))
 }
 
 /// Why a decision was not carried out; `None` for an unknown code.
@@ -85,6 +85,6 @@ pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
     language.find(&format!("page.fault.{code}"))
 }
 
-fn said_as_it_is(code: &str, next: &'static str, language: Language) -> Advice {
+fn verbatim(code: &str, next: &'static str, language: Language) -> Advice {
     Advice::new(language.filled("page.says", &[("code", &code)]), language.text(next))
 }

@@ -70,7 +70,7 @@ pub struct ScanDetails {
 }
 
 /// A scan as the page shows it.
-pub fn scan_shown(whole: &Whole, told: &ScanDetails, language: Language) -> ScanShown {
+pub fn scan_shown(whole: &Whole, details: &ScanDetails, language: Language) -> ScanShown {
     let is = whole.disposition();
     let code = match is {
         Disposition::Refused | Disposition::Closed => whole.summary.code.clone(),
@@ -79,7 +79,7 @@ pub fn scan_shown(whole: &Whole, told: &ScanDetails, language: Language) -> Scan
         _ => None,
     };
     let held_as = |code| whole.held_as().unwrap_or(code);
-    let unmeasured = told.unmeasured.as_deref().filter(|_| is == Disposition::Held);
+    let unmeasured = details.unmeasured.as_deref().filter(|_| is == Disposition::Held);
     let advice = code.as_deref().and_then(|code| match (is, unmeasured) {
         (Disposition::Refused | Disposition::Delivered, _) => Some(of_refused(code, language)),
         // Whose it is does not matter where it cannot be used.
@@ -94,10 +94,10 @@ pub fn scan_shown(whole: &Whole, told: &ScanDetails, language: Language) -> Scan
         true => advice.and(language.text("page.scan.erased")),
         false => advice,
     });
-    let state = if told.is_to_be_fetched { Disposition::Delivered } else { is }.word();
+    let state = if details.is_to_be_fetched { Disposition::Delivered } else { is }.word();
     let word = match (is, whole.summary.closed) {
         (Disposition::Closed, Some(why)) => language.word("page.scan.closed", why.word()),
-        _ if told.is_to_be_fetched => language.text("page.scan.unfetched"),
+        _ if details.is_to_be_fetched => language.text("page.scan.unfetched"),
         _ => language.word("page.scan", state),
     };
     let mut acts = acts(is, code.as_deref(), whole);
@@ -119,8 +119,8 @@ pub fn scan_shown(whole: &Whole, told: &ScanDetails, language: Language) -> Scan
         task: whole.task(),
         acts,
         incomplete: whole.summary.incomplete,
-        measures: told.measures.clone(),
-        files: told.files.clone(),
+        measures: details.measures.clone(),
+        files: details.files.clone(),
         unmeasured: unmeasured
             .map(|code| format!("{} [{code}]", language.text("page.scan.no_picture"))),
     }

@@ -51,7 +51,7 @@ pub struct Whose {
 
 /// What a file name or the scanner's own measures state about the patient.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum NameSays {
+pub enum StatedPatient {
     Nothing,
     /// This id, allowed by the pattern.
     Patient(Patient),
@@ -90,26 +90,34 @@ impl Identity {
 
     /// What a file name states. Bytes that are not UTF-8 arrive as U+FFFD; two different names may then look
     /// the same, so no id may contain one.
-    pub fn of_file_name(&self, name: &str) -> NameSays {
-        self.says(self.file_name.as_ref(), name, SourceKind::FileName)
+    pub fn of_file_name(&self, name: &str) -> StatedPatient {
+        self.patient_in(self.file_name.as_ref(), name, SourceKind::FileName)
     }
 
     /// What the scanner's own measures beside a scan state, by the first line that matches.
-    pub fn of_sidecar(&self, text: &str) -> NameSays {
-        let found = text
-            .lines()
-            .map(|line| self.says(self.sidecar.as_ref(), line.trim_end(), SourceKind::Sidecar));
-        found.into_iter().find(|says| *says != NameSays::Nothing).unwrap_or(NameSays::Nothing)
+    pub fn of_sidecar(&self, text: &str) -> StatedPatient {
+        let found = text.lines().map(|line| {
+            self.patient_in(self.sidecar.as_ref(), line.trim_end(), SourceKind::Sidecar)
+        });
+        found
+            .into_iter()
+            .find(|stated| *stated != StatedPatient::Nothing)
+            .unwrap_or(StatedPatient::Nothing)
     }
 
-    fn says(&self, expression: Option<&Regex>, text: &str, kind: SourceKind) -> NameSays {
+    fn patient_in(
+        &self,
+        expression: Option<&Regex>,
+        text: &str,
+        kind: SourceKind,
+    ) -> StatedPatient {
         let found = expression.and_then(|expression| expression.captures(text));
         let Some(id) = found.as_ref().and_then(|groups| groups.name(GROUP)) else {
-            return NameSays::Nothing;
+            return StatedPatient::Nothing;
         };
         match self.patient(id.as_str(), kind) {
-            Some(patient) => NameSays::Patient(patient),
-            None => NameSays::NotAnId,
+            Some(patient) => StatedPatient::Patient(patient),
+            None => StatedPatient::NotAnId,
         }
     }
 
@@ -127,18 +135,18 @@ impl Identity {
 /// Whose scan it is, by the capture that it answers, its file name and the files beside it. A name in the
 /// file name binds to that content: it settles what is held for nobody else. `hold_unpressed` is whether
 /// exports without a press are held.
-pub fn of_judged(judged: &CaptureMatch, hold_unpressed: bool, says: [NameSays; 2]) -> Whose {
+pub fn of_judged(judged: &CaptureMatch, hold_unpressed: bool, stated: [StatedPatient; 2]) -> Whose {
     let (named, held) = match judged {
         CaptureMatch::Of(capture) => (capture.patient.as_ref(), None),
         CaptureMatch::Held { why, patient, candidates, .. } => {
-            let is_settled = matches!(&says[0], NameSays::Patient(said)
-                if candidates.iter().all(|named| named.id == said.id));
+            let is_settled = matches!(&stated[0], StatedPatient::Patient(own)
+                if candidates.iter().all(|named| named.id == own.id));
             (patient.as_ref(), (!is_settled).then_some(why.word()))
         }
         CaptureMatch::Unpressed => (None, hold_unpressed.then_some(NO_PRESS)),
         CaptureMatch::Known => (None, None),
     };
-    whose(named, held, says)
+    whose(named, held, stated)
 }
 
 /// Whose scan it is, by the patient named before, the scan's file name and the files beside it, in this
@@ -146,16 +154,16 @@ pub fn of_judged(judged: &CaptureMatch, hold_unpressed: bool, says: [NameSays; 2
 pub(crate) fn whose(
     named: Option<&Named>,
     held: Option<&'static str>,
-    says: [NameSays; 2],
+    stated: [StatedPatient; 2],
 ) -> Whose {
-    let not_an_id = says.contains(&NameSays::NotAnId);
+    let not_an_id = stated.contains(&StatedPatient::NotAnId);
     let named = named
         .map(|named| Patient { id: named.id.clone(), sources: vec![Source::from_kind(named.by)] });
-    let said = says.into_iter().filter_map(|says| match says {
-        NameSays::Patient(patient) => Some(patient),
-        NameSays::Nothing | NameSays::NotAnId => None,
+    let patients = stated.into_iter().filter_map(|stated| match stated {
+        StatedPatient::Patient(patient) => Some(patient),
+        StatedPatient::Nothing | StatedPatient::NotAnId => None,
     });
-    let claims: Vec<Patient> = named.into_iter().chain(said).collect();
+    let claims: Vec<Patient> = named.into_iter().chain(patients).collect();
     let ids: BTreeSet<&str> = claims.iter().map(|claim| claim.id.as_str()).collect();
     if ids.len() > 1 {
         // Differing sources are a more specific reason than that of the capture.
@@ -187,19 +195,19 @@ pub fn verdict<'a>(
 mod tests {
     use super::*;
 
-    fn says(expression: &str, pattern: &str, name: &str) -> NameSays {
+    fn says(expression: &str, pattern: &str, name: &str) -> StatedPatient {
         let expression = Some(Regex::new(expression).unwrap());
         let pattern = Regex::new(pattern).unwrap();
         let identity = Identity::new(expression, None, &pattern, CheckDigit::None).unwrap();
         identity.of_file_name(name)
     }
 
-    fn shipped(name: &str) -> NameSays {
+    fn shipped(name: &str) -> StatedPatient {
         says("^(?<patient>P?[0-9]+)_", "^P?[0-9]{1,12}$", name)
     }
 
-    fn patient(id: &str) -> NameSays {
-        NameSays::Patient(from(SourceKind::FileName, id))
+    fn patient(id: &str) -> StatedPatient {
+        StatedPatient::Patient(from(SourceKind::FileName, id))
     }
 
     fn from(kind: SourceKind, id: &str) -> Patient {
@@ -214,27 +222,27 @@ mod tests {
 
     #[test]
     fn a_name_that_does_not_match_says_nothing() {
-        assert_eq!(shipped("scan001.obj"), NameSays::Nothing);
+        assert_eq!(shipped("scan001.obj"), StatedPatient::Nothing);
         let pattern = Regex::new(".*").unwrap();
         let silent = Identity::new(None, None, &pattern, CheckDigit::None).unwrap();
-        assert_eq!(silent.of_file_name("4711_.obj"), NameSays::Nothing);
-        assert_eq!(silent.of_sidecar("4711_"), NameSays::Nothing);
+        assert_eq!(silent.of_file_name("4711_.obj"), StatedPatient::Nothing);
+        assert_eq!(silent.of_sidecar("4711_"), StatedPatient::Nothing);
     }
 
     #[test]
     fn an_id_against_the_pattern_is_a_finding_not_an_id() {
-        assert_eq!(shipped("1234567890123_.obj"), NameSays::NotAnId);
-        assert_eq!(says("^(?<patient>.*)_", ".*", "_.obj"), NameSays::NotAnId);
-        assert_eq!(says("^(?<patient>.*)_", ".*", "M\u{FFFD}ller_.obj"), NameSays::NotAnId);
+        assert_eq!(shipped("1234567890123_.obj"), StatedPatient::NotAnId);
+        assert_eq!(says("^(?<patient>.*)_", ".*", "_.obj"), StatedPatient::NotAnId);
+        assert_eq!(says("^(?<patient>.*)_", ".*", "M\u{FFFD}ller_.obj"), StatedPatient::NotAnId);
         let long = format!("{}_.obj", "7".repeat(LONGEST_ID + 1));
-        assert_eq!(says("^(?<patient>.*)_", ".*", &long), NameSays::NotAnId);
+        assert_eq!(says("^(?<patient>.*)_", ".*", &long), StatedPatient::NotAnId);
     }
 
     #[test]
     fn the_pattern_is_matched_against_the_whole_id() {
-        assert_eq!(says("^(?<patient>[^_]*)_", "[0-9]+", "47x11_.obj"), NameSays::NotAnId);
+        assert_eq!(says("^(?<patient>[^_]*)_", "[0-9]+", "47x11_.obj"), StatedPatient::NotAnId);
         assert_eq!(says("^(?<patient>[^_]*)_", "a|ab", "ab_.obj"), patient("ab"));
-        assert_eq!(says("^(?<patient>[^_]*)_", "^[0-9]+$", "47\n_.obj"), NameSays::NotAnId);
+        assert_eq!(says("^(?<patient>[^_]*)_", "^[0-9]+$", "47\n_.obj"), StatedPatient::NotAnId);
     }
 
     #[test]
@@ -260,17 +268,17 @@ mod tests {
         let pattern = Regex::new("[0-9]+").unwrap();
         let identity = Identity::new(None, line, &pattern, CheckDigit::None).unwrap();
         let says = |text| identity.of_sidecar(text);
-        let named = NameSays::Patient(from(SourceKind::Sidecar, "4711"));
+        let named = StatedPatient::Patient(from(SourceKind::Sidecar, "4711"));
         assert_eq!(says("MEASURE Calf=1\r\nPATIENT=4711\r\nPATIENT=0815\r\n"), named);
-        assert_eq!(says("MEASURE Calf=1\n"), NameSays::Nothing);
-        assert_eq!(says("PATIENT=Meier\n"), NameSays::NotAnId);
+        assert_eq!(says("MEASURE Calf=1\n"), StatedPatient::Nothing);
+        assert_eq!(says("PATIENT=Meier\n"), StatedPatient::NotAnId);
     }
 
     #[test]
     fn sources_that_agree_are_all_kept_and_sources_that_differ_hold_the_scan() {
         let named = |id: &str| Named { id: id.to_owned(), by: SourceKind::Reader };
-        let (nothing, file) = (NameSays::Nothing, patient("4711"));
-        let whose = |named: Option<&Named>, file: &NameSays| {
+        let (nothing, file) = (StatedPatient::Nothing, patient("4711"));
+        let whose = |named: Option<&Named>, file: &StatedPatient| {
             super::whose(named, None, [file.clone(), nothing.clone()])
         };
         assert_eq!(whose(None, &nothing), Whose::default());
@@ -288,7 +296,7 @@ mod tests {
     #[test]
     fn what_is_not_an_id_says_nothing_and_does_not_contradict() {
         let named = Named { id: "4711".into(), by: SourceKind::Order };
-        let whose = whose(Some(&named), None, [NameSays::NotAnId, NameSays::Nothing]);
+        let whose = whose(Some(&named), None, [StatedPatient::NotAnId, StatedPatient::Nothing]);
         assert_eq!(whose.patient, Some(from(SourceKind::Order, "4711")));
         assert!(whose.not_an_id && whose.held.is_none());
     }

@@ -84,7 +84,7 @@ impl Rounds {
         }
         // As with an export without a press: that may have been forgotten, and the name used.
         let mut names = self.names.next.iter().flat_map(|next| &next.names);
-        let is_after_a_name = names.any(|said| said.at < content.seen);
+        let is_after_a_name = names.any(|name| name.at < content.seen);
         if !may_be_awaited && is_after_a_name {
             self.doubt_names(Doubt::Shared);
         }
@@ -163,7 +163,7 @@ impl Rounds {
             }
         }
         if let Some(next) = &mut self.names.next
-            && next.names.iter().any(|said| said.named.id == patient)
+            && next.names.iter().any(|name| name.named.id == patient)
         {
             next.doubt.get_or_insert(Doubt::Shared);
         }

@@ -59,14 +59,14 @@ impl Rounds {
             let of = of.into_iter().map(|named| named.id).collect();
             Some(HeldNext { why, of, left: Some(end.saturating_sub(now)) })
         };
-        let unheard = || {
+        let gap = || {
             let (why, of, left) = (HoldReason::Unheard, Vec::new(), self.doubt_left(now));
             self.is_in_doubt(now).then_some(HeldNext { why, of, left })
         };
         let uncertain = || HeldNext { why: HoldReason::Uncertain, of: Vec::new(), left: None };
         let held = reason(HoldReason::MayComeAgain, |of| of.is_refused && of.is_waiting())
             .or_else(|| reason(HoldReason::Undecided, |of| of.state == CaptureState::Held))
-            .or_else(unheard)
+            .or_else(gap)
             .or_else(|| reason(HoldReason::NotCome, Capture::is_waiting));
         Some(held.unwrap_or_else(uncertain))
     }

@@ -14,7 +14,7 @@ use crate::orders::OrdersWhen;
 
 /// A name and when it was given; times as in [`Capture`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Said {
+pub struct NamedAt {
     pub named: Named,
     pub at: Duration,
 }
@@ -23,7 +23,7 @@ pub struct Said {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Next {
     /// The candidates, in the order in which they were named; never empty.
-    pub names: Vec<Said>,
+    pub names: Vec<NamedAt>,
     /// How many of them have entered the booth since; it is not known which.
     pub used: usize,
     /// Why it is not certain.
@@ -36,7 +36,7 @@ pub struct Next {
 impl Next {
     /// One name, certain unless there is a doubt.
     pub fn one(named: Named, at: Duration, doubt: Option<Doubt>) -> Next {
-        Next { names: vec![Said { named, at }], used: 0, doubt, left: Vec::new() }
+        Next { names: vec![NamedAt { named, at }], used: 0, doubt, left: Vec::new() }
     }
 
     /// Whether it is certain who is next.
@@ -101,7 +101,7 @@ impl Rounds {
     /// The ids of the patients who may be next; one if that is certain.
     pub fn next_ids(&self) -> Vec<String> {
         let names = self.next().map_or(&[][..], |next| &next.names);
-        names.iter().map(|said| said.named.id.clone()).collect()
+        names.iter().map(|name| name.named.id.clone()).collect()
     }
 
     /// The ids of the patients whose exports are expected, each once.
@@ -154,7 +154,7 @@ impl Rounds {
         }
         self.clear_doubts();
         let before = self.names.next.take();
-        let is_other = |next: &Next| next.names.iter().any(|said| said.named.id != named.id);
+        let is_other = |next: &Next| next.names.iter().any(|name| name.named.id != named.id);
         let replaced = before.as_ref().is_some_and(is_other);
         let mut next = Next::one(named.clone(), now, is_crossed.then_some(Doubt::Crossed));
         match before {
@@ -165,7 +165,7 @@ impl Rounds {
                 next.doubt.get_or_insert(Doubt::Shared);
             }
             Some(before) => {
-                let ordered = before.names.into_iter().map(|said| said.named);
+                let ordered = before.names.into_iter().map(|name| name.named);
                 let ordered = ordered.filter(|named| named.by == SourceKind::Order);
                 next.left = before.left.into_iter().chain(ordered).collect();
                 next.left.retain(|left| left.id != named.id);
@@ -298,9 +298,9 @@ impl Rounds {
                     !capture.is_of(id) && !may_come_again && !is_taken
                 }
                 SourceKind::Reader => {
-                    let was_unheard = matches!(capture.doubt, Some(Doubt::Unheard | Doubt::Unread));
+                    let was_missed = matches!(capture.doubt, Some(Doubt::Unheard | Doubt::Unread));
                     let is_alone = capture.others.is_empty() && !capture.is_refused;
-                    is_hers(capture) && capture.is_waiting() && is_alone && was_unheard
+                    is_hers(capture) && capture.is_waiting() && is_alone && was_missed
                 }
                 _ => false,
             };
@@ -328,16 +328,16 @@ impl Rounds {
         };
         self.decided.retain(|id| *id != named.id);
         // It may be for a missed press, or for one that a lost journal knew.
-        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
+        let gap = self.is_in_doubt(now).then_some(Doubt::Unheard);
         let next = self.names.next.get_or_insert_with(|| Next::one(named.clone(), now, None));
-        match next.names.iter_mut().find(|said| said.named.id == named.id) {
-            Some(said) => said.at = now,
-            None => next.names.push(Said { named, at: now }),
+        match next.names.iter_mut().find(|name| name.named.id == named.id) {
+            Some(name) => name.at = now,
+            None => next.names.push(NamedAt { named, at: now }),
         }
         if crossed {
             next.doubt = Some(Doubt::Crossed);
         }
-        next.doubt = next.doubt.or(self.uncertain).or(unheard);
+        next.doubt = next.doubt.or(self.uncertain).or(gap);
         NamedNext::Waits { replaced: false, in_doubt: !next.is_certain() }
     }
 
@@ -412,7 +412,7 @@ impl Rounds {
     pub fn is_crowded(&self, id: &str) -> bool {
         let names = self.next().map_or(&[][..], |next| &next.names);
         let awaited = self.waiting().flat_map(Capture::named);
-        let mut known = names.iter().map(|said| &said.named).chain(awaited);
+        let mut known = names.iter().map(|name| &name.named).chain(awaited);
         let count = self.waiting().count() + names.len();
         count >= NAMES_MOST && !known.any(|known| known.id == id)
     }
@@ -427,7 +427,7 @@ impl Rounds {
         }
         // It is not known who the remaining patients are, either.
         let doubt = next.doubt.get_or_insert(Doubt::Shared).to_owned();
-        let all = distinct(next.names.iter().map(|said| &said.named).chain(&self.missed));
+        let all = distinct(next.names.iter().map(|name| &name.named).chain(&self.missed));
         next.used += 1;
         if next.used < next.names.len() {
             self.names.next = Some(next);
@@ -442,8 +442,8 @@ impl Rounds {
     pub(super) fn drop_old_names(&mut self, now: Duration) -> bool {
         let lasts = self.rules.name_lasts;
         let Some(mut next) = self.names.next.take() else { return false };
-        let is_old = |said: &mut Said| now > said.at + lasts;
-        let old: Vec<Named> = next.names.extract_if(.., is_old).map(|said| said.named).collect();
+        let is_old = |name: &mut NamedAt| now > name.at + lasts;
+        let old: Vec<Named> = next.names.extract_if(.., is_old).map(|name| name.named).collect();
         let had_old = !old.is_empty();
         let left = match next.names.len() {
             0 => next.left,
@@ -462,7 +462,8 @@ impl Rounds {
 /// Whether a card names somebody who was not yet named as present, while somebody else was. A name from a
 /// person replaces that on purpose.
 fn contradicts(before: &Next, named: &Named) -> bool {
-    let mut said = before.names.iter().filter(|said| said.named.by != SourceKind::Order).peekable();
-    let is_other = said.peek().is_some() && said.all(|said| said.named.id != named.id);
+    let mut present =
+        before.names.iter().filter(|name| name.named.by != SourceKind::Order).peekable();
+    let is_other = present.peek().is_some() && present.all(|name| name.named.id != named.id);
     named.by == SourceKind::Reader && is_other
 }

@@ -30,7 +30,7 @@ fn rules() -> Rules {
 /// A station that has listened for long, since somebody was named at the booth.
 fn captures() -> Rounds {
     let mut captures = Rounds::new(rules(), Vec::new(), Names::default());
-    captures.hears(at(0) - 360 * SECOND);
+    captures.receives(at(0) - 360 * SECOND);
     captures.uncertain = None;
     captures
 }
@@ -316,7 +316,7 @@ fn a_press_that_may_have_gone_unheard_casts_doubt_on_captures_with_a_patient() {
     away.deaf();
     let mut back = captures();
     back.deaf();
-    back.hears(at(0));
+    back.receives(at(0));
     back.named(named("4711"), 1, at(0), &[]);
     back.pressed(1, at(359));
     let mut begun = Rounds::new(rules(), Vec::new(), Names::default());
@@ -331,7 +331,7 @@ fn a_press_that_may_have_gone_unheard_casts_doubt_on_captures_with_a_patient() {
     }
     let mut long_back = captures();
     long_back.deaf();
-    long_back.hears(at(0));
+    long_back.receives(at(0));
     long_back.named(named("4711"), 1, at(0), &[]);
     long_back.pressed(1, at(360));
     assert_eq!(patient_of(&export(&mut long_back, seen(370))), Some("4711"));

@@ -11,7 +11,7 @@ pub struct Codes {
 
 /// What a line from a reader means.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Said {
+pub enum CodeReading {
     Id(String),
     /// An id that cannot be understood: the text in its place is empty or not plain text, or there are
     /// control signs where the reader puts none.
@@ -30,18 +30,18 @@ impl Codes {
     }
 
     /// What a line means.
-    pub fn said(&self, line: &[u8]) -> Said {
+    pub fn reading(&self, line: &[u8]) -> CodeReading {
         let inside = line.strip_prefix(self.prefix.as_bytes());
         let inside = inside.and_then(|rest| rest.strip_suffix(self.suffix.as_bytes()));
         let Some(inside) = inside else {
             // Part of a frame, or two of them in one: the rest may have been lost.
             let has_control = line.iter().any(u8::is_ascii_control);
-            return if has_control { Said::Unread } else { Said::Nothing };
+            return if has_control { CodeReading::Unread } else { CodeReading::Nothing };
         };
         let is_plain = inside.iter().all(|byte| byte.is_ascii_graphic() || *byte == b' ');
         match str::from_utf8(inside).map(|id| id.trim_matches(' ')) {
-            Ok(id) if is_plain && !id.is_empty() => Said::Id(id.to_owned()),
-            _ => Said::Unread,
+            Ok(id) if is_plain && !id.is_empty() => CodeReading::Id(id.to_owned()),
+            _ => CodeReading::Unread,
         }
     }
 }
@@ -53,23 +53,23 @@ mod tests {
     #[test]
     fn an_id_stands_between_prefix_and_suffix_and_is_plain_text() {
         let codes = Codes { prefix: "]C1".into(), suffix: "%".into() };
-        assert_eq!(codes.said(b"]C14711%"), Said::Id("4711".into()));
+        assert_eq!(codes.reading(b"]C14711%"), CodeReading::Id("4711".into()));
         for line in ["4711", "]C14711", "4711%", "]C1", "x]C14711%", "]c14711%"] {
-            assert_eq!(codes.said(line.as_bytes()), Said::Nothing, "{line:?}");
+            assert_eq!(codes.reading(line.as_bytes()), CodeReading::Nothing, "{line:?}");
         }
         for line in ["]C1%", "]C1 %", "]C147\u{1}11%", "]C1ü%"] {
-            assert_eq!(codes.said(line.as_bytes()), Said::Unread, "{line:?}");
+            assert_eq!(codes.reading(line.as_bytes()), CodeReading::Unread, "{line:?}");
         }
-        assert_eq!(codes.said(b"]C1\xff4711%"), Said::Unread);
-        assert_eq!(Codes::default().said(b"\xff4711"), Said::Unread);
-        assert_eq!(Codes::default().said(b" P4711 "), Said::Id("P4711".into()));
+        assert_eq!(codes.reading(b"]C1\xff4711%"), CodeReading::Unread);
+        assert_eq!(Codes::default().reading(b"\xff4711"), CodeReading::Unread);
+        assert_eq!(Codes::default().reading(b" P4711 "), CodeReading::Id("P4711".into()));
     }
 
     #[test]
     fn control_signs_stand_where_they_were_set_and_nowhere_else() {
         let codes = Codes { prefix: "\u{2}".into(), suffix: "\u{3}".into() };
-        assert_eq!(codes.said(b"\x024711\x03"), Said::Id("4711".into()));
-        assert_eq!(codes.said(b"4711"), Said::Nothing);
+        assert_eq!(codes.reading(b"\x024711\x03"), CodeReading::Id("4711".into()));
+        assert_eq!(codes.reading(b"4711"), CodeReading::Nothing);
         for line in [
             &b"\x024711"[..],
             b"4711\x03",
@@ -80,13 +80,18 @@ mod tests {
             b"\x024711\t\x03",
             b"\x7f\x024711\x03",
         ] {
-            assert_eq!(codes.said(line), Said::Unread, "{}", line.escape_ascii());
+            assert_eq!(codes.reading(line), CodeReading::Unread, "{}", line.escape_ascii());
         }
         for line in [&b"\x024711\x03"[..], b"4711\t", b"\t4711", b"4711\0"] {
-            assert_eq!(Codes::default().said(line), Said::Unread, "{}", line.escape_ascii());
+            assert_eq!(
+                Codes::default().reading(line),
+                CodeReading::Unread,
+                "{}",
+                line.escape_ascii()
+            );
         }
         let tab = Codes { suffix: "\t".into(), ..Codes::default() };
-        assert_eq!(tab.said(b"4711\t"), Said::Id("4711".into()));
+        assert_eq!(tab.reading(b"4711\t"), CodeReading::Id("4711".into()));
     }
 
     #[test]

@@ -5,12 +5,12 @@ use std::time::Duration;
 use gaiter_record::SourceKind;
 
 use super::button::Button;
-use super::code::{Codes, Said};
+use super::code::{CodeReading, Codes};
 use super::debounce::{Contact, DEBOUNCE};
 use super::lines::{Line, Lines, Tokens};
 use super::report::Pattern;
 use super::typed::{KeyAction, Typed};
-use crate::booth::{Heard, Press};
+use crate::booth::{PortEvent, Press};
 
 /// Input from a port at one time.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -116,15 +116,15 @@ impl InputDecoder {
     }
 
     /// Processes what arrived from the port by `now`.
-    pub fn hear(&mut self, input: &Input, now: Duration) -> Vec<Heard> {
+    pub fn decode(&mut self, input: &Input, now: Duration) -> Vec<PortEvent> {
         match &mut self.sense {
             Sense::Reader { codes, lines, typed } => {
-                let (heard, garbage) = read(codes, lines, typed, input, now);
+                let (events, garbage) = read(codes, lines, typed, input, now);
                 self.garbage += garbage;
-                heard
+                events
             }
             Sense::Button { .. } => {
-                self.presses(input, now).into_iter().map(Heard::Press).collect()
+                self.presses(input, now).into_iter().map(PortEvent::Press).collect()
             }
         }
     }
@@ -219,7 +219,7 @@ fn read(
     typed: &mut Typed,
     input: &Input,
     now: Duration,
-) -> (Vec<Heard>, u64) {
+) -> (Vec<PortEvent>, u64) {
     let mut read = match input {
         Input::Bytes(bytes) => lines.take(bytes, now),
         Input::Key { code, action } => typed.key(*code, *action, now),
@@ -232,22 +232,22 @@ fn read(
     };
     read.extend(lines.tick(now).into_iter().chain(typed.tick(now)));
     let mut garbage = lines.dropped() + typed.dropped();
-    let mut heard = Vec::new();
+    let mut events = Vec::new();
     for line in read {
-        let (said, length) = match &line {
-            Line::Whole(line) => (codes.said(line), line.len() as u64),
+        let (reading, length) = match &line {
+            Line::Whole(line) => (codes.reading(line), line.len() as u64),
             // The length of dropped input is counted where it was dropped.
-            Line::Dropped => (Said::Unread, 0),
+            Line::Dropped => (CodeReading::Unread, 0),
         };
         let by = SourceKind::Reader;
-        match said {
-            Said::Id(id) => heard.push(Heard::Named { id, by }),
-            Said::Unread => {
+        match reading {
+            CodeReading::Id(id) => events.push(PortEvent::Named { id, by }),
+            CodeReading::Unread => {
                 garbage += length;
-                heard.push(Heard::Unread);
+                events.push(PortEvent::Unread);
             }
-            Said::Nothing => garbage += length,
+            CodeReading::Nothing => garbage += length,
         }
     }
-    (heard, garbage)
+    (events, garbage)
 }

@@ -107,7 +107,7 @@ pub struct PortLifecycle {
     opened: Duration,
     /// Since when it has not been sound.
     unsound_since: Option<Duration>,
-    told: Option<(PortState, Duration)>,
+    logged: Option<(PortState, Duration)>,
 }
 
 impl PortLifecycle {
@@ -121,7 +121,7 @@ impl PortLifecycle {
             next_try: now,
             opened: now,
             unsound_since: Some(now),
-            told: None,
+            logged: None,
         }
     }
 
@@ -182,16 +182,16 @@ impl PortLifecycle {
     }
 
     /// The state to log now, if there is one: each state once, and not too often.
-    pub fn tell(&mut self, now: Duration) -> Option<PortState> {
+    pub fn state_to_log(&mut self, now: Duration) -> Option<PortState> {
         if matches!(self.state, PortState::NotLooked | PortState::Settling) {
             return None;
         }
-        if let Some((told, at)) = self.told
-            && (told == self.state || now.saturating_sub(at) < LINE_EVERY)
+        if let Some((logged, at)) = self.logged
+            && (logged == self.state || now.saturating_sub(at) < LINE_EVERY)
         {
             return None;
         }
-        self.told = Some((self.state, now));
+        self.logged = Some((self.state, now));
         Some(self.state)
     }
 }
@@ -228,7 +228,7 @@ mod tests {
                 Want::Wait(pause) => now += pause,
                 want => panic!("{want:?}"),
             }
-            lines += usize::from(lifecycle.tell(now).is_some());
+            lines += usize::from(lifecycle.state_to_log(now).is_some());
         }
         assert_eq!((lifecycle.state(), lines), (PortState::Absent, 1));
         // 50, 100, … 1600 ms in six pauses, then every 3 s.
@@ -249,12 +249,12 @@ mod tests {
                 Want::Wait(pause) => now += pause,
                 _ => {
                     lifecycle.listened(false, now);
-                    lines += usize::from(lifecycle.tell(now).is_some());
+                    lines += usize::from(lifecycle.state_to_log(now).is_some());
                     now += ms(20);
                     lifecycle.failed(&fault(PortFaultKind::Failed), now);
                 }
             }
-            lines += usize::from(lifecycle.tell(now).is_some());
+            lines += usize::from(lifecycle.state_to_log(now).is_some());
         }
         assert!(lines <= 60, "{lines} lines");
         assert!(opened < 1300, "opened {opened} times");
@@ -285,12 +285,12 @@ mod tests {
     fn what_is_told_last_is_how_it_is() {
         let mut lifecycle = PortLifecycle::new(SETTLE, ms(0));
         lifecycle.failed(&fault(PortFaultKind::Denied), ms(0));
-        assert_eq!(lifecycle.tell(ms(0)), Some(PortState::Denied));
+        assert_eq!(lifecycle.state_to_log(ms(0)), Some(PortState::Denied));
         lifecycle.opened(ms(100));
         lifecycle.listened(false, ms(600));
-        assert_eq!(lifecycle.tell(ms(59_999)), None);
-        assert_eq!(lifecycle.tell(ms(60_000)), Some(PortState::Open));
-        assert_eq!(lifecycle.tell(ms(600_000)), None);
+        assert_eq!(lifecycle.state_to_log(ms(59_999)), None);
+        assert_eq!(lifecycle.state_to_log(ms(60_000)), Some(PortState::Open));
+        assert_eq!(lifecycle.state_to_log(ms(600_000)), None);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use gaiter_flow::booth::{Heard, Press};
+use gaiter_flow::booth::{PortEvent, Press};
 use gaiter_flow::trigger::code::Codes;
 use gaiter_flow::trigger::input_decoder::Shows;
 use gaiter_flow::trigger::lines::Tokens;
@@ -90,14 +90,14 @@ proptest! {
         for (length, pause) in cuts.into_iter().cycle().take(3000) {
             let (piece, then) = rest.split_at(length.min(rest.len()));
             now += ms(pause);
-            prop_assert_eq!(decoder.hear(&Input::Bytes(piece.to_vec()), now), []);
+            prop_assert_eq!(decoder.decode(&Input::Bytes(piece.to_vec()), now), []);
             rest = then;
         }
-        prop_assert_eq!(decoder.hear(&Input::Bytes(b"\n".to_vec()), now), []);
+        prop_assert_eq!(decoder.decode(&Input::Bytes(b"\n".to_vec()), now), []);
         prop_assert!(decoder.garbage() <= bytes.len() as u64);
         // And it is as good as new.
-        let press = decoder.hear(&Input::Bytes(b"PRESS\n".to_vec()), now + ms(1000));
-        prop_assert_eq!(press, [Heard::Press(Press::Short)]);
+        let press = decoder.decode(&Input::Bytes(b"PRESS\n".to_vec()), now + ms(1000));
+        prop_assert_eq!(press, [PortEvent::Press(Press::Short)]);
     }
 
     /// Each line of a reader is heard once, in its order: as its own id, or as one that was not
@@ -111,10 +111,10 @@ proptest! {
         for (length, pause) in cuts.into_iter().cycle().take(3000) {
             let (piece, then) = rest.split_at(length.min(rest.len()));
             now += ms(pause);
-            heard.extend(decoder.hear(&Input::Bytes(piece.to_vec()), now));
+            heard.extend(decoder.decode(&Input::Bytes(piece.to_vec()), now));
             rest = then;
         }
-        heard.extend(decoder.hear(&Input::Nothing, now + ms(500)));
+        heard.extend(decoder.decode(&Input::Nothing, now + ms(500)));
         let lines: Vec<&[u8]> = bytes
             .split(|byte| matches!(byte, b'\r' | b'\n'))
             .filter(|line| !line.is_empty())
@@ -122,8 +122,8 @@ proptest! {
         prop_assert_eq!(heard.len(), lines.len());
         for (heard, line) in heard.iter().zip(lines) {
             match heard {
-                Heard::Named { id, .. } => prop_assert_eq!(id.as_bytes(), line.trim_ascii()),
-                heard => prop_assert_eq!(heard, &Heard::Unread),
+                PortEvent::Named { id, .. } => prop_assert_eq!(id.as_bytes(), line.trim_ascii()),
+                heard => prop_assert_eq!(heard, &PortEvent::Unread),
             }
         }
     }
@@ -139,11 +139,11 @@ proptest! {
         let end = seen.last().unwrap().0 + 500;
         let is_closed = |at: u64| seen.iter().rfind(|(from, _)| *from <= at).is_some_and(|s| s.1);
         let mut decoder = serial();
-        let presses: Vec<Heard> = (0..end / sampled)
+        let presses: Vec<PortEvent> = (0..end / sampled)
             .map(|sample| sample * sampled)
-            .flat_map(|at| decoder.hear(&Input::Closed(is_closed(at)), ms(at)))
+            .flat_map(|at| decoder.decode(&Input::Closed(is_closed(at)), ms(at)))
             .collect();
-        prop_assert_eq!(presses, [Heard::Press(Press::Short)]);
+        prop_assert_eq!(presses, [PortEvent::Press(Press::Short)]);
     }
 
     /// The same for a device that tells changes only and is listened to when the decoder asks for it.
@@ -157,13 +157,13 @@ proptest! {
         for (at, closed) in press(&closing, held, &opening) {
             while let Some(due) = decoder.due().filter(|due| *due < ms(at)) {
                 now = now.max(due);
-                presses.extend(decoder.hear(&Input::Nothing, now));
+                presses.extend(decoder.decode(&Input::Nothing, now));
             }
             now = ms(at);
-            presses.extend(decoder.hear(&Input::Report(vec![u8::from(closed)]), now));
+            presses.extend(decoder.decode(&Input::Report(vec![u8::from(closed)]), now));
         }
-        presses.extend(decoder.hear(&Input::Nothing, now + ms(30)));
-        prop_assert_eq!(presses, [Heard::Press(Press::Short)]);
+        presses.extend(decoder.decode(&Input::Nothing, now + ms(30)));
+        prop_assert_eq!(presses, [PortEvent::Press(Press::Short)]);
         prop_assert_eq!(decoder.due(), None);
     }
 
@@ -176,12 +176,12 @@ proptest! {
         let mut now = ms(0);
         for (closed, pause, bytes) in inputs {
             now += ms(pause);
-            decoder.hear(&Input::Bytes(bytes), now);
-            decoder.hear(&Input::Closed(closed), now);
+            decoder.decode(&Input::Bytes(bytes), now);
+            decoder.decode(&Input::Closed(closed), now);
             if let Some(due) = decoder.due() {
                 now = now.max(due);
-                decoder.hear(&Input::Nothing, now);
-                decoder.hear(&Input::Closed(closed), now);
+                decoder.decode(&Input::Nothing, now);
+                decoder.decode(&Input::Closed(closed), now);
                 prop_assert!(decoder.due().is_none_or(|due| due > now));
             }
         }
@@ -192,6 +192,6 @@ proptest! {
 fn a_hundred_presses_a_second_are_one_a_second() {
     let mut decoder = serial();
     let token = || Input::Bytes(b"PRESS\r\n".to_vec());
-    let presses: usize = (0..1000).map(|n| decoder.hear(&token(), ms(n * 10)).len()).sum();
+    let presses: usize = (0..1000).map(|n| decoder.decode(&token(), ms(n * 10)).len()).sum();
     assert_eq!(presses, 10);
 }

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use gaiter_flow::booth::Heard;
+use gaiter_flow::booth::PortEvent;
 use gaiter_flow::trigger::KeyAction::{self, Down, Repeat, Up};
 use gaiter_flow::trigger::code::Codes;
 use gaiter_flow::trigger::{Input, InputDecoder};
@@ -211,28 +211,28 @@ fn lines() -> impl Strategy<Value = Vec<Line>> {
 }
 
 /// What is heard up to each Enter, and after the last one.
-fn heard(inputs: &[(u64, Input)]) -> Vec<Vec<Heard>> {
+fn heard(inputs: &[(u64, Input)]) -> Vec<Vec<PortEvent>> {
     let mut decoder = InputDecoder::for_ids(Codes::default());
     decoder.begin();
     let (mut now, mut groups) = (Duration::ZERO, vec![Vec::new()]);
     for (pause, input) in inputs {
         now += Duration::from_millis(*pause);
-        groups.last_mut().unwrap().extend(decoder.hear(input, now));
+        groups.last_mut().unwrap().extend(decoder.decode(input, now));
         if matches!(input, Input::Key { code, action: Down } if ENTERS.contains(code)) {
             groups.push(Vec::new());
         }
     }
-    let rest = decoder.hear(&Input::Nothing, now + Duration::from_millis(500));
+    let rest = decoder.decode(&Input::Nothing, now + Duration::from_millis(500));
     groups.last_mut().unwrap().extend(rest);
     groups
 }
 
 /// What was heard of one line, as far as it is what may be heard.
-fn told(group: &[Heard]) -> Option<Expected> {
-    let is_unread = |heard: &Heard| *heard == Heard::Unread;
+fn told(group: &[PortEvent]) -> Option<Expected> {
+    let is_unread = |heard: &PortEvent| *heard == PortEvent::Unread;
     match group {
         [] => Some(Expected::Nothing),
-        [Heard::Named { id, by: SourceKind::Reader }] => Some(Expected::Named(id.clone())),
+        [PortEvent::Named { id, by: SourceKind::Reader }] => Some(Expected::Named(id.clone())),
         group => group.iter().all(is_unread).then_some(Expected::Unread),
     }
 }

@@ -71,7 +71,7 @@ pub fn fold_end(joined: &[Step], stature_mm: f64) -> Option<FoldEnd> {
     let mut places = vec![place(join_mm - STEP_MM / 2.0, 0.0)];
     let mut below = 0.0;
     for step in &steps {
-        below += says(step);
+        below += evidence(step);
         places.push(place(step.height_mm + STEP_MM / 2.0, below));
     }
     let count_below =
@@ -100,14 +100,14 @@ fn end_mm(steps: &[&Step], count_below: usize) -> f64 {
     let (Some(low), Some(high)) = (low.and_then(|index| steps.get(index)), high) else {
         return steps.last().map_or(0.0, |step| step.height_mm);
     };
-    let [for_fold, against] = [says(low).max(0.0), -says(high).min(0.0)];
+    let [for_fold, against] = [evidence(low).max(0.0), -evidence(high).min(0.0)];
     let share = for_fold / (for_fold + against).max(f64::MIN_POSITIVE);
     low.height_mm + share * (high.height_mm - low.height_mm)
 }
 
 /// The evidence of a slice for a fold between thighs; negative against it. A slice in pieces, as of a trunk with
 /// few points, has none.
-fn says(step: &Step) -> f64 {
+fn evidence(step: &Step) -> f64 {
     let steepness = step.neck.and_then(|neck| neck.front_steepness).unwrap_or(STEEP);
     let steep = steepness.min(2.0 * STEEP);
     (SLICE_MAX * (steep - STEEP) / STEEP).max(-SLICE_MAX)

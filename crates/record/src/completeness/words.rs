@@ -14,14 +14,14 @@ impl Completeness {
         if self.kind() == Kind::Complete {
             return vec![language.filled("completeness.complete", &[("garment", &garment)])];
         }
-        let mut said = Vec::new();
+        let mut lines = Vec::new();
         if !self.again.is_empty() {
             let why: Vec<&str> = self
                 .again
                 .iter()
                 .map(|why| language.word("completeness.again", why.word()))
                 .collect();
-            said.push(language.filled("completeness.scan_again", &[("why", &why.join(", "))]));
+            lines.push(language.filled("completeness.scan_again", &[("why", &why.join(", "))]));
         }
         let legs = items_by_leg(&self.by_hand, language);
         if !legs.is_empty() {
@@ -31,18 +31,18 @@ impl Completeness {
                 "completeness.or_by_hand"
             };
             let words: [(&str, &dyn Display); 2] = [("items", &legs), ("garment", &garment)];
-            said.push(language.filled(key, &words));
+            lines.push(language.filled(key, &words));
         }
         let not_measurable = items_by_leg(&self.not_measurable, language);
         if !not_measurable.is_empty() {
             let words: [(&str, &dyn Display); 1] = [("items", &not_measurable)];
-            said.push(language.filled("completeness.not_measurable", &words));
+            lines.push(language.filled("completeness.not_measurable", &words));
         }
         let checks = self.checks.iter();
-        said.extend(
+        lines.extend(
             checks.map(|check| language.word("completeness.check", check.word()).to_owned()),
         );
-        said
+        lines
     }
 }
 

@@ -83,11 +83,11 @@ impl Parts<'_> {
         let doubts = figures.iter().flat_map(|figure| {
             figure.doubts.iter().map(move |doubt| (doubt.as_str(), figure.code()))
         });
-        let said = |(doubt, boxes): (&str, Vec<String>)| {
+        let sentence = |(doubt, boxes): (&str, Vec<String>)| {
             let title = title(doubt, self.rules.language);
             json!({ "text": format!("{}: {title}", boxes.join(", ")) })
         };
-        grouped(doubts).into_iter().map(said).collect()
+        grouped(doubts).into_iter().map(sentence).collect()
     }
 }
 

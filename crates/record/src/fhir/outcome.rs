@@ -14,21 +14,22 @@ pub fn words(answer: &Value, secret: &[&str]) -> Option<String> {
         return None;
     }
     let issues = answer["issue"].as_array()?;
-    let said: Vec<String> = issues.iter().take(ISSUES_MOST).map(|of| told(of, secret)).collect();
-    (!said.is_empty()).then(|| said.join("; "))
+    let texts: Vec<String> =
+        issues.iter().take(ISSUES_MOST).map(|of| issue_text(of, secret)).collect();
+    (!texts.is_empty()).then(|| texts.join("; "))
 }
 
-fn told(issue: &Value, secret: &[&str]) -> String {
+fn issue_text(issue: &Value, secret: &[&str]) -> String {
     let code = issue["code"].as_str().unwrap_or("unknown");
     let details = issue["details"]["text"].as_str().or(issue["diagnostics"].as_str());
     let place = issue["expression"][0].as_str().or(issue["location"][0].as_str());
-    let mut said = code.to_owned();
+    let mut text = code.to_owned();
     for (sign, part) in [(": ", details), (" at ", place)] {
         if let Some(part) = part {
-            said += &format!("{sign}{part}");
+            text += &format!("{sign}{part}");
         }
     }
-    in_a_line(&said, secret)
+    in_a_line(&text, secret)
 }
 
 #[cfg(test)]

@@ -186,8 +186,8 @@ fn of_attachment(attachment: &Attachment, ids: &AttachmentFields) -> Fields {
         (ids.description, &attachment.description),
         (ids.path, &attachment.path),
     ];
-    let told = parts.into_iter().filter_map(|(field, content)| Some((field?, content.clone())));
-    let mut told: Fields = told.collect();
-    told.sort_by_key(|(field, _)| *field);
-    told
+    let fields = parts.into_iter().filter_map(|(field, content)| Some((field?, content.clone())));
+    let mut fields: Fields = fields.collect();
+    fields.sort_by_key(|(field, _)| *field);
+    fields
 }

@@ -69,7 +69,7 @@ pub fn acknowledgment(
             let words = [in_err(3), in_err(7), in_err(8), in_msa(3), in_msa(6)];
             let errors = [in_err(3), in_msa(6)].map(|error| error.split(signs.component).next());
             let is_passing = errors.iter().flatten().any(|error| LATER.contains(error));
-            let why = in_a_line(&signs.told(&words), secret);
+            let why = in_a_line(&signs.joined(&words), secret);
             Ok(Acknowledgment::Refused { code: code.to_owned(), why, is_passing })
         }
         code => {
@@ -103,7 +103,7 @@ impl Signs {
     }
 
     /// Fields as text.
-    fn told(&self, fields: &[&str]) -> String {
+    fn joined(&self, fields: &[&str]) -> String {
         let parts = fields.iter().flat_map(|field| field.split(self.component));
         let parts = parts.map(|part| unescaped(part, self.escape));
         let parts: Vec<String> = parts.filter(|part| !part.trim().is_empty()).collect();

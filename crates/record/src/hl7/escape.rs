@@ -5,38 +5,38 @@ pub(super) const ESCAPE: char = '\\';
 
 /// A text as a field or component.
 pub(super) fn escaped(text: &str) -> String {
-    let mut told = String::with_capacity(text.len());
+    let mut written = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
-            ESCAPE => told.push_str(r"\E\"),
-            '|' => told.push_str(r"\F\"),
-            '^' => told.push_str(r"\S\"),
-            '&' => told.push_str(r"\T\"),
-            '~' => told.push_str(r"\R\"),
-            letter if letter.is_control() => told.push(' '),
-            letter => told.push(letter),
+            ESCAPE => written.push_str(r"\E\"),
+            '|' => written.push_str(r"\F\"),
+            '^' => written.push_str(r"\S\"),
+            '&' => written.push_str(r"\T\"),
+            '~' => written.push_str(r"\R\"),
+            letter if letter.is_control() => written.push(' '),
+            letter => written.push(letter),
         }
     }
-    told
+    written
 }
 
 /// A field or component as text, with what begins and ends an escape in it.
 pub(super) fn unescaped(field: &str, escape: char) -> String {
     let mut parts = field.split(escape);
-    let mut told = parts.next().unwrap_or_default().to_owned();
+    let mut read = parts.next().unwrap_or_default().to_owned();
     // Between two signs stands an escape; behind it comes plain text.
     while let Some(code) = parts.next() {
         match code {
-            "E" => told.push(escape),
-            "F" => told.push('|'),
-            "S" => told.push('^'),
-            "T" => told.push('&'),
-            "R" => told.push('~'),
-            _ => told.push(' '),
+            "E" => read.push(escape),
+            "F" => read.push('|'),
+            "S" => read.push('^'),
+            "T" => read.push('&'),
+            "R" => read.push('~'),
+            _ => read.push(' '),
         }
-        told.push_str(parts.next().unwrap_or_default());
+        read.push_str(parts.next().unwrap_or_default());
     }
-    told
+    read
 }
 
 #[cfg(test)]

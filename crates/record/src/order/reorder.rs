@@ -115,8 +115,8 @@ fn repeated(last: &Order, is: Again, taken_otherwise: Vec<String>) -> Reorder {
 
 /// What two scans were taken or measured with differently.
 fn taken_otherwise(last: &Order, now: &Order) -> Vec<String> {
-    let said = |order: &Order, key: &str| order.made_by.method.get(key).cloned();
-    let method = OF_THE_METHOD.into_iter().filter(|key| said(last, key) != said(now, key));
+    let setting = |order: &Order, key: &str| order.made_by.method.get(key).cloned();
+    let method = OF_THE_METHOD.into_iter().filter(|key| setting(last, key) != setting(now, key));
     let schema = (last.record.schema != now.record.schema).then_some("schema");
     let posture = (last.posture != now.posture).then_some("posture");
     schema.into_iter().chain(posture).chain(method).map(str::to_owned).collect()

@@ -127,6 +127,6 @@ fn unknown() -> String {
 }
 
 /// The mark of a difference, from the rounded values that are shown.
-fn reality(told: f64, margin: Option<f64>) -> Reliability {
-    if exceeds(told, margin) { Reliability::Real } else { Reliability::Sure }
+fn reality(printed: f64, margin: Option<f64>) -> Reliability {
+    if exceeds(printed, margin) { Reliability::Real } else { Reliability::Sure }
 }

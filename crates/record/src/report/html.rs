@@ -75,7 +75,7 @@ fn body(of: &Document) -> String {
 fn block(index: usize, of: &Block, language: Language) -> String {
     let id = format!("part-{index}");
     match of {
-        Block::Verdict(said) => parts::verdict(said),
+        Block::Verdict(sentences) => parts::verdict(sentences),
         Block::Sheet(sheet) => parts::sheet(&id, sheet),
         Block::Notes { notes, summary } => parts::notes(&id, notes, summary, language),
         Block::Section(section) => parts::entries(&id, section),

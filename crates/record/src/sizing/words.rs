@@ -49,18 +49,18 @@ pub fn identity(table: &TableVerdict, language: Language) -> String {
 /// What a reader must know before the verdicts of a table: what it may not be used for, that it is expired,
 /// that it cannot be compared.
 pub fn warnings(table: &TableVerdict, language: Language) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut sentences = Vec::new();
     match table.status {
-        Status::TestOnly => said.push(language.text("sizes.warning.test-only").to_owned()),
-        Status::Draft => said.push(language.text("sizes.warning.draft").to_owned()),
+        Status::TestOnly => sentences.push(language.text("sizes.warning.test-only").to_owned()),
+        Status::Draft => sentences.push(language.text("sizes.warning.draft").to_owned()),
         Status::Released => {}
     }
     if let Some(last) = table.valid_until.filter(|_| table.is_expired) {
-        said.push(language.filled("sizes.warning.expired", &[("date", &last)]));
+        sentences.push(language.filled("sizes.warning.expired", &[("date", &last)]));
     }
     let why = table.not_comparable;
-    said.extend(why.map(|why| language.word("sizes.not_comparable", why.word()).to_owned()));
-    said
+    sentences.extend(why.map(|why| language.word("sizes.not_comparable", why.word()).to_owned()));
+    sentences
 }
 
 /// A size with its variant: `II`, `II, wide thigh`.
@@ -97,11 +97,11 @@ pub fn margins(margins_mm: [f64; 2], language: Language) -> String {
 }
 
 fn margin(mm: f64, language: Language) -> String {
-    let told = signed(mm, &cm_words(mm, language));
-    match told.starts_with(['+', '\u{2212}']) || mm == 0.0 {
-        true => told,
-        false if mm < 0.0 => format!("\u{2212}{told}"),
-        false => format!("+{told}"),
+    let text = signed(mm, &cm_words(mm, language));
+    match text.starts_with(['+', '\u{2212}']) || mm == 0.0 {
+        true => text,
+        false if mm < 0.0 => format!("\u{2212}{text}"),
+        false => format!("+{text}"),
     }
 }
 
@@ -149,7 +149,7 @@ pub fn together(index: usize, table: &TableVerdict, leg: &LegSizes, language: La
     let verdict = language.word("sizes.fit", leg.verdict.fit.word());
     let sign = marked(index, table, language);
     let together = language.filled("sizes.together", &[("sign", &sign), ("verdict", &verdict)]);
-    let left_out = left_out(table, leg, language).map(|said| format!(" {said}."));
+    let left_out = left_out(table, leg, language).map(|text| format!(" {text}."));
     together + &left_out.unwrap_or_default()
 }
 

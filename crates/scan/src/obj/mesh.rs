@@ -44,7 +44,7 @@ pub(super) fn mesh(bytes: &[u8]) -> Result<Mesh, ScanFault> {
     }
     let options = tobj::LoadOptions::default();
     let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
-    let placed = |said: &str| first_fault(bytes, given.point_count).unwrap_or(unplaced(said));
+    let placed = |message: &str| first_fault(bytes, given.point_count).unwrap_or(unplaced(message));
     let mut text = given.points.as_slice().chain(given.faces.as_slice());
     let (models, _) = tobj::load_obj_buf(&mut text, &options, no_materials)
         .map_err(|fault| placed(&fault.to_string()))?;

@@ -17,18 +17,18 @@ pub(super) fn legend(words: &Words, group: &Group, compared: &[Comparison]) -> V
     let legs = || compared.iter().flat_map(|of| Side::BOTH.map(|side| of.legs.get(side).as_ref()));
     let is_of_girths = legs().flatten().any(|leg| !leg.girths.is_empty());
     let is_of_volumes = legs().flatten().any(|leg| leg.volume.is_some());
-    let mut said: Vec<String> = Vec::new();
-    said.extend(is_of_girths.then(|| words.text("visits.legend_girths")));
-    said.extend(volumes(words, group));
+    let mut sentences: Vec<String> = Vec::new();
+    sentences.extend(is_of_girths.then(|| words.text("visits.legend_girths")));
+    sentences.extend(volumes(words, group));
     let percentages = percentages(words, group, compared, is_of_volumes);
-    said.extend((!percentages.is_empty()).then_some(percentages));
+    sentences.extend((!percentages.is_empty()).then_some(percentages));
     if is_of_girths || is_of_volumes {
         let mm = shortest(words.course.choice.girth_common_mm, words.language);
-        said.push(words.filled("visits.legend_uncertainty", &[("mm", &mm)]));
-        said.extend(bound(words, group));
-        said.push(words.text("visits.legend_limits"));
+        sentences.push(words.filled("visits.legend_uncertainty", &[("mm", &mm)]));
+        sentences.extend(bound(words, group));
+        sentences.push(words.text("visits.legend_limits"));
     }
-    said
+    sentences
 }
 
 /// Which volumes are reported; nothing if there are none.
@@ -65,7 +65,7 @@ fn percentages(
         .collect();
     let reductions: Vec<Reduction> =
         compared.iter().filter_map(|of| of.excess.as_ref()?.reduction.ok()).collect();
-    words.said(&[
+    words.joined(&[
         (is_of_volumes, "visits.legend_percent"),
         (!excesses.is_empty(), "visits.legend_excess"),
         (excesses.iter().any(|ml| *ml < 0.0), "visits.legend_excess_negative"),

@@ -77,13 +77,13 @@ pub(super) fn overlay(words: &Words, of: &Comparison, overlay: Overlay) -> Vec<B
     let scale = MapScale { end_mm, sign_mm: (2.0 * error_mm).max(end_mm / 8.0) };
     let pair = between(words, of);
     let title = words.filled("visits.picture.distances", &[("between", &pair)]);
-    let said = |side: Side| {
+    let sentence = |side: Side| {
         let mm = (*overlay.error_mm.get(side))?;
         let values: [(&str, &dyn Display); 2] =
             [("leg", &words.leg_in_sentence(side)), ("mm", &tenths_words(mm, words.language))];
         Some(words.filled("visits.registered", &values))
     };
-    let errors: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(said).collect();
+    let errors: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(sentence).collect();
     let values: [(&str, &dyn Display); 2] =
         [("errors", &errors.join(", ")), ("sign", &tenths_words(scale.sign_mm, words.language))];
     let caption = words.filled("visits.distances_explained", &values);

@@ -53,25 +53,25 @@ impl ReportOf<'_> {
 
     fn of_comparison(&self, words: &Words, group: &Group, of: &Comparison) -> Vec<String> {
         let legs = words.affected_first().into_iter();
-        let mut said: Vec<String> = legs.filter_map(|side| volume(words, of, side)).collect();
+        let mut sentences: Vec<String> = legs.filter_map(|side| volume(words, of, side)).collect();
         if of.is_of_other_posture() {
             let posture = words.caution(of, &Caution::Posture);
-            said.push(format!("{}: {posture}", between(words, of)));
+            sentences.push(format!("{}: {posture}", between(words, of)));
         }
         let apart = match &of.excess {
             Some(change) => Some(excess(words, change)),
             None => difference(words, group, of),
         };
-        said.extend(apart.map(|apart| match cancelling(words, of) {
+        sentences.extend(apart.map(|apart| match cancelling(words, of) {
             Some(why) => format!("{apart} {why}"),
             None => apart,
         }));
-        said.extend(self.of_thresholds(words, of, |limited| limited != Limited::Excess));
+        sentences.extend(self.of_thresholds(words, of, |limited| limited != Limited::Excess));
         // What depends on the earlier visit, where it replaces a record that is left out.
         let [date, _] = words.days(of);
         let key = "visits.stand_in_earlier";
-        said.extend(of.stand_ins.earlier.then(|| words.filled(key, &[("date", &date)])));
-        said
+        sentences.extend(of.stand_ins.earlier.then(|| words.filled(key, &[("date", &date)])));
+        sentences
     }
 
     /// The verdicts of those of the clinic's thresholds that limit such a figure.
@@ -83,7 +83,7 @@ impl ReportOf<'_> {
     ) -> Vec<String> {
         let verdicts = verdicts(self.thresholds, of).into_iter();
         let verdicts = verdicts.filter(|verdict| is_such(verdict.threshold.of));
-        let said = verdicts.map(|verdict| {
+        let sentences = verdicts.map(|verdict| {
             let key = match verdict.reached() {
                 Reached::Yes => "visits.threshold.reached",
                 Reached::No => "visits.threshold.not_reached",
@@ -100,18 +100,18 @@ impl ReportOf<'_> {
             ];
             words.filled(key, &values)
         });
-        said.collect()
+        sentences.collect()
     }
 
     /// The records that are left out, with the reason.
     pub(super) fn left_out(&self, words: &Words) -> Vec<String> {
-        let said = |of: &LeftOut| {
+        let sentence = |of: &LeftOut| {
             let day = self.course.seen(of).local();
             let day = day.strftime(words.language.text("visits.day")).to_string();
             let why = words.language.word("visits.left_out", of.code);
             words.filled("visits.left_out_of", &[("date", &day), ("scan", &of.scan), ("why", &why)])
         };
-        self.course.left_out.iter().map(said).collect()
+        self.course.left_out.iter().map(sentence).collect()
     }
 
     /// How old the last scan is.
@@ -124,7 +124,7 @@ impl ReportOf<'_> {
 
     /// Reasons for caution in the comparisons, and where visits cannot be compared.
     pub(super) fn cautions(&self, words: &Words) -> Vec<String> {
-        let mut said: Vec<String> = Vec::new();
+        let mut sentences: Vec<String> = Vec::new();
         for pair in self.course.groups.windows(2) {
             let [before, after] = [&pair[0], &pair[1]];
             let means = |group: &Group| {
@@ -137,18 +137,18 @@ impl ReportOf<'_> {
                 ("before", &means(before)),
                 ("after", &means(after)),
             ];
-            said.push(words.filled("visits.break", &values));
+            sentences.push(words.filled("visits.break", &values));
         }
-        let Some(group) = self.course.last_group() else { return said };
+        let Some(group) = self.course.last_group() else { return sentences };
         // What holds for several comparisons is stated once.
         let compared = self.course.last_compared(group);
         let all = compared.iter().flat_map(|of| {
-            let told = move |caution| (words.caution(of, caution), between(words, of));
-            of.cautions.iter().map(told)
+            let placed = move |caution| (words.caution(of, caution), between(words, of));
+            of.cautions.iter().map(placed)
         });
         let all = grouped(all).into_iter();
-        said.extend(all.map(|(text, pairs)| format!("{}: {text}", pairs.join(", "))));
-        said
+        sentences.extend(all.map(|(text, pairs)| format!("{}: {text}", pairs.join(", "))));
+        sentences
     }
 }
 
@@ -162,17 +162,17 @@ pub(super) fn between(words: &Words, of: &Comparison) -> String {
 pub(super) fn cancelling(words: &Words, of: &Comparison) -> Option<String> {
     let volumes = Side::BOTH.map(|side| of.legs.get(side).as_ref().and_then(|leg| leg.volume));
     let is_shown = volumes.into_iter().flatten().any(|of| of.shown() != Shown::NoChange);
-    let is_told = of.excess.is_some() || of.left_minus_right.is_some();
-    (is_told && !is_shown).then(|| words.text("visits.cancels"))
+    let is_reported = of.excess.is_some() || of.left_minus_right.is_some();
+    (is_reported && !is_shown).then(|| words.text("visits.cancels"))
 }
 
 fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
     let change = of.legs.get(side).as_ref()?.volume?;
-    let [told, _] = words.told(&change);
-    let [percent, detectable] = words.told_percent(&change);
+    let [printed, _] = words.printed(&change);
+    let [percent, detectable] = words.printed_percent(&change);
     let values: [(&str, &dyn Display); 4] = [
         ("leg", &words.leg(side)),
-        ("ml", &told),
+        ("ml", &printed),
         ("percent", &percent),
         ("detectable", &detectable),
     ];
@@ -181,12 +181,12 @@ fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
 
 fn excess(words: &Words, change: &ExcessChange) -> String {
     let only = |side: Side| words.language.word("leg.only", side.word());
-    let [told, detectable] = words.told(&change.change);
+    let [printed, detectable] = words.printed(&change.change);
     let ends = [change.earlier.ml.value, change.later.ml.value];
     let [before, after] = ends.map(|ml| words.ml_change(ml));
     let values: [(&str, &dyn Display); 6] = [
         ("side", &only(change.later.affected)),
-        ("ml", &told),
+        ("ml", &printed),
         ("before", &before),
         ("after", &after),
         ("other_side", &only(change.later.affected.other())),
@@ -214,9 +214,9 @@ fn difference(words: &Words, group: &Group, of: &Comparison) -> Option<String> {
     let at = |visit: usize| words.course.left_minus_right(group, visit);
     let [before, after] =
         [at(of.earlier)?, at(of.later)?].map(|volume| words.ml_change(volume.value));
-    let [told, detectable] = words.told(&change);
+    let [printed, detectable] = words.printed(&change);
     let values: [(&str, &dyn Display); 4] =
-        [("ml", &told), ("before", &before), ("after", &after), ("detectable", &detectable)];
+        [("ml", &printed), ("before", &before), ("after", &after), ("detectable", &detectable)];
     let key = match change.shown() {
         Shown::Larger | Shown::Smaller => "visits.difference",
         Shown::NoChange => "visits.difference_unchanged",

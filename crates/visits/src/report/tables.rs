@@ -68,7 +68,7 @@ fn all_explained(words: &Words, rows: &[TableRow]) -> String {
     let is_checked = visits.iter().any(|visit| visit.phantom_mm.is_some());
     let is_excess = matches!(words.course.choice.affected, Some(Affected::One(_)));
     let is_other_time = rows.iter().any(|row| row.head.ends_with(OTHER_TIME));
-    words.said(&[
+    words.joined(&[
         (is_checked, "visits.all_phantom"),
         (true, "visits.all_volumes"),
         (is_excess, "visits.all_excess"),
@@ -105,7 +105,7 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
         let change = of.legs.get(side).as_ref()?.volume?;
         let at = |visit: usize| words.course.volume(group, visit, side);
         let ends = [at(of.earlier)?, at(of.later)?].map(|of| ml(words, &of));
-        let [percent, percent_detectable] = words.told_percent(&change);
+        let [percent, percent_detectable] = words.printed_percent(&change);
         let percent = ReportFigure::marked(percent, mark(change.shown()));
         let beside = format!(" ({percent_detectable} %)");
         let head = words.leg(side).to_owned();
@@ -151,11 +151,11 @@ fn changed(
     percent: ReportFigure,
     beside: &str,
 ) -> Vec<ReportFigure> {
-    let [told, detectable] = words.told(change);
+    let [printed, detectable] = words.printed(change);
     vec![
         before,
         after,
-        ReportFigure::marked(told, mark(change.shown())),
+        ReportFigure::marked(printed, mark(change.shown())),
         percent,
         ReportFigure::plain(detectable + beside),
         ReportFigure::plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
@@ -237,8 +237,8 @@ fn sums(
     };
     let of_change = |of: &Comparison| match of.legs.get(side).as_ref().and_then(|leg| leg.volume) {
         Some(change) => {
-            let [told, _] = words.told(&change);
-            ReportFigure::marked(told, mark(change.shown()))
+            let [printed, _] = words.printed(&change);
+            ReportFigure::marked(printed, mark(change.shown()))
         }
         None => missing(words),
     };
@@ -287,7 +287,7 @@ fn table_of_places(
         let [earlier, _] = words.days(of);
         words.filled("visits.column.since", &[("date", &earlier)])
     }));
-    let explanation = words.said(&[
+    let explanation = words.joined(&[
         (true, "visits.lengths"),
         (has(&rows, |of| of.mark == Reliability::Real), "visits.bold"),
         (has(&rows, is_doubtful), "visits.doubtful"),
@@ -326,7 +326,7 @@ pub(super) fn levels(words: &Words, shown: &[usize]) -> Option<Table> {
         .flat_map(|side| Level::ALL.into_iter().rev().map(move |level| (side, level)));
     let rows: Vec<TableRow> = all.filter_map(row).collect();
     let days = shown.iter().map(|visit| words.day(*visit));
-    let explanation = words.said(&[
+    let explanation = words.joined(&[
         (true, "visits.levels_explained"),
         (has(&rows, is_doubtful), "visits.doubtful"),
         (has(&rows, |of| of.mark == Reliability::Estimated), "visits.estimated"),

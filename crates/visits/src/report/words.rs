@@ -26,7 +26,7 @@ const PERCENT_DECIMALS: [(usize, f64); 2] = [(1, 10.0), (2, 100.0)];
 const STAND_IN: &str = " #";
 
 /// Whether a change, as printed, reaches the detectable change, as printed, exactly if it is shown.
-fn is_told_as_shown([by, detectable]: [f64; 2], shown: Shown, scale: f64) -> bool {
+fn reads_as_shown([by, detectable]: [f64; 2], shown: Shown, scale: f64) -> bool {
     let is_reached = (scale * by).round().abs() >= scale * up(detectable, scale) - 0.5;
     is_reached == (shown != Shown::NoChange)
 }
@@ -49,7 +49,7 @@ impl Words<'_> {
     }
 
     /// Those of some texts that hold here, in their order.
-    pub(super) fn said(&self, all: &[(bool, &'static str)]) -> String {
+    pub(super) fn joined(&self, all: &[(bool, &'static str)]) -> String {
         let texts = all.iter().filter(|(holds, _)| *holds);
         texts.map(|&(_, key)| self.language.text(key)).collect::<Vec<_>>().join(" ")
     }
@@ -148,27 +148,27 @@ impl Words<'_> {
     }
 
     /// A change of a volume, mL, and from which on it can be shown: whole ones, because a ± is one.
-    pub(super) fn told(&self, change: &Change) -> [String; 2] {
-        self.told_with(&ML_DECIMALS, [change.by, change.detectable()], change.shown())
+    pub(super) fn printed(&self, change: &Change) -> [String; 2] {
+        self.printed_with(&ML_DECIMALS, [change.by, change.detectable()], change.shown())
     }
 
     /// The percentage of a change, and from which on it can be shown.
-    pub(super) fn told_percent(&self, change: &Change) -> [String; 2] {
+    pub(super) fn printed_percent(&self, change: &Change) -> [String; 2] {
         let figures = [change.percent, change.detectable_percent()];
-        self.told_with(&PERCENT_DECIMALS, figures, change.shown())
+        self.printed_with(&PERCENT_DECIMALS, figures, change.shown())
     }
 
     /// A change with its sign, and the detectable change. Only where the printed change would reach the printed
     /// detectable one without being shown, or the reverse, both have enough decimals to distinguish them.
-    fn told_with(
+    fn printed_with(
         &self,
         all: &[(usize, f64)],
         [by, detectable]: [f64; 2],
         shown: Shown,
     ) -> [String; 2] {
-        let is_told =
-            |(_, scale): &&(usize, f64)| is_told_as_shown([by, detectable], shown, *scale);
-        let found = all.iter().find(is_told).or(all.last());
+        let reads_right =
+            |(_, scale): &&(usize, f64)| reads_as_shown([by, detectable], shown, *scale);
+        let found = all.iter().find(reads_right).or(all.last());
         let (decimals, scale) = found.copied().unwrap_or((0, 1.0));
         let words = |value: f64| number(value, decimals, self.language);
         [signed(by, &words(by)), words(up(detectable, scale))]
@@ -222,7 +222,7 @@ mod tests {
     fn told(ends: [f64; 2], random: f64) -> [String; 2] {
         let course = course();
         let words = Words { course: &course, language: Language::En };
-        words.told(&change(ends, random))
+        words.printed(&change(ends, random))
     }
 
     const CHOICE: crate::course::Choice =

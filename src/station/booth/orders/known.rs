@@ -27,7 +27,7 @@ pub fn pass_over(core: &Core, found: &Found, counter: &StepCounter) -> Result<()
             || OrderState { size: stamp.size, mtime_ns: stamp.mtime_ns, digest: String::new() };
         let read = read::read(path, stamp, counter).ok().flatten();
         let state = read.map_or_else(unread, |read| read.state);
-        core.custody.journal().order_heard(path, &state)?;
+        core.custody.journal().order_handled(path, &state)?;
     }
     warn!(event = "orders-passed-over", count = found.orders.len());
     Ok(())
@@ -48,7 +48,7 @@ pub fn update(
     let journal = core.custody.journal();
     let known = journal.orders_known(&config.path)?;
     for (path, state) in other_names(found, &known, counter) {
-        journal.order_heard(path, &state)?;
+        journal.order_handled(path, &state)?;
     }
     let is_there = |path: &Path| found.orders.contains_key(path);
     let lists = known.is_empty() || known.keys().any(|path| is_there(path));

@@ -85,6 +85,6 @@ fn is_same(path: &Path, read: &Read, counter: &StepCounter) -> bool {
         if metadata.is_file() { read::read(path, stamp(&metadata), counter) } else { Ok(None) }
     });
     let Ok(Some(now)) = now else { return false };
-    let is_told_apart = now.file != read.file && now.state.mtime_ns != read.state.mtime_ns;
-    now.state.digest == read.state.digest && !is_told_apart
+    let is_distinct = now.file != read.file && now.state.mtime_ns != read.state.mtime_ns;
+    now.state.digest == read.state.digest && !is_distinct
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use gaiter_flow::booth::Heard;
+use gaiter_flow::booth::PortEvent;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::orders::{self, News};
@@ -101,7 +101,7 @@ pub fn take(
         // It is to stay, or it is not an order, or the last run ended before it was removed.
         News::Known if taking.is_order() => taking.remove_if_asked(),
         News::Known => Ok(Taken::Done),
-        found => taking.hear(known, found == News::Repeated),
+        found => taking.apply(known, found == News::Repeated),
     }
 }
 
@@ -126,8 +126,8 @@ impl Taking<'_> {
 
     /// Applies an order that was not applied yet, or refuses it. It is noted first, so that no interruption
     /// applies it twice.
-    fn hear(&self, known: Option<OrderState>, repeated: bool) -> Result<Taken, TakeFault> {
-        let (heard, refused) = match self.order() {
+    fn apply(&self, known: Option<OrderState>, repeated: bool) -> Result<Taken, TakeFault> {
+        let (received, refused) = match self.order() {
             // Results and orders may share a folder: this file is for another program and goes back.
             Err(OrderFault::OtherKind { .. }) if self.is_hidden => return Ok(Taken::Later),
             Err(OrderFault::OtherKind { found }) => {
@@ -136,7 +136,7 @@ impl Taking<'_> {
                 return Ok(Taken::Done);
             }
             Err(fault) => {
-                let unread = Heard::UnreadOrder { absent: self.absent };
+                let unread = PortEvent::UnreadOrder { absent: self.absent };
                 (Some(unread), Some((fault.code(), Cause::from(&fault))))
             }
             Ok(_) if self.is_old() => (None, Some((TOO_OLD, Cause::known(TOO_OLD, [])))),
@@ -144,7 +144,7 @@ impl Taking<'_> {
                 let (id, absent) = (order.patient, self.absent);
                 let late = self.is_late.then_some(Doubt::Unread);
                 let doubt = if repeated { Some(Doubt::Repeated) } else { late };
-                (Some(Heard::Ordered { id, doubt, absent }), None)
+                (Some(PortEvent::Ordered { id, doubt, absent }), None)
             }
         };
         if let Some((code, why)) = refused.as_ref().filter(|_| !self.read.is_too_large()) {
@@ -154,27 +154,27 @@ impl Taking<'_> {
         }
         if let Err(fault) = self.note() {
             // The name was given but is not stored: the patient named before may have left.
-            if heard.is_some() {
-                self.booth.hear(&Heard::UnreadOrder { absent: self.absent });
+            if received.is_some() {
+                self.booth.receive(&PortEvent::UnreadOrder { absent: self.absent });
             }
             return Err(fault);
         }
-        if heard.is_some_and(|heard| !self.booth.hear(&heard)) {
+        if received.is_some_and(|received| !self.booth.receive(&received)) {
             return Ok(Taken::Unheard(known));
         }
         match refused {
-            Some((code, why)) => self.tell_refused(code, &why),
+            Some((code, why)) => self.report_refused(code, &why),
             None if repeated => {
                 warn!(event = "order-repeated");
                 self.core.board.raise(REPEATED, ComplaintFigures::default());
             }
-            None => tell_taken(self.core),
+            None => report_taken(self.core),
         }
         if self.read.is_too_large() { Ok(Taken::Done) } else { self.remove_if_asked() }
     }
 
     fn note(&self) -> Result<(), TakeFault> {
-        Ok(self.core.custody.journal().order_heard(self.path(), &self.read.state)?)
+        Ok(self.core.custody.journal().order_handled(self.path(), &self.read.state)?)
     }
 
     fn is_old(&self) -> bool {
@@ -183,7 +183,7 @@ impl Taking<'_> {
         orders::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
     }
 
-    fn tell_refused(&self, code: &str, why: &Cause) {
+    fn report_refused(&self, code: &str, why: &Cause) {
         warn!(event = "order-refused", code);
         let place = if self.read.is_too_large() { "left" } else { "aside" };
         let figures = ComplaintFigures::default().words("fault", code).cause("said", why);
@@ -222,7 +222,7 @@ impl Taking<'_> {
 }
 
 /// Notes that a valid order was applied. It clears the alarms about earlier orders.
-pub(super) fn tell_taken(core: &Core) {
+pub(super) fn report_taken(core: &Core) {
     info!(event = "order-taken");
     core.board.clear(REFUSED);
     core.board.clear(REPEATED);

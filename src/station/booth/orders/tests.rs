@@ -159,20 +159,20 @@ fn an_order_that_could_not_be_heard_is_remembered_with_what_was_known_until_it_i
     let settled = orders.due(look(), at(1)).remove(0);
     let known = Some(read(&path).state);
     orders.taken(&settled, Ok(Taken::Unheard(known.clone())), at(1).ended);
-    assert_eq!(orders.unheard.get(&path), Some(&Before::Noted(known)));
+    assert_eq!(orders.unapplied.get(&path), Some(&Before::Noted(known)));
     let again = orders.due(look(), at(900)).remove(0);
     orders.taken(&again, Ok(Taken::Unheard(None)), at(900).ended);
-    assert_eq!(orders.unheard.get(&path), Some(&Before::Noted(None)));
+    assert_eq!(orders.unapplied.get(&path), Some(&Before::Noted(None)));
     orders.taken(&again, Ok(Taken::Done), at(900).ended);
-    assert_eq!((orders.unheard.len(), orders.due(look(), at(9000)).len()), (0, 0));
+    assert_eq!((orders.unapplied.len(), orders.due(look(), at(9000)).len()), (0, 0));
     orders.taken(&again, Ok(Taken::Unheard(None)), at(9000).ended);
-    orders.unheard.clear();
+    orders.unapplied.clear();
     let fault = TakeFault::Io { what: "reading an order", source: io::Error::other("locked") };
     orders.taken(&again, Err(fault), at(9000).ended);
-    assert_eq!(orders.unheard.get(&path), Some(&Before::Unnoted), "it is late when it is read");
+    assert_eq!(orders.unapplied.get(&path), Some(&Before::Unnoted), "it is late when it is read");
     fs::remove_file(&path).unwrap();
     orders.due(look(), at(9001));
-    assert_eq!(orders.unheard.len(), 0);
+    assert_eq!(orders.unapplied.len(), 0);
 }
 
 #[test]

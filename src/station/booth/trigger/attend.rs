@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use gaiter_flow::booth::{Heard, Signal};
+use gaiter_flow::booth::{PortEvent, Signal};
 use gaiter_flow::trigger::port_lifecycle::Want;
 use gaiter_flow::trigger::{
     Input, InputDecoder, PortFault, PortFaultKind, PortLifecycle, PortState,
@@ -45,7 +45,7 @@ pub struct Attendant {
     port: Option<Box<dyn Port>>,
     decoder: InputDecoder,
     lifecycle: PortLifecycle,
-    said: Option<Signal>,
+    sent: Option<Signal>,
     last_in_place: Duration,
     settling: bool,
     garbage: u64,
@@ -66,7 +66,7 @@ impl Attendant {
             port: None,
             decoder,
             lifecycle,
-            said: None,
+            sent: None,
             last_in_place: now,
             settling: false,
             garbage: 0,
@@ -89,7 +89,7 @@ impl Attendant {
         &mut self,
         clock: &dyn Fn() -> Duration,
         signal: Signal,
-        heard: &mut Vec<Heard>,
+        events: &mut Vec<PortEvent>,
     ) -> Duration {
         match self.lifecycle.wants(clock()) {
             Want::Wait(pause) => return pause,
@@ -99,8 +99,8 @@ impl Attendant {
                 if std::mem::take(&mut self.settling) {
                     self.decoder.settled();
                 }
-                self.say(signal);
-                self.listen(clock, heard);
+                self.send(signal);
+                self.listen(clock, events);
             }
         }
         Duration::ZERO
@@ -113,7 +113,7 @@ impl Attendant {
             Ok(port) => {
                 self.port = Some(port);
                 self.decoder.begin();
-                (self.said, self.settling, self.last_in_place) = (None, true, clock());
+                (self.sent, self.settling, self.last_in_place) = (None, true, clock());
                 self.lifecycle.opened(clock());
             }
             Err(fault) => self.lifecycle.failed(&fault, clock()),
@@ -123,13 +123,13 @@ impl Attendant {
     fn settle(&mut self, rest: Duration, clock: &dyn Fn() -> Duration) {
         match self.read(rest, clock) {
             // The state of the contact must be known, but nothing received now is a press.
-            Ok(input) => drop(self.decoder.hear(&input, clock())),
+            Ok(input) => drop(self.decoder.decode(&input, clock())),
             Err(fault) => self.lose(&fault, clock),
         }
         self.decoder.garbage();
     }
 
-    fn listen(&mut self, clock: &dyn Fn() -> Duration, heard: &mut Vec<Heard>) {
+    fn listen(&mut self, clock: &dyn Fn() -> Duration, events: &mut Vec<PortEvent>) {
         let now = clock();
         if now.saturating_sub(self.last_in_place) >= IN_PLACE {
             self.last_in_place = now;
@@ -140,7 +140,7 @@ impl Attendant {
         match self.read(LISTEN, clock) {
             Ok(input) => {
                 let now = clock();
-                heard.extend(self.decoder.hear(&input, now));
+                events.extend(self.decoder.decode(&input, now));
                 self.garbage += self.decoder.garbage();
                 self.lifecycle.listened(self.decoder.is_stuck(now), now);
             }
@@ -166,9 +166,9 @@ impl Attendant {
 
     /// Writes what belongs to the light's signal, once. A failed write is not a fault of the button: if
     /// the port is gone, the next read shows it.
-    fn say(&mut self, signal: Signal) {
-        if self.said != Some(signal) {
-            self.said = Some(signal);
+    fn send(&mut self, signal: Signal) {
+        if self.sent != Some(signal) {
+            self.sent = Some(signal);
             if let (Some(bytes), Some(port)) = (self.manner.say.get(&signal), &mut self.port) {
                 let _ = port.write(bytes);
             }

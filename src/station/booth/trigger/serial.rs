@@ -158,7 +158,7 @@ fn of_serial(error: &serialport::Error) -> PortFault {
     match error.kind() {
         ErrorKind::NoDevice => fault(PortFaultKind::Busy, Cause::known("other-program", [])),
         ErrorKind::Io(kind) => {
-            PortFault { why: Cause::said(error), ..of_io(&io::Error::from(kind)) }
+            PortFault { why: Cause::verbatim(error), ..of_io(&io::Error::from(kind)) }
         }
         ErrorKind::InvalidInput | ErrorKind::Unknown => {
             fault(PortFaultKind::Failed, error.to_string())

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use gaiter_flow::booth::Heard;
+use gaiter_flow::booth::PortEvent;
 use gaiter_flow::facts::TriggerFacts;
 use gaiter_flow::trigger::PortState;
 use jiff::{SignedDuration, Timestamp};
@@ -69,12 +69,12 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, counter: &StepCounter) {
     let clock = || core.now();
     let mut attendant = Attendant::new(opener, decoder, manner, clock());
     let mut noted = Noted::new(name);
-    let mut heard = Vec::new();
+    let mut events = Vec::new();
     let (mut was_open, mut listens_since) = (None, clock());
     while !stop.is_requested() {
         counter.step();
         let showing = *signal.borrow();
-        let pause = attendant.turn(&clock, showing, &mut heard);
+        let pause = attendant.turn(&clock, showing, &mut events);
         if was_open == Some(true) && clock().saturating_sub(listens_since) > ASLEEP {
             // Other ports may have been read since, and what was received here now may be older.
             booth.note_sleep();
@@ -88,11 +88,11 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, counter: &StepCounter) {
         }
         // A journal that is slow to take the input keeps this port waiting: that counts as a sleep.
         listens_since = clock();
-        for heard in heard.drain(..) {
-            noted.count(&heard);
-            booth.hear(&heard);
+        for event in events.drain(..) {
+            noted.count(&event);
+            booth.receive(&event);
         }
-        tell(name, &mut attendant, clock());
+        log(name, &mut attendant, clock());
         noted.note(core, &mut attendant);
         if !pause.is_zero() {
             std::thread::sleep(pause.min(NAP));
@@ -101,8 +101,8 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, counter: &StepCounter) {
 }
 
 /// Logs each change once, at a limited rate.
-fn tell(port: &'static str, attendant: &mut Attendant, now: Duration) {
-    let Some(state) = attendant.lifecycle().tell(now) else { return };
+fn log(port: &'static str, attendant: &mut Attendant, now: Duration) {
+    let Some(state) = attendant.lifecycle().state_to_log(now) else { return };
     let event = match state {
         PortState::NotLooked | PortState::Settling | PortState::Open => "trigger-open",
         PortState::Absent => "trigger-absent",
@@ -131,11 +131,11 @@ impl Noted {
         Noted { name, facts: TriggerFacts::new(Timestamp::now()), unsound_since: None }
     }
 
-    fn count(&mut self, heard: &Heard) {
-        match heard {
-            Heard::Press(_) => self.facts.presses += 1,
-            Heard::Named { .. } => self.facts.ids += 1,
-            Heard::Ordered { .. } | Heard::Unread | Heard::UnreadOrder { .. } => {}
+    fn count(&mut self, event: &PortEvent) {
+        match event {
+            PortEvent::Press(_) => self.facts.presses += 1,
+            PortEvent::Named { .. } => self.facts.ids += 1,
+            PortEvent::Ordered { .. } | PortEvent::Unread | PortEvent::UnreadOrder { .. } => {}
         }
     }
 

@@ -60,8 +60,8 @@ pub(super) fn save(
 pub fn names_patient(connection: &Connection, patient: &str) -> Result<bool, JournalError> {
     let found = fact(connection, NEXT, of_json)?;
     let Some(NamesCell { names, .. }) = found else { return Ok(false) };
-    let mut said = names.names.next.iter().flat_map(|next| &next.names);
-    Ok(said.any(|said| said.named.id == patient))
+    let mut waiting = names.names.next.iter().flat_map(|next| &next.names);
+    Ok(waiting.any(|name| name.named.id == patient))
 }
 
 /// Removes the names.

@@ -121,7 +121,7 @@ fn journal_of(dir: &Path) -> Journal {
         journal.sighted(&Path::new("/export").join(name), stamp, Some(&scan(digit))).unwrap();
     }
     let state = OrderState { size: 3, mtime_ns: 1, digest: "d".into() };
-    journal.order_heard(&Path::new("/orders").join(format!("{ID}.gdt")), &state).unwrap();
+    journal.order_handled(&Path::new("/orders").join(format!("{ID}.gdt")), &state).unwrap();
     wait_for(&journal, ID);
     journal
 }

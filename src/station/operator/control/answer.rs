@@ -113,7 +113,7 @@ fn named(desk: &Desk, digits: &str) -> Result<ScanId, ControlFault> {
         let message = |language: Language| {
             language.filled("act.fault.few_digits", &[("count", &DIGITS_LEAST)])
         };
-        return Err(ControlFault::said(
+        return Err(ControlFault::in_language(
             ControlFaultKind::Request,
             "scan-id-malformed",
             language,
@@ -125,7 +125,7 @@ fn named(desk: &Desk, digits: &str) -> Result<ScanId, ControlFault> {
         (Some(scan), None) => Ok(scan),
         (Some(_), Some(_)) => {
             let message = with_digits("act.fault.ambiguous");
-            Err(ControlFault::said(
+            Err(ControlFault::in_language(
                 ControlFaultKind::Request,
                 "scan-id-ambiguous",
                 language,
@@ -134,7 +134,12 @@ fn named(desk: &Desk, digits: &str) -> Result<ScanId, ControlFault> {
         }
         (None, _) => {
             let message = with_digits("act.fault.no_such");
-            Err(ControlFault::said(ControlFaultKind::Unknown, "scan-unknown", language, message))
+            Err(ControlFault::in_language(
+                ControlFaultKind::Unknown,
+                "scan-unknown",
+                language,
+                message,
+            ))
         }
     }
 }
@@ -144,7 +149,7 @@ fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, ControlFault> {
     let journal = desk.core.custody.journal();
     let mut whole = journal.whole(&scan)?.ok_or_else(|| {
         let forgotten = |language: Language| language.text("act.fault.forgotten").to_owned();
-        ControlFault::said(
+        ControlFault::in_language(
             ControlFaultKind::Unknown,
             "scan-unknown",
             desk.core.config.language,
@@ -213,7 +218,7 @@ fn page(desk: &Desk) -> Result<ControlAnswer, ControlFault> {
             None => language.text("act.fault.no_page").to_owned(),
         };
         let language = desk.core.config.language;
-        ControlFault::said(ControlFaultKind::Failed, "page-not-served", language, message)
+        ControlFault::in_language(ControlFaultKind::Failed, "page-not-served", language, message)
     })?;
     Ok(ControlAnswer::Sentence(link))
 }
@@ -265,7 +270,7 @@ fn ordered(desk: &Desk, bytes: &[u8]) -> Result<ControlAnswer, ControlFault> {
         let message = |language: Language| {
             language.filled("act.fault.no_order", &[("why", &fault.in_words(language))])
         };
-        ControlFault::said(
+        ControlFault::in_language(
             ControlFaultKind::Request,
             fault.code(),
             desk.core.config.language,

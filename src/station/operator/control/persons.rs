@@ -50,7 +50,7 @@ pub(super) fn erase(
 /// A request that is refused, with the text of a key.
 fn refused(desk: &Desk, code: &str, key: &'static str) -> ControlFault {
     let message = |language: Language| language.text(key).to_owned();
-    ControlFault::said(ControlFaultKind::Request, code, desk.core.config.language, message)
+    ControlFault::in_language(ControlFaultKind::Request, code, desk.core.config.language, message)
 }
 
 impl From<CustodyFault> for ControlFault {

@@ -210,7 +210,7 @@ impl ControlFault {
     }
 
     /// The same with a message that is made for each language.
-    pub fn said(
+    pub fn in_language(
         kind: ControlFaultKind,
         code: &str,
         language: Language,

@@ -24,7 +24,7 @@ const MOST: usize = 16 * 1024;
 
 /// The reply to a decision.
 #[derive(Serialize)]
-struct Said {
+struct Reply {
     /// Stable code; `None` if it was carried out.
     code: Option<String>,
     /// A sentence for the operator.
@@ -50,7 +50,7 @@ pub async fn ask(State(endpoint): State<Arc<HttpEndpoint>>, request: Request) ->
         answered
     });
     match answered.await {
-        Ok(answered) => said(answered, verb, language),
+        Ok(answered) => reply(answered, verb, language),
         Err(_) => refused(StatusCode::INTERNAL_SERVER_ERROR, "panic", "the answer was interrupted"),
     }
 }
@@ -80,8 +80,8 @@ pub async fn enter(State(endpoint): State<Arc<HttpEndpoint>>, headers: HeaderMap
     let token = endpoint.desk.token();
     match (refusal(&endpoint, &headers), token) {
         (None, Some(token)) => {
-            let said = Said { code: None, sentence: String::new() };
-            ([(header::SET_COOKIE, token.cookie())], json(&said)).into_response()
+            let reply = Reply { code: None, sentence: String::new() };
+            ([(header::SET_COOKIE, token.cookie())], json(&reply)).into_response()
         }
         (Some(refused), _) => refused,
         (None, None) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
@@ -125,7 +125,7 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
     }
 }
 
-fn said(answered: ControlAnswer, verb: &str, language: Language) -> Response {
+fn reply(answered: ControlAnswer, verb: &str, language: Language) -> Response {
     match answered {
         ControlAnswer::Fault(fault) => {
             let status = match fault.kind {
@@ -139,18 +139,18 @@ fn said(answered: ControlAnswer, verb: &str, language: Language) -> Response {
         }
         _ => {
             let sentence = language.word("page.done", verb).to_owned();
-            json(&Said { code: None, sentence })
+            json(&Reply { code: None, sentence })
         }
     }
 }
 
 fn refused(status: StatusCode, code: &str, sentence: &str) -> Response {
-    let said = Said { code: Some(code.to_owned()), sentence: sentence.to_owned() };
-    (status, json(&said)).into_response()
+    let reply = Reply { code: Some(code.to_owned()), sentence: sentence.to_owned() };
+    (status, json(&reply)).into_response()
 }
 
-fn json(said: &impl Serialize) -> Response {
-    match serde_json::to_string(said) {
+fn json(reply: &impl Serialize) -> Response {
+    match serde_json::to_string(reply) {
         Ok(text) => ([assets::JSON], text).into_response(),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
     }

@@ -62,8 +62,8 @@ fn read_summaries(desk: &Arc<Desk>, records: Vec<(String, PathBuf)>) {
     spawn_blocking(move || {
         let config = &desk.core.config;
         for (scan, folder) in due {
-            let told = summaries::read(&folder, config.language, &config.garment);
-            desk.summaries.note(scan, folder, told, desk.core.now());
+            let details = summaries::read(&folder, config.language, &config.garment);
+            desk.summaries.note(scan, folder, details, desk.core.now());
         }
         desk.summaries.all_read();
         desk.refresh.notify_one();

@@ -70,7 +70,7 @@ async fn of_scan<T: Serialize + Send + 'static>(
     endpoint: Arc<HttpEndpoint>,
     scan: &str,
     headers: &HeaderMap,
-    told: impl FnOnce(&Desk, &ScanId) -> T + Send + 'static,
+    details: impl FnOnce(&Desk, &ScanId) -> T + Send + 'static,
 ) -> Response {
     let Some(scan) = ScanId::parse(scan) else { return StatusCode::NOT_FOUND.into_response() };
     if !endpoint.shows_ids(headers, None) {
@@ -80,11 +80,11 @@ async fn of_scan<T: Serialize + Send + 'static>(
     let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
     };
-    let told = spawn_blocking(move || {
+    let details = spawn_blocking(move || {
         let _reader = reader;
-        told(&endpoint.desk, &scan)
+        details(&endpoint.desk, &scan)
     });
-    answer(told.await.ok())
+    answer(details.await.ok())
 }
 
 fn answer(of: Option<impl Serialize>) -> Response {

@@ -91,20 +91,20 @@ fn row_name(row: &Whole) -> String {
 }
 
 fn scan(desk: &Desk, row: &Whole) -> ScanShown {
-    let told = folder(desk, row).and_then(|folder| desk.summaries.of(&row_name(row), &folder));
-    scan_row(desk, row, told.unwrap_or_default())
+    let details = folder(desk, row).and_then(|folder| desk.summaries.of(&row_name(row), &folder));
+    scan_row(desk, row, details.unwrap_or_default())
 }
 
 /// The row of a scan with the details of its record.
-fn scan_row(desk: &Desk, row: &Whole, mut told: ScanDetails) -> ScanShown {
+fn scan_row(desk: &Desk, row: &Whole, mut details: ScanDetails) -> ScanShown {
     if let Some(Preview::Impossible(code)) = preview(desk, row) {
-        told.unmeasured = Some(code);
+        details.unmeasured = Some(code);
     }
     let unfetched = desk.core.board.unfetched();
-    told.is_to_be_fetched = row.disposition() == Disposition::Spooled
+    details.is_to_be_fetched = row.disposition() == Disposition::Spooled
         && row.has_record()
         && !row.is_in_work(&unfetched);
-    page::scan_shown(row, &told, desk.core.config.language)
+    page::scan_shown(row, &details, desk.core.config.language)
 }
 
 /// The scans that a search finds, without details of their records, and whether there are more. Blocks, on
@@ -113,19 +113,19 @@ pub fn found(desk: &Desk, search: &Search) -> (Vec<ScanShown>, bool) {
     let ids = desk.core.custody.journal().search(search);
     let has_more = ids.as_ref().is_ok_and(|ids| ids.len() > search.limit as usize);
     let ids = ids.map(|ids| ids.into_iter().take(search.limit as usize).collect());
-    let told = ScanDetails::default;
-    (rows(desk, ids).iter().map(|row| scan_row(desk, row, told())).collect(), has_more)
+    let details = ScanDetails::default;
+    (rows(desk, ids).iter().map(|row| scan_row(desk, row, details())).collect(), has_more)
 }
 
 /// The rows of one scan with the details of their records. Blocks as long as the store does.
 pub fn one(desk: &Desk, scan: &ScanId) -> Vec<ScanShown> {
     let config = &desk.core.config;
-    let told = |row: &Whole| {
+    let details = |row: &Whole| {
         let folder = folder(desk, row)?;
         Some(summaries::read(&folder, config.language, &config.garment))
     };
     let rows = rows(desk, Ok(vec![scan.clone()]));
-    rows.iter().map(|row| scan_row(desk, row, told(row).unwrap_or_default())).collect()
+    rows.iter().map(|row| scan_row(desk, row, details(row).unwrap_or_default())).collect()
 }
 
 /// Every measure of the record of a scan's row with this key. Blocks as long as the store does.

@@ -36,14 +36,18 @@ pub async fn stream(
     let (sender, events) = mpsc::channel(1);
     tokio::spawn(async move {
         let _place = place;
-        tell(&endpoint, shows_ids, &sender).await;
+        send_all(&endpoint, shows_ids, &sender).await;
     });
     let kind = [(header::CONTENT_TYPE, EVENTS)];
     (kind, Body::new(Pieces(events))).into_response()
 }
 
 /// Sends snapshots to a reader until it disconnects or the station stops.
-async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<io::Result<Bytes>>) {
+async fn send_all(
+    endpoint: &HttpEndpoint,
+    shows_ids: bool,
+    sender: &mpsc::Sender<io::Result<Bytes>>,
+) {
     let mut snapshots = endpoint.desk.texts.subscribe();
     endpoint.desk.reader.notify_one();
     let mut stop = endpoint.stop.clone();
@@ -54,11 +58,11 @@ async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<io
     loop {
         let text = snapshots.borrow_and_update().as_ref().map(|texts| texts.of(shows_ids));
         if text.is_some() && text != last {
-            let told = format!("data: {}\n\n", text.as_deref().unwrap_or_default());
+            let message = format!("data: {}\n\n", text.as_deref().unwrap_or_default());
             last = text;
             tokio::select! {
                 () = stop.requested() => return,
-                sent = sender.send(Ok(told.into())) => if sent.is_err() { return },
+                sent = sender.send(Ok(message.into())) => if sent.is_err() { return },
             }
         }
         tokio::select! {

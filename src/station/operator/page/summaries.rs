@@ -41,7 +41,7 @@ struct Inner {
 #[derive(Debug)]
 struct CachedSummary {
     folder: PathBuf,
-    told: ScanDetails,
+    details: ScanDetails,
     at: Duration,
     /// The record was amended since.
     is_old: bool,
@@ -52,7 +52,7 @@ impl Summaries {
     pub fn of(&self, scan: &str, folder: &Path) -> Option<ScanDetails> {
         let inner = self.inner();
         let known = inner.known.get(scan).filter(|known| known.folder == folder);
-        known.map(|known| known.told.clone())
+        known.map(|known| known.details.clone())
     }
 
     /// Has every record read again: a person has just amended one.
@@ -79,7 +79,7 @@ impl Summaries {
         }
         let is_due = |(scan, folder): &(String, PathBuf)| {
             inner.known.get(scan).is_none_or(|known| {
-                let lasts = if known.told.measures.is_some() { FRESH } else { AGAIN };
+                let lasts = if known.details.measures.is_some() { FRESH } else { AGAIN };
                 known.is_old || known.folder != *folder || now.saturating_sub(known.at) > lasts
             })
         };
@@ -94,13 +94,13 @@ impl Summaries {
     }
 
     /// Notes the details of a scan's record in this folder, read at the time `now` of the station's clock.
-    pub fn note(&self, scan: String, folder: PathBuf, told: ScanDetails, now: Duration) {
+    pub fn note(&self, scan: String, folder: PathBuf, details: ScanDetails, now: Duration) {
         let mut inner = self.inner();
-        let before = inner.known.get(&scan).map(|known| &known.told);
-        if before != Some(&told) {
+        let before = inner.known.get(&scan).map(|known| &known.details);
+        if before != Some(&details) {
             inner.edition += 1;
         }
-        inner.known.insert(scan, CachedSummary { folder, told, at: now, is_old: false });
+        inner.known.insert(scan, CachedSummary { folder, details, at: now, is_old: false });
     }
 }
 

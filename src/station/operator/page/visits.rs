@@ -46,15 +46,15 @@ pub async fn visits(
 ) -> Response {
     let is_paper = uri.path().ends_with(".pdf");
     let language = endpoint.desk.core.config.language;
-    let told = |status, key| plain_page(status, key, language);
+    let plain = |status, key| plain_page(status, key, language);
     let Some(scan) = ScanId::parse(&scan) else {
-        return told(StatusCode::NOT_FOUND, "page.plain.no_visits");
+        return plain(StatusCode::NOT_FOUND, "page.plain.no_visits");
     };
     if !endpoint.shows_ids(&headers, None) {
-        return told(StatusCode::FORBIDDEN, "page.plain.no_link");
+        return plain(StatusCode::FORBIDDEN, "page.plain.no_link");
     }
     let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
-        return told(StatusCode::SERVICE_UNAVAILABLE, "page.plain.busy");
+        return plain(StatusCode::SERVICE_UNAVAILABLE, "page.plain.busy");
     };
     let made = spawn_blocking(move || {
         let _reader = reader;
@@ -69,7 +69,7 @@ pub async fn visits(
             let policy = (header::CONTENT_SECURITY_POLICY, served.policy);
             ([kind, policy], bytes).into_response()
         }
-        Err(NoVisits(status, Some(key))) => told(status, key),
+        Err(NoVisits(status, Some(key))) => plain(status, key),
         Err(NoVisits(status, None)) => status.into_response(),
     }
 }

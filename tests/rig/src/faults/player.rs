@@ -9,7 +9,7 @@ use std::time::Duration;
 use gaiter::config;
 use gaiter::config::port::escaped;
 use gaiter::station::booth::trigger::{Attendant, of_config};
-use gaiter_flow::booth::{Heard, Press, Signal};
+use gaiter_flow::booth::{PortEvent, Press, Signal};
 
 use super::mock_port::{Script, Stage, script};
 
@@ -30,7 +30,7 @@ path = "/r"
 pub struct Player {
     pub stage: Stage,
     pub attendant: Attendant,
-    pub heard: VecDeque<Heard>,
+    pub heard: VecDeque<PortEvent>,
     pub lines: usize,
     signal: Signal,
     turns: u32,
@@ -56,7 +56,7 @@ impl Player {
         let (stage, mut heard) = (self.stage.clone(), Vec::new());
         let pause = self.attendant.turn(&|| stage.now(), self.signal, &mut heard);
         self.heard.extend(heard);
-        let told = self.attendant.lifecycle().tell(self.stage.now());
+        let told = self.attendant.lifecycle().state_to_log(self.stage.now());
         self.lines += usize::from(told.is_some());
         if !pause.is_zero() {
             self.stage.pass(pause);
@@ -119,11 +119,11 @@ impl Player {
     fn next_heard(&mut self) -> String {
         match self.heard.pop_front() {
             None => "nothing".into(),
-            Some(Heard::Press(Press::Short)) => "short".into(),
-            Some(Heard::Press(Press::Long)) => "long".into(),
-            Some(Heard::Named { id, .. }) => format!("id {id}"),
-            Some(Heard::Unread | Heard::UnreadOrder { .. }) => "unread".into(),
-            Some(Heard::Ordered { .. }) => "ordered".into(),
+            Some(PortEvent::Press(Press::Short)) => "short".into(),
+            Some(PortEvent::Press(Press::Long)) => "long".into(),
+            Some(PortEvent::Named { id, .. }) => format!("id {id}"),
+            Some(PortEvent::Unread | PortEvent::UnreadOrder { .. }) => "unread".into(),
+            Some(PortEvent::Ordered { .. }) => "ordered".into(),
         }
     }
 }

@@ -9,9 +9,9 @@ use crate::page::rows::rows;
 use crate::page::{ScanDetails, ScanShown, record_folder, row_key, scan_shown};
 
 /// State, patients, folder and verbs of a row.
-type RowTold = (String, Vec<String>, Option<String>, Vec<&'static str>);
+type RowShown = (String, Vec<String>, Option<String>, Vec<&'static str>);
 
-fn told(whole: Whole) -> Vec<RowTold> {
+fn told(whole: Whole) -> Vec<RowShown> {
     let shown = |row: &Whole| scan_shown(row, &ScanDetails::default(), Language::En);
     let told = |row: Whole| {
         let ScanShown { state, patients, acts, .. } = shown(&row);
@@ -20,7 +20,12 @@ fn told(whole: Whole) -> Vec<RowTold> {
     rows(whole).into_iter().map(told).collect()
 }
 
-fn row(state: &str, patient: Option<&str>, folder: Option<&str>, acts: &[&'static str]) -> RowTold {
+fn row(
+    state: &str,
+    patient: Option<&str>,
+    folder: Option<&str>,
+    acts: &[&'static str],
+) -> RowShown {
     let patients = patient.map(str::to_owned).into_iter().collect();
     (state.to_owned(), patients, folder.map(str::to_owned), acts.to_vec())
 }

@@ -206,7 +206,7 @@ fn a_held_scan_a_missing_export_and_a_missed_press_are_foreseen_to_hold_the_next
 
     let mut unheard = captures();
     unheard.deaf();
-    unheard.hears(at(0));
+    unheard.receives(at(0));
     unheard.named(named("1"), 1, at(1), &[]);
     assert_eq!(told(&unheard, at(1)), Some((HoldReason::Unheard, Vec::new())));
     assert_eq!(unheard.held_next(at(0) + rules().awaited()), None);
@@ -224,7 +224,7 @@ fn without_a_button_a_name_beside_a_refused_scan_is_foreseen_to_be_held() {
     let rules = Rules { by_press: false, ..rules() };
     let mut captures = Rounds::new(rules, Vec::new(), Names::default());
     captures.uncertain = None;
-    captures.hears(at(0));
+    captures.receives(at(0));
     captures.named(order("1"), 1, at(0), &[]);
     assert_eq!(captures.held_next(at(1)), None);
     let first = taken(&mut captures, seen(10));

@@ -35,7 +35,7 @@ fn a_name_that_waited_while_a_source_of_names_was_away_is_not_certain() {
     let names = away.names().clone();
     away.missed_name();
     let mut started = Rounds::new(rules(), Vec::new(), names);
-    started.hears(at(0) - 360 * SECOND);
+    started.receives(at(0) - 360 * SECOND);
     for mut captures in [away, started] {
         let mut again = captures.clone();
         captures.pressed(1, at(10));
@@ -54,7 +54,7 @@ fn a_name_that_waited_while_a_source_of_names_was_away_is_not_certain() {
 fn where_orders_come_after_the_press_one_that_is_late_names_no_later_press() {
     let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
     let mut captures = Rounds::new(rules, Vec::new(), Names::default());
-    captures.hears(at(0) - 360 * SECOND);
+    captures.receives(at(0) - 360 * SECOND);
     captures.uncertain = None;
     captures.pressed(1, at(0));
     assert_eq!(patient_of(&export(&mut captures, seen(10))), None);
@@ -406,7 +406,7 @@ fn who_was_named_while_the_button_was_away_may_have_pressed_it() {
     let mut captures = captures();
     captures.deaf();
     captures.named(by_whom("1", SourceKind::Reader), 1, at(0), &[]);
-    captures.hears(at(10));
+    captures.receives(at(10));
     captures.named(order("1"), 1, at(400), &[]);
     assert_eq!(code(&next_patient(&mut captures, 1, 410)), UNHEARD);
 }

@@ -20,7 +20,7 @@ fn where_a_hundred_wait_one_more_is_a_crowd_and_one_of_them_again_is_not() {
 fn after_press() -> Rounds {
     let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
     let mut captures = Rounds::new(rules, Vec::new(), Names::default());
-    captures.hears(at(0) - 360 * SECOND);
+    captures.receives(at(0) - 360 * SECOND);
     captures.uncertain = None;
     captures
 }
@@ -46,7 +46,7 @@ fn an_order_soon_after_a_start_may_be_for_a_press_that_nobody_heard() {
     let awaited = rules().awaited();
     for orders in [OrdersWhen::BeforePress, OrdersWhen::AfterPress] {
         let mut soon = Rounds::new(Rules { orders, ..rules() }, Vec::new(), Names::default());
-        soon.hears(at(0));
+        soon.receives(at(0));
         soon.uncertain = None;
         let mut later = soon.clone();
         soon.named(order("4711"), 1, at(0) + awaited - SECOND, &[]);
@@ -67,7 +67,7 @@ fn a_press_that_a_doubtful_order_pairs_with_is_still_owed_its_own() {
         Vec::new(),
         Names::default(),
     );
-    captures.hears(Duration::ZERO);
+    captures.receives(Duration::ZERO);
     captures.pressed(1, at(0));
     captures.doubtful(order("4711"), Doubt::Repeated, 2, at(1), &[]);
     assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);

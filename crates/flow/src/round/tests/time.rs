@@ -70,7 +70,7 @@ fn an_export_awaited_when_the_machine_starts_anew_is_held_beside_the_next_patien
     assert_eq!((waiting.opened, waiting.state), (Duration::ZERO, CaptureState::Expired));
 
     let mut captures = Rounds::new(rules, vec![waiting], Names::default());
-    captures.hears(Duration::ZERO);
+    captures.receives(Duration::ZERO);
     let seen = Appeared { absent: Some(SECOND * 30), seen: SECOND * 31 };
     let of_the_first = captures.match_export(seen, seen.seen);
     assert_eq!((code(&of_the_first), candidates(&of_the_first)), (UNHEARD, vec!["4711"]));

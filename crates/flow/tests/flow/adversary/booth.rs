@@ -139,7 +139,7 @@ impl Booth {
         booth.oracle = Oracle::new(rules.by_press, rules.orders == OrdersWhen::AfterPress);
         if let Some(run) = &mut booth.run {
             run.captures = Rounds::new(booth.setup.rules, Vec::new(), Names::default());
-            run.captures.hears(heard);
+            run.captures.receives(heard);
             // Somebody was named since the start.
             let named = Named { id: id(0), by: SourceKind::Operator };
             run.captures.named(named, 1, heard, &[]);
@@ -186,9 +186,9 @@ impl Booth {
         let mut captures = Rounds::new(self.setup.rules, waiting, names)
             .with_taken(self.disk.taken(), self.clock());
         if !self.setup.rules.by_press {
-            captures.hears(Duration::ZERO);
+            captures.receives(Duration::ZERO);
         } else if !self.is_unplugged {
-            captures.hears(self.clock());
+            captures.receives(self.clock());
         }
         let memory = self.disk.look();
         let last_look = memory.looked;
@@ -493,7 +493,7 @@ impl Booth {
         self.is_unplugged = !is_open;
         if let Some(run) = &mut self.run {
             if is_open {
-                run.captures.hears(now)
+                run.captures.receives(now)
             } else {
                 run.captures.deaf()
             }

@@ -10,7 +10,7 @@ use gaiter_flow::export::companions::{self, Done};
 use gaiter_flow::patient::identity;
 use gaiter_flow::round::{Capture, CaptureMatch, ExportContent, Named};
 use gaiter_flow::settle::{Folders, Gone};
-use gaiter_flow::{Fingerprint, Look, LookTime, NameSays, Settled, Stamp, Verdict};
+use gaiter_flow::{Fingerprint, Look, LookTime, Settled, Stamp, StatedPatient, Verdict};
 use gaiter_record::SourceKind;
 
 use super::booth::{Booth, NEVER, NOBODY, RESCAN_MS, Run, change};
@@ -257,7 +257,7 @@ impl Booth {
         &mut self,
         settled: &Settled,
         content: &Content,
-        says: NameSays,
+        says: StatedPatient,
     ) -> Result<(), DiskFault> {
         let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
         let Some(run) = &self.run else { return Err(DiskFault) };
@@ -404,18 +404,18 @@ impl Booth {
     }
 
     /// What the scanner's own measures beside a scan say, where they are of this scan.
-    fn beside(&self, settled: &Settled) -> NameSays {
-        let [only] = settled.companions.as_slice() else { return NameSays::Nothing };
+    fn beside(&self, settled: &Settled) -> StatedPatient {
+        let [only] = settled.companions.as_slice() else { return StatedPatient::Nothing };
         let used = self.disk.companions.get(&name_of(&settled.path));
         let is_fresh =
             self.setup.off == Off::FreshCompanions || companions::is_fresh(&only.stamp, used);
         if !self.setup.has_measures || !is_fresh {
-            return NameSays::Nothing;
+            return StatedPatient::Nothing;
         }
         let name = name_of(&only.path);
         match self.folder.held(&name).filter(|_| self.folder.stamp(&name) == Some(only.stamp)) {
             Some(FileContent::Measures(text)) => self.setup.identity.of_sidecar(text),
-            _ => NameSays::Nothing,
+            _ => StatedPatient::Nothing,
         }
     }
 

@@ -38,7 +38,7 @@ impl Kept {
     /// The captures as a start finds them. The port of the button is open at once.
     pub fn captures(&self, now: Duration) -> Rounds {
         let mut captures = Rounds::new(RULES, self.waiting.clone(), self.names.clone());
-        captures.hears(now);
+        captures.receives(now);
         captures
     }
 

@@ -7,7 +7,7 @@ use gaiter_flow::outbox::{Ended, Key, Plan};
 use gaiter_flow::patient::identity;
 use gaiter_flow::round::Rounds;
 use gaiter_flow::{
-    DeliveryState, Fingerprint, LookTime, NameSays, Outbox, ScanId, Settled, Settling, Verdict,
+    DeliveryState, Fingerprint, LookTime, Outbox, ScanId, Settled, Settling, StatedPatient, Verdict,
 };
 use gaiter_record::{self as record, Source, SourceKind};
 
@@ -152,7 +152,7 @@ impl Station {
         let is_cut_short = bytes.length < WHOLE;
         let content = booth::content(began, !known.is_empty(), is_cut_short, completes);
         let judged = self.captures.match_content(&content, now);
-        let says = [name_says(file.patient), NameSays::Nothing];
+        let says = [name_says(file.patient), StatedPatient::Nothing];
         let whose = identity::of_judged(&judged, false, says);
         let sighted = whose.patient.map(|patient| patient.id);
         let names: Vec<Option<String>> =
@@ -291,8 +291,8 @@ fn attempt(
     }
 }
 
-fn name_says(patient: Option<u8>) -> NameSays {
+fn name_says(patient: Option<u8>) -> StatedPatient {
     let sources = vec![Source::from_kind(SourceKind::FileName)];
     let named = |id: u8| record::Patient { id: id.to_string(), sources };
-    patient.map_or(NameSays::Nothing, |id| NameSays::Patient(named(id)))
+    patient.map_or(StatedPatient::Nothing, |id| StatedPatient::Patient(named(id)))
 }

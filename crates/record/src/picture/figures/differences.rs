@@ -151,8 +151,8 @@ fn girths(row: &Row, y: f64, language: Language) -> Vec<Mark> {
     let height = number(row.height_mm / 10.0, 0, language);
     let mut marks = vec![text_mark([HEIGHT_X, y], Anchor::End, SMALL, Ink::Muted, height)];
     for ((side, x), girth) in Side::FROM_FRONT.into_iter().zip(GIRTH_X).zip(row.girths) {
-        let told = girth.girth_tape_mm.map(|mm| cm_words(mm, language)).unwrap_or_default();
-        marks.push(text_mark([x, y], Anchor::End, TEXT, Ink::for_side(side), told));
+        let label = girth.girth_tape_mm.map(|mm| cm_words(mm, language)).unwrap_or_default();
+        marks.push(text_mark([x, y], Anchor::End, TEXT, Ink::for_side(side), label));
         if !girth.doubts.is_empty() {
             marks.push(text_mark([x + 3.0, y], Anchor::Start, TEXT, Ink::Text, "?"));
         }

@@ -100,9 +100,9 @@ impl Report<'_> {
     /// Heights of the body, if the scan holds more than a single leg.
     fn heights(&self) -> Option<String> {
         let body = &self.record.body;
-        let told = |key, mm| self.filled(key, &[("cm", &cm_words(mm, self.language))]);
-        let stature = body.stature_mm.map(|mm| told("report.fact.stature", mm));
-        let crotch = body.crotch_height_mm.map(|mm| told("report.fact.crotch", mm));
+        let fact = |key, mm| self.filled(key, &[("cm", &cm_words(mm, self.language))]);
+        let stature = body.stature_mm.map(|mm| fact("report.fact.stature", mm));
+        let crotch = body.crotch_height_mm.map(|mm| fact("report.fact.crotch", mm));
         let words = [stature, crotch].into_iter().flatten().collect::<Vec<_>>().join(", ");
         (!words.is_empty()).then_some(words)
     }

@@ -2,7 +2,7 @@
 
 use gaiter_leg::{Level, Side};
 
-use super::super::{title, told};
+use super::super::{in_words, title};
 use super::{Report, ReportFigure, Table, TableRow};
 use crate::schema::{EstimateFigures, LandmarkFigures};
 use crate::statement::Statement;
@@ -93,7 +93,7 @@ impl Report<'_> {
         by: &str,
         doubts: &[String],
     ) -> Vec<ReportFigure> {
-        let by = ReportFigure::plain(told(Some(rule), by, self.language).0);
+        let by = ReportFigure::plain(in_words(Some(rule), by, self.language).0);
         let words = [by, self.doubts_in_words(doubts)];
         mm.map(|mm| self.digits(mm)).into_iter().chain(words).collect()
     }

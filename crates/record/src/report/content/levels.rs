@@ -165,9 +165,9 @@ impl Report<'_> {
                 });
             let group =
                 |(word, levels): &(&str, Vec<&str>)| format!("{word}: {}", levels.join(", "));
-            let said: Vec<String> = grouped(doubted).iter().map(group).collect();
+            let sentences: Vec<String> = grouped(doubted).iter().map(group).collect();
             let leg = self.leg_heading(side);
-            (!said.is_empty()).then(|| format!("{leg} – {}.", said.join("; ")))
+            (!sentences.is_empty()).then(|| format!("{leg} – {}.", sentences.join("; ")))
         };
         Side::FROM_FRONT.into_iter().filter_map(of_leg).collect()
     }
@@ -222,8 +222,8 @@ impl Report<'_> {
         let there = Measure::find(self.record, side, level).ok().filter(|of| !of.girth.is_by_hand);
         let there = there.filter(|_| hand.height_mm.is_some());
         let there = there.map(|of| ("report.by_hand.girth_there", of.girth.mm, girth_mm));
-        let said = |(key, mm, scanned_mm)| self.with_scanned(key, mm, scanned_mm);
-        [girth, height, there].into_iter().flatten().map(said).collect::<Vec<_>>().join(", ")
+        let text = |(key, mm, scanned_mm)| self.with_scanned(key, mm, scanned_mm);
+        [girth, height, there].into_iter().flatten().map(text).collect::<Vec<_>>().join(", ")
     }
 
     /// `girth 38.5 cm (scan: 38.2)`
@@ -244,7 +244,7 @@ const TILT_DEG: f64 = 3.0;
 
 /// Only a difference above this is reported, mm. Less is lost in the scatter of tapes: one person's readings
 /// of a leg differ by 3 % (te Slaa 2011), and order forms have steps of up to 5 mm.
-const TELL_MM: f64 = 2.0;
+const REPORTED_MM: f64 = 2.0;
 
 impl Report<'_> {
     /// Where the tilt matters, on both legs, and how to hold the tape; `None` where it does not.
@@ -254,10 +254,11 @@ impl Report<'_> {
         let legs: Vec<(Side, Vec<(Level, f64)>)> =
             legs.filter(|(_, off)| !off.is_empty()).collect();
         let highest = legs.iter().filter_map(|(_, off)| Some(off.first()?.0)).max()?;
-        let said: Vec<String> = legs.iter().map(|(side, off)| self.tilted_at(*side, off)).collect();
+        let per_leg: Vec<String> =
+            legs.iter().map(|(side, off)| self.tilted_at(*side, off)).collect();
         let deg = number(TILT_DEG, 0, self.language);
-        let words: [(&str, &dyn Display); 2] = [("deg", &deg), ("legs", &said.join("; "))];
-        let told = self.filled("report.levels.tilted", &words);
+        let words: [(&str, &dyn Display); 2] = [("deg", &deg), ("legs", &per_leg.join("; "))];
+        let sentence = self.filled("report.levels.tilted", &words);
         // In the other planes, a tape that is held square reads another girth than that of the record.
         let plane = self.record.made_by.method.get("tape").map(String::as_str);
         let hold = match highest > Level::D {
@@ -265,7 +266,7 @@ impl Report<'_> {
             false => "report.levels.hold_square",
         };
         let how = (plane == Some(Tape::Shank.word())).then(|| self.text(hold));
-        Some([Some(told), how].into_iter().flatten().collect::<Vec<_>>().join(" "))
+        Some([Some(sentence), how].into_iter().flatten().collect::<Vec<_>>().join(" "))
     }
 
     /// `right leg D 2.7 mm, C 2.1 mm`
@@ -283,7 +284,7 @@ impl Report<'_> {
 fn off_by_tilt(leg: &LegFigures) -> Vec<(Level, f64)> {
     let off = |level: Level| {
         let off_mm = TILT_DEG * leg.landmarks.get(level.name())?.girth_per_deg_mm?;
-        (off_mm > TELL_MM).then_some((level, off_mm))
+        (off_mm > REPORTED_MM).then_some((level, off_mm))
     };
     Level::ALL.into_iter().rev().filter_map(off).collect()
 }

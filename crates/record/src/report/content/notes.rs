@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use gaiter_leg::finding::Severity;
 
-use super::super::{grouped, title, told};
+use super::super::{grouped, in_words, title};
 use super::{Note, Report, Section};
 use crate::schema::FindingNote;
 use crate::shown;
@@ -37,8 +37,8 @@ impl Report<'_> {
 
     fn note(&self, finding: &FindingNote) -> Note {
         let weight = Severity::of_word(&finding.severity).unwrap_or(Severity::Warning);
-        let says = finding.says.as_ref();
-        let (message, is_told) = told(says, &finding.message, self.language);
+        let statement = finding.says.as_ref();
+        let (message, is_in_language) = in_words(statement, &finding.message, self.language);
         let word = |part: &str| self.language.find(&format!("finding.{}.{part}", finding.code));
         Note {
             code: finding.code.clone(),
@@ -47,7 +47,7 @@ impl Report<'_> {
             place: self.place(finding),
             title: title(&finding.code, self.language).to_owned(),
             message: sentence(&shown::id(&message)),
-            is_message_english: !is_told,
+            is_message_english: !is_in_language,
             meaning: word("meaning").map(str::to_owned),
             action: word("action").map(str::to_owned),
         }
@@ -101,11 +101,11 @@ fn one_of(group: Vec<Note>) -> Option<Note> {
     let message = if group.iter().all(|note| note.message == first.message) {
         first.message.clone()
     } else {
-        let told = |note: &Note| match note.place.as_str() {
+        let text = |note: &Note| match note.place.as_str() {
             "" => note.message.clone(),
             place => format!("{place}: {}", note.message),
         };
-        group.iter().map(told).collect::<Vec<_>>().join(" ")
+        group.iter().map(text).collect::<Vec<_>>().join(" ")
     };
     Some(Note {
         place: places.join(" · "),

@@ -51,27 +51,28 @@ impl Report<'_> {
             let heading = words::heading(index, table, language);
             let identity = words::identity(table, language);
             let warnings = words::warnings(table, language);
-            let said = std::iter::once(format!("{heading}. {identity}.")).chain(warnings);
-            said.collect::<Vec<_>>().join(" ")
+            let sentences = std::iter::once(format!("{heading}. {identity}.")).chain(warnings);
+            sentences.collect::<Vec<_>>().join(" ")
         };
-        let mut said: Vec<String> = verdicts.tables.iter().enumerate().map(about).collect();
+        let mut sentences: Vec<String> = verdicts.tables.iter().enumerate().map(about).collect();
         if is_comparable {
             let percent = |share: f64| number(100.0 * share, 0, language);
             let limits: [(&str, &dyn Display); 2] =
                 [("sure", &percent(SURE)), ("unlikely", &percent(UNLIKELY))];
-            said.push(self.filled("sizes.explanation", &limits));
+            sentences.push(self.filled("sizes.explanation", &limits));
             let mm = |mm: f64| shortest(mm, language);
             if verdicts.scanner_girth_mm > 0.0 {
-                said.push(self.filled("sizes.common", &[("mm", &mm(verdicts.scanner_girth_mm))]));
+                sentences
+                    .push(self.filled("sizes.common", &[("mm", &mm(verdicts.scanner_girth_mm))]));
             }
             if verdicts.has(|of| !of.is_required) {
-                said.push(self.text("sizes.not_required"));
+                sentences.push(self.text("sizes.not_required"));
             }
             if verdicts.has(PointVerdict::is_by_hand) {
-                said.push(self.filled("sizes.tape", &[("mm", &mm(verdicts.tape_girth_mm))]));
+                sentences.push(self.filled("sizes.tape", &[("mm", &mm(verdicts.tape_girth_mm))]));
             }
         }
-        said
+        sentences
     }
 
     /// The candidates of all tables for a leg, side by side.
@@ -156,10 +157,10 @@ impl Report<'_> {
             _ => "",
         };
         let margins = words::margins(margins_mm, self.language);
-        let said = format!("{margins}{sign} ({})", words::inside(of, self.language));
+        let text = format!("{margins}{sign} ({})", words::inside(of, self.language));
         match of.is_required {
-            true => ReportFigure::plain(said),
-            false => ReportFigure::plain(format!("[{said}]")),
+            true => ReportFigure::plain(text),
+            false => ReportFigure::plain(format!("[{text}]")),
         }
     }
 

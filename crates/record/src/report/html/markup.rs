@@ -15,7 +15,7 @@ pub(super) fn words(name: &str, attributes: &str, words: &str) -> String {
 }
 
 /// An element around running text, whose figures stay on one line with their units.
-pub(super) fn said(name: &str, attributes: &str, text: &str) -> String {
+pub(super) fn held_words(name: &str, attributes: &str, text: &str) -> String {
     words(name, attributes, &held(text))
 }
 

@@ -3,7 +3,7 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 
-use super::markup::{element, figure, foreign, said, section, wide, words};
+use super::markup::{element, figure, foreign, held_words, section, wide, words};
 use crate::picture::figures::DrawnFigure;
 use crate::picture::svg;
 use crate::report::age::Age;
@@ -34,7 +34,7 @@ pub(super) fn verdict(of: &Verdict) -> String {
     let part = |part: &VerdictPart| {
         let heading = part.heading.as_ref().map(|of| words("h2", "", of)).unwrap_or_default();
         let sentences = part.sentences.iter();
-        let sentences = sentences.map(|of| said("p", first.take().unwrap_or_default(), of));
+        let sentences = sentences.map(|of| held_words("p", first.take().unwrap_or_default(), of));
         element("div", "", &(heading + &sentences.collect::<String>()))
     };
     let parts: String = of.parts.iter().map(part).collect();
@@ -44,8 +44,8 @@ pub(super) fn verdict(of: &Verdict) -> String {
 
 /// A picture below a heading.
 pub(super) fn picture(id: &str, title: &str, drawn: &DrawnFigure, caption: &str) -> String {
-    let inside =
-        svg::embedded(drawn.name, &drawn.picture, &drawn.marks) + &said("figcaption", "", caption);
+    let inside = svg::embedded(drawn.name, &drawn.picture, &drawn.marks)
+        + &held_words("figcaption", "", caption);
     section(id, title, &element("figure", &format!(" class=\"{}\"", drawn.name), &inside))
 }
 
@@ -54,7 +54,7 @@ pub(super) fn view(id: &str, of: &View, language: Language) -> String {
     let whose = of.whose.as_ref().map(|whose| format!(" – {}", foreign(whose)));
     let title = escaped(&of.title) + &whose.unwrap_or_default();
     let heading = element("h2", &format!(" id=\"{id}\""), &title);
-    let text = of.text.as_ref().map(|text| said("p", " class=\"aside\"", text));
+    let text = of.text.as_ref().map(|text| held_words("p", " class=\"aside\"", text));
     let no_script = words("p", "", language.text("report.pictures.no_script"));
     let place = element("div", " id=\"view-place\"", &no_script);
     let inside = heading + &text.unwrap_or_default() + &place;
@@ -66,7 +66,7 @@ pub(super) fn view(id: &str, of: &View, language: Language) -> String {
 pub(super) fn notes(id: &str, of: &Section<Note>, summary: &str, language: Language) -> String {
     let entries: String = of.entries.iter().map(|entry| note(entry, language)).collect();
     let list = match entries.as_str() {
-        "" => said("p", "", summary),
+        "" => held_words("p", "", summary),
         entries => element("ul", " class=\"notes\"", entries),
     };
     section(id, &of.title, &list)
@@ -84,10 +84,10 @@ fn note(note: &Note, language: Language) -> String {
     let lang = if is_foreign { " lang=\"en\"" } else { "" };
     let message = match note.message.as_str() {
         "" => String::new(),
-        message => said("p", &format!(" class=\"message\"{lang}"), message),
+        message => held_words("p", &format!(" class=\"message\"{lang}"), message),
     };
-    let meaning = note.meaning.as_ref().map(|meaning| said("p", "", meaning));
-    let action = note.action.as_ref().map(|action| said("p", " class=\"action\"", action));
+    let meaning = note.meaning.as_ref().map(|meaning| held_words("p", "", meaning));
+    let action = note.action.as_ref().map(|action| held_words("p", " class=\"action\"", action));
     let inside = [Some(heading), Some(message), meaning, action].into_iter().flatten();
     element(
         "li",
@@ -123,7 +123,7 @@ pub(super) fn sheet(id: &str, of: &Sheet) -> String {
     let key = std::iter::once(&levels.key);
     let below =
         key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(&of.see_sizes);
-    let below: String = below.map(|text| said("p", " class=\"aside\"", text)).collect();
+    let below: String = below.map(|text| held_words("p", " class=\"aside\"", text)).collect();
     let below = age(&of.age) + &below;
     let legs = of.legs.as_ref().map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
@@ -206,7 +206,7 @@ pub(super) fn table(id: &str, of: &Table) -> String {
     };
     let body = element("tbody", "", &of.rows.iter().map(row).collect::<String>());
     let aside = |text: &Option<String>, class: &str| {
-        let text = text.as_ref().map(|text| said("p", &format!(" class=\"{class}\""), text));
+        let text = text.as_ref().map(|text| held_words("p", &format!(" class=\"{class}\""), text));
         text.unwrap_or_default()
     };
     let class = if of.is_dense() { " class=\"dense\"" } else { "" };
@@ -217,7 +217,8 @@ pub(super) fn table(id: &str, of: &Table) -> String {
 
 /// A heading with paragraphs.
 pub(super) fn entries(id: &str, of: &Section) -> String {
-    let paragraphs: String = of.entries.iter().map(|text| said("li", "", text) + "\n").collect();
+    let paragraphs: String =
+        of.entries.iter().map(|text| held_words("li", "", text) + "\n").collect();
     section(id, &of.title, &element("ul", " class=\"plain\"", &paragraphs))
 }
 

@@ -101,7 +101,7 @@ fn fits(flow: &Flow<'_>, block: &Block) -> bool {
 
 fn block(flow: &mut Flow<'_>, of: &Block) {
     match of {
-        Block::Verdict(said) => parts::verdict(flow, said),
+        Block::Verdict(sentences) => parts::verdict(flow, sentences),
         Block::Sheet(sheet) => measuring_sheet::write(flow, sheet),
         Block::Notes { notes, summary } => parts::notes(flow, notes, summary),
         Block::Section(section) => parts::section(flow, section),

@@ -186,14 +186,14 @@ fn note(flow: &mut Flow<'_>, note: &Note) {
         Severity::Error => Ink::Right,
         Severity::Warning | Severity::Info => Ink::Text,
     };
-    let said = [Some(&note.message), note.meaning.as_ref(), note.action.as_ref()];
-    let said: Vec<&str> = said.into_iter().flatten().map(String::as_str).collect();
-    let said = said.join(" ");
-    let height = Flow::height_of(&heading, BOLD_TYPE) + Flow::height_of(&said, BODY_TYPE);
+    let sentences = [Some(&note.message), note.meaning.as_ref(), note.action.as_ref()];
+    let sentences: Vec<&str> = sentences.into_iter().flatten().map(String::as_str).collect();
+    let sentences = sentences.join(" ");
+    let height = Flow::height_of(&heading, BOLD_TYPE) + Flow::height_of(&sentences, BODY_TYPE);
     flow.need(height.min(WHOLE_MAX));
     flow.text(&heading, StructRole::H3, BOLD_TYPE, ink);
-    if !said.trim().is_empty() {
-        flow.text(&said, StructRole::P, BODY_TYPE, Ink::Text);
+    if !sentences.trim().is_empty() {
+        flow.text(&sentences, StructRole::P, BODY_TYPE, Ink::Text);
     }
 }
 

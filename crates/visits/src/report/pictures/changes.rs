@@ -81,7 +81,7 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
 pub(super) fn caption(words: &Words, compared: &[Comparison]) -> String {
     let legs = compared.iter().flat_map(|of| Side::BOTH.map(|side| girths(of, side)));
     let is_shown = legs.flatten().any(|of| of.change.shown() != Shown::NoChange);
-    words.said(&[
+    words.joined(&[
         (true, "visits.caption.changes"),
         (is_shown, "visits.caption.dot"),
         (true, "visits.caption.dotted"),

@@ -119,7 +119,7 @@ pub(super) fn caption(words: &Words) -> String {
         let mut pairs = group.visits.windows(2);
         pairs.any(|pair| course.visits[pair[0]].is_of_other_posture(&course.visits[pair[1]]))
     });
-    words.said(&[
+    words.joined(&[
         (true, "visits.caption.volumes"),
         (!apart.runs.is_empty(), "visits.caption.apart"),
         (true, "visits.caption.bars"),
