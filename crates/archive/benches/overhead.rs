@@ -2,7 +2,7 @@
 //! the process that measures. `cargo bench -p gaiter-archive` with PostgreSQL and moto, as the tests of the archive have
 //! them; it ends with 1 where the limit is missed.
 
-#![allow(clippy::unwrap_used, dead_code)]
+#![allow(clippy::unwrap_used, clippy::print_stdout, dead_code)]
 
 #[path = "../tests/archive/place.rs"]
 mod place;
@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 use gaiter_leg::{Format, Method, WholeBody, extract};
 use place::{Place, wait_for};
-use support::scans::body;
+use support::recorded::body;
 
 /// Enough that one hundredth of a second, in which the system counts, is little.
 const SCANS: usize = 60;
@@ -70,14 +70,14 @@ fn main() -> ExitCode {
         let mut crop = whole.crop();
         // Far below all that is measured, and other bytes.
         crop.points[0].x += 1e-9 * number as f64;
-        place.announce(&(crop.to_ply(), WholeBody::of(&whole)));
+        place.announce(&(crop.to_ply(), WholeBody::from_extraction(&whole)));
     }
     place.verb(&["index", "--once"]);
     let before = of_database(&place);
     let worker = place.start(place.ports, &["work", "--until-empty"]);
     // Until it is asked how it ended, the system keeps what it has spent.
-    wait_for("the worker's end", || Spent::of(worker.id()).is_none_or(|spent| spent.is_over));
-    let spent = Spent::of(worker.id()).unwrap();
+    wait_for("the worker's end", || Spent::of(worker.0.id()).is_none_or(|spent| spent.is_over));
+    let spent = Spent::of(worker.0.id()).unwrap();
     let database_s = of_database(&place) - before;
     let overhead = (spent.own_s + database_s) / spent.children_s;
     let each_ms = |seconds: f64| seconds / SCANS as f64 * 1e3;

@@ -187,7 +187,7 @@ fn address(text: &str) -> Result<String, What> {
     if uri.path().len() > 1 || uri.query().is_some() {
         return Err(of("write it without a path: the bucket has a key of its own"));
     }
-    match Endpoint::of(&uri) {
+    match Endpoint::from_uri(&uri) {
         Ok(_) => Ok(base.to_owned()),
         Err(EndpointFault::NotEncrypted) => {
             Err(of("write https: http is for a server on this machine only"))

@@ -298,7 +298,7 @@ pub fn claim(
     let claimed = rows.into_iter().filter_map(|row| {
         let (scan, bytes): (String, i64) = (row.get(0), row.get(1));
         let whole = row.get::<_, Option<String>>(2)?;
-        Some(Claimed { scan: ScanId::parse(&scan).ok()?, bytes: bytes.cast_unsigned(), whole })
+        Some(Claimed { scan: ScanId::parse(&scan)?, bytes: bytes.cast_unsigned(), whole })
     });
     Ok(claimed.collect())
 }

@@ -43,7 +43,10 @@ const OF_STATION: [Figure; 9] = [
     ("station_scans", "Its scans in the archive", |of| count(Some(of.scans))),
 ];
 
-const OF_METHOD: [(&str, &str, fn(&MethodRow) -> i64); 5] = [
+/// Name, help, and the figure of a method.
+type OfMethod = (&'static str, &'static str, fn(&MethodRow) -> i64);
+
+const OF_METHOD: [OfMethod; 5] = [
     ("results", "Scans with a result", |of| of.results),
     ("results_refused", "Scans that cannot be measured", |of| of.refused),
     ("jobs_waiting", "Scans that are to be measured", |of| of.waiting),

@@ -256,13 +256,9 @@ pub fn send(bucket: &Bucket, (ply, whole): &(Vec<u8>, WholeBody)) -> Result<(), 
 }
 
 /// A verb that runs; it is killed where the test ends before it.
-pub struct Running(Child);
+pub struct Running(pub Child);
 
 impl Running {
-    pub fn id(&self) -> u32 {
-        self.0.id()
-    }
-
     pub fn kill(&mut self) {
         self.0.kill().unwrap();
         self.0.wait().unwrap();
