@@ -1,12 +1,12 @@
 //! `report.pdf`: the report on A4, with embedded fonts and with tags for screen readers.
 //!
-//! `flow` has the margins and breaks the text into pages, `sheet` draws on a page, `parts` and `measuring_sheet`
+//! `layout` has the margins and breaks the text into pages, `sheet` draws on a page, `parts` and `measuring_sheet`
 //! define what is on them, `document` writes the objects of the file.
 
 mod blocks;
 mod document;
 mod drawing;
-mod flow;
+mod layout;
 mod letters;
 mod measuring_sheet;
 mod parts;
@@ -17,7 +17,7 @@ mod wrap;
 
 use thiserror::Error;
 
-use self::flow::Flow;
+use self::layout::Flow;
 use super::Print;
 use super::document::Document;
 

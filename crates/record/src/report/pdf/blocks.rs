@@ -2,7 +2,7 @@
 
 use pdf_writer::types::StructRole;
 
-use super::flow::{BOLD_TYPE, Flow, SMALL_TYPE, TITLE_TYPE};
+use super::layout::{BOLD_TYPE, Flow, SMALL_TYPE, TITLE_TYPE};
 use super::measuring_sheet;
 use super::parts::{self, DRAWN_GAP, PART_GAP};
 use crate::picture::{Ink, Picture};

@@ -2,7 +2,7 @@
 
 use pdf_writer::types::StructRole;
 
-use super::flow::{BODY_TYPE, BOLD_TYPE, COLUMN, Flow, SMALL_TYPE, WIDTH};
+use super::layout::{BODY_TYPE, BOLD_TYPE, COLUMN, Flow, SMALL_TYPE, WIDTH};
 use super::parts::{fact, figure};
 use super::table::{Cell, PADDING, Row, Table};
 use super::wrap::Type;

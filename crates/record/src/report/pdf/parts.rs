@@ -3,7 +3,7 @@
 use gaiter_leg::finding::Severity;
 use pdf_writer::types::StructRole;
 
-use super::flow::{BODY_TYPE, BOLD_TYPE, COLUMN, Flow, HEADING_ROOM, HEADING_TYPE, SMALL_TYPE};
+use super::layout::{BODY_TYPE, BOLD_TYPE, COLUMN, Flow, HEADING_ROOM, HEADING_TYPE, SMALL_TYPE};
 use super::table::{Cell, DENSE_PADDING, PADDING, Row, Table};
 use super::wrap::Type;
 use crate::completeness::Kind;

@@ -2,7 +2,7 @@
 
 use pdf_writer::types::StructRole;
 
-use super::flow::{COLUMN, Flow, WIDTH};
+use super::layout::{COLUMN, Flow, WIDTH};
 use super::tags::{ElementIndex, ROOT};
 use super::wrap::{Type, lines};
 use crate::picture::font::writable;
