@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs;
+use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -36,7 +37,7 @@ struct ArchivingBooth {
 impl ArchivingBooth {
     fn new() -> ArchivingBooth {
         let booth = Booth::new();
-        let (store, port) = started(&booth);
+        let (store, port) = started();
         let (key, site_key) = (booth.path("archive.key"), booth.path("site.key"));
         fs::write(&key, "word\n").unwrap();
         let site = "0b".repeat(32);
@@ -59,6 +60,8 @@ impl ArchivingBooth {
         };
         let client = HttpsClient::new(TlsFiles::default(), None, Duration::from_secs(30));
         let (bucket, site) = (Bucket::new(place, client), SiteKey::parse(&site).unwrap());
+        // What is put under no key is the bucket itself.
+        booth.wait_for("the store of objects", || bucket.put("", Vec::new()).is_ok());
         ArchivingBooth { booth, bucket, site, _store: store }
     }
 
@@ -94,15 +97,13 @@ impl ArchivingBooth {
 }
 
 /// The store of objects of the archive's own tests, and its port.
-fn started(booth: &Booth) -> (Child, u16) {
+fn started() -> (Child, u16) {
     let script =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/archive/tests/archive/store.py");
-    let port = booth.path("store.port");
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let mut command = Command::new(python());
-    command.arg(script).arg(&port).stdin(Stdio::piped()).stdout(Stdio::null());
-    let process = command.spawn().unwrap();
-    booth.wait_for("the store of objects", || port.exists());
-    (process, fs::read_to_string(&port).unwrap().parse().unwrap())
+    command.arg(script).arg(port.to_string()).stdin(Stdio::piped());
+    (command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap(), port)
 }
 
 #[test]

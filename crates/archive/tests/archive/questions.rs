@@ -27,7 +27,7 @@ fn archive() -> Place {
     place.verb(&["work", "--until-empty"]);
     let moved = "\
         update announcement set first_seen = '2026-10-31 23:59:59Z', patient = sha256('somebody')
-        where scan = (select min(scan) from result where outcome = 'measured')";
+        where scan = (select scan from result where outcome = 'measured' order by 1 limit 1)";
     assert_eq!(place.client().execute(moved, &[]).unwrap(), 1);
     place
 }
