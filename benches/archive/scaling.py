@@ -79,8 +79,8 @@ def main():
     for name, default, what in (
         ("measure-s", 0.19, "CPU seconds of a measurement (measured: gaiter extract, one thread)"),
         ("measure-spread", 0.15, "its spread: sigma of its logarithm (assumed)"),
-        ("scan-mb", 1.33, "a scan as it is stored, MB (measured)"),
-        ("result-mb", 0.03, "a result as it is stored, MB (assumed: 260 kB of JSON, packed)"),
+        ("scan-mb", 0.84, "a crop as it is stored, MB (measured: three bodies of fixtures)"),
+        ("result-mb", 0.2, "a result as it is stored, MB (measured: the same)"),
         ("store-mb-s", 1250.0, "what the store gives, MB/s (assumed: a line of 10 Gbit/s)"),
         ("latency-ms", 1.0, "there and back, ms (assumed: one house)"),
         ("claim-ms", 2.0, "core time of a claim of 16, ms (measured: claims.py on two cores)"),

@@ -47,6 +47,9 @@ pub enum ArchiveFault {
     /// No measuring process runs.
     #[error(transparent)]
     NotMeasuring(#[from] RunFault),
+    /// SIGTERM has come, to the worker or to its process alone.
+    #[error("asked to end; what is claimed and not measured is handed back")]
+    AskedToEnd,
     /// A document cannot be written.
     #[error("a document cannot be written")]
     NotWritten(#[from] serde_json::Error),

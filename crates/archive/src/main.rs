@@ -51,7 +51,8 @@ enum Verb {
         #[arg(long)]
         once: bool,
     },
-    /// Measures what is to be measured; continues until it is stopped.
+    /// Measures what is to be measured; continues until it is stopped. SIGTERM hands back what it has claimed, and it
+    /// ends with 75.
     Work {
         /// End when nothing is left to be measured.
         #[arg(long)]
@@ -123,7 +124,7 @@ fn run(args: Args) -> Result<ExitCode, ArchiveFault> {
     let config = config::read(&args.config)?;
     match args.verb {
         Verb::Index { reconcile, once } => index::index(&config, reconcile, once)?,
-        Verb::Work { until_empty } => work::work(&config, until_empty)?,
+        Verb::Work { until_empty } => return work::work(&config, until_empty),
         Verb::Status { listen: Some(address), .. } => status::serve::serve(&config, address)?,
         Verb::Status { json, listen: None } => print(status::status(&config, json)?)?,
         Verb::Query { question, json } => query::query(&config, &question, json)?,

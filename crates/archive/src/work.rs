@@ -1,15 +1,20 @@
 //! The worker: claims jobs, measures, writes results. It holds no state: killed at any point, its claims run out and
 //! others do them again, to the same results.
 
-use std::process;
+use std::io;
+use std::process::{self, ExitCode};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use gaiter_confined::Ended;
+use gaiter_confined::{Ended, Trouble};
 use gaiter_https::{Bucket, PutNew};
 use gaiter_leg::Method;
 use gaiter_record::archive::{Document, MethodId, ObjectKey, ScanResult, packed};
 use postgres::Client;
+use tokio::runtime;
+use tokio::signal::unix::{SignalKind, signal};
 
 use crate::config::ArchiveConfig;
 use crate::database::{self, Claimed};
@@ -28,6 +33,9 @@ const PAUSE: Duration = Duration::from_secs(2);
 /// How long it waits if a server is away.
 const SETBACK: Duration = Duration::from_secs(5);
 
+/// It was asked to end before all was measured: whoever started it may start it again, after `sysexits.h`.
+const EXIT_ASKED_TO_END: u8 = 75;
+
 /// The machine's name.
 const HOST_NAME: &str = "/proc/sys/kernel/hostname";
 
@@ -38,6 +46,7 @@ struct Worker<'a> {
     id: MethodId,
     name: String,
     until_empty: bool,
+    asked_to_end: &'a AtomicBool,
 }
 
 /// What became of a job.
@@ -48,38 +57,66 @@ enum Done {
     Not { reason: String },
 }
 
-/// Measures what is to be measured. It waits for servers that are away.
+/// Measures what is to be measured. It waits for servers that are away. Asked to end by SIGTERM it hands back what it
+/// has claimed and not measured.
 ///
 /// # Errors
-/// If the method cannot be named.
-pub fn work(config: &ArchiveConfig, until_empty: bool) -> Result<(), ArchiveFault> {
+/// If the method cannot be named, or signals cannot be heard.
+pub fn work(config: &ArchiveConfig, until_empty: bool) -> Result<ExitCode, ArchiveFault> {
     let method = Method::default();
     let id = MethodId::of(&method)?;
     let host = std::fs::read_to_string(HOST_NAME).unwrap_or_default();
+    let asked = asked_to_end()?;
+    let asked_to_end = &*asked;
     thread::scope(|scope| {
         for number in 0..config.processes {
             let name = format!("{}:{}:{number}", host.trim(), process::id());
             let (method, id) = (method.clone(), id.clone());
-            scope.spawn(move || Worker { config, method, id, name, until_empty }.run());
+            let worker = Worker { config, method, id, name, until_empty, asked_to_end };
+            scope.spawn(move || worker.run());
         }
     });
-    Ok(())
+    Ok(match asked_to_end.load(Ordering::Relaxed) {
+        true => ExitCode::from(EXIT_ASKED_TO_END),
+        false => ExitCode::SUCCESS,
+    })
+}
+
+/// What is set when SIGTERM comes. systemd, Slurm and Kubernetes send it, and kill what has not ended some time later.
+fn asked_to_end() -> io::Result<Arc<AtomicBool>> {
+    let runtime = runtime::Builder::new_current_thread().enable_io().build()?;
+    let mut terminate = runtime.block_on(async { signal(SignalKind::terminate()) })?;
+    let asked = Arc::new(AtomicBool::new(false));
+    let set = Arc::clone(&asked);
+    thread::spawn(move || {
+        runtime.block_on(terminate.recv());
+        set.store(true, Ordering::Relaxed);
+    });
+    Ok(asked)
 }
 
 impl Worker<'_> {
     fn run(&self) {
-        while let Err(fault) = self.session() {
+        while !self.is_asked_to_end()
+            && let Err(fault) = self.session()
+        {
             note(format_args!("work: {}", chain(&fault)));
-            thread::sleep(SETBACK);
+            if !self.is_asked_to_end() {
+                thread::sleep(SETBACK);
+            }
         }
     }
 
-    /// Works until nothing is left, or a server fails.
+    fn is_asked_to_end(&self) -> bool {
+        self.asked_to_end.load(Ordering::Relaxed)
+    }
+
+    /// Works until nothing is left, it is asked to end, or a server fails.
     fn session(&self) -> Result<(), ArchiveFault> {
         let mut client = database::connect(&self.config.database)?;
         database::check_schema(&mut client)?;
         let bucket = bucket(self.config);
-        loop {
+        while !self.is_asked_to_end() {
             let claimed = database::claim(&mut client, &self.name, &self.id, CLAIM)?;
             if !claimed.is_empty() {
                 self.batch(&mut client, &bucket, &claimed)?;
@@ -89,6 +126,7 @@ impl Worker<'_> {
                 thread::sleep(PAUSE);
             }
         }
+        Ok(())
     }
 
     fn batch(
@@ -119,6 +157,9 @@ impl Worker<'_> {
 
     /// Fetches a scan, measures it, and writes its result.
     fn done(&self, bucket: &Bucket, job: &Claimed) -> Result<Done, ArchiveFault> {
+        if self.is_asked_to_end() {
+            return Err(ArchiveFault::AskedToEnd);
+        }
         let not = |reason: String| Ok(Done::Not { reason });
         let Some(object) = bucket.get(&ObjectKey::Scan(job.scan.clone()).to_string())? else {
             return not("the scan is not in the store".to_owned());
@@ -131,6 +172,12 @@ impl Worker<'_> {
         let outcome = match measure(&Job { scan, bytes, whole, method }, &object)? {
             Ended::Answered(Answer::Said(outcome)) => outcome,
             Ended::Answered(Answer::Damaged(why)) => return not(format!("the scan: {why}")),
+            // Who ends a worker may end its processes with it: that is no attempt.
+            Ended::Trouble(Trouble::Killed { signal })
+                if signal == SignalKind::terminate().as_raw_value() =>
+            {
+                return Err(ArchiveFault::AskedToEnd);
+            }
             Ended::Trouble(trouble) => return not(format!("{}: {trouble}", trouble.code())),
         };
         let result = ScanResult {

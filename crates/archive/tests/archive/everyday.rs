@@ -1,5 +1,7 @@
 //! What an archive does on a usual day, and after the usual mishaps.
 
+use std::process::Command;
+
 use gaiter_record::ScanId;
 use gaiter_record::archive::{ObjectKey, Outcome, packed};
 use serde_json::Value;
@@ -127,4 +129,26 @@ fn while_a_server_is_away_no_attempt_counts() {
     gate.close(false);
     worker.ends();
     assert_eq!(place.wrong(2), Vec::<String>::new());
+}
+
+#[test]
+#[ignore = "needs PostgreSQL and moto, run by .ci/run"]
+fn a_worker_that_is_asked_to_end_hands_back_what_it_has_claimed() {
+    let place = Place::new();
+    place.renew(SCANS);
+    place.verb(&["index", "--once"]);
+    let count =
+        |statement: &str| -> i64 { place.client().query_one(statement, &[]).unwrap().get(0) };
+    let results = || count("select count(*) from result");
+    let mut worker = place.start(place.ports, &["work"]);
+    wait_for("a result", || results() > 0);
+    let asked = Command::new("kill").arg(worker.0.id().to_string()).status().unwrap();
+    assert!(asked.success());
+    worker.ends();
+    let code = worker.0.wait().unwrap().code();
+    // Nobody need wait for a lease, and no attempt counts.
+    let free = count("select count(*) from job where due <= now() and attempts = 0");
+    assert_eq!((code, results() + free), (Some(75), SCANS as i64));
+    place.verb(&["work", "--until-empty"]);
+    assert_eq!(place.wrong(SCANS), Vec::<String>::new());
 }
