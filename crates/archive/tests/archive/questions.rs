@@ -38,7 +38,7 @@ fn a_question_changes_nothing_and_reads_nothing_but_the_views() {
     let place = archive();
     let said = |args: &[&str]| String::from_utf8(place.verb(args).stdout).unwrap();
     let csv =
-        said(&["query", "select outcome, count(*) from scan_result group by 1 order by 2; -- all"]);
+        said(&["query", "select outcome, count(*) from scan_result group by 1 order by 2 -- all;"]);
     assert!(csv.starts_with("outcome,count\n") && csv.ends_with("measured,2\n"), "{csv}");
     let calves = "select count(*) from level where level = 'C'";
     let calves: i64 = place.client().query_one(calves, &[]).unwrap().get(0);
