@@ -7,17 +7,17 @@ set local search_path = gaiter;
 create table version (schema integer not null);
 insert into version values (1);
 
--- A crop, by the SHA-256 of its PLY. `whole` is what the rest of the body told, as it was sent: json keeps it
--- letter by letter. It is null for a phantom, which is not measured anew.
+-- A crop, by the SHA-256 of its PLY. `whole` is what the rest of the body has shown, as it was sent: json
+-- keeps it letter by letter.
 create table scan (
     scan bytea primary key check (octet_length(scan) = 32),
     bytes bigint not null,
-    whole json,
+    whole json not null,
     first_seen timestamptz not null
 );
 
--- What each station said of it last, by its clock: nobody's scan has no patient, and a later announcement may have
--- another. Earlier ones are in the bucket.
+-- The latest announcement of each station, by the station's clock. The patient may be unknown, and may change with a
+-- later announcement. Earlier ones are in the bucket.
 create table announcement (
     scan bytea not null references scan on delete cascade,
     station text not null,

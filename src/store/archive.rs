@@ -19,7 +19,7 @@ use gaiter_https::{
 };
 use gaiter_leg::{Method, WholeBody};
 use gaiter_record::archive::{
-    Announcement, Document, MethodId, ObjectKey, Pseudonym, RecordHash, Shows, SiteKey, StationId,
+    Announcement, Document, MethodId, ObjectKey, Pseudonym, RecordHash, SiteKey, StationId,
     Withdrawal, packed, pseudonymous,
 };
 use jiff::Timestamp;
@@ -236,7 +236,8 @@ impl RecordStore for ArchiveStore {
             at: Timestamp::now(),
             method,
             first_seen: delivery.first_seen,
-            shows: Shows::Legs { whole: Box::new(whole), patient },
+            whole,
+            patient,
         })?;
         Ok(Receipt { folder, already_there: false })
     }

@@ -11,8 +11,8 @@ use std::time::Duration;
 use gaiter_https::{Bucket, BucketPlace, HttpsClient, Secret, TlsFiles};
 use gaiter_leg::{Method, extract_crop};
 use gaiter_record::archive::{
-    Announcement, Document, Heartbeat, ObjectKey, Pseudonym, RecordHash, Shows, SiteKey,
-    Withdrawal, unpacked,
+    Announcement, Document, Heartbeat, ObjectKey, Pseudonym, RecordHash, SiteKey, Withdrawal,
+    unpacked,
 };
 use gaiter_record::{Record, ScanId, sha256};
 use rig::Booth;
@@ -116,8 +116,7 @@ fn a_scan_is_in_the_archive_as_legs_with_a_pseudonym_and_measures_there_as_here(
     place.booth.wait_for("the announcement", || !place.announced().is_empty());
     let [announced] = &place.announced()[..] else { panic!("announced twice") };
     assert_eq!(announced.export, ScanId::of_bytes(&scan));
-    let Shows::Legs { whole, patient } = &announced.shows else { panic!("no legs") };
-    assert_eq!(*patient, Some(Pseudonym::of(&place.site, PATIENT)));
+    assert_eq!(announced.patient, Some(Pseudonym::of(&place.site, PATIENT)));
     let ply = place.unpacked(&ObjectKey::Scan(announced.scan.clone()));
     assert_eq!(
         (ScanId::of_bytes(&ply), ply.len() as u64),
@@ -129,8 +128,8 @@ fn a_scan_is_in_the_archive_as_legs_with_a_pseudonym_and_measures_there_as_here(
     let json = place.unpacked(&key);
     assert_eq!(RecordHash::of_bytes(&json), *hash);
     let record: Record = serde_json::from_slice(&json).unwrap();
-    assert_eq!(record.patient.unwrap().id, patient.as_ref().unwrap().as_str());
-    let measured = extract_crop(&ply, whole, &Method::default()).unwrap();
+    assert_eq!(record.patient.unwrap().id, announced.patient.as_ref().unwrap().as_str());
+    let measured = extract_crop(&ply, &announced.whole, &Method::default()).unwrap();
     assert_eq!(record.legs.len(), measured.legs.len());
     let highest_mm = measured.body.mesh.points().iter().map(|point| point.z).fold(0.0, f64::max);
     let crotch_mm = record.body.crotch_height_mm.unwrap();
@@ -161,7 +160,7 @@ fn a_scan_that_is_given_to_another_patient_is_taken_back_and_announced_anew() {
     place.verb(&["unassign", &id], "");
     place.verb(&["assign", &id], "4712");
     let own = |patient: &str| Some(Pseudonym::of(&place.site, patient));
-    let is_own = |of: &Announcement, patient: &str| matches!(&of.shows, Shows::Legs { patient: found, .. } if *found == own(patient));
+    let is_own = |of: &Announcement, patient: &str| of.patient == own(patient);
     let is_announced = || place.announced().last().is_some_and(|last| is_own(last, "4712"));
     place.booth.wait_for("the other patient's", is_announced);
     let withdrawn = || -> Vec<_> {

@@ -7,7 +7,7 @@ use std::io::Write;
 use std::sync::{Arc, Mutex};
 
 use gaiter_record::ScanId;
-use gaiter_record::archive::{Announcement, Document, Heartbeat, Pseudonym, Shows, SiteKey};
+use gaiter_record::archive::{Announcement, Document, Heartbeat, Pseudonym, SiteKey};
 use rig::Booth;
 use support::coarse_body;
 use support::http_server::{answer, request_of, serve};
@@ -75,8 +75,7 @@ fn a_scan_leaves_the_house_as_legs_or_whole_and_its_patient_as_a_pseudonym() {
     let site = SiteKey::parse(SITE).unwrap();
     for announcement in &announced {
         assert_eq!(announcement.export, ScanId::of_bytes(&scan));
-        let Shows::Legs { patient, .. } = &announcement.shows else { panic!("no legs") };
-        assert_eq!(*patient, Some(Pseudonym::of(&site, PATIENT)));
+        assert_eq!(announcement.patient, Some(Pseudonym::of(&site, PATIENT)));
     }
     let [legs, whole] = announced;
     assert!(legs.bytes < whole.bytes, "{} of {} bytes", legs.bytes, whole.bytes);

@@ -5,7 +5,7 @@ use std::time::Duration;
 use gaiter_flow::disposition::Disposition;
 use gaiter_https::{secret, tls};
 use gaiter_record::ScanId;
-use gaiter_record::archive::{Announcement, Heartbeat, MethodId, ScanResult, Shows, Withdrawal};
+use gaiter_record::archive::{Announcement, Heartbeat, MethodId, ScanResult, Withdrawal};
 use postgres::config::SslMode;
 use postgres::{Client, Config, NoTls};
 use tokio_postgres_rustls::MakeRustlsConnect;
@@ -46,7 +46,7 @@ pub struct Claimed {
     pub scan: ScanId,
     /// The length of its PLY, bytes.
     pub bytes: u64,
-    /// What the rest of the body told, as JSON.
+    /// What the rest of the body has shown, as JSON.
     pub whole: String,
 }
 
@@ -140,10 +140,7 @@ pub fn enter_announcement(
     method: &MethodId,
     then: Then,
 ) -> Result<(), ArchiveFault> {
-    let (whole, patient) = match &announced.shows {
-        Shows::Phantom => (None, None),
-        Shows::Legs { whole, patient } => (Some(serde_json::to_string(whole)?), patient.as_ref()),
-    };
+    let whole = serde_json::to_string(&announced.whole)?;
     let statement = "\
         with of_scan as (
             insert into scan (scan, bytes, whole, first_seen)
@@ -156,7 +153,7 @@ pub fn enter_announcement(
             = (excluded.revision, excluded.export, excluded.method, excluded.first_seen, excluded.patient, excluded.said)
             where (announcement.said, announcement.revision) < (excluded.said, excluded.revision))
         insert into job (scan, method)
-        select decode($1, 'hex'), $10 where $11 and $3::text is not null
+        select decode($1, 'hex'), $10 where $11
             and not exists (select from result where scan = decode($1, 'hex') and method = $10)
         on conflict do nothing";
     client.execute(
@@ -170,7 +167,7 @@ pub fn enter_announcement(
             &announced.revision.cast_signed(),
             &announced.export.as_str(),
             &announced.method.as_str(),
-            &patient.map(|patient| patient.as_str()),
+            &announced.patient.as_ref().map(|patient| patient.as_str()),
             &method.as_str(),
             &(then == Then::Measure),
             &announced.at.to_string(),
@@ -203,7 +200,7 @@ pub fn enter_missing_jobs(client: &mut Client, method: &MethodId) -> Result<u64,
         with others as (delete from job where method <> $1)
         insert into job (scan, method)
         select scan, $1 from scan s
-        where whole is not null and not exists (select from result r where r.scan = s.scan)
+        where not exists (select from result r where r.scan = s.scan)
         on conflict do nothing";
     Ok(client.execute(statement, &[&method.as_str()])?)
 }
@@ -297,8 +294,9 @@ pub fn claim(
     let rows = client.query(statement, &params)?;
     let claimed = rows.into_iter().filter_map(|row| {
         let (scan, bytes): (String, i64) = (row.get(0), row.get(1));
-        let whole = row.get::<_, Option<String>>(2)?;
-        Some(Claimed { scan: ScanId::parse(&scan)?, bytes: bytes.cast_unsigned(), whole })
+        // 32 bytes as hexadecimal digits are always one.
+        let scan = ScanId::parse(&scan)?;
+        Some(Claimed { scan, bytes: bytes.cast_unsigned(), whole: row.get(2) })
     });
     Ok(claimed.collect())
 }

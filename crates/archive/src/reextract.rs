@@ -106,8 +106,7 @@ fn enter_jobs(
     let statement = "\
         insert into job (scan, method, due)
         select scan, $1, now() - interval '1 year' from scan s
-        where whole is not null
-            and not exists (select from result r where r.scan = s.scan and r.method = $1)
+        where not exists (select from result r where r.scan = s.scan and r.method = $1)
             and not exists (select from job j where j.scan = s.scan and j.method = $1)
         order by scan limit $2 on conflict do nothing";
     Ok(client.execute(statement, &[&method.as_str(), &most])?)

@@ -187,7 +187,7 @@ impl StationRow {
         }
     }
 
-    /// Whether somebody must look after it.
+    /// Whether it is ready and was heard of lately.
     fn is_well(&self) -> bool {
         self.is_ready == Some(true) && self.silent_s.is_some_and(|s| s <= SILENT_MOST_S)
     }

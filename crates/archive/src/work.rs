@@ -33,7 +33,7 @@ const PAUSE: Duration = Duration::from_secs(2);
 /// How long it waits if a server is away.
 const SETBACK: Duration = Duration::from_secs(5);
 
-/// It was asked to end before all was measured: whoever started it may start it again, after `sysexits.h`.
+/// The worker was asked to end before all scans were measured, and can be started again (`EX_TEMPFAIL` of `sysexits.h`).
 const EXIT_ASKED_TO_END: u8 = 75;
 
 /// The machine's name.

@@ -12,7 +12,7 @@ use gaiter_https::{Bucket, BucketFault, BucketPlace, HttpsClient, Secret, TlsFil
 use gaiter_leg::{Extraction, Format, Method, WholeBody, extract};
 use gaiter_record::ScanId;
 use gaiter_record::archive::{
-    Announcement, Document, MethodId, ObjectKey, Outcome, RecordHash, ScanResult, Shows, StationId,
+    Announcement, Document, MethodId, ObjectKey, Outcome, RecordHash, ScanResult, StationId,
     Withdrawal, packed, unpacked,
 };
 use jiff::Timestamp;
@@ -248,7 +248,8 @@ pub fn send(bucket: &Bucket, (ply, whole): &(Vec<u8>, WholeBody)) -> Result<(), 
         at: Timestamp::UNIX_EPOCH,
         method: method(),
         first_seen: Timestamp::UNIX_EPOCH,
-        shows: Shows::Legs { whole: Box::new(whole.clone()), patient: None },
+        whole: whole.clone(),
+        patient: None,
     };
     bucket.put_new(&ObjectKey::Scan(scan).to_string(), packed(ply))?;
     bucket.put_new(&announced.key().to_string(), announced.json().unwrap())?;

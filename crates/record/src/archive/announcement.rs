@@ -32,23 +32,10 @@ pub struct Announcement {
     pub method: MethodId,
     /// When the station first saw the export.
     pub first_seen: Timestamp,
-    /// What the scan shows.
-    pub shows: Shows,
-}
-
-/// What a scan shows.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Shows {
-    /// A body of known girths, with which the scanner is checked. It is not measured again.
-    Phantom,
-    /// The legs of a person.
-    Legs {
-        /// What the rest of the body told, with which the crop is measured.
-        whole: Box<WholeBody>,
-        /// Whose they are; `None` if nobody knows.
-        patient: Option<Pseudonym>,
-    },
+    /// What the rest of the body has shown, with which the crop is measured.
+    pub whole: WholeBody,
+    /// The patient; `None` while unknown.
+    pub patient: Option<Pseudonym>,
 }
 
 impl Document for Announcement {
