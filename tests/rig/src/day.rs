@@ -28,6 +28,10 @@ const PATIENTS: [(&str, &str); 2] = [("1001", "first.obj"), ("1002", "second.obj
 /// Who the first of them turns out to be.
 const TRUE_FIRST: &str = "1003";
 
+/// How long a scan may take to be measured before the next patient's is in question: longer than it does
+/// where many days are played at once on a busy machine. With a button each start waits so long.
+const WINDOW: &str = "20s";
+
 /// A day holds so many looks after a name or a press before anything is exported: what lies there at
 /// the second one was not there at the first.
 const LOOKS: usize = 2;
@@ -90,7 +94,7 @@ impl Day {
         fs::create_dir(booth.path("orders")).unwrap();
         let mut further = format!(
             "[patient.orders]\npath = \"{at}/orders\"\nquiet = \"50ms\"\n\
-             [capture]\nwindow = \"5s\"\nlate = \"0s\"\n"
+             [capture]\nwindow = \"{WINDOW}\"\nlate = \"0s\"\n"
         );
         let button = has_button.then(|| {
             let port = booth.path("button");
