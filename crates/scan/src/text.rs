@@ -62,21 +62,12 @@ impl<'a> Iterator for Lines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let (line, after) = self.rest.split_at(line_length(self.rest));
+        let end = self.rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let (line, after) = self.rest.split_at(end.unwrap_or(self.rest.len()));
         self.rest = after.strip_prefix(b"\r\n").unwrap_or(after.get(1..).unwrap_or_default());
         self.passed += 1;
         Some(line)
     }
-}
-
-/// Length of the first line. Blocks without a line end are skipped as a whole.
-fn line_length(text: &[u8]) -> usize {
-    const BLOCK: usize = 16;
-    let is_end = |byte: &u8| *byte == b'\n' || *byte == b'\r';
-    let has_end = |block: &&[u8]| block.iter().fold(false, |any, byte| any | is_end(byte));
-    let passed = BLOCK * text.chunks_exact(BLOCK).take_while(|block| !has_end(block)).count();
-    let rest = &text[passed..];
-    passed + rest.iter().position(is_end).unwrap_or(rest.len())
 }
 
 /// The non-blank lines, without surrounding white space, with their 1-based numbers.
