@@ -4,32 +4,15 @@ use nalgebra::Point2;
 
 use crate::frame::union_find::DisjointSets;
 
-/// A cell of the plane, half a link wide, packed into one number that orders by x and then by y;
-/// such numbers are sorted and searched in half the time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Cell(u64);
-
-impl Cell {
-    /// The sign bit; flipping it gives unsigned numbers the order of signed ones.
-    const SIGN: i32 = i32::MIN;
-
-    fn new([x, y]: [i32; 2]) -> Cell {
-        let [x, y] = [x, y].map(|value| u64::from((value ^ Cell::SIGN).cast_unsigned()));
-        Cell(x << 32 | y)
-    }
-
-    fn place(self) -> [i32; 2] {
-        [self.0 >> 32, self.0].map(|value| (value as u32).cast_signed() ^ Cell::SIGN)
-    }
-}
+/// A cell of the plane, half a link wide, by x and y.
+type Cell = [i32; 2];
 
 /// Groups points so that each is at most `link` from another of its group; groups in the order of
 /// their first point, members in the given order.
 ///
 /// Two points of one cell are always close enough, so a crowded cell costs only linear time.
 pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
-    let cell =
-        |p: &Point2<f64>| Cell::new([p.x, p.y].map(|value| (value / (link / 2.0)).floor() as i32));
+    let cell = |p: &Point2<f64>| [p.x, p.y].map(|value| (value / (link / 2.0)).floor() as i32);
     let mut by_cell: Vec<(Cell, u32)> =
         points.iter().zip(0..).map(|(point, index)| (cell(point), index)).collect();
     by_cell.sort_unstable();
@@ -51,16 +34,15 @@ pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
     grouped(points, &mut sets)
 }
 
-/// The points of each non-empty cell that comes after `place` in order and lies within a link.
-fn neighbours(by_cell: &[(Cell, u32)], place: Cell) -> impl Iterator<Item = &[(Cell, u32)]> {
+/// The points of each non-empty cell that comes after this one in order and lies within a link.
+fn neighbours(by_cell: &[(Cell, u32)], [x, y]: Cell) -> impl Iterator<Item = &[(Cell, u32)]> {
     const REACH: i32 = 2;
-    let [x, y] = place.place();
     // The cells of one x are adjacent in the sorted list.
     (0..=REACH).flat_map(move |dx| {
         let x = x.saturating_add(dx);
         let lowest = if dx == 0 { y.saturating_add(1) } else { y.saturating_sub(REACH) };
         let highest = y.saturating_add(REACH);
-        let [lowest, highest] = [lowest, highest].map(|y| Cell::new([x, y]));
+        let [lowest, highest] = [lowest, highest].map(|y| [x, y]);
         let from = by_cell.partition_point(|entry| entry.0 < lowest);
         let near = by_cell[from..].iter().take_while(|entry| entry.0 <= highest).count();
         by_cell[from..from + near].chunk_by(|a, b| a.0 == b.0)
