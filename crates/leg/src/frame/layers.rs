@@ -3,6 +3,8 @@
 //! Neighbouring points of one skin are linked by a few edges. Where two skins run beside each other,
 //! points have neighbours that no short way along the edges leads to.
 
+use std::mem::replace;
+
 use nalgebra::Point3;
 
 use crate::sections::slice::Mesh;
@@ -22,7 +24,12 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let [low, high] = LEGS_SHARE.map(|share| share * stature_mm);
     let legs = mesh.part(|facet| (low..high).contains(&facet.middle().z));
     let Some(edge_mm) = legs.edge_mm() else { return 0.0 };
-    let links = Links::new(legs.points().len(), legs.edges());
+    // The points that share an edge with each point.
+    let mut links = vec![Vec::new(); legs.points().len()];
+    for &[a, b] in legs.edges() {
+        links[a as usize].push(b);
+        links[b as usize].push(a);
+    }
     let slabs = Slabs::new(legs.points(), edge_mm);
     // In the order of slabs, samples are spread over all heights.
     let stride = slabs.points.len().div_ceil(SAMPLES).max(1);
@@ -31,11 +38,11 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     // For each point the last sample to which it is linked.
     let mut linked_to = vec![u32::MAX; legs.points().len()];
     let is_beside = |&sample: &u32| {
-        links.mark(sample, LINKS_MAX, &mut linked_to);
+        mark(&links, sample, &mut linked_to);
         let place = &legs.points()[sample as usize];
         let far = |point: u32| (legs.points()[point as usize] - place).norm();
         // Where a mesh is denser than elsewhere, points that lie within its usual edge are many edges apart.
-        let reach_mm = links.of_point(sample).iter().map(|next| far(*next)).fold(0.0, f64::max);
+        let reach_mm = links[sample as usize].iter().map(|next| far(*next)).fold(0.0, f64::max);
         let mut near = slabs.near(place).filter(|point| far(*point) < reach_mm.min(edge_mm));
         near.any(|point| linked_to[point as usize] != sample)
     };
@@ -80,57 +87,13 @@ impl Slabs {
     }
 }
 
-/// The points that share an edge with each point.
-struct Links {
-    /// Where the links of each point begin, and the end of the last.
-    starts: Vec<u32>,
-    ends: Vec<u32>,
-}
-
-impl Links {
-    fn new(points: usize, edges: &[[u32; 2]]) -> Links {
-        let mut starts = vec![0; points + 1];
-        for end in edges.iter().flatten() {
-            starts[*end as usize + 1] += 1;
-        }
-        for index in 0..points {
-            starts[index + 1] += starts[index];
-        }
-        let mut next = starts.clone();
-        let mut ends = vec![0; 2 * edges.len()];
-        for &[a, b] in edges {
-            for [from, to] in [[a, b], [b, a]] {
-                ends[next[from as usize] as usize] = to;
-                next[from as usize] += 1;
-            }
-        }
-        Links { starts, ends }
-    }
-
-    /// The points that share an edge with a point.
-    fn of_point(&self, point: u32) -> &[u32] {
-        let at = point as usize;
-        let [start, end] = [self.starts[at], self.starts[at + 1]].map(|i| i as usize);
-        &self.ends[start..end]
-    }
-
-    /// Marks a point, and those that up to `links_max` edges lead to, with its index.
-    fn mark(&self, point: u32, links_max: usize, marks: &mut [u32]) {
-        marks[point as usize] = point;
-        let mut reached = vec![point];
-        let mut from = 0;
-        for _ in 0..links_max {
-            let to = reached.len();
-            for index in from..to {
-                for &next in self.of_point(reached[index]) {
-                    if marks[next as usize] != point {
-                        marks[next as usize] = point;
-                        reached.push(next);
-                    }
-                }
-            }
-            from = to;
-        }
+/// Marks a point, and those that up to [`LINKS_MAX`] edges lead to, with its index.
+fn mark(links: &[Vec<u32>], point: u32, marks: &mut [u32]) {
+    marks[point as usize] = point;
+    let mut outermost = vec![point];
+    for _ in 0..LINKS_MAX {
+        let next = outermost.iter().flat_map(|from| &links[*from as usize]).copied();
+        outermost = next.filter(|to| replace(&mut marks[*to as usize], point) != point).collect();
     }
 }
 
