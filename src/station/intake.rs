@@ -263,7 +263,7 @@ impl Intake {
             let (known, fresh) = ingest::dealt_with(&core, due);
             // Reports what is free even if nothing is due; files that are refused unread need no room.
             let largest = core.config.scanner.max_scan_bytes;
-            let next = fresh.iter().map(|file| file.stamp.size).find(|size| *size <= largest);
+            let next = fresh.iter().map(|file| file.group.stamp.size).find(|size| *size <= largest);
             core.intake_gate(next.unwrap_or(0));
             (known, fresh)
         })

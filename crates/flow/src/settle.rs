@@ -21,8 +21,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::backoff;
-use super::export::companions::{Companion, Done, Group};
-use super::export::stamp::Stamp;
+use super::export::companions::{Done, Group};
 use super::export::writing::{Appeared, Fingerprint, Writing};
 use above::Above;
 pub use above::Folders;
@@ -60,14 +59,8 @@ pub struct LookTime {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Settled {
     pub path: PathBuf,
-    /// The state in which it was unchanged for the quiet time.
-    pub stamp: Stamp,
-    /// The files that go with it, unchanged for as long.
-    pub companions: Vec<Companion>,
-    /// How many files beside it do not go with it, because they are too large or too many.
-    pub left_out: usize,
-    /// Files beside it could equally belong to another scan, and go with neither.
-    pub is_shared: bool,
+    /// It and the files that go with it, unchanged for the quiet time.
+    pub group: Group,
     /// The wait for its rest is over: it is to be taken even if it is cut short.
     pub awaited: bool,
     /// How it was written, as far as looks show it, on their clock.
@@ -249,10 +242,7 @@ impl Settling {
         let settled = due.map(|(path, file)| {
             let settled = Settled {
                 path: path.clone(),
-                stamp: file.group.stamp,
-                companions: file.group.companions.clone(),
-                left_out: file.group.left_out,
-                is_shared: file.group.is_shared,
+                group: file.group.clone(),
                 awaited: now.saturating_sub(file.unchanged_since) >= self.rest_wait(file.next),
                 writing: file.writing.clone(),
                 has_late_companion: file.has_late_companion,
@@ -312,15 +302,15 @@ impl Settling {
     /// The bytes of the file are safe, though it could not be taken: it may go.
     pub fn kept(&mut self, settled: &Settled) {
         let offered = self.files.get_mut(&settled.path);
-        if let Some(file) = offered.filter(|file| file.group.stamp == settled.stamp) {
-            file.writing.keep(settled.stamp);
+        if let Some(file) = offered.filter(|file| file.group.stamp == settled.group.stamp) {
+            file.writing.keep(settled.group.stamp);
         }
     }
 
     /// The file was read whole in the state that settled.
     pub fn read(&mut self, settled: &Settled, mark: &Fingerprint) {
         let offered = self.files.get_mut(&settled.path);
-        if let Some(file) = offered.filter(|file| file.group.stamp == settled.stamp) {
+        if let Some(file) = offered.filter(|file| file.group.stamp == settled.group.stamp) {
             file.writing.known(mark.clone());
             file.is_unmarked = false;
         }
@@ -358,7 +348,7 @@ impl Settling {
     fn had_its_turn(&mut self, settled: &Settled, note: impl FnOnce(&mut Watched)) {
         self.turns = self.turns.wrapping_add(1);
         let offered = self.files.get_mut(&settled.path);
-        if let Some(file) = offered.filter(|file| file.group.stamp == settled.stamp) {
+        if let Some(file) = offered.filter(|file| file.group.stamp == settled.group.stamp) {
             note(file);
         }
     }

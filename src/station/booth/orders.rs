@@ -192,7 +192,7 @@ impl Orders {
             self.found(there, when.began);
         }
         let mut due = self.settling.observe(look, when);
-        due.sort_by_key(|settled| settled.stamp.mtime_ns);
+        due.sort_by_key(|settled| settled.group.stamp.mtime_ns);
         due
     }
 
@@ -219,7 +219,7 @@ impl Orders {
             Ok(Taken::Done) => {
                 self.unapplied.remove(&settled.path);
                 let lying = self.lying.get_mut(&settled.path).map(|lying| {
-                    lying.done = Some(settled.stamp);
+                    lying.done = Some(settled.group.stamp);
                     Lying { done: None, ..*lying }
                 });
                 // One that was put back under its own name is no younger for that.

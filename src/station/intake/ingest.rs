@@ -74,7 +74,8 @@ pub enum TakeFault {
 pub fn dealt_with(core: &Core, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Settled>) {
     let journal = core.custody.journal();
     settled.into_iter().partition(|file| {
-        !file.has_late_companion && journal.was_sighted(&file.path, file.stamp).unwrap_or(false)
+        !file.has_late_companion
+            && journal.was_sighted(&file.path, file.group.stamp).unwrap_or(false)
     })
 }
 
@@ -83,12 +84,12 @@ pub fn dealt_with(core: &Core, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Sett
 /// # Errors
 /// [`TakeFault`]; the file must then be offered again.
 pub fn admitted(core: &Core, settled: &Settled) -> Result<Admitted, TakeFault> {
-    if settled.stamp.size > core.config.scanner.max_scan_bytes {
+    if settled.group.stamp.size > core.config.scanner.max_scan_bytes {
         refuse_unread(core, settled)?;
-        core.custody.journal().sighted(&settled.path, settled.stamp, None)?;
+        core.custody.journal().sighted(&settled.path, settled.group.stamp, None)?;
         return Ok(Admitted::Refused);
     }
-    let bytes = companions::bytes(&settled.stamp, &settled.companions);
+    let bytes = companions::bytes(&settled.group.stamp, &settled.group.companions);
     if core.intake_gate(bytes) != IntakeState::Open {
         return Ok(Admitted::Shut);
     }
@@ -150,7 +151,7 @@ pub fn take(
     if export.left_out > 0 {
         warn!(event = "companions-left-out", scan, count = export.left_out);
     }
-    if settled.is_shared {
+    if settled.group.is_shared {
         warn!(event = "companion-shared", scan);
     }
     announce(core, settled, export, verdict);
@@ -163,11 +164,11 @@ pub fn take(
         return Ok(Taken::Done);
     }
     let journal = core.custody.journal();
-    for companion in &settled.companions {
+    for companion in &settled.group.companions {
         journal.sighted(&companion.path, companion.stamp, Some(&export.scan))?;
     }
     // Last: if this fails, the file is read again and found to be known.
-    journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
+    journal.sighted(&settled.path, settled.group.stamp, Some(&export.scan))?;
     if let (Verdict::Already, Some(same_as)) = (verdict, &same_as) {
         journal.sighted_again(&settled.path, same_as)?;
     }
@@ -180,7 +181,7 @@ fn fresh(core: &Core, settled: &Settled, export: &Export) -> Result<Vec<Companio
     let journal = core.custody.journal();
     let mut fresh = Vec::new();
     for file in &export.companions {
-        let its = settled.companions.iter().find(|its| its.name_ending == file.name_ending);
+        let its = settled.group.companions.iter().find(|its| its.name_ending == file.name_ending);
         let Some(its) = its else { continue };
         let used = journal.sighted_as(&its.path)?;
         let used = used.filter(|(_, scan)| scan.as_ref().is_some_and(|scan| *scan != export.scan));
@@ -223,11 +224,11 @@ fn admit(
     })?;
     let known = custody.known(scan, &found.fingerprint)?;
     let same_as = known.clone().filter(|known| known != scan);
-    let Settled { path, stamp, writing, .. } = found.settled;
+    let Settled { path, group, writing, .. } = found.settled;
     let content = ExportContent {
         began: found.beginnings.own,
         others: found.beginnings.others,
-        is_known: known.is_some() || custody.is_sibling(path, *stamp)?,
+        is_known: known.is_some() || custody.is_sibling(path, group.stamp)?,
         is_cut_short: found.is_cut_short,
         completes: match &known {
             Some(_) => None,
@@ -313,9 +314,9 @@ fn announce(core: &Core, settled: &Settled, export: &Export, verdict: Verdict) {
 
 /// Refuses a file because of its size alone. It has no scan id, so its path and state identify it.
 fn refuse_unread(core: &Core, settled: &Settled) -> Result<(), CustodyFault> {
-    let (size, limit) = (settled.stamp.size, core.config.scanner.max_scan_bytes);
+    let (size, limit) = (settled.group.stamp.size, core.config.scanner.max_scan_bytes);
     let mut state = settled.path.as_os_str().as_bytes().to_vec();
-    state.extend(format!("\0{:?}", settled.stamp).bytes());
+    state.extend(format!("\0{:?}", settled.group.stamp).bytes());
     let code = "scan-too-large";
     let message = format!("the file has {size} bytes, scanner.max_scan allows {limit}");
     let reason = Reason::new(code, message.clone(), Stage::Intake, Timestamp::now());

@@ -57,10 +57,10 @@ pub fn take(
         core.board.note(|board| board.phantom = Some(facts));
     }
     let journal = core.custody.journal();
-    for companion in &settled.companions {
+    for companion in &settled.group.companions {
         journal.sighted(&companion.path, companion.stamp, None)?;
     }
-    journal.sighted(&settled.path, settled.stamp, None)?;
+    journal.sighted(&settled.path, settled.group.stamp, None)?;
     Ok(())
 }
 

@@ -35,9 +35,11 @@ pub struct Export {
 /// # Errors
 /// Any other I/O error at the scan itself.
 pub fn read(settled: &Settled, counter: &StepCounter) -> io::Result<Option<Export>> {
-    let Some(scan_bytes) = bytes(&settled.path, settled.stamp, counter)? else { return Ok(None) };
-    let (mut companions, mut left_out) = (Vec::new(), settled.left_out);
-    for companion in &settled.companions {
+    let Some(scan_bytes) = bytes(&settled.path, settled.group.stamp, counter)? else {
+        return Ok(None);
+    };
+    let (mut companions, mut left_out) = (Vec::new(), settled.group.left_out);
+    for companion in &settled.group.companions {
         let name_ending = companion.name_ending.clone();
         match bytes(&companion.path, companion.stamp, counter) {
             Ok(Some(bytes)) => companions.push(Companion { name_ending, bytes }),
@@ -46,7 +48,7 @@ pub fn read(settled: &Settled, counter: &StepCounter) -> io::Result<Option<Expor
             Err(_) => left_out += 1,
         }
     }
-    let file_time = Timestamp::from_nanosecond(settled.stamp.mtime_ns).ok();
+    let file_time = Timestamp::from_nanosecond(settled.group.stamp.mtime_ns).ok();
     let scan = sums::scan_id(&scan_bytes);
     Ok(Some(Export { scan, bytes: scan_bytes, file_time, companions, left_out }))
 }
@@ -82,10 +84,7 @@ mod tests {
         let writing = Writing::new(Appeared { absent: None, seen: Duration::ZERO });
         Settled {
             path: path.to_owned(),
-            stamp,
-            companions: Vec::new(),
-            left_out: 0,
-            is_shared: false,
+            group: flow::Group::from(stamp),
             awaited: false,
             writing,
             has_late_companion: false,
@@ -142,8 +141,8 @@ mod tests {
         fs::write(at("a.ord"), "MEASURE Calf=1\n").unwrap();
         fs::write(at("a.mtl"), "newmtl skin\n").unwrap();
         let mut settled = settled(&at("a.obj"));
-        settled.companions = ["mtl", "ord"].map(|ending| beside(&at("a"), ending)).to_vec();
-        settled.left_out = 3;
+        settled.group.companions = ["mtl", "ord"].map(|ending| beside(&at("a"), ending)).to_vec();
+        settled.group.left_out = 3;
         let export = read(&settled).unwrap();
         let kept = |name_ending: &str, text: &str| Companion {
             name_ending: name_ending.into(),

@@ -97,7 +97,7 @@ impl Settling {
     pub fn overwritten_by(&self, settled: &Settled, bytes: &[u8]) -> Option<Gone> {
         let whole = Fingerprint::whole(Duration::ZERO, Duration::ZERO, bytes);
         let file = self.files.get(&settled.path)?;
-        lost_to(&settled.path, settled.stamp, &file.writing, &whole)
+        lost_to(&settled.path, settled.group.stamp, &file.writing, &whole)
     }
 
     /// The contents that are gone, each returned once. Call it after each look, when parts of the files with

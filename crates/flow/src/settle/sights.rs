@@ -38,7 +38,7 @@ impl Settling {
         let is_other = |path: &Path, file: &Watched| {
             let stamp = file.group.stamp;
             let is_its = path.with_extension("") == settled.path.with_extension("")
-                || stamp.inode() == settled.stamp.inode()
+                || stamp.inode() == settled.group.stamp.inode()
                 || file.writing.seen_in(bytes).is_some();
             let was_there = file.writing.content_seen() <= whole;
             stamp.size > 0 && !is_its && was_there

@@ -4,6 +4,8 @@ use gaiter_language::Language;
 use proptest::prelude::*;
 
 use super::*;
+use crate::export::companions::Companion;
+use crate::export::stamp::Stamp;
 
 mod beside;
 mod brought_in;
@@ -174,7 +176,7 @@ fn a_scan_waits_for_what_is_written_beside_it() {
         assert!(settling.observe(look_at(growing), at(second)).is_empty(), "{second}");
     }
     let offered = settling.observe(look_at(group(1, Some(49), Some(1))), at(51));
-    assert_eq!(offered[0].companions, group(1, Some(49), None).companions);
+    assert_eq!(offered[0].group.companions, group(1, Some(49), None).companions);
     settling.taken(&offered[0]);
     for (second, companion) in [(52, Some(50)), (53, None), (60, Some(51)), (90, Some(51))] {
         let late = group(1, companion, Some(1));
@@ -327,13 +329,13 @@ impl Folder {
     /// time or not done.
     fn look_and_take(&mut self, settling: &mut Settling, now: Duration) {
         for settled in settling.observe(self.look(), LookTime { began: now, ended: now }) {
-            let version = settled.stamp.ctime_ns as u64;
+            let version = settled.group.stamp.ctime_ns as u64;
             let file = self.files.iter().flatten().find(|file| file.scan.0 == version);
             let file = *file.expect("only files that are there are offered");
             let age = now - file.changed();
             assert!(age >= QUIET, "offered {age:?} after its change");
             assert!(file.done.is_some(), "offered undone");
-            assert_eq!(settled.companions, file.group().companions);
+            assert_eq!(settled.group.companions, file.group().companions);
             *self.taken.entry(version).or_default() += 1;
             settling.taken(&settled);
         }

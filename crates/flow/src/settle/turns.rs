@@ -37,25 +37,18 @@ pub(super) fn in_turn(files: Vec<(Duration, Settled)>, turns: usize) -> Vec<Sett
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::{Appeared, Stamp, Writing};
+    use super::super::{Appeared, Group, Writing};
     use super::*;
+    use crate::export::stamp::Stamp;
 
     fn file(changed_s: u64, name: &str) -> (Duration, Settled) {
         let stamp = Stamp { dev: 1, ino: 1, size: 1, mtime_ns: 0, ctime_ns: 0 };
-        let path = name.into();
-        let writing = Writing::new(Appeared { absent: None, seen: Duration::ZERO });
-        let (companions, awaited) = (Vec::new(), false);
-        let (left_out, is_shared) = (0, false);
-        let has_late_companion = false;
         let settled = Settled {
-            path,
-            stamp,
-            companions,
-            left_out,
-            is_shared,
-            awaited,
-            writing,
-            has_late_companion,
+            path: name.into(),
+            group: Group::from(stamp),
+            awaited: false,
+            writing: Writing::new(Appeared { absent: None, seen: Duration::ZERO }),
+            has_late_companion: false,
         };
         (Duration::from_secs(changed_s), settled)
     }

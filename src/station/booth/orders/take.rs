@@ -75,7 +75,7 @@ pub fn take(
     counter: &StepCounter,
 ) -> Result<Taken, TakeFault> {
     let core = booth.core();
-    let read = read::read(&settled.path, settled.stamp, counter);
+    let read = read::read(&settled.path, settled.group.stamp, counter);
     let read = read.map_err(|source| TakeFault::Io { what: "reading an order", source })?;
     let Some(read) = read else { return Ok(Taken::Changed) };
     let journal = core.custody.journal();

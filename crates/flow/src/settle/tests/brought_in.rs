@@ -150,9 +150,9 @@ fn where_another_export_folder_took_the_place_of_one_nothing_new_is_known_to_hav
         there.looked(&mut settling, &body, 1011);
         let due = there.looked(&mut settling, &body, 1014);
         assert_eq!(due.len(), 2);
-        let first = due.iter().find(|settled| settled.stamp.ino == 7).unwrap();
+        let first = due.iter().find(|settled| settled.group.stamp.ino == 7).unwrap();
         assert_eq!(first.writing.appeared().absent.is_some(), is_known, "{export} {d}");
-        let second = due.iter().find(|settled| settled.stamp.ino == 8).unwrap();
+        let second = due.iter().find(|settled| settled.group.stamp.ino == 8).unwrap();
         assert_eq!(second.writing.appeared().absent, Some(Duration::from_secs(1010)));
     }
 }

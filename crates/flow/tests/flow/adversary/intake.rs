@@ -196,12 +196,12 @@ impl Booth {
         while let Some(settled) = due.pop_front().filter(|_| !is_shut) {
             let name = name_of(&settled.path);
             let state = self.folder.stamp(&name).map(|stamp| as_found(off, &name, stamp));
-            let is_it = state == Some(settled.stamp);
+            let is_it = state == Some(settled.group.stamp);
             let Some(content) = self.folder.export(&name).filter(|_| is_it).cloned() else {
                 run.settling.changed(&settled, now);
                 continue;
             };
-            if let Some(mark) = content.mark(now, now, settled.stamp.size) {
+            if let Some(mark) = content.mark(now, now, settled.group.stamp.size) {
                 return (Phase::Take { due, settled, mark, content }, self.chance.below(20) as u64);
             }
         }
@@ -249,7 +249,7 @@ impl Booth {
         }
         let name = name_of(&settled.path);
         self.note_companion(&name, settled)?;
-        self.disk.sighted(&name, settled.stamp)
+        self.disk.sighted(&name, settled.group.stamp)
     }
 
     /// As `ingest::admit`.
@@ -405,7 +405,7 @@ impl Booth {
 
     /// What the scanner's own measures beside a scan say, where they are of this scan.
     fn beside(&self, settled: &Settled) -> StatedPatient {
-        let [only] = settled.companions.as_slice() else { return StatedPatient::Nothing };
+        let [only] = settled.group.companions.as_slice() else { return StatedPatient::Nothing };
         let used = self.disk.companions.get(&name_of(&settled.path));
         let is_fresh =
             self.setup.off == Off::FreshCompanions || companions::is_fresh(&only.stamp, used);
@@ -429,7 +429,7 @@ impl Booth {
     }
 
     fn note_companion(&mut self, scan: &str, settled: &Settled) -> Result<(), DiskFault> {
-        if let [only] = settled.companions.as_slice() {
+        if let [only] = settled.group.companions.as_slice() {
             self.disk.companions.insert(scan.to_owned(), only.stamp);
         }
         Ok(())
@@ -437,7 +437,7 @@ impl Booth {
 }
 
 fn dealt_with(disk: &super::disk::Disk, run: &mut Run, file: &Settled) -> bool {
-    let is_dealt_with = disk.was_sighted(&name_of(&file.path), file.stamp);
+    let is_dealt_with = disk.was_sighted(&name_of(&file.path), file.group.stamp);
     if is_dealt_with {
         run.settling.taken(file);
     }

@@ -108,7 +108,7 @@ impl Station {
             return (Came::Nothing, false);
         }
         let settled = self.settled.remove(0);
-        let Some(file) = scanner.read(&settled.path, settled.stamp) else {
+        let Some(file) = scanner.read(&settled.path, settled.group.stamp) else {
             self.settling.changed(&settled, now);
             return (Came::Changed, false);
         };
