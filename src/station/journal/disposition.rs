@@ -51,7 +51,10 @@ fn decide(transaction: &Transaction<'_>, which: &str) -> Result<bool, JournalErr
 }
 
 /// What became of a scan by the rows of it and its deliveries; `None` if it is not there any more.
-fn of_scan(connection: &Connection, scan: &str) -> Result<Option<Disposition>, JournalError> {
+pub(super) fn of_scan(
+    connection: &Connection,
+    scan: &str,
+) -> Result<Option<Disposition>, JournalError> {
     let state = "SELECT state, closed IS NOT NULL FROM scans WHERE sha256 = ?1";
     let found = first(connection, state, [scan], |row| {
         Ok((cell(row, 0, ScanState::of_word)?, row.get(1)?))
@@ -72,19 +75,4 @@ pub(super) fn is_one_of(wanted: impl Fn(Disposition) -> bool) -> String {
     let all = Disposition::ALL.into_iter().filter(|found| wanted(*found));
     let words: Vec<String> = all.map(|found| format!("'{}'", found.word())).collect();
     format!("disposition IN ({})", words.join(", "))
-}
-
-#[cfg(test)]
-impl super::Journal {
-    /// The scans whose kept disposition differs from that of their rows, with the kept one.
-    pub fn misjudged(&self) -> Vec<(String, String)> {
-        let connection = self.connection();
-        let mut query = connection.prepare("SELECT sha256, disposition FROM scans").unwrap();
-        let rows = query.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
-        let kept: Vec<(String, String)> = rows.collect::<Result<_, _>>().unwrap();
-        let is_wrong = |(scan, word): &(String, String)| {
-            of_scan(&connection, scan).unwrap().map(Disposition::word) != Some(word)
-        };
-        kept.into_iter().filter(is_wrong).collect()
-    }
 }

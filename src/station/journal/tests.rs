@@ -21,6 +21,20 @@ fn journal() -> (tempfile::TempDir, Journal) {
     (dir, journal)
 }
 
+impl Journal {
+    /// The scans whose kept disposition differs from that of their rows, with the kept one.
+    pub fn misjudged(&self) -> Vec<(String, String)> {
+        let connection = self.connection();
+        let mut query = connection.prepare("SELECT sha256, disposition FROM scans").unwrap();
+        let rows = query.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
+        let kept: Vec<(String, String)> = rows.collect::<Result<_, _>>().unwrap();
+        let is_wrong = |(scan, word): &(String, String)| {
+            disposition::of_scan(&connection, scan).unwrap().map(Disposition::word) != Some(word)
+        };
+        kept.into_iter().filter(is_wrong).collect()
+    }
+}
+
 #[test]
 fn a_journal_is_its_users_alone_wherever_it_lies() {
     use std::fs::{Permissions, metadata, set_permissions};
