@@ -94,12 +94,13 @@ pub struct CropJob {
 }
 
 /// The answer of a measuring process that finished.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum JobAnswer {
     Inspected(Inspection),
     /// It was measured.
     Files {
-        /// The record's files except the scan's own bytes, `SHA256SUMS` last.
+        /// The record's files except the scan's own bytes, `SHA256SUMS` last. They follow the answer's line.
+        #[serde(skip)]
         files: Vec<RecordFile>,
         /// What to do before the patient dresses, in sentences; empty if nothing.
         to_do: Vec<String>,
@@ -133,15 +134,6 @@ enum EndWord {
     CutShort,
 }
 
-/// The line before the bytes of an answer.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Header {
-    Inspected(Inspection),
-    Files { files: Vec<(String, u64)>, to_do: Vec<String>, views_apart_mm: Option<f64> },
-    Refused { code: String, message: String },
-}
-
 impl Job {
     /// The job for a scan without measures of the scanner's own, on one thread.
     pub fn new(config: &MeasureConfig, purpose: Purpose, ending: &str, scan_bytes: u64) -> Job {
@@ -172,51 +164,41 @@ impl Job {
 }
 
 impl JobAnswer {
-    /// Writes the whole answer.
+    /// Writes the whole answer: its line, then each file's line and bytes, then a line without a file.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
-        match self {
-            JobAnswer::Inspected(inspection) => {
-                write_line(to, &Header::Inspected(inspection.clone()))?;
+        write_line(to, self)?;
+        if let JobAnswer::Files { files, .. } = self {
+            for RecordFile { name, bytes } in files {
+                write_line(to, &Some((name, bytes.len())))?;
+                to.write_all(bytes)?;
             }
-            JobAnswer::Files { files, to_do, views_apart_mm } => {
-                let names = files.iter().map(|file| (file.name.clone(), file.bytes.len() as u64));
-                let (files_sent, to_do) = (names.collect(), to_do.clone());
-                let header =
-                    Header::Files { files: files_sent, to_do, views_apart_mm: *views_apart_mm };
-                write_line(to, &header)?;
-                files.iter().try_for_each(|file| to.write_all(&file.bytes))?;
-            }
-            JobAnswer::Refused { code, message } => {
-                let (code, message) = (code.clone(), message.clone());
-                write_line(to, &Header::Refused { code, message })?;
-            }
+            write_line(to, &None::<()>)?;
         }
         to.flush()
     }
 
-    /// Reads the whole answer, of at most `most` bytes.
+    /// Reads the whole answer, with files of at most `most` bytes, names included.
     ///
     /// # Errors
     /// Any I/O error; `UnexpectedEof` if the process ended in the middle; `InvalidData` if it is not an
     /// answer.
     pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<JobAnswer> {
-        let (names, to_do, views_apart_mm) = match read_line(from, LINE_MAX)? {
-            Header::Inspected(inspection) => return Ok(JobAnswer::Inspected(inspection)),
-            Header::Refused { code, message } => return Ok(JobAnswer::Refused { code, message }),
-            Header::Files { files, to_do, views_apart_mm } => (files, to_do, views_apart_mm),
-        };
-        let mut left = most;
-        let mut files = Vec::with_capacity(names.len().min(64));
-        for (name, length) in names {
-            left = left.checked_sub(length).ok_or_else(|| invalid("the answer is too long"))?;
-            let reserved = length.min(RESERVED_MAX_BYTES);
-            let mut bytes = Vec::with_capacity(usize::try_from(reserved).unwrap_or(0));
-            if from.take(length).read_to_end(&mut bytes)? as u64 != length {
-                return Err(io::ErrorKind::UnexpectedEof.into());
+        let mut answer: JobAnswer = read_line(from, LINE_MAX)?;
+        if let JobAnswer::Files { files, .. } = &mut answer {
+            let mut left = most;
+            while let Some((name, length)) = read_line::<Option<(String, u64)>>(from, LINE_MAX)? {
+                // With the line end: files without name and bytes would never end.
+                let taken = length.saturating_add(name.len() as u64 + 1);
+                left = left.checked_sub(taken).ok_or_else(|| invalid("the answer is too long"))?;
+                let reserved = length.min(RESERVED_MAX_BYTES);
+                let mut bytes = Vec::with_capacity(usize::try_from(reserved).unwrap_or(0));
+                if from.take(length).read_to_end(&mut bytes)? as u64 != length {
+                    return Err(io::ErrorKind::UnexpectedEof.into());
+                }
+                files.push(RecordFile { name, bytes });
             }
-            files.push(RecordFile { name, bytes });
         }
-        Ok(JobAnswer::Files { files, to_do, views_apart_mm })
+        Ok(answer)
     }
 }
 
@@ -328,7 +310,10 @@ mod tests {
 
     #[test]
     fn an_answer_that_would_fill_the_memory_is_not_read() {
-        let long = written(&complete(vec![file("a", &[0; 60]), file("b", &[0; 60])]));
-        assert!(JobAnswer::read(&mut &long[..], 100).is_err());
+        let large = vec![file("a", &[0; 60]), file("b", &[0; 60])];
+        for files in [large, vec![file("", b""); 101]] {
+            let long = written(&complete(files));
+            assert!(JobAnswer::read(&mut &long[..], 100).is_err());
+        }
     }
 }
