@@ -4,6 +4,7 @@
 pub mod archive;
 pub mod brief;
 pub mod durable;
+mod exchange;
 mod fault;
 pub mod fhir;
 pub mod folder;

@@ -12,11 +12,11 @@
 //! | gone | registered | it had its name: it was handed over, and is never handed over again |
 
 mod attach;
-mod place;
 mod register;
 #[cfg(test)]
 mod tests;
 
+use std::fs;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -24,14 +24,14 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 use sha2::{Digest, Sha256};
 
-use super::{Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault};
+use super::exchange::ExchangeFolder;
+use super::{Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault, durable, tried};
 pub use attach::{Attach, Attached};
 use gaiter_flow::ScanId;
-use gaiter_record::gdt::rules::FileName;
+use gaiter_record::gdt::rules::{COUNTER_MOST, FileName};
 use gaiter_record::gdt::{self, GdtRules};
 use gaiter_record::{FIRST_REVISION, hex};
 use gaiter_sizes::Garment;
-use place::ExchangeFolder;
 use register::{Entry, Register};
 
 /// Results for a practice's software.
@@ -41,6 +41,7 @@ pub struct GdtStore {
     garment: Garment,
     attach: Attach,
     place: ExchangeFolder,
+    names: FileName,
     register: Register,
     zone: TimeZone,
     /// Ensures that one result at a time is given a name.
@@ -61,8 +62,8 @@ impl GdtStore {
         zone: TimeZone,
     ) -> GdtStore {
         let register = Register::new(state_dir.join("handed-over"));
-        let place = ExchangeFolder::new(folder, names, station);
-        GdtStore { rules, garment, attach, place, register, zone, naming: Arc::default() }
+        let place = ExchangeFolder::new(folder, station);
+        GdtStore { rules, garment, attach, place, names, register, zone, naming: Arc::default() }
     }
 
     /// Writes attachments and message, synced; the message goes to the staging folder.
@@ -75,7 +76,7 @@ impl GdtStore {
         let message = gdt::result(&record, &self.garment, &self.rules, taken, &attachments);
         let message = message.map_err(|fault| rejection(Rejection::Gdt(fault)))?;
         self.attach.write(key, delivery.files, &self.place)?;
-        self.place.stage(key, &message)
+        self.place.stage(&staged_name(key), &message)
     }
 
     /// Registers a staged result under a free name, then renames it to this name.
@@ -85,19 +86,36 @@ impl GdtStore {
         delivery: &Delivery<'_>,
         patient: &str,
     ) -> Result<PathBuf, StoreFault> {
-        let (number, name) = self.place.free_name(self.register.last_number())?;
+        let (number, name) = self.free_name(self.register.last_number())?;
         let entry = Entry {
             scan: delivery.scan.to_string(),
             patient: patient.to_owned(),
             first_seen: delivery.first_seen,
             format: delivery.ending.to_owned(),
-            size: std::fs::metadata(delivery.scan_file).map_or(0, |metadata| metadata.len()),
+            size: fs::metadata(delivery.scan_file).map_or(0, |metadata| metadata.len()),
             name: name.clone(),
             number,
             at: Timestamp::now(),
         };
         self.register.enter(key, &entry)?;
-        self.place.publish(key, &name)
+        let file = self.place.folder().join(name);
+        self.place.publish_new(&staged_name(key), &file)?;
+        Ok(file)
+    }
+
+    /// The next free name and its number; `last` is the number used last.
+    fn free_name(&self, last: u16) -> Result<(u16, String), StoreFault> {
+        let tries = if self.names.counts() { COUNTER_MOST } else { 1 };
+        for step in 0..tries {
+            let number = (last + step) % COUNTER_MOST + 1;
+            let name = self.names.of(number);
+            let path = self.place.folder().join(&name);
+            let found = durable::if_there(fs::symlink_metadata(&path));
+            if tried("looking for", &path, found)?.is_none() {
+                return Ok((number, name));
+            }
+        }
+        Err(StoreFault::NotFetched)
     }
 }
 
@@ -126,9 +144,11 @@ impl RecordStore for GdtStore {
     /// Removes results that crashed deliveries left staged and not registered.
     fn open(&self) -> Result<(), StoreFault> {
         self.register.open()?;
-        for key in self.place.staged()? {
-            if self.register.entry(&key)?.is_none() {
-                self.place.unstage(&key)?;
+        for name in self.place.staged()? {
+            if let Some(key) = name.strip_suffix(STAGED_ENDING)
+                && self.register.entry(key)?.is_none()
+            {
+                self.place.unstage(&name)?;
             }
         }
         Ok(())
@@ -138,14 +158,14 @@ impl RecordStore for GdtStore {
     /// have not been fetched.
     fn reach(&self) -> Result<(), StoreFault> {
         self.place.reach()?;
-        self.place.free_name(self.register.last_number()).map(drop)
+        self.free_name(self.register.last_number()).map(drop)
     }
 
     fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
         self.place.reach()?;
         let mut found = Vec::new();
         for (key, entry) in self.register.entries()? {
-            if !self.place.is_staged(&key)? {
+            if !self.place.is_staged(&staged_name(&key))? {
                 found.extend(entry.found(self.place.folder()));
             }
         }
@@ -162,7 +182,7 @@ impl RecordStore for GdtStore {
         self.register.open()?;
         let key = key(delivery.scan, patient, delivery.revision);
         if let Some(entry) = self.register.entry(&key)? {
-            if !self.place.is_staged(&key)? {
+            if !self.place.is_staged(&staged_name(&key))? {
                 // The run that gave it its name may have ended before this sync.
                 self.place.sync()?;
                 let folder = self.place.folder().join(entry.name);
@@ -170,7 +190,7 @@ impl RecordStore for GdtStore {
             }
         } else {
             // Checked before anything is written: it may have to wait for long.
-            self.place.free_name(self.register.last_number())?;
+            self.free_name(self.register.last_number())?;
             self.stage(&key, delivery)?;
         }
         let folder = self.name(&key, delivery, patient)?;
@@ -185,9 +205,13 @@ impl RecordStore for GdtStore {
         _scans: &[ScanId],
     ) -> Result<(), StoreFault> {
         self.place.reach()?;
+        let staged = self.place.staged()?;
         for (key, entry) in self.register.entries()? {
             if entry.patient == patient {
-                self.place.unstage_all(&key)?;
+                // Also an attachment that a crash left.
+                let (result, attachment) = (staged_name(&key), format!("{key}_"));
+                let is_its = |name: &&String| **name == result || name.starts_with(&attachment);
+                staged.iter().filter(is_its).try_for_each(|name| self.place.unstage(name))?;
                 self.register.forget(&key)?;
             }
         }
@@ -198,7 +222,8 @@ impl RecordStore for GdtStore {
     fn given(&self, patient: &str) -> Result<Vec<Given>, StoreFault> {
         let mut given = Vec::new();
         for (key, entry) in self.register.entries()? {
-            if entry.patient != patient || self.place.is_staged(&key).unwrap_or(false) {
+            if entry.patient != patient || self.place.is_staged(&staged_name(&key)).unwrap_or(false)
+            {
                 continue;
             }
             let file = self.place.folder().join(&entry.name);
@@ -227,6 +252,13 @@ pub struct Given {
     pub is_there: bool,
     /// The files that belong to it and are there.
     pub attachments: Vec<PathBuf>,
+}
+
+/// The ending of staged results; no practice software looks for it.
+const STAGED_ENDING: &str = ".staged";
+
+fn staged_name(key: &str) -> String {
+    format!("{key}{STAGED_ENDING}")
 }
 
 /// The key of a result, made from the scan, the patient and a later revision, without showing the patient's

@@ -5,7 +5,6 @@
 //! answer was lost is sent again with the same control id, by which receivers know it, and is taken back like any
 //! other.
 
-mod folder;
 mod mllp;
 mod sent;
 #[cfg(test)]
@@ -20,9 +19,9 @@ use gaiter_record::hl7::{self, Acknowledgment, Hl7Rules, PdfForm};
 use gaiter_record::sha256;
 use jiff::Timestamp;
 
-use self::folder::MessageFolder;
 use self::mllp::Receiver;
 use self::sent::{Sent, SentMessages};
+use super::exchange::ExchangeFolder;
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 
@@ -94,8 +93,8 @@ impl Hl7Store {
         Hl7Store { station: station.to_owned(), ..self }
     }
 
-    fn folder(&self) -> Option<MessageFolder> {
-        Some(MessageFolder::new(self.way.folder()?.clone(), &self.station))
+    fn folder(&self) -> Option<ExchangeFolder> {
+        Some(ExchangeFolder::new(self.way.folder()?.clone(), &self.station))
     }
 
     fn receiver(&self) -> Option<Receiver<'_>> {
@@ -135,14 +134,21 @@ impl Hl7Store {
     fn hand_out(&self, key: &str, message: &[u8], sent: &Sent) -> Result<(), StoreFault> {
         let Some(folder) = self.folder() else { return Ok(()) };
         folder.reach()?;
-        folder.stage(key, &sent.control, message)?;
+        let name = staged_name(key, &sent.control);
+        folder.stage(&name, message)?;
         self.sent.note(key, sent)?;
-        folder.publish(key, &sent.control)
+        folder.publish(&name, &message_file(&folder, &sent.control))
     }
 
     /// Gives the last message its name if a crash came before that.
     fn settle(&self, key: &str, sent: &Sent) -> Result<(), StoreFault> {
-        self.folder().map_or(Ok(()), |folder| folder.publish(key, &sent.control))
+        let Some(folder) = self.folder() else { return Ok(()) };
+        let name = staged_name(key, &sent.control);
+        match folder.is_staged(&name)? {
+            true => folder.publish(&name, &message_file(&folder, &sent.control)),
+            // The run that gave it its name may have ended before this sync.
+            false => folder.sync(),
+        }
     }
 }
 
@@ -181,10 +187,11 @@ impl RecordStore for Hl7Store {
     /// Names staged messages that were noted, and removes the others: they are made again.
     fn open(&self) -> Result<(), StoreFault> {
         let Some(folder) = self.folder() else { return Ok(()) };
-        for (key, control) in folder.staged()? {
-            match self.sent.of(&key)?.is_some_and(|sent| sent.control == control) {
-                true => folder.publish(&key, &control)?,
-                false => folder.unstage(&key, &control)?,
+        for name in folder.staged()? {
+            let Some((key, control)) = name.split_once('.') else { continue };
+            match self.sent.of(key)?.is_some_and(|sent| sent.control == control) {
+                true => folder.publish(&name, &message_file(&folder, control))?,
+                false => folder.unstage(&name)?,
             }
         }
         Ok(())
@@ -266,8 +273,19 @@ impl RecordStore for Hl7Store {
     }
 
     fn unfetched(&self, reference: &str) -> Option<PathBuf> {
-        self.folder().map(|folder| folder.message(reference)).filter(|file| file.is_file())
+        let folder = self.folder()?;
+        Some(message_file(&folder, reference)).filter(|file| file.is_file())
     }
+}
+
+/// The name under which a message is staged.
+fn staged_name(key: &str, control: &str) -> String {
+    format!("{key}.{control}")
+}
+
+/// The file of a message.
+fn message_file(folder: &ExchangeFolder, control: &str) -> PathBuf {
+    folder.folder().join(format!("{control}.hl7"))
 }
 
 /// Whether a receiver has the message of this control id, by its answer. A refusal is reported without the patient's id.

@@ -6,7 +6,7 @@ use gaiter_record::RecordFile;
 use gaiter_record::gdt::{Attachment, Reference};
 
 use super::super::StoreFault;
-use super::place::ExchangeFolder;
+use super::super::exchange::ExchangeFolder;
 
 /// The description of an attachment, as the practice software shows it.
 const DESCRIPTION: &str = "Beinvermessung";
@@ -56,7 +56,9 @@ impl Attach {
         place: &ExchangeFolder,
     ) -> Result<(), StoreFault> {
         for (attached, file) in self.of(files) {
-            place.write_attachment(&attached.place(key, place.folder()), &file.bytes)?;
+            let name = attached.file_name(key);
+            place.stage(&name, &file.bytes)?;
+            place.publish(&name, &attached.place(key, place.folder()))?;
         }
         Ok(())
     }

@@ -163,7 +163,7 @@ fn numbered_results_wait_beside_each_other_and_go_on_after_a_start() {
 #[test]
 fn after_the_last_number_comes_the_first_free_one() {
     let case = Case::new(COUNTED);
-    let free = |last: u16| case.store().place.free_name(last).unwrap().1;
+    let free = |last: u16| case.store().free_name(last).unwrap().1;
     fs::write(case.exchange().join("PRAXLEGS.001"), "").unwrap();
     assert_eq!(
         (free(0), free(998), free(999)),

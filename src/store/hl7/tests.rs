@@ -382,9 +382,10 @@ fn a_message_file_that_a_crash_left_is_named_if_it_was_noted_and_made_again_if_n
     let store = of_files(root.path(), state.path());
     store.begin(false).unwrap();
     let (key, folder) = (key(&scan(), "4711"), store.folder().unwrap());
-    let staged = || fs::read_dir(root.path().join(".gaiter.booth-1")).unwrap().count();
+    let staged = || messages(&root.path().join(".gaiter.booth-1")).len();
+    let name = staged_name(&key, "0123");
     // Before the note.
-    folder.stage(&key, "0123", b"half").unwrap();
+    folder.stage(&name, b"half").unwrap();
     store.open().unwrap();
     assert_eq!((staged(), messages(root.path()).len()), (0, 0));
     // Behind it: by the next attempt, and by the next run.
@@ -400,7 +401,7 @@ fn a_message_file_that_a_crash_left_is_named_if_it_was_noted_and_made_again_if_n
     let attempt: fn(&Hl7Store) = |store| assert!(!is_new(store, 1));
     let run: fn(&Hl7Store) = |store| store.open().unwrap();
     for next in [attempt, run] {
-        folder.stage(&key, "0123", b"whole").unwrap();
+        folder.stage(&name, b"whole").unwrap();
         store.sent.note(&key, &sent).unwrap();
         next(&store);
         assert_eq!((staged(), messages(root.path())), (0, vec!["0123.hl7".to_owned()]));
