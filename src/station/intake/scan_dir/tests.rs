@@ -2,7 +2,6 @@
 
 use std::os::unix::fs::symlink;
 use std::os::unix::net::UnixListener;
-use std::time::Duration;
 
 use gaiter_language::Language;
 use rustix::fs::{CWD, Mode, mkfifoat};
@@ -15,6 +14,18 @@ fn config() -> WatchConfig {
 
 fn looked(folder: &Path, config: &WatchConfig) -> Found {
     look(folder, config, &StepCounter::default()).unwrap()
+}
+
+fn changed_ns(path: &Path) -> i128 {
+    stamp(&fs::metadata(path).unwrap()).ctime_ns
+}
+
+/// Writes a file after this time by the clock of stamps, which advances in steps.
+fn write_after(path: &Path, ctime_ns: i128) {
+    fs::write(path, "x").unwrap();
+    while changed_ns(path) <= ctime_ns {
+        fs::write(path, "x").unwrap();
+    }
 }
 
 fn names(folder: &Path, found: &Found) -> Vec<String> {
@@ -92,8 +103,7 @@ fn a_look_tells_through_which_folders_it_went_and_when_they_came_to_their_places
     let before = looked(dir.path(), &config).folders;
     assert_eq!(before.export, folder_id(dir.path()).unwrap());
     assert_eq!(before.below.keys().collect::<Vec<_>>(), [&at("1"), &at("1/2")]);
-    // The clock of stamps advances in steps.
-    std::thread::sleep(Duration::from_millis(50));
+    write_after(&at("clock"), before.below[&at("1")].ctime_ns);
     fs::rename(at("1"), at("new")).unwrap();
     let after = looked(dir.path(), &config).folders;
     let (old, new) = (before.below[&at("1")], after.below[&at("new")]);
@@ -136,13 +146,9 @@ fn of_many_files_that_are_no_scans_those_that_changed_last_are_followed() {
         let file = fs::File::create(dir.path().join(format!("{n}.jpg"))).unwrap();
         file.set_times(old).unwrap();
     }
-    fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
-    // Until the clock of stamps has advanced, the newest is not known.
-    let stamp_of = |name: &str| stamp(&fs::metadata(dir.path().join(name)).unwrap());
-    let last = (0..2 * UNRELATED_MAX).map(|n| stamp_of(&format!("{n}.jpg")).ctime_ns).max();
-    while Some(stamp_of("now.tmp").ctime_ns) <= last {
-        fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
-    }
+    // Before that, the newest is not known.
+    let ctime_ns = |n| changed_ns(&dir.path().join(format!("{n}.jpg")));
+    write_after(&dir.path().join("now.tmp"), (0..2 * UNRELATED_MAX).map(ctime_ns).max().unwrap());
     let found = looked(dir.path(), &config());
     assert_eq!(found.unrelated.len(), UNRELATED_MAX);
     assert!(found.unrelated.contains_key(&dir.path().join("now.tmp")));
