@@ -66,7 +66,8 @@ impl ArchivingBooth {
     }
 
     fn keys(&self, prefix: &str) -> Vec<String> {
-        self.bucket.list(prefix, "").unwrap().keys
+        let page = self.bucket.list(prefix, "").unwrap();
+        page.objects.into_iter().map(|listed| listed.key).collect()
     }
 
     fn unpacked(&self, key: &ObjectKey) -> Vec<u8> {

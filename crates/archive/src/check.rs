@@ -38,5 +38,5 @@ pub fn check(config: &ArchiveConfig) -> Result<ExitCode, ArchiveFault> {
 
 fn counted(page: &gaiter_https::Page) -> String {
     let more = if page.is_more { "more than " } else { "" };
-    format!("{more}{}", page.keys.len())
+    format!("{more}{}", page.objects.len())
 }

@@ -1,9 +1,10 @@
 //! The indexer: what stations announce becomes rows and jobs. There may be several.
 
+use std::collections::BTreeMap;
 use std::thread;
 use std::time::Duration;
 
-use gaiter_https::{Bucket, BucketFault};
+use gaiter_https::{Bucket, BucketFault, Listed};
 use gaiter_leg::Method;
 use gaiter_record::archive::{
     Announcement, Document, DocumentFault, Heartbeat, KeyFault, MethodId, ObjectKey, PackingFault,
@@ -58,8 +59,9 @@ pub enum Unread {
 pub fn index(config: &ArchiveConfig, reconcile: bool, once: bool) -> Result<(), ArchiveFault> {
     let method = MethodId::of(&Method::default())?;
     let mut next = Pass::First { reconcile };
+    let mut beats = Beats::default();
     loop {
-        match pass(config, &method, next) {
+        match pass(config, &method, next, &mut beats) {
             Ok(()) => next = Pass::Later,
             Err(fault) if once => return Err(fault),
             Err(fault) => note(format_args!("index: {}", chain(&fault))),
@@ -71,25 +73,30 @@ pub fn index(config: &ArchiveConfig, reconcile: bool, once: bool) -> Result<(), 
     }
 }
 
-fn pass(config: &ArchiveConfig, method: &MethodId, which: Pass) -> Result<(), ArchiveFault> {
+fn pass(
+    config: &ArchiveConfig,
+    method: &MethodId,
+    which: Pass,
+    beats: &mut Beats,
+) -> Result<(), ArchiveFault> {
     let mut client = database::connect(&config.database)?;
     let bucket = bucket(config);
     if let Pass::First { reconcile } = which {
         database::make_schema(&mut client)?;
         if reconcile {
-            each_page(&bucket, ObjectKey::ANNOUNCED, |keys| {
-                announcements(&bucket, &mut client, method, keys, Then::Wait).map(drop)
+            each_page(&bucket, ObjectKey::ANNOUNCED, |listed| {
+                announcements(&bucket, &mut client, method, listed, Then::Wait).map(drop)
             })?;
-            each_page(&bucket, ObjectKey::RESULTS, |keys| results(&bucket, &mut client, keys))?;
+            each_page(&bucket, ObjectKey::RESULTS, |listed| results(&bucket, &mut client, listed))?;
         }
         database::enter_method(&mut client, method)?;
         database::enter_missing_jobs(&mut client, method)?;
     }
-    each_page(&bucket, ObjectKey::INBOX, |keys| {
-        let indexed = announcements(&bucket, &mut client, method, keys, Then::Measure)?;
+    each_page(&bucket, ObjectKey::INBOX, |listed| {
+        let indexed = announcements(&bucket, &mut client, method, listed, Then::Measure)?;
         indexed.into_iter().try_for_each(|(key, bytes)| file_away(&bucket, &key, bytes))
     })?;
-    each_page(&bucket, ObjectKey::FLEET, |keys| heartbeats(&bucket, &mut client, keys))
+    each_page(&bucket, ObjectKey::FLEET, |listed| heartbeats(&bucket, &mut client, listed, beats))
 }
 
 /// What a station says in the inbox.
@@ -111,11 +118,11 @@ fn announcements(
     bucket: &Bucket,
     client: &mut Client,
     method: &MethodId,
-    keys: &[String],
+    listed: &[Listed],
     then: Then,
 ) -> Result<Vec<(String, Vec<u8>)>, ArchiveFault> {
     let mut entered = Vec::new();
-    for key in keys {
+    for Listed { key, .. } in listed {
         let Some(bytes) = bucket.get(key)? else { continue };
         // Wherever it lies, it is what was in the inbox.
         let own = key.replacen(ObjectKey::ANNOUNCED, ObjectKey::INBOX, 1);
@@ -142,19 +149,47 @@ fn file_away(bucket: &Bucket, key: &str, bytes: Vec<u8>) -> Result<(), ArchiveFa
     Ok(())
 }
 
-fn heartbeats(bucket: &Bucket, client: &mut Client, keys: &[String]) -> Result<(), ArchiveFault> {
-    for key in keys {
-        let Some(bytes) = bucket.get(key)? else { continue };
-        match read::<Heartbeat>(key, &bytes) {
-            Ok(beat) => database::enter_heartbeat(client, &beat)?,
-            Err(why) => passed_over(key, &why),
+/// The heartbeats that are indexed, each with its tag in the list. They change once a minute and the list comes more
+/// often, so what has the tag that it had is not read again.
+#[derive(Debug, Default)]
+struct Beats(BTreeMap<String, String>);
+
+impl Beats {
+    /// Whether this one is indexed already. Without a tag nobody knows.
+    fn has(&self, listed: &Listed) -> bool {
+        listed.tag.is_some() && self.0.get(&listed.key) == listed.tag.as_ref()
+    }
+
+    /// Notes that one is indexed. If it was overwritten after it was listed, the next list has another tag.
+    fn note(&mut self, Listed { key, tag }: &Listed) {
+        if let Some(tag) = tag {
+            self.0.insert(key.clone(), tag.clone());
         }
+    }
+}
+
+fn heartbeats(
+    bucket: &Bucket,
+    client: &mut Client,
+    listed: &[Listed],
+    beats: &mut Beats,
+) -> Result<(), ArchiveFault> {
+    for of in listed {
+        if beats.has(of) {
+            continue;
+        }
+        let Some(bytes) = bucket.get(&of.key)? else { continue };
+        match read::<Heartbeat>(&of.key, &bytes) {
+            Ok(beat) => database::enter_heartbeat(client, &beat)?,
+            Err(why) => passed_over(&of.key, &why),
+        }
+        beats.note(of);
     }
     Ok(())
 }
 
-fn results(bucket: &Bucket, client: &mut Client, keys: &[String]) -> Result<(), ArchiveFault> {
-    for key in keys {
+fn results(bucket: &Bucket, client: &mut Client, listed: &[Listed]) -> Result<(), ArchiveFault> {
+    for Listed { key, .. } in listed {
         match result_at(bucket, key)? {
             Ok(result) => {
                 database::enter_method(client, &result.method)?;
@@ -185,4 +220,30 @@ fn passed_over(key: &str, why: &Unread) {
     // A key may hold anything; what is not one of ours is not told.
     let shown = if key.is_ascii() && !key.contains(char::is_control) { key } else { "an object" };
     note(format_args!("index: {shown}: {}", chain(why)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heartbeat_is_read_again_only_if_its_tag_in_the_list_is_another() {
+        let listed = |key: &str, tag: Option<&str>| Listed {
+            key: key.to_owned(),
+            tag: tag.map(str::to_owned),
+        };
+        let mut beats = Beats::default();
+        let first = listed("fleet/booth-1.json", Some("0b"));
+        assert!(!beats.has(&first));
+        beats.note(&first);
+        assert!(beats.has(&first));
+        let other = listed("fleet/booth-2.json", Some("0b"));
+        let next = listed("fleet/booth-1.json", Some("0c"));
+        assert!(!beats.has(&other) && !beats.has(&next));
+        beats.note(&next);
+        assert!(beats.has(&next) && !beats.has(&first));
+        let untold = listed("fleet/booth-1.json", None);
+        beats.note(&untold);
+        assert!(!beats.has(&untold));
+    }
 }

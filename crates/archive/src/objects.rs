@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use gaiter_https::{Bucket, BucketFault, HttpsClient};
+use gaiter_https::{Bucket, BucketFault, HttpsClient, Listed};
 
 use crate::config::ArchiveConfig;
 
@@ -18,21 +18,21 @@ pub fn bucket(config: &ArchiveConfig) -> Bucket {
     Bucket::new(config.objects.clone(), client.with_answers_up_to(OBJECT_MOST))
 }
 
-/// Goes through all keys with this beginning, a page at a time.
+/// Goes through all objects whose keys have this beginning, a page at a time.
 ///
 /// # Errors
 /// Those of the store, and of `each`.
 pub fn each_page<E: From<BucketFault>>(
     bucket: &Bucket,
     prefix: &str,
-    mut each: impl FnMut(&[String]) -> Result<(), E>,
+    mut each: impl FnMut(&[Listed]) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut after = String::new();
     loop {
         let page = bucket.list(prefix, &after)?;
-        each(&page.keys)?;
-        match page.keys.last() {
-            Some(last) if page.is_more => after.clone_from(last),
+        each(&page.objects)?;
+        match page.objects.last() {
+            Some(last) if page.is_more => after.clone_from(&last.key),
             _ => return Ok(()),
         }
     }

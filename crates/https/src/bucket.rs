@@ -48,11 +48,19 @@ pub enum PutNew {
     AlreadyThere,
 }
 
-/// Some keys of a bucket.
+/// An object in a list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Listed {
+    pub key: String,
+    /// Its entity tag, which is another one after each PUT of other bytes; `None` where the store tells none.
+    pub tag: Option<String>,
+}
+
+/// Some objects of a bucket.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Page {
-    /// The keys, in their order.
-    pub keys: Vec<String>,
+    /// The objects, in the order of their keys.
+    pub objects: Vec<Listed>,
     /// Whether there are more behind the last.
     pub is_more: bool,
 }
@@ -143,7 +151,7 @@ impl Bucket {
         if answer.is_success() || answer.status == 404 { Ok(()) } else { Err(refused(&answer)) }
     }
 
-    /// The keys with this beginning that come after another; after none if that is empty.
+    /// The objects whose keys have this beginning and come after another; after none if that is empty.
     ///
     /// # Errors
     /// See [`BucketFault`].
@@ -198,21 +206,27 @@ impl Bucket {
     }
 }
 
-/// The keys in a list. What could not stand in XML as it is, is in none of ours.
+/// The objects in a list. What could not stand in XML as it is, is in none of our keys; tags are only compared.
 fn page(text: &str) -> Page {
-    let keys = text.split("<Key>").skip(1).filter_map(|rest| rest.split("</Key>").next());
+    let objects = text.split("<Contents>").skip(1).filter_map(|of| {
+        let tag = element(of, "ETag").map(str::to_owned);
+        Some(Listed { key: element(of, "Key")?.to_owned(), tag })
+    });
     let is_more = text.contains("<IsTruncated>true</IsTruncated>");
-    Page { keys: keys.map(str::to_owned).collect(), is_more }
+    Page { objects: objects.collect(), is_more }
+}
+
+/// The text in the first element of this name.
+fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = text.split_once(&format!("<{name}>"))?;
+    rest.split_once('<').map(|(inner, _)| inner)
 }
 
 /// What a store says of a fault: its code and its message, in a line.
 fn refused(answer: &HttpAnswer) -> BucketFault {
     let text = String::from_utf8_lossy(&answer.body);
-    let element = |name: &str| {
-        let (_, rest) = text.split_once(&format!("<{name}>"))?;
-        rest.split_once('<').map(|(inner, _)| inner.to_owned())
-    };
-    let said: Vec<String> = ["Code", "Message"].into_iter().filter_map(element).collect();
+    let said: Vec<&str> =
+        ["Code", "Message"].into_iter().filter_map(|name| element(&text, name)).collect();
     let is_plain = |c: &char| !c.is_control();
     let said = said.join(": ").chars().filter(is_plain).take(SAID_MOST).collect();
     BucketFault::Status { status: answer.status, said }
@@ -263,10 +277,16 @@ mod tests {
     }
 
     #[test]
-    fn a_list_tells_its_keys_and_whether_there_are_more() {
-        let text = "<ListBucketResult><IsTruncated>true</IsTruncated><Contents><Key>inbox/a/b</Key>\
-                    </Contents><Contents><Key>inbox/c/d</Key></Contents></ListBucketResult>";
-        let keys = ["inbox/a/b", "inbox/c/d"].map(str::to_owned).to_vec();
-        assert_eq!(page(text), Page { keys, is_more: true });
+    fn a_list_tells_its_objects_and_whether_there_are_more() {
+        let text = "<ListBucketResult><Prefix>inbox/</Prefix><IsTruncated>true</IsTruncated>\
+                    <Contents><Key>inbox/a/b</Key><Size>2</Size></Contents>\
+                    <Contents><ETag>&quot;0b&quot;</ETag><Key>inbox/c/d</Key></Contents>\
+                    </ListBucketResult>";
+        let listed = |key: &str, tag: Option<&str>| Listed {
+            key: key.to_owned(),
+            tag: tag.map(str::to_owned),
+        };
+        let objects = vec![listed("inbox/a/b", None), listed("inbox/c/d", Some("&quot;0b&quot;"))];
+        assert_eq!(page(text), Page { objects, is_more: true });
     }
 }

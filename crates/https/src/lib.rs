@@ -19,7 +19,7 @@ use http::header::{HeaderMap, HeaderName, HeaderValue};
 use http::{Method, Request, Uri};
 use ureq::{Agent, ProxyProtocol};
 
-pub use bucket::{Bucket, BucketFault, BucketPlace, Page, PutNew};
+pub use bucket::{Bucket, BucketFault, BucketPlace, Listed, Page, PutNew};
 pub use endpoint::{Endpoint, EndpointFault, Proxy, Secret, TlsFiles, is_this_machine};
 pub use fault::HttpFault;
 pub use secret::SecretFault;

@@ -166,7 +166,7 @@ impl Place {
         let (mut keys, mut after) = (Vec::new(), String::new());
         loop {
             let page = self.bucket.list(prefix, &after).unwrap();
-            keys.extend(page.keys);
+            keys.extend(page.objects.into_iter().map(|listed| listed.key));
             match keys.last() {
                 Some(last) if page.is_more => after.clone_from(last),
                 _ => return keys,
