@@ -1,5 +1,6 @@
 //! What an archive does on a usual day, and after the usual mishaps.
 
+use std::fs;
 use std::process::Command;
 
 use gaiter_record::ScanId;
@@ -9,7 +10,7 @@ use serde_json::Value;
 use crate::gate::Gate;
 use crate::place::{Place, Ports, crop, method, wait_for, whole};
 
-/// Enough that several workers meet.
+/// Enough that several workers meet, and no more than one claims at a time.
 const SCANS: usize = 12;
 
 #[test]
@@ -140,15 +141,29 @@ fn a_worker_that_is_asked_to_end_hands_back_what_it_has_claimed() {
     let count =
         |statement: &str| -> i64 { place.client().query_one(statement, &[]).unwrap().get(0) };
     let results = || count("select count(*) from result");
+    // The worker measures one scan, and cannot enter the result.
+    let mut holder = place.client();
+    let mut held = holder.transaction().unwrap();
+    held.batch_execute("lock table result in exclusive mode").unwrap();
     let mut worker = place.start(place.ports, &["work"]);
-    wait_for("a result", || results() > 0);
+    let waiting = "select count(*) from pg_stat_activity where datname = current_database() \
+                   and application_name = 'gaiter-archive' and wait_event_type = 'Lock'";
+    wait_for("a result that cannot be entered", || count(waiting) == 1);
+    let claimed = count("select count(*) from job where due > now()");
+    assert_eq!((claimed, results()), (SCANS as i64, 0));
+    // The thread that hears the signal ends when it has said so to the others.
+    let tasks = format!("/proc/{}/task", worker.0.id());
+    let threads = || fs::read_dir(&tasks).unwrap().count();
+    let before = threads();
     let asked = Command::new("kill").arg(worker.0.id().to_string()).status().unwrap();
     assert!(asked.success());
+    wait_for("a worker that has heard the signal", || threads() < before);
+    held.rollback().unwrap();
     worker.ends();
-    let code = worker.0.wait().unwrap().code();
     // Nobody need wait for a lease, and no attempt counts.
     let free = count("select count(*) from job where due <= now() and attempts = 0");
-    assert_eq!((code, results() + free), (Some(75), SCANS as i64));
+    let code = worker.0.wait().unwrap().code();
+    assert_eq!((code, results(), free), (Some(75), 1, SCANS as i64 - 1));
     place.verb(&["work", "--until-empty"]);
     assert_eq!(place.wrong(SCANS), Vec::<String>::new());
 }
