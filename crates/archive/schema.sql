@@ -16,8 +16,8 @@ create table scan (
     first_seen timestamptz not null
 );
 
--- The latest announcement of each station, by the station's clock. The patient may be unknown, and may change with a
--- later announcement. Earlier ones are in the bucket.
+-- The latest announcement of each station: stations see to it that what they say later has a later `said`. The patient
+-- may be unknown, and may change with a later announcement. Earlier ones are in the bucket.
 create table announcement (
     scan bytea not null references scan on delete cascade,
     station text not null,

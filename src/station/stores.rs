@@ -148,5 +148,6 @@ fn hl7_store(config: &Config, hl7: &Hl7StoreConfig) -> Hl7Store {
 fn archive_store(config: &Config, archive: &ArchiveStoreConfig) -> ArchiveStore {
     let job = CropJob { method: config.method.clone(), choice: archive.crop };
     let crops = ConfinedCrop { limits: config.measure, job };
-    ArchiveStore::new(archive.place.clone(), config.method.clone(), Box::new(crops))
+    let (place, method) = (archive.place.clone(), config.method.clone());
+    ArchiveStore::new(place, method, Box::new(crops), &config.station.state_dir)
 }

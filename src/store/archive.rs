@@ -6,6 +6,7 @@
 //! not there. Whether a record was announced cannot be looked up; if an answer is lost it is announced again, which says
 //! the same.
 
+mod clock;
 #[cfg(test)]
 mod tests;
 
@@ -25,6 +26,7 @@ use gaiter_record::archive::{
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use self::clock::MonotonicClock;
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 
@@ -108,16 +110,22 @@ pub struct ArchiveStore {
     /// With this scans are measured when they are cropped.
     method: Method,
     crops: Box<dyn CropScan>,
+    clock: MonotonicClock,
 }
 
 impl ArchiveStore {
     /// Its name in the journal.
     pub const NAME: &str = "archive";
 
-    /// A store at this place, of scans that are cropped so.
-    pub fn new(place: ArchivePlace, method: Method, crops: Box<dyn CropScan>) -> ArchiveStore {
-        let bucket = place.bucket();
-        ArchiveStore { place, bucket, method, crops }
+    /// A store at this place, of scans that are cropped so; when it was told something last is noted in the state folder.
+    pub fn new(
+        place: ArchivePlace,
+        method: Method,
+        crops: Box<dyn CropScan>,
+        state_dir: &Path,
+    ) -> ArchiveStore {
+        let (bucket, clock) = (place.bucket(), MonotonicClock::in_state(state_dir));
+        ArchiveStore { place, bucket, method, crops, clock }
     }
 
     fn site_key(&self) -> Result<SiteKey, ServerFault> {
@@ -145,7 +153,8 @@ impl ArchiveStore {
         }
     }
 
-    /// Says something in the inbox. Its key has the time: if something is there, something else was said just then.
+    /// Says something in the inbox. Its key has the time, and no time comes twice: if something is there, another station
+    /// has this name, or this one has lost its state folder.
     fn say(&self, document: &impl Document) -> Result<(), StoreFault> {
         let json = document.json().map_err(|_| StoreFault::Permanent(Rejection::NoRecord))?;
         match self.bucket.put_new(&document.key().to_string(), json).map_err(fault)? {
@@ -233,7 +242,7 @@ impl RecordStore for ArchiveStore {
             bytes: ply.len() as u64,
             record,
             revision: delivery.revision,
-            at: Timestamp::now(),
+            at: self.clock.tick()?,
             method,
             first_seen: delivery.first_seen,
             whole,
@@ -257,7 +266,7 @@ impl RecordStore for ArchiveStore {
             station: self.place.station.clone(),
             export: scan.clone(),
             patient: Some(Pseudonym::of(&site, patient)),
-            at: Timestamp::now(),
+            at: self.clock.tick()?,
         })
     }
 

@@ -130,7 +130,7 @@ pub enum Then {
     Wait,
 }
 
-/// Enters what a station announced. What it said later, by its clock, takes the place of what it said earlier.
+/// Enters what a station announced. What it said later takes the place of what it said earlier.
 ///
 /// # Errors
 /// Those of the database; of a figure that cannot be written as JSON.

@@ -12,8 +12,11 @@
 //! | heartbeat, overwritten | `fleet/<station>.json` | [`Heartbeat`] |
 //!
 //! `<sha256>` is that of the crop's PLY, before it is packed; `<ab>` are its first two digits. `<record>` is the SHA-256
-//! of the record's JSON, `<export>` that of the scanner's file, `<at>` the time by the station's clock, milliseconds since
-//! 1970. So nothing but the heartbeat has a key under which other content lay before.
+//! of the record's JSON, `<export>` that of the scanner's file, `<at>` the time at which the station says so, milliseconds
+//! since 1970. So nothing but the heartbeat has a key under which other content lay before.
+//!
+//! What a station says of a scan is ordered by `at` alone. That is the time of its clock, or a millisecond after what it
+//! said before if its clock was set back since: what is said later is later.
 
 mod announcement;
 mod heartbeat;

@@ -7,6 +7,8 @@ use std::sync::mpsc::Receiver;
 
 use gaiter_record::{RECORD, RecordFile};
 use gaiter_scan::Format;
+use jiff::SignedDuration;
+use serde_json::json;
 use support::coarse_body;
 use support::http_server::{answer, serve_answers};
 use support::records::without_legs;
@@ -77,7 +79,8 @@ impl Station {
             station: StationId::parse("house-booth-1").unwrap(),
             site_key: secret("site", SITE),
         };
-        let store = ArchiveStore::new(place, Method::default(), Box::new(Says(crop)));
+        let crops = Box::new(Says(crop));
+        let store = ArchiveStore::new(place, Method::default(), crops, folder.path());
         Station { store, requests, folder }
     }
 
@@ -213,6 +216,41 @@ fn a_scan_that_is_taken_back_is_said_to_be_this_patients_no_longer() {
     station.store.withdraw(&scan, Some(PATIENT), None, None).unwrap();
     let withdrawal: Withdrawal = document(&station.requests.try_iter().next().unwrap());
     assert_eq!((withdrawal.export, withdrawal.patient), (scan, Some(pseudonym())));
+}
+
+#[test]
+fn what_is_said_later_is_later_also_after_the_clock_was_set_back() {
+    let station = Station::new(&["200 OK"; 8], Ok(cropped()));
+    let withdraw = || {
+        let scan = ScanId::of_bytes(b"scan");
+        station.store.withdraw(&scan, Some(PATIENT), None, None).unwrap();
+    };
+    let before = Timestamp::now();
+    withdraw();
+    // As a station notes it whose clock was ahead when it said something last.
+    let ahead = before + SignedDuration::from_hours(24);
+    let note = json!({ "schema": "gaiter.archive-clock/1", "last_ms": ahead.as_millisecond() });
+    fs::write(station.folder.path().join("archive-clock.json"), note.to_string()).unwrap();
+    station.put().unwrap();
+    withdraw();
+    station.put().unwrap();
+    let requests: Vec<String> = station.requests.try_iter().collect();
+    let announced = |at: usize| document::<Announcement>(&requests[at]).at;
+    let withdrawn = |at: usize| document::<Withdrawal>(&requests[at]).at;
+    let said =
+        [withdrawn(0), announced(3), withdrawn(4), announced(7)].map(|at| at.as_millisecond());
+    let [before_ms, ahead_ms] = [before, ahead].map(Timestamp::as_millisecond);
+    assert!((before_ms..ahead_ms).contains(&said[0]), "{said:?}");
+    assert_eq!(said[1..], [1, 2, 3].map(|later_ms| ahead_ms + later_ms));
+}
+
+#[test]
+fn nothing_is_announced_that_cannot_be_ordered() {
+    let station = Station::new(&["200 OK"; 3], Ok(cropped()));
+    fs::write(station.folder.path().join("archive-clock.json"), "{}").unwrap();
+    let fault = station.put().unwrap_err();
+    assert!(matches!(fault, StoreFault::Transient { .. }), "{fault}");
+    assert_eq!(station.asked().len(), 2, "the scan and its record alone");
 }
 
 #[test]

@@ -26,7 +26,8 @@ pub struct Announcement {
     pub record: RecordHash,
     /// Its revision.
     pub revision: u32,
-    /// When the station says so, by its own clock. The same may be announced again if an answer was lost.
+    /// When the station says so: later than whatever it said before. The same may be announced again if an answer was
+    /// lost.
     pub at: Timestamp,
     /// With this the station has measured the crop, and found what it has measured on the whole body.
     pub method: MethodId,
@@ -63,7 +64,7 @@ pub struct Withdrawal {
     pub export: ScanId,
     /// Whose it is no longer; `None` for one of which nobody knew.
     pub patient: Option<Pseudonym>,
-    /// When the station says so, by its own clock.
+    /// When the station says so: later than whatever it said before.
     pub at: Timestamp,
 }
 
