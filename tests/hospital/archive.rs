@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use std::fs;
 use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -38,25 +37,15 @@ impl ArchivingBooth {
     fn new() -> ArchivingBooth {
         let booth = Booth::new();
         let (store, port) = started();
-        let (key, site_key) = (booth.path("archive.key"), booth.path("site.key"));
-        fs::write(&key, "word\n").unwrap();
         let site = "0b".repeat(32);
-        fs::write(&site_key, &site).unwrap();
         let address = format!("http://127.0.0.1:{port}");
-        booth.reconfigure(|text| {
-            format!(
-                "{text}[store.archive]\naddress = \"{address}\"\nbucket = \"archive-0\"\n\
-                 station = \"house-booth-1\"\nkey_id = \"key\"\nkey = \"{}\"\nsite_key = \"{}\"\n",
-                key.display(),
-                site_key.display()
-            )
-        });
+        booth.send_to_archive(&address, "archive-0", "house-booth-1", &site, "");
         let place = BucketPlace {
             address,
             bucket: "archive-0".to_owned(),
             region: "us-east-1".to_owned(),
             key_id: "key".to_owned(),
-            secret: Secret::File(key),
+            secret: Secret::File(booth.path("archive.key")),
         };
         let client = HttpsClient::new(TlsFiles::default(), None, Duration::from_secs(30));
         let (bucket, site) = (Bucket::new(place, client), SiteKey::parse(&site).unwrap());

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::compose::record;
 use super::provenance::Provenance;
+use super::schema::Record;
 
 /// A length on a crop may differ by this from that on the whole body, mm: by 1 µm, to which it is rounded, and by what
 /// decimal numbers lose in binary.
@@ -21,8 +22,17 @@ pub fn crop_differs(
     method: &Method,
 ) -> Result<Option<String>, serde_json::Error> {
     let provenance = Provenance::of_scan(String::new());
-    let json = |of: &Extraction| serde_json::to_value(record(of, &provenance, method));
-    Ok(first_difference("", 0.0, &json(whole)?, &json(crop)?))
+    let record = |of: &Extraction| record(of, &provenance, method);
+    record_differs(&record(whole), &record(crop))
+}
+
+/// As [`crop_differs`], of the records of both.
+///
+/// # Errors
+/// If a record cannot be written.
+pub fn record_differs(whole: &Record, crop: &Record) -> Result<Option<String>, serde_json::Error> {
+    let (whole, crop) = (serde_json::to_value(whole)?, serde_json::to_value(crop)?);
+    Ok(first_difference("", 0.0, &whole, &crop))
 }
 
 /// The first difference at a place of two documents, where numbers may differ by `allowed`.

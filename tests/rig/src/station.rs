@@ -138,6 +138,29 @@ files = {files}
         fs::write(&file, change(fs::read_to_string(&file).unwrap())).unwrap();
     }
 
+    /// Has the station send its scans to an archive, too, by a key of its own, `archive.key`. `further` are more lines
+    /// of `[store.archive]`.
+    pub fn send_to_archive(
+        &self,
+        address: &str,
+        bucket: &str,
+        station: &str,
+        site_key: &str,
+        further: &str,
+    ) {
+        let (key, site) = (self.path("archive.key"), self.path("site.key"));
+        fs::write(&key, "word\n").unwrap();
+        fs::write(&site, site_key).unwrap();
+        self.reconfigure(|config| {
+            format!(
+                "{config}[store.archive]\naddress = \"{address}\"\nbucket = \"{bucket}\"\n\
+                 station = \"{station}\"\nkey_id = \"key\"\nkey = \"{}\"\nsite_key = \"{}\"\n{further}",
+                key.display(),
+                site.display()
+            )
+        });
+    }
+
     pub fn start(&self) -> Daemon {
         *self.told() = None;
         Daemon::start(self.command())

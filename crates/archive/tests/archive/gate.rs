@@ -3,10 +3,10 @@
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How often a line that is stopped looks whether it goes on.
 const GLANCE: Duration = Duration::from_millis(5);
@@ -24,14 +24,15 @@ pub enum Stop {
 
 /// The state of a gate.
 struct State {
-    stop: Stop,
+    stop: Mutex<Stop>,
     /// Counted from 1; 0 for none.
-    at: usize,
+    at: AtomicUsize,
     pieces: AtomicUsize,
     has_stopped: AtomicBool,
     is_over: AtomicBool,
     is_closed: AtomicBool,
     sent_away: AtomicUsize,
+    let_in: Mutex<Vec<Instant>>,
 }
 
 /// A gate.
@@ -46,13 +47,14 @@ impl Gate {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let port = listener.local_addr().unwrap().port();
         let state = Arc::new(State {
-            stop,
-            at,
+            stop: Mutex::new(stop),
+            at: AtomicUsize::new(at),
             pieces: AtomicUsize::new(0),
             has_stopped: AtomicBool::new(false),
             is_over: AtomicBool::new(false),
             is_closed: AtomicBool::new(false),
             sent_away: AtomicUsize::new(0),
+            let_in: Mutex::default(),
         });
         let shared = Arc::clone(&state);
         thread::spawn(move || {
@@ -62,6 +64,7 @@ impl Gate {
                     shared.sent_away.fetch_add(1, Ordering::SeqCst);
                     continue;
                 }
+                shared.let_in.lock().unwrap().push(Instant::now());
                 // A server that was killed takes nobody.
                 let Ok(server) = TcpStream::connect(("127.0.0.1", server)) else { continue };
                 let (from, to, state) =
@@ -83,12 +86,21 @@ impl Gate {
         self.state.has_stopped.load(Ordering::SeqCst)
     }
 
+    /// Stops once more, at the `ahead`th piece from now on.
+    pub fn stop_again(&self, stop: Stop, ahead: usize) {
+        let state = &self.state;
+        *state.stop.lock().unwrap() = stop;
+        state.has_stopped.store(false, Ordering::SeqCst);
+        state.is_over.store(false, Ordering::SeqCst);
+        state.at.store(self.pieces() + ahead, Ordering::SeqCst);
+    }
+
     /// Cuts the lines that were stopped, and lets everything through from now on.
     pub fn resume(&self) {
         self.state.is_over.store(true, Ordering::SeqCst);
     }
 
-    /// Whether clients are sent away from now on.
+    /// Whether clients are sent away from now on; then nothing more of those that are there is let through either.
     pub fn close(&self, is_closed: bool) {
         self.state.is_closed.store(is_closed, Ordering::SeqCst);
     }
@@ -96,6 +108,11 @@ impl Gate {
     /// How many clients were sent away.
     pub fn sent_away(&self) -> usize {
         self.state.sent_away.load(Ordering::SeqCst)
+    }
+
+    /// When the first client was let in since then.
+    pub fn first_since(&self, since: Instant) -> Option<Instant> {
+        self.state.let_in.lock().unwrap().iter().copied().find(|at| *at >= since)
     }
 
     /// How many pieces clients have sent.
@@ -113,7 +130,7 @@ impl Drop for Gate {
 impl State {
     /// Whether nobody hears anything: from the stop on, until it goes on.
     fn is_silent(&self) -> bool {
-        self.stop != Stop::Within
+        *self.stop.lock().unwrap() != Stop::Within
             && self.has_stopped.load(Ordering::SeqCst)
             && !self.is_over.load(Ordering::SeqCst)
     }
@@ -121,11 +138,13 @@ impl State {
     fn to_server(&self, mut from: TcpStream, mut to: TcpStream) {
         let mut piece = [0; 1 << 16];
         while let Ok(length @ 1..) = from.read(&mut piece) {
-            let is_it = self.pieces.fetch_add(1, Ordering::SeqCst) + 1 == self.at;
+            let is_it =
+                self.pieces.fetch_add(1, Ordering::SeqCst) + 1 == self.at.load(Ordering::SeqCst);
             if is_it {
                 self.has_stopped.store(true, Ordering::SeqCst);
             }
-            let passed = match self.stop {
+            let passed = match *self.stop.lock().unwrap() {
+                _ if self.is_closed.load(Ordering::SeqCst) => 0,
                 Stop::Before if is_it => break,
                 Stop::Within if is_it => length / 2,
                 Stop::Before | Stop::After | Stop::Within => length,

@@ -190,8 +190,8 @@ impl Place {
         rows.iter().map(|row| row.get(0)).collect()
     }
 
-    /// What does not hold at rest: each scan has one result, in the store and in the index, and nothing is left to do.
-    pub fn wrong(&self, scans: usize) -> Vec<String> {
+    /// What does not hold in the index at rest: each scan has one result, and nothing is left to do.
+    pub fn wrong_rows(&self, scans: usize) -> Vec<String> {
         let mut found = Vec::new();
         let mut client = self.client();
         for (what, statement, expected) in [
@@ -206,6 +206,12 @@ impl Place {
                 found.push(format!("{count} {what}"));
             }
         }
+        found
+    }
+
+    /// What does not hold at rest: each scan has one result, in the store and in the index, and nothing is left to do.
+    pub fn wrong(&self, scans: usize) -> Vec<String> {
+        let mut found = self.wrong_rows(scans);
         for (prefix, expected) in
             [(ObjectKey::INBOX, 0), (ObjectKey::ANNOUNCED, scans), (ObjectKey::RESULTS, scans)]
         {

@@ -44,6 +44,19 @@ pub fn store() -> &'static Server {
     &STORE
 }
 
+/// moto for one test, and its port by TLS. Its certificate is `localhost.pem`, which is its own authority.
+pub fn tls_store() -> (Server, u16) {
+    let (port, tls_port) = (free_port(), free_port());
+    let mut command = Command::new(python());
+    command.arg(beside("store.py")).arg(port.to_string()).arg(tls_port.to_string());
+    command.arg(tls_file("localhost.pem")).arg(tls_file("localhost.key"));
+    let start = move || {
+        let is_up = |port| TcpStream::connect(("127.0.0.1", port)).is_ok();
+        (is_up(port) && is_up(tls_port)).then(String::new)
+    };
+    (Server::new(port, tempfile::tempdir().unwrap(), command, Box::new(start)), tls_port)
+}
+
 /// The store of objects that checks what it is sent, and keeps it on a disk: Ceph. One test at a time has it.
 pub fn ceph() -> MutexGuard<'static, Server> {
     static CEPH: LazyLock<Mutex<Server>> = LazyLock::new(|| {
@@ -132,6 +145,11 @@ impl Server {
 /// A program or script of these tests.
 pub fn beside(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/archive").join(name)
+}
+
+/// A certificate or key for 127.0.0.1, by its full path.
+pub fn tls_file(name: &str) -> PathBuf {
+    support::root().join("fixtures/tls").join(name).canonicalize().unwrap()
 }
 
 /// The Python that has moto and boto3.
