@@ -29,8 +29,8 @@ create table announcement (
     said timestamptz not null,
     primary key (scan, station)
 );
--- Scans of one person are found in it alone.
-create index announcement_patient on announcement (patient, station, first_seen) include (scan);
+-- Visits of one person are found in it alone, in their order, with all that says whether they were taken back.
+create index announcement_patient on announcement (patient, station, first_seen) include (scan, export, said);
 
 -- What stations have taken back: what they said earlier of this export and this patient does not count.
 create table withdrawal (
@@ -41,11 +41,13 @@ create table withdrawal (
     primary key (station, export, said)
 );
 
--- Methods by the order in which the archive met them. A person moves `is_current`.
+-- Methods by the order in which the archive met them. A person moves `is_current`. `layout` is that of the arrays of
+-- their results.
 create table method (
     method text primary key,
     number integer generated always as identity,
-    is_current boolean not null default false
+    is_current boolean not null default false,
+    layout smallint not null default 1
 );
 create unique index method_current on method (is_current) where is_current;
 
@@ -62,15 +64,18 @@ create table job (
 ) with (fillfactor = 70, autovacuum_vacuum_scale_factor = 0.02);
 create index job_due on job (method, due);
 
--- Where the figures of a leg's level stand in the arrays of `result`.
+-- Where the figures of a leg's level stand in the arrays of `result`. There is one layout; by it the few places that are
+-- asked for are joined to the method, and only then to a million results, by several processes.
 create table place (
-    number smallint primary key,
+    layout smallint not null,
+    number smallint not null,
     side text not null,
     level text not null,
-    unique (side, level)
+    primary key (layout, number),
+    unique (layout, side, level)
 );
 insert into place
-select row_number() over (order by side_order, level_order), side, level
+select 1, row_number() over (order by side_order, level_order), side, level
 from unnest(array['left', 'right']) with ordinality sides(side, side_order),
     unnest(array['A', 'Y', 'B', 'B1', 'C', 'D', 'E', 'F', 'G']) with ordinality levels(level, level_order);
 
@@ -126,7 +131,7 @@ from result r join method m using (method);
 create view level as
 select r.scan, r.method, m.is_current, r.stature_mm, p.side, p.level,
     r.height_mm[p.number] as height_mm, r.girth_mm[p.number] as girth_mm, r.girth_sd_mm[p.number] as girth_sd_mm
-from result r join method m using (method) cross join place p
+from result r join method m using (method) join place p using (layout)
 where r.girth_mm[p.number] is not null;
 
 -- Which station sent which scan when, and of whom, unless it was taken back.
@@ -143,7 +148,7 @@ select v.station, v.scan, v.first_seen, v.patient, r.method, m.is_current, r.out
     p.side, p.level, r.height_mm[p.number] as height_mm, r.girth_mm[p.number] as girth_mm,
     r.girth_sd_mm[p.number] as girth_sd_mm
 from visit v join result r using (scan) join method m using (method)
-left join place p on r.girth_mm[p.number] is not null;
+left join place p on p.layout = m.layout and r.girth_mm[p.number] is not null;
 
 -- Scans that could not be measured.
 create view dead_letter as

@@ -1,5 +1,5 @@
 -- How well two scans of one person at one station within a day agree at C: the standard deviation of one scan.
-with pairs as (
+with pairs as materialized (
     select a.station, a.scan as first, b.scan as second
     from visit a join visit b on b.patient = a.patient and b.station = a.station
         and b.first_seen > a.first_seen and b.first_seen < a.first_seen + interval '1 day')
