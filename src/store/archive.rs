@@ -117,7 +117,7 @@ impl ArchiveStore {
     /// Its name in the journal.
     pub const NAME: &str = "archive";
 
-    /// A store at this place, of scans that are cropped so; when it was told something last is noted in the state folder.
+    /// A store at this place, of scans that are cropped so. The time of its last message is noted in the state folder.
     pub fn new(
         place: ArchivePlace,
         method: Method,

@@ -66,7 +66,8 @@ impl ExchangeFolder {
         let what = "opening the station's folder (missing if a share is not mounted)";
         let folder = tried(what, &self.staging, opened.map_err(io::Error::from))?;
         let mark = statat(&folder, MARK, AtFlags::SYMLINK_NOFOLLOW).map_err(io::Error::from);
-        tried("looking for .gaiter-store in", &self.staging, mark)?;
+        let what = "looking for .gaiter-store (missing if a share is not mounted)";
+        tried(what, &self.staging, mark)?;
         Ok(folder)
     }
 

@@ -1,6 +1,6 @@
 //! What the archive costs beside the measuring: CPU time of a worker and of its database for each scan, against that of
 //! measuring it. The process that measures unpacks the scan before and checks its hash; as that is to be done with any
-//! scan, wherever it comes from, it is told apart and counts on neither side. The store of objects does not count either.
+//! scan, wherever it comes from, it is counted apart and on neither side. The store of objects does not count either.
 //! On a machine that does nothing else, with PostgreSQL and moto, as the tests of the archive have them; it ends with 1
 //! where the limit is missed.
 //!

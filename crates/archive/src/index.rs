@@ -59,9 +59,9 @@ pub enum Unread {
 pub fn index(config: &ArchiveConfig, reconcile: bool, once: bool) -> Result<(), ArchiveFault> {
     let method = MethodId::of(&Method::default())?;
     let mut next = Pass::First { reconcile };
-    let mut beats = Beats::default();
+    let mut indexed = IndexedHeartbeats::default();
     loop {
-        match pass(config, &method, next, &mut beats) {
+        match pass(config, &method, next, &mut indexed) {
             Ok(()) => next = Pass::Later,
             Err(fault) if once => return Err(fault),
             Err(fault) => note(format_args!("index: {}", chain(&fault))),
@@ -77,7 +77,7 @@ fn pass(
     config: &ArchiveConfig,
     method: &MethodId,
     which: Pass,
-    beats: &mut Beats,
+    indexed: &mut IndexedHeartbeats,
 ) -> Result<(), ArchiveFault> {
     let mut client = database::connect(&config.database)?;
     let bucket = bucket(config);
@@ -96,7 +96,7 @@ fn pass(
         let indexed = announcements(&bucket, &mut client, method, listed, Then::Measure)?;
         indexed.into_iter().try_for_each(|(key, bytes)| file_away(&bucket, &key, bytes))
     })?;
-    each_page(&bucket, ObjectKey::FLEET, |listed| heartbeats(&bucket, &mut client, listed, beats))
+    each_page(&bucket, ObjectKey::FLEET, |listed| heartbeats(&bucket, &mut client, listed, indexed))
 }
 
 /// What a station says in the inbox.
@@ -152,9 +152,9 @@ fn file_away(bucket: &Bucket, key: &str, bytes: Vec<u8>) -> Result<(), ArchiveFa
 /// The heartbeats that are indexed, each with its tag in the list. They change once a minute and the list comes more
 /// often, so what has the tag that it had is not read again.
 #[derive(Debug, Default)]
-struct Beats(BTreeMap<String, String>);
+struct IndexedHeartbeats(BTreeMap<String, String>);
 
-impl Beats {
+impl IndexedHeartbeats {
     /// Whether this one is indexed already. Without a tag nobody knows.
     fn has(&self, listed: &Listed) -> bool {
         listed.tag.is_some() && self.0.get(&listed.key) == listed.tag.as_ref()
@@ -172,18 +172,18 @@ fn heartbeats(
     bucket: &Bucket,
     client: &mut Client,
     listed: &[Listed],
-    beats: &mut Beats,
+    indexed: &mut IndexedHeartbeats,
 ) -> Result<(), ArchiveFault> {
-    for of in listed {
-        if beats.has(of) {
+    for object in listed {
+        if indexed.has(object) {
             continue;
         }
-        let Some(bytes) = bucket.get(&of.key)? else { continue };
-        match read::<Heartbeat>(&of.key, &bytes) {
+        let Some(bytes) = bucket.get(&object.key)? else { continue };
+        match read::<Heartbeat>(&object.key, &bytes) {
             Ok(beat) => database::enter_heartbeat(client, &beat)?,
-            Err(why) => passed_over(&of.key, &why),
+            Err(why) => passed_over(&object.key, &why),
         }
-        beats.note(of);
+        indexed.note(object);
     }
     Ok(())
 }
@@ -232,18 +232,18 @@ mod tests {
             key: key.to_owned(),
             tag: tag.map(str::to_owned),
         };
-        let mut beats = Beats::default();
+        let mut indexed = IndexedHeartbeats::default();
         let first = listed("fleet/booth-1.json", Some("0b"));
-        assert!(!beats.has(&first));
-        beats.note(&first);
-        assert!(beats.has(&first));
+        assert!(!indexed.has(&first));
+        indexed.note(&first);
+        assert!(indexed.has(&first));
         let other = listed("fleet/booth-2.json", Some("0b"));
         let next = listed("fleet/booth-1.json", Some("0c"));
-        assert!(!beats.has(&other) && !beats.has(&next));
-        beats.note(&next);
-        assert!(beats.has(&next) && !beats.has(&first));
+        assert!(!indexed.has(&other) && !indexed.has(&next));
+        indexed.note(&next);
+        assert!(indexed.has(&next) && !indexed.has(&first));
         let untold = listed("fleet/booth-1.json", None);
-        beats.note(&untold);
-        assert!(!beats.has(&untold));
+        indexed.note(&untold);
+        assert!(!indexed.has(&untold));
     }
 }

@@ -55,6 +55,6 @@ impl MonotonicClock {
             durable::replace_file(&self.state_dir, FILE, &note)?;
             Ok(at)
         };
-        tried("noting when the archive was told something", &path, tick())
+        tried("noting the time of the last message to the archive", &path, tick())
     }
 }
