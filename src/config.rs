@@ -48,6 +48,8 @@ pub use load::{load, load_with, nested};
 pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
 pub use phantom::PhantomConfig;
+#[cfg(feature = "dicom")]
+pub use servers::DicomStoreConfig;
 pub use servers::{ArchiveStoreConfig, FhirStoreConfig, Hl7StoreConfig};
 pub use sizes::beside::Files;
 pub use trigger::TriggerConfig;
@@ -180,6 +182,9 @@ pub struct StoreConfig {
     pub fhir: Option<FhirStoreConfig>,
     /// `[store.hl7]`: a receiver of HL7 v2 that gets every named record, if configured.
     pub hl7: Option<Hl7StoreConfig>,
+    /// `[store.dicom]`: an archive of images that gets every named record, if configured.
+    #[cfg(feature = "dicom")]
+    pub dicom: Option<DicomStoreConfig>,
     /// `[store.archive]`: an archive of many stations that gets every named record, if configured.
     pub archive: Option<ArchiveStoreConfig>,
 }

@@ -2,7 +2,10 @@
 //! record and returns a receipt again.
 
 pub mod archive;
+mod authorization;
 pub mod brief;
+#[cfg(feature = "dicom")]
+pub mod dicom;
 pub mod durable;
 mod exchange;
 mod fault;
@@ -25,6 +28,8 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 pub use archive::ArchiveStore;
+#[cfg(feature = "dicom")]
+pub use dicom::DicomStore;
 pub use fault::{Rejection, StoreFault};
 pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};

@@ -106,6 +106,8 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let (gdt_product, (gdt_path, gdt)) = gdt::store(reader);
     let fhir = servers::fhir(reader);
     let (hl7_path, hl7) = servers::hl7(reader);
+    #[cfg(feature = "dicom")]
+    let dicom = servers::dicom(reader);
     let archive = servers::archive(reader);
     let retention = retention(reader);
     let status = observability::status(reader);
@@ -184,6 +186,8 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
             gdt: gdt?,
             fhir: fhir?,
             hl7: hl7?,
+            #[cfg(feature = "dicom")]
+            dicom: dicom?,
             archive: archive?,
         },
         retention: retention?,

@@ -1,6 +1,8 @@
-//! `[store.fhir]`, `[store.hl7]` and `[store.archive]`: stores that are servers, and what they have in common.
+//! `[store.fhir]`, `[store.hl7]`, `[store.dicom]` and `[store.archive]`: stores that are servers, and what they have in common.
 
 mod archive;
+#[cfg(feature = "dicom")]
+mod dicom;
 mod fhir;
 mod hl7;
 
@@ -13,6 +15,10 @@ use super::fault::What;
 use super::parse::{self, Absent, Found, Reader, not_a, or_none};
 pub use archive::ArchiveStoreConfig;
 pub(super) use archive::archive;
+#[cfg(feature = "dicom")]
+pub use dicom::DicomStoreConfig;
+#[cfg(feature = "dicom")]
+pub(super) use dicom::dicom;
 pub use fhir::FhirStoreConfig;
 pub(super) use fhir::fhir;
 pub use hl7::Hl7StoreConfig;

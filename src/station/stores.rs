@@ -19,8 +19,8 @@ use crate::store::{
 /// The system of gaiter's codes in FHIR. It is the same everywhere, so that a code means the same everywhere.
 const FHIR_CODES: &str = "urn:gaiter:measure";
 
-/// The name of gaiter's codes in HL7 v2: a local coding system (table 0396, 99zzz).
-const HL7_CODES: &str = "99GTR";
+/// The name of gaiter's codes in HL7 v2 and DICOM: a local coding system (table 0396, 99zzz; PS3.16, 8.2).
+const LOCAL_CODES: &str = "99GTR";
 
 /// Where records go.
 #[derive(Debug)]
@@ -43,8 +43,20 @@ impl Stores {
         let gdt = store.gdt.as_ref().map(|gdt| boxed(gdt_store(config, gdt)));
         let fhir = store.fhir.as_ref().map(|fhir| boxed(fhir_store(config, fhir)));
         let hl7 = store.hl7.as_ref().map(|hl7| boxed(hl7_store(config, hl7)));
+        #[cfg(feature = "dicom")]
+        let dicom = store.dicom.as_ref().map(|dicom| boxed(dicom_store(config, dicom)));
         let archive = store.archive.as_ref().map(|of| boxed(archive_store(config, of)));
-        let all = [Some(first), copy, gdt, fhir, hl7, archive].into_iter().flatten().collect();
+        let all = [
+            Some(first),
+            copy,
+            gdt,
+            fhir,
+            hl7,
+            #[cfg(feature = "dicom")]
+            dicom,
+            archive,
+        ];
+        let all = all.into_iter().flatten().collect();
         Stores { all, opened: Mutex::default() }
     }
 
@@ -136,13 +148,28 @@ fn hl7_store(config: &Config, hl7: &Hl7StoreConfig) -> Hl7Store {
         processing: hl7.processing,
         version: hl7.version.clone(),
         authority: hl7.authority.clone(),
-        coding: HL7_CODES.to_owned(),
+        coding: LOCAL_CODES.to_owned(),
         pdf: hl7.pdf,
         charset: hl7.charset,
         language: config.language,
         garment: config.garment.clone(),
     };
     Hl7Store::new(hl7.way.clone(), rules, &config.station.state_dir).of_station(station)
+}
+
+/// The store of an archive of images.
+#[cfg(feature = "dicom")]
+fn dicom_store(
+    config: &Config,
+    dicom: &crate::config::DicomStoreConfig,
+) -> crate::store::DicomStore {
+    let rules = gaiter_dicom::DicomRules {
+        issuer: dicom.issuer.clone(),
+        coding: LOCAL_CODES.to_owned(),
+        language: config.language,
+        attach: dicom.attach.clone(),
+    };
+    crate::store::DicomStore::new(dicom.server.clone(), rules, &config.station.id)
 }
 
 fn archive_store(config: &Config, archive: &ArchiveStoreConfig) -> ArchiveStore {

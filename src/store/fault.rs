@@ -114,6 +114,14 @@ pub enum Rejection {
     /// It cannot be written as a GDT message.
     #[error("it cannot be written as GDT: {0}")]
     Gdt(ResultFault),
+    /// Its patient's id cannot be written as DICOM.
+    #[cfg(feature = "dicom")]
+    #[error("it cannot be written as DICOM: {0}")]
+    Dicom(gaiter_dicom::PatientIdFault),
+    /// It cannot be written as DICOM.
+    #[cfg(feature = "dicom")]
+    #[error("it cannot be written as DICOM: {0}")]
+    DicomObject(String),
     /// The server knows no patient of this id.
     #[error(
         "the server knows no patient of this id: have the patient registered there, then try again"

@@ -26,9 +26,10 @@ use http::{Method, Uri};
 use jiff::Timestamp;
 use serde_json::Value;
 
-use self::access::{Token, secret_words};
+use self::access::Token;
 use self::answers::{Asked, of_replacing, outcome_of};
 use self::existing::REPORT;
+use super::authorization::secret_words;
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 pub use server::{FhirAccess, FhirServer, SmartAccess};

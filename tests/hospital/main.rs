@@ -1,5 +1,5 @@
-//! The stores of hospitals against real servers: Medplum's FHIR router, a receiver of HL7 v2 by hl7apy, and moto as the
-//! store of objects of an archive.
+//! The stores of hospitals against real servers: Medplum's FHIR router, a receiver of HL7 v2 by hl7apy, Orthanc as the
+//! archive of images, and moto as the store of objects of an archive of many stations.
 //!
 //! Faults are injected in front of each server; what validates, searches and keeps is its own. `.ci/run`
 //! installs them. By hand:
@@ -7,10 +7,13 @@
 //! ```text
 //! npm --prefix tests/hospital ci
 //! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install hl7apy jsonschema 'moto[server]' boto3
-//! GAITER_PYTHON=/tmp/venv/bin/python cargo test --test hospital -- --include-ignored
+//! apt-get install --no-install-recommends orthanc orthanc-dicomweb dcmtk dicom3tools curl
+//! GAITER_PYTHON=/tmp/venv/bin/python cargo test --test hospital -- --include-ignored --skip dicom::orthanc
+//! unshare -n sh -c 'ip link set lo up; cargo test --test hospital dicom::orthanc -- --ignored'
 //! ```
 
 mod archive;
+mod dicom;
 mod fhir;
 mod fhir_access;
 mod fhir_faults;

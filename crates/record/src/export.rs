@@ -84,7 +84,7 @@ pub fn export_figures(record: &Record) -> Vec<ExportFigure> {
 
 /// When a record's scan was taken, by the clock at the scanner; UTC if its zone is not known. `first_seen` stands
 /// in where the record has no time.
-pub(crate) fn taken(record: &Record, first_seen: Timestamp) -> Zoned {
+pub fn taken(record: &Record, first_seen: Timestamp) -> Zoned {
     match &record.acquired {
         Some(acquired) => acquired.local(),
         None => first_seen.to_zoned(TimeZone::UTC),

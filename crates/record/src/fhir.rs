@@ -21,7 +21,7 @@ use crate::export::taken;
 use crate::schema::Record;
 use crate::shown::escaped;
 pub use bundle::{Entry, Replacement, created, replaced};
-pub use identity::{FhirKey, Identifier, uuid};
+pub use identity::{FhirKey, Identifier, uuid, uuid_bytes};
 
 /// The version of FHIR that resources are written in.
 pub const VERSION: &str = "4.0";

@@ -35,7 +35,7 @@ pub struct Head {
 }
 
 /// The short name of a finding or doubt, or the code itself if it is unknown, such as one of a later version.
-pub(crate) fn title(code: &str, language: Language) -> &str {
+pub fn title(code: &str, language: Language) -> &str {
     language.find(&format!("finding.{code}.title")).unwrap_or(code)
 }
 

@@ -1,5 +1,8 @@
 //! Tries the servers that records go to, in the way the station asks them, and looks at its secrets.
 
+#[cfg(feature = "dicom")]
+mod dicom;
+
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
@@ -25,7 +28,10 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     let hl7 = hl7.map(|(hl7, store)| hl7_rows(hl7, store)).unwrap_or_default();
     let archive = config.store.archive.as_ref().zip(stores.named(ArchiveStore::NAME));
     let archive = archive.map(|(archive, store)| archive_rows(archive, store));
-    fhir.into_iter().chain(hl7).chain(archive.unwrap_or_default()).collect()
+    let rows = fhir.into_iter().chain(hl7);
+    #[cfg(feature = "dicom")]
+    let rows = rows.chain(dicom::rows(config, &stores));
+    rows.chain(archive.unwrap_or_default()).collect()
 }
 
 fn fhir_rows(config: &FhirStoreConfig, store: &dyn RecordStore) -> Vec<Row> {

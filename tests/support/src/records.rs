@@ -4,9 +4,12 @@
 
 use std::sync::OnceLock;
 
+#[cfg(feature = "dicom")]
+use gaiter_dicom::DicomRules;
 use gaiter_leg::{Extraction, Method, extract};
 use gaiter_record::fhir::FhirRules;
 use gaiter_record::hl7::{Charset, Hl7Rules, PdfForm};
+use gaiter_record::measure::amendment::{Amendment, Deed};
 use gaiter_record::{Provenance, Record, record, sha256};
 use gaiter_scan::Format;
 use serde_json::json;
@@ -37,6 +40,41 @@ pub fn record_of(bytes: &[u8], method: &Method) -> (Extraction, Record) {
     let provenance = Provenance::of_scan(sha256(bytes));
     let record = record(&extraction, &provenance, method);
     (extraction, record)
+}
+
+/// A measure of the right leg that a person set.
+fn set(measure: &str, is: Deed, girth_mm: Option<f64>, height_mm: Option<f64>) -> Amendment {
+    Amendment {
+        leg: "right".to_owned(),
+        measure: measure.to_owned(),
+        is,
+        girth_mm,
+        height_mm,
+        length_mm: None,
+        reason: "swollen since".to_owned(),
+        by: "Anna Berg".to_owned(),
+        at: "2026-11-20T10:00:00Z".parse().unwrap(),
+    }
+}
+
+/// A record with every mark on its right leg: C in doubt, E estimated, B with a girth by hand, D not measurable.
+pub fn marked() -> Record {
+    let mut record = measured("f_average_clean").1.clone();
+    let right = record.legs.iter_mut().find(|leg| leg.side == "right").unwrap();
+    right.landmarks.values_mut().for_each(|found| found.doubts.clear());
+    let c = right.landmarks.get_mut("C").unwrap();
+    c.doubts = vec!["gap".to_owned(), "never-heard-of".to_owned()];
+    // Half of a step is rounded up, as on the sheet.
+    (c.girth_tape_mm, c.girth_sd_mm) = (223.5, Some(1.234_56));
+    right.landmarks.remove("E");
+    let estimate = json!({
+        "by": "proportion", "rule": {"is": "stature-share"}, "height_mm": 450.0, "along_axis_mm": 450.0, "girth_tape_mm": 380.0,
+        "height_sd_mm": 9.0, "girth_sd_mm": 6.0, "doubts": [],
+    });
+    right.estimates.insert("E".to_owned(), serde_json::from_value(estimate).unwrap());
+    let by_hand =
+        [set("B", Deed::Measured, Some(231.0), None), set("D", Deed::NotMeasurable, None, None)];
+    record.amended(&by_hand, true).unwrap()
 }
 
 /// A `record.json` that names a patient, or none, and has no legs.
@@ -81,5 +119,16 @@ pub fn hl7_rules(receiver: &str) -> Hl7Rules {
         charset: Charset::Utf8,
         language: Default::default(),
         garment: Default::default(),
+    }
+}
+
+/// How objects are written for an archive of images, in English, with these files as they are.
+#[cfg(feature = "dicom")]
+pub fn dicom_rules(attach: &[&str]) -> DicomRules {
+    DicomRules {
+        issuer: String::new(),
+        coding: "99GTR".to_owned(),
+        language: Default::default(),
+        attach: attach.iter().map(|name| (*name).to_owned()).collect(),
     }
 }

@@ -240,7 +240,7 @@ fn the_advice_for_a_server_is_that_of_disks_while_the_disk_is_full() {
             .about(store)
     };
     for language in Language::ALL {
-        for store in ["fhir", "hl7", "archive"] {
+        for store in ["fhir", "hl7", "dicom", "archive"] {
             let [full, refused] = [28, 111].map(|number| of(number, store));
             assert_ne!(full.remedy(language), refused.remedy(language));
             assert!(full.message(language).contains(store), "{full:?}");
@@ -287,7 +287,7 @@ fn a_store_that_is_a_server_has_words_of_its_own() {
     };
     for language in [Language::En, Language::De] {
         assert_ne!(remedy("fhir", language), remedy("folder", language));
-        for store in ["hl7", "archive"] {
+        for store in ["hl7", "dicom", "archive"] {
             assert_eq!(remedy(store, language), remedy("fhir", language));
         }
     }

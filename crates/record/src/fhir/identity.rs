@@ -100,12 +100,17 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// A UUID that is always the same for one text: version 8 of RFC 9562, from its SHA-256.
+/// A UUID that is always the same for one text.
 pub fn uuid(text: &str) -> String {
+    let digits = hex(&uuid_bytes(text));
+    [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..]].join("-")
+}
+
+/// The bytes of that UUID: version 8 of RFC 9562, from the SHA-256 of the text.
+pub fn uuid_bytes(text: &str) -> [u8; 16] {
     let mut bytes = [0; 16];
     bytes.copy_from_slice(&Sha256::digest(text.as_bytes())[..16]);
     bytes[6] = (bytes[6] & 0x0f) | 0x80;
     bytes[8] = (bytes[8] & 0x3f) | 0x80;
-    let digits = hex(&bytes);
-    [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..]].join("-")
+    bytes
 }

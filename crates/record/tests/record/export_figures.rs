@@ -9,46 +9,9 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 use gaiter_record::Record;
 use gaiter_record::export::{ExportFigure, What, export_figures};
-use gaiter_record::measure::amendment::{Amendment, Deed};
 use gaiter_record::report::{Reliability, ReportContent, ReportFigure};
 use gaiter_sizes::Garment;
-use serde_json::json;
-use support::records::{bodies, measured};
-
-/// A measure of the right leg that a person set.
-pub fn set(measure: &str, is: Deed, girth_mm: Option<f64>, height_mm: Option<f64>) -> Amendment {
-    Amendment {
-        leg: "right".to_owned(),
-        measure: measure.to_owned(),
-        is,
-        girth_mm,
-        height_mm,
-        length_mm: None,
-        reason: "swollen since".to_owned(),
-        by: "Anna Berg".to_owned(),
-        at: "2026-11-20T10:00:00Z".parse().unwrap(),
-    }
-}
-
-/// A record with every mark on its right leg: C in doubt, E estimated, B with a girth by hand, D not measurable.
-pub fn marked() -> Record {
-    let mut record = measured("f_average_clean").1.clone();
-    let right = record.legs.iter_mut().find(|leg| leg.side == "right").unwrap();
-    right.landmarks.values_mut().for_each(|found| found.doubts.clear());
-    let c = right.landmarks.get_mut("C").unwrap();
-    c.doubts = vec!["gap".to_owned(), "never-heard-of".to_owned()];
-    // Half of a step is rounded up, as on the sheet.
-    (c.girth_tape_mm, c.girth_sd_mm) = (223.5, Some(1.234_56));
-    right.landmarks.remove("E");
-    let estimate = json!({
-        "by": "proportion", "rule": {"is": "stature-share"}, "height_mm": 450.0, "along_axis_mm": 450.0, "girth_tape_mm": 380.0,
-        "height_sd_mm": 9.0, "girth_sd_mm": 6.0, "doubts": [],
-    });
-    right.estimates.insert("E".to_owned(), serde_json::from_value(estimate).unwrap());
-    let by_hand =
-        [set("B", Deed::Measured, Some(231.0), None), set("D", Deed::NotMeasurable, None, None)];
-    record.amended(&by_hand, true).unwrap()
-}
+use support::records::{bodies, marked};
 
 /// The girths and heights of the sheet that are not estimated, with their marks, by leg and box.
 fn on_sheet(record: &Record) -> BTreeMap<String, String> {

@@ -12,9 +12,7 @@ use gaiter_record::export::export_figures;
 use gaiter_record::fhir::{Entry, FhirKey, FhirRules, Sent, created, entries};
 use gaiter_record::{Acquired, AcquiredFrom, Record, RecordFile};
 use serde_json::{Value, json};
-use support::records::{fhir_rules, measured};
-
-use crate::export_figures::marked;
+use support::records::{fhir_rules, marked, measured};
 
 const SUBJECT: &str = "Patient/17";
 

@@ -9,9 +9,7 @@ use gaiter_record::{Patient, Record, Source, SourceKind};
 use jiff::Timestamp;
 use proptest::prelude::*;
 
-use support::records::hl7_rules;
-
-use crate::export_figures::marked;
+use support::records::{hl7_rules, marked};
 
 fn rules() -> Hl7Rules {
     hl7_rules("KIS")

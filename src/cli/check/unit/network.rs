@@ -63,6 +63,10 @@ fn hosts(config: &Config) -> Vec<String> {
             None => hosts.extend(host_of(&server.base).into_iter().chain(token)),
         }
     }
+    #[cfg(feature = "dicom")]
+    if let Some(dicom) = &config.store.dicom {
+        hosts.extend(host_of(&dicom.server.base));
+    }
     if let Some(archive) = &config.store.archive {
         hosts.extend(host_of(&archive.place.bucket.address));
     }
@@ -139,7 +143,10 @@ fn named(config: &Config) -> Vec<&str> {
     let hl7 = config.store.hl7.as_ref().and_then(|hl7| hl7.way.secret());
     let archive = config.store.archive.as_ref();
     let archive = archive.map(|archive| archive.place.secrets()).unwrap_or_default();
-    let named = fhir.into_iter().chain(hl7).chain(archive).filter_map(|secret| match secret {
+    let secrets = fhir.into_iter().chain(hl7).chain(archive);
+    #[cfg(feature = "dicom")]
+    let secrets = secrets.chain(config.store.dicom.iter().flat_map(|of| of.server.secrets()));
+    let named = secrets.filter_map(|secret| match secret {
         Secret::Credential(name) => Some(name.as_str()),
         Secret::File(_) => None,
     });

@@ -1,0 +1,215 @@
+//! A record as DICOM objects, and how they get to an archive of images.
+//!
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+mod content;
+mod dataset;
+mod document;
+mod measurement;
+mod stored;
+mod study;
+pub mod web;
+mod withdrawal;
+
+use dicom_dictionary_std::{tags, uids};
+use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
+use gaiter_language::Language;
+use gaiter_record::export::taken;
+use gaiter_record::{Record, RecordFile};
+use jiff::{Timestamp, Zoned};
+
+pub use self::dataset::EncodeFault;
+use self::dataset::{Dataset, Syntax};
+pub use self::document::attachable;
+pub use self::stored::NotStored;
+pub use self::study::{Listed, PatientIdFault, Study};
+pub use self::withdrawal::withdrawal;
+
+/// The name of the character set of all objects: UTF-8 (PS3.3, C.12.1.1.2).
+const UTF_8: &str = "ISO_IR 192";
+
+/// Who makes the objects.
+const MAKER: &str = "gaiter";
+
+/// The instance numbers of a revision lie within so many.
+const NUMBERS_A_REVISION: u32 = 100;
+
+/// How records are written for an archive of images.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DicomRules {
+    /// Who assigns the patients' ids (0010,0021); empty for nobody.
+    pub issuer: String,
+    /// The name of gaiter's own coding scheme.
+    pub coding: String,
+    /// The language of texts.
+    pub language: Language,
+    /// Files of the record that are sent with it, by name. A file that a record lacks is left out.
+    pub attach: Vec<String>,
+}
+
+/// The kinds of objects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SopClass {
+    /// The figures: Comprehensive 3D SR.
+    Measurements,
+    /// Encapsulated PDF.
+    Pdf,
+    /// Encapsulated STL.
+    Stl,
+    /// Encapsulated OBJ.
+    Obj,
+    /// What marks others as wrong: Key Object Selection.
+    Withdrawal,
+}
+
+impl SopClass {
+    /// All of them.
+    pub const ALL: [SopClass; 5] =
+        [SopClass::Measurements, SopClass::Pdf, SopClass::Stl, SopClass::Obj, SopClass::Withdrawal];
+
+    /// Its UID.
+    pub fn uid(self) -> &'static str {
+        match self {
+            SopClass::Measurements => uids::COMPREHENSIVE3_DSR_STORAGE,
+            SopClass::Pdf => uids::ENCAPSULATED_PDF_STORAGE,
+            SopClass::Stl => uids::ENCAPSULATED_STL_STORAGE,
+            SopClass::Obj => uids::ENCAPSULATED_OBJ_STORAGE,
+            SopClass::Withdrawal => uids::KEY_OBJECT_SELECTION_DOCUMENT_STORAGE,
+        }
+    }
+
+    /// Its modality. Objects of one modality are a series.
+    pub fn modality(self) -> &'static str {
+        match self {
+            SopClass::Measurements => "SR",
+            SopClass::Pdf => "DOC",
+            SopClass::Stl | SopClass::Obj => "M3D",
+            SopClass::Withdrawal => "KO",
+        }
+    }
+
+    fn series_number(self) -> &'static str {
+        match self {
+            SopClass::Measurements => "1",
+            SopClass::Pdf => "2",
+            SopClass::Stl | SopClass::Obj => "3",
+            SopClass::Withdrawal => "4",
+        }
+    }
+}
+
+/// A DICOM object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DicomObject {
+    class: SopClass,
+    uid: String,
+    dataset: InMemDicomObject,
+}
+
+impl DicomObject {
+    /// Its kind.
+    pub fn class(&self) -> SopClass {
+        self.class
+    }
+
+    /// Its UID.
+    pub fn uid(&self) -> &str {
+        &self.uid
+    }
+
+    /// Its elements.
+    pub fn dataset(&self) -> &InMemDicomObject {
+        &self.dataset
+    }
+
+    /// It as a file (PS3.10), in Explicit VR Little Endian.
+    ///
+    /// # Errors
+    /// If an element cannot be written.
+    pub fn file(&self) -> Result<Vec<u8>, EncodeFault> {
+        let meta = FileMetaTableBuilder::new()
+            .transfer_syntax(Syntax::ExplicitLittleEndian.uid())
+            .implementation_class_uid(study::uid(MAKER));
+        let file = self.dataset.clone().with_meta(meta).map_err(EncodeFault::new)?;
+        let mut bytes = Vec::new();
+        file.write_all(&mut bytes).map_err(EncodeFault::new)?;
+        Ok(bytes)
+    }
+}
+
+/// A record on its way to an archive of images.
+#[derive(Debug, Clone, Copy)]
+pub struct Sent<'a> {
+    /// The record; its patient must be the one of the study.
+    pub record: &'a Record,
+    /// Its files.
+    pub files: &'a [RecordFile],
+    /// When the station first saw the scan: the time of a record that does not state when it was taken.
+    pub first_seen: Timestamp,
+    /// The study that it becomes.
+    pub study: &'a Study,
+    /// How often the record was withdrawn from this patient before: what was marked as wrong stays so.
+    pub withdrawals: usize,
+}
+
+/// All objects of a record: the figures, then the files that the rules name.
+///
+/// The same record with the same rules gives the same objects.
+pub fn objects(sent: &Sent<'_>, rules: &DicomRules) -> Vec<DicomObject> {
+    let at = taken(sent.record, sent.first_seen);
+    let parts = Parts { sent: *sent, rules, at };
+    let documents = parts.documents();
+    [vec![parts.measurements()], documents].concat()
+}
+
+/// What the objects of a record have in common.
+struct Parts<'a> {
+    sent: Sent<'a>,
+    rules: &'a DicomRules,
+    /// When the scan was taken, by the clock at the scanner.
+    at: Zoned,
+}
+
+impl Parts<'_> {
+    /// An object for a part of the record, with its own attributes. `number` is its place among them, from 1.
+    fn object(&self, class: SopClass, part: &str, number: u32, own: Dataset) -> DicomObject {
+        let Sent { study, record, withdrawals, .. } = self.sent;
+        let (revision, language) = (record.revision, self.rules.language);
+        let [date, time] = moment(&self.at);
+        let uid = study.instance(part, revision, withdrawals);
+        let number = NUMBERS_A_REVISION * revision.saturating_sub(1) + number;
+        let dataset = study
+            .of_patient(&self.rules.issuer)
+            .and(equipment(record.station.as_deref(), &record.made_by.gaiter))
+            .text(tags::SPECIFIC_CHARACTER_SET, UTF_8)
+            .text(tags::SOP_CLASS_UID, class.uid())
+            .text(tags::SOP_INSTANCE_UID, uid.as_str())
+            .text(tags::STUDY_DATE, date.as_str())
+            .text(tags::STUDY_TIME, time.as_str())
+            .text(tags::CONTENT_DATE, date.as_str())
+            .text(tags::CONTENT_TIME, time.as_str())
+            .text(tags::TIMEZONE_OFFSET_FROM_UTC, self.at.strftime("%z").to_string())
+            .text(tags::STUDY_DESCRIPTION, language.text("hospital.leg_measures"))
+            .text(tags::MODALITY, class.modality())
+            .text(tags::SERIES_INSTANCE_UID, study.series(class, withdrawals))
+            .text(tags::SERIES_NUMBER, class.series_number())
+            .text(tags::INSTANCE_NUMBER, number.to_string())
+            .and(own);
+        DicomObject { class, uid, dataset: dataset.0 }
+    }
+}
+
+/// What made an object.
+fn equipment(station: Option<&str>, version: &str) -> Dataset {
+    Dataset::new()
+        .text(tags::MANUFACTURER, MAKER)
+        .text(tags::MANUFACTURER_MODEL_NAME, MAKER)
+        .text(tags::DEVICE_SERIAL_NUMBER, station.unwrap_or(MAKER))
+        .text(tags::SOFTWARE_VERSIONS, version)
+}
+
+/// Date and time as DICOM writes them, to the second.
+fn moment(at: &Zoned) -> [String; 2] {
+    ["%Y%m%d", "%H%M%S"].map(|form| at.strftime(form).to_string())
+}

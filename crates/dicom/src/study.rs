@@ -1,0 +1,166 @@
+//! The study that a scan of a patient becomes: its UIDs, and what of it a server shows.
+
+use dicom_dictionary_std::tags;
+use gaiter_record::fhir::uuid_bytes;
+
+use super::SopClass;
+use super::dataset::Dataset;
+
+/// The longest id of a patient, characters (LO).
+const ID_MOST: usize = 64;
+
+/// A patient's id that DICOM cannot write: a backslash divides values, and spaces at an end do not count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the patient's id has more than 64 characters, a backslash, a control character or a space at an end, which \
+     DICOM does not allow"
+)]
+pub struct PatientIdFault;
+
+/// The study of a scan of a patient. Its UIDs are always the same, and show neither.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Study {
+    patient: String,
+    key: String,
+}
+
+/// An object that a server shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Listed {
+    /// The UID of its kind.
+    pub class: String,
+    /// The UID of its series.
+    pub series: String,
+    /// Its own UID.
+    pub uid: String,
+}
+
+impl Study {
+    /// The study of a scan, by the hash of its bytes, and a patient's id.
+    ///
+    /// # Errors
+    /// If DICOM cannot write the id.
+    pub fn new(scan: &str, patient: &str) -> Result<Study, PatientIdFault> {
+        let is_plain = |letter: char| letter != '\\' && !letter.is_control();
+        let is_whole = patient.trim_matches(' ') == patient && !patient.is_empty();
+        if !is_whole || patient.chars().count() > ID_MOST || !patient.chars().all(is_plain) {
+            return Err(PatientIdFault);
+        }
+        Ok(Study { patient: patient.to_owned(), key: format!("{scan}\0{patient}") })
+    }
+
+    /// Its UID.
+    pub fn uid(&self) -> String {
+        self.part_uid("study")
+    }
+
+    /// How often the record was withdrawn, by what a server shows of the study.
+    pub fn withdrawals(&self, listed: &[Listed]) -> usize {
+        let series = self.series(SopClass::Withdrawal, 0);
+        listed.iter().filter(|of| of.series == series).count()
+    }
+
+    /// What a server shows of the record that holds: not what was withdrawn, and nothing of others in the study.
+    pub fn holding<'a>(&self, listed: &'a [Listed]) -> Vec<&'a Listed> {
+        let withdrawals = self.withdrawals(listed);
+        let classes = SopClass::ALL.into_iter().filter(|class| *class != SopClass::Withdrawal);
+        let series: Vec<String> = classes.map(|class| self.series(class, withdrawals)).collect();
+        listed.iter().filter(|of| series.contains(&of.series)).collect()
+    }
+
+    /// The series of a kind. After a withdrawal a record has other series; the withdrawals have one together.
+    pub(crate) fn series(&self, class: SopClass, withdrawals: usize) -> String {
+        let modality = class.modality();
+        match class {
+            SopClass::Withdrawal => self.part_uid(modality),
+            _ => self.part_uid(&format!("{modality}\0{withdrawals}")),
+        }
+    }
+
+    /// The object of a part of a revision.
+    pub(crate) fn instance(&self, part: &str, revision: u32, withdrawals: usize) -> String {
+        self.part_uid(&format!("{part}\0{revision}\0{withdrawals}"))
+    }
+
+    /// Patient and study, as each object has them. The name is not known.
+    pub(crate) fn of_patient(&self, issuer: &str) -> Dataset {
+        let unknown = [
+            tags::PATIENT_NAME,
+            tags::PATIENT_BIRTH_DATE,
+            tags::PATIENT_SEX,
+            tags::REFERRING_PHYSICIAN_NAME,
+            tags::STUDY_ID,
+            tags::ACCESSION_NUMBER,
+        ];
+        let unknown = unknown.into_iter().fold(Dataset::new(), |set, of| set.text(of, ""));
+        let known = unknown
+            .text(tags::PATIENT_ID, self.patient.as_str())
+            .text(tags::STUDY_INSTANCE_UID, self.uid());
+        match issuer.is_empty() {
+            true => known,
+            false => known.text(tags::ISSUER_OF_PATIENT_ID, issuer),
+        }
+    }
+
+    /// The UID of something in the study.
+    pub(crate) fn part_uid(&self, part: &str) -> String {
+        uid(&format!("{}\0{part}", self.key))
+    }
+}
+
+/// A UID that is always the same for one text: that of a UUID (PS3.5, B.2).
+pub(crate) fn uid(text: &str) -> String {
+    format!("2.25.{}", u128::from_be_bytes(uuid_bytes(text)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn study() -> Study {
+        Study::new("ab", "4711").unwrap()
+    }
+
+    fn listed(class: SopClass, withdrawals: usize, uid: &str) -> Listed {
+        let series = study().series(class, withdrawals);
+        Listed { class: class.uid().to_owned(), series, uid: uid.to_owned() }
+    }
+
+    #[test]
+    fn a_uid_is_valid_and_that_of_one_part_alone() {
+        let uids = [study().uid(), study().series(SopClass::Pdf, 0), study().instance("sr", 1, 0)];
+        for (at, uid) in uids.iter().enumerate() {
+            let digits = uid.strip_prefix("2.25.").unwrap();
+            assert!(uid.len() <= 64 && !digits.starts_with('0') && !uid.contains("4711"), "{uid}");
+            assert!(digits.bytes().all(|of| of.is_ascii_digit()));
+            assert!(!uids[at + 1..].contains(uid));
+        }
+        assert_eq!(study().uid(), study().uid());
+        for other in [Study::new("ac", "4711"), Study::new("ab", "4712")] {
+            assert_ne!(other.unwrap().uid(), study().uid());
+        }
+    }
+
+    #[test]
+    fn an_id_that_dicom_would_read_as_another_is_refused() {
+        let long = "4".repeat(65);
+        for id in ["", "47\\11", " 4711", "4711 ", "47\n11", long.as_str()] {
+            assert_eq!(Study::new("ab", id), Err(PatientIdFault), "{id:?}");
+        }
+        assert!(Study::new("ab", &long[1..]).is_ok() && Study::new("ab", "Ü 11").is_ok());
+    }
+
+    #[test]
+    fn what_was_withdrawn_and_what_others_have_in_the_study_does_not_hold() {
+        let other = Listed { series: "1.2.3".to_owned(), ..listed(SopClass::Pdf, 0, "9") };
+        let first = [listed(SopClass::Pdf, 0, "1"), listed(SopClass::Measurements, 0, "2"), other];
+        let holding = |listed: &[Listed]| {
+            study().holding(listed).into_iter().map(|of| of.uid.clone()).collect::<Vec<String>>()
+        };
+        assert_eq!(holding(&first), ["1", "2"]);
+        let withdrawn = [&first[..], &[listed(SopClass::Withdrawal, 0, "3")][..]].concat();
+        assert_eq!((study().withdrawals(&withdrawn), holding(&withdrawn)), (1, Vec::new()));
+        let again = [&withdrawn[..], &[listed(SopClass::Pdf, 1, "4")][..]].concat();
+        assert_eq!(holding(&again), ["4"]);
+    }
+}

@@ -1,0 +1,67 @@
+//! What marks objects as another patient's: a key object selection with the title that archives of images know for it
+//! (IHE Imaging Object Change Management). Nothing is deleted by it.
+
+use dicom_dictionary_std::tags;
+use gaiter_record::report::grouped;
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
+
+use super::content::{Concept, DCM, Item, Relation, reference};
+use super::dataset::Dataset;
+use super::{DicomObject, DicomRules, Listed, SopClass, Study, UTF_8, equipment, moment};
+
+/// The title of a selection of objects that were made for another patient (PS3.16, CID 7011).
+const WRONG_PATIENT: Concept<'_> = Concept::new("113038", DCM, "Incorrect Modality Worklist Entry");
+
+/// The object that withdraws what a server shows of the record; `None` if nothing of it holds there. `station` is the
+/// one that withdraws it.
+pub fn withdrawal(
+    study: &Study,
+    listed: &[Listed],
+    station: &str,
+    rules: &DicomRules,
+    now: Timestamp,
+) -> Option<DicomObject> {
+    let (holding, withdrawals) = (study.holding(listed), study.withdrawals(listed));
+    if holding.is_empty() {
+        return None;
+    }
+    let class = SopClass::Withdrawal;
+    let uid = study.part_uid(&format!("withdrawal\0{withdrawals}"));
+    let [date, time] = moment(&now.to_zoned(TimeZone::UTC));
+    let references =
+        holding.iter().map(|of| (Relation::Contains, Item::reference(&of.class, &of.uid)));
+    let dataset = study
+        .of_patient(&rules.issuer)
+        .and(equipment(Some(station), env!("CARGO_PKG_VERSION")))
+        .text(tags::SPECIFIC_CHARACTER_SET, UTF_8)
+        .text(tags::SOP_CLASS_UID, class.uid())
+        .text(tags::SOP_INSTANCE_UID, uid.as_str())
+        .text(tags::STUDY_DATE, "")
+        .text(tags::STUDY_TIME, "")
+        .text(tags::CONTENT_DATE, date)
+        .text(tags::CONTENT_TIME, time)
+        .text(tags::TIMEZONE_OFFSET_FROM_UTC, "+0000")
+        .text(tags::MODALITY, class.modality())
+        .text(tags::SERIES_INSTANCE_UID, study.series(class, withdrawals))
+        .text(tags::SERIES_NUMBER, class.series_number())
+        .text(tags::INSTANCE_NUMBER, (withdrawals + 1).to_string())
+        .items(tags::REFERENCED_PERFORMED_PROCEDURE_STEP_SEQUENCE, Vec::new())
+        .items(tags::CURRENT_REQUESTED_PROCEDURE_EVIDENCE_SEQUENCE, vec![evidence(study, &holding)])
+        .and(Item::container(WRONG_PATIENT).with(references.collect()).root("2010"));
+    Some(DicomObject { class, uid, dataset: dataset.0 })
+}
+
+/// The withdrawn objects, by their series.
+fn evidence(study: &Study, holding: &[&Listed]) -> Dataset {
+    let of_series =
+        grouped(holding.iter().map(|of| (of.series.as_str(), reference(&of.class, &of.uid))));
+    let series = of_series.into_iter().map(|(series, references)| {
+        Dataset::new()
+            .text(tags::SERIES_INSTANCE_UID, series)
+            .items(tags::REFERENCED_SOP_SEQUENCE, references)
+    });
+    Dataset::new()
+        .text(tags::STUDY_INSTANCE_UID, study.uid())
+        .items(tags::REFERENCED_SERIES_SEQUENCE, series.collect())
+}

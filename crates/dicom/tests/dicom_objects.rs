@@ -1,0 +1,240 @@
+//! What a record becomes as DICOM: its objects are read back from their files, and hold the figures of the sheet, the
+//! files byte by byte, and UIDs that are the same whenever the record is sent.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::collections::BTreeSet;
+
+use dicom_dictionary_std::tags;
+use dicom_object::{InMemDicomObject, Tag};
+use gaiter_dicom::web::multipart;
+use gaiter_dicom::{DicomObject, Listed, Sent, SopClass, Study, objects, withdrawal};
+use gaiter_leg::Side;
+use gaiter_record::export::{What, export_figures};
+use gaiter_record::{Record, RecordFile};
+use support::records::{dicom_rules, marked, measured};
+
+const FILES: [&str; 4] = ["report.pdf", "left.stl", "right.obj", "record.json"];
+
+/// The data set of an object, from its file.
+fn dataset(object: &DicomObject) -> InMemDicomObject {
+    let file = object.file().unwrap();
+    let read = dicom_object::from_reader(&file[..]).unwrap();
+    assert_eq!(read.meta().transfer_syntax().trim_end_matches('\0'), "1.2.840.10008.1.2.1");
+    assert_eq!(read.meta().media_storage_sop_instance_uid().trim_end_matches('\0'), object.uid());
+    read.into_inner()
+}
+
+fn text(set: &InMemDicomObject, tag: Tag) -> String {
+    set.element(tag).unwrap().to_str().unwrap().into_owned()
+}
+
+fn items(set: &InMemDicomObject, tag: Tag) -> &[InMemDicomObject] {
+    set.get(tag).map_or(&[], |of| of.items().unwrap())
+}
+
+/// The value of the code in a sequence of one.
+fn code(set: &InMemDicomObject, tag: Tag) -> String {
+    text(&items(set, tag)[0], tags::CODE_VALUE)
+}
+
+/// The items below an item of the content.
+fn below(item: &InMemDicomObject) -> &[InMemDicomObject] {
+    items(item, tags::CONTENT_SEQUENCE)
+}
+
+fn number(item: &InMemDicomObject) -> String {
+    text(&items(item, tags::MEASURED_VALUE_SEQUENCE)[0], tags::NUMERIC_VALUE)
+}
+
+/// All codes of a data set, at any depth: scheme, value and meaning of each.
+fn codes(set: &InMemDicomObject) -> Vec<[String; 3]> {
+    let own = set.get(tags::CODE_VALUE).map(|_| {
+        [tags::CODING_SCHEME_DESIGNATOR, tags::CODE_VALUE, tags::CODE_MEANING]
+            .map(|tag| text(set, tag))
+    });
+    let nested = set.iter().filter_map(|of| of.items()).flatten().flat_map(codes);
+    own.into_iter().chain(nested).collect()
+}
+
+fn study() -> Study {
+    Study::new("ab", "4711").unwrap()
+}
+
+fn sent(record: &Record, withdrawals: usize) -> Vec<DicomObject> {
+    let file =
+        |name: &str| RecordFile { name: name.to_owned(), bytes: format!("of {name}").into_bytes() };
+    let (files, study) = (FILES.map(file), study());
+    let first_seen = "2026-11-26T19:21:02Z".parse().unwrap();
+    let sent = Sent { record, files: &files, first_seen, study: &study, withdrawals };
+    objects(&sent, &dicom_rules(&["report.pdf", "left.stl", "right.obj", "right.stl"]))
+}
+
+fn uids(objects: &[DicomObject]) -> BTreeSet<String> {
+    objects.iter().map(|of| of.uid().to_owned()).collect()
+}
+
+#[test]
+fn a_record_is_its_figures_and_the_files_that_are_named_and_there() {
+    let made = sent(&marked(), 0);
+    let classes: Vec<SopClass> = made.iter().map(DicomObject::class).collect();
+    assert_eq!(classes, [SopClass::Measurements, SopClass::Pdf, SopClass::Stl, SopClass::Obj]);
+    for object in &made {
+        let set = dataset(object);
+        let told = [
+            tags::SOP_CLASS_UID,
+            tags::SOP_INSTANCE_UID,
+            tags::PATIENT_ID,
+            tags::STUDY_INSTANCE_UID,
+        ]
+        .map(|tag| text(&set, tag));
+        assert_eq!(told, [object.class().uid(), object.uid(), "4711", &study().uid()]);
+        assert_eq!(text(&set, tags::SPECIFIC_CHARACTER_SET), "ISO_IR 192");
+        for nameless in [tags::PATIENT_NAME, tags::PATIENT_BIRTH_DATE, tags::PATIENT_SEX] {
+            assert_eq!(text(&set, nameless), "");
+        }
+    }
+}
+
+#[test]
+fn a_document_is_its_file_byte_by_byte_whose_length_is_told_before_the_padding() {
+    for (object, name) in sent(&marked(), 0).iter().skip(1).zip(FILES) {
+        let set = dataset(object);
+        let length = set.element(tags::ENCAPSULATED_DOCUMENT_LENGTH).unwrap();
+        let length: usize = length.to_int().unwrap();
+        let document = set.element(tags::ENCAPSULATED_DOCUMENT).unwrap().to_bytes().unwrap();
+        assert_eq!(document[..length], *format!("of {name}").as_bytes());
+    }
+}
+
+#[test]
+fn the_report_holds_every_figure_of_the_sheet_to_the_last_digit_with_side_level_error_and_doubts() {
+    let record = marked();
+    let set = dataset(&sent(&record, 0)[0]);
+    let measurements = below(&set)
+        .iter()
+        .find(|of| code(of, tags::CONCEPT_NAME_CODE_SEQUENCE) == "126010")
+        .unwrap();
+    let mut told = Vec::new();
+    for group in below(measurements) {
+        let site = below(group)
+            .iter()
+            .find(|of| code(of, tags::CONCEPT_NAME_CODE_SEQUENCE) == "363698007")
+            .unwrap();
+        let side = match code(&below(site)[0], tags::CONCEPT_CODE_SEQUENCE).as_str() {
+            "24028007" => Side::Right,
+            "7771000" => Side::Left,
+            other => panic!("{other}"),
+        };
+        for item in below(group).iter().filter(|of| text(of, tags::VALUE_TYPE) == "NUM") {
+            let of_kind = |kind: &str| {
+                below(item)
+                    .iter()
+                    .filter(|of| text(of, tags::VALUE_TYPE) == kind)
+                    .collect::<Vec<_>>()
+            };
+            let codes: Vec<String> =
+                of_kind("CODE").iter().map(|of| code(of, tags::CONCEPT_CODE_SEQUENCE)).collect();
+            let sd_cm = of_kind("NUM").first().map(|of| number(of));
+            let doubts = of_kind("TEXT").len();
+            told.push((
+                side,
+                code(item, tags::CONCEPT_NAME_CODE_SEQUENCE),
+                codes,
+                number(item),
+                sd_cm,
+                doubts,
+            ));
+        }
+    }
+    let expected: Vec<_> = export_figures(&record)
+        .iter()
+        .map(|figure| {
+            let name = match figure.what {
+                What::Girth => "74551000",
+                What::Height => "121207",
+            };
+            let level = figure.level.name().to_owned();
+            let by_hand = figure.is_by_hand.then(|| "by-hand".to_owned());
+            let codes: Vec<String> = [level].into_iter().chain(by_hand).collect();
+            let sd_cm = figure.sd_cm.map(|sd_cm| sd_cm.to_string());
+            let cm = format!("{:.1}", figure.cm);
+            (figure.side, name.to_owned(), codes, cm, sd_cm, figure.doubts.len())
+        })
+        .collect();
+    assert!(told.len() > 12);
+    assert_eq!(told, expected);
+}
+
+#[test]
+fn no_code_is_longer_than_its_representation_allows() {
+    for record in [&marked(), &measured("m_average_clean").1] {
+        for code in sent(record, 0).iter().flat_map(|object| codes(&dataset(object))) {
+            let lengths = code.each_ref().map(|text| text.chars().count());
+            let fits =
+                lengths.into_iter().zip([16, 16, 64]).all(|(own, most)| (1..=most).contains(&own));
+            assert!(fits, "{code:?}");
+        }
+    }
+}
+
+#[test]
+fn the_same_record_is_the_same_objects_and_another_revision_or_turn_shares_none() {
+    let record = marked();
+    assert_eq!(sent(&record, 0), sent(&record, 0));
+    let first = uids(&sent(&record, 0));
+    assert_eq!(first.len(), 4);
+    let later = Record { revision: record.revision + 1, ..record.clone() };
+    for others in [uids(&sent(&later, 0)), uids(&sent(&record, 1))] {
+        assert!(first.is_disjoint(&others));
+    }
+}
+
+#[test]
+fn a_withdrawal_names_what_holds_and_leaves_nothing_that_does() {
+    let shown = |of: &DicomObject| {
+        let set = dataset(of);
+        let [class, series, uid] =
+            [tags::SOP_CLASS_UID, tags::SERIES_INSTANCE_UID, tags::SOP_INSTANCE_UID]
+                .map(|tag| text(&set, tag));
+        Listed { class, series, uid }
+    };
+    let mut listed: Vec<Listed> = sent(&marked(), 0).iter().map(shown).collect();
+    let rules = dicom_rules(&[]);
+    let now = "2026-11-27T08:00:00Z".parse().unwrap();
+    let withdrawn = withdrawal(&study(), &listed, "booth-1", &rules, now).unwrap();
+    let set = dataset(&withdrawn);
+    assert_eq!(
+        (
+            code(&set, tags::CONCEPT_NAME_CODE_SEQUENCE).as_str(),
+            text(&set, tags::MODALITY).as_str()
+        ),
+        ("113038", "KO")
+    );
+    let named: BTreeSet<String> = below(&set)
+        .iter()
+        .map(|item| {
+            text(&items(item, tags::REFERENCED_SOP_SEQUENCE)[0], tags::REFERENCED_SOP_INSTANCE_UID)
+        })
+        .collect();
+    assert_eq!(named, uids(&sent(&marked(), 0)));
+    listed.push(shown(&withdrawn));
+    assert_eq!(withdrawal(&study(), &listed, "booth-1", &rules, now), None);
+    assert_eq!(study().withdrawals(&listed), 1);
+}
+
+#[test]
+fn a_request_holds_each_object_as_its_file() {
+    let made = sent(&marked(), 0);
+    let (media_type, body) = multipart(&made).unwrap();
+    let boundary = media_type.rsplit_once("boundary=").unwrap().1;
+    let mut expected = Vec::new();
+    for object in &made {
+        expected.extend(format!("--{boundary}\r\nContent-Type: application/dicom\r\n\r\n").bytes());
+        expected.extend(object.file().unwrap());
+        expected.extend(b"\r\n");
+    }
+    expected.extend(format!("--{boundary}--\r\n").bytes());
+    assert!(media_type.starts_with("multipart/related; type=\"application/dicom\"; "));
+    assert_eq!(body, expected);
+}

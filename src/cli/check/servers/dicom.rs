@@ -1,0 +1,40 @@
+//! The archive of images: whether it takes the station, and whether it gets what is to be sent.
+
+use gaiter_leg::Side;
+use jiff::Timestamp;
+
+use super::{of_certificate, of_secret, tried};
+use crate::cli::check::row::{Row, Verdict};
+use crate::config::{Config, DicomStoreConfig};
+use crate::station::stores::Stores;
+use crate::store::{DicomStore, RecordStore};
+
+/// The rows of the archive, if there is one.
+pub(super) fn rows(config: &Config, stores: &Stores) -> Vec<Row> {
+    let dicom = config.store.dicom.as_ref().zip(stores.named(DicomStore::NAME));
+    dicom.map(|(dicom, store)| of_archive(config, dicom, store)).unwrap_or_default()
+}
+
+fn of_archive(config: &Config, dicom: &DicomStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
+    let secrets = dicom.server.secrets();
+    let mut rows: Vec<Row> = secrets.iter().map(|secret| of_secret(secret)).collect();
+    rows.extend(of_certificate(&dicom.server.tls, Timestamp::now()));
+    rows.push(tried("DICOM archive", store, &secrets, "lets the station look for studies"));
+    rows.extend(of_attached(config, dicom, store));
+    rows
+}
+
+/// The files that are to be sent and that no record has.
+fn of_attached(config: &Config, dicom: &DicomStoreConfig, store: &dyn RecordStore) -> Option<Row> {
+    let kinds = config.output.files.iter();
+    let surfaces = kinds
+        .flat_map(|kind| Side::FROM_FRONT.map(|side| format!("{}{}", side.word(), kind.ending())));
+    let made: Vec<String> = surfaces.chain(["report.pdf".to_owned()]).collect();
+    let missing: Vec<&str> =
+        dicom.attach.iter().filter(|name| !made.contains(name)).map(String::as_str).collect();
+    let detail = format!(
+        "no record has {}: name its kind in output.files, or remove it from store.dicom.attach",
+        missing.join(", ")
+    );
+    (!missing.is_empty()).then(|| Row::at("attach", store.place(), Verdict::Warn, detail))
+}

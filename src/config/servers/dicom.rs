@@ -1,0 +1,107 @@
+//! `[store.dicom]`: an archive of images.
+
+use gaiter_dicom::attachable;
+
+use super::{TlsKeys, address, file_name, line, secret, tls, user};
+use crate::config::fault::What;
+use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
+use crate::config::words::Words;
+use crate::store::dicom::{DicomAccess, DicomServer};
+
+/// `[store.dicom]`: an archive of images that gets every named record.
+#[derive(Debug, Clone)]
+pub struct DicomStoreConfig {
+    /// Where it is and how it is asked.
+    pub server: DicomServer,
+    /// Who assigns the patients' ids; empty for nobody.
+    pub issuer: String,
+    /// Files of the record that are sent with it.
+    pub attach: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Open,
+    Basic,
+    Bearer,
+}
+
+/// `store.dicom.access`
+const KINDS: Words<Kind> =
+    &[("open", Kind::Open), ("basic", Kind::Basic), ("bearer", Kind::Bearer)];
+
+const TLS: TlsKeys = TlsKeys {
+    authorities: "store.dicom.authorities",
+    certificate: "store.dicom.certificate",
+    key: "store.dicom.certificate_key",
+};
+
+/// The longest name of who assigns ids, characters (LO).
+const ISSUER_MOST: usize = 64;
+
+/// Reads the keys of `[store.dicom]`. Without an address the section is off.
+pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreConfig>> {
+    use Absent::Default;
+    let base = reader.text("store.dicom.address", Default(""), or_none(address));
+    let issuer = reader.text("store.dicom.issuer", Default(""), issuer);
+    let attach = "report.pdf\", \"left.stl\", \"right.stl";
+    let attach = reader.list("store.dicom.attach", Default(attach), attached);
+    let access = access(reader);
+    let tls = tls(reader, &TLS);
+    let limit =
+        reader.text("store.dicom.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
+    let Some(base) = base?.value else { return Some(None) };
+    let server = DicomServer { base, access: access?, tls: tls?, limit: limit?.value };
+    Some(Some(DicomStoreConfig {
+        server,
+        issuer: issuer?.value,
+        attach: attach.into_iter().map(|found| found.value).collect(),
+    }))
+}
+
+/// How the station authenticates.
+fn access(reader: &mut Reader) -> Option<DicomAccess> {
+    use Absent::Default;
+    let kind = reader.text("store.dicom.access", Default("open"), parse::word(KINDS));
+    let user = reader.text("store.dicom.user", Default(""), or_none(user));
+    let secret = reader.text("store.dicom.secret", Default(""), or_none(secret));
+    let Found { value: kind, at } = kind?;
+    let (user, secret) = (user?.value, secret?.value);
+    // All missing keys are reported at once.
+    let of_user = ("store.dicom.user", user.is_some());
+    let of_secret = ("store.dicom.secret", secret.is_some());
+    let needed = match kind {
+        Kind::Open => Vec::new(),
+        Kind::Basic => vec![of_user, of_secret],
+        Kind::Bearer => vec![of_secret],
+    };
+    for (key, _) in needed.into_iter().filter(|(_, has)| !has) {
+        reader.note(at.clone(), "store.dicom.access", What::Without(key));
+    }
+    Some(match kind {
+        Kind::Open => DicomAccess::Open,
+        Kind::Basic => DicomAccess::Basic { user: user?, password: secret? },
+        Kind::Bearer => DicomAccess::Bearer { token: secret? },
+    })
+}
+
+/// Who assigns ids, as DICOM can write it.
+fn issuer(text: &str) -> Result<String, What> {
+    if text.contains('\\') || text.chars().count() > ISSUER_MOST {
+        let hint = "write up to 64 characters without a backslash";
+        return Err(not_a(text, "a valid name of who assigns ids", hint));
+    }
+    line(text)
+}
+
+/// A file that there is an object for.
+fn attached(text: &str) -> Result<String, What> {
+    let name = file_name(text)?;
+    match attachable(&name) {
+        true => Ok(name),
+        false => {
+            let hint = "write files that end in .pdf, .stl or .obj, as in \"report.pdf\"";
+            Err(not_a(text, "a file that DICOM has an object for", hint))
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! What the answers of an archive of images mean.
+
+use gaiter_dicom::{Listed, NotStored, web};
+use gaiter_https::HttpAnswer;
+use gaiter_record::shown::in_a_line;
+use serde_json::Value;
+
+use crate::store::server::ServerFault;
+use crate::store::{Rejection, StoreFault};
+
+/// There is nothing that a search found.
+const NO_CONTENT: u16 = 204;
+
+/// Some archives answer so to the search within a study that they do not have.
+const NOT_FOUND: u16 = 404;
+
+/// Some or all objects were not stored; the body tells which, and why.
+const CONFLICT: u16 = 409;
+
+/// What the server has of a study.
+pub(super) fn listed(answer: &HttpAnswer, secret: &[&str]) -> Result<Vec<Listed>, StoreFault> {
+    match answer.status {
+        NO_CONTENT | NOT_FOUND => Ok(Vec::new()),
+        _ => found(answer, secret, web::listed, "objects with class, series and UID"),
+    }
+}
+
+/// Whether the answer is one to a search for studies.
+pub(super) fn is_archive(answer: &HttpAnswer, secret: &[&str]) -> Result<(), StoreFault> {
+    match answer.status {
+        NO_CONTENT => Ok(()),
+        _ => found(answer, secret, |json| json.is_array().then_some(()), "studies"),
+    }
+}
+
+/// What a search has found, or that the answer lists nothing of the kind.
+fn found<T>(
+    answer: &HttpAnswer,
+    secret: &[&str],
+    read: impl Fn(&Value) -> Option<T>,
+    kind: &str,
+) -> Result<T, StoreFault> {
+    if !answer.is_success() {
+        return Err(refusal(answer, secret));
+    }
+    let found = serde_json::from_slice(&answer.body).ok().and_then(|json: Value| read(&json));
+    found.ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
+}
+
+/// Whether all of so many objects were stored, as far as the answer tells.
+pub(super) fn stored(answer: &HttpAnswer, count: usize, secret: &[&str]) -> Result<(), StoreFault> {
+    let status = answer.status;
+    if !answer.is_success() && status != CONFLICT {
+        return Err(refusal(answer, secret));
+    }
+    // What is no JSON is nothing that is looked for in it.
+    let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
+    let failed = web::not_stored(&json);
+    let lasting = failed.iter().find(|of| !of.is_passing());
+    let why = |of: &NotStored| {
+        format!("{} of {count} objects were not stored, reason {:04X}", failed.len(), of.reason)
+    };
+    match (lasting, failed.first()) {
+        (Some(of), _) => Err(refused(status, why(of))),
+        (None, Some(of)) => Err(ServerFault::Busy { status, why: why(of) }.into()),
+        (None, None) if answer.is_success() => Ok(()),
+        (None, None) => Err(refusal(answer, secret)),
+    }
+}
+
+/// The fault of an answer that is none of success. What a person must correct waits for one; the rest is asked again.
+fn refusal(answer: &HttpAnswer, secret: &[&str]) -> StoreFault {
+    let status = answer.status;
+    let text = String::from_utf8_lossy(&answer.body);
+    let why = match text.trim() {
+        "" => "it does not say why".to_owned(),
+        text => in_a_line(text, secret),
+    };
+    match status {
+        400 | 410 | 413 | 415 | 422 => refused(status, why),
+        401 | 403 | 404 | 405 | 407 => ServerFault::Forbidden { status, why }.into(),
+        _ => ServerFault::Busy { status, why }.into(),
+    }
+}
+
+fn refused(status: u16, why: String) -> StoreFault {
+    StoreFault::Permanent(Rejection::ServerRefused { status, why })
+}

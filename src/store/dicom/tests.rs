@@ -1,0 +1,229 @@
+//! The store against an archive of a few lines: what it sends, and what it makes of each answer.
+
+use std::io::Write;
+use std::sync::{Arc, Mutex};
+
+use gaiter_https::TlsFiles;
+use gaiter_record::RecordFile;
+use serde_json::{Value, json};
+use support::http_server::{answer, request_of, serve};
+use support::records::{dicom_rules, without_legs};
+
+use super::*;
+use crate::store::sums;
+
+/// What an archive does with objects.
+#[derive(Debug, Clone, Copy)]
+enum Mode {
+    Keep,
+    /// It answers as if it had kept them.
+    Lose,
+    /// It keeps all but the last, for this reason.
+    RefuseLast(u16),
+    /// It keeps them, and its answer is a fault.
+    KeepAndFail,
+    /// It answers so to everything.
+    Say(&'static str, &'static str),
+}
+
+/// An archive on this machine, and the requests for storing that it had.
+struct Archive {
+    port: u16,
+    mode: Arc<Mutex<Mode>>,
+    stored: Arc<Mutex<usize>>,
+}
+
+/// The value of a UID in a file of DICOM.
+fn uid(file: &str, tag: &str) -> String {
+    let at = file.find(&format!("{tag}UI")).unwrap() + tag.len() + 2;
+    let length = usize::from(file.as_bytes()[at]);
+    file[at + 2..at + 2 + length].trim_end_matches('\0').to_owned()
+}
+
+/// The objects in a request, as a search shows them.
+fn sent(request: &str) -> Vec<Value> {
+    let files = request.split("DICM").skip(1);
+    let shown = |file: &str| {
+        let of = |tag: &str| json!({ "vr": "UI", "Value": [uid(file, tag)] });
+        json!({
+            "00080016": of("\x08\0\x16\0"),
+            "00080018": of("\x08\0\x18\0"),
+            "0020000E": of("\x20\0\x0e\0"),
+        })
+    };
+    files.map(shown).collect()
+}
+
+impl Archive {
+    fn new() -> Archive {
+        let (mode, stored) = (Arc::new(Mutex::new(Mode::Keep)), Arc::new(Mutex::new(0)));
+        let (asked, count) = (Arc::clone(&mode), Arc::clone(&stored));
+        let mut kept: Vec<Value> = Vec::new();
+        let port = serve(move |mut stream| {
+            let Ok(request) = request_of(&mut stream) else { return };
+            let mode = *asked.lock().unwrap();
+            let is_search = request.starts_with("GET ");
+            *count.lock().unwrap() += usize::from(!is_search);
+            let done = |body: Value| answer("200 OK", &body.to_string());
+            let answer = match mode {
+                Mode::Say(status, body) => answer(status, body),
+                _ if is_search => done(json!(kept)),
+                Mode::Lose => done(json!({})),
+                Mode::Keep | Mode::KeepAndFail => {
+                    kept.extend(sent(&request));
+                    match mode {
+                        Mode::Keep => done(json!({ "00081198": { "vr": "SQ" } })),
+                        _ => answer("503 Service Unavailable", "restarting 4711"),
+                    }
+                }
+                Mode::RefuseLast(reason) => {
+                    let all = sent(&request);
+                    kept.extend_from_slice(&all[..all.len() - 1]);
+                    let why = json!({ "00081197": { "vr": "US", "Value": [reason] } });
+                    answer("202 Accepted", &json!({ "00081198": { "Value": [why] } }).to_string())
+                }
+            };
+            let _ = stream.write_all(answer.as_bytes());
+        });
+        Archive { port, mode, stored }
+    }
+
+    fn becomes(&self, mode: Mode) {
+        *self.mode.lock().unwrap() = mode;
+    }
+
+    /// How often it was asked to store something.
+    fn stored(&self) -> usize {
+        *self.stored.lock().unwrap()
+    }
+
+    fn store(&self) -> DicomStore {
+        let server = DicomServer {
+            base: format!("http://127.0.0.1:{}/dicom-web", self.port),
+            access: DicomAccess::Open,
+            tls: TlsFiles::default(),
+            limit: Duration::from_secs(30),
+        };
+        DicomStore::new(server, dicom_rules(&["report.pdf"]), "booth-1")
+    }
+}
+
+fn scan() -> ScanId {
+    sums::scan_id(b"v 0 0 0\n")
+}
+
+fn put(store: &DicomStore, patient: &str, revision: u32) -> Result<Receipt, StoreFault> {
+    let record = without_legs(scan().as_str(), Some(patient), revision);
+    let file = |name: &str, bytes: &[u8]| RecordFile { name: name.into(), bytes: bytes.into() };
+    store.put(&Delivery {
+        scan: &scan(),
+        patient: Some(patient),
+        first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
+        revision,
+        files: &[file("record.json", &record), file("report.pdf", b"%PDF-1.7")],
+        scan_file: Path::new("/nowhere"),
+        ending: "obj",
+    })
+}
+
+fn withdraw(store: &DicomStore, receipt: Option<&str>) -> Result<(), StoreFault> {
+    store.withdraw(&scan(), Some("4711"), None, receipt)
+}
+
+#[test]
+fn a_record_is_stored_once_and_a_later_revision_beside_it() {
+    let archive = Archive::new();
+    let store = archive.store();
+    store.reach().unwrap();
+    let first = put(&store, "4711", 1).unwrap();
+    assert!(!first.already_there);
+    let again = put(&store, "4711", 1).unwrap();
+    assert_eq!((again.already_there, &again.folder), (true, &first.folder));
+    assert_eq!(archive.stored(), 1);
+    assert!(!put(&store, "4711", 2).unwrap().already_there);
+    assert_eq!(archive.stored(), 2);
+}
+
+#[test]
+fn a_lost_answer_or_a_half_stored_record_is_completed_by_the_next_try() {
+    let archive = Archive::new();
+    let store = archive.store();
+    archive.becomes(Mode::KeepAndFail);
+    let fault = put(&store, "4711", 1).unwrap_err();
+    assert!(matches!(fault, StoreFault::Server(ServerFault::Busy { status: 503, .. })), "{fault}");
+    assert!(!fault.to_string().contains("4711"), "{fault}");
+    archive.becomes(Mode::Keep);
+    assert!(put(&store, "4711", 1).unwrap().already_there);
+    archive.becomes(Mode::RefuseLast(0xa700));
+    let fault = put(&store, "4711", 2).unwrap_err();
+    assert_eq!(fault.code(), "store-unavailable", "{fault}");
+    archive.becomes(Mode::Keep);
+    assert!(!put(&store, "4711", 2).unwrap().already_there);
+}
+
+#[test]
+fn an_archive_that_says_yes_and_shows_nothing_has_stored_nothing() {
+    let archive = Archive::new();
+    archive.becomes(Mode::Lose);
+    let fault = put(&archive.store(), "4711", 1).unwrap_err();
+    assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
+    assert!(fault.to_string().contains("it does not show 2 of 2 objects"), "{fault}");
+}
+
+#[test]
+fn an_object_that_the_archive_will_never_store_waits_for_a_person() {
+    let archive = Archive::new();
+    archive.becomes(Mode::RefuseLast(0x0122));
+    let fault = put(&archive.store(), "4711", 1).unwrap_err();
+    assert_eq!(fault.code(), "server-refused");
+    assert!(fault.to_string().contains("1 of 2 objects were not stored, reason 0122"), "{fault}");
+}
+
+#[test]
+fn a_withdrawn_record_is_marked_once_and_can_be_given_again() {
+    let archive = Archive::new();
+    let store = archive.store();
+    let receipt = put(&store, "4711", 1).unwrap().folder;
+    let receipt = receipt.to_str();
+    for _ in 0..2 {
+        withdraw(&store, receipt).unwrap();
+        assert_eq!(archive.stored(), 2);
+    }
+    assert!(!put(&store, "4711", 1).unwrap().already_there);
+    assert!(put(&store, "4711", 1).unwrap().already_there);
+    withdraw(&store, receipt).unwrap();
+    assert_eq!(archive.stored(), 4);
+}
+
+#[test]
+fn a_record_that_was_confirmed_and_is_not_shown_does_not_count_as_withdrawn() {
+    let archive = Archive::new();
+    let store = archive.store();
+    withdraw(&store, None).unwrap();
+    let fault = withdraw(&store, Some("2.25.1")).unwrap_err();
+    assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
+    assert_eq!(archive.stored(), 0);
+}
+
+#[test]
+fn an_id_that_dicom_cannot_write_waits_for_a_person_and_nothing_is_sent() {
+    let archive = Archive::new();
+    let fault = put(&archive.store(), "47\\11", 1).unwrap_err();
+    assert_eq!((fault.code(), archive.stored()), ("store-misfit", 0));
+}
+
+#[test]
+fn an_address_without_an_archive_is_told_apart_from_an_archive_without_the_study() {
+    let archive = Archive::new();
+    let store = archive.store();
+    archive.becomes(Mode::Say("204 No Content", ""));
+    store.reach().unwrap();
+    for (status, body) in [("404 Not Found", ""), ("401 Unauthorized", "who are you?")] {
+        archive.becomes(Mode::Say(status, body));
+        let fault = store.reach().unwrap_err();
+        assert!(matches!(fault, StoreFault::Server(ServerFault::Forbidden { .. })), "{fault}");
+    }
+    archive.becomes(Mode::Say("200 OK", "<html>welcome</html>"));
+    let fault = store.reach().unwrap_err();
+    assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
+}
