@@ -5,6 +5,7 @@
 
 mod content;
 mod dataset;
+pub mod dimse;
 mod document;
 mod measurement;
 mod stored;
@@ -12,8 +13,10 @@ mod study;
 pub mod web;
 mod withdrawal;
 
-use dicom_dictionary_std::{tags, uids};
-use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
+pub use dicom_dictionary_std::tags;
+use dicom_dictionary_std::uids;
+use dicom_object::FileMetaTableBuilder;
+pub use dicom_object::{InMemDicomObject, Tag};
 use gaiter_language::Language;
 use gaiter_record::export::taken;
 use gaiter_record::{Record, RecordFile};

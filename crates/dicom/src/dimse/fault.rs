@@ -1,0 +1,79 @@
+//! Why messages over a connection fail. No fault holds what is about a patient.
+
+use std::io;
+
+use dicom_core::Tag;
+use dicom_ul::pdu::AssociationRJSource;
+
+use crate::EncodeFault;
+
+/// A text that is no title of an application.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a title has 1 to 16 characters of ASCII, no backslash, and no space at an end")]
+pub struct TitleFault;
+
+/// Why a server could not be asked.
+#[derive(Debug, thiserror::Error)]
+pub enum DimseFault {
+    /// The connection broke.
+    #[error("the connection broke: {0}")]
+    Connection(#[from] io::Error),
+    /// The server takes no association with the station.
+    #[error("the server rejects the association: {why}")]
+    Rejected {
+        /// Whether it says that this will last.
+        is_lasting: bool,
+        /// Its reason.
+        why: AssociationRJSource,
+    },
+    /// The server ended the association.
+    #[error("the server aborts the association")]
+    Aborted,
+    /// The server does not offer a service to the station.
+    #[error("the server does not accept the service {class}")]
+    NotAccepted {
+        /// The UID of the service.
+        class: &'static str,
+    },
+    /// The server could not do what was asked.
+    #[error("the server answers with the status {status:04X}")]
+    Status {
+        /// The status (0000,0900).
+        status: u16,
+    },
+    /// The server sends more than is asked for.
+    #[error("the server sends {bytes} bytes or more where at most {most} are read")]
+    TooLong {
+        /// Bytes that it has sent or announced.
+        bytes: usize,
+        /// The most that are read.
+        most: usize,
+    },
+    /// There are more answers than were asked for.
+    #[error("the server has more than {most} answers")]
+    TooMany {
+        /// The most that are read.
+        most: usize,
+    },
+    /// Sequences of an answer lie within each other too deeply.
+    #[error("the answer has sequences within each other more than {most} deep")]
+    TooDeep {
+        /// The deepest that are read.
+        most: usize,
+    },
+    /// An element of an answer claims to be longer than the answer, or is none.
+    #[error("an element of the answer does not fit into it")]
+    Cut,
+    /// An answer lacks an element.
+    #[error("the answer lacks the element {0}")]
+    Missing(Tag),
+    /// An answer is none to what was asked.
+    #[error("the answer is none to what was asked")]
+    Unexpected,
+    /// An answer cannot be read.
+    #[error("the answer cannot be read")]
+    Unreadable,
+    /// What is to be sent cannot be written.
+    #[error(transparent)]
+    Encode(#[from] EncodeFault),
+}

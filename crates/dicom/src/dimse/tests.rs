@@ -1,0 +1,261 @@
+//! A server of a few packets: what it is asked, and what is made of each answer.
+
+use std::io::{self, Cursor};
+
+use dicom_ul::pdu::{
+    AbortRQSource, AssociationAC, AssociationRJ, AssociationRJResult,
+    AssociationRJServiceUserReason, AssociationRJSource, PDataValue, PDataValueType, Pdu,
+    PresentationContextResult, PresentationContextResultReason, UserVariableItem, read_pdu,
+    write_pdu,
+};
+
+use super::*;
+use crate::dataset::Syntax;
+use crate::{DicomRules, withdrawal};
+
+/// The longest packet that the server reads, bytes.
+const READ_MOST: u32 = 4096;
+
+/// What a server says, whatever it hears, and what it has heard.
+struct Script {
+    says: Cursor<Vec<u8>>,
+    heard: Vec<u8>,
+}
+
+impl Script {
+    fn new(packets: &[Pdu]) -> Script {
+        let mut says = Vec::new();
+        packets.iter().for_each(|packet| write_pdu(&mut says, packet).unwrap());
+        Script { says: Cursor::new(says), heard: Vec::new() }
+    }
+
+    /// The commands and data sets that it has heard, each from all its parts.
+    fn heard(&self) -> Vec<Vec<u8>> {
+        let (mut rest, mut messages, mut message) = (&self.heard[..], Vec::new(), Vec::new());
+        while !rest.is_empty() {
+            let length = 6 + u32::from_be_bytes(rest[2..6].try_into().unwrap()) as usize;
+            assert!(length <= 6 + READ_MOST as usize);
+            let packet = read_pdu(&rest[..length], 1 << 20, true).unwrap().unwrap();
+            rest = &rest[length..];
+            let Pdu::PData { data } = packet else { continue };
+            for part in data {
+                message.extend(part.data);
+                if part.is_last {
+                    messages.push(std::mem::take(&mut message));
+                }
+            }
+        }
+        messages
+    }
+}
+
+impl Read for Script {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.says.read(bytes)
+    }
+}
+
+impl Write for Script {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.heard.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn titles() -> Titles {
+    Titles { calling: AeTitle::new("GAITER").unwrap(), called: AeTitle::new("PACS").unwrap() }
+}
+
+/// The server takes these contexts.
+fn accepts(ids: &[u8]) -> Pdu {
+    let context = |id: &u8| PresentationContextResult {
+        id: *id,
+        reason: PresentationContextResultReason::Acceptance,
+        transfer_syntax: Syntax::ExplicitLittleEndian.uid().to_owned(),
+    };
+    Pdu::AssociationAC(AssociationAC {
+        protocol_version: 1,
+        calling_ae_title: "GAITER".to_owned(),
+        called_ae_title: "PACS".to_owned(),
+        application_context_name: "1.2.840.10008.3.1.1.1".to_owned(),
+        presentation_contexts: ids.iter().map(context).collect(),
+        user_variables: vec![UserVariableItem::MaxLength(READ_MOST)],
+    })
+}
+
+fn part(value_type: PDataValueType, data: Vec<u8>) -> PDataValue {
+    PDataValue { presentation_context_id: 1, value_type, is_last: true, data }
+}
+
+/// An answer to a command, with a data set or without.
+fn answer(command: u16, status: u16, set: Option<Dataset>) -> Pdu {
+    let Dataset(told) = Dataset::new()
+        .value(tags::COMMAND_FIELD, command | 0x8000)
+        .value(tags::COMMAND_DATA_SET_TYPE, if set.is_some() { 1_u16 } else { 0x0101 })
+        .value(tags::STATUS, status);
+    let told = InMemDicomObject::command_from_element_iter(told);
+    let told = Syntax::ImplicitLittleEndian.encoded(&told).unwrap();
+    let set = set.map(|set| Syntax::ExplicitLittleEndian.encoded(&set.0).unwrap());
+    let data = set.map(|set| part(PDataValueType::Data, set));
+    Pdu::PData { data: [part(PDataValueType::Command, told)].into_iter().chain(data).collect() }
+}
+
+fn object() -> DicomObject {
+    let study = Study::new("ab", "4711").unwrap();
+    let series = study.series(crate::SopClass::Pdf, 0);
+    let class = crate::SopClass::Pdf.uid().to_owned();
+    let listed = [Listed { class, series, uid: "1.2".to_owned() }];
+    let rules = DicomRules {
+        issuer: "KIS".to_owned(),
+        coding: "99GTR".to_owned(),
+        language: Default::default(),
+        attach: Vec::new(),
+    };
+    withdrawal(&study, &listed, "booth-1", &rules, "2026-11-27T08:00:00Z".parse().unwrap()).unwrap()
+}
+
+fn search(packets: &[Pdu], most: usize) -> Result<Vec<InMemDicomObject>, DimseFault> {
+    find(Script::new(packets), &titles(), Model::Worklist, &InMemDicomObject::new_empty(), most)
+}
+
+#[test]
+fn an_object_is_sent_whole_and_what_the_server_says_decides_whether_it_is_stored() {
+    let expected: [(u16, Option<u64>); 5] =
+        [(0, None), (0xb000, None), (0x0111, None), (0xa700, Some(0xa700)), (0xc001, Some(0xc001))];
+    for (status, reason) in expected {
+        let mut server = Script::new(&[accepts(&[1]), answer(1, status, None)]);
+        let refused = store(&mut server, &titles(), &[object()]).unwrap();
+        assert_eq!(refused.first().map(|of| of.reason), reason, "{status:04X}");
+        let heard = server.heard();
+        let sent = Syntax::ExplicitLittleEndian.encoded(object().dataset()).unwrap();
+        assert_eq!((heard.len(), &heard[1]), (2, &sent));
+    }
+}
+
+#[test]
+fn an_object_whose_kind_the_server_does_not_know_is_not_stored_and_that_will_last() {
+    let mut server = Script::new(&[accepts(&[])]);
+    let refused = store(&mut server, &titles(), &[object()]).unwrap();
+    assert_eq!(refused, [NotStored { reason: 0x0122 }]);
+    assert!(!refused[0].is_passing() && server.heard().is_empty());
+}
+
+#[test]
+fn a_study_is_listed_series_by_series() {
+    let study = Study::new("ab", "4711").unwrap();
+    let series = |uid: &str| Dataset::new().text(tags::SERIES_INSTANCE_UID, uid);
+    let image = |uid: &str| {
+        Dataset::new().text(tags::SOP_INSTANCE_UID, uid).text(tags::SOP_CLASS_UID, "1.9")
+    };
+    let (pending, done) = (|set| answer(0x20, 0xff00, Some(set)), answer(0x20, 0, None));
+    let mut server = Script::new(&[
+        accepts(&[1]),
+        pending(series("1.2")),
+        pending(series("1.3")),
+        done.clone(),
+        pending(image("1.4")),
+        done.clone(),
+        pending(image("1.5")),
+        pending(image("1.6")),
+        done,
+    ]);
+    let found = listed(&mut server, &titles(), &study).unwrap();
+    let found: Vec<_> = found.iter().map(|of| (of.series.as_str(), of.uid.as_str())).collect();
+    assert_eq!(found, [("1.2", "1.4"), ("1.3", "1.5"), ("1.3", "1.6")]);
+    let queries = server.heard();
+    let asked = |at: usize, tag| {
+        text_of(&reading::read(Syntax::ExplicitLittleEndian, &queries[at]).unwrap(), tag)
+    };
+    assert_eq!(asked(1, tags::QUERY_RETRIEVE_LEVEL).as_deref(), Some("SERIES"));
+    for (at, series) in [(3, "1.2"), (5, "1.3")] {
+        assert_eq!(asked(at, tags::QUERY_RETRIEVE_LEVEL).as_deref(), Some("IMAGE"));
+        assert_eq!(asked(at, tags::SERIES_INSTANCE_UID).as_deref(), Some(series));
+        assert_eq!(asked(at, tags::STUDY_INSTANCE_UID), Some(study.uid()));
+    }
+}
+
+#[test]
+fn answers_are_text_whatever_their_character_set_and_no_more_of_them_than_were_asked_for() {
+    // U+00DC is DC in ISO 8859-1, and C3 9C in UTF-8.
+    let name = |set: &str| {
+        Dataset::new()
+            .text(tags::SPECIFIC_CHARACTER_SET, set)
+            .text(tags::PATIENT_NAME, "\u{dc}ber^A")
+    };
+    let packets = [
+        accepts(&[1]),
+        answer(0x20, 0xff00, Some(name("ISO_IR 100"))),
+        answer(0x20, 0xff01, Some(name("ISO_IR 192"))),
+        answer(0x20, 0, None),
+    ];
+    let found = search(&packets, 2).unwrap();
+    let names: Vec<_> = found.iter().map(|of| text_of(of, tags::PATIENT_NAME).unwrap()).collect();
+    assert_eq!(names, ["\u{dc}ber^A", "\u{dc}ber^A"]);
+    assert!(matches!(search(&packets, 1), Err(DimseFault::TooMany { most: 1 })));
+}
+
+#[test]
+fn a_server_that_rejects_aborts_refuses_or_dies_is_told_apart() {
+    let why = AssociationRJSource::ServiceUser(
+        AssociationRJServiceUserReason::CallingAETitleNotRecognized,
+    );
+    let rejects = AssociationRJ { result: AssociationRJResult::Permanent, source: why };
+    let aborts = Pdu::AbortRQ { source: AbortRQSource::ServiceUser };
+    let fault = |packets: &[Pdu]| search(packets, 1).unwrap_err().to_string();
+    let rejected = "the server rejects the association: calling AE title not recognized";
+    assert_eq!(fault(&[Pdu::AssociationRJ(rejects)]), rejected);
+    assert_eq!(fault(&[accepts(&[1]), aborts]), "the server aborts the association");
+    let status = fault(&[accepts(&[1]), answer(0x20, 0xa700, None)]);
+    assert_eq!(status, "the server answers with the status A700");
+    let worklist = "the server does not accept the service 1.2.840.10008.5.1.4.31";
+    assert_eq!(fault(&[accepts(&[])]), worklist);
+    assert!(matches!(search(&[], 1), Err(DimseFault::Connection(_))));
+    assert!(matches!(search(&[accepts(&[1])], 1), Err(DimseFault::Connection(_))));
+    let other = answer(0x01, 0, None);
+    assert!(matches!(search(&[accepts(&[1]), other], 1), Err(DimseFault::Unexpected)));
+}
+
+#[test]
+fn a_server_that_answers_and_lets_search_is_reached() {
+    let answers = [accepts(&[1, 3]), answer(0x30, 0, None), answer(0x20, 0, None)];
+    reach(Script::new(&answers), &titles()).unwrap();
+    echo(Script::new(&answers), &titles()).unwrap();
+    assert!(reach(Script::new(&[accepts(&[1]), answer(0x30, 0, None)]), &titles()).is_err());
+}
+
+#[test]
+fn a_packet_longer_than_agreed_is_not_read() {
+    let mut server = Script::new(&[accepts(&[1])]);
+    server.says.get_mut().extend([4, 0, 0xff, 0xff, 0xff, 0xff]);
+    let fault = echo(server, &titles()).unwrap_err();
+    assert!(matches!(fault, DimseFault::TooLong { bytes: 0xffff_ffff, .. }), "{fault}");
+}
+
+#[test]
+fn an_element_that_claims_more_than_there_is_and_endless_nesting_are_not_read() {
+    let read = |bytes: &[u8]| reading::read(Syntax::ExplicitLittleEndian, bytes);
+    let claims = b"\x42\0\x11\0OB\0\0\xf0\xff\xff\x7fabcd";
+    assert!(matches!(read(claims), Err(DimseFault::Cut)));
+    let level = b"\x40\0\x00\x01SQ\0\0\xff\xff\xff\xff\xfe\xff\0\xe0\xff\xff\xff\xff";
+    let fault = read(&level.repeat(10_000)).unwrap_err();
+    assert!(matches!(fault, DimseFault::TooDeep { most: 8 }), "{fault}");
+    let sent = Syntax::ExplicitLittleEndian.encoded(object().dataset()).unwrap();
+    assert_eq!(read(&sent).unwrap().iter().count(), object().dataset().iter().count());
+    for end in 1..sent.len() {
+        // Between two elements the rest is whole.
+        let _ = read(&sent[..end]);
+    }
+}
+
+#[test]
+fn a_title_is_what_an_association_can_carry() {
+    for text in ["GAITER", "A", "booth 1", "ABCDEFGHIJKLMNOP"] {
+        assert_eq!(AeTitle::new(text).unwrap().as_str(), text);
+    }
+    for text in ["", " A", "A ", "ABCDEFGHIJKLMNOPQ", "A\\B", "\u{dc}", "A\n"] {
+        assert_eq!(AeTitle::new(text), Err(TitleFault), "{text:?}");
+    }
+}
