@@ -4,6 +4,7 @@
 pub mod archive;
 mod authorization;
 pub mod brief;
+mod connection;
 #[cfg(feature = "dicom")]
 pub mod dicom;
 pub mod durable;

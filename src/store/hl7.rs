@@ -19,8 +19,8 @@ use gaiter_record::hl7::{self, Acknowledgment, Hl7Rules, PdfForm};
 use gaiter_record::sha256;
 use jiff::Timestamp;
 
-use self::mllp::Receiver;
 use self::sent::{Sent, SentMessages};
+use super::connection::Peer;
 use super::exchange::ExchangeFolder;
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
@@ -97,10 +97,10 @@ impl Hl7Store {
         Some(ExchangeFolder::new(self.way.folder()?.clone(), &self.station))
     }
 
-    fn receiver(&self) -> Option<Receiver<'_>> {
+    fn receiver(&self) -> Option<Peer<'_>> {
         match &self.way {
             Hl7Way::Mllp { host, port, tls, limit } => {
-                Some(Receiver { host, port: *port, tls: tls.as_ref(), limit: *limit })
+                Some(Peer { host, port: *port, tls: tls.as_ref(), limit: *limit })
             }
             Hl7Way::Files(_) => None,
         }
@@ -119,7 +119,7 @@ impl Hl7Store {
         let connection = receiver.connected().map_err(ServerFault::Http)?;
         let before = self.sent.of(key)?;
         self.sent.note(key, &Sent { is_answered: false, ..sent.clone() })?;
-        let answer = receiver.exchange(connection, message).map_err(ServerFault::Http)?;
+        let answer = mllp::exchange(&receiver, connection, message).map_err(ServerFault::Http)?;
         match accepted(&answer, &sent.control, patient) {
             Ok(()) => self.sent.note(key, sent),
             Err(fault @ (StoreFault::Permanent(_) | StoreFault::Server(ServerFault::Later(_)))) => {
