@@ -4,7 +4,7 @@
 pub mod archive;
 mod authorization;
 pub mod brief;
-mod connection;
+pub(crate) mod connection;
 #[cfg(feature = "dicom")]
 pub mod dicom;
 pub mod durable;

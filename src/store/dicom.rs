@@ -1,47 +1,48 @@
-//! An archive of images (PACS) as a store: each record is a study of DICOM objects, stored over DICOMweb (STOW-RS).
+//! An archive of images (PACS) as a store: each record is a study of DICOM objects, stored over DICOMweb (STOW-RS) or
+//! over an association (C-STORE).
 //!
-//! The server itself is the register. What it shows of the study (QIDO-RS) is compared with the objects of the record,
-//! whose UIDs are always the same: only what is missing is sent, and a record counts as stored once the server shows
-//! all of it, whatever it answered.
+//! The server itself is the register. What it shows of the study (QIDO-RS, C-FIND) is compared with the objects of the
+//! record, whose UIDs are always the same: only what is missing is sent, and a record counts as stored once the server
+//! shows all of it, whatever it answered.
 
 mod answers;
+mod dimse;
 mod server;
 #[cfg(test)]
 mod tests;
+mod web;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gaiter_dicom::{
-    DicomObject, DicomRules, EncodeFault, Listed, PatientIdFault, Sent, Study, objects, web,
-    withdrawal,
+    DicomObject, DicomRules, EncodeFault, Listed, PatientIdFault, Sent, Study, objects, withdrawal,
 };
 use gaiter_flow::ScanId;
-use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient};
-use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
-use http::{Method, Uri};
 use jiff::Timestamp;
 
-use super::authorization::{self, secret_words};
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
-pub use server::{DicomAccess, DicomServer};
+use dimse::DimseArchive;
+pub use server::{DicomAccess, DicomServer, DicomWay, DimseServer};
+use web::WebArchive;
 
-/// The search for studies of a patient whom no archive knows.
-const TRIAL_SEARCH: &str = "studies?PatientID=gaiter-check&limit=1";
-
-/// What was stored a moment ago must be found.
-const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
-
-/// Requests of a long step: one that looks what is there, one that stores, one that looks again.
+/// Requests or associations of a long step: one that looks what is there, one that stores, one that looks again.
 const REQUESTS_MOST: u32 = 3;
+
+/// The server, by how it is asked.
+#[derive(Debug)]
+enum Archive {
+    Web(WebArchive),
+    Dimse(DimseArchive),
+}
 
 /// An archive of images as a store.
 #[derive(Debug)]
 pub struct DicomStore {
     server: DicomServer,
     rules: DicomRules,
-    client: HttpsClient,
+    archive: Archive,
     /// The station's name: a withdrawal names it.
     station: String,
 }
@@ -52,57 +53,28 @@ impl DicomStore {
 
     /// The store of a station, of objects by `rules`, at this server.
     pub fn new(server: DicomServer, rules: DicomRules, station: &str) -> DicomStore {
-        let client = HttpsClient::new(server.tls.clone(), None, server.limit);
-        DicomStore { server, rules, client, station: station.to_owned() }
+        let archive = match server.way.clone() {
+            DicomWay::Web { base, access, tls } => {
+                Archive::Web(WebArchive::new(base, access, tls, server.limit))
+            }
+            DicomWay::Dimse(dimse) => Archive::Dimse(DimseArchive::new(dimse, server.limit)),
+        };
+        DicomStore { server, rules, archive, station: station.to_owned() }
     }
 
     /// What the server has of a study.
     fn listed(&self, study: &Study, patient: &str) -> Result<Vec<Listed>, StoreFault> {
-        let (answer, secret) = self.ask(Method::GET, &web::search(study), None)?;
-        answers::listed(&answer, &without(&secret, patient))
+        match &self.archive {
+            Archive::Web(archive) => archive.listed(study, patient),
+            Archive::Dimse(archive) => archive.listed(study),
+        }
     }
 
     /// Sends objects. Whether the server has them, only a search tells.
     fn send(&self, objects: &[DicomObject], patient: &str) -> Result<(), StoreFault> {
-        let body = web::multipart(objects).map_err(unwritable)?;
-        let (answer, secret) = self.ask(Method::POST, "studies", Some(body))?;
-        answers::stored(&answer, objects.len(), &without(&secret, patient))
-    }
-
-    /// Asks the server for a path below its base, with a body of this media type or without. Returns the answer, and the
-    /// words that must get into no log.
-    fn ask(
-        &self,
-        method: Method,
-        path: &str,
-        body: Option<(String, Vec<u8>)>,
-    ) -> Result<(HttpAnswer, Vec<String>), ServerFault> {
-        let json = HeaderValue::from_static(web::JSON);
-        let mut headers: Vec<(HeaderName, HeaderValue)> =
-            vec![(ACCEPT, json), (CACHE_CONTROL, ANEW)];
-        let address = format!("{}/{path}", self.server.base);
-        let uri: Uri = address.parse().map_err(|_| HttpFault::from(EndpointFault::Address))?;
-        let body = match body {
-            Some((media_type, body)) => {
-                let media_type = HeaderValue::from_str(&media_type);
-                let media_type = media_type.map_err(|_| HttpFault::from(EndpointFault::Address))?;
-                headers.push((CONTENT_TYPE, media_type));
-                body
-            }
-            None => Vec::new(),
-        };
-        let shown = self.authorization()?;
-        let secret = shown.as_ref().map(secret_words).unwrap_or_default();
-        headers.extend(shown.map(|shown| (AUTHORIZATION, shown)));
-        Ok((self.client.send(HttpRequest { method, uri, headers, body })?, secret))
-    }
-
-    /// What the header `Authorization` holds; `None` if none is needed.
-    fn authorization(&self) -> Result<Option<HeaderValue>, ServerFault> {
-        match &self.server.access {
-            DicomAccess::Open => Ok(None),
-            DicomAccess::Basic { user, password } => authorization::basic(user, password).map(Some),
-            DicomAccess::Bearer { token } => authorization::bearer(token).map(Some),
+        match &self.archive {
+            Archive::Web(archive) => archive.send(objects, patient),
+            Archive::Dimse(archive) => archive.send(objects),
         }
     }
 }
@@ -113,7 +85,7 @@ impl RecordStore for DicomStore {
     }
 
     fn place(&self) -> String {
-        self.server.base.clone()
+        self.server.place()
     }
 
     fn is_server(&self) -> bool {
@@ -121,10 +93,10 @@ impl RecordStore for DicomStore {
     }
 
     fn own_certificate(&self) -> Option<&Path> {
-        self.server.tls.own.as_ref().map(|(certificate, _)| certificate.as_path())
+        self.server.tls()?.own.as_ref().map(|(certificate, _)| certificate.as_path())
     }
 
-    /// Each request has the limit for itself.
+    /// Each request or association has the limit for itself.
     fn step_most(&self) -> Duration {
         self.server.limit * REQUESTS_MOST
     }
@@ -139,8 +111,10 @@ impl RecordStore for DicomStore {
 
     /// Whether it lets the station search. Whether it lets it store, the first record tells.
     fn reach(&self) -> Result<(), StoreFault> {
-        let (answer, secret) = self.ask(Method::GET, TRIAL_SEARCH, None)?;
-        answers::is_archive(&answer, &without(&secret, ""))
+        match &self.archive {
+            Archive::Web(archive) => archive.reach(),
+            Archive::Dimse(archive) => archive.reach(),
+        }
     }
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
@@ -228,9 +202,4 @@ fn unwritable(fault: EncodeFault) -> StoreFault {
 
 fn is_shown(object: &DicomObject, listed: &[Listed]) -> bool {
     listed.iter().any(|of| of.uid == object.uid())
-}
-
-/// The words that must get into no log: those of the credentials, and the patient's id.
-fn without<'w>(secret: &'w [String], patient: &'w str) -> Vec<&'w str> {
-    secret.iter().map(String::as_str).chain([patient]).collect()
 }

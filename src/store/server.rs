@@ -39,6 +39,10 @@ pub enum ServerFault {
     /// The answer is none that its protocol has.
     #[error("the server's answer cannot be used: {0}")]
     Answer(String),
+    /// A server that is asked over associations does not do it now.
+    #[cfg(feature = "dicom")]
+    #[error("the DICOM server cannot do it now: {0}")]
+    Dimse(gaiter_dicom::dimse::DimseFault),
     /// A receiver of messages does not take one now.
     #[error("the receiver cannot take the message now: {0}")]
     Later(String),
@@ -84,6 +88,8 @@ impl ServerFault {
             ServerFault::Later(_) | ServerFault::Answer(_) => true,
             ServerFault::Http(fault) => matches!(fault, HttpFault::TooLong { .. }),
             ServerFault::Busy { status, .. } => matches!(status, 409 | 412 | 423),
+            #[cfg(feature = "dicom")]
+            ServerFault::Dimse(fault) => fault.is_of_an_answer(),
             ServerFault::Secret(_)
             | ServerFault::SiteKey(_)
             | ServerFault::Forbidden { .. }
@@ -111,6 +117,8 @@ impl ServerFault {
                 Cause::known("server-no-token", [("why", fault.to_string())])
             }
             ServerFault::Answer(why) => Cause::known("server-answer", [("why", why.clone())]),
+            #[cfg(feature = "dicom")]
+            ServerFault::Dimse(fault) => Cause::known("server-dimse", [("why", fault.to_string())]),
             ServerFault::Later(why) => Cause::known("receiver-later", [("why", why.clone())]),
         }
     }
@@ -137,6 +145,8 @@ mod tests {
             ServerFault::SiteKey(WordFault::SiteKey),
             ServerFault::Answer("no bundle".to_owned()),
             ServerFault::Later("AE: full".to_owned()),
+            #[cfg(feature = "dicom")]
+            ServerFault::Dimse(gaiter_dicom::dimse::DimseFault::Aborted),
             ServerFault::Http(HttpFault::Redirect),
         ] {
             let cause = fault.cause();

@@ -14,7 +14,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use gaiter::store::DicomStore;
-use gaiter::store::dicom::{DicomAccess, DicomServer};
+use gaiter::store::dicom::{DicomAccess, DicomServer, DicomWay, DimseServer};
+use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_dicom::{DicomObject, DicomRules, Sent, SopClass, Study, objects};
 use gaiter_https::{Secret, TlsFiles};
 use gaiter_leg::Side;
@@ -110,6 +111,7 @@ fn expected(scan: &Scan) -> BTreeMap<String, String> {
 struct Orthanc {
     folder: TempDir,
     port: u16,
+    dicom_port: u16,
     process: Child,
 }
 
@@ -130,13 +132,14 @@ impl Orthanc {
             "StorageDirectory": path("db"), "IndexDirectory": path("index"),
             "Plugins": ["/usr/share/orthanc/plugins/libOrthancDicomWeb.so"],
             "HttpPort": port, "DicomPort": dicom_port, "RemoteAccessAllowed": false,
+            "DicomAlwaysAllowStore": true, "DicomAlwaysAllowFind": true,
             "AuthenticationEnabled": true, "RegisteredUsers": {"clinic": "pw"},
             "DicomWeb": {"Enable": true, "Root": "/dicom-web/"},
         });
         fs::write(path("orthanc.json"), settings.to_string()).unwrap();
         fs::write(path("secret"), "pw\n").unwrap();
         let process = Orthanc::started(folder.path());
-        let orthanc = Orthanc { folder, port, process };
+        let orthanc = Orthanc { folder, port, dicom_port, process };
         orthanc.is_up();
         orthanc
     }
@@ -166,11 +169,26 @@ impl Orthanc {
     fn store(&self) -> Store {
         let password = Secret::File(self.folder.path().join("secret"));
         let server = DicomServer {
-            base: format!("http://127.0.0.1:{}/dicom-web", self.port),
-            access: DicomAccess::Basic { user: "clinic".to_owned(), password },
-            tls: TlsFiles::default(),
+            way: DicomWay::Web {
+                base: format!("http://127.0.0.1:{}/dicom-web", self.port),
+                access: DicomAccess::Basic { user: "clinic".to_owned(), password },
+                tls: TlsFiles::default(),
+            },
             limit: Duration::from_secs(50),
         };
+        Box::new(DicomStore::new(server, rules(), "booth-1"))
+    }
+
+    /// The same server, asked over associations.
+    fn by_associations(&self) -> Store {
+        let title = |text: &str| AeTitle::new(text).unwrap();
+        let server = DimseServer {
+            host: "127.0.0.1".to_owned(),
+            port: self.dicom_port,
+            titles: Titles { calling: title("GAITER"), called: title("ORTHANC") },
+            tls: None,
+        };
+        let server = DicomServer { way: DicomWay::Dimse(server), limit: Duration::from_secs(50) };
         Box::new(DicomStore::new(server, rules(), "booth-1"))
     }
 
@@ -231,4 +249,24 @@ fn orthanc_that_wants_another_password_is_asked_again_and_gets_nothing() {
     assert!(fault.contains("401") && !fault.contains("other"), "{fault}");
     fs::write(orthanc.folder.path().join("secret"), "pw\n").unwrap();
     assert_eq!(orthanc.count(), 0);
+}
+
+#[test]
+#[ignore = "needs Orthanc in a network of its own, run by .ci/run"]
+fn orthanc_over_associations_has_the_same_objects_once_and_takes_them_back() {
+    let orthanc = Orthanc::new();
+    let scan = with_mesh(&SCANS[1]);
+    let store = orthanc.by_associations();
+    store.reach().unwrap();
+    let receipt = put(&store, &scan);
+    assert!(!receipt.already_there);
+    assert_eq!(orthanc.count(), 3);
+    for _ in 0..REPLAYS {
+        assert!(put(&store, &scan).already_there);
+    }
+    // Over DICOMweb, too, it is there already.
+    assert!(put(&orthanc.store(), &scan).already_there);
+    assert_eq!(orthanc.count(), 3);
+    store.withdraw(&scan.id, Some(PATIENT), None, receipt.folder.to_str()).unwrap();
+    assert_eq!(orthanc.count(), 4);
 }

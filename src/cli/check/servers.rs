@@ -55,11 +55,16 @@ fn hl7_rows(config: &Hl7StoreConfig, store: &dyn RecordStore) -> Vec<Row> {
     rows.extend(tls.as_ref().and_then(|tls| of_certificate(tls, Timestamp::now())));
     rows.push(tried("HL7 receiver", store, own.as_slice(), "takes a connection"));
     if tls.is_none() && !is_this_machine(host) {
-        let detail = "not encrypted: anyone in the network can read the results; \
-                      encryption = \"tls\" if the receiver can";
-        rows.push(Row::at("encryption", store.place(), Verdict::Warn, detail));
+        rows.push(not_encrypted(store));
     }
     rows
+}
+
+/// A warning that what goes to a server can be read on the way.
+fn not_encrypted(store: &dyn RecordStore) -> Row {
+    let detail = "not encrypted: anyone in the network can read the results; \
+                  encryption = \"tls\" if the receiver can";
+    Row::at("encryption", store.place(), Verdict::Warn, detail)
 }
 
 fn archive_rows(config: &ArchiveStoreConfig, store: &dyn RecordStore) -> Vec<Row> {

@@ -1,12 +1,13 @@
 //! `[store.dicom]`: an archive of images.
 
 use gaiter_dicom::attachable;
+use gaiter_dicom::dimse::{AeTitle, Titles};
 
-use super::{TlsKeys, address, file_name, line, secret, tls, user};
+use super::{TlsKeys, address, file_name, host_and_port, line, secret, tls, user};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
 use crate::config::words::Words;
-use crate::store::dicom::{DicomAccess, DicomServer};
+use crate::store::dicom::{DicomAccess, DicomServer, DicomWay, DimseServer};
 
 /// `[store.dicom]`: an archive of images that gets every named record.
 #[derive(Debug, Clone)]
@@ -30,6 +31,16 @@ enum Kind {
 const KINDS: Words<Kind> =
     &[("open", Kind::Open), ("basic", Kind::Basic), ("bearer", Kind::Bearer)];
 
+/// `store.dicom.encryption`
+const ENCRYPTIONS: Words<bool> = &[("tls", true), ("none", false)];
+
+/// Where an archive is, and by its form how it is asked.
+#[derive(Debug, Clone)]
+enum Place {
+    Web(String),
+    Dimse(String, u16),
+}
+
 const TLS: TlsKeys = TlsKeys {
     authorities: "store.dicom.authorities",
     certificate: "store.dicom.certificate",
@@ -42,21 +53,57 @@ const ISSUER_MOST: usize = 64;
 /// Reads the keys of `[store.dicom]`. Without an address the section is off.
 pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreConfig>> {
     use Absent::Default;
-    let base = reader.text("store.dicom.address", Default(""), or_none(address));
+    let place = reader.text("store.dicom.address", Default(""), or_none(place));
     let issuer = reader.text("store.dicom.issuer", Default(""), issuer);
     let attach = "report.pdf\", \"left.stl\", \"right.stl";
     let attach = reader.list("store.dicom.attach", Default(attach), attached);
     let access = access(reader);
+    let titles = titles(reader);
+    let encryption =
+        reader.text("store.dicom.encryption", Default("tls"), parse::word(ENCRYPTIONS));
     let tls = tls(reader, &TLS);
     let limit =
         reader.text("store.dicom.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
-    let Some(base) = base?.value else { return Some(None) };
-    let server = DicomServer { base, access: access?, tls: tls?, limit: limit?.value };
+    let Found { value: Some(place), at } = place? else { return Some(None) };
+    let (access, (calling, called), encryption, tls) = (access?, titles?, encryption?.value, tls?);
+    let way = match (place, called, access) {
+        (Place::Web(base), None, access) => Ok(DicomWay::Web { base, access, tls }),
+        (Place::Dimse(host, port), Some(called), DicomAccess::Open) => {
+            let (titles, tls) = (Titles { calling, called }, encryption.then_some(tls));
+            Ok(DicomWay::Dimse(DimseServer { host, port, titles, tls }))
+        }
+        (Place::Web(_), Some(_), _) => Err(What::Together("store.dicom.server")),
+        (Place::Dimse(..), None, _) => Err(What::Without("store.dicom.server")),
+        (Place::Dimse(..), Some(_), _) => Err(What::Together("store.dicom.access")),
+    };
+    let way = way.map_err(|what| reader.note(at, "store.dicom.address", what)).ok()?;
+    let server = DicomServer { way, limit: limit?.value };
     Some(Some(DicomStoreConfig {
         server,
         issuer: issuer?.value,
         attach: attach.into_iter().map(|found| found.value).collect(),
     }))
+}
+
+/// The base address of DICOMweb, or host and port of a server that takes associations.
+fn place(text: &str) -> Result<Place, What> {
+    match text.contains("://") {
+        true => address(text).map(Place::Web),
+        false => host_and_port(text).map(|(host, port)| Place::Dimse(host, port)),
+    }
+}
+
+/// The titles of the station and of the server, which has one only if associations are asked for.
+fn titles(reader: &mut Reader) -> Option<(AeTitle, Option<AeTitle>)> {
+    use Absent::Default;
+    let called = reader.text("store.dicom.server", Default(""), or_none(title));
+    let calling = reader.text("store.dicom.title", Default("GAITER"), title);
+    Some((calling?.value, called?.value))
+}
+
+fn title(text: &str) -> Result<AeTitle, What> {
+    let hint = "write 1 to 16 letters, digits and signs of ASCII, as in \"ORTHANC\"";
+    AeTitle::new(text).map_err(|_| not_a(text, "a valid AE title", hint))
 }
 
 /// How the station authenticates.

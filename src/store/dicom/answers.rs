@@ -55,16 +55,19 @@ pub(super) fn stored(answer: &HttpAnswer, count: usize, secret: &[&str]) -> Resu
     }
     // What is no JSON is nothing that is looked for in it.
     let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
-    let failed = web::not_stored(&json);
-    let lasting = failed.iter().find(|of| !of.is_passing());
+    judged(&web::not_stored(&json), count, status)?;
+    if answer.is_success() { Ok(()) } else { Err(refusal(answer, secret)) }
+}
+
+/// What it means that some of so many objects were not stored: if one never will be, a person must decide.
+pub(super) fn judged(failed: &[NotStored], count: usize, status: u16) -> Result<(), StoreFault> {
     let why = |of: &NotStored| {
         format!("{} of {count} objects were not stored, reason {:04X}", failed.len(), of.reason)
     };
-    match (lasting, failed.first()) {
+    match (failed.iter().find(|of| !of.is_passing()), failed.first()) {
         (Some(of), _) => Err(refused(status, why(of))),
         (None, Some(of)) => Err(ServerFault::Busy { status, why: why(of) }.into()),
-        (None, None) if answer.is_success() => Ok(()),
-        (None, None) => Err(refusal(answer, secret)),
+        (None, None) => Ok(()),
     }
 }
 

@@ -2,19 +2,44 @@
 
 use std::time::Duration;
 
-use gaiter_https::{Secret, TlsFiles};
+use gaiter_dicom::dimse::Titles;
+use gaiter_https::{Endpoint, Secret, TlsFiles};
 
 /// Where an archive of images is and how it is asked.
 #[derive(Debug, Clone)]
 pub struct DicomServer {
-    /// The base address of its DICOMweb services, without a slash at its end.
-    pub base: String,
-    /// How the station authenticates.
-    pub access: DicomAccess,
-    /// What connections trust.
-    pub tls: TlsFiles,
+    /// How it is asked, and where.
+    pub way: DicomWay,
     /// For a whole exchange.
     pub limit: Duration,
+}
+
+/// How an archive of images is asked.
+#[derive(Debug, Clone)]
+pub enum DicomWay {
+    /// Over DICOMweb.
+    Web {
+        /// The base address of its services, without a slash at its end.
+        base: String,
+        /// How the station authenticates.
+        access: DicomAccess,
+        /// What connections trust.
+        tls: TlsFiles,
+    },
+    /// Over associations (DIMSE).
+    Dimse(DimseServer),
+}
+
+/// A server that takes associations.
+#[derive(Debug, Clone)]
+pub struct DimseServer {
+    /// Name or address; an address of IPv6 in brackets.
+    pub host: String,
+    pub port: u16,
+    /// Who asks whom.
+    pub titles: Titles,
+    /// What is trusted; `None` for a connection that is not encrypted.
+    pub tls: Option<TlsFiles>,
 }
 
 /// How the station authenticates. A certificate of its own is part of the connection.
@@ -31,12 +56,40 @@ pub enum DicomAccess {
 impl DicomServer {
     /// Every secret that connections with it need.
     pub fn secrets(&self) -> Vec<&Secret> {
-        let of_access = match &self.access {
-            DicomAccess::Open => None,
-            DicomAccess::Basic { password, .. } => Some(password),
-            DicomAccess::Bearer { token } => Some(token),
+        let of_access = match &self.way {
+            DicomWay::Web { access: DicomAccess::Basic { password, .. }, .. } => Some(password),
+            DicomWay::Web { access: DicomAccess::Bearer { token }, .. } => Some(token),
+            DicomWay::Web { access: DicomAccess::Open, .. } | DicomWay::Dimse(_) => None,
         };
-        let own = self.tls.own.as_ref().map(|(_, key)| key);
+        let own = self.tls().and_then(|tls| tls.own.as_ref()).map(|(_, key)| key);
         of_access.into_iter().chain(own).collect()
+    }
+
+    /// What connections trust; `None` for one that is not encrypted.
+    pub fn tls(&self) -> Option<&TlsFiles> {
+        match &self.way {
+            DicomWay::Web { tls, .. } => Some(tls),
+            DicomWay::Dimse(server) => server.tls.as_ref(),
+        }
+    }
+
+    /// Its address, for people.
+    pub fn place(&self) -> String {
+        match &self.way {
+            DicomWay::Web { base, .. } => base.clone(),
+            DicomWay::Dimse(DimseServer { host, port, titles, .. }) => {
+                format!("dicom://{}@{host}:{port}", titles.called.as_str())
+            }
+        }
+    }
+
+    /// The host that the station connects to.
+    pub fn host(&self) -> Option<String> {
+        match &self.way {
+            DicomWay::Web { base, .. } => {
+                Some(Endpoint::from_uri(&base.parse().ok()?).ok()?.name().to_owned())
+            }
+            DicomWay::Dimse(server) => Some(server.host.trim_matches(['[', ']']).to_owned()),
+        }
     }
 }

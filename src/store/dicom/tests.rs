@@ -1,9 +1,11 @@
 //! The store against an archive of a few lines: what it sends, and what it makes of each answer.
 
 use std::io::Write;
+use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
 
-use gaiter_https::TlsFiles;
+use gaiter_dicom::dimse::{AeTitle, Titles};
+use gaiter_https::{HttpFault, TlsFiles};
 use gaiter_record::RecordFile;
 use serde_json::{Value, json};
 use support::http_server::{answer, request_of, serve};
@@ -99,9 +101,11 @@ impl Archive {
 
     fn store(&self) -> DicomStore {
         let server = DicomServer {
-            base: format!("http://127.0.0.1:{}/dicom-web", self.port),
-            access: DicomAccess::Open,
-            tls: TlsFiles::default(),
+            way: DicomWay::Web {
+                base: format!("http://127.0.0.1:{}/dicom-web", self.port),
+                access: DicomAccess::Open,
+                tls: TlsFiles::default(),
+            },
             limit: Duration::from_secs(30),
         };
         DicomStore::new(server, dicom_rules(&["report.pdf"]), "booth-1")
@@ -226,4 +230,38 @@ fn an_address_without_an_archive_is_told_apart_from_an_archive_without_the_study
     archive.becomes(Mode::Say("200 OK", "<html>welcome</html>"));
     let fault = store.reach().unwrap_err();
     assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
+}
+
+/// A server of associations on this machine, and a store that has so long for it.
+fn by_associations(limit: Duration) -> (TcpListener, DicomStore) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let title = |text: &str| AeTitle::new(text).unwrap();
+    let server = DimseServer {
+        host: "127.0.0.1".to_owned(),
+        port: listener.local_addr().unwrap().port(),
+        titles: Titles { calling: title("GAITER"), called: title("PACS") },
+        tls: None,
+    };
+    let server = DicomServer { way: DicomWay::Dimse(server), limit };
+    (listener, DicomStore::new(server, dicom_rules(&["report.pdf"]), "booth-1"))
+}
+
+#[test]
+fn a_server_of_associations_that_hangs_or_dies_is_asked_again() {
+    // Nobody accepts: the system does, and nothing is answered.
+    let (_listener, store) = by_associations(Duration::from_millis(200));
+    let fault = put(&store, "4711", 1).unwrap_err();
+    assert!(
+        matches!(fault, StoreFault::Server(ServerFault::Http(HttpFault::TimedOut { .. }))),
+        "{fault}"
+    );
+    let (listener, store) = by_associations(Duration::from_secs(30));
+    let dies = std::thread::spawn(move || drop(listener.accept()));
+    let fault = put(&store, "4711", 1).unwrap_err();
+    dies.join().unwrap();
+    assert!(
+        matches!(fault, StoreFault::Server(ServerFault::Http(HttpFault::Broken { .. }))),
+        "{fault}"
+    );
+    assert!(store.place().starts_with("dicom://PACS@127.0.0.1:"), "{}", store.place());
 }

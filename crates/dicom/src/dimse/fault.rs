@@ -77,3 +77,16 @@ pub enum DimseFault {
     #[error(transparent)]
     Encode(#[from] EncodeFault),
 }
+
+impl DimseFault {
+    /// Whether it is about one answer, so that another question may be answered.
+    pub fn is_of_an_answer(&self) -> bool {
+        !matches!(
+            self,
+            DimseFault::Connection(_)
+                | DimseFault::Rejected { .. }
+                | DimseFault::Aborted
+                | DimseFault::NotAccepted { .. }
+        )
+    }
+}

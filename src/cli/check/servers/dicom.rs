@@ -1,12 +1,14 @@
 //! The archive of images: whether it takes the station, and whether it gets what is to be sent.
 
+use gaiter_https::is_this_machine;
 use gaiter_leg::Side;
 use jiff::Timestamp;
 
-use super::{of_certificate, of_secret, tried};
+use super::{not_encrypted, of_certificate, of_secret, tried};
 use crate::cli::check::row::{Row, Verdict};
 use crate::config::{Config, DicomStoreConfig};
 use crate::station::stores::Stores;
+use crate::store::dicom::{DicomWay, DimseServer};
 use crate::store::{DicomStore, RecordStore};
 
 /// The rows of the archive, if there is one.
@@ -18,8 +20,13 @@ pub(super) fn rows(config: &Config, stores: &Stores) -> Vec<Row> {
 fn of_archive(config: &Config, dicom: &DicomStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
     let secrets = dicom.server.secrets();
     let mut rows: Vec<Row> = secrets.iter().map(|secret| of_secret(secret)).collect();
-    rows.extend(of_certificate(&dicom.server.tls, Timestamp::now()));
+    rows.extend(dicom.server.tls().and_then(|tls| of_certificate(tls, Timestamp::now())));
     rows.push(tried("DICOM archive", store, &secrets, "lets the station look for studies"));
+    if let DicomWay::Dimse(DimseServer { host, tls: None, .. }) = &dicom.server.way
+        && !is_this_machine(host)
+    {
+        rows.push(not_encrypted(store));
+    }
     rows.extend(of_attached(config, dicom, store));
     rows
 }

@@ -65,7 +65,7 @@ fn hosts(config: &Config) -> Vec<String> {
     }
     #[cfg(feature = "dicom")]
     if let Some(dicom) = &config.store.dicom {
-        hosts.extend(host_of(&dicom.server.base));
+        hosts.extend(dicom.server.host());
     }
     if let Some(archive) = &config.store.archive {
         hosts.extend(host_of(&archive.place.bucket.address));

@@ -1,0 +1,95 @@
+//! An archive asked over DICOMweb: STOW-RS and QIDO-RS.
+
+use std::time::Duration;
+
+use gaiter_dicom::{DicomObject, Listed, Study, web};
+use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient, TlsFiles};
+use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
+use http::{Method, Uri};
+
+use super::{DicomAccess, answers, unwritable};
+use crate::store::StoreFault;
+use crate::store::authorization::{self, secret_words};
+use crate::store::server::ServerFault;
+
+/// The search for studies of a patient whom no archive knows.
+const TRIAL_SEARCH: &str = "studies?PatientID=gaiter-check&limit=1";
+
+/// What was stored a moment ago must be found.
+const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
+
+/// An archive with DICOMweb.
+#[derive(Debug)]
+pub(super) struct WebArchive {
+    /// Without a slash at its end.
+    base: String,
+    access: DicomAccess,
+    client: HttpsClient,
+}
+
+impl WebArchive {
+    pub fn new(base: String, access: DicomAccess, tls: TlsFiles, limit: Duration) -> WebArchive {
+        WebArchive { base, access, client: HttpsClient::new(tls, None, limit) }
+    }
+
+    /// Whether it lets the station search. Whether it lets it store, the first record tells.
+    pub fn reach(&self) -> Result<(), StoreFault> {
+        let (answer, secret) = self.ask(Method::GET, TRIAL_SEARCH, None)?;
+        answers::is_archive(&answer, &without(&secret, ""))
+    }
+
+    /// What the server has of a study.
+    pub fn listed(&self, study: &Study, patient: &str) -> Result<Vec<Listed>, StoreFault> {
+        let (answer, secret) = self.ask(Method::GET, &web::search(study), None)?;
+        answers::listed(&answer, &without(&secret, patient))
+    }
+
+    /// Sends objects. Whether the server has them, only a search tells.
+    pub fn send(&self, objects: &[DicomObject], patient: &str) -> Result<(), StoreFault> {
+        let body = web::multipart(objects).map_err(unwritable)?;
+        let (answer, secret) = self.ask(Method::POST, "studies", Some(body))?;
+        answers::stored(&answer, objects.len(), &without(&secret, patient))
+    }
+
+    /// Asks the server for a path below its base, with a body of this media type or without. Returns the answer, and
+    /// the words that must get into no log.
+    fn ask(
+        &self,
+        method: Method,
+        path: &str,
+        body: Option<(String, Vec<u8>)>,
+    ) -> Result<(HttpAnswer, Vec<String>), ServerFault> {
+        let json = HeaderValue::from_static(web::JSON);
+        let mut headers: Vec<(HeaderName, HeaderValue)> =
+            vec![(ACCEPT, json), (CACHE_CONTROL, ANEW)];
+        let address = format!("{}/{path}", self.base);
+        let uri: Uri = address.parse().map_err(|_| HttpFault::from(EndpointFault::Address))?;
+        let body = match body {
+            Some((media_type, body)) => {
+                let media_type = HeaderValue::from_str(&media_type);
+                let media_type = media_type.map_err(|_| HttpFault::from(EndpointFault::Address))?;
+                headers.push((CONTENT_TYPE, media_type));
+                body
+            }
+            None => Vec::new(),
+        };
+        let shown = self.authorization()?;
+        let secret = shown.as_ref().map(secret_words).unwrap_or_default();
+        headers.extend(shown.map(|shown| (AUTHORIZATION, shown)));
+        Ok((self.client.send(HttpRequest { method, uri, headers, body })?, secret))
+    }
+
+    /// What the header `Authorization` holds; `None` if none is needed.
+    fn authorization(&self) -> Result<Option<HeaderValue>, ServerFault> {
+        match &self.access {
+            DicomAccess::Open => Ok(None),
+            DicomAccess::Basic { user, password } => authorization::basic(user, password).map(Some),
+            DicomAccess::Bearer { token } => authorization::bearer(token).map(Some),
+        }
+    }
+}
+
+/// The words that must get into no log: those of the credentials, and the patient's id.
+fn without<'w>(secret: &'w [String], patient: &'w str) -> Vec<&'w str> {
+    secret.iter().map(String::as_str).chain([patient]).collect()
+}
