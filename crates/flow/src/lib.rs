@@ -28,6 +28,7 @@ pub mod settle;
 pub mod trigger;
 pub mod views;
 pub mod words;
+pub mod worklist;
 
 pub use disposition::{Disposition, Task};
 pub use export::companions::{Companion, DoneFile, Group};

@@ -43,7 +43,8 @@ pub use files::{
 };
 pub use gaiter_leg::word_enum;
 pub use provenance::{
-    Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
+    Acquired, AcquiredFrom, Confidence, FIRST_REVISION, ImagingRequest, Patient, Provenance,
+    Source, SourceKind,
 };
 pub use report_files::{FilesFault, ReportChoice, report_files};
 pub use scan_id::ScanId;

@@ -66,6 +66,40 @@ pub struct Source {
     pub confidence: Option<Confidence>,
 }
 
+/// The request of a hospital system that an examination answers, as DICOM names it.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct ImagingRequest {
+    /// The study to which its results belong: Study Instance UID (0020,000D).
+    pub study_instance_uid: String,
+    /// Its number in the hospital system: Accession Number (0008,0050); missing if it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accession_number: Option<String>,
+}
+
+impl ImagingRequest {
+    /// The longest UID, characters (PS3.5, 9.1).
+    const UID_MOST: usize = 64;
+
+    /// The longest accession number, characters: DICOM allows 16 (VR SH), and some systems send more.
+    const ACCESSION_MOST: usize = 64;
+
+    /// The request of these texts, without the spaces around them; `None` if they are no UID and no number that
+    /// DICOM knows.
+    pub fn new(study_instance_uid: &str, accession_number: &str) -> Option<ImagingRequest> {
+        let (uid, number) = (study_instance_uid.trim(), accession_number.trim());
+        let is_part =
+            |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+        let is_uid = uid.len() <= ImagingRequest::UID_MOST && uid.split('.').all(is_part);
+        let is_number = number.chars().count() <= ImagingRequest::ACCESSION_MOST
+            && !number.chars().any(|sign| sign.is_control() || sign == '\\');
+        (is_uid && is_number).then(|| ImagingRequest {
+            study_instance_uid: uid.to_owned(),
+            accession_number: (!number.is_empty()).then(|| number.to_owned()),
+        })
+    }
+}
+
 /// How reliable a source of a patient's id is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

@@ -8,3 +8,4 @@ mod fleet;
 mod simulation;
 mod trigger_laws;
 mod typed_laws;
+mod worklist_laws;
