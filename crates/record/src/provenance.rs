@@ -55,6 +55,13 @@ pub struct Patient {
     pub sources: Vec<Source>,
 }
 
+impl Patient {
+    /// The request of a hospital system that the scan answers, if one was chosen.
+    pub fn request(&self) -> Option<&ImagingRequest> {
+        self.sources.iter().find_map(|source| source.request.as_ref())
+    }
+}
+
 /// One source of a patient id.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -64,6 +71,9 @@ pub struct Source {
     /// How reliable it is; missing for a record that was found in its store.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<Confidence>,
+    /// The request of a hospital system's worklist that was chosen with the patient; missing if none was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub request: Option<ImagingRequest>,
 }
 
 /// The request of a hospital system that an examination answers, as DICOM names it.
@@ -105,7 +115,7 @@ impl ImagingRequest {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Confidence {
-    /// A device read or sent it, and it was bound to the press of this scan.
+    /// A device read or sent it, or it was chosen from a worklist, and it was bound to the press of this scan.
     High,
     /// A person typed it, at the station or at the scanner.
     Medium,
@@ -122,7 +132,13 @@ impl Source {
             SourceKind::Sidecar => Some(Confidence::Low),
             SourceKind::Record => None,
         };
-        Source { kind, confidence }
+        Source { kind, confidence, request: None }
+    }
+
+    /// The same source, by which this request was chosen: then no person typed the id, and no expression found it.
+    pub fn with_request(self, request: Option<ImagingRequest>) -> Source {
+        let confidence = request.as_ref().map(|_| Confidence::High).or(self.confidence);
+        Source { confidence, request, ..self }
     }
 }
 

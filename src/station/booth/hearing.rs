@@ -74,7 +74,7 @@ impl Booth {
             warn!(event = "names-too-many");
             return self.unread(by, absent);
         }
-        let named = self.name(&mut inner, Named { id, by }, doubt, absent);
+        let named = self.name(&mut inner, Named::new(id, by), doubt, absent);
         // The name was given even if it could not be stored: the patient named before may have left.
         named.map(drop).inspect_err(|_| inner.captures.unread(absent))
     }
@@ -145,7 +145,7 @@ impl Booth {
             return Err(NameFault::AnotherNamed);
         }
         // If the journal fails, the person sees it and enters the name again.
-        Ok(self.name(&mut inner, Named { id, by }, None, Some(self.core.now()))?)
+        Ok(self.name(&mut inner, Named::new(id, by), None, Some(self.core.now()))?)
     }
 
     /// Names the patient of the next scan. `doubt` is the reason if the name is in doubt; at `absent` the name

@@ -2,7 +2,7 @@
 
 use gaiter_flow::ScanState;
 use gaiter_flow::round::{Doubt, Named, Names};
-use gaiter_record::SourceKind;
+use gaiter_record::{ImagingRequest, SourceKind};
 
 use super::super::journal::{BoothChange, Entry, ScanRow};
 use super::*;
@@ -27,7 +27,7 @@ fn taken_before(journal: &Journal, boot: &str) -> ScanId {
     let before = Rounds::new(rules(), Vec::new(), Names::default());
     let mut after = before.clone();
     after.receives(Duration::ZERO);
-    let named = Named { id: "4711".to_owned(), by: SourceKind::Operator };
+    let named = Named::new("4711".to_owned(), SourceKind::Operator);
     after.named(named, 1, SECOND * 1000, &[]);
     let capture = after.pressed(1, SECOND * 1001);
     let change = |before, after| BoothChange {
@@ -77,4 +77,27 @@ fn a_scan_that_is_refused_after_the_machine_has_started_anew_opens_its_capture_i
         // A second start finds the same.
         assert_eq!(after_start(&journal, &scan), (1, Some(Doubt::Unheard)), "{boot}");
     }
+}
+
+#[test]
+fn the_request_that_was_chosen_with_a_name_is_still_there_after_a_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
+    let request = ImagingRequest::new("1.2.276.4242", "ACC0815");
+    let named =
+        |id: &str| Named { request: request.clone(), ..Named::new(id, SourceKind::Operator) };
+    let before = Rounds::new(rules(), Vec::new(), Names::default());
+    let mut after = before.clone();
+    after.receives(Duration::ZERO);
+    after.named(named("4711"), 1, SECOND * 10, &[]);
+    after.pressed(1, SECOND * 11);
+    after.named(named("4712"), 2, SECOND * 12, &[]);
+    let (boot, ended_as) = (BOOT, "over");
+    let change =
+        BoothChange { before: &before, after: &after, boot, ended_as, answers: None, event: None };
+    journal.booth_changed(&change).unwrap();
+    let inner = Inner::recall(&journal, rules(), BTreeSet::new(), BOOT, SECOND * 20).unwrap();
+    let pressed = inner.captures.open()[0].patient.clone().unwrap();
+    let next = inner.captures.next().unwrap().names[0].named.clone();
+    assert_eq!((pressed, next), (named("4711"), named("4712")));
 }

@@ -114,6 +114,6 @@ impl Custody {
         ids.retain(|id| id != ERASED);
         ids.sort();
         ids.dedup();
-        Ok(ids.into_iter().map(|id| Named { id, by: SourceKind::Record }).collect())
+        Ok(ids.into_iter().map(|id| Named::new(id, SourceKind::Record)).collect())
     }
 }

@@ -9,9 +9,11 @@ use std::time::Duration;
 use gaiter_flow::orders::{ORDERS_MOST, OrderCame};
 use gaiter_flow::round::{Capture, CaptureMatch, CaptureState, Named, Opener, Rounds};
 use gaiter_flow::{ScanId, ScanState};
+use gaiter_record::{ImagingRequest, SourceKind};
 use jiff::Timestamp;
 use rusqlite::{Row, Transaction, params};
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::integrity::seal;
@@ -227,7 +229,7 @@ fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
     }
     let patient = match id.is_empty() {
         true => None,
-        false => Some(Named { id, by: cell(row, 6, of_word)? }),
+        false => Some(cell(row, 6, |source| of_source(id, source))?),
     };
     let since_start =
         |at| Ok::<_, JournalError>(Duration::from_millis(row.get::<_, i64>(at)?.unsigned_abs()));
@@ -245,6 +247,30 @@ fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
     Ok(CaptureRow { capture, boot: text(1)?, at: time(row, 12)? })
 }
 
+/// The source of a name with the request that was chosen, if one was; without one the cell is the bare word.
+#[derive(Serialize, Deserialize)]
+struct SourceCell {
+    by: SourceKind,
+    request: ImagingRequest,
+}
+
+/// The patient of this id, by the cell of the source.
+fn of_source(id: String, source: &str) -> Option<Named> {
+    if !source.starts_with('{') {
+        return of_word(source).map(|by| Named::new(id, by));
+    }
+    let SourceCell { by, request } = serde_json::from_str(source).ok()?;
+    Some(Named { id, by, request: Some(request) })
+}
+
+/// The cell of the source.
+fn source_of(named: &Named) -> Result<String, JournalError> {
+    match &named.request {
+        None => Ok(json_text(&named.by)?.trim_matches('"').to_owned()),
+        Some(request) => json_text(&SourceCell { by: named.by, request: request.clone() }),
+    }
+}
+
 /// What a word stands for that serde writes.
 fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
     serde_json::from_value(json!(word)).ok()
@@ -252,10 +278,9 @@ fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
 
 fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<(), JournalError> {
     let (id, source) = match &capture.patient {
-        Some(named) => (named.id.as_str(), json_text(&named.by)?),
+        Some(named) => (named.id.as_str(), source_of(named)?),
         None => ("", String::new()),
     };
-    let source = source.trim_matches('"');
     let others = json_text(&capture.others)?;
     let milliseconds = |time: Duration| i64::try_from(time.as_millis()).unwrap_or(i64::MAX);
     let doubt = capture.doubt.map(|doubt| json_text(&doubt)).transpose()?.unwrap_or_default();
@@ -279,7 +304,7 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
             others,
             capture.is_refused,
             doubt.trim_matches('"'),
-            seal::of_capture(capture.number, id, source, &others),
+            seal::of_capture(capture.number, id, &source, &others),
         ],
     )?;
     let old = format!("DELETE FROM captures WHERE number < ?1 AND state NOT IN {WAITING}");

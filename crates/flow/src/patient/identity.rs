@@ -157,8 +157,7 @@ pub(crate) fn whose(
     stated: [StatedPatient; 2],
 ) -> Whose {
     let not_an_id = stated.contains(&StatedPatient::NotAnId);
-    let named = named
-        .map(|named| Patient { id: named.id.clone(), sources: vec![Source::from_kind(named.by)] });
+    let named = named.map(|named| Patient { id: named.id.clone(), sources: vec![named.source()] });
     let patients = stated.into_iter().filter_map(|stated| match stated {
         StatedPatient::Patient(patient) => Some(patient),
         StatedPatient::Nothing | StatedPatient::NotAnId => None,
@@ -276,7 +275,7 @@ mod tests {
 
     #[test]
     fn sources_that_agree_are_all_kept_and_sources_that_differ_hold_the_scan() {
-        let named = |id: &str| Named { id: id.to_owned(), by: SourceKind::Reader };
+        let named = |id: &str| Named::new(id.to_owned(), SourceKind::Reader);
         let (nothing, file) = (StatedPatient::Nothing, patient("4711"));
         let whose = |named: Option<&Named>, file: &StatedPatient| {
             super::whose(named, None, [file.clone(), nothing.clone()])
@@ -295,7 +294,7 @@ mod tests {
 
     #[test]
     fn what_is_not_an_id_says_nothing_and_does_not_contradict() {
-        let named = Named { id: "4711".into(), by: SourceKind::Order };
+        let named = Named::new("4711".into(), SourceKind::Order);
         let whose = whose(Some(&named), None, [StatedPatient::NotAnId, StatedPatient::Nothing]);
         assert_eq!(whose.patient, Some(from(SourceKind::Order, "4711")));
         assert!(whose.not_an_id && whose.held.is_none());

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use gaiter_record::SourceKind;
+use gaiter_record::{ImagingRequest, Source, SourceKind};
 use serde::{Deserialize, Serialize};
 
 use crate::export::writing::Appeared;
@@ -37,6 +37,28 @@ pub struct Named {
     /// The id, accepted as valid.
     pub id: String,
     pub by: SourceKind,
+    /// The request of the worklist that was chosen with the patient. It decides nothing here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub request: Option<ImagingRequest>,
+}
+
+impl Named {
+    /// A patient who was named without a request.
+    pub fn new(id: impl Into<String>, by: SourceKind) -> Named {
+        Named { id: id.into(), by, request: None }
+    }
+
+    /// The source that named the patient, as a record has it.
+    pub fn source(&self) -> Source {
+        Source::from_kind(self.by).with_request(self.request.clone())
+    }
+
+    /// Keeps the request that was chosen with the same patient before, if no other was chosen since.
+    pub(super) fn keep_request_of(&mut self, before: &Named) {
+        if self.request.is_none() && before.id == self.id {
+            self.request.clone_from(&before.request);
+        }
+    }
 }
 
 /// These patients, each once, as first named.

@@ -146,7 +146,7 @@ impl Rounds {
     }
 
     /// Somebody at the booth names who is there.
-    fn word(&mut self, named: Named, now: Duration) -> NamedNext {
+    fn word(&mut self, mut named: Named, now: Duration) -> NamedNext {
         // R3: it may be for a press that was made without a name.
         let is_crossed = self.unsure(now).any(|press| press.is_unnamed);
         if is_crossed {
@@ -154,6 +154,8 @@ impl Rounds {
         }
         self.clear_doubts();
         let before = self.names.next.take();
+        let known = before.iter().flat_map(|next| &next.names);
+        known.for_each(|name| named.keep_request_of(&name.named));
         let is_other = |next: &Next| next.names.iter().any(|name| name.named.id != named.id);
         let replaced = before.as_ref().is_some_and(is_other);
         let mut next = Next::one(named.clone(), now, is_crossed.then_some(Doubt::Crossed));
@@ -268,6 +270,9 @@ impl Rounds {
         };
         if let Some(capture) = self.open.last_mut().filter(joins) {
             capture.until = now + lasts;
+            if let (Some(patient), Some(request)) = (&mut capture.patient, &named.request) {
+                patient.request = Some(request.clone());
+            }
             let prolonged = NamedNext::Prolonged(capture.clone());
             self.note_missed(ordered);
             return prolonged;

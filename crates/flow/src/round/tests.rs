@@ -1,6 +1,6 @@
 //! Each line of the table above, and the ways time and people can cross them.
 
-use gaiter_record::SourceKind;
+use gaiter_record::{ImagingRequest, SourceKind};
 
 use super::*;
 use crate::settle::Sights;
@@ -36,7 +36,7 @@ fn captures() -> Rounds {
 }
 
 fn named(id: &str) -> Named {
-    Named { id: id.to_owned(), by: SourceKind::Operator }
+    Named::new(id.to_owned(), SourceKind::Operator)
 }
 
 /// First seen in this second, in which a look began, and absent in the second before.
@@ -76,7 +76,7 @@ fn patient_of(judged: &CaptureMatch) -> Option<&str> {
 }
 
 fn by_whom(id: &str, by: SourceKind) -> Named {
-    Named { id: id.to_owned(), by }
+    Named::new(id.to_owned(), by)
 }
 
 fn order(id: &str) -> Named {
@@ -105,6 +105,26 @@ fn code(judged: &CaptureMatch) -> &'static str {
         CaptureMatch::Held { why, .. } => why.word(),
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn a_card_that_confirms_the_choice_keeps_its_request_and_one_of_somebody_else_does_not_get_it() {
+    let request = ImagingRequest::new("1.2.3", "A1");
+    let chosen = Named { request: request.clone(), ..named("1") };
+    for by_press in [true, false] {
+        let mut captures = Rounds { rules: Rules { by_press, ..rules() }, ..captures() };
+        captures.named(chosen.clone(), 1, at(1), &[]);
+        captures.named(by_whom("1", SourceKind::Reader), 2, at(2), &[]);
+        let capture = match by_press {
+            true => captures.pressed(1, at(3)),
+            false => captures.open()[0].clone(),
+        };
+        assert_eq!((capture.doubt, capture.patient.unwrap().request), (None, request.clone()));
+    }
+    let mut captures = captures();
+    captures.named(chosen, 1, at(1), &[]);
+    captures.named(named("2"), 2, at(2), &[]);
+    assert_eq!(captures.pressed(1, at(3)).patient, Some(named("2")));
 }
 
 #[test]

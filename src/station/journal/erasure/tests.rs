@@ -61,7 +61,7 @@ fn deliver(journal: &Journal, digit: char, id: &str) {
 }
 
 fn named(id: &str) -> Named {
-    Named { id: id.to_owned(), by: SourceKind::Operator }
+    Named::new(id.to_owned(), SourceKind::Operator)
 }
 
 /// A press that waits for its export, and a name that waits for a press.

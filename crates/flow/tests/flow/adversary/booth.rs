@@ -141,7 +141,7 @@ impl Booth {
             run.captures = Rounds::new(booth.setup.rules, Vec::new(), Names::default());
             run.captures.receives(heard);
             // Somebody was named since the start.
-            let named = Named { id: id(0), by: SourceKind::Operator };
+            let named = Named::new(id(0), SourceKind::Operator);
             run.captures.named(named, 1, heard, &[]);
             run.captures.call_off();
             let memory = Memory { looked: Some(looked), files: Vec::new() };
@@ -329,7 +329,7 @@ impl Booth {
         let Some(run) = self.run.as_mut().filter(|_| !self.is_unplugged) else { return false };
         let mut after = at_rest(self.setup.off, &run.captures);
         if self.setup.off == Off::PressAfterName && after.next().is_none() {
-            let nobody = Named { id: NOBODY.to_owned(), by: SourceKind::Operator };
+            let nobody = Named::new(NOBODY.to_owned(), SourceKind::Operator);
             after.named(nobody, 0, now, &[]);
         }
         let number = self.disk.next_capture();
@@ -378,7 +378,7 @@ impl Booth {
             true => run.captures.clone(),
             false => at_rest(self.setup.off, &run.captures),
         };
-        let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by) };
+        let named = Named::new(id.to_owned(), as_heard(self.setup.off, run, id, by));
         let is_told = by == SourceKind::Order && self.setup.off != Off::EarsOpen;
         let is_overtaken = is_told && after.overtaken(&named, absent);
         let is_sure = doubt.is_none();

@@ -400,7 +400,7 @@ impl Booth {
     fn completes(&self, settled: &Settled, content: &Content) -> Option<Vec<Named>> {
         let part = self.disk.beginning(content, settled.writing.read(), COMPLETED_LEAST)?;
         let whose = self.disk.whose(part).into_iter();
-        Some(whose.map(|id| Named { id, by: SourceKind::Record }).collect())
+        Some(whose.map(|id| Named::new(id, SourceKind::Record)).collect())
     }
 
     /// What the scanner's own measures beside a scan say, where they are of this scan.

@@ -101,7 +101,7 @@ impl Booth {
             // A third of the patients is not named, unless the light shows that another's name waits.
             Stage::Entered if chance.below(3) > 0 || captures.next().is_some() => {
                 let by = [SourceKind::Reader, SourceKind::Order][chance.below(2)];
-                let named = Named { id: patient.to_string(), by };
+                let named = Named::new(patient.to_string(), by);
                 after.named(named, kept.last_capture + 1, now, &[]);
                 (Stage::Named, Did::Named)
             }
@@ -147,7 +147,7 @@ pub fn content(
     is_cut_short: bool,
     completes: Option<Vec<Patient>>,
 ) -> ExportContent {
-    let named = |patient: Patient| Named { id: patient.to_string(), by: SourceKind::Order };
+    let named = |patient: Patient| Named::new(patient.to_string(), SourceKind::Order);
     let known = |patients: Vec<Patient>| {
         patients.into_iter().filter(|patient| *patient > 0).map(named).collect()
     };
