@@ -50,7 +50,7 @@ pub use page::PageConfig;
 pub use phantom::PhantomConfig;
 #[cfg(feature = "dicom")]
 pub use servers::DicomStoreConfig;
-pub use servers::{ArchiveStoreConfig, FhirStoreConfig, Hl7StoreConfig};
+pub use servers::{ArchiveStoreConfig, FhirStoreConfig, Hl7StoreConfig, WorklistConfig};
 pub use sizes::beside::Files;
 pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;

@@ -11,7 +11,7 @@
 //! | [`intake`] | looks at export folders, waits until files are complete, takes them in |
 //! | [`custody`], [`journal`] | keeps bytes, decisions and the state of each scan |
 //! | [`delivery`] | measures scans in processes of their own and puts records into stores |
-//! | [`booth`] | button, readers, orders, captures, light |
+//! | [`booth`] | button, readers, orders, worklist, captures, light |
 //! | [`operator`] | command socket, page, metrics, operators' decisions |
 //! | [`persons`] | what the station has of a person: disclosed, erased |
 //! | [`demo`] | the simulated scanner and button |

@@ -21,7 +21,7 @@ use super::terminal::{self, local, painted};
 use super::{Exit, exit_of_printing, scans, terminal_safe};
 use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::operator::control::status::{
-    ComplaintStatus, SourceStatus, Status, TriggerStatus,
+    ComplaintStatus, SourceStatus, Status, TriggerStatus, WorklistStatus,
 };
 
 /// Heights of a chart's bars.
@@ -238,6 +238,11 @@ fn around(status: &Status, now: Timestamp, language: Language) -> Vec<(String, S
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
         (text("terminal.label.trigger"), of_port(port, trigger, now, language))
     }));
+    rows.extend(
+        status.worklist.iter().map(|worklist| {
+            (text("terminal.label.worklist"), of_worklist(worklist, now, language))
+        }),
+    );
     if status.stores.is_empty() {
         rows.push((text("terminal.label.store"), text("terminal.store.none")));
     }
@@ -270,6 +275,23 @@ fn of_port(port: &str, trigger: &TriggerStatus, now: Timestamp, language: Langua
     };
     let garbage = language.filled("terminal.port.garbage", &[("count", &trigger.garbage)]);
     [state, received, garbage].join(", ")
+}
+
+/// The state of the worklist.
+fn of_worklist(worklist: &WorklistStatus, now: Timestamp, language: Language) -> String {
+    match (&worklist.cause, worklist.answered) {
+        (Some(why), _) => {
+            let words: [(&str, &dyn Display); 2] =
+                [("time", &ago(worklist.since, now, language)), ("why", &why.in_words(language))];
+            language.filled("terminal.worklist.away", &words)
+        }
+        (None, Some(answered)) => {
+            let words: [(&str, &dyn Display); 2] =
+                [("count", &worklist.entries), ("time", &ago(answered, now, language))];
+            language.filled("terminal.worklist.answers", &words)
+        }
+        (None, None) => language.text("terminal.worklist.not_asked").to_owned(),
+    }
 }
 
 /// A state with the reason for it.

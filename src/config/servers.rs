@@ -1,10 +1,12 @@
-//! `[store.fhir]`, `[store.hl7]`, `[store.dicom]` and `[store.archive]`: stores that are servers, and what they have in common.
+//! `[store.fhir]`, `[store.hl7]`, `[store.dicom]`, `[store.archive]` and `[patient.worklist]`: servers, and what they have
+//! in common.
 
 mod archive;
 #[cfg(feature = "dicom")]
 mod dicom;
 mod fhir;
 mod hl7;
+mod worklist;
 
 use std::net::Ipv6Addr;
 
@@ -23,6 +25,8 @@ pub use fhir::FhirStoreConfig;
 pub(super) use fhir::fhir;
 pub use hl7::Hl7StoreConfig;
 pub(super) use hl7::hl7;
+pub use worklist::WorklistConfig;
+pub(super) use worklist::worklist;
 
 /// The longest text in a message or header, characters.
 const LINE_MOST: usize = 200;

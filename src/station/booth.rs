@@ -5,6 +5,7 @@
 mod hearing;
 pub(in crate::station) mod orders;
 pub mod trigger;
+pub mod worklist;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -55,6 +56,7 @@ pub struct Booth {
     /// Notified at each press: what is in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
     orders_look: Notify,
+    worklist: worklist::BoothWorklist,
     /// Notified at each press: the light answers it at once.
     pressed: Notify,
 }
@@ -191,7 +193,8 @@ impl Booth {
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, sights) = (Mutex::new(inner), Mutex::new(vec![Sights::default(); folders]));
         let (orders_look, pressed) = (Notify::new(), Notify::new());
-        Ok(Booth { core, inner, sights, signal, looks, orders_look, pressed })
+        let worklist = worklist::BoothWorklist::default();
+        Ok(Booth { core, inner, sights, signal, looks, orders_look, worklist, pressed })
     }
 
     /// The core that the workers share.

@@ -92,6 +92,8 @@ pub enum Worker {
     },
     /// Looks for orders of practice software.
     Orders,
+    /// Asks for the worklist.
+    Worklist,
     /// Measures scans and makes deliveries.
     Delivery,
     /// Shows the legs of held scans.
@@ -116,6 +118,7 @@ impl fmt::Display for Worker {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Orders => f.write_str("the orders"),
+            Worker::Worklist => f.write_str("the worklist"),
             Worker::Delivery => f.write_str("the delivery"),
             Worker::Preview => f.write_str("the previews"),
             Worker::Booth => f.write_str("the booth"),

@@ -9,7 +9,7 @@ use tokio::sync::mpsc;
 use tokio::task::{Id, JoinError, JoinSet};
 
 use super::assembly::Station;
-use super::booth::{self, orders, trigger};
+use super::booth::{self, orders, trigger, worklist};
 use super::delivery::{self, preview};
 use super::error::{StationError, Worker};
 use super::fleet;
@@ -103,12 +103,16 @@ impl Workers {
         first_looks
     }
 
-    /// Starts the workers for orders, captures and light, and for the ports of buttons and readers.
+    /// Starts the workers for orders, worklist, captures and light, and for the ports of buttons and readers.
     fn start_booth(&mut self, station: &Station, stop: &Stop) {
         let Station { core, booth, .. } = station;
         if let Some(config) = core.config.patient.orders.clone() {
             let task = |beat| orders::worker(Arc::clone(booth), config, beat, stop.clone());
             self.start_one(Worker::Orders, task);
+        }
+        if let Some(config) = core.config.patient.worklist.clone() {
+            let task = |beat| worklist::worker(Arc::clone(booth), config, beat, stop.clone());
+            self.start_one(Worker::Worklist, task);
         }
         let task = |beat| booth::worker(Arc::clone(booth), beat, stop.clone());
         self.start_one(Worker::Booth, task);

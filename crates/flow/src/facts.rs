@@ -31,6 +31,8 @@ pub struct Facts {
     pub triggers: BTreeMap<&'static str, TriggerFacts>,
     /// The endpoints of the page whose address is unavailable, and why: local, network.
     pub endpoints: BTreeMap<&'static str, Cause>,
+    /// The worklist; `None` if none is configured.
+    pub worklist: Option<WorklistFacts>,
     /// Whether scans are taken in.
     pub intake: IntakeState,
     /// What the operator must know and nothing else shows, by code; kept until the station restarts.
@@ -225,6 +227,48 @@ impl TriggerFacts {
     /// A port that has not been looked for.
     pub fn new(now: Timestamp) -> TriggerFacts {
         TriggerFacts { since: now, unsound_since: Some(now), ..TriggerFacts::default() }
+    }
+}
+
+/// The worklist of a hospital system: how it is, and nothing of whom it names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WorklistFacts {
+    /// Why the server gave no answer at the last attempt; `None` if it did, or was not asked yet.
+    pub fault: Option<Cause>,
+    /// Since when it is in this state.
+    pub since: Timestamp,
+    /// When it last gave an answer.
+    pub answered: Option<Timestamp>,
+    /// How many entries can be chosen.
+    pub entries: usize,
+    /// How many entries of this station nobody can be named by.
+    pub left_out: usize,
+    /// How often the entries have changed in this run.
+    pub edition: u64,
+}
+
+impl WorklistFacts {
+    /// A server that was not asked yet.
+    pub fn new(now: Timestamp) -> WorklistFacts {
+        WorklistFacts {
+            fault: None,
+            since: now,
+            answered: None,
+            entries: 0,
+            left_out: 0,
+            edition: 0,
+        }
+    }
+
+    /// Notes how an attempt ended.
+    pub fn note(&mut self, fault: Option<Cause>, now: Timestamp) {
+        if self.fault.is_some() != fault.is_some() || self.answered.is_none() {
+            self.since = now;
+        }
+        if fault.is_none() {
+            self.answered = Some(now);
+        }
+        self.fault = fault;
     }
 }
 

@@ -75,6 +75,7 @@ pub fn complaints(
         Complaint::new("reload-refused", ComplaintFigures::why(&Cause::verbatim(fault)))
     }));
     complaints.extend(unfetched(facts, now));
+    complaints.extend(worklist(facts, now));
     complaints.extend(revisions_refused(backlog));
     complaints.extend(moved(backlog));
     complaints.extend(certificates(backlog, now));
@@ -115,6 +116,14 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
         let figures = ComplaintFigures::default().seconds("since_s", age(facts.since, now));
         Complaint::notice("result-not-fetched", figures).about(store)
     })
+}
+
+/// The worklist, if its server is away: whoever comes can be named without it.
+fn worklist(facts: &Facts, now: Timestamp) -> Option<Complaint> {
+    let worklist = facts.worklist.as_ref()?;
+    let figures = ComplaintFigures::why(worklist.fault.as_ref()?);
+    let has_lasted = has_lasted(worklist.since, now, REPLUG);
+    has_lasted.then(|| Complaint::notice("worklist-out-of-reach", figures))
 }
 
 fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complaint> {

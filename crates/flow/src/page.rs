@@ -78,6 +78,9 @@ pub struct Shown {
     pub scans: Vec<ScanShown>,
     /// Export folders, ports and stores.
     pub parts: Vec<PartShown>,
+    /// Which entries the worklist has; an operator's page asks for them when it changes. `None` if there is no
+    /// worklist.
+    pub worklist: Option<String>,
     /// Patients' ids are shown to this reader.
     pub ids: bool,
 }
@@ -171,6 +174,10 @@ pub fn assemble(
         more_undecided,
         scans,
         parts: parts::parts_shown(known.facts, known.now, language),
+        worklist: known.facts.worklist.as_ref().map(|worklist| {
+            // The editions of another run are others.
+            format!("{}-{}", known.facts.started.as_second(), worklist.edition)
+        }),
         ids: true,
     }
 }
@@ -194,6 +201,7 @@ impl Shown {
     /// The same for readers who may not know whose scans these are.
     pub fn without_ids(mut self) -> Shown {
         self.ids = false;
+        self.worklist = None;
         self.light.said.hide_ids();
         self.next.hide_ids();
         for scan in self.undecided.iter_mut().chain(&mut self.scans) {

@@ -5,11 +5,15 @@
 //! booth ([`crate::round`]) and the list itself names nobody. Names and birth dates are for the person who
 //! chooses: they are in no `Debug`, and they are gone with the day.
 
+mod answer;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use gaiter_record::{ImagingRequest, sha256};
 use jiff::civil::{Date, Time};
+
+pub use answer::FindResponse;
 
 /// The most entries that can be chosen from: no booth scans more patients in a day, and no person looks through
 /// more of them.
@@ -78,7 +82,8 @@ impl WorklistEntry {
         sha256(parts.join("\0").as_bytes()).chars().take(KEY_DIGITS).collect()
     }
 
-    fn accession_number(&self) -> Option<&str> {
+    /// The number of its request in the hospital system.
+    pub fn accession_number(&self) -> Option<&str> {
         self.request.as_ref()?.accession_number.as_deref()
     }
 }

@@ -75,6 +75,7 @@ fn status() -> Status {
         measured: 22,
         last_measurement_s: Some(2.13),
         phantom: None,
+        worklist: None,
         views: ViewsSeries::default(),
         alarms: BTreeMap::new(),
         refused_reload: None,

@@ -11,7 +11,7 @@ use gaiter_flow::orders::{ORDERS_MOST, OrderCame};
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::round::{Capture, CaptureMatch, Doubt, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};
-use gaiter_record::{Patient, SourceKind};
+use gaiter_record::SourceKind;
 use serde_json::{Value, json};
 use tracing::{info, warn};
 
@@ -28,6 +28,9 @@ pub enum NameFault {
     /// Another patient is named and not scanned yet, and must not be replaced.
     #[error("another patient is named and not scanned yet")]
     AnotherNamed,
+    /// The worklist has no such entry any more.
+    #[error("the entry is not on the worklist any more")]
+    EntryGone,
     #[error("the journal could not be written")]
     Journal(#[from] JournalError),
 }
@@ -63,18 +66,18 @@ impl Booth {
         doubt: Option<Doubt>,
         absent: Option<Duration>,
     ) -> Result<(), JournalError> {
-        let Some(Patient { id, .. }) = self.core.identity.patient(id, by) else {
+        let Some(named) = self.identified(id, by) else {
             warn!(event = "finding", code = ID_NOT_ALLOWED);
             self.inner().last = Some((Last::NameUnread, self.core.now()));
             return self.unread(by, absent);
         };
         let mut inner = self.inner();
-        if inner.captures.is_crowded(&id) {
+        if inner.captures.is_crowded(&named.id) {
             drop(inner);
             warn!(event = "names-too-many");
             return self.unread(by, absent);
         }
-        let named = self.name(&mut inner, Named::new(id, by), doubt, absent);
+        let named = self.name(&mut inner, named, doubt, absent);
         // The name was given even if it could not be stored: the patient named before may have left.
         named.map(drop).inspect_err(|_| inner.captures.unread(absent))
     }
@@ -139,13 +142,21 @@ impl Booth {
         by: SourceKind,
         replaces: bool,
     ) -> Result<NamedNext, NameFault> {
-        let Patient { id, .. } = self.core.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
+        self.name_certainly(self.identified(id, by).ok_or(NameFault::NotAnId)?, replaces)
+    }
+
+    /// The same of a patient whose id is allowed.
+    pub(super) fn name_certainly(
+        &self,
+        named: Named,
+        replaces: bool,
+    ) -> Result<NamedNext, NameFault> {
         let mut inner = self.inner();
-        if !replaces && inner.captures.is_another_named(&id) {
+        if !replaces && inner.captures.is_another_named(&named.id) {
             return Err(NameFault::AnotherNamed);
         }
         // If the journal fails, the person sees it and enters the name again.
-        Ok(self.name(&mut inner, Named::new(id, by), None, Some(self.core.now()))?)
+        Ok(self.name(&mut inner, named, None, Some(self.core.now()))?)
     }
 
     /// Names the patient of the next scan. `doubt` is the reason if the name is in doubt; at `absent` the name

@@ -164,8 +164,24 @@ pub(super) fn name_next(
     by: SourceKind,
     replaces: bool,
 ) -> Result<String, ActFault> {
-    let next = booth.name_patient(id, by, replaces).map_err(|fault| match fault {
+    named_next(core, booth.name_patient(id, by, replaces))
+}
+
+/// The next scan belongs to the patient of the worklist's entry with this key. `replaces` as of a name.
+pub(super) fn name_listed(
+    core: &Core,
+    booth: &Booth,
+    entry: &str,
+    replaces: bool,
+) -> Result<String, ActFault> {
+    named_next(core, booth.name_listed(entry, replaces))
+}
+
+/// What naming the next patient has led to.
+fn named_next(core: &Core, named: Result<NamedNext, NameFault>) -> Result<String, ActFault> {
+    let next = named.map_err(|fault| match fault {
         NameFault::NotAnId => ActFault::NotAnId,
+        NameFault::EntryGone => ActFault::EntryGone,
         NameFault::AnotherNamed => ActFault::AnotherNamed,
         NameFault::Journal(error) => ActFault::Journal(error),
     })?;

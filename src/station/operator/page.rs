@@ -4,6 +4,7 @@
 //! journal, board, booth ─ snapshot ─▶ publish ─▶ /state, /stream ─▶ page.js
 //! record folders, previews ─ summaries ──┘
 //! page.js ─▶ /ask ─ guard, token ─▶ control::answer ◀─ /ask ◀─ verbs, by the control socket
+//! page.js ─▶ /worklist ─ guard, token ─▶ booth
 //! page.js ─▶ /scan/ID/visits.html ─▶ visits: the patient's records, compared
 //! ```
 //!
@@ -23,6 +24,7 @@ mod stream;
 mod summaries;
 mod token;
 mod visits;
+mod worklist;
 
 use std::io;
 use std::pin::Pin;
@@ -56,7 +58,10 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
         .merge(assets::routes(endpoint));
     let routes = match endpoint.way {
         Way::Local => {
-            let act = Router::new().route("/ask", post(ask::ask)).route("/enter", post(ask::enter));
+            let act = Router::new()
+                .route("/ask", post(ask::ask))
+                .route("/enter", post(ask::enter))
+                .route("/worklist", post(worklist::worklist));
             read.merge(act).with_state(Arc::clone(endpoint)).merge(others)
         }
         Way::Network => read.with_state(Arc::clone(endpoint)),

@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use crate::Facts;
 use crate::export::passed_over::listed;
-use crate::facts::{PhantomFacts, SourceFacts, SourceState, StoreRefusal, TriggerFacts};
+use crate::facts::{
+    PhantomFacts, SourceFacts, SourceState, StoreRefusal, TriggerFacts, WorklistFacts,
+};
 use crate::health::{BLIP, has_lasted};
 use crate::trigger::PortState;
 
@@ -58,7 +60,8 @@ pub(super) fn parts_shown(facts: &Facts, now: Timestamp, language: Language) -> 
         .phantom
         .iter()
         .map(|phantom| phantom_shown(phantom, facts.is_phantom_due(now), language));
-    sources.chain(ports).chain(stores).chain(phantom).collect()
+    let worklist = facts.worklist.iter().map(|worklist| worklist_shown(worklist, language));
+    sources.chain(ports).chain(worklist).chain(stores).chain(phantom).collect()
 }
 
 /// What lies in a folder and is not read, and what was there and is gone.
@@ -83,6 +86,22 @@ fn phantom_shown(phantom: &PhantomFacts, is_due: bool, language: Language) -> Pa
     };
     let name = language.text("page.part.phantom.name").to_owned();
     PartShown { name, word: language.text(key), health, why: None }
+}
+
+fn worklist_shown(worklist: &WorklistFacts, language: Language) -> PartShown {
+    let (word, health) = match (&worklist.fault, worklist.answered) {
+        (Some(_), _) => ("page.part.worklist.away", "bad"),
+        (None, None) => ("page.part.worklist.not_asked", "wait"),
+        (None, Some(_)) => ("page.part.worklist.answers", "good"),
+    };
+    let left_out = (worklist.left_out > 0)
+        .then(|| language.filled("page.part.worklist.left_out", &[("count", &worklist.left_out)]));
+    PartShown {
+        name: language.text("page.part.worklist.name").to_owned(),
+        word: language.text(word),
+        health,
+        why: worklist.fault.as_ref().map(|why| why.in_words(language)).or(left_out),
+    }
 }
 
 fn port_shown(port: &str, facts: &TriggerFacts, language: Language) -> PartShown {

@@ -32,6 +32,8 @@ pub enum ActFault {
     NotAnId,
     /// Another patient is named and must not be replaced.
     AnotherNamed,
+    /// The entry is not on the worklist any more.
+    EntryGone,
     /// The value to set is not possible.
     NotSet(AmendFault),
     /// The record cannot be amended now.
@@ -55,6 +57,7 @@ impl ActFault {
             ActFault::NoBytes(_) => "bytes-gone",
             ActFault::NotAnId => "patient-id-not-allowed",
             ActFault::AnotherNamed => "another-is-named",
+            ActFault::EntryGone => "worklist-entry-gone",
             ActFault::NotSet(fault) if fault.is_far_off() => "measure-far-off",
             ActFault::NotSet(_) => "measure-not-possible",
             ActFault::NotAmended(_) => "record-not-amended",
@@ -84,7 +87,7 @@ impl ActFault {
                 because("act.fault.not_set", &fault.cause().in_words(language))
             }
             // They have no figures: page and terminal have the same text.
-            ActFault::AnotherNamed | ActFault::HasPatient => {
+            ActFault::AnotherNamed | ActFault::EntryGone | ActFault::HasPatient => {
                 of_fault(self.code(), language).unwrap_or_else(|| self.code()).to_owned()
             }
             ActFault::Custody(fault) => fault.to_string(),
@@ -118,7 +121,7 @@ mod tests {
     /// Red while the terminal had words of its own for them.
     #[test]
     fn what_needs_no_figures_is_said_at_the_terminal_as_on_the_page() {
-        for fault in [ActFault::AnotherNamed, ActFault::HasPatient] {
+        for fault in [ActFault::AnotherNamed, ActFault::EntryGone, ActFault::HasPatient] {
             for language in Language::ALL {
                 let on_page = of_fault(fault.code(), language);
                 assert_eq!(Some(fault.in_words(language).as_str()), on_page, "{language:?}");

@@ -19,7 +19,9 @@ use super::persons;
 use super::protocol::{
     ControlAnswer, ControlFault, ControlFaultKind, DIGITS_LEAST, LIST_MOST, Request,
 };
-use super::status::{AlarmStatus, ComplaintStatus, PhantomStatus, SourceStatus, Status};
+use super::status::{
+    AlarmStatus, ComplaintStatus, PhantomStatus, SourceStatus, Status, WorklistStatus,
+};
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::{JournalError, ScanRow};
@@ -79,6 +81,9 @@ pub fn answer(desk: &Desk, request: &Request) -> ControlAnswer {
             .and_then(|affected| acted(desk, act::name_affected(core, patient, affected))),
         Request::NameNext { patient, replace } => {
             acted(desk, act::name_next(core, booth, patient, SourceKind::Operator, *replace))
+        }
+        Request::NameListed { entry, replace } => {
+            acted(desk, act::name_listed(core, booth, entry, *replace))
         }
         Request::CallOff => acted(desk, act::call_off(core, booth)),
         Request::Next => Ok(ControlAnswer::Sentence(next(desk))),
@@ -249,6 +254,7 @@ fn acted(desk: &Desk, acted: Result<String, ActFault>) -> Result<ControlAnswer, 
             | ActFault::Several(_)
             | ActFault::NotAnId
             | ActFault::AnotherNamed
+            | ActFault::EntryGone
             | ActFault::NotSet(_)
             | ActFault::HasPatient => ControlFaultKind::Request,
             ActFault::NoBytes(_)
@@ -323,6 +329,7 @@ fn status(desk: &Desk) -> Status {
         confinement: facts.confinement,
         measured: facts.measured,
         last_measurement_s: facts.last_measurement_s,
+        worklist: facts.worklist.as_ref().map(WorklistStatus::from),
         phantom: facts.phantom.map(|phantom| PhantomStatus { due, checks: phantom.checks }),
         views: facts.views,
         alarms: alarms

@@ -99,6 +99,14 @@ pub enum Request {
         #[serde(default = "replaces")]
         replace: bool,
     },
+    /// The next scan belongs to the patient of an entry of the worklist.
+    NameListed {
+        /// The entry's key, as the operator's page has it.
+        entry: String,
+        /// As of a name.
+        #[serde(default = "replaces")]
+        replace: bool,
+    },
     /// No patient is named for the next scan any more, and no press waits for its export.
     CallOff,
     /// Who is named for the next scan.

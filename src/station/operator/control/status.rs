@@ -6,7 +6,9 @@ use gaiter_flow::account::Seen;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::Complaint;
 use gaiter_flow::confinement::Confinement;
-use gaiter_flow::facts::{Alarm, SourceFacts, StoreFacts, StoreRefusal, TriggerFacts};
+use gaiter_flow::facts::{
+    Alarm, SourceFacts, StoreFacts, StoreRefusal, TriggerFacts, WorklistFacts,
+};
 use gaiter_flow::orders::OrdersComeLate;
 use gaiter_flow::views::ViewsSeries;
 use gaiter_language::Language;
@@ -67,6 +69,9 @@ pub struct Status {
     /// The checks with the phantom; `None` if none is configured.
     #[serde(default)]
     pub phantom: Option<PhantomStatus>,
+    /// The worklist; `None` if none is configured.
+    #[serde(default)]
+    pub worklist: Option<WorklistStatus>,
     /// What the last scans show about the scanner's cameras, oldest first.
     #[serde(default)]
     pub views: ViewsSeries,
@@ -171,6 +176,23 @@ pub struct PhantomStatus {
     pub checks: Vec<LastCheck>,
 }
 
+/// The status of the worklist; names no patient.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WorklistStatus {
+    /// The last attempt's fault in English; `None` if there was an answer, or no attempt yet.
+    pub fault: Option<String>,
+    /// The same as data, for people of another language.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<Cause>,
+    pub since: Timestamp,
+    /// When it last gave an answer.
+    pub answered: Option<Timestamp>,
+    /// How many entries can be chosen.
+    pub entries: usize,
+    /// How many entries of this station nobody can be named by.
+    pub left_out: usize,
+}
+
 /// The status of a record store.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreStatus {
@@ -241,6 +263,19 @@ impl From<&StoreFacts> for StoreStatus {
             cause: refusal.and_then(StoreRefusal::fault).cloned(),
             waits_for_fetch: facts.waits_for_fetch(),
             since: facts.since,
+        }
+    }
+}
+
+impl From<&WorklistFacts> for WorklistStatus {
+    fn from(facts: &WorklistFacts) -> WorklistStatus {
+        WorklistStatus {
+            fault: facts.fault.as_ref().map(Cause::to_string),
+            cause: facts.fault.clone(),
+            since: facts.since,
+            answered: facts.answered,
+            entries: facts.entries,
+            left_out: facts.left_out,
         }
     }
 }

@@ -88,8 +88,8 @@ pub async fn enter(State(endpoint): State<Arc<HttpEndpoint>>, headers: HeaderMap
     }
 }
 
-/// Why a request must not decide anything.
-fn refusal(endpoint: &HttpEndpoint, headers: &HeaderMap) -> Option<Response> {
+/// Why a request must not decide anything, or read what only an operator may read.
+pub(super) fn refusal(endpoint: &HttpEndpoint, headers: &HeaderMap) -> Option<Response> {
     if !guard::is_own(headers) {
         let why = "only the station's own page can decide";
         return Some(refused(StatusCode::FORBIDDEN, "origin", why));
@@ -116,7 +116,7 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
         Request::GiveUp { .. } => Some("give_up"),
         Request::Amend { .. } => Some("amend"),
         Request::NameAffected { .. } => Some("name_affected"),
-        Request::NameNext { .. } => Some("name_next"),
+        Request::NameNext { .. } | Request::NameListed { .. } => Some("name_next"),
         Request::CallOff => Some("call_off"),
         Request::Pause => Some("pause"),
         Request::Resume => Some("resume"),
@@ -149,7 +149,7 @@ fn refused(status: StatusCode, code: &str, sentence: &str) -> Response {
     (status, json(&reply)).into_response()
 }
 
-fn json(reply: &impl Serialize) -> Response {
+pub(super) fn json(reply: &impl Serialize) -> Response {
     match serde_json::to_string(reply) {
         Ok(text) => ([assets::JSON], text).into_response(),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),

@@ -20,6 +20,7 @@ const SCRIPT: &str = concat!(
     include_str!("../web/decide.js"),
     include_str!("../web/amend.js"),
     include_str!("../web/search.js"),
+    include_str!("../web/worklist.js"),
     include_str!("../web/page.js")
 );
 const ICON: &str = include_str!("../web/icon.svg");

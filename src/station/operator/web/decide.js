@@ -220,11 +220,11 @@ function scanAgain(scan, { id, shown }) {
   return button(label("scan_again"), `scan_again ${scan.scan}`, on, true);
 }
 
-function replace(next, patient) {
+function replace(next, patient, decision = { ask: "name_next", patient }) {
   const named = next.who.map(({ shown }) => shown).join(", ") || label("another");
   question({
     title: label("replace"), hint: phrase(label("replace_hint"), { named, patient }), yes: label("replace"),
-    send: () => ask({ ask: "name_next", patient, replace: true }),
+    send: () => ask({ ...decision, replace: true }),
   });
 }
 

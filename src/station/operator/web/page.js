@@ -319,6 +319,7 @@ function show(station) {
   redraw("scans_body", { scans: station.scans, canAct, ids }, ({ scans }) => scans.length
     ? scans.map((scan, at) => (at ? folded(scan, scanCard(scan, canAct, ids)) : scanCard(scan, canAct, ids)))
     : make("p", { class: "empty" }, label("no_scans")));
+  showWorklist(station.worklist, canAct);
   showDecided(station);
   redraw("complaints", station.complaints, (complaints) => complaints.map((complaint) =>
     make("li", { class: complaint.severity }, make("strong", { class: complaint.severity === "fault" ? "bad" : "wait" }, complaint.what), ` ${complaint.next} `,
