@@ -95,6 +95,16 @@ fn card_then_press() {
 }
 
 #[test]
+fn worklist_then_press() {
+    days("worklist, then press", Habits::new(Naming::Worklist, true));
+}
+
+#[test]
+fn worklist_without_a_button() {
+    days("worklist, no button", Habits::new(Naming::Worklist, false));
+}
+
+#[test]
 fn order_without_a_button() {
     days("order, no button", Habits::new(Naming::Order, false));
 }
@@ -126,6 +136,8 @@ fn in_every_way(habit: &str, of: impl Fn(Habits) -> Habits) {
         ("card, then press", Naming::Card, true),
         ("order, no button", Naming::Order, false),
         ("card, no button", Naming::Card, false),
+        ("worklist, then press", Naming::Worklist, true),
+        ("worklist, no button", Naming::Worklist, false),
     ];
     for (way, naming, button) in ways {
         days(&format!("{way}; {habit}"), of(Habits::new(naming, button)));
@@ -170,6 +182,11 @@ fn the_next_order_sent_early() {
 fn patients_who_never_come() {
     for (way, button) in [("order, then press", true), ("order, no button", false)] {
         let habits = Habits { no_shows: true, ..Habits::new(Naming::Order, button) };
+        days(&format!("{way}; 2 % never come"), habits);
+    }
+    // Whoever is only listed is nobody's rival.
+    for (way, button) in [("worklist, then press", true), ("worklist, no button", false)] {
+        let habits = Habits { no_shows: true, ..Habits::new(Naming::Worklist, button) };
         days(&format!("{way}; 2 % never come"), habits);
     }
 }

@@ -5,7 +5,11 @@ use std::time::Duration;
 
 use gaiter_flow::ScanState;
 use gaiter_flow::round::Capture;
+use gaiter_flow::worklist::{
+    FindResponse, Worklist, WorklistChoice, WorklistEntry, WorklistFilter,
+};
 use gaiter_record::SourceKind;
+use jiff::civil::{self, Date};
 
 use super::booth::Booth;
 use super::exports::{How, Rest};
@@ -18,11 +22,16 @@ const DAY_MS: u64 = 8 * 3600 * 1000;
 /// So many exports are left in the folder.
 const FILES: usize = 12;
 
+/// The date of a day with a worklist.
+const TODAY: Date = civil::date(2026, 11, 28);
+
 /// What happens at some time.
 #[derive(Debug, Clone, Copy)]
 enum Act {
     Order(usize),
     Card(usize),
+    /// The patient's entry of the worklist is chosen.
+    Choose(usize),
     /// The operator looks at the light, and answers what it asks, or not.
     Ask(usize),
     Press(usize),
@@ -40,6 +49,7 @@ pub struct Day<'a> {
     acts: BTreeMap<(u64, u64), Act>,
     acts_made: u64,
     files: Vec<String>,
+    list: Worklist,
     pressed_ms: u64,
     /// Of each body, whether it is a second scan of somebody whose first one was refused.
     pub is_again: Vec<bool>,
@@ -57,6 +67,7 @@ pub fn play(habits: &Habits, seed: u64, tells: bool) -> Day<'_> {
         acts,
         acts_made: 0,
         files,
+        list: worklist(0),
         pressed_ms: 0,
         is_again: Vec::new(),
         unanswered: BTreeSet::new(),
@@ -70,6 +81,34 @@ pub fn play(habits: &Habits, seed: u64, tells: bool) -> Day<'_> {
     day.booth.advance(300_000);
     day.booth.check_records();
     day
+}
+
+fn is_id(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// A list with an entry for each of so many patients, and a second one for some. Some have the id of another patient as
+/// their accession number.
+fn worklist(patients: usize) -> Worklist {
+    let entry = |patient: usize, number: &str| {
+        WorklistEntry::from(FindResponse {
+            patient_id: &id(patient),
+            study_instance_uid: &format!("1.2.{patient}.{}", number.len()),
+            accession_number: number,
+            scheduled_station_ae_title: "LEGSCAN",
+            start_date: "20261128",
+            ..FindResponse::default()
+        })
+    };
+    let first = (0..patients).map(|patient| match patient % 20 {
+        3 => entry(patient, &id((patient + 7) % patients)),
+        _ => entry(patient, &format!("A{patient}")),
+    });
+    let second = (0..patients).filter(|patient| patient % 10 == 5);
+    let second = second.map(|patient| entry(patient, &format!("SECOND{patient}")));
+    let answer = first.chain(second).collect();
+    let expected = WorklistFilter { station: "LEGSCAN".to_owned(), modality: None };
+    Worklist::new(answer, &expected, TODAY, is_id)
 }
 
 impl Day<'_> {
@@ -92,6 +131,7 @@ impl Day<'_> {
         let apart = DAY_MS / patients as u64;
         let begin = self.booth.now_ms + 600_000;
         let mut press_before = begin;
+        self.list = worklist(patients);
         for patient in 0..patients {
             let press = begin + apart * patient as u64 + self.some_s(0, apart / 2500);
             let never_comes = self.habits.no_shows && self.one_in(50);
@@ -110,7 +150,11 @@ impl Day<'_> {
                     let card = press - self.some_s(5, 40);
                     self.at(card, Act::Card(patient));
                 }
-                Naming::Card | Naming::FileName | Naming::Nobody => {}
+                Naming::Worklist if !never_comes => {
+                    let choice = press - self.some_s(10, 40);
+                    self.at(choice, Act::Choose(patient));
+                }
+                Naming::Card | Naming::Worklist | Naming::FileName | Naming::Nobody => {}
             }
             if never_comes {
                 continue;
@@ -126,6 +170,7 @@ impl Day<'_> {
         match act {
             Act::Order(patient) => self.name(patient, SourceKind::Order),
             Act::Card(patient) => self.name(patient, SourceKind::Reader),
+            Act::Choose(patient) => self.choose(patient),
             Act::Ask(patient) => self.ask(patient),
             Act::Press(patient) => self.press(patient, false),
             Act::Export(body) => self.export(body),
@@ -143,6 +188,36 @@ impl Day<'_> {
         let ago = Duration::from_millis(ago_ms.min(since_press_ms));
         let absent = self.booth.clock().saturating_sub(ago);
         self.booth.heard_name(&id(patient), by, None, Some(absent));
+    }
+
+    /// Half of the entries are tapped; of the others a code is read from the paper that the patient brings. If it is not
+    /// clear whom it names, the entry is tapped after all.
+    fn choose(&mut self, patient: usize) {
+        let list = self.list.clone();
+        let own = list.entries(TODAY).iter().find(|entry| entry.patient == id(patient)).unwrap();
+        let code = match self.booth.chance.below(4) {
+            0 => own.accession_number(),
+            1 => Some(own.patient.as_str()),
+            _ => None,
+        };
+        let chosen = code.map(|code| match list.chosen_by(code, is_id(code), TODAY) {
+            WorklistChoice::Patient { id, .. } => Some(id),
+            WorklistChoice::NotListed => Some(code),
+            WorklistChoice::Unclear => None,
+        });
+        let (named, by) = match chosen {
+            Some(Some(named)) => (named, SourceKind::Reader),
+            Some(None) => {
+                self.booth.tell(|| format!("{}'s code names nobody", id(patient)));
+                self.booth.unread();
+                self.booth.advance(3_000);
+                (own.patient.as_str(), SourceKind::Operator)
+            }
+            None => (own.patient.as_str(), SourceKind::Operator),
+        };
+        self.booth.tell(|| format!("{named} is chosen: {by:?}"));
+        let absent = self.booth.clock();
+        self.booth.heard_name(named, by, None, Some(absent));
     }
 
     /// Half of what the light asks is answered.
@@ -270,6 +345,7 @@ impl Day<'_> {
                 match self.habits.naming {
                     Naming::Order => self.name(patient, SourceKind::Order),
                     Naming::Card => self.name(patient, SourceKind::Reader),
+                    Naming::Worklist => self.choose(patient),
                     Naming::FileName | Naming::Nobody => {}
                 }
                 let soon = 5_000 + self.booth.chance.below(20_000) as u64;

@@ -18,6 +18,8 @@ pub enum Naming {
     Order,
     /// By card at the booth.
     Card,
+    /// From the worklist: by a tap on the page, or by a code that is read.
+    Worklist,
     /// By the name of the export.
     FileName,
     /// Not at all.
