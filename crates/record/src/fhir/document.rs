@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use super::bundle::Entry;
 use super::{Parts, narrative};
-use crate::RecordFile;
 use crate::completeness::Completeness;
+use crate::{ImagingRequest, Patient, RecordFile};
 
 /// The media type of a file by the ending of its name.
 const TYPES: [(&str, &str); 11] = [
@@ -33,6 +33,19 @@ const PDF: &str = "report.pdf";
 /// The part of a record that is its report.
 const PART: &str = "report";
 
+/// The study of a request, whether the server knows it or not.
+fn study(request: &ImagingRequest) -> Value {
+    let value = format!("urn:oid:{}", request.study_instance_uid);
+    json!({ "type": "ImagingStudy", "identifier": { "system": "urn:dicom:uid", "value": value } })
+}
+
+/// The order with this accession number (HL7 table 0203).
+fn order(number: &str) -> Value {
+    let system = "http://terminology.hl7.org/CodeSystem/v2-0203";
+    let kind = json!({ "coding": [{ "system": system, "code": "ACSN" }] });
+    json!({ "type": "ServiceRequest", "identifier": { "type": kind, "value": number } })
+}
+
 impl Parts<'_> {
     /// The report: the observations of both legs, the verdict, and the PDF.
     pub(super) fn report(&self, observations: &[Entry]) -> Entry {
@@ -55,6 +68,12 @@ impl Parts<'_> {
         let result: Vec<Value> = observations.iter().map(refer).collect();
         if !result.is_empty() {
             resource["result"] = result.into();
+        }
+        if let Some(request) = record.patient.as_ref().and_then(Patient::request) {
+            resource["imagingStudy"] = json!([study(request)]);
+            if let Some(number) = &request.accession_number {
+                resource["basedOn"] = json!([order(number)]);
+            }
         }
         if let Some(pdf) = self.pdf() {
             resource["presentedForm"] = json!([pdf]);

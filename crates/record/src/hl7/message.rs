@@ -65,33 +65,36 @@ pub fn result(
     first_seen: Timestamp,
     now: Timestamp,
 ) -> Option<Vec<u8>> {
-    let patient = record.patient.as_ref()?.id.as_str();
+    let named = record.patient.as_ref()?;
+    let patient = named.id.as_str();
+    let number = named.request().and_then(|request| request.accession_number.as_deref());
     let status = match record.revision > FIRST_REVISION {
         true => Status::Corrected,
         false => Status::Final,
     };
     let at = moment(&taken(record, first_seen));
-    let of = Message { rules, patient, status, at: at.clone() };
+    let of = Message { rules, patient, status, at: at.clone(), number };
     let mut segments = of.head(control, &record.scan.sha256, now);
     let figures = export_figures(record);
     let station = record.station.as_deref().unwrap_or_default();
     for (at, figure) in figures.iter().enumerate() {
         segments.extend(of.figure(at + 1, figure, station));
     }
-    let mut number = figures.len() + 1;
+    let mut place = figures.len() + 1;
     let words = rules.language.text("hospital.report");
     let verdict =
         Completeness::from_record(record, &rules.garment).sentences(rules.language).join(" ");
     let (kind, value) = ("TX", escaped(&verdict));
     let verdict = Observation { kind, code: VERDICT, words, value, ..Observation::default() };
-    segments.push(of.observation(number, &verdict));
+    segments.push(of.observation(place, &verdict));
     if let (Some(pdf), Some(kind)) = (pdf, kind_of(rules.pdf)) {
-        number += 1;
+        place += 1;
         let (kind, value) = ("ED", format!("^{kind}^Base64^{}", STANDARD.encode(pdf)));
         let pdf = Observation { kind, code: PDF, words, value, ..Observation::default() };
-        segments.push(of.observation(number, &pdf));
+        segments.push(of.observation(place, &pdf));
     }
-    segments.extend(Message { rules, patient, status: Status::Wrong, at }.wrong(number + 1, gone));
+    let wrong = Message { rules, patient, status: Status::Wrong, at, number };
+    segments.extend(wrong.wrong(place + 1, gone));
     Some(of.written(&segments))
 }
 
@@ -106,7 +109,7 @@ pub fn withdrawal(
     now: Timestamp,
 ) -> Vec<u8> {
     let at = moment(&now.to_zoned(TimeZone::UTC));
-    let of = Message { rules, patient, status: Status::Wrong, at };
+    let of = Message { rules, patient, status: Status::Wrong, at, number: None };
     let mut segments = of.head(control, scan, now);
     segments.extend(of.wrong(1, codes));
     of.written(&segments)
@@ -175,6 +178,8 @@ struct Message<'a> {
     status: Status,
     /// When the scan was taken.
     at: String,
+    /// The accession number of the request that the scan answers.
+    number: Option<&'a str>,
 }
 
 impl Message<'_> {
@@ -200,9 +205,10 @@ impl Message<'_> {
         let filler: String = scan.chars().take(CONTROL_DIGITS).collect();
         let order = escaped(self.rules.language.text("hospital.leg_measures"));
         let obr = format!(
-            "OBR|1||{filler}^GAITER|{ORDER}^{order}^{}|||{}|||||||||||||||{now}|||{}",
+            "OBR|1||{filler}^GAITER|{ORDER}^{order}^{}|||{}|||||||||||{}||||{now}|||{}",
             escaped(coding),
             self.at,
+            escaped(self.number.unwrap_or_default()),
             self.status.of_order()
         );
         vec![msh, pid, obr]

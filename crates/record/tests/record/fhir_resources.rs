@@ -10,7 +10,9 @@ use base64::engine::general_purpose::STANDARD;
 use gaiter_language::Language;
 use gaiter_record::export::export_figures;
 use gaiter_record::fhir::{Entry, FhirKey, FhirRules, Sent, created, entries};
-use gaiter_record::{Acquired, AcquiredFrom, Record, RecordFile};
+use gaiter_record::{
+    Acquired, AcquiredFrom, ImagingRequest, Patient, Record, RecordFile, Source, SourceKind,
+};
 use serde_json::{Value, json};
 use support::records::{fhir_rules, marked, measured};
 
@@ -276,4 +278,27 @@ fn a_leg_without_any_figure_says_that_it_has_none() {
     let entries = whole(&record);
     assert!(of_kind(&entries, "Observation").is_empty());
     assert!(of_kind(&entries, "DiagnosticReport")[0]["result"].is_null());
+}
+
+#[test]
+fn the_report_names_study_and_order_of_the_request_that_it_answers() {
+    let record = &measured("f_average_clean").1;
+    let with = |number: &str| {
+        let request = ImagingRequest::new("1.2.276.4242", number);
+        let sources = vec![Source::from_kind(SourceKind::Operator).with_request(request)];
+        let patient = Some(Patient { id: "4711".to_owned(), sources });
+        of_kind(&whole(&Record { patient, ..record.clone() }), "DiagnosticReport")[0].clone()
+    };
+    let report = with("ACC0815");
+    let study = json!({ "system": "urn:dicom:uid", "value": "urn:oid:1.2.276.4242" });
+    assert_eq!(report["imagingStudy"], json!([{ "type": "ImagingStudy", "identifier": study }]));
+    let order = &report["basedOn"][0];
+    assert_eq!(
+        (&order["type"], &order["identifier"]["value"]),
+        (&json!("ServiceRequest"), &json!("ACC0815"))
+    );
+    let without = with("");
+    assert!(without["basedOn"].is_null() && !without["imagingStudy"].is_null());
+    let report = of_kind(&whole(record), "DiagnosticReport")[0].clone();
+    assert!(report["basedOn"].is_null() && report["imagingStudy"].is_null());
 }

@@ -5,7 +5,7 @@
 use gaiter_language::Language;
 use gaiter_record::export::export_figures;
 use gaiter_record::hl7::{Charset, Hl7Rules, PdfForm, control_id, observed, result, withdrawal};
-use gaiter_record::{Patient, Record, Source, SourceKind};
+use gaiter_record::{ImagingRequest, Patient, Record, Source, SourceKind};
 use jiff::Timestamp;
 use proptest::prelude::*;
 
@@ -265,4 +265,16 @@ proptest! {
         let expected = shape(&written(&record_of("4711"), &plain));
         prop_assert_eq!(shape(&written(&record_of(&patient), &named)), expected);
     }
+}
+
+#[test]
+fn a_result_has_the_accession_number_of_the_request_that_it_answers() {
+    let mut record = record_of("4711");
+    let request = ImagingRequest::new("1.2.276.4242", "ACC|0815");
+    let sources = vec![Source::from_kind(SourceKind::Reader).with_request(request)];
+    record.patient = Some(Patient { id: "4711".to_owned(), sources });
+    let message = fields(&written(&record, &rules()));
+    let order = segments_named(&message, "OBR")[0];
+    assert_eq!((order[18].as_str(), order[22].as_str()), ("ACC\\F\\0815", "20261126192105+0000"));
+    assert_eq!(order[25], "F");
 }
