@@ -272,7 +272,9 @@ impl Rounds {
         match its_own {
             Some(capture) => match self.named_meanwhile(&capture, export) {
                 others if !others.is_empty() => held(Why::Ambiguous, &all, export).or_of(others),
-                _ if now <= capture.until + late => CaptureMatch::Of(capture),
+                _ if now <= capture.until + late => {
+                    CaptureMatch::Of(capture.with_certain_request(&all))
+                }
                 _ => held(Why::Late, &all, export),
             },
             // A second export of a scan that is being measured.

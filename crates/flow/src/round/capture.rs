@@ -61,12 +61,14 @@ impl Named {
     }
 }
 
-/// These patients, each once, as first named.
+/// These patients, each once, as first named; without a request where several may be meant.
 pub(super) fn distinct<'a>(all: impl IntoIterator<Item = &'a Named>) -> Vec<Named> {
     let mut found: Vec<Named> = Vec::new();
     for named in all {
-        if found.iter().all(|known| known.id != named.id) {
-            found.push(named.clone());
+        match found.iter_mut().find(|known| known.id == named.id) {
+            Some(known) if known.request != named.request => known.request = None,
+            Some(_) => {}
+            None => found.push(named.clone()),
         }
     }
     found
@@ -120,6 +122,18 @@ impl Capture {
     pub(super) fn is_of_all(&self, whose: &[Named]) -> bool {
         let ours: BTreeSet<&str> = self.named().map(|named| named.id.as_str()).collect();
         ours == whose.iter().map(|named| named.id.as_str()).collect()
+    }
+
+    /// The same without its request, if one of these captures names its patient with another: it is not known which of
+    /// them an export answers.
+    pub(super) fn with_certain_request(mut self, all: &[&Capture]) -> Capture {
+        if let Some(patient) = &mut self.patient {
+            let mut named = all.iter().flat_map(|capture| capture.named());
+            if named.any(|other| other.id == patient.id && other.request != patient.request) {
+                patient.request = None;
+            }
+        }
+        self
     }
 
     pub(super) fn is_unnamed(&self) -> bool {

@@ -1,5 +1,6 @@
 //! The outcomes for an export, a name, a press, the passing of time, and giving up.
 
+use gaiter_record::ImagingRequest;
 use serde::{Deserialize, Serialize};
 
 use super::capture::{Capture, Named, Why, distinct};
@@ -39,6 +40,16 @@ impl CaptureMatch {
             answered: Some(capture.number),
             doubtful: Vec::new(),
         }
+    }
+
+    /// The request that was chosen with this patient, if a capture in question names them with one.
+    pub fn request_of(&self, id: &str) -> Option<&ImagingRequest> {
+        let named: Vec<&Named> = match self {
+            CaptureMatch::Of(capture) => capture.named().collect(),
+            CaptureMatch::Held { candidates, .. } => candidates.iter().collect(),
+            CaptureMatch::Unpressed | CaptureMatch::Known => Vec::new(),
+        };
+        named.into_iter().find(|named| named.id == id)?.request.as_ref()
     }
 
     /// The same result with these candidates besides.

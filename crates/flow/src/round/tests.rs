@@ -108,6 +108,36 @@ fn code(judged: &CaptureMatch) -> &'static str {
 }
 
 #[test]
+fn of_two_requests_of_a_patient_none_is_taken_for_an_export_of_either() {
+    let chosen = |number| Named { request: ImagingRequest::new("1.2.3", number), ..named("1") };
+    let mut captures = captures();
+    captures.named(chosen("A1"), 1, at(1), &[]);
+    captures.pressed(1, at(2));
+    let mut two = captures.clone();
+    assert_eq!(taken(&mut captures, seen(20)).request_of("1"), chosen("A1").request.as_ref());
+    two.named(chosen("A2"), 2, at(3), &[]);
+    two.pressed(2, at(4));
+    let judged = taken(&mut two, seen(20));
+    assert_eq!((patient_of(&judged), judged.request_of("1")), (Some("1"), None));
+}
+
+#[test]
+fn a_held_scan_keeps_the_request_of_each_candidate() {
+    let chosen = |id: &str| Named { request: ImagingRequest::new("1.2.3", id), ..named(id) };
+    let mut captures = captures();
+    captures.named(chosen("1"), 1, at(1), &[]);
+    captures.pressed(1, at(2));
+    captures.named(chosen("2"), 2, at(3), &[]);
+    captures.pressed(2, at(4));
+    let judged = taken(&mut captures, seen(20));
+    assert_eq!(candidates(&judged), ["1", "2"]);
+    for id in ["1", "2"] {
+        assert_eq!(judged.request_of(id), chosen(id).request.as_ref());
+    }
+    assert_eq!(judged.request_of("3"), None);
+}
+
+#[test]
 fn a_card_that_confirms_the_choice_keeps_its_request_and_one_of_somebody_else_does_not_get_it() {
     let request = ImagingRequest::new("1.2.3", "A1");
     let chosen = Named { request: request.clone(), ..named("1") };
