@@ -262,7 +262,8 @@ impl WorklistFacts {
 
     /// Notes how an attempt ended.
     pub fn note(&mut self, fault: Option<Cause>, now: Timestamp) {
-        if self.fault.is_some() != fault.is_some() || self.answered.is_none() {
+        let is_first_answer = fault.is_none() && self.answered.is_none();
+        if self.fault.is_some() != fault.is_some() || is_first_answer {
             self.since = now;
         }
         if fault.is_none() {

@@ -229,3 +229,19 @@ fn why_a_part_does_not_work_is_german_in_a_german_sentence() {
     let said = anstream::adapter::strip_str(&table(&look, Language::En, None)).to_string();
     assert!(said.contains("writing failed: No space left on device (os error 28)"), "{said}");
 }
+
+#[test]
+fn the_worklist_is_told_by_how_many_are_on_it_or_since_when_it_does_not_answer() {
+    let row = |fault: Option<Cause>, answered: Option<Timestamp>, language| {
+        let (cause, fault) = (fault.clone(), fault.map(|why| why.to_string()));
+        let since = at(0);
+        let worklist = WorklistStatus { fault, cause, since, answered, entries: 7, left_out: 1 };
+        let look = Look { status: Status { worklist: Some(worklist), ..status() }, scans: vec![] };
+        anstream::adapter::strip_str(&table(&look, language, None)).to_string()
+    };
+    let said = row(None, Some(at(120)), Language::En);
+    assert!(said.contains("\nworklist   7 entries for today, as of 60 seconds ago\n"), "{said}");
+    let said = row(Some(Cause::known("no-answer", [])), Some(at(0)), Language::De);
+    assert!(said.contains("\nArbeitsliste  antwortet seit 3 Minuten nicht: "), "{said}");
+    assert!(row(None, None, Language::En).contains("\nworklist   not asked yet\n"));
+}

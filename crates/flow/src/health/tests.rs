@@ -7,8 +7,9 @@ use gaiter_language::Language;
 use proptest::prelude::*;
 
 use super::*;
+use crate::complaint::Severity;
 use crate::export::passed_over::PassedOver;
-use crate::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile};
+use crate::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile, WorklistFacts};
 use crate::settle::Wait;
 use crate::trigger::PortState;
 
@@ -291,4 +292,25 @@ fn a_store_that_is_a_server_has_words_of_its_own() {
             assert_eq!(remedy(store, language), remedy("fhir", language));
         }
     }
+}
+
+#[test]
+fn a_worklist_that_is_away_for_a_minute_is_a_notice_of_a_station_that_is_ready() {
+    let mut worklist = WorklistFacts::new(at(0));
+    worklist.note(None, at(10));
+    worklist.note(Some("it does not answer".into()), at(70));
+    worklist.note(Some("it does not answer".into()), at(130));
+    let facts = Facts { worklist: Some(worklist.clone()), ..facts() };
+    assert_eq!(codes(&facts, &EMPTY, at(71)), [""; 0]);
+    let found = complaints(&facts, &EMPTY, OVERDUE, at(140));
+    let found: Vec<_> = found.iter().map(|of| (of.code.as_str(), of.severity)).collect();
+    assert_eq!(found, [("worklist-out-of-reach", Severity::Notice)]);
+    // One that never answered since the start, too.
+    let mut never = WorklistFacts::new(at(0));
+    [1, 61, 121].map(|second| never.note(Some("it does not answer".into()), at(second)));
+    let silent = Facts { worklist: Some(never), ..facts.clone() };
+    assert_eq!(codes(&silent, &EMPTY, at(122)), ["worklist-out-of-reach"]);
+    worklist.note(None, at(150));
+    let facts = Facts { worklist: Some(worklist), ..facts };
+    assert_eq!(codes(&facts, &EMPTY, at(999)), [""; 0]);
 }
