@@ -6,6 +6,7 @@ mod files;
 mod held;
 mod light;
 mod visits;
+mod worklist;
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{PermissionsExt, chown};

@@ -307,7 +307,9 @@ fn a_worklist_that_is_away_for_a_minute_is_a_notice_of_a_station_that_is_ready()
     assert_eq!(found, [("worklist-out-of-reach", Severity::Notice)]);
     // One that never answered since the start, too.
     let mut never = WorklistFacts::new(at(0));
-    [1, 61, 121].map(|second| never.note(Some("it does not answer".into()), at(second)));
+    for second in [1, 61, 121] {
+        never.note(Some("it does not answer".into()), at(second));
+    }
     let silent = Facts { worklist: Some(never), ..facts.clone() };
     assert_eq!(codes(&silent, &EMPTY, at(122)), ["worklist-out-of-reach"]);
     worklist.note(None, at(150));
