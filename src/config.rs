@@ -48,9 +48,9 @@ pub use load::{load, load_with, nested};
 pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
 pub use phantom::PhantomConfig;
+pub use servers::{ArchiveStoreConfig, FhirStoreConfig, Hl7StoreConfig};
 #[cfg(feature = "dicom")]
-pub use servers::DicomStoreConfig;
-pub use servers::{ArchiveStoreConfig, FhirStoreConfig, Hl7StoreConfig, WorklistConfig};
+pub use servers::{DicomStoreConfig, WorklistConfig};
 pub use sizes::beside::Files;
 pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;

@@ -8,9 +8,9 @@ use gaiter_flow::patient::check_digit::CheckDigit;
 use gaiter_flow::round::Rules;
 use regex::Regex;
 
+use super::OrdersConfig;
 use super::parse::{self, Absent, Reader};
 use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER, WithoutTrigger};
-use super::{OrdersConfig, WorklistConfig};
 
 /// `[capture]`: how the station waits for the export of a press.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,8 @@ pub struct PatientConfig {
     /// `[patient.orders]`: where orders from practice software arrive, if configured.
     pub orders: Option<OrdersConfig>,
     /// `[patient.worklist]`: the worklist of a hospital system, if configured.
-    pub worklist: Option<WorklistConfig>,
+    #[cfg(feature = "dicom")]
+    pub worklist: Option<super::WorklistConfig>,
 }
 
 impl CaptureConfig {
@@ -76,6 +77,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfi
         sidecar: sidecar?.value,
         sidecar_wait: wait?.value,
         orders: None,
+        #[cfg(feature = "dicom")]
         worklist: None,
     };
     Some((capture, patient))

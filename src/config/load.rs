@@ -82,6 +82,7 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
 
     let whose = capture::config(reader);
     let (orders_path, orders) = gdt::orders(reader);
+    #[cfg(feature = "dicom")]
     let worklist = servers::worklist(reader);
     let trigger = trigger::config(reader);
     let patient = whose.as_ref().map(|(_, patient)| patient);
@@ -154,7 +155,12 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
             file_name: file_name.map(|found| found.value),
         },
         capture,
-        patient: PatientConfig { orders: orders?, worklist: worklist?, ..patient },
+        patient: PatientConfig {
+            orders: orders?,
+            #[cfg(feature = "dicom")]
+            worklist: worklist?,
+            ..patient
+        },
         trigger: trigger?,
         phantom,
         method: Method {

@@ -6,6 +6,7 @@ mod archive;
 mod dicom;
 mod fhir;
 mod hl7;
+#[cfg(feature = "dicom")]
 mod worklist;
 
 use std::net::Ipv6Addr;
@@ -25,7 +26,9 @@ pub use fhir::FhirStoreConfig;
 pub(super) use fhir::fhir;
 pub use hl7::Hl7StoreConfig;
 pub(super) use hl7::hl7;
+#[cfg(feature = "dicom")]
 pub use worklist::WorklistConfig;
+#[cfg(feature = "dicom")]
 pub(super) use worklist::worklist;
 
 /// The longest text in a message or header, characters.

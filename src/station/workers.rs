@@ -9,7 +9,7 @@ use tokio::sync::mpsc;
 use tokio::task::{Id, JoinError, JoinSet};
 
 use super::assembly::Station;
-use super::booth::{self, orders, trigger, worklist};
+use super::booth::{self, orders, trigger};
 use super::delivery::{self, preview};
 use super::error::{StationError, Worker};
 use super::fleet;
@@ -110,8 +110,10 @@ impl Workers {
             let task = |beat| orders::worker(Arc::clone(booth), config, beat, stop.clone());
             self.start_one(Worker::Orders, task);
         }
+        #[cfg(feature = "dicom")]
         if let Some(config) = core.config.patient.worklist.clone() {
-            let task = |beat| worklist::worker(Arc::clone(booth), config, beat, stop.clone());
+            let task =
+                |beat| booth::worklist::worker(Arc::clone(booth), config, beat, stop.clone());
             self.start_one(Worker::Worklist, task);
         }
         let task = |beat| booth::worker(Arc::clone(booth), beat, stop.clone());

@@ -1,5 +1,5 @@
 //! The stores of hospitals against real servers: Medplum's FHIR router, a receiver of HL7 v2 by hl7apy, Orthanc as the
-//! archive of images, and moto as the store of objects of an archive of many stations.
+//! archive of images, wlmscpfs as the worklist, and moto as the store of objects of an archive of many stations.
 //!
 //! Faults are injected in front of each server; what validates, searches and keeps is its own. `.ci/run`
 //! installs them. By hand:
@@ -8,8 +8,9 @@
 //! npm --prefix tests/hospital ci
 //! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install hl7apy jsonschema 'moto[server]' boto3
 //! apt-get install --no-install-recommends orthanc orthanc-dicomweb dcmtk dicom3tools curl
-//! GAITER_PYTHON=/tmp/venv/bin/python cargo test --test hospital -- --include-ignored --skip dicom::orthanc
+//! GAITER_PYTHON=/tmp/venv/bin/python cargo test --test hospital -- --include-ignored --skip dicom::orthanc --skip worklist::wlmscpfs
 //! unshare -n sh -c 'ip link set lo up; cargo test --test hospital dicom::orthanc -- --ignored'
+//! unshare -n sh -c 'ip link set lo up; cargo test --test hospital worklist::wlmscpfs -- --ignored'
 //! ```
 
 mod archive;
@@ -25,3 +26,4 @@ mod kill;
 mod records;
 mod server;
 mod station;
+mod worklist;

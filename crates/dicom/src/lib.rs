@@ -12,6 +12,7 @@ mod stored;
 mod study;
 pub mod web;
 mod withdrawal;
+mod worklist;
 
 pub use dicom_dictionary_std::tags;
 use dicom_dictionary_std::uids;
@@ -28,6 +29,7 @@ pub use self::document::attachable;
 pub use self::stored::NotStored;
 pub use self::study::{Listed, PatientIdFault, Study};
 pub use self::withdrawal::withdrawal;
+pub use self::worklist::planned;
 
 /// The name of the character set of all objects: UTF-8 (PS3.3, C.12.1.1.2).
 const UTF_8: &str = "ISO_IR 192";

@@ -3,23 +3,20 @@
 
 #[cfg(feature = "dicom")]
 mod dicom;
+#[cfg(feature = "dicom")]
+mod worklist;
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-use gaiter_flow::Identity;
 use gaiter_flow::health::CERTIFICATE_ENDS_SOON;
-use gaiter_flow::worklist::{Worklist, WorklistEntry};
 use gaiter_https::{Secret, SecretFault, TlsFiles, is_this_machine, secret, tls};
-use gaiter_record::SourceKind;
-use jiff::civil::Date;
-use jiff::{Timestamp, Zoned};
+use jiff::Timestamp;
 
 use super::environment::writable;
 use super::row::{Row, Verdict};
-use crate::config::{ArchiveStoreConfig, Config, FhirStoreConfig, Hl7StoreConfig, WorklistConfig};
-use crate::station::booth::worklist;
+use crate::config::{ArchiveStoreConfig, Config, FhirStoreConfig, Hl7StoreConfig};
 use crate::station::stores::Stores;
 use crate::store::archive::CropChoice;
 use crate::store::hl7::Hl7Way;
@@ -34,72 +31,10 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     let hl7 = hl7.map(|(hl7, store)| hl7_rows(hl7, store)).unwrap_or_default();
     let archive = config.store.archive.as_ref().zip(stores.named(ArchiveStore::NAME));
     let archive = archive.map(|(archive, store)| archive_rows(archive, store));
-    let worklist = config.patient.worklist.as_ref().map(|of| worklist_rows(of, config));
-    let rows = fhir.into_iter().chain(hl7);
+    let rows = fhir.into_iter().chain(hl7).chain(archive.unwrap_or_default());
     #[cfg(feature = "dicom")]
-    let rows = rows.chain(dicom::rows(config, &stores));
-    rows.chain(archive.unwrap_or_default()).chain(worklist.unwrap_or_default()).collect()
-}
-
-fn worklist_rows(worklist: &WorklistConfig, config: &Config) -> Vec<Row> {
-    const CHECK: &str = "worklist";
-    let place = format!("{}:{}", worklist.host, worklist.port);
-    let own = worklist.tls.as_ref().and_then(|tls| tls.own.as_ref()).map(|(_, key)| key);
-    let mut rows: Vec<Row> = own.map(of_secret).into_iter().collect();
-    rows.extend(worklist.tls.as_ref().and_then(|tls| of_certificate(tls, Timestamp::now())));
-    let today = Zoned::now().date();
-    let tried = not_given(own.as_slice(), CHECK, &place).unwrap_or_else(|| {
-        match worklist::ask(worklist, today) {
-            Ok(answer) => {
-                let (verdict, detail) = listed(answer, worklist, config, today);
-                Row::at(CHECK, &place, verdict, detail)
-            }
-            // The station works without it.
-            Err(fault) => Row::at(CHECK, &place, Verdict::Warn, fault.cause().to_string()),
-        }
-    });
-    rows.push(tried);
-    if worklist.tls.is_none() && !is_this_machine(&worklist.host) {
-        let detail = "not encrypted: anyone in the network can read names and birth dates; \
-                      encryption = \"tls\" if the server can";
-        rows.push(Row::at("encryption", &place, Verdict::Warn, detail));
-    }
-    rows
-}
-
-/// What an answer holds for this station, without naming anybody.
-fn listed(
-    answer: Vec<WorklistEntry>,
-    worklist: &WorklistConfig,
-    config: &Config,
-    today: Date,
-) -> (Verdict, String) {
-    let patient = &config.patient;
-    let identity = Identity::new(None, None, &patient.pattern, patient.check_digit);
-    let is_id = |text: &str| {
-        let patient = identity.as_ref().map(|rules| rules.patient(text, SourceKind::Operator));
-        patient.is_ok_and(|patient| patient.is_some())
-    };
-    let all = answer.len();
-    let list = Worklist::new(answer, &worklist.filter, today, is_id);
-    let entries = list.entries(today);
-    let numbers = entries.iter().filter_map(WorklistEntry::accession_number);
-    let may_be_ids = numbers.filter(|number| is_id(number)).count();
-    let mut detail = format!("answers: {all} entries, {} of this station today", entries.len());
-    if list.left_out() > 0 {
-        detail += &format!(
-            ", and {} by which nobody can be named (patient.pattern, or no study)",
-            list.left_out()
-        );
-    }
-    if may_be_ids > 0 {
-        detail += &format!(
-            "; patient.pattern allows {may_be_ids} of their accession numbers as ids: read by the reader, \
-             these choose nobody"
-        );
-    }
-    let is_sound = list.left_out() == 0 && may_be_ids == 0;
-    (if is_sound { Verdict::Ok } else { Verdict::Warn }, detail)
+    let rows = rows.chain(dicom::rows(config, &stores)).chain(worklist::rows(config));
+    rows.collect()
 }
 
 fn fhir_rows(config: &FhirStoreConfig, store: &dyn RecordStore) -> Vec<Row> {

@@ -101,7 +101,8 @@ fn titles(reader: &mut Reader) -> Option<(AeTitle, Option<AeTitle>)> {
     Some((calling?.value, called?.value))
 }
 
-fn title(text: &str) -> Result<AeTitle, What> {
+/// The title of an application.
+pub(super) fn title(text: &str) -> Result<AeTitle, What> {
     let hint = "write 1 to 16 letters, digits and signs of ASCII, as in \"ORTHANC\"";
     AeTitle::new(text).map_err(|_| not_a(text, "a valid AE title", hint))
 }

@@ -2,33 +2,28 @@
 
 use std::time::Duration;
 
+use gaiter_dicom::dimse::Titles;
 use gaiter_flow::worklist::WorklistFilter;
-use gaiter_https::TlsFiles;
 
+use super::dicom::title;
 use super::{TlsKeys, host_and_port, tls};
 use crate::config::fault::What;
-use crate::config::parse::{self, Absent, Reader, not_a, or_none};
+use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
 use crate::config::words::Words;
+use crate::store::dicom::DimseServer;
 
 /// `[patient.worklist]`: a server that states who is expected today (DICOM Modality Worklist).
 #[derive(Debug, Clone)]
 pub struct WorklistConfig {
-    pub host: String,
-    pub port: u16,
-    /// Certificates; `None` without encryption.
-    pub tls: Option<TlsFiles>,
-    /// The server's AE title.
-    pub server: String,
-    /// The station's AE title and modality: it asks under this title, and entries are planned for it.
+    /// Where it is, and who asks whom.
+    pub server: DimseServer,
+    /// The station's AE title, under which it asks, and its modality: entries are planned for these.
     pub filter: WorklistFilter,
     /// How often the server is asked.
     pub every: Duration,
-    /// How long each answer of the server may take.
+    /// For a whole exchange.
     pub limit: Duration,
 }
-
-/// The longest AE title, characters (PS3.5, VR AE).
-const TITLE_MOST: usize = 16;
 
 /// The longest modality, characters (VR CS).
 const MODALITY_MOST: usize = 16;
@@ -57,35 +52,19 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     let tls = tls(reader, &TLS);
     let limit =
         reader.text("patient.worklist.timeout", Default("10s"), parse::duration_in("1s"..="20s"));
-    let address = address?;
-    let Some((host, port)) = address.value else { return Some(None) };
-    let server = server?.value;
-    if server.is_none() {
-        reader.note(address.at, key, What::Without("patient.worklist.server"));
+    let Found { value: Some((host, port)), at } = address? else { return Some(None) };
+    let called = server?.value;
+    if called.is_none() {
+        reader.note(at, key, What::Without("patient.worklist.server"));
     }
-    let tls = tls?;
+    let (calling, called, tls) = (own?.value, called?, encryption?.value.then_some(tls?));
+    let filter = WorklistFilter { station: calling.as_str().to_owned(), modality: modality?.value };
     Some(Some(WorklistConfig {
-        host,
-        port,
-        tls: encryption?.value.then_some(tls),
-        server: server?,
-        filter: WorklistFilter { station: own?.value, modality: modality?.value },
+        server: DimseServer { host, port, titles: Titles { calling, called }, tls },
+        filter,
         every: every?.value,
         limit: limit?.value,
     }))
-}
-
-/// An AE title: printable ASCII without \, with no space at an end.
-fn title(text: &str) -> Result<String, What> {
-    let is_plain = |byte: u8| (b' '..=b'~').contains(&byte) && byte != b'\\';
-    if !text.is_empty()
-        && text.len() <= TITLE_MOST
-        && text.trim() == text
-        && text.bytes().all(is_plain)
-    {
-        return Ok(text.to_owned());
-    }
-    Err(not_a(text, "a valid AE title", "1 to 16 characters without umlauts and \\: \"GAITER\""))
 }
 
 /// A code string such as `OSS`.

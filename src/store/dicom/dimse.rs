@@ -8,7 +8,7 @@ use gaiter_dicom::{DicomObject, Listed, Study};
 use super::server::DimseServer;
 use super::{answers, unwritable};
 use crate::store::StoreFault;
-use crate::store::connection::{Connection, Peer};
+use crate::store::connection::Connection;
 use crate::store::server::ServerFault;
 
 /// An archive with DIMSE.
@@ -41,20 +41,13 @@ impl DimseArchive {
         answers::judged(&failed, objects.len(), u16::try_from(status).unwrap_or_default())
     }
 
-    /// What the server makes of a question, on a connection for it alone.
     fn asked<T>(
         &self,
         ask: impl FnOnce(&mut Connection, &Titles) -> Result<T, DimseFault>,
     ) -> Result<T, StoreFault> {
-        let DimseServer { host, port, titles, tls } = &self.server;
-        let peer = Peer { host, port: *port, tls: tls.as_ref(), limit: self.limit };
-        let mut connection = peer.connected().map_err(ServerFault::Http)?;
-        let answer = ask(&mut connection, titles);
-        connection.close();
-        answer.map_err(|fault| match fault {
-            DimseFault::Connection(source) => ServerFault::Http(peer.fault(source)).into(),
-            DimseFault::Encode(fault) => unwritable(fault),
-            fault => ServerFault::Dimse(fault).into(),
+        self.server.asked(self.limit, ask).map_err(|fault| match fault {
+            ServerFault::Dimse(DimseFault::Encode(fault)) => unwritable(fault),
+            fault => fault.into(),
         })
     }
 }

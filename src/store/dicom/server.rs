@@ -2,8 +2,11 @@
 
 use std::time::Duration;
 
-use gaiter_dicom::dimse::Titles;
+use gaiter_dicom::dimse::{DimseFault, Titles};
 use gaiter_https::{Endpoint, Secret, TlsFiles};
+
+use crate::store::connection::{Connection, Peer};
+use crate::store::server::ServerFault;
 
 /// Where an archive of images is and how it is asked.
 #[derive(Debug, Clone)]
@@ -53,6 +56,39 @@ pub enum DicomAccess {
     Bearer { token: Secret },
 }
 
+impl DimseServer {
+    /// Its address, for people.
+    pub fn place(&self) -> String {
+        format!("dicom://{}@{}:{}", self.titles.called.as_str(), self.host, self.port)
+    }
+
+    /// The host without the brackets of an IPv6 address.
+    pub fn name(&self) -> &str {
+        self.host.trim_matches(['[', ']'])
+    }
+
+    /// The secret that connections with it need.
+    pub fn secret(&self) -> Option<&Secret> {
+        self.tls.as_ref()?.own.as_ref().map(|(_, key)| key)
+    }
+
+    /// What the server makes of a question, on a connection for it alone. `limit` is for the whole exchange.
+    pub(crate) fn asked<T>(
+        &self,
+        limit: Duration,
+        ask: impl FnOnce(&mut Connection, &Titles) -> Result<T, DimseFault>,
+    ) -> Result<T, ServerFault> {
+        let peer = Peer { host: &self.host, port: self.port, tls: self.tls.as_ref(), limit };
+        let mut connection = peer.connected()?;
+        let answer = ask(&mut connection, &self.titles);
+        connection.close();
+        answer.map_err(|fault| match fault {
+            DimseFault::Connection(source) => peer.fault(source).into(),
+            fault => ServerFault::Dimse(fault),
+        })
+    }
+}
+
 impl DicomServer {
     /// Every secret that connections with it need.
     pub fn secrets(&self) -> Vec<&Secret> {
@@ -77,9 +113,7 @@ impl DicomServer {
     pub fn place(&self) -> String {
         match &self.way {
             DicomWay::Web { base, .. } => base.clone(),
-            DicomWay::Dimse(DimseServer { host, port, titles, .. }) => {
-                format!("dicom://{}@{host}:{port}", titles.called.as_str())
-            }
+            DicomWay::Dimse(server) => server.place(),
         }
     }
 
@@ -89,7 +123,7 @@ impl DicomServer {
             DicomWay::Web { base, .. } => {
                 Some(Endpoint::from_uri(&base.parse().ok()?).ok()?.name().to_owned())
             }
-            DicomWay::Dimse(server) => Some(server.host.trim_matches(['[', ']']).to_owned()),
+            DicomWay::Dimse(server) => Some(server.name().to_owned()),
         }
     }
 }

@@ -64,8 +64,9 @@ fn hosts(config: &Config) -> Vec<String> {
         }
     }
     #[cfg(feature = "dicom")]
-    if let Some(dicom) = &config.store.dicom {
-        hosts.extend(dicom.server.host());
+    {
+        hosts.extend(config.store.dicom.iter().filter_map(|of| of.server.host()));
+        hosts.extend(config.patient.worklist.iter().map(|of| of.server.name().to_owned()));
     }
     if let Some(archive) = &config.store.archive {
         hosts.extend(host_of(&archive.place.bucket.address));
@@ -73,8 +74,6 @@ fn hosts(config: &Config) -> Vec<String> {
     if let Some(Hl7Way::Mllp { host, .. }) = config.store.hl7.as_ref().map(|hl7| &hl7.way) {
         hosts.push(host.trim_matches(['[', ']']).to_owned());
     }
-    let worklist = config.patient.worklist.as_ref();
-    hosts.extend(worklist.map(|of| of.host.trim_matches(['[', ']']).to_owned()));
     hosts.dedup();
     hosts
 }
@@ -145,11 +144,11 @@ fn named(config: &Config) -> Vec<&str> {
     let hl7 = config.store.hl7.as_ref().and_then(|hl7| hl7.way.secret());
     let archive = config.store.archive.as_ref();
     let archive = archive.map(|archive| archive.place.secrets()).unwrap_or_default();
-    let tls = config.patient.worklist.as_ref().and_then(|worklist| worklist.tls.as_ref());
-    let worklist = tls.and_then(|tls| tls.own.as_ref()).map(|(_, key)| key);
-    let secrets = fhir.into_iter().chain(hl7).chain(archive).chain(worklist);
+    let secrets = fhir.into_iter().chain(hl7).chain(archive);
     #[cfg(feature = "dicom")]
-    let secrets = secrets.chain(config.store.dicom.iter().flat_map(|of| of.server.secrets()));
+    let secrets = secrets
+        .chain(config.store.dicom.iter().flat_map(|of| of.server.secrets()))
+        .chain(config.patient.worklist.iter().filter_map(|of| of.server.secret()));
     let named = secrets.filter_map(|secret| match secret {
         Secret::Credential(name) => Some(name.as_str()),
         Secret::File(_) => None,

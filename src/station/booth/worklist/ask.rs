@@ -1,34 +1,54 @@
-//! Asks the server of a worklist: the one place that knows how (C-FIND of the Modality Worklist Information Model).
+//! Asks the server of a worklist (C-FIND of the Modality Worklist Information Model).
 
-use gaiter_flow::cause::Cause;
-use gaiter_flow::worklist::WorklistEntry;
+use std::borrow::Cow;
+
+use gaiter_dicom::dimse::{Model, find};
+use gaiter_dicom::{InMemDicomObject, Tag, planned, tags};
+use gaiter_flow::worklist::{FindResponse, WorklistEntry};
 use jiff::civil::Date;
 
 use crate::config::WorklistConfig;
+use crate::store::ServerFault;
 
-/// Why there is no answer. None holds what a server sent: it may be a name.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum WorklistFault {
-    /// This program was made without DICOM.
-    #[error("this gaiter was built without its feature dicom")]
-    NotBuilt,
-}
+/// The most answers that are read. A server that does not know the keys of the query may answer with the day of a
+/// whole hospital; more than that is not the list of a day.
+const ANSWERS_MOST: usize = 5_000;
 
-impl WorklistFault {
-    /// Why, as data.
-    pub fn cause(&self) -> Cause {
-        match self {
-            WorklistFault::NotBuilt => Cause::verbatim(self),
-        }
-    }
-}
-
-/// The entries that the server has for this station on a day. Blocks, for as long as `config.limit` allows each of
-/// its answers.
+/// The entries that the server has for this station on a day. Blocks, for as long as `config.limit` allows.
 ///
 /// # Errors
-/// [`WorklistFault`]: nothing is known then, and an earlier answer still holds.
-pub fn ask(config: &WorklistConfig, day: Date) -> Result<Vec<WorklistEntry>, WorklistFault> {
-    let _ = (config, day);
-    Err(WorklistFault::NotBuilt)
+/// [`ServerFault`], which holds nothing that an entry says: nothing is known then, and an earlier answer still holds.
+pub fn ask(config: &WorklistConfig, day: Date) -> Result<Vec<WorklistEntry>, ServerFault> {
+    let WorklistConfig { server, filter, limit, .. } = config;
+    let query = planned(&server.titles.calling, filter.modality.as_deref(), day);
+    let answers = server.asked(*limit, |connection, titles| {
+        find(connection, titles, Model::Worklist, &query, ANSWERS_MOST)
+    })?;
+    Ok(answers.iter().map(entry).collect())
+}
+
+/// The entry of an answer, which has one planned step.
+fn entry(answer: &InMemDicomObject) -> WorklistEntry {
+    let steps = answer.get(tags::SCHEDULED_PROCEDURE_STEP_SEQUENCE);
+    let step = steps.and_then(|steps| steps.items()?.first());
+    let of_step = |tag| step.map(|step| text(step, tag)).unwrap_or_default();
+    WorklistEntry::from(FindResponse {
+        patient_id: &text(answer, tags::PATIENT_ID),
+        issuer_of_patient_id: &text(answer, tags::ISSUER_OF_PATIENT_ID),
+        patient_name: &text(answer, tags::PATIENT_NAME),
+        patient_birth_date: &text(answer, tags::PATIENT_BIRTH_DATE),
+        requested_procedure_description: &text(answer, tags::REQUESTED_PROCEDURE_DESCRIPTION),
+        study_instance_uid: &text(answer, tags::STUDY_INSTANCE_UID),
+        accession_number: &text(answer, tags::ACCESSION_NUMBER),
+        scheduled_station_ae_title: &of_step(tags::SCHEDULED_STATION_AE_TITLE),
+        modality: &of_step(tags::MODALITY),
+        start_date: &of_step(tags::SCHEDULED_PROCEDURE_STEP_START_DATE),
+        start_time: &of_step(tags::SCHEDULED_PROCEDURE_STEP_START_TIME),
+        step_id: &of_step(tags::SCHEDULED_PROCEDURE_STEP_ID),
+    })
+}
+
+/// The text of an element, in which several values are separated by a backslash; empty if there is none.
+fn text(set: &InMemDicomObject, tag: Tag) -> Cow<'_, str> {
+    set.get(tag).and_then(|element| element.to_str().ok()).unwrap_or_default()
 }

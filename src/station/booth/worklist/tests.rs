@@ -2,14 +2,20 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 use gaiter_flow::booth::PortEvent;
+use gaiter_flow::cause::Cause;
+use gaiter_flow::facts::WorklistFacts;
 use gaiter_flow::worklist::FindResponse;
 use gaiter_flow::{Facts, Identity};
+use jiff::Timestamp;
 
+use super::worker::note_fault;
 use super::*;
 use crate::config;
 use crate::station::assembly::open_custody;
+use crate::station::core::Core;
 use crate::station::event::Observer;
 use crate::station::stores::Stores;
 

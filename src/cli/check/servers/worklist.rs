@@ -1,0 +1,82 @@
+//! The worklist: whether its server answers, and whom its entries can name.
+
+use gaiter_flow::Identity;
+use gaiter_flow::worklist::{Worklist, WorklistEntry};
+use gaiter_https::is_this_machine;
+use gaiter_record::SourceKind;
+use jiff::civil::Date;
+use jiff::{Timestamp, Zoned};
+
+use super::{not_given, of_certificate, of_secret};
+use crate::cli::check::row::{Row, Verdict};
+use crate::config::{Config, WorklistConfig};
+use crate::station::booth::worklist;
+
+/// The name of the row of the server.
+const CHECK: &str = "worklist";
+
+/// The rows of the worklist, if there is one.
+pub(super) fn rows(config: &Config) -> Vec<Row> {
+    let worklist = config.patient.worklist.as_ref();
+    worklist.map(|worklist| of_server(worklist, config)).unwrap_or_default()
+}
+
+fn of_server(worklist: &WorklistConfig, config: &Config) -> Vec<Row> {
+    let server = &worklist.server;
+    let (place, secret) = (server.place(), server.secret());
+    let mut rows: Vec<Row> = secret.map(of_secret).into_iter().collect();
+    rows.extend(server.tls.as_ref().and_then(|tls| of_certificate(tls, Timestamp::now())));
+    let today = Zoned::now().date();
+    let tried = not_given(secret.as_slice(), CHECK, &place).unwrap_or_else(|| {
+        match worklist::ask(worklist, today) {
+            Ok(answer) => {
+                let (verdict, detail) = listed(answer, worklist, config, today);
+                Row::at(CHECK, &place, verdict, detail)
+            }
+            // The station works without it.
+            Err(fault) => Row::at(CHECK, &place, Verdict::Warn, fault.cause().to_string()),
+        }
+    });
+    rows.push(tried);
+    if server.tls.is_none() && !is_this_machine(&server.host) {
+        let detail = "not encrypted: anyone in the network can read names and birth dates; \
+                      encryption = \"tls\" if the server can";
+        rows.push(Row::at("encryption", &place, Verdict::Warn, detail));
+    }
+    rows
+}
+
+/// What an answer holds for this station, without naming anybody.
+fn listed(
+    answer: Vec<WorklistEntry>,
+    worklist: &WorklistConfig,
+    config: &Config,
+    today: Date,
+) -> (Verdict, String) {
+    let patient = &config.patient;
+    let identity = Identity::new(None, None, &patient.pattern, patient.check_digit);
+    let is_id = |text: &str| {
+        let patient = identity.as_ref().map(|rules| rules.patient(text, SourceKind::Operator));
+        patient.is_ok_and(|patient| patient.is_some())
+    };
+    let all = answer.len();
+    let list = Worklist::new(answer, &worklist.filter, today, is_id);
+    let entries = list.entries(today);
+    let numbers = entries.iter().filter_map(WorklistEntry::accession_number);
+    let may_be_ids = numbers.filter(|number| is_id(number)).count();
+    let mut detail = format!("answers: {all} entries, {} of this station today", entries.len());
+    if list.left_out() > 0 {
+        detail += &format!(
+            ", and {} by which nobody can be named (patient.pattern, or no study)",
+            list.left_out()
+        );
+    }
+    if may_be_ids > 0 {
+        detail += &format!(
+            "; patient.pattern allows {may_be_ids} of their accession numbers as ids: read by the reader, \
+             these choose nobody"
+        );
+    }
+    let is_sound = list.left_out() == 0 && may_be_ids == 0;
+    (if is_sound { Verdict::Ok } else { Verdict::Warn }, detail)
+}

@@ -1,0 +1,134 @@
+//! Asks for the worklist, and gives the booth what the server answers.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use gaiter_flow::cause::Cause;
+use gaiter_flow::facts::WorklistFacts;
+use gaiter_flow::worklist::{Worklist, WorklistEntry};
+use gaiter_record::SourceKind;
+use jiff::Timestamp;
+use jiff::civil::Date;
+use tokio::task::JoinError;
+use tokio::time::sleep;
+use tracing::{info, warn};
+
+use super::{ask, today};
+use crate::config::WorklistConfig;
+use crate::station::booth::Booth;
+use crate::station::core::Core;
+use crate::station::runtime::{Heartbeat, Stop};
+use crate::station::share::stall::{DEADLINE, patiently};
+
+/// How soon after an answer the server is asked again because a page was opened.
+const AGAIN: Duration = Duration::from_secs(5);
+
+/// How often the worker looks whether a page asks, and whether the day is over.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// Asks for the worklist until asked to stop.
+///
+/// # Errors
+/// If the question panicked.
+pub async fn worker(
+    booth: Arc<Booth>,
+    config: WorklistConfig,
+    beat: Heartbeat,
+    mut stop: Stop,
+) -> Result<(), JoinError> {
+    let config = Arc::new(config);
+    booth.core().board.note(|facts| facts.worklist = Some(WorklistFacts::new(Timestamp::now())));
+    let alive = || {
+        beat.beat();
+        booth.end_worklist(today());
+    };
+    while !stop.is_requested() {
+        let (theirs, day) = (Arc::clone(&config), today());
+        let hangs = || note_fault(booth.core(), Cause::known("no-answer", []));
+        let answered =
+            patiently(DEADLINE, &mut stop, move |_| ask(&theirs, day), alive, hangs).await?;
+        match answered {
+            Some(Ok(answer)) => booth.note_worklist(answer, &config, day),
+            Some(Err(fault)) => note_fault(booth.core(), fault.cause()),
+            None => break,
+        }
+        let since = booth.core().now();
+        let waited = || booth.core().now().saturating_sub(since);
+        let is_due = || waited() >= config.every || (waited() >= AGAIN && booth.takes_wish());
+        while !is_due() {
+            alive();
+            tokio::select! {
+                () = stop.requested() => return Ok(()),
+                () = sleep(LOOK) => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Notes that there was no answer. Logged once for each outage.
+pub(super) fn note_fault(core: &Core, why: Cause) {
+    let was_sound = core.board.note(|facts| {
+        let worklist = facts.worklist.as_mut()?;
+        let was_sound = worklist.fault.is_none();
+        worklist.note(Some(why.clone()), Timestamp::now());
+        Some(was_sound)
+    });
+    if was_sound == Some(true) {
+        warn!(event = "worklist-out-of-reach", error = why.to_string());
+    }
+}
+
+impl Booth {
+    /// Takes an answer of the server for a day.
+    pub(super) fn note_worklist(
+        &self,
+        answer: Vec<WorklistEntry>,
+        config: &WorklistConfig,
+        day: Date,
+    ) {
+        let core = self.core();
+        let is_id = |text: &str| core.identity.patient(text, SourceKind::Operator).is_some();
+        let list = Worklist::new(answer, &config.filter, day, is_id);
+        let (entries, left_out) = (list.entries(day).len(), list.left_out());
+        let has_changed = self.replace_worklist(Some(list));
+        let was_sound = core.board.note(|facts| {
+            let worklist = facts.worklist.as_mut()?;
+            let was_sound = worklist.fault.is_none() && worklist.answered.is_some();
+            worklist.note(None, Timestamp::now());
+            (worklist.entries, worklist.left_out) = (entries, left_out);
+            worklist.edition += u64::from(has_changed);
+            Some(was_sound)
+        });
+        if was_sound == Some(false) {
+            info!(event = "worklist-in-reach", count = entries);
+        }
+    }
+
+    /// Forgets the list once its day is over.
+    pub(super) fn end_worklist(&self, today: Date) {
+        if self.worklist.list().as_ref().is_none_or(|list| !list.is_over(today)) {
+            return;
+        }
+        self.replace_worklist(None);
+        self.core().board.note(|facts| {
+            if let Some(worklist) = &mut facts.worklist {
+                (worklist.entries, worklist.left_out) = (0, 0);
+                worklist.edition += 1;
+            }
+        });
+    }
+
+    /// Returns whether it is another list than before.
+    fn replace_worklist(&self, new: Option<Worklist>) -> bool {
+        let mut list = self.worklist.list();
+        let has_changed = *list != new;
+        *list = new;
+        has_changed
+    }
+
+    fn takes_wish(&self) -> bool {
+        self.worklist.is_wanted.swap(false, Ordering::Relaxed)
+    }
+}
