@@ -22,8 +22,9 @@ use crate::station::runtime::chain;
 use crate::station::{self, Orders, Reload, StationError};
 use crate::store::Access;
 
-/// Its log contains file names, which may identify patients: it stays off, whatever the environment sets.
-const SILENT: &str = "notify";
+/// Beginnings of the targets that stay off, whatever the environment sets: notify logs file names, which may identify
+/// patients, and the crates of dicom-rs log what a server has sent.
+const SILENT: [&str; 2] = ["notify", "dicom_"];
 
 /// The environment variable that sets what is logged.
 const LOG_FILTER: &str = "RUST_LOG";
@@ -123,8 +124,9 @@ fn log_to_stderr() {
         }
         Err(_) => Targets::new().with_default(LOG_LEVEL),
     };
-    let silent =
-        Targets::new().with_default(LevelFilter::TRACE).with_target(SILENT, LevelFilter::OFF);
+    let silent = Targets::new()
+        .with_default(LevelFilter::TRACE)
+        .with_targets(SILENT.map(|target| (target, LevelFilter::OFF)));
     let lines = fmt::layer().with_writer(io::stderr).with_ansi(false).with_target(false);
     // An existing subscriber stays in place.
     let _ = registry().with(lines).with(chosen).with(silent).try_init();

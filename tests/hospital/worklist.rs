@@ -1,7 +1,7 @@
 //! The worklist of wlmscpfs, and servers of worklists that hang or send without an end.
 //!
-//! wlmscpfs listens at every address: it is started in a network of its own alone (`unshare -n`), in which its test must
-//! run, too.
+//! wlmscpfs listens at every address: it is started in a network of its own alone (`unshare -n`), in which its test
+//! must run, too.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -206,7 +206,7 @@ fn server(
     let port = listener.local_addr().unwrap().port();
     let sends = move || {
         let (mut stream, _) = listener.accept().unwrap();
-        let _ = stream.read(&mut [0; 1 << 14]);
+        let _ = stream.read(&mut [0; 4096]);
         send(&mut stream)
     };
     (port, thread::spawn(sends))
@@ -229,7 +229,7 @@ fn a_server_that_hangs_costs_no_more_than_the_limit() {
         let (port, thread) = server(move |stream| {
             let _ = stream.write_all(&begins);
             // Until the station has ended it.
-            while stream.read(&mut [0; 1 << 14]).is_ok_and(|count| count > 0) {}
+            while stream.read(&mut [0; 4096]).is_ok_and(|count| count > 0) {}
             0
         });
         let began = Instant::now();
