@@ -6,7 +6,8 @@
 
 #[cfg(feature = "dicom")]
 mod ask;
-#[cfg(all(test, feature = "dicom"))]
+#[cfg(test)]
+#[cfg(feature = "dicom")]
 mod tests;
 #[cfg(feature = "dicom")]
 mod worker;

@@ -294,7 +294,7 @@ mod tests {
 
     #[test]
     fn what_is_not_an_id_says_nothing_and_does_not_contradict() {
-        let named = Named::new("4711".into(), SourceKind::Order);
+        let named = Named::new("4711", SourceKind::Order);
         let whose = whose(Some(&named), None, [StatedPatient::NotAnId, StatedPatient::Nothing]);
         assert_eq!(whose.patient, Some(from(SourceKind::Order, "4711")));
         assert!(whose.not_an_id && whose.held.is_none());

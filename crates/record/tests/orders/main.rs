@@ -53,7 +53,7 @@ pub static SCANNED: LazyLock<Record> = LazyLock::new(|| {
     record.findings.clear();
     record.scan.sha256 = "0123456789abcdef".repeat(4);
     record.station = Some("booth-1".to_owned());
-    let sources = vec![Source { kind: SourceKind::Reader, confidence: None }];
+    let sources = vec![Source { kind: SourceKind::Reader, confidence: None, request: None }];
     record.patient = Some(Patient { id: ID.to_owned(), sources });
     let at = "2026-11-19T23:30:00Z".parse().unwrap();
     let acquired = Acquired::new(at, AcquiredFrom::FileTime);
