@@ -5,8 +5,9 @@ use std::ops::RangeInclusive;
 /// An object of this UID is there already: what the server shows tells whether it is.
 const DUPLICATE: u64 = 0x0111;
 
-/// Failures of the server, not of the object: it cannot do it now, does not let the station, has no room.
-const PASSING: [RangeInclusive<u64>; 3] = [0x0110..=0x0110, 0x0124..=0x0124, 0xa700..=0xa7ff];
+/// Failures of the server, not of the object: it cannot do it now, does not let the station, has no room (two codes).
+const PASSING: [RangeInclusive<u64>; 4] =
+    [0x0110..=0x0110, 0x0124..=0x0124, 0x0213..=0x0213, 0xa700..=0xa7ff];
 
 /// An object that a server did not store.
 #[derive(Debug, Clone, PartialEq, Eq)]

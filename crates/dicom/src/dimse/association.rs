@@ -9,7 +9,7 @@ use dicom_object::InMemDicomObject;
 use dicom_ul::pdu::{
     AssociationAC, AssociationRJ, AssociationRJResult, AssociationRQ, PDU_HEADER_SIZE,
     PDV_HEADER_SIZE, PDataValue, PDataValueType, Pdu, PresentationContextProposed,
-    PresentationContextResultReason, UserVariableItem, read_pdu, write_pdu,
+    UserVariableItem, read_pdu, write_pdu,
 };
 
 use super::reading::read;
@@ -26,6 +26,15 @@ const APPLICATION: &str = "1.2.840.10008.3.1.1.1";
 
 /// The longest packet (PDU) that is read or sent, bytes: what most servers take without being asked.
 const PACKET_MOST: u32 = 16 << 10;
+
+/// The type of the packet that accepts an association (PS3.8, 9.3.3).
+const ACCEPTS: u8 = 0x02;
+
+/// Where the items of that packet begin, bytes.
+const ITEMS_FROM: usize = 74;
+
+/// The type of an item that says whether a context is accepted (PS3.8, 9.3.3.2).
+const CONTEXT_RESULT: u8 = 0x21;
 
 /// All answers of an association together, bytes: an entry of a worklist has some thousands, an object of a study some
 /// hundreds.
@@ -141,8 +150,8 @@ impl<S: Read + Write> Association<S> {
             .text(tags::AFFECTED_SOP_INSTANCE_UID, object.uid());
         self.ask(context, C_STORE, own, Some(&data))?;
         match self.answer(C_STORE)?.status {
-            // With a remark: it is stored (PS3.4, B.2.3).
-            SUCCESS | 0xb000..=0xbfff => Ok(None),
+            // With a remark: it is stored (PS3.4, B.2.3; PS3.7, annex C).
+            SUCCESS | 0x0001 | 0x0107 | 0x0116 | 0xb000..=0xbfff => Ok(None),
             status => Ok(Some(u64::from(status))),
         }
     }
@@ -277,12 +286,42 @@ impl<S: Read + Write> Association<S> {
         }
         packet.resize((PDU_HEADER_SIZE + length) as usize, 0);
         self.stream.read_exact(&mut packet[PDU_HEADER_SIZE as usize..])?;
-        match read_pdu(&packet[..], PACKET_MOST, true) {
+        match read_pdu(&without_refused(packet)[..], PACKET_MOST, true) {
             Ok(Some(packet)) => Ok(packet),
             Ok(None) => Err(DimseFault::Cut),
             Err(_) => Err(DimseFault::Unreadable),
         }
     }
+}
+
+/// A packet without the contexts that it refuses: with them some servers name no transfer syntax, which has no meaning
+/// there (PS3.8, 9.3.3.2) and which the reader of packets insists on.
+fn without_refused(packet: Vec<u8>) -> Vec<u8> {
+    let (Some(&ACCEPTS), Some((head, mut items))) =
+        (packet.first(), packet.split_at_checked(ITEMS_FROM))
+    else {
+        return packet;
+    };
+    let mut kept = head.to_vec();
+    while let Some((item, rest)) = first_item(items) {
+        // Type, a byte, length of two bytes, id, a byte, result.
+        let is_refused = item[0] == CONTEXT_RESULT && item.get(6).is_some_and(|of| *of != 0);
+        if !is_refused {
+            kept.extend_from_slice(item);
+        }
+        items = rest;
+    }
+    // What is no item is the reader's to judge.
+    kept.extend_from_slice(items);
+    let length = kept.len() as u32 - PDU_HEADER_SIZE;
+    kept[2..6].copy_from_slice(&length.to_be_bytes());
+    kept
+}
+
+/// The first item of a packet with its head, and what follows.
+fn first_item(items: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (&[_, _, high, low], _) = items.split_first_chunk::<4>()?;
+    items.split_at_checked(4 + usize::from(u16::from_be_bytes([high, low])))
 }
 
 /// The request for an association.
@@ -313,15 +352,16 @@ fn part_most(accepted: &AssociationAC) -> Result<usize, DimseFault> {
         _ => None,
     });
     let most = told.unwrap_or(PACKET_MOST).min(PACKET_MOST);
-    let part = most.checked_sub(PDV_HEADER_SIZE).filter(|part| *part > 0);
+    // Parts have even lengths (PS3.7, annex F).
+    let part = most.checked_sub(PDV_HEADER_SIZE).map(|part| part & !1).filter(|part| *part > 0);
     part.map(|part| part as usize).ok_or(DimseFault::Unexpected)
 }
 
-/// What the server accepts of what was proposed.
+/// What the server accepts of what was proposed; what it refuses was not read.
 fn contexts(accepted: &AssociationAC, proposed: &[(u8, &'static str)]) -> Vec<Context> {
-    let accepted = accepted.presentation_contexts.iter();
-    let accepted = accepted.filter(|of| of.reason == PresentationContextResultReason::Acceptance);
     accepted
+        .presentation_contexts
+        .iter()
         .filter_map(|of| {
             let (id, class) = *proposed.iter().find(|(id, _)| *id == of.id)?;
             let syntax = of.transfer_syntax.trim_end_matches('\0');

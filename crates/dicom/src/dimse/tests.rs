@@ -31,21 +31,28 @@ impl Script {
 
     /// The commands and data sets that it has heard, each from all its parts.
     fn heard(&self) -> Vec<Vec<u8>> {
-        let (mut rest, mut messages, mut message) = (&self.heard[..], Vec::new(), Vec::new());
+        let (mut messages, mut message) = (Vec::new(), Vec::new());
+        for part in self.parts() {
+            message.extend(part.data);
+            if part.is_last {
+                messages.push(std::mem::take(&mut message));
+            }
+        }
+        messages
+    }
+
+    /// The parts of messages that it has heard.
+    fn parts(&self) -> Vec<PDataValue> {
+        let (mut rest, mut parts) = (&self.heard[..], Vec::new());
         while !rest.is_empty() {
             let length = 6 + u32::from_be_bytes(rest[2..6].try_into().unwrap()) as usize;
             assert!(length <= 6 + READ_MOST as usize);
             let packet = read_pdu(&rest[..length], 1 << 20, true).unwrap().unwrap();
             rest = &rest[length..];
             let Pdu::PData { data } = packet else { continue };
-            for part in data {
-                message.extend(part.data);
-                if part.is_last {
-                    messages.push(std::mem::take(&mut message));
-                }
-            }
+            parts.extend(data);
         }
-        messages
+        parts
     }
 }
 
@@ -123,9 +130,14 @@ fn search(packets: &[Pdu], most: usize) -> Result<Vec<InMemDicomObject>, DimseFa
 
 #[test]
 fn an_object_is_sent_whole_and_what_the_server_says_decides_whether_it_is_stored() {
-    let expected: [(u16, Option<u64>); 5] =
-        [(0, None), (0xb000, None), (0x0111, None), (0xa700, Some(0xa700)), (0xc001, Some(0xc001))];
-    for (status, reason) in expected {
+    for (status, reason) in [
+        (0, None),
+        (0xb000, None),
+        (0x0107, None),
+        (0x0111, None),
+        (0xa700, Some(0xa700)),
+        (0xc001, Some(0xc001)),
+    ] {
         let mut server = Script::new(&[accepts(&[1]), answer(1, status, None)]);
         let refused = store(&mut server, &titles(), &[object()]).unwrap();
         assert_eq!(refused.first().map(|of| of.reason), reason, "{status:04X}");
@@ -141,6 +153,30 @@ fn an_object_whose_kind_the_server_does_not_know_is_not_stored_and_that_will_las
     let refused = store(&mut server, &titles(), &[object()]).unwrap();
     assert_eq!(refused, [NotStored { reason: 0x0122 }]);
     assert!(!refused[0].is_passing() && server.heard().is_empty());
+}
+
+#[test]
+fn a_refused_kind_needs_no_transfer_syntax() {
+    let mut server = Script::new(&[accepts(&[1])]);
+    let says = server.says.get_mut();
+    // The context 3 is refused for the reason 3, and nothing follows.
+    says.extend([0x21, 0, 0, 4, 3, 0, 3, 0]);
+    let length = says.len() as u32 - 6;
+    says[2..6].copy_from_slice(&length.to_be_bytes());
+    write_pdu(says, &answer(0x30, 0, None)).unwrap();
+    let fault = reach(&mut server, &titles()).unwrap_err();
+    let search = uids::STUDY_ROOT_QUERY_RETRIEVE_INFORMATION_MODEL_FIND;
+    assert!(matches!(fault, DimseFault::NotAccepted { class } if class == search), "{fault}");
+}
+
+#[test]
+fn parts_have_even_lengths_also_for_a_server_that_takes_an_odd_one() {
+    let Pdu::AssociationAC(mut accepted) = accepts(&[1]) else { panic!("it accepts") };
+    accepted.user_variables = vec![UserVariableItem::MaxLength(127)];
+    let mut server = Script::new(&[Pdu::AssociationAC(accepted), answer(1, 0, None)]);
+    assert!(store(&mut server, &titles(), &[object()]).unwrap().is_empty());
+    let lengths: Vec<usize> = server.parts().iter().map(|part| part.data.len()).collect();
+    assert!(lengths.len() > 4 && lengths.iter().all(|of| of % 2 == 0 && *of <= 120), "{lengths:?}");
 }
 
 #[test]
