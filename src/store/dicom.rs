@@ -27,8 +27,8 @@ use dimse::DimseArchive;
 pub use server::{DicomAccess, DicomServer, DicomWay, DimseServer};
 use web::WebArchive;
 
-/// Requests or associations of a long step: one that looks what is there, one that stores, one that looks again.
-const REQUESTS_MOST: u32 = 3;
+/// Requests or associations of a long step: two that look what is there, one that stores, two that look again.
+const REQUESTS_MOST: u32 = 5;
 
 /// The server, by how it is asked.
 #[derive(Debug)]

@@ -11,16 +11,13 @@ use crate::store::{Rejection, StoreFault};
 /// There is nothing that a search found.
 const NO_CONTENT: u16 = 204;
 
-/// Some archives answer so to the search within a study that they do not have.
-const NOT_FOUND: u16 = 404;
-
 /// Some or all objects were not stored; the body tells which, and why.
 const CONFLICT: u16 = 409;
 
 /// What the server has of a study.
 pub(super) fn listed(answer: &HttpAnswer, secret: &[&str]) -> Result<Vec<Listed>, StoreFault> {
     match answer.status {
-        NO_CONTENT | NOT_FOUND => Ok(Vec::new()),
+        NO_CONTENT => Ok(Vec::new()),
         _ => found(answer, secret, web::listed, "objects with class, series and UID"),
     }
 }

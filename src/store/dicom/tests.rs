@@ -224,8 +224,9 @@ fn an_address_without_an_archive_is_told_apart_from_an_archive_without_the_study
     store.reach().unwrap();
     for (status, body) in [("404 Not Found", ""), ("401 Unauthorized", "who are you?")] {
         archive.becomes(Mode::Say(status, body));
-        let fault = store.reach().unwrap_err();
-        assert!(matches!(fault, StoreFault::Server(ServerFault::Forbidden { .. })), "{fault}");
+        for fault in [store.reach().unwrap_err(), withdraw(&store, None).unwrap_err()] {
+            assert!(matches!(fault, StoreFault::Server(ServerFault::Forbidden { .. })), "{fault}");
+        }
     }
     archive.becomes(Mode::Say("200 OK", "<html>welcome</html>"));
     let fault = store.reach().unwrap_err();

@@ -15,6 +15,9 @@ use crate::store::server::ServerFault;
 /// The search for studies of a patient whom no archive knows.
 const TRIAL_SEARCH: &str = "studies?PatientID=gaiter-check&limit=1";
 
+/// Some archives answer so to the search within a study that they do not have.
+const NOT_FOUND: u16 = 404;
+
 /// What was stored a moment ago must be found.
 const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
 
@@ -41,6 +44,10 @@ impl WebArchive {
     /// What the server has of a study.
     pub fn listed(&self, study: &Study, patient: &str) -> Result<Vec<Listed>, StoreFault> {
         let (answer, secret) = self.ask(Method::GET, &web::search(study), None)?;
+        if answer.status == NOT_FOUND {
+            // A server that is no archive, or one that is not up yet, says so, too.
+            return self.reach().map(|()| Vec::new());
+        }
         answers::listed(&answer, &without(&secret, patient))
     }
 
