@@ -3,7 +3,7 @@
 //!
 //! The server itself is the register. What it shows of the study (QIDO-RS, C-FIND) is compared with the objects of the
 //! record, whose UIDs are always the same: only what is missing is sent, and a record counts as stored once the server
-//! shows all of it, whatever it answered.
+//! shows all of it, not because it said yes.
 
 mod answers;
 mod dimse;

@@ -10,7 +10,7 @@ use super::content::{Concept, DCM, Item, Relation, reference};
 use super::dataset::Dataset;
 use super::{DicomObject, DicomRules, Listed, SopClass, Study, UTF_8, equipment, moment};
 
-/// The title of a selection of objects that were made for another patient (PS3.16, CID 7011).
+/// The title of a selection of objects that were made for another patient (PS3.16, CID 7010).
 const WRONG_PATIENT: Concept<'_> = Concept::new("113038", DCM, "Incorrect Modality Worklist Entry");
 
 /// The object that withdraws what a server shows of the record; `None` if nothing of it holds there. `station` is the
