@@ -69,12 +69,17 @@ pub struct WorklistEntry {
 }
 
 impl WorklistEntry {
-    /// Names the entry to a page, and nobody to a reader: a hash.
+    /// Names the entry to a page, and nobody to a reader: a hash. An entry that tells another name or birth date than
+    /// before is another: whoever chooses it has read these.
     pub fn key(&self) -> String {
         let request = self.request.as_ref();
+        let ListedPerson { name, birth_date } = &self.person;
+        let born = birth_date.map(|date| date.to_string()).unwrap_or_default();
         let parts = [
             self.patient.as_str(),
             &self.issuer,
+            name,
+            &born,
             request.map_or("", |request| &request.study_instance_uid),
             self.accession_number().unwrap_or_default(),
             &self.scheduled.step,
@@ -405,6 +410,19 @@ mod tests {
         let request = ImagingRequest::new("1.2.9", "A2");
         let by_number = found.chosen_by("A2", false, TODAY);
         assert_eq!(by_number, WorklistChoice::Patient { id: "1", request: request.as_ref() });
+    }
+
+    /// Red while the key held neither: a page that showed the old name chose whom the entry named since.
+    #[test]
+    fn an_entry_that_names_its_patient_otherwise_than_a_page_showed_is_not_chosen_by_it() {
+        let shown = entry("1", "A1").key();
+        assert!(list(&[entry("1", "A1")]).entry(&shown, TODAY).is_some());
+        let (mut name, mut born) = (entry("1", "A1"), entry("1", "A1"));
+        name.person.name = "Beispielmann".to_owned();
+        born.person.birth_date = Some(date(1950, 1, 1));
+        for corrected in [name, born] {
+            assert_eq!(list(&[corrected]).entry(&shown, TODAY), None);
+        }
     }
 
     #[test]
