@@ -48,10 +48,12 @@ fn today() -> Date {
 }
 
 impl Booth {
-    /// Today's entries, for a reader who may know whom they name.
-    pub fn listed(&self) -> Vec<WorklistEntry> {
-        let list = self.worklist.list();
-        list.as_ref().map_or_else(Vec::new, |list| list.entries(today()).to_vec())
+    /// Today's entries, for a reader who may know whom they name; `None` while the server has given no answer for
+    /// today.
+    pub fn listed(&self) -> Option<Vec<WorklistEntry>> {
+        let (list, today) = (self.worklist.list(), today());
+        let of_today = list.as_ref().filter(|list| !list.is_over(today));
+        of_today.map(|list| list.entries(today).to_vec())
     }
 
     /// Asks for a new answer soon.

@@ -42,7 +42,7 @@ fn only_who_shows_the_token_is_told_of_the_worklist() {
     let site = Site::open(&booth, "local");
     let operator = site.operator();
     let answer = asked(&site, &operator);
-    assert_eq!((answer.status, answer.body.as_str()), (200, "{\"entries\":[]}"));
+    assert_eq!((answer.status, answer.body.as_str()), (200, "{\"entries\":null}"));
     assert_eq!(asked(&site, &[]).status, 403, "another page of this machine");
     let without_token: Vec<Header> =
         operator.iter().filter(|(name, _)| *name != "Authorization").cloned().collect();

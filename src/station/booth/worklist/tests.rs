@@ -63,6 +63,11 @@ fn answers(booth: &Booth, answer: Vec<WorklistEntry>) {
     booth.note_worklist(answer, &config, today());
 }
 
+/// What the list has for today.
+fn listed(booth: &Booth) -> Vec<WorklistEntry> {
+    booth.listed().unwrap_or_default()
+}
+
 fn read(booth: &Booth, code: &str) {
     assert!(booth.receive(&PortEvent::Named { id: code.to_owned(), by: SourceKind::Reader }));
 }
@@ -90,7 +95,7 @@ fn an_entry_that_is_tapped_names_its_patient_with_its_request() {
     answers(&booth, vec![entry("4711", "A1"), entry("4712", "A2")]);
     assert_eq!(facts(&booth).entries, 2);
     let [first, second] = ["4711", "4712"]
-        .map(|patient| booth.listed().iter().find(|entry| entry.patient == patient).unwrap().key());
+        .map(|patient| listed(&booth).iter().find(|entry| entry.patient == patient).unwrap().key());
     assert!(expected(&booth).is_empty(), "a list names nobody");
     booth.name_listed(&first, false).unwrap();
     assert_eq!(expected(&booth), [is("4711", Some("A1"))]);
@@ -152,12 +157,12 @@ fn while_the_server_is_away_the_last_answer_holds_and_its_day_ends_it() {
     note_fault(booth.core(), Cause::known("no-answer", []));
     let known = facts(&booth);
     assert!(known.fault.is_some() && known.answered.is_some());
-    assert_eq!((known.entries, booth.listed().len()), (1, 1));
+    assert_eq!((known.entries, listed(&booth).len()), (1, 1));
     booth.end_worklist(today());
-    assert_eq!(booth.listed().len(), 1);
+    assert_eq!(listed(&booth).len(), 1);
     let before = facts(&booth).edition;
     booth.end_worklist(today().tomorrow().unwrap());
-    assert!(booth.listed().is_empty() && booth.worklist.list().is_none());
+    assert!(booth.listed().is_none() && booth.worklist.list().is_none(), "nothing is known of it");
     assert_eq!((facts(&booth).entries, facts(&booth).edition), (0, before + 1));
 }
 
@@ -165,6 +170,7 @@ fn while_the_server_is_away_the_last_answer_holds_and_its_day_ends_it() {
 fn an_answer_without_changes_is_no_new_edition() {
     let dir = tempfile::tempdir().unwrap();
     let booth = booth(dir.path());
+    assert!(booth.listed().is_none());
     let editions: Vec<u64> = [vec![entry("4711", "A1")], vec![entry("4711", "A1")], vec![]]
         .into_iter()
         .map(|answer| {
@@ -173,6 +179,7 @@ fn an_answer_without_changes_is_no_new_edition() {
         })
         .collect();
     assert_eq!(editions, [1, 1, 2]);
+    assert_eq!(booth.listed(), Some(Vec::new()), "nobody is planned");
 }
 
 /// Every file below a folder, as text.
@@ -194,12 +201,12 @@ fn names_and_birth_dates_are_in_no_file_and_in_nothing_that_is_told_of_the_stati
     let dir = tempfile::tempdir().unwrap();
     let booth = booth(dir.path());
     answers(&booth, vec![entry("4711", "A1"), entry("4712", "A2"), entry("no id", "A3")]);
-    let key = booth.listed()[0].key();
-    booth.name_listed(&key, true).unwrap();
+    let all = listed(&booth);
+    let first = all.iter().find(|entry| entry.patient == "4711").unwrap();
+    booth.name_listed(&first.key(), true).unwrap();
     read(&booth, "A2");
     read(&booth, "A3");
-    let shown = booth.listed()[0].person.name.clone();
-    assert_eq!(shown, "Quastenflosser, Hanna", "the list has them");
+    assert_eq!(first.person.name, "Quastenflosser, Hanna", "the list has them");
     let mut told = texts(&dir.path().join("state"));
     assert!(told.iter().any(|(_, text)| text.contains("4711")), "the journal was read");
     told.push(("facts".to_owned(), format!("{:?}", booth.core().board.facts())));

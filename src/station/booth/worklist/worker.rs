@@ -21,7 +21,7 @@ use crate::station::core::Core;
 use crate::station::runtime::{Heartbeat, Stop};
 use crate::station::share::stall::{DEADLINE, patiently};
 
-/// How soon after an answer the server is asked again because a page was opened.
+/// How soon after an answer the server is asked again because a page was opened, or a day has begun.
 const AGAIN: Duration = Duration::from_secs(5);
 
 /// How often the worker looks whether a page asks, and whether the day is over.
@@ -55,7 +55,9 @@ pub async fn worker(
         }
         let since = booth.core().now();
         let waited = || booth.core().now().saturating_sub(since);
-        let is_due = || waited() >= config.every || (waited() >= AGAIN && booth.takes_wish());
+        // Of a new day nothing is known.
+        let is_wanted = || today() != day || booth.takes_wish();
+        let is_due = || waited() >= config.every || (waited() >= AGAIN && is_wanted());
         while !is_due() {
             alive();
             tokio::select! {

@@ -26,7 +26,8 @@ struct WorklistQuestion {
 
 #[derive(Serialize)]
 struct WorklistShown {
-    entries: Vec<WorklistEntryShown>,
+    /// `null` while the server has given no answer for today.
+    entries: Option<Vec<WorklistEntryShown>>,
 }
 
 /// An entry on the page.
@@ -73,7 +74,8 @@ pub async fn worklist(State(endpoint): State<Arc<HttpEndpoint>>, request: Reques
     if question(&body).anew {
         endpoint.desk.booth.wish_worklist();
     }
-    let entries = endpoint.desk.booth.listed().into_iter().map(WorklistEntryShown::from).collect();
+    let entries = endpoint.desk.booth.listed();
+    let entries = entries.map(|all| all.into_iter().map(WorklistEntryShown::from).collect());
     json(&WorklistShown { entries })
 }
 

@@ -272,6 +272,8 @@ function fit() {
 function away() {
   showLight({ signal: "away", word: label("away_word"), pieces: [label("away")] });
   setAnswering(false);
+  // Names of the worklist are gone with the station.
+  if (!isKiosk) showWorklist(null, false);
 }
 
 let isAnswering = true;

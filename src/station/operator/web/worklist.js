@@ -10,7 +10,7 @@ async function showWorklist(edition, canAct) {
   if (section.hidden) {
     listed = null;
     listing += 1;
-    redraw("worklist_body", null, () => []);
+    redraw("worklist_body", "", () => []);
     return;
   }
   if (listed === edition) return;
@@ -31,7 +31,7 @@ async function showWorklist(edition, canAct) {
 }
 
 function expected(entries) {
-  if (!entries.length) return make("p", { class: "empty" }, label("worklist_empty"));
+  if (!entries?.length) return make("p", { class: "empty" }, label(entries ? "worklist_empty" : "worklist_unknown"));
   return make("ul", { class: "worklist" }, entries.map((entry) => make("li", {},
     button(label("worklist_choose"), `choose ${entry.key}`, () => choose(entry)),
     make("span", {}, entry.time ?? ""),
