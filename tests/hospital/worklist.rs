@@ -19,6 +19,7 @@ use gaiter::store::dicom::DimseServer;
 use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_flow::worklist::{WorklistEntry, WorklistFilter};
 use jiff::civil::{Date, date, time};
+use rig::worklist::{accepts, part, pending};
 use tempfile::TempDir;
 
 /// How long wlmscpfs may take until it answers.
@@ -154,48 +155,6 @@ fn wlmscpfs_lists_who_is_expected_at_the_station_today_with_umlauts_in_each_char
         assert_eq!((step.modality.as_str(), step.date), ("OSS", Some(DAY)));
         assert_eq!(step.time, Some(time(9, 30, 0, 0)));
     }
-}
-
-/// A packet (PS3.8, 9.3).
-fn packet(kind: u8, body: &[u8]) -> Vec<u8> {
-    let length = u32::try_from(body.len()).unwrap().to_be_bytes();
-    [&[kind, 0][..], &length, body].concat()
-}
-
-/// An item of a packet that accepts an association.
-fn item(kind: u8, body: &[u8]) -> Vec<u8> {
-    let length = u16::try_from(body.len()).unwrap().to_be_bytes();
-    [&[kind, 0][..], &length, body].concat()
-}
-
-/// The server takes the first context, in Implicit VR Little Endian.
-fn accepts() -> Vec<u8> {
-    let syntax = item(0x40, b"1.2.840.10008.1.2");
-    let body = [
-        &[0, 1, 0, 0][..],
-        b"RIS             LEGSCAN         ",
-        &[0; 32],
-        &item(0x10, b"1.2.840.10008.3.1.1.1"),
-        &item(0x21, &[&[1, 0, 0, 0][..], &syntax].concat()),
-        &item(0x50, &item(0x51, &[0, 0, 0x40, 0])),
-    ];
-    packet(2, &body.concat())
-}
-
-/// A part of a message; `kind` is 0 for data, 1 for a command, with 2 for its last part.
-fn part(kind: u8, bytes: &[u8]) -> Vec<u8> {
-    let length = u32::try_from(bytes.len() + 2).unwrap().to_be_bytes();
-    packet(4, &[&length[..], &[1, kind], bytes].concat())
-}
-
-/// The command of an answer that is followed by data: C-FIND-RSP, pending.
-fn pending() -> Vec<u8> {
-    let value = |element: u16, value: u16| {
-        let [tag, value] = [element, value].map(u16::to_le_bytes);
-        [&[0, 0][..], &tag, &[2, 0, 0, 0], &value].concat()
-    };
-    let command = [(0x0100, 0x8020), (0x0120, 1), (0x0800, 1), (0x0900, 0xff00)];
-    part(3, &command.map(|(element, number)| value(element, number)).concat())
 }
 
 /// A server for one connection. Tells how many bytes it could send.

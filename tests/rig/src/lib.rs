@@ -13,5 +13,6 @@ pub mod stored;
 pub mod verb;
 pub mod web;
 pub mod whole;
+pub mod worklist;
 
 pub use station::*;
