@@ -351,10 +351,15 @@ impl Booth {
         doubt: Option<Doubt>,
         absent: Option<Duration>,
     ) {
+        self.heard(Named::new(id, by), doubt, absent);
+    }
+
+    /// The same, with the request that was chosen.
+    pub fn heard(&mut self, named: Named, doubt: Option<Doubt>, absent: Option<Duration>) {
         if self.is_suspended {
-            return self.buffered.push(Buffered::Name { id: id.to_owned(), by });
+            return self.buffered.push(Buffered::Name { id: named.id, by: named.by });
         }
-        if self.name(id, by, doubt, absent).is_err()
+        if self.name(named, doubt, absent).is_err()
             && let Some(run) = &mut self.run
         {
             run.captures.unread(absent);
@@ -365,8 +370,7 @@ impl Booth {
     /// Somebody names the patient of the next scan; the file of an order did not lie there yet at `absent`.
     pub fn name(
         &mut self,
-        id: &str,
-        by: SourceKind,
+        named: Named,
         doubt: Option<Doubt>,
         absent: Option<Duration>,
     ) -> Result<(), DiskFault> {
@@ -378,7 +382,8 @@ impl Booth {
             true => run.captures.clone(),
             false => at_rest(self.setup.off, &run.captures),
         };
-        let named = Named::new(id.to_owned(), as_heard(self.setup.off, run, id, by));
+        let Named { id, by, request } = named;
+        let named = Named { request, ..Named::new(&id, as_heard(self.setup.off, run, &id, by)) };
         let is_told = by == SourceKind::Order && self.setup.off != Off::EarsOpen;
         let is_overtaken = is_told && after.overtaken(&named, absent);
         let is_sure = doubt.is_none();
@@ -399,7 +404,6 @@ impl Booth {
             NamedNext::Paired(_) | NamedNext::Waits { .. } => 0,
         };
         let absent_ms = absent.map_or(0, |absent| self.ms(absent));
-        let id = id.to_owned();
         self.observe(Seen::Named { id, by, is_sure, absent_ms, round, ended });
         Ok(())
     }

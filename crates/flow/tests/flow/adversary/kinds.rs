@@ -131,7 +131,7 @@ pub enum Share {
 /// What must meet before a law is put to the test: a sequence is drawn with one of these in mind.
 pub fn theme(of: Off) -> &'static [Kind] {
     match of {
-        Off::Nothing => &[],
+        Off::Nothing | Off::CodesMeanOne => &[],
         Off::ContentNotName => &[Kind::ExportRewrites, Kind::BreaksOff],
         Off::Inodes => &[Kind::ExportRenamed, Kind::Rename, Kind::Link],
         Off::BroughtInIsOlder => &[Kind::OlderBroughtIn, Kind::Card],

@@ -34,6 +34,9 @@ pub enum Off {
     FreshCompanions,
     /// An order that was touched names its patient again.
     OrdersNameOnce,
+    /// A code of the worklist that may mean several patients names the first. It has no theme: the worklist draws for
+    /// itself.
+    CodesMeanOne,
 }
 
 impl Off {

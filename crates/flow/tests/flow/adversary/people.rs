@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use gaiter_flow::ScanState;
+use gaiter_flow::round::Named;
 use gaiter_record::SourceKind;
 
 use super::booth::Booth;
 use super::desk::Order;
 use super::kinds::Kind;
 use super::truth::{Plan, id};
+use super::worklist::DayList;
 
 /// One whole scan in so many cannot be measured.
 const REFUSED: usize = 6;
@@ -31,6 +33,7 @@ pub enum Said {
 /// The booth with its people.
 pub struct People {
     pub booth: Booth,
+    pub list: DayList,
     pub standing: Option<usize>,
     /// What was said for the next scan of the person in the booth, and when.
     pub said: Option<(Said, u64)>,
@@ -61,9 +64,10 @@ pub struct People {
 }
 
 impl People {
-    pub fn new(booth: Booth, keeps_orders: bool, theme: &'static [Kind]) -> People {
+    pub fn new(booth: Booth, list: DayList, keeps_orders: bool, theme: &'static [Kind]) -> People {
         People {
             booth,
+            list,
             standing: None,
             said: None,
             waiting: Vec::new(),
@@ -155,9 +159,20 @@ impl People {
         // Nobody sees that the process stands still.
         let may_name = self.may_name() || (self.booth.is_suspended && self.has_button());
         let Some(patient) = self.standing.filter(|_| may_name) else { return false };
+        // Where a code names nobody, everybody sees it and it is said by a word.
+        let may_say = !self.booth.is_suspended && (self.has_button() || !self.awaits_exports());
+        let named = match may_say {
+            true => self.list.read(patient),
+            false => Some(Named::new(id(patient), SourceKind::Reader)),
+        };
+        let Some(named) = named else {
+            self.booth.tell(|| format!("{}'s code names nobody", id(patient)));
+            self.booth.unread();
+            return self.word();
+        };
         self.booth.tell(|| format!("{} is named by card", id(patient)));
         let is_kept = !self.booth.disk.is_locked;
-        self.booth.heard_name(&id(patient), SourceKind::Reader, None, None);
+        self.booth.heard(named, None, None);
         self.is_named(patient, if is_kept { Said::Name } else { Said::Unheard });
         true
     }
@@ -168,7 +183,8 @@ impl People {
         if !self.has_button() && self.awaits_exports() {
             return false;
         }
-        let named = self.booth.name(&id(patient), SourceKind::Operator, None, None);
+        let named = self.list.tapped_or_typed(patient);
+        let named = self.booth.name(named, None, None);
         self.booth.tell(|| format!("{} is named by word: {named:?}", id(patient)));
         if named.is_ok() {
             self.is_named(patient, Said::Name);

@@ -15,6 +15,7 @@ use super::chance::Chance;
 use super::kinds::{Kind, Pairs, Share, theme};
 use super::laws::Off;
 use super::people::People;
+use super::worklist::{DayList, wrong_request};
 
 /// Events of a sequence.
 const EVENTS: usize = 40;
@@ -128,7 +129,8 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     let mut booth = Booth::new(setup, seed, tells);
     let rules = booth.setup.rules;
     booth.tell(|| format!("{rules:?}"));
-    let mut people = People::new(booth, keeps_orders, theme);
+    let list = DayList::new(seed, off);
+    let mut people = People::new(booth, list, keeps_orders, theme);
     people.is_calm = people.booth.chance.below(4) > 0;
     let mut ended = Ended::default();
     let mut before = Vec::new();
@@ -136,6 +138,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
         let gap_ms = gap_ms(&mut people.booth.chance);
         people.booth.advance(gap_ms);
         people.read_orders();
+        people.list.pass(people.patients, people.booth.run.is_some());
         let Some(kind) = some_kind(&kinds, &mut people) else { continue };
         ended.pairs.note(&before, kind);
         before.push(kind);
@@ -146,7 +149,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     }
     rest(&mut people);
     tally(&people, &mut ended);
-    ended.wrong = people.booth.truth.wrong.clone();
+    ended.wrong = people.booth.truth.wrong.clone().or_else(|| wrong_request(&people.booth.disk));
     ended.unclean = people.booth.truth.unclean.clone();
     ended.story = people.booth.story.take().unwrap_or_default();
     ended

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use gaiter_flow::ScanState;
-use gaiter_flow::round::Capture;
+use gaiter_flow::round::{Capture, Named};
 use gaiter_flow::worklist::{
     FindResponse, Worklist, WorklistChoice, WorklistEntry, WorklistFilter,
 };
@@ -235,7 +235,7 @@ impl Day<'_> {
             self.unanswered.insert(patient);
         } else {
             self.booth.tell(|| "the operator answers what the light asks".to_owned());
-            let _ = self.booth.name(&id(patient), SourceKind::Operator, None, None);
+            let _ = self.booth.name(Named::new(id(patient), SourceKind::Operator), None, None);
         }
     }
 
