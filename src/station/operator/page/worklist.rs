@@ -8,6 +8,7 @@ use axum::extract::{Request, State};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use gaiter_flow::worklist::WorklistEntry;
+use gaiter_record::shown;
 use serde::{Deserialize, Serialize};
 
 use super::ask::{json, refusal};
@@ -30,7 +31,7 @@ struct WorklistShown {
     entries: Option<Vec<WorklistEntryShown>>,
 }
 
-/// An entry on the page.
+/// An entry on the page, with nothing hidden in what tells one from another.
 #[derive(Serialize)]
 struct WorklistEntryShown {
     /// As it is sent back when it is chosen.
@@ -50,8 +51,8 @@ impl From<WorklistEntry> for WorklistEntryShown {
         let time = entry.scheduled.time;
         WorklistEntryShown {
             key: entry.key(),
-            patient: entry.patient,
-            name: entry.person.name,
+            patient: shown::id(&entry.patient),
+            name: shown::id(&entry.person.name),
             born: entry.person.birth_date.map(|date| date.to_string()),
             time: time.map(|time| format!("{:02}:{:02}", time.hour(), time.minute())),
             procedure: entry.procedure,

@@ -1,6 +1,8 @@
 // Who is expected today, for who decides here. The names are in no snapshot: they are asked for with the token when
 // the snapshot tells that there are others. Goes between search.js and page.js.
 
+// How soon entries are asked for again that did not come.
+const RELIST_MS = 5000;
 let listed = null;
 let listing = 0;
 
@@ -25,8 +27,10 @@ async function showWorklist(edition, canAct) {
     const { entries } = await answer.json();
     if (mine === listing) redraw("worklist_body", entries, expected);
   } catch {
-    // Asked for again with the next snapshot.
-    if (mine === listing) listed = "";
+    if (mine !== listing) return;
+    // The next snapshot may be long in coming.
+    listed = "";
+    setTimeout(() => { if (mine === listing) showWorklist(edition, canAct); }, RELIST_MS);
   }
 }
 
@@ -41,10 +45,10 @@ function expected(entries) {
     make("span", { class: "quiet" }, [entry.procedure, entry.accession_number].filter(Boolean).join(", ")))));
 }
 
-// A birth date is of no time zone.
+// A birth date is of no time zone. Its month is a word: 03/11 is November to some and March to others.
 function birthday(born) {
   const date = new Date(`${born}T00:00:00Z`);
-  return date.toLocaleDateString(root.lang, { day: "2-digit", month: "2-digit", year: "numeric", timeZone: "UTC" });
+  return date.toLocaleDateString(root.lang, { day: "numeric", month: "short", year: "numeric", timeZone: "UTC" });
 }
 
 // Names the patient of an entry; one who is named and was not scanned is replaced after a question.
