@@ -25,6 +25,18 @@ const FILES: usize = 12;
 /// The date of a day with a worklist.
 const TODAY: Date = civil::date(2026, 11, 28);
 
+/// One in so many patients is not on the list: they come unannounced.
+const UNLISTED: usize = 15;
+
+/// So often another's entry is tapped first.
+const MISTAKEN: usize = 50;
+
+/// So often the station has no list: it was started while the server was away.
+const UNKNOWN: usize = 10;
+
+/// So long it takes to see that somebody else is named, or nobody, milliseconds.
+const SEEN_MS: u64 = 3_000;
+
 /// What happens at some time.
 #[derive(Debug, Clone, Copy)]
 enum Act {
@@ -87,7 +99,7 @@ fn is_id(text: &str) -> bool {
     text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// A list with an entry for each of so many patients, and a second one for some. Some have the id of another patient as
+/// A list with an entry for most of so many patients, and a second one for some. Some have the id of another patient as
 /// their accession number.
 fn worklist(patients: usize) -> Worklist {
     let entry = |patient: usize, number: &str| {
@@ -106,7 +118,9 @@ fn worklist(patients: usize) -> Worklist {
     });
     let second = (0..patients).filter(|patient| patient % 10 == 5);
     let second = second.map(|patient| entry(patient, &format!("SECOND{patient}")));
-    let answer = first.chain(second).collect();
+    let unlisted: Vec<String> = (7..patients).step_by(UNLISTED).map(id).collect();
+    let all = first.chain(second).filter(|entry| !unlisted.contains(&entry.patient));
+    let answer = all.collect();
     let expected = WorklistFilter { station: "LEGSCAN".to_owned(), modality: None };
     Worklist::new(answer, &expected, TODAY, is_id)
 }
@@ -190,31 +204,43 @@ impl Day<'_> {
         self.booth.heard_name(&id(patient), by, None, Some(absent));
     }
 
-    /// Half of the entries are tapped; of the others a code is read from the paper that the patient brings. If it is not
-    /// clear whom it names, the entry is tapped after all.
+    /// Half of the patients are named by a tap on their entry, or by their id where there is none; of the others a code
+    /// is read, from the card or the paper that the patient brings. If it is not clear whom a code names, the patient is
+    /// named on the page after all. Sometimes somebody else's entry is tapped, and the operator sees it.
     fn choose(&mut self, patient: usize) {
-        let list = self.list.clone();
-        let own = list.entries(TODAY).iter().find(|entry| entry.patient == id(patient)).unwrap();
+        let own = id(patient);
+        if self.one_in(MISTAKEN) {
+            let other = self.booth.chance.pick(self.list.entries(TODAY));
+            if let Some(other) = other.map(|entry| entry.patient.clone()) {
+                self.chosen(&other, SourceKind::Operator);
+                self.booth.advance(SEEN_MS);
+            }
+            return self.chosen(&own, SourceKind::Operator);
+        }
+        let is_known = !self.one_in(UNKNOWN);
+        let entry = self.list.entries(TODAY).iter().find(|entry| entry.patient == own);
+        let number = entry.filter(|_| is_known).and_then(WorklistEntry::accession_number);
         let code = match self.booth.chance.below(4) {
-            0 => own.accession_number(),
-            1 => Some(own.patient.as_str()),
+            0 => number.map(str::to_owned),
+            1 => Some(own.clone()),
             _ => None,
         };
-        let chosen = code.map(|code| match list.chosen_by(code, is_id(code), TODAY) {
-            WorklistChoice::Patient { id, .. } => Some(id),
-            WorklistChoice::NotListed => Some(code),
-            WorklistChoice::Unclear => None,
-        });
-        let (named, by) = match chosen {
-            Some(Some(named)) => (named, SourceKind::Reader),
-            Some(None) => {
-                self.booth.tell(|| format!("{}'s code names nobody", id(patient)));
-                self.booth.unread();
-                self.booth.advance(3_000);
-                (own.patient.as_str(), SourceKind::Operator)
-            }
-            None => (own.patient.as_str(), SourceKind::Operator),
+        let Some(code) = code else { return self.chosen(&own, SourceKind::Operator) };
+        let named = match self.list.chosen_by(&code, is_id(&code), TODAY) {
+            WorklistChoice::Patient { id, .. } if is_known => Some(id.to_owned()),
+            WorklistChoice::Unclear if is_known => None,
+            _ => Some(code),
         };
+        if let Some(named) = named {
+            return self.chosen(&named, SourceKind::Reader);
+        }
+        self.booth.tell(|| format!("{own}'s code names nobody"));
+        self.booth.unread();
+        self.booth.advance(SEEN_MS);
+        self.chosen(&own, SourceKind::Operator);
+    }
+
+    fn chosen(&mut self, named: &str, by: SourceKind) {
         self.booth.tell(|| format!("{named} is chosen: {by:?}"));
         let absent = self.booth.clock();
         self.booth.heard_name(named, by, None, Some(absent));
