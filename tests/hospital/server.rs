@@ -73,7 +73,14 @@ fn new_hl7() -> Server {
     Server::started(Command::new(python()), "hl7_receiver.py")
 }
 
-/// A Python with hl7apy and jsonschema.
+/// An archive of images.
+pub fn dicom() -> &'static Server {
+    static DICOM: LazyLock<Server> =
+        LazyLock::new(|| Server::started(Command::new(python()), "dicom_archive.py"));
+    &DICOM
+}
+
+/// A Python with hl7apy, jsonschema and pynetdicom.
 pub fn python() -> PathBuf {
     env::var_os("GAITER_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from)
 }
@@ -112,7 +119,7 @@ impl Server {
         self.folder.path().join(name)
     }
 
-    /// The port of a way in: `http`, `https`, `plain`, `tls`, `mutual`, `expired`, `proxy`.
+    /// The port of a way in: `http`, `https`, `plain`, `tls`, `mutual`, `expired`, `proxy`, `dimse`.
     pub fn port(&self, way: &str) -> u16 {
         self.life.lock().unwrap().ports[way]
     }

@@ -1,0 +1,158 @@
+//! Orthanc, an archive of images. It listens at every address: it is started in a network of its own alone
+//! (`unshare -n`), in which the tests must run, too. Their names begin with `orthanc_`.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use gaiter::store::dicom::{DicomAccess, DicomWay};
+use gaiter_https::{Secret, TlsFiles};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::dicom_house::{Way, dimse_section, dimse_way, store_by};
+use crate::fhir_house::Store;
+
+/// How long it may take until it answers.
+const SOON: Duration = Duration::from_secs(60);
+
+/// For a whole exchange.
+const LIMIT: Duration = Duration::from_secs(50);
+
+/// Its title.
+const TITLE: &str = "ORTHANC";
+
+/// Orthanc with an empty folder of its own.
+pub struct Orthanc {
+    folder: TempDir,
+    port: u16,
+    dimse_port: u16,
+    process: Mutex<Child>,
+}
+
+/// A port that nobody has.
+fn free_port() -> u16 {
+    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
+}
+
+impl Orthanc {
+    pub fn new() -> Orthanc {
+        // A heading and no route: nothing leads out.
+        let routes = fs::read_to_string("/proc/net/route").unwrap();
+        assert!(routes.lines().count() <= 1, "run it by unshare -n, with the interface lo up");
+        let folder = tempfile::tempdir().unwrap();
+        let (port, dimse_port) = (free_port(), free_port());
+        let path = |name: &str| folder.path().join(name);
+        let settings = json!({
+            "StorageDirectory": path("db"), "IndexDirectory": path("index"),
+            "Plugins": ["/usr/share/orthanc/plugins/libOrthancDicomWeb.so"],
+            "HttpPort": port, "DicomPort": dimse_port, "RemoteAccessAllowed": false,
+            "DicomAet": TITLE, "DicomCheckCalledAet": true,
+            "DicomAlwaysAllowStore": true, "DicomAlwaysAllowFind": true,
+            "AuthenticationEnabled": true, "RegisteredUsers": {"clinic": "pw"},
+            "DicomWeb": {"Enable": true, "Root": "/dicom-web/"},
+        });
+        fs::write(path("orthanc.json"), settings.to_string()).unwrap();
+        fs::write(path("secret"), "pw\n").unwrap();
+        let process = Mutex::new(started(folder.path()));
+        let orthanc = Orthanc { folder, port, dimse_port, process };
+        orthanc.is_up();
+        orthanc
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn is_up(&self) {
+        let (store, began) = (self.store(), Instant::now());
+        while let Err(fault) = store.reach() {
+            assert!(began.elapsed() < SOON, "{fault}");
+            sleep(Duration::from_millis(50));
+        }
+    }
+
+    pub fn is_killed(&self) {
+        let mut process = self.process.lock().unwrap();
+        process.kill().unwrap();
+        process.wait().unwrap();
+    }
+
+    /// Up again after it was killed, with what it has on its disk.
+    pub fn starts_again(&self) {
+        *self.process.lock().unwrap() = started(self.folder.path());
+        self.is_up();
+    }
+
+    /// A store that asks it over DICOMweb.
+    pub fn store(&self) -> Store {
+        let way = DicomWay::Web {
+            base: self.base(),
+            access: DicomAccess::Basic {
+                user: "clinic".to_owned(),
+                password: Secret::File(self.path("secret")),
+            },
+            tls: TlsFiles::default(),
+        };
+        store_by(way, LIMIT)
+    }
+
+    /// The same server, asked over associations.
+    pub fn by_associations(&self) -> Store {
+        store_by(dimse_way("127.0.0.1", self.dimse_port, TITLE, None), LIMIT)
+    }
+
+    /// The configuration of a station that sends to it.
+    pub fn section(&self, way: Way) -> String {
+        match way {
+            Way::Web => format!(
+                "[store.dicom]\naddress = \"{}\"\naccess = \"basic\"\nuser = \"clinic\"\n\
+                 secret = \"{}\"\nattach = [\"report.pdf\"]\n",
+                self.base(),
+                self.path("secret").display()
+            ),
+            Way::Dimse => dimse_section(self.dimse_port, TITLE),
+        }
+    }
+
+    fn base(&self) -> String {
+        format!("http://127.0.0.1:{}/dicom-web", self.port)
+    }
+
+    /// How many objects it has.
+    pub fn count(&self) -> u64 {
+        self.asked("statistics")["CountInstances"].as_u64().unwrap()
+    }
+
+    /// How many objects it shows of a patient.
+    pub fn count_of(&self, patient: &str) -> usize {
+        self.asked(&format!("dicom-web/instances?PatientID={patient}")).as_array().unwrap().len()
+    }
+
+    fn asked(&self, path: &str) -> Value {
+        let address = format!("http://127.0.0.1:{}/{path}", self.port);
+        let done = Command::new("curl").args(["-s", "-u", "clinic:pw"]).arg(address).output();
+        serde_json::from_slice(&done.unwrap().stdout).unwrap()
+    }
+}
+
+fn started(folder: &Path) -> Child {
+    let mut command = Command::new("/usr/sbin/Orthanc");
+    command.arg(folder.join("orthanc.json")).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().unwrap()
+}
+
+impl Drop for Orthanc {
+    fn drop(&mut self) {
+        if let Ok(process) = self.process.get_mut() {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+    }
+}
