@@ -6,7 +6,7 @@ use std::fs;
 use std::time::Duration;
 
 use gaiter::store::DicomStore;
-use gaiter::store::dicom::{DicomServer, DicomWay, DimseServer};
+use gaiter::store::dicom::{DicomAccess, DicomServer, DicomWay, DimseServer};
 use gaiter_dicom::DicomRules;
 use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::TlsFiles;
@@ -63,6 +63,23 @@ pub fn dimse_section(port: u16, called: &str) -> String {
 }
 
 impl House {
+    /// A store that sends to it.
+    pub fn images(&self, way: Way, limit: Duration) -> Store {
+        let way = match way {
+            Way::Web => DicomWay::Web {
+                base: format!(
+                    "http://127.0.0.1:{}/{}/dicom-web",
+                    self.server.port("http"),
+                    self.name
+                ),
+                access: DicomAccess::Open,
+                tls: TlsFiles::default(),
+            },
+            Way::Dimse => dimse_way("127.0.0.1", self.server.port("dimse"), &self.name, None),
+        };
+        store_by(way, limit)
+    }
+
     /// How many objects it has. Every one that was sent could be read.
     #[track_caller]
     pub fn image_count(&self) -> usize {

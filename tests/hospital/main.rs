@@ -16,6 +16,7 @@
 
 mod archive;
 mod dicom;
+mod dicom_faults;
 mod dicom_house;
 mod fhir;
 mod fhir_access;

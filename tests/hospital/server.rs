@@ -75,9 +75,17 @@ fn new_hl7() -> Server {
 
 /// An archive of images.
 pub fn dicom() -> &'static Server {
-    static DICOM: LazyLock<Server> =
-        LazyLock::new(|| Server::started(Command::new(python()), "dicom_archive.py"));
+    static DICOM: LazyLock<Server> = LazyLock::new(new_dicom);
     &DICOM
+}
+
+/// An archive of images for one test, which may kill it.
+pub fn own_dicom() -> &'static Server {
+    Box::leak(Box::new(new_dicom()))
+}
+
+fn new_dicom() -> Server {
+    Server::started(Command::new(python()), "dicom_archive.py")
 }
 
 /// A Python with hl7apy, jsonschema and pynetdicom.
