@@ -8,6 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 use gaiter_dicom::{DicomObject, Sent, SopClass, Study, objects};
+use gaiter_https::TlsFiles;
 use gaiter_leg::Side;
 
 use crate::dicom_house::{rules, with_mesh};
@@ -140,4 +141,41 @@ fn orthanc_over_associations_has_the_same_objects_once_and_takes_them_back() {
     assert_eq!(orthanc.count(), 3);
     store.withdraw(&scan.id, Some(PATIENT), None, receipt.folder.to_str()).unwrap();
     assert_eq!(orthanc.count(), 4);
+}
+
+#[test]
+#[ignore = "needs Orthanc in a network of its own, run by .ci/run"]
+fn orthanc_by_another_title_rejects_the_association_and_is_asked_again() {
+    let orthanc = Orthanc::new();
+    let fault = setback(&orthanc.by_title("ANOTHER"), &SMALL);
+    assert!(fault.contains("rejects the association"), "{fault}");
+    assert_eq!(orthanc.count(), 0);
+}
+
+#[test]
+#[ignore = "needs Orthanc in a network of its own, run by .ci/run"]
+fn orthanc_over_tls_must_have_the_right_certificate_and_may_ask_for_one() {
+    let orthanc = Orthanc::over_tls("server", false);
+    let trusted = orthanc.tls(false);
+    let refusal = |host: &str, tls: TlsFiles| setback(&orthanc.by_tls(host, tls), &SMALL);
+    let told = refusal("localhost", TlsFiles::default());
+    assert!(told.contains("UnknownIssuer") || told.contains("no certificates"), "{told}");
+    let told = refusal("127.0.0.1", trusted.clone());
+    assert!(told.contains("no safe connection"), "the certificate is that of localhost: {told}");
+    setback(&orthanc.by_associations(), &SMALL);
+    assert_eq!(orthanc.count(), 0, "nothing was sent to a server that is not trusted");
+    put(&orthanc.by_tls("localhost", trusted), &SMALL);
+    assert_eq!(orthanc.count(), 1);
+
+    let expired = Orthanc::over_tls("expired", false);
+    let told = setback(&expired.by_tls("localhost", expired.tls(false)), &SMALL);
+    assert!(told.to_lowercase().contains("expired"), "{told}");
+
+    let asking = Orthanc::over_tls("server", true);
+    setback(&asking.by_tls("localhost", asking.tls(false)), &SMALL);
+    assert_eq!((expired.count(), asking.count()), (0, 0));
+    let store = asking.by_tls("localhost", asking.tls(true));
+    put(&store, &SMALL);
+    assert!(put(&store, &SMALL).already_there);
+    assert_eq!(asking.count(), 1);
 }

@@ -18,6 +18,7 @@ use tempfile::TempDir;
 
 use crate::dicom_house::{Way, dimse_section, dimse_way, store_by};
 use crate::fhir_house::Store;
+use crate::server::certificates;
 
 /// How long it may take until it answers.
 const SOON: Duration = Duration::from_secs(60);
@@ -43,13 +44,32 @@ fn free_port() -> u16 {
 
 impl Orthanc {
     pub fn new() -> Orthanc {
+        Orthanc::with(tempfile::tempdir().unwrap(), &json!({}))
+    }
+
+    /// One that takes associations over TLS alone, and may ask for a certificate. It shows that of this name for
+    /// `localhost`.
+    pub fn over_tls(shown: &str, asks: bool) -> Orthanc {
+        let folder = tempfile::tempdir().unwrap();
+        certificates(folder.path());
+        let path = |name: &str| folder.path().join(name);
+        let further = json!({
+            "DicomTlsEnabled": true,
+            "DicomTlsCertificate": path(&format!("{shown}.pem")),
+            "DicomTlsPrivateKey": path(&format!("{shown}.key")),
+            "DicomTlsTrustedCertificates": path("ca.pem"),
+            "DicomTlsRemoteCertificateRequired": asks,
+        });
+        Orthanc::with(folder, &further)
+    }
+
+    fn with(folder: TempDir, further: &Value) -> Orthanc {
         // A heading and no route: nothing leads out.
         let routes = fs::read_to_string("/proc/net/route").unwrap();
         assert!(routes.lines().count() <= 1, "run it by unshare -n, with the interface lo up");
-        let folder = tempfile::tempdir().unwrap();
         let (port, dimse_port) = (free_port(), free_port());
         let path = |name: &str| folder.path().join(name);
-        let settings = json!({
+        let mut settings = json!({
             "StorageDirectory": path("db"), "IndexDirectory": path("index"),
             "Plugins": ["/usr/share/orthanc/plugins/libOrthancDicomWeb.so"],
             "HttpPort": port, "DicomPort": dimse_port, "RemoteAccessAllowed": false,
@@ -58,6 +78,8 @@ impl Orthanc {
             "AuthenticationEnabled": true, "RegisteredUsers": {"clinic": "pw"},
             "DicomWeb": {"Enable": true, "Root": "/dicom-web/"},
         });
+        let further = further.as_object().cloned().unwrap_or_default();
+        settings.as_object_mut().unwrap().extend(further);
         fs::write(path("orthanc.json"), settings.to_string()).unwrap();
         fs::write(path("secret"), "pw\n").unwrap();
         let process = Mutex::new(started(folder.path()));
@@ -105,7 +127,23 @@ impl Orthanc {
 
     /// The same server, asked over associations.
     pub fn by_associations(&self) -> Store {
-        store_by(dimse_way("127.0.0.1", self.dimse_port, TITLE, None), LIMIT)
+        self.by_title(TITLE)
+    }
+
+    /// The same, called by this title.
+    pub fn by_title(&self, called: &str) -> Store {
+        store_by(dimse_way("127.0.0.1", self.dimse_port, called, None), LIMIT)
+    }
+
+    /// The same, by TLS.
+    pub fn by_tls(&self, host: &str, tls: TlsFiles) -> Store {
+        store_by(dimse_way(host, self.dimse_port, TITLE, Some(tls)), LIMIT)
+    }
+
+    /// Whom a store trusts that asks it by TLS, with a certificate of its own or without.
+    pub fn tls(&self, own: bool) -> TlsFiles {
+        let own = own.then(|| (self.path("client.pem"), Secret::File(self.path("client.key"))));
+        TlsFiles { authorities: Some(self.path("ca.pem")), own }
     }
 
     /// The configuration of a station that sends to it.

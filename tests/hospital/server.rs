@@ -203,7 +203,7 @@ const AUTHORITY: &str = "[ca]\ndefault_ca=own\n[own]\nnew_certs_dir=.\ndatabase=
 
 /// Makes an authority, `ca.pem`; a server's certificate for `localhost`, the same that ran out years ago, and a
 /// client's; each with its key: `server.pem` and `server.key`, `expired.…`, `client.…`.
-fn certificates(folder: &Path) {
+pub fn certificates(folder: &Path) {
     const CURVE: &str = "-newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes";
     for (name, text) in [("ca.cnf", AUTHORITY), ("index.txt", ""), ("serial.txt", "01\n")] {
         fs::write(folder.join(name), text).unwrap();
