@@ -1,4 +1,4 @@
-//! Objects of DICOM, judged by dciodvfy and read by dsrdump, and stored in Orthanc.
+//! Objects of DICOM, judged by dciodvfy, read by dsrdump and highdicom, and stored in Orthanc.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -7,23 +7,27 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use gaiter_dicom::{DicomObject, Sent, SopClass, Study, objects};
+use gaiter_dicom::{DicomObject, DicomRules, Sent, SopClass, Study, objects};
 use gaiter_https::TlsFiles;
+use gaiter_language::Language;
 use gaiter_leg::Side;
+use serde_json::{Value, json};
 
 use crate::dicom_house::{rules, with_mesh};
 use crate::fhir_house::{put, setback};
 use crate::orthanc::Orthanc;
 use crate::records::{PATIENT, SCANS, SMALL, Scan};
+use crate::server::{python, script};
 
 /// Deliveries that are replayed.
 const REPLAYS: usize = 1000;
 
-fn objects_of(scan: &Scan) -> Vec<DicomObject> {
-    let study = Study::new(scan.id.as_str(), PATIENT).unwrap();
+fn objects_of(scan: &Scan, rules: &DicomRules) -> Vec<DicomObject> {
+    let patient = &scan.record.patient.as_ref().unwrap().id;
+    let study = Study::new(scan.id.as_str(), patient).unwrap();
     let first_seen = scan.delivery().first_seen;
     let (record, files) = (&scan.record, &scan.files);
-    objects(&Sent { record, files, first_seen, study: &study, withdrawals: 0 }, &rules())
+    objects(&Sent { record, files, first_seen, study: &study, withdrawals: 0 }, rules)
 }
 
 /// What a program says about a file.
@@ -38,7 +42,7 @@ fn told(program: &str, words: &[&str], file: &Path) -> String {
 fn every_object_is_valid_and_the_report_is_read_with_all_figures_of_the_sheet() {
     let folder = tempfile::tempdir().unwrap();
     for scan in &*SCANS {
-        for object in objects_of(&with_mesh(scan)) {
+        for object in objects_of(&with_mesh(scan), &rules()) {
             let file = folder.path().join(object.uid());
             fs::write(&file, object.file().unwrap()).unwrap();
             let judged = told("dciodvfy", &[], &file);
@@ -47,6 +51,23 @@ fn every_object_is_valid_and_the_report_is_read_with_all_figures_of_the_sheet() 
                 assert_eq!(figures(&told("dsrdump", &["+Pl"], &file)), expected(scan));
             }
         }
+    }
+}
+
+#[test]
+#[ignore = "needs Python with highdicom, run by .ci/run"]
+fn every_report_is_read_by_highdicom_with_all_figures_of_the_sheet_and_umlauts() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let rules = DicomRules { language: Language::De, ..rules() };
+    for scan in &*SCANS {
+        let objects = objects_of(&scan.of_patient("Müßig 4711"), &rules);
+        let report = objects.iter().find(|of| of.class() == SopClass::Measurements).unwrap();
+        fs::write(file.path(), report.file().unwrap()).unwrap();
+        let mut reader = Command::new(python());
+        let done = reader.arg(script("sr_figures.py")).arg(file.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&done.stderr);
+        let read: Value = serde_json::from_slice(&done.stdout).unwrap_or_else(|_| panic!("{said}"));
+        assert_eq!(read, json!({ "patient": "Müßig 4711", "figures": expected(scan) }));
     }
 }
 

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! npm --prefix tests/hospital ci
-//! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install hl7apy jsonschema pynetdicom 'moto[server]' boto3
+//! python3 -m venv /tmp/venv && /tmp/venv/bin/pip install hl7apy jsonschema pynetdicom highdicom 'moto[server]' boto3
 //! apt-get install --no-install-recommends orthanc orthanc-dicomweb dcmtk dicom3tools curl
 //! GAITER_PYTHON=/tmp/venv/bin/python cargo test --test hospital -- --include-ignored --skip orthanc_ --skip worklist::wlmscpfs
 //! unshare -n sh -c 'ip link set lo up; cargo test --test hospital orthanc_ -- --ignored'

@@ -88,7 +88,7 @@ fn new_dicom() -> Server {
     Server::started(Command::new(python()), "dicom_archive.py")
 }
 
-/// A Python with hl7apy, jsonschema and pynetdicom.
+/// A Python with hl7apy, jsonschema, pynetdicom and highdicom.
 pub fn python() -> PathBuf {
     env::var_os("GAITER_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from)
 }
