@@ -23,8 +23,9 @@ use super::{DicomObject, Listed, NotStored, Study};
 /// The longest title of an application, characters (AE).
 const TITLE_MOST: usize = 16;
 
-/// The most objects of a study that are listed: ours are some tens, and it may hold images of others.
-const LISTED_MOST: usize = 10_000;
+/// The most objects of a study that are listed: ours are some tens, and the study is our own, to which others may add
+/// some of theirs.
+const LISTED_MOST: usize = 2000;
 
 /// A patient whom no archive knows.
 const NOBODY: &str = "gaiter-check";

@@ -36,9 +36,13 @@ const ITEMS_FROM: usize = 74;
 /// The type of an item that says whether a context is accepted (PS3.8, 9.3.3.2).
 const CONTEXT_RESULT: u8 = 0x21;
 
-/// All answers of an association together, bytes: an entry of a worklist has some thousands, an object of a study some
-/// hundreds.
-const ANSWERS_MOST: usize = 16 << 20;
+/// One command or data set of an answer, bytes: an entry of a worklist has some thousands.
+const MESSAGE_MOST: usize = 64 << 10;
+
+/// All answers of an association together, bytes. An object of a study has up to some four hundred with the command
+/// before it, which is less than a million for [`super::LISTED_MOST`]; a worklist of 300 entries has about as many. All
+/// of them are held at a time, and an element that is read takes a multiple of its bytes.
+pub(super) const ANSWERS_MOST: usize = 2 << 20;
 
 // Commands (PS3.7, E.1).
 const C_STORE: u16 = 0x0001;
@@ -259,10 +263,12 @@ impl<S: Read + Write> Association<S> {
             }
             // An empty part counts, too.
             self.bytes += PDV_HEADER_SIZE as usize + part.data.len();
-            if self.bytes > ANSWERS_MOST {
-                return Err(DimseFault::TooLong { bytes: self.bytes, most: ANSWERS_MOST });
-            }
             message.extend(part.data);
+            for (bytes, most) in [(message.len(), MESSAGE_MOST), (self.bytes, ANSWERS_MOST)] {
+                if bytes > most {
+                    return Err(DimseFault::TooLong { bytes, most });
+                }
+            }
             if part.is_last {
                 return Ok(message);
             }

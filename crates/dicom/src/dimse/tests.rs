@@ -2,13 +2,18 @@
 
 use std::io::{self, Cursor};
 
+use dicom_object::mem::InMemElement;
 use dicom_ul::pdu::{
     AbortRQSource, AssociationAC, AssociationRJ, AssociationRJResult,
     AssociationRJServiceUserReason, AssociationRJSource, PDataValue, PDataValueType, Pdu,
     PresentationContextResult, PresentationContextResultReason, UserVariableItem, read_pdu,
     write_pdu,
 };
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
 
+use super::association::ANSWERS_MOST;
 use super::*;
 use crate::dataset::Syntax;
 use crate::{DicomRules, withdrawal};
@@ -283,6 +288,77 @@ fn an_element_that_claims_more_than_there_is_and_endless_nesting_are_not_read() 
     for end in 1..sent.len() {
         // Between two elements the rest is whole.
         let _ = read(&sent[..end]);
+    }
+}
+
+#[test]
+fn answers_without_end_are_not_read_to_their_end() {
+    let part = |is_last| PDataValue { is_last, ..part(PDataValueType::Command, vec![0; 4096]) };
+    let endless = Pdu::PData { data: vec![part(false)] };
+    let packets = [vec![accepts(&[1])], vec![endless; 20]].concat();
+    let fault = search(&packets, 1).unwrap_err();
+    assert!(matches!(fault, DimseFault::TooLong { most: 0x1_0000, .. }), "{fault}");
+
+    let text = Dataset::new().text(tags::PATIENT_COMMENTS, "x".repeat(10_000));
+    let one = answer(0x20, 0xff00, Some(text));
+    let count = ANSWERS_MOST / 10_000 + 1;
+    let packets = [vec![accepts(&[1])], vec![one; count]].concat();
+    let fault = search(&packets, count).unwrap_err();
+    assert!(matches!(fault, DimseFault::TooLong { most: ANSWERS_MOST, .. }), "{fault}");
+}
+
+/// As many elements, items and values as a data set has.
+fn parts(set: &InMemDicomObject) -> usize {
+    let of_element = |element: &InMemElement| match element.items() {
+        Some(items) => items.iter().map(|item| 1 + parts(item)).sum::<usize>(),
+        None => element.value().multiplicity() as usize,
+    };
+    set.iter().map(|element| 1 + of_element(element)).sum()
+}
+
+/// What data sets are made of, true or not: heads of elements in both syntaxes, items, delimiters, lengths, values.
+fn piece() -> impl Strategy<Value = Vec<u8>> {
+    const WORDS: &[&[u8]] = &[
+        b"\x08\0\x05\0CS\x0a\0ISO_IR 192",
+        b"\x10\0\x20\0LO\x04\0a\\b\\",
+        b"\x10\0\x20\0\x04\0\0\0a\\b\\",
+        b"\x40\0\x00\x01SQ\0\0\xff\xff\xff\xff",
+        b"\x40\0\x00\x01\xff\xff\xff\xff",
+        b"\x42\0\x11\0OB\0\0",
+        b"\x09\0\x01\x10UN\0\0\xff\xff\xff\xff",
+        b"\xe0\x7f\x10\0OW\0\0\xff\xff\xff\xff",
+        b"\xfe\xff\0\xe0\xff\xff\xff\xff",
+        b"\xfe\xff\0\xe0\x08\0\0\0",
+        b"\xfe\xff\x0d\xe0\0\0\0\0",
+        b"\xfe\xff\xdd\xe0\0\0\0\0",
+    ];
+    let length = (0..64_u32).prop_map(|length| length.to_le_bytes().to_vec());
+    prop_oneof![
+        4 => select(WORDS).prop_map(<[u8]>::to_vec),
+        1 => length,
+        1 => vec(any::<u8>(), 0..16),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_read_or_refused_and_what_is_read_has_no_more_parts_than_bytes(
+        pieces in vec(piece(), 0..24),
+        syntax in select(Syntax::ALL.to_vec()),
+    ) {
+        let bytes = pieces.concat();
+        if let Ok(set) = reading::read(syntax, &bytes) {
+            prop_assert!(parts(&set) <= bytes.len(), "{} of {}", parts(&set), bytes.len());
+        }
+    }
+
+    #[test]
+    fn any_packets_are_answers_or_faults(bytes in vec(any::<u8>(), 0..256), is_accepted: bool) {
+        let before = if is_accepted { vec![accepts(&[1])] } else { Vec::new() };
+        let mut server = Script::new(&before);
+        server.says.get_mut().extend(bytes);
+        let query = InMemDicomObject::new_empty();
+        let _ = find(server, &titles(), Model::Worklist, &query, 10);
     }
 }
 
