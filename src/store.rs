@@ -36,7 +36,8 @@ pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::naming::RecordName;
-use gaiter_record::{RECORD, Record, RecordFile};
+use gaiter_flow::worklist::ListedPerson;
+use gaiter_record::{ImagingRequest, RECORD, Record, RecordFile};
 pub use gdt::{GdtStore, Given};
 pub use hl7::Hl7Store;
 pub use server::ServerFault;
@@ -168,7 +169,8 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
 
     /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
     /// `keeper` has it. Files that a person added to it move to the keeper's record. `receipt` is what a server has
-    /// confirmed the record by: a server that does not show it has not withdrawn it. A repeated call does nothing.
+    /// confirmed the record by: a server that does not show it has not withdrawn it. `request` is the one that the
+    /// record answers. A repeated call does nothing.
     ///
     /// # Errors
     /// See [`StoreFault`]; a permanent one if the store gives nothing back, or if the record was changed
@@ -179,6 +181,7 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
         _from: Option<&str>,
         _keeper: Option<&str>,
         _receipt: Option<&str>,
+        _request: Option<&ImagingRequest>,
     ) -> Result<(), StoreFault> {
         Err(StoreFault::Permanent(Rejection::HandedOver))
     }
@@ -249,6 +252,9 @@ pub struct Delivery<'a> {
     pub scan: &'a ScanId,
     /// The patient's id; `None` if no patient was named.
     pub patient: Option<&'a str>,
+    /// Who that is according to the day's worklist. It is for the store to which the configuration lets it go, and
+    /// for nothing that lasts at the station.
+    pub person: Option<&'a ListedPerson>,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
     /// The revision of the record.

@@ -168,6 +168,7 @@ fn dicom_store(
         coding: LOCAL_CODES.to_owned(),
         language: config.language,
         attach: dicom.attach.clone(),
+        names: dicom.names,
     };
     crate::store::DicomStore::new(dicom.server.clone(), rules, &config.station.id)
 }

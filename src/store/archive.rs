@@ -19,6 +19,7 @@ use gaiter_https::{
     Bucket, BucketFault, BucketPlace, HttpsClient, PutNew, Secret, TlsFiles, secret,
 };
 use gaiter_leg::{Method, WholeBody};
+use gaiter_record::ImagingRequest;
 use gaiter_record::archive::{
     Announcement, Document, MethodId, ObjectKey, Pseudonym, RecordHash, SiteKey, StationId,
     Withdrawal, packed, pseudonymous,
@@ -258,6 +259,7 @@ impl RecordStore for ArchiveStore {
         from: Option<&str>,
         _keeper: Option<&str>,
         _receipt: Option<&str>,
+        _request: Option<&ImagingRequest>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let site = self.site_key()?;

@@ -16,9 +16,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gaiter_dicom::{
-    DicomObject, DicomRules, EncodeFault, Listed, PatientIdFault, Sent, Study, objects, withdrawal,
+    DicomObject, DicomRules, EncodeFault, Listed, PatientIdFault, Person, Sent, Study, objects,
+    withdrawal,
 };
 use gaiter_flow::ScanId;
+use gaiter_record::{ImagingRequest, Patient};
 use jiff::Timestamp;
 
 use super::server::ServerFault;
@@ -70,10 +72,15 @@ impl DicomStore {
         }
     }
 
-    /// Sends objects. Whether the server has them, only a search tells.
-    fn send(&self, objects: &[DicomObject], patient: &str) -> Result<(), StoreFault> {
+    /// Sends objects, which may say who the patient is. Whether the server has them, only a search tells.
+    fn send(
+        &self,
+        objects: &[DicomObject],
+        patient: &str,
+        is_named: bool,
+    ) -> Result<(), StoreFault> {
         match &self.archive {
-            Archive::Web(archive) => archive.send(objects, patient),
+            Archive::Web(archive) => archive.send(objects, patient, is_named),
             Archive::Dimse(archive) => archive.send(objects),
         }
     }
@@ -120,12 +127,20 @@ impl RecordStore for DicomStore {
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         let (record, patient) = delivery.named_record().map_err(StoreFault::Permanent)?;
         let study = Study::new(delivery.scan.as_str(), patient).map_err(misfit)?;
+        let study = study.answering(record.patient.as_ref().and_then(Patient::request));
         let before = self.listed(&study, patient)?;
+        let person = delivery.person.map(|of| Person {
+            name: &of.dicom_name,
+            birth_date: of.birth_date,
+            sex: &of.sex,
+        });
+        let is_named = self.rules.names && person.is_some();
         let sent = Sent {
             record: &record,
             files: delivery.files,
             first_seen: delivery.first_seen,
             study: &study,
+            person,
             withdrawals: study.withdrawals(&before),
         };
         let mut missing = objects(&sent, &self.rules);
@@ -135,7 +150,7 @@ impl RecordStore for DicomStore {
         if missing.is_empty() {
             return Ok(receipt(true));
         }
-        self.send(&missing, patient)?;
+        self.send(&missing, patient, is_named)?;
         let after = self.listed(&study, patient)?;
         missing.retain(|object| !is_shown(object, &after));
         if !missing.is_empty() {
@@ -153,6 +168,7 @@ impl RecordStore for DicomStore {
         from: Option<&str>,
         _keeper: Option<&str>,
         receipt: Option<&str>,
+        request: Option<&ImagingRequest>,
     ) -> Result<(), StoreFault> {
         // Of a patient whose id cannot be written nothing was sent.
         let Some((patient, study)) =
@@ -160,11 +176,16 @@ impl RecordStore for DicomStore {
         else {
             return Ok(());
         };
+        let study = study.answering(request);
+        let study = match receipt {
+            Some(uid) => study.confirmed(uid),
+            None => study,
+        };
         let listed = self.listed(&study, patient)?;
         let now = Timestamp::now();
         match withdrawal(&study, &listed, &self.station, &self.rules, now) {
             Some(mark) => {
-                self.send(&[mark], patient)?;
+                self.send(&[mark], patient, false)?;
                 match study.holding(&self.listed(&study, patient)?).len() {
                     0 => Ok(()),
                     holding => {

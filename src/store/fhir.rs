@@ -20,6 +20,7 @@ use std::time::Duration;
 
 use gaiter_flow::ScanId;
 use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient};
+use gaiter_record::ImagingRequest;
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
 use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
 use http::{Method, Uri};
@@ -239,6 +240,7 @@ impl RecordStore for FhirStore {
         from: Option<&str>,
         _keeper: Option<&str>,
         receipt: Option<&str>,
+        _request: Option<&ImagingRequest>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let key = FhirKey::new(scan.as_str(), patient);

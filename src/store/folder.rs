@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::naming;
-use gaiter_record::{FIRST_REVISION, RecordFile};
+use gaiter_record::{FIRST_REVISION, ImagingRequest, RecordFile};
 use jiff::Timestamp;
 
 use self::lock::StoreLock;
@@ -229,6 +229,7 @@ impl RecordStore for FolderStore {
         from: Option<&str>,
         keeper: Option<&str>,
         _receipt: Option<&str>,
+        _request: Option<&ImagingRequest>,
     ) -> Result<(), StoreFault> {
         self.reach()?;
         let withdrawn = self.withdraw_in_reach(scan, from, keeper);

@@ -16,7 +16,7 @@ use std::time::Duration;
 use gaiter_flow::ScanId;
 use gaiter_https::{Secret, TlsFiles};
 use gaiter_record::hl7::{self, Acknowledgment, Hl7Rules, PdfForm};
-use gaiter_record::sha256;
+use gaiter_record::{ImagingRequest, sha256};
 use jiff::Timestamp;
 
 use self::sent::{Sent, SentMessages};
@@ -250,6 +250,7 @@ impl RecordStore for Hl7Store {
         from: Option<&str>,
         _keeper: Option<&str>,
         _receipt: Option<&str>,
+        _request: Option<&ImagingRequest>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let key = key(scan, patient);

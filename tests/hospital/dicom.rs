@@ -7,10 +7,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use gaiter_dicom::{DicomObject, DicomRules, Sent, SopClass, Study, objects};
+use gaiter_dicom::{DicomObject, DicomRules, Person, Sent, SopClass, Study, objects};
 use gaiter_https::TlsFiles;
 use gaiter_language::Language;
 use gaiter_leg::Side;
+use gaiter_record::ImagingRequest;
 use serde_json::{Value, json};
 
 use crate::dicom_house::{rules, with_mesh};
@@ -22,16 +23,17 @@ use crate::server::{python, script};
 /// Deliveries that are replayed.
 const REPLAYS: usize = 1000;
 
-fn objects_of(scan: &Scan, rules: &DicomRules) -> Vec<DicomObject> {
-    let patient = &scan.record.patient.as_ref().unwrap().id;
-    let study = Study::new(scan.id.as_str(), patient).unwrap();
+pub fn objects_of(scan: &Scan, person: Option<Person<'_>>, rules: &DicomRules) -> Vec<DicomObject> {
+    let patient = scan.record.patient.as_ref().unwrap();
+    let study = Study::new(scan.id.as_str(), &patient.id).unwrap().answering(patient.request());
     let first_seen = scan.delivery().first_seen;
     let (record, files) = (&scan.record, &scan.files);
-    objects(&Sent { record, files, first_seen, study: &study, withdrawals: 0 }, rules)
+    let study = &study;
+    objects(&Sent { record, files, first_seen, study, person, withdrawals: 0 }, rules)
 }
 
 /// What a program says about a file.
-fn told(program: &str, words: &[&str], file: &Path) -> String {
+pub fn told(program: &str, words: &[&str], file: &Path) -> String {
     let done = Command::new(program).args(words).arg(file).output().unwrap();
     let both = [done.stdout, done.stderr].concat();
     String::from_utf8_lossy(&both).into_owned()
@@ -41,8 +43,10 @@ fn told(program: &str, words: &[&str], file: &Path) -> String {
 #[ignore = "needs dciodvfy and dsrdump, run by .ci/run"]
 fn every_object_is_valid_and_the_report_is_read_with_all_figures_of_the_sheet() {
     let folder = tempfile::tempdir().unwrap();
-    for scan in &*SCANS {
-        for object in objects_of(&with_mesh(scan), &rules()) {
+    let request = ImagingRequest::new("1.2.276.4711", "A1");
+    let answering = SCANS[0].answering(request);
+    for scan in SCANS.iter().chain([&answering]) {
+        for object in objects_of(&with_mesh(scan), None, &rules()) {
             let file = folder.path().join(object.uid());
             fs::write(&file, object.file().unwrap()).unwrap();
             let judged = told("dciodvfy", &[], &file);
@@ -60,7 +64,7 @@ fn every_report_is_read_by_highdicom_with_all_figures_of_the_sheet_and_umlauts()
     let file = tempfile::NamedTempFile::new().unwrap();
     let rules = DicomRules { language: Language::De, ..rules() };
     for scan in &*SCANS {
-        let objects = objects_of(&scan.of_patient("Müßig 4711"), &rules);
+        let objects = objects_of(&scan.of_patient("Müßig 4711"), None, &rules);
         let report = objects.iter().find(|of| of.class() == SopClass::Measurements).unwrap();
         fs::write(file.path(), report.file().unwrap()).unwrap();
         let mut reader = Command::new(python());
@@ -126,11 +130,33 @@ fn orthanc_keeps_what_was_taken_back_with_its_mark_and_takes_it_again() {
     let store = orthanc.store();
     let receipt = put(&store, &SMALL).folder;
     for _ in 0..2 {
-        store.withdraw(&SMALL.id, Some(PATIENT), None, receipt.to_str()).unwrap();
+        store.withdraw(&SMALL.id, Some(PATIENT), None, receipt.to_str(), None).unwrap();
         assert_eq!(orthanc.count(), 2);
     }
     assert!(!put(&store, &SMALL).already_there);
     assert_eq!(orthanc.count(), 3);
+}
+
+#[test]
+#[ignore = "needs Orthanc in a network of its own, run by .ci/run"]
+fn orthanc_has_two_scans_in_the_study_of_a_request_and_gives_back_one() {
+    let orthanc = Orthanc::new();
+    let request = ImagingRequest::new("1.2.276.4711", "A1");
+    let first = SMALL.answering(request.clone());
+    let second = first.numbered(1);
+    let (web, dimse) = (orthanc.store(), orthanc.by_associations());
+    let receipt = put(&web, &first);
+    assert_eq!(receipt.folder.to_str(), Some("1.2.276.4711"));
+    assert!(!put(&dimse, &second).already_there);
+    for store in [&web, &dimse] {
+        assert!(put(store, &first).already_there && put(store, &second).already_there);
+    }
+    assert_eq!(orthanc.count(), 2);
+    web.withdraw(&first.id, Some(PATIENT), None, None, request.as_ref()).unwrap();
+    assert_eq!(orthanc.count(), 3);
+    assert!(put(&dimse, &second).already_there);
+    assert!(!put(&dimse, &first).already_there);
+    assert_eq!(orthanc.count(), 4);
 }
 
 #[test]
@@ -160,7 +186,7 @@ fn orthanc_over_associations_has_the_same_objects_once_and_takes_them_back() {
     // Over DICOMweb, too, it is there already.
     assert!(put(&orthanc.store(), &scan).already_there);
     assert_eq!(orthanc.count(), 3);
-    store.withdraw(&scan.id, Some(PATIENT), None, receipt.folder.to_str()).unwrap();
+    store.withdraw(&scan.id, Some(PATIENT), None, receipt.folder.to_str(), None).unwrap();
     assert_eq!(orthanc.count(), 4);
 }
 

@@ -42,7 +42,7 @@ fn tasks() -> [Task; 3] {
         Task { before, deed: &|store| store.put(&LATER.delivery()).map(drop), objects: 4 },
         Task {
             before,
-            deed: &|store| store.withdraw(&TWO.id, Some(PATIENT), None, None),
+            deed: &|store| store.withdraw(&TWO.id, Some(PATIENT), None, None, None),
             objects: 3,
         },
     ]

@@ -96,7 +96,7 @@ fn every_deed_survives(faults: &[&str], struck: Struck<'_>, least: [usize; 3]) {
         let amended = has("DiagnosticReport", "amended");
         let correction =
             struck_everywhere((fault, struck), &[&SMALL], &|store| sent(store, &later), amended);
-        let withdrawn = |store: &Store| store.withdraw(&SMALL.id, Some(PATIENT), None, None);
+        let withdrawn = |store: &Store| store.withdraw(&SMALL.id, Some(PATIENT), None, None, None);
         let in_error = has("DocumentReference", "entered-in-error");
         let take_back = struck_everywhere((fault, struck), &[&SMALL], &withdrawn, in_error);
         let requests = [delivery, correction, take_back];

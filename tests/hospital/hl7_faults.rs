@@ -62,7 +62,7 @@ fn a_take_back_whose_answer_is_lost_is_sent_again_with_the_same_control_id() {
     let house = House::of_hl7();
     let sender = house.sender(LONG);
     put(&sender.store, &SMALL);
-    let withdraw = || sender.store.withdraw(&SMALL.id, Some(PATIENT), None, None);
+    let withdraw = || sender.store.withdraw(&SMALL.id, Some(PATIENT), None, None, None);
     for fault in ["cut-after", "half", "full"] {
         house.becomes(fault);
         assert!(matches!(withdraw(), Err(StoreFault::Server(_))), "{fault}");
@@ -78,7 +78,7 @@ fn a_take_back_whose_answer_is_lost_is_sent_again_with_the_same_control_id() {
 fn a_receiver_that_is_killed_gets_the_message_again_with_the_same_control_id() {
     let server = own_hl7();
     let sent: Deed<'_> = &|store| store.put(&SMALL.delivery()).map(drop);
-    let withdrawn: Deed<'_> = &|store| store.withdraw(&SMALL.id, Some(PATIENT), None, None);
+    let withdrawn: Deed<'_> = &|store| store.withdraw(&SMALL.id, Some(PATIENT), None, None, None);
     for (fault, taken) in [("kill-before", 0), ("kill-after", 1), ("kill-half", 1)] {
         let house = House::new(server);
         let mut sender = house.sender(LONG);

@@ -13,8 +13,8 @@ use gaiter_leg::{Format, Method, Side};
 use gaiter_record::measure::amendment::{Amendment, Deed};
 use gaiter_record::shape::ShapeFigures;
 use gaiter_record::{
-    Acquired, AcquiredFrom, Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile,
-    Source, SourceKind, record_files, sha256,
+    Acquired, AcquiredFrom, ImagingRequest, Patient, Provenance, Record, RecordFile, ReportChoice,
+    ScanFile, Source, SourceKind, record_files, sha256,
 };
 use support::recorded::export;
 use support::records::measured;
@@ -76,6 +76,7 @@ impl Scan {
         Delivery {
             scan: &self.id,
             patient: self.record.patient.as_ref().map(|patient| patient.id.as_str()),
+            person: None,
             first_seen: "2026-11-20T08:00:00Z".parse().unwrap(),
             revision: self.record.revision,
             files: &self.files,
@@ -106,6 +107,14 @@ impl Scan {
     pub fn of_patient(&self, patient: &str) -> Scan {
         let mut record = self.record.clone();
         record.patient.as_mut().unwrap().id = patient.to_owned();
+        self.with(record, &[])
+    }
+
+    /// The same scan, which answers this request of a worklist.
+    pub fn answering(&self, request: Option<ImagingRequest>) -> Scan {
+        let mut record = self.record.clone();
+        let sources = vec![Source::from_kind(SourceKind::Operator).with_request(request)];
+        record.patient = Some(Patient { id: PATIENT.to_owned(), sources });
         self.with(record, &[])
     }
 

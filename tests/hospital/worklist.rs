@@ -17,10 +17,15 @@ use gaiter::config::WorklistConfig;
 use gaiter::station::booth::worklist::ask;
 use gaiter::store::dicom::DimseServer;
 use gaiter_dicom::dimse::{AeTitle, Titles};
+use gaiter_dicom::{DicomRules, Person};
 use gaiter_flow::worklist::{WorklistEntry, WorklistFilter};
 use jiff::civil::{Date, date, time};
 use rig::worklist::{accepts, part, pending};
 use tempfile::TempDir;
+
+use crate::dicom::{objects_of, told};
+use crate::dicom_house::rules;
+use crate::records::SMALL;
 
 /// How long wlmscpfs may take until it answers.
 const UP: Duration = Duration::from_secs(60);
@@ -117,7 +122,7 @@ fn made(text: &Path, entry: &Path) {
 fn described(charset: &str, station: &str, day: &str) -> String {
     format!(
         "(0008,0005) CS [{charset}]\n(0008,0050) SH [A1]\n(0010,0010) PN [Gr\u{fc}nwald^J\u{f6}rg]\n\
-         (0010,0020) LO [4711]\n(0010,0021) LO [KIS]\n(0010,0030) DA [19500102]\n\
+         (0010,0020) LO [4711]\n(0010,0021) LO [KIS]\n(0010,0030) DA [19500102]\n(0010,0040) CS [M]\n\
          (0020,000d) UI [1.2.276.4711]\n(0032,1060) LO [Kompressionsstr\u{fc}mpfe]\n(0040,0100) SQ\n\
          (fffe,e000) na\n(0008,0060) CS [OSS]\n(0040,0001) AE [{station}]\n(0040,0002) DA [{day}]\n\
          (0040,0003) TM [093000]\n(0040,0009) SH [S1]\n(fffe,e00d) na\n(fffe,e0dd) na\n"
@@ -127,6 +132,21 @@ fn described(charset: &str, station: &str, day: &str) -> String {
 /// A text in ISO 8859-1, in which each sign is its number.
 fn latin_1(text: &str) -> Vec<u8> {
     text.chars().map(|sign| u8::try_from(u32::from(sign)).unwrap()).collect()
+}
+
+/// What dcmtk reads in the report of a scan that answers an entry: whose it is, and all accession numbers.
+fn report_of(entry: &WorklistEntry) -> [String; 2] {
+    let person = Person {
+        name: &entry.person.dicom_name,
+        birth_date: entry.person.birth_date,
+        sex: &entry.person.sex,
+    };
+    let scan = SMALL.answering(entry.request.clone());
+    let objects = objects_of(&scan, Some(person), &DicomRules { names: true, ..rules() });
+    let file = tempfile::NamedTempFile::new().unwrap();
+    fs::write(file.path(), objects[0].file().unwrap()).unwrap();
+    let report = told("dsrdump", &[], file.path());
+    [report, told("dcmdump", &["+P", "0008,0050"], file.path())]
 }
 
 #[test]
@@ -154,6 +174,11 @@ fn wlmscpfs_lists_who_is_expected_at_the_station_today_with_umlauts_in_each_char
         assert_eq!((&step.stations[..], step.step.as_str()), (&["LEGSCAN".to_owned()][..], "S1"));
         assert_eq!((step.modality.as_str(), step.date), ("OSS", Some(DAY)));
         assert_eq!(step.time, Some(time(9, 30, 0, 0)));
+        // From there into the report.
+        let [report, numbers] = report_of(entry);
+        assert!(report.contains("Gr\u{fc}nwald^J\u{f6}rg (M, 1950-01-02, #4711)"), "{report}");
+        // In the object, and in the request that it answers.
+        assert_eq!(numbers.matches("[A1]").count(), 2, "{numbers}");
     }
 }
 

@@ -18,13 +18,12 @@ use dicom_object::InMemDicomObject;
 use self::association::Association;
 pub use self::fault::{DimseFault, TitleFault};
 use super::dataset::{Dataset, text_of};
-use super::{DicomObject, Listed, NotStored, Study};
+use super::{DicomObject, Listed, NotStored, SopClass, Study};
 
 /// The longest title of an application, characters (AE).
 const TITLE_MOST: usize = 16;
 
-/// The most objects of a study that are listed: ours are some tens, and the study is our own, to which others may add
-/// some of theirs.
+/// The most objects of a series that are listed: those of ours have some tens.
 const LISTED_MOST: usize = 2000;
 
 /// A patient whom no archive knows.
@@ -123,8 +122,8 @@ pub fn find<S: Read + Write>(
     Ok(found)
 }
 
-/// What the server has of a study: each series is asked for its objects, since not every server searches across them
-/// (PS3.4, C.4.1.2.2).
+/// What the server has of a record in its study. It is asked for the objects of each series that the record may have:
+/// not every server searches across series (PS3.4, C.4.1.2.2), and others may have any number of objects in the study.
 ///
 /// # Errors
 /// If an answer lacks a UID; else see [`DimseFault`].
@@ -133,25 +132,33 @@ pub fn listed<S: Read + Write>(
     titles: &Titles,
     study: &Study,
 ) -> Result<Vec<Listed>, DimseFault> {
-    let class = Model::Study.class();
-    let mut association = Association::open(stream, titles, &[class])?;
-    let of_study = |level| at_level(level).text(tags::STUDY_INSTANCE_UID, study.uid());
-    let query = of_study("SERIES").text(tags::SERIES_INSTANCE_UID, "");
-    let mut listed = Vec::new();
-    for found in association.find(class, &query.0, LISTED_MOST)? {
-        let series = required(&found, tags::SERIES_INSTANCE_UID)?;
-        let query = of_study("IMAGE")
-            .text(tags::SERIES_INSTANCE_UID, series.as_str())
-            .text(tags::SOP_INSTANCE_UID, "")
-            .text(tags::SOP_CLASS_UID, "");
-        for found in association.find(class, &query.0, LISTED_MOST - listed.len())? {
-            let class = required(&found, tags::SOP_CLASS_UID)?;
-            let uid = required(&found, tags::SOP_INSTANCE_UID)?;
-            listed.push(Listed { class, series: series.clone(), uid });
-        }
+    let mut association = Association::open(stream, titles, &[Model::Study.class()])?;
+    let mut listed = of_series(&mut association, study, &study.series(SopClass::Withdrawal, 0))?;
+    for series in study.holding_series(study.withdrawals(&listed)) {
+        listed.extend(of_series(&mut association, study, &series)?);
     }
     association.release();
     Ok(listed)
+}
+
+/// What the server has of a series.
+fn of_series<S: Read + Write>(
+    association: &mut Association<S>,
+    study: &Study,
+    series: &str,
+) -> Result<Vec<Listed>, DimseFault> {
+    let query = at_level("IMAGE")
+        .text(tags::STUDY_INSTANCE_UID, study.uid())
+        .text(tags::SERIES_INSTANCE_UID, series)
+        .text(tags::SOP_INSTANCE_UID, "")
+        .text(tags::SOP_CLASS_UID, "");
+    let found = association.find(Model::Study.class(), &query.0, LISTED_MOST)?;
+    let read = |of: &InMemDicomObject| -> Result<Listed, DimseFault> {
+        let class = required(of, tags::SOP_CLASS_UID)?;
+        let uid = required(of, tags::SOP_INSTANCE_UID)?;
+        Ok(Listed { class, series: series.to_owned(), uid })
+    };
+    found.iter().map(read).collect()
 }
 
 /// Sends objects (C-STORE). Returns those that the server does not store.

@@ -14,6 +14,8 @@ pub mod web;
 mod withdrawal;
 mod worklist;
 
+use std::fmt;
+
 pub use dicom_dictionary_std::tags;
 use dicom_dictionary_std::uids;
 use dicom_object::FileMetaTableBuilder;
@@ -21,6 +23,7 @@ pub use dicom_object::{InMemDicomObject, Tag};
 use gaiter_language::Language;
 use gaiter_record::export::taken;
 use gaiter_record::{Record, RecordFile};
+use jiff::civil::Date;
 use jiff::{Timestamp, Zoned};
 
 pub use self::dataset::EncodeFault;
@@ -51,6 +54,36 @@ pub struct DicomRules {
     pub language: Language,
     /// Files of the record that are sent with it, by name. A file that a record lacks is left out.
     pub attach: Vec<String>,
+    /// Whether objects say who the patient is, as a worklist told it.
+    pub names: bool,
+}
+
+/// Who a patient is, as a worklist told it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Person<'a> {
+    /// Patient's Name (0010,0010), which DICOM can write; empty if it is not known.
+    pub name: &'a str,
+    /// Patient's Birth Date (0010,0030).
+    pub birth_date: Option<Date>,
+    /// Patient's Sex (0010,0040); empty if it is not known.
+    pub sex: &'a str,
+}
+
+/// Logs get no names.
+impl fmt::Debug for Person<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Person(..)")
+    }
+}
+
+impl Person<'_> {
+    fn elements(self) -> Dataset {
+        let birth_date = self.birth_date.map(|date| date.strftime("%Y%m%d").to_string());
+        Dataset::new()
+            .text(tags::PATIENT_NAME, self.name)
+            .text(tags::PATIENT_BIRTH_DATE, birth_date.unwrap_or_default())
+            .text(tags::PATIENT_SEX, self.sex)
+    }
 }
 
 /// The kinds of objects.
@@ -152,8 +185,10 @@ pub struct Sent<'a> {
     pub files: &'a [RecordFile],
     /// When the station first saw the scan: the time of a record that does not state when it was taken.
     pub first_seen: Timestamp,
-    /// The study that it becomes.
+    /// The study that it becomes a part of.
     pub study: &'a Study,
+    /// Who the patient is, if a worklist told it.
+    pub person: Option<Person<'a>>,
     /// How often the record was withdrawn from this patient before: what was marked as wrong stays so.
     pub withdrawals: usize,
 }
@@ -179,13 +214,15 @@ struct Parts<'a> {
 impl Parts<'_> {
     /// An object for a part of the record, with its own attributes. `number` is its place among them, from 1.
     fn object(&self, class: SopClass, part: &str, number: u32, own: Dataset) -> DicomObject {
-        let Sent { study, record, withdrawals, .. } = self.sent;
+        let Sent { study, record, person, withdrawals, .. } = self.sent;
         let (revision, language) = (record.revision, self.rules.language);
         let [date, time] = moment(&self.at);
         let uid = study.instance(part, revision, withdrawals);
         let number = NUMBERS_A_REVISION * revision.saturating_sub(1) + number;
+        let person = person.filter(|_| self.rules.names).map(Person::elements);
         let dataset = study
             .of_patient(&self.rules.issuer)
+            .and(person.unwrap_or_else(Dataset::new))
             .and(equipment(record.station.as_deref(), &record.made_by.gaiter))
             .text(tags::SPECIFIC_CHARACTER_SET, UTF_8)
             .text(tags::SOP_CLASS_UID, class.uid())

@@ -50,6 +50,10 @@ impl Parts<'_> {
             .text(tags::COMPLETION_FLAG, "COMPLETE")
             .text(tags::VERIFICATION_FLAG, "UNVERIFIED")
             .and(self.content());
+        let own = match self.sent.study.request() {
+            Some(request) => own.items(tags::REFERENCED_REQUEST_SEQUENCE, vec![request]),
+            None => own,
+        };
         self.object(SopClass::Measurements, PART, NUMBER, own)
     }
 

@@ -1,6 +1,8 @@
-//! The study that a scan of a patient becomes: its UIDs, and what of it a server shows.
+//! The study that a scan of a patient belongs to: the UIDs of the record in it, and what of it a server shows.
 
+use dicom_core::Tag;
 use dicom_dictionary_std::tags;
+use gaiter_record::ImagingRequest;
 use gaiter_record::fhir::uuid_bytes;
 
 use super::SopClass;
@@ -17,11 +19,14 @@ const ID_MOST: usize = 64;
 )]
 pub struct PatientIdFault;
 
-/// The study of a scan of a patient. Its UIDs are always the same, and show neither.
+/// The study of a scan of a patient: that of the request which the scan answers, else one of its own. The UIDs of the
+/// record in it are always the same, and show neither scan nor patient.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Study {
     patient: String,
     key: String,
+    /// The request whose study it is; `None` for the scan's own.
+    request: Option<ImagingRequest>,
 }
 
 /// An object that a server shows.
@@ -36,7 +41,7 @@ pub struct Listed {
 }
 
 impl Study {
-    /// The study of a scan, by the hash of its bytes, and a patient's id.
+    /// The own study of a scan, by the hash of its bytes, and a patient's id.
     ///
     /// # Errors
     /// If DICOM cannot write the id.
@@ -46,12 +51,33 @@ impl Study {
         if !is_whole || patient.chars().count() > ID_MOST || !patient.chars().all(is_plain) {
             return Err(PatientIdFault);
         }
-        Ok(Study { patient: patient.to_owned(), key: format!("{scan}\0{patient}") })
+        Ok(Study { patient: patient.to_owned(), key: format!("{scan}\0{patient}"), request: None })
+    }
+
+    /// The study of the request that the scan answers, if it answers one. Others may have objects in it.
+    pub fn answering(self, request: Option<&ImagingRequest>) -> Study {
+        Study { request: request.cloned(), ..self }
+    }
+
+    /// The study of this UID, in which a server has confirmed the record.
+    pub fn confirmed(self, uid: &str) -> Study {
+        if self.uid() == uid {
+            return self;
+        }
+        let own = Study { request: None, ..self };
+        if own.uid() == uid {
+            return own;
+        }
+        let request = ImagingRequest { study_instance_uid: uid.to_owned(), accession_number: None };
+        Study { request: Some(request), ..own }
     }
 
     /// Its UID.
     pub fn uid(&self) -> String {
-        self.part_uid("study")
+        match &self.request {
+            Some(request) => request.study_instance_uid.clone(),
+            None => self.part_uid("study"),
+        }
     }
 
     /// How often the record was withdrawn, by what a server shows of the study.
@@ -62,10 +88,18 @@ impl Study {
 
     /// What a server shows of the record that holds: not what was withdrawn, and nothing of others in the study.
     pub fn holding<'a>(&self, listed: &'a [Listed]) -> Vec<&'a Listed> {
-        let withdrawals = self.withdrawals(listed);
-        let classes = SopClass::ALL.into_iter().filter(|class| *class != SopClass::Withdrawal);
-        let series: Vec<String> = classes.map(|class| self.series(class, withdrawals)).collect();
+        let series = self.holding_series(self.withdrawals(listed));
         listed.iter().filter(|of| series.contains(&of.series)).collect()
+    }
+
+    /// The series of what holds after so many withdrawals.
+    pub(crate) fn holding_series(&self, withdrawals: usize) -> Vec<String> {
+        let classes = SopClass::ALL.into_iter().filter(|class| *class != SopClass::Withdrawal);
+        let mut series: Vec<String> =
+            classes.map(|class| self.series(class, withdrawals)).collect();
+        // Meshes of both kinds have one.
+        series.dedup();
+        series
     }
 
     /// The series of a kind. After a withdrawal a record has other series; the withdrawals have one together.
@@ -84,28 +118,56 @@ impl Study {
 
     /// Patient and study, as each object has them. The name is not known.
     pub(crate) fn of_patient(&self, issuer: &str) -> Dataset {
-        let unknown = [
+        let known = without_values(&[
             tags::PATIENT_NAME,
             tags::PATIENT_BIRTH_DATE,
             tags::PATIENT_SEX,
             tags::REFERRING_PHYSICIAN_NAME,
             tags::STUDY_ID,
-            tags::ACCESSION_NUMBER,
-        ];
-        let unknown = unknown.into_iter().fold(Dataset::new(), |set, of| set.text(of, ""));
-        let known = unknown
-            .text(tags::PATIENT_ID, self.patient.as_str())
-            .text(tags::STUDY_INSTANCE_UID, self.uid());
+        ])
+        .text(tags::PATIENT_ID, self.patient.as_str())
+        .text(tags::STUDY_INSTANCE_UID, self.uid())
+        .text(tags::ACCESSION_NUMBER, self.accession_number());
         match issuer.is_empty() {
             true => known,
             false => known.text(tags::ISSUER_OF_PATIENT_ID, issuer),
         }
     }
 
-    /// The UID of something in the study.
-    pub(crate) fn part_uid(&self, part: &str) -> String {
-        uid(&format!("{}\0{part}", self.key))
+    /// The request that a report in it answers (PS3.3, C.17.2); `None` if it answers none.
+    pub(crate) fn request(&self) -> Option<Dataset> {
+        self.request.as_ref()?;
+        let request = without_values(&[
+            tags::PLACER_ORDER_NUMBER_IMAGING_SERVICE_REQUEST,
+            tags::FILLER_ORDER_NUMBER_IMAGING_SERVICE_REQUEST,
+            tags::REQUESTED_PROCEDURE_ID,
+            tags::REQUESTED_PROCEDURE_DESCRIPTION,
+        ])
+        .text(tags::STUDY_INSTANCE_UID, self.uid())
+        .text(tags::ACCESSION_NUMBER, self.accession_number())
+        .items(tags::REFERENCED_STUDY_SEQUENCE, Vec::new())
+        .items(tags::REQUESTED_PROCEDURE_CODE_SEQUENCE, Vec::new());
+        Some(request)
     }
+
+    /// The number of its request in the hospital system; empty if it has none.
+    fn accession_number(&self) -> &str {
+        let request = self.request.as_ref();
+        request.and_then(|request| request.accession_number.as_deref()).unwrap_or_default()
+    }
+
+    /// The UID of something of the record in the study. No two studies share one: an object belongs to one study.
+    pub(crate) fn part_uid(&self, part: &str) -> String {
+        match &self.request {
+            Some(request) => uid(&format!("{}\0{}\0{part}", self.key, request.study_instance_uid)),
+            None => uid(&format!("{}\0{part}", self.key)),
+        }
+    }
+}
+
+/// Elements that must be there and whose values nobody knows.
+fn without_values(tags: &[Tag]) -> Dataset {
+    tags.iter().fold(Dataset::new(), |set, tag| set.text(*tag, ""))
 }
 
 /// A UID that is always the same for one text: that of a UUID (PS3.5, B.2).
@@ -115,6 +177,8 @@ pub(crate) fn uid(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     fn study() -> Study {
@@ -139,6 +203,26 @@ mod tests {
         for other in [Study::new("ac", "4711"), Study::new("ab", "4712")] {
             assert_ne!(other.unwrap().uid(), study().uid());
         }
+    }
+
+    #[test]
+    fn a_record_in_the_study_of_a_request_shares_no_uid_with_one_in_another_study() {
+        let of = |uid: &str| study().answering(ImagingRequest::new(uid, "A1").as_ref());
+        let theirs = of("1.2.276.4711");
+        assert_eq!(theirs.uid(), "1.2.276.4711");
+        let studies = [study(), theirs.clone(), of("1.2.276.4712")];
+        let uids = |study: &Study| {
+            [study.series(SopClass::Pdf, 0), study.instance("sr", 1, 0), study.part_uid("frame")]
+        };
+        let all: BTreeSet<String> = studies.iter().flat_map(uids).collect();
+        assert_eq!(all.len(), 9);
+        assert_eq!(study().answering(None), study());
+        // Whatever is known of the request later, what was confirmed is found where it is.
+        for known in &studies {
+            assert_eq!(uids(&known.clone().confirmed("1.2.276.4711")), uids(&theirs));
+            assert_eq!(known.clone().confirmed(&study().uid()), study());
+        }
+        assert_eq!(theirs.clone().confirmed("1.2.276.4711"), theirs);
     }
 
     #[test]

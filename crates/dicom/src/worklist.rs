@@ -23,6 +23,7 @@ pub fn planned(station: &AeTitle, modality: Option<&str>, day: Date) -> InMemDic
         .text(tags::PATIENT_ID, "")
         .text(tags::ISSUER_OF_PATIENT_ID, "")
         .text(tags::PATIENT_BIRTH_DATE, "")
+        .text(tags::PATIENT_SEX, "")
         .text(tags::STUDY_INSTANCE_UID, "")
         .text(tags::REQUESTED_PROCEDURE_DESCRIPTION, "")
         .items(tags::SCHEDULED_PROCEDURE_STEP_SEQUENCE, vec![step]);

@@ -8,10 +8,13 @@ use std::collections::BTreeSet;
 use dicom_dictionary_std::tags;
 use dicom_object::{InMemDicomObject, Tag};
 use gaiter_dicom::web::multipart;
-use gaiter_dicom::{DicomObject, Listed, Sent, SopClass, Study, objects, withdrawal};
+use gaiter_dicom::{
+    DicomObject, DicomRules, Listed, Person, Sent, SopClass, Study, objects, withdrawal,
+};
 use gaiter_leg::Side;
 use gaiter_record::export::{What, export_figures};
-use gaiter_record::{Record, RecordFile};
+use gaiter_record::{ImagingRequest, Record, RecordFile};
+use jiff::civil::date;
 use support::records::{dicom_rules, marked, measured};
 
 const FILES: [&str; 4] = ["report.pdf", "left.stl", "right.obj", "record.json"];
@@ -62,12 +65,25 @@ fn study() -> Study {
 }
 
 fn sent(record: &Record, withdrawals: usize) -> Vec<DicomObject> {
+    sent_into(&study(), record, withdrawals)
+}
+
+fn sent_into(study: &Study, record: &Record, withdrawals: usize) -> Vec<DicomObject> {
     let file =
         |name: &str| RecordFile { name: name.to_owned(), bytes: format!("of {name}").into_bytes() };
-    let (files, study) = (FILES.map(file), study());
+    let files = FILES.map(file);
     let first_seen = "2026-11-26T19:21:02Z".parse().unwrap();
-    let sent = Sent { record, files: &files, first_seen, study: &study, withdrawals };
+    let sent = Sent { record, files: &files, first_seen, study, person: None, withdrawals };
     objects(&sent, &dicom_rules(&["report.pdf", "left.stl", "right.obj", "right.stl"]))
+}
+
+/// What a server shows of an object.
+fn shown(of: &DicomObject) -> Listed {
+    let set = dataset(of);
+    let [class, series, uid] =
+        [tags::SOP_CLASS_UID, tags::SERIES_INSTANCE_UID, tags::SOP_INSTANCE_UID]
+            .map(|tag| text(&set, tag));
+    Listed { class, series, uid }
 }
 
 fn uids(objects: &[DicomObject]) -> BTreeSet<String> {
@@ -191,14 +207,90 @@ fn the_same_record_is_the_same_objects_and_another_revision_or_turn_shares_none(
 }
 
 #[test]
-fn a_withdrawal_names_what_holds_and_leaves_nothing_that_does() {
-    let shown = |of: &DicomObject| {
-        let set = dataset(of);
-        let [class, series, uid] =
-            [tags::SOP_CLASS_UID, tags::SERIES_INSTANCE_UID, tags::SOP_INSTANCE_UID]
+fn every_object_stands_in_the_study_of_the_request_that_the_scan_answers_with_its_number() {
+    let record = marked();
+    let answering =
+        |number| study().answering(ImagingRequest::new("1.2.276.4711", number).as_ref());
+    for (number, study) in [("ACC0815", answering("ACC0815")), ("", answering("")), ("", study())] {
+        let made = sent_into(&study, &record, 0);
+        let listed: Vec<Listed> = made.iter().map(shown).collect();
+        let now = "2026-11-27T08:00:00Z".parse().unwrap();
+        let mark = withdrawal(&study, &listed, "booth-1", &dicom_rules(&[]), now).unwrap();
+        for object in made.iter().chain([&mark]) {
+            let set = dataset(object);
+            assert_eq!(text(&set, tags::STUDY_INSTANCE_UID), study.uid());
+            assert_eq!(text(&set, tags::ACCESSION_NUMBER), number);
+        }
+        // The report alone answers a request.
+        let requests: Vec<_> = made
+            .iter()
+            .flat_map(|of| items(&dataset(of), tags::REFERENCED_REQUEST_SEQUENCE).to_vec())
+            .map(|of| [tags::STUDY_INSTANCE_UID, tags::ACCESSION_NUMBER].map(|tag| text(&of, tag)))
+            .collect();
+        let is_theirs = study.uid() == "1.2.276.4711";
+        let expected = is_theirs.then(|| [study.uid(), number.to_owned()]);
+        assert_eq!(requests, expected.into_iter().collect::<Vec<_>>());
+    }
+    let elsewhere = uids(&sent_into(&answering("ACC0815"), &record, 0));
+    assert!(uids(&sent(&record, 0)).is_disjoint(&elsewhere));
+}
+
+#[test]
+fn objects_say_who_the_patient_is_only_where_the_rules_allow_it() {
+    let (record, study) = (marked(), study());
+    let person = Person { name: "Grünwald^Jörg", birth_date: Some(date(1950, 1, 2)), sex: "M" };
+    let files = [RecordFile { name: "report.pdf".to_owned(), bytes: b"%PDF-1.7".to_vec() }];
+    let first_seen = "2026-11-26T19:21:02Z".parse().unwrap();
+    for (names, expected) in [(true, ["Grünwald^Jörg", "19500102", "M"]), (false, [""; 3])] {
+        let rules = DicomRules { names, ..dicom_rules(&["report.pdf"]) };
+        let sent = Sent {
+            record: &record,
+            files: &files,
+            first_seen,
+            study: &study,
+            person: Some(person),
+            withdrawals: 0,
+        };
+        assert!(!format!("{sent:?}").contains("Jörg"), "logs get no names");
+        let made = objects(&sent, &rules);
+        for object in &made {
+            let set = dataset(object);
+            let told = [tags::PATIENT_NAME, tags::PATIENT_BIRTH_DATE, tags::PATIENT_SEX]
                 .map(|tag| text(&set, tag));
-        Listed { class, series, uid }
+            assert_eq!(told, expected);
+        }
+        let nameless = objects(&Sent { person: None, ..sent }, &rules);
+        assert_eq!(uids(&made), uids(&nameless), "a name makes no other object");
+    }
+}
+
+#[test]
+fn objects_of_others_in_the_study_neither_count_nor_are_withdrawn() {
+    let study = study().answering(ImagingRequest::new("1.2.276.4711", "A1").as_ref());
+    let other = |class: SopClass, uid: &str| Listed {
+        class: class.uid().to_owned(),
+        series: "1.2.3".to_owned(),
+        uid: uid.to_owned(),
     };
+    let others = [other(SopClass::Withdrawal, "1.2.3.1"), other(SopClass::Pdf, "1.2.3.2")];
+    let (rules, now) = (dicom_rules(&[]), "2026-11-27T08:00:00Z".parse().unwrap());
+    assert_eq!(withdrawal(&study, &others, "booth-1", &rules, now), None);
+    let made = sent_into(&study, &marked(), 0);
+    // Another scan of the patient answers the same request.
+    let request = ImagingRequest::new("1.2.276.4711", "A1");
+    let second = Study::new("ac", "4711").unwrap().answering(request.as_ref());
+    let second = sent_into(&second, &marked(), 0);
+    let ours = made.iter().map(shown);
+    let listed: Vec<Listed> =
+        others.into_iter().chain(second.iter().map(shown)).chain(ours).collect();
+    assert_eq!(study.withdrawals(&listed), 0);
+    let holding: BTreeSet<String> =
+        study.holding(&listed).into_iter().map(|of| of.uid.clone()).collect();
+    assert_eq!(holding, uids(&made));
+}
+
+#[test]
+fn a_withdrawal_names_what_holds_and_leaves_nothing_that_does() {
     let mut listed: Vec<Listed> = sent(&marked(), 0).iter().map(shown).collect();
     let rules = dicom_rules(&[]);
     let now = "2026-11-27T08:00:00Z".parse().unwrap();

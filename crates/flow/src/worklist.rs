@@ -22,13 +22,17 @@ pub const ENTRIES_MOST: usize = 300;
 /// How many digits of its hash name an entry.
 const KEY_DIGITS: usize = 16;
 
-/// Who is expected, for the person who chooses.
-#[derive(Clone, PartialEq, Eq)]
+/// Who is expected, for the person who chooses, and for an archive of images that is to be told.
+#[derive(Clone, PartialEq, Eq, Default)]
 pub struct ListedPerson {
     /// Patient's Name (0010,0010) as people write it.
     pub name: String,
+    /// The same as the server has written it; empty if it is no valid name.
+    pub dicom_name: String,
     /// Patient's Birth Date (0010,0030).
     pub birth_date: Option<Date>,
+    /// Patient's Sex (0010,0040): `M`, `F` or `O`; empty if the server sent nothing else.
+    pub sex: String,
 }
 
 /// Logs get no names.
@@ -73,7 +77,7 @@ impl WorklistEntry {
     /// before is another: whoever chooses it has read these.
     pub fn key(&self) -> String {
         let request = self.request.as_ref();
-        let ListedPerson { name, birth_date } = &self.person;
+        let ListedPerson { name, birth_date, .. } = &self.person;
         let born = birth_date.map(|date| date.to_string()).unwrap_or_default();
         let parts = [
             self.patient.as_str(),
@@ -188,6 +192,19 @@ impl Worklist {
         self.entries(today).iter().find(|entry| entry.key() == key)
     }
 
+    /// Who is expected for a request of a patient.
+    pub fn person_of(
+        &self,
+        patient: &str,
+        request: &ImagingRequest,
+        today: Date,
+    ) -> Option<&ListedPerson> {
+        let is_theirs = |entry: &&WorklistEntry| {
+            entry.patient == patient && entry.request.as_ref() == Some(request)
+        };
+        self.entries(today).iter().find(is_theirs).map(|entry| &entry.person)
+    }
+
     /// The request that the scan of a patient answers, if there is only one that may be meant.
     pub fn request_of(&self, patient: &str, today: Date) -> Option<&ImagingRequest> {
         only_request(self.entries(today).iter().filter(|entry| entry.patient == patient))
@@ -232,7 +249,7 @@ fn only_request<'a>(
 fn disputed(entries: &[WorklistEntry]) -> BTreeSet<String> {
     let mut people: BTreeMap<&str, [BTreeSet<String>; 3]> = BTreeMap::new();
     for entry in entries {
-        let ListedPerson { name, birth_date } = &entry.person;
+        let ListedPerson { name, birth_date, .. } = &entry.person;
         let born = birth_date.map(|date| date.to_string()).unwrap_or_default();
         let told = [entry.issuer.clone(), name.to_lowercase(), born];
         let known = people.entry(&entry.patient).or_default();
@@ -254,7 +271,8 @@ mod tests {
     const TODAY: Date = date(2026, 11, 28);
 
     fn entry(patient: &str, accession_number: &str) -> WorklistEntry {
-        let person = ListedPerson { name: format!("Testfrau, {patient}"), birth_date: None };
+        let person =
+            ListedPerson { name: format!("Testfrau, {patient}"), ..ListedPerson::default() };
         WorklistEntry {
             patient: patient.to_owned(),
             issuer: String::new(),

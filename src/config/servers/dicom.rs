@@ -18,6 +18,8 @@ pub struct DicomStoreConfig {
     pub issuer: String,
     /// Files of the record that are sent with it.
     pub attach: Vec<String>,
+    /// Whether it gets names as the worklist told them.
+    pub names: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +59,7 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
     let issuer = reader.text("store.dicom.issuer", Default(""), issuer);
     let attach = "report.pdf\", \"left.stl\", \"right.stl";
     let attach = reader.list("store.dicom.attach", Default(attach), attached);
+    let names = reader.flag("store.dicom.names", "false");
     let access = access(reader);
     let titles = titles(reader);
     let encryption =
@@ -82,6 +85,7 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
         server,
         issuer: issuer?.value,
         attach: attach.into_iter().map(|found| found.value).collect(),
+        names: names?.value,
     }))
 }
 

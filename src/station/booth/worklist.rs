@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gaiter_flow::round::{Named, NamedNext};
-use gaiter_flow::worklist::{Worklist, WorklistChoice, WorklistEntry};
+use gaiter_flow::worklist::{ListedPerson, Worklist, WorklistChoice, WorklistEntry};
 use gaiter_record::{ImagingRequest, Patient, SourceKind};
 use jiff::Zoned;
 use jiff::civil::Date;
@@ -54,6 +54,13 @@ impl Booth {
         let (list, today) = (self.worklist.list(), today());
         let of_today = list.as_ref().filter(|list| !list.is_over(today));
         of_today.map(|list| list.entries(today).to_vec())
+    }
+
+    /// Who the worklist says a patient is, if the request that was chosen with the patient is on today's.
+    pub fn listed_person(&self, patient: &Patient) -> Option<ListedPerson> {
+        let request = patient.request()?;
+        let list = self.worklist.list();
+        list.as_ref()?.person_of(&patient.id, request, today()).cloned()
     }
 
     /// Asks for a new answer soon.

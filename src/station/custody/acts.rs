@@ -143,7 +143,7 @@ impl Custody {
         if !self.bring_back(row, Some(patient), stored)? {
             return Ok(Acted::NoBytes);
         }
-        let patient = &self.answering(&row.scan, patient);
+        let patient = &self.answering(&row.scan, patient)?;
         let stores = self.stores_for(Some(patient));
         let decision = (Decided::Assigned, Some(patient.id.clone()));
         self.decide(&row.scan, &[decision], |journal, number| {
@@ -153,13 +153,17 @@ impl Custody {
     }
 
     /// The patient to whom a person assigns a scan, with the request that was chosen with that patient for the press or
-    /// the name that the scan may answer.
-    fn answering(&self, scan: &ScanId, patient: &Patient) -> Patient {
+    /// the name that the scan may answer. A patient who had the scan keeps the request: its record may be in the study.
+    fn answering(&self, scan: &ScanId, patient: &Patient) -> Result<Patient, CustodyFault> {
         let intake = self.spool.intake(scan).ok();
         let request = intake.and_then(|intake| intake.judged.request_of(&patient.id).cloned());
+        let request = match request {
+            Some(request) => Some(request),
+            None => self.journal.request_of(scan, &patient.id)?,
+        };
         let sources = patient.sources.iter().cloned();
         let sources = sources.map(|source| source.with_request(request.clone())).collect();
-        Patient { id: patient.id.clone(), sources }
+        Ok(Patient { id: patient.id.clone(), sources })
     }
 
     /// Closes a scan that was refused, is held, or is stored without a patient: it needs no further

@@ -7,7 +7,7 @@ use gaiter_flow::patient::erasure::{ERASED, OwedStep};
 use gaiter_flow::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::{Disposition, Stamp};
-use gaiter_record::{Source, SourceKind};
+use gaiter_record::{ImagingRequest, Source, SourceKind};
 
 use super::*;
 use crate::station::custody::quarantine::Stage;
@@ -378,6 +378,31 @@ fn a_scan_for_nobody_that_is_assigned_is_delivered_to_the_patient_and_then_taken
         Verdict::Held(SAME_SCAN_OTHER_PATIENT),
         "it is 4711's"
     );
+}
+
+#[test]
+fn a_scan_that_is_given_back_to_its_patient_still_answers_its_request() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open_with_server(dir.path());
+    let scan = sums::scan_id(BYTES);
+    let request = ImagingRequest::new("1.2.276.4711", "A1");
+    let sources = vec![Source::from_kind(SourceKind::Operator).with_request(request.clone())];
+    let chosen = Patient { id: "4711".to_owned(), sources };
+    admit(&custody, Whose { patient: Some(chosen), ..Whose::default() });
+    for due in custody.journal.pending().unwrap() {
+        custody.delivered(&due, Path::new("/r/4711/x")).unwrap();
+    }
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    custody.unassign(&row, "4711", Some(stored())).unwrap();
+    let of_server = || {
+        let due = custody.journal.pending().unwrap();
+        let due = due.into_iter().find(|due| due.store == "fhir").unwrap();
+        (due.task, due.patient.unwrap().request().cloned())
+    };
+    assert_eq!(of_server(), (Task::Withdraw, request.clone()));
+    custody.assign(&row, &patient("4711"), None).unwrap();
+    assert_eq!(of_server(), (Task::Deliver, request));
+    assert_eq!(custody.journal.request_of(&scan, "0815").unwrap(), None);
 }
 
 #[test]

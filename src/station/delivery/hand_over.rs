@@ -38,9 +38,11 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), DeliveryFault> {
         return Ok(journal.handed_over(due, None)?);
     }
     work::note_place(core, due, store, None)?;
+    let person = due.patient.as_ref().and_then(|patient| booth.listed_person(patient));
     let put = store.put(&Delivery {
         scan: &due.scan,
         patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
+        person: person.as_ref(),
         first_seen: row.first_seen,
         revision: stored.record.revision,
         files: &files,

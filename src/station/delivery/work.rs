@@ -9,7 +9,7 @@ use gaiter_flow::facts::{StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
 use gaiter_language::Language;
-use gaiter_record::{FIRST_REVISION, RecordFile};
+use gaiter_record::{FIRST_REVISION, Patient, RecordFile};
 use tracing::{info, warn};
 
 use super::measuring::{self, MeasureOutcome};
@@ -129,10 +129,12 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
         }
         // Noted before: if the answer is lost, the server may have it.
         note_place(core, due, store, None)?;
+        let person = due.patient.as_ref().and_then(|patient| booth.listed_person(patient));
         let receipt = store
             .put(&Delivery {
                 scan: &due.scan,
                 patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
+                person: person.as_ref(),
                 first_seen: row.first_seen,
                 revision: FIRST_REVISION,
                 files,
@@ -207,12 +209,13 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         let journal = core.custody.journal();
         let store = core.stores.named(&due.store).ok_or_else(|| no_store(due))?;
         let from = due.patient.as_ref().map(|patient| patient.id.as_str());
+        let request = due.patient.as_ref().and_then(Patient::request);
         let (keeper, receipt) = match store.is_server() {
             true => (None, receipt_here(core, due, store)?),
             false => (keeper(core, due, from)?, None),
         };
         let scan = short(&due.scan);
-        match store.withdraw(&due.scan, from, keeper.as_deref(), receipt.as_deref()) {
+        match store.withdraw(&due.scan, from, keeper.as_deref(), receipt.as_deref(), request) {
             Err(StoreFault::Permanent(Rejection::HandedOver)) => {
                 warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);
                 journal.left_there(due)?;

@@ -5,13 +5,14 @@ mod amended;
 use std::path::Path;
 
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
+use gaiter_record::{ImagingRequest, Source};
 use jiff::Timestamp;
 use rusqlite::{Connection, Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{self, Due, Task, count, detail, set_code, step};
 use super::integrity::seal;
-use super::row::{all, cell, run, scan_id, value};
+use super::row::{all, cell, json_cell, run, scan_id, value};
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, history};
@@ -124,6 +125,19 @@ impl Journal {
                    AND state IN ('pending', 'withdrawing')",
             params![due.scan.as_str(), due.patient_cell(), due.store, next_at.to_string(), code],
         )
+    }
+
+    /// The request with which a scan was to be delivered to a patient, whether the patient still has it or not.
+    pub fn request_of(
+        &self,
+        scan: &ScanId,
+        patient: &str,
+    ) -> Result<Option<ImagingRequest>, JournalError> {
+        let sources = "SELECT sources FROM deliveries WHERE sha256 = ?1 AND patient = ?2";
+        let cells = [scan.as_str(), patient];
+        let sources: Vec<Vec<Source>> =
+            all(&self.connection(), sources, cells, |row| json_cell(row, 0))?;
+        Ok(sources.into_iter().flatten().find_map(|source| source.request))
     }
 
     /// The patients the scan belongs to: neither those it is held for nor those it was withdrawn from.

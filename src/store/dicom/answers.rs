@@ -38,14 +38,19 @@ fn found<T>(
     kind: &str,
 ) -> Result<T, StoreFault> {
     if !answer.is_success() {
-        return Err(refusal(answer, secret));
+        return Err(refusal(answer, Some(secret)));
     }
     let found = serde_json::from_slice(&answer.body).ok().and_then(|json: Value| read(&json));
     found.ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
 }
 
-/// Whether all of so many objects were stored, as far as the answer tells.
-pub(super) fn stored(answer: &HttpAnswer, count: usize, secret: &[&str]) -> Result<(), StoreFault> {
+/// Whether all of so many objects were stored, as far as the answer tells. Without the words that must get into no log,
+/// nothing that it says is repeated.
+pub(super) fn stored(
+    answer: &HttpAnswer,
+    count: usize,
+    secret: Option<&[&str]>,
+) -> Result<(), StoreFault> {
     let status = answer.status;
     if !answer.is_success() && status != CONFLICT {
         return Err(refusal(answer, secret));
@@ -69,12 +74,13 @@ pub(super) fn judged(failed: &[NotStored], count: usize, status: u16) -> Result<
 }
 
 /// The fault of an answer that is none of success. What a person must correct waits for one; the rest is asked again.
-fn refusal(answer: &HttpAnswer, secret: &[&str]) -> StoreFault {
+fn refusal(answer: &HttpAnswer, secret: Option<&[&str]>) -> StoreFault {
     let status = answer.status;
     let text = String::from_utf8_lossy(&answer.body);
-    let why = match text.trim() {
-        "" => "it does not say why".to_owned(),
-        text => in_a_line(text, secret),
+    let why = match (text.trim(), secret) {
+        ("", _) => "it does not say why".to_owned(),
+        (_, None) => "what it says may name the patient".to_owned(),
+        (text, Some(secret)) => in_a_line(text, secret),
     };
     match status {
         400 | 410 | 413 | 415 | 422 => refused(status, why),

@@ -5,6 +5,7 @@ use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
 
 use gaiter_dicom::dimse::{AeTitle, Titles};
+use gaiter_flow::worklist::ListedPerson;
 use gaiter_https::{HttpFault, TlsFiles};
 use gaiter_record::RecordFile;
 use serde_json::{Value, json};
@@ -118,20 +119,42 @@ fn scan() -> ScanId {
 
 fn put(store: &DicomStore, patient: &str, revision: u32) -> Result<Receipt, StoreFault> {
     let record = without_legs(scan().as_str(), Some(patient), revision);
+    put_record(store, (patient, None), revision, &record)
+}
+
+/// Puts a record of 4711 that answers the request of this study.
+fn put_answering(
+    store: &DicomStore,
+    study: &str,
+    person: Option<&ListedPerson>,
+) -> Result<Receipt, StoreFault> {
+    let record = without_legs(scan().as_str(), Some("4711"), 1);
+    let mut record: Value = serde_json::from_slice(&record).unwrap();
+    record["patient"]["sources"][0]["request"] = json!({ "study_instance_uid": study });
+    put_record(store, ("4711", person), 1, record.to_string().as_bytes())
+}
+
+fn put_record(
+    store: &DicomStore,
+    (patient, person): (&str, Option<&ListedPerson>),
+    revision: u32,
+    record: &[u8],
+) -> Result<Receipt, StoreFault> {
     let file = |name: &str, bytes: &[u8]| RecordFile { name: name.into(), bytes: bytes.into() };
     store.put(&Delivery {
         scan: &scan(),
         patient: Some(patient),
+        person,
         first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
         revision,
-        files: &[file("record.json", &record), file("report.pdf", b"%PDF-1.7")],
+        files: &[file("record.json", record), file("report.pdf", b"%PDF-1.7")],
         scan_file: Path::new("/nowhere"),
         ending: "obj",
     })
 }
 
 fn withdraw(store: &DicomStore, receipt: Option<&str>) -> Result<(), StoreFault> {
-    store.withdraw(&scan(), Some("4711"), None, receipt)
+    store.withdraw(&scan(), Some("4711"), None, receipt, None)
 }
 
 #[test]
@@ -197,6 +220,43 @@ fn a_withdrawn_record_is_marked_once_and_can_be_given_again() {
     assert!(put(&store, "4711", 1).unwrap().already_there);
     withdraw(&store, receipt).unwrap();
     assert_eq!(archive.stored(), 4);
+}
+
+#[test]
+fn a_record_in_the_study_of_a_request_is_stored_once_and_withdrawn_where_it_is() {
+    const THEIRS: &str = "1.2.276.4711";
+    let archive = Archive::new();
+    let store = archive.store();
+    let receipt = put_answering(&store, THEIRS, None).unwrap();
+    assert_eq!((receipt.folder.to_str(), receipt.already_there), (Some(THEIRS), false));
+    assert!(put_answering(&store, THEIRS, None).unwrap().already_there);
+    // Of an answer that was lost there is no receipt, and after a lost journal no request.
+    let request = ImagingRequest::new(THEIRS, "");
+    for (receipt, request) in [(None, request.as_ref()), (Some(THEIRS), None)] {
+        let before = archive.stored();
+        for _ in 0..2 {
+            store.withdraw(&scan(), Some("4711"), None, receipt, request).unwrap();
+            assert_eq!(archive.stored(), before + 1);
+        }
+        assert!(!put_answering(&store, THEIRS, None).unwrap().already_there);
+    }
+}
+
+#[test]
+fn what_an_archive_says_of_objects_that_name_the_patient_is_not_repeated() {
+    let archive = Archive::new();
+    archive.becomes(Mode::KeepAndFail);
+    let person = ListedPerson {
+        dicom_name: "Gr\u{fc}nwald^J\u{f6}rg".to_owned(),
+        ..ListedPerson::default()
+    };
+    for (names, study) in [(true, "1.2.276.1"), (false, "1.2.276.2")] {
+        let mut store = archive.store();
+        store.rules.names = names;
+        let fault = put_answering(&store, study, Some(&person)).unwrap_err().to_string();
+        assert!(fault.contains("503"), "{fault}");
+        assert_eq!(fault.contains("restarting"), !names, "{fault}");
+    }
 }
 
 #[test]

@@ -51,11 +51,19 @@ impl WebArchive {
         answers::listed(&answer, &without(&secret, patient))
     }
 
-    /// Sends objects. Whether the server has them, only a search tells.
-    pub fn send(&self, objects: &[DicomObject], patient: &str) -> Result<(), StoreFault> {
+    /// Sends objects, which may say who the patient is. Whether the server has them, only a search tells.
+    pub fn send(
+        &self,
+        objects: &[DicomObject],
+        patient: &str,
+        is_named: bool,
+    ) -> Result<(), StoreFault> {
         let body = web::multipart(objects).map_err(unwritable)?;
         let (answer, secret) = self.ask(Method::POST, "studies", Some(body))?;
-        answers::stored(&answer, objects.len(), &without(&secret, patient))
+        let secret = without(&secret, patient);
+        // A server may write a name in another way than it was sent.
+        let secret = if is_named { None } else { Some(&secret[..]) };
+        answers::stored(&answer, objects.len(), secret)
     }
 
     /// Asks the server for a path below its base, with a body of this media type or without. Returns the answer, and

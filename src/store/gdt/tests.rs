@@ -85,6 +85,7 @@ impl Case {
         store.put(&Delivery {
             scan: &scan,
             patient,
+            person: None,
             first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
             revision: FIRST_REVISION,
             files: &files(patient, &scan),
@@ -268,6 +269,7 @@ fn what_is_nobody_s_or_another_s_is_not_handed_over() {
     let others = Delivery {
         scan: &scan,
         patient: Some("4711"),
+        person: None,
         first_seen: Timestamp::UNIX_EPOCH,
         revision: FIRST_REVISION,
         files: &files(Some("0815"), &scan),

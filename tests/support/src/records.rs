@@ -130,5 +130,6 @@ pub fn dicom_rules(attach: &[&str]) -> DicomRules {
         coding: "99GTR".to_owned(),
         language: Default::default(),
         attach: attach.iter().map(|name| (*name).to_owned()).collect(),
+        names: false,
     }
 }

@@ -9,6 +9,7 @@ use dicom_ul::pdu::{
     PresentationContextResult, PresentationContextResultReason, UserVariableItem, read_pdu,
     write_pdu,
 };
+use gaiter_record::ImagingRequest;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -125,6 +126,7 @@ fn object() -> DicomObject {
         coding: "99GTR".to_owned(),
         language: Default::default(),
         attach: Vec::new(),
+        names: false,
     };
     withdrawal(&study, &listed, "booth-1", &rules, "2026-11-27T08:00:00Z".parse().unwrap()).unwrap()
 }
@@ -185,36 +187,40 @@ fn parts_have_even_lengths_also_for_a_server_that_takes_an_odd_one() {
 }
 
 #[test]
-fn a_study_is_listed_series_by_series() {
-    let study = Study::new("ab", "4711").unwrap();
-    let series = |uid: &str| Dataset::new().text(tags::SERIES_INSTANCE_UID, uid);
+fn a_record_is_listed_by_its_own_series_whoever_else_has_objects_in_the_study() {
+    let request = ImagingRequest::new("1.2.276.4711", "A1");
+    let study = Study::new("ab", "4711").unwrap().answering(request.as_ref());
     let image = |uid: &str| {
         Dataset::new().text(tags::SOP_INSTANCE_UID, uid).text(tags::SOP_CLASS_UID, "1.9")
     };
     let (pending, done) = (|set| answer(0x20, 0xff00, Some(set)), answer(0x20, 0, None));
     let mut server = Script::new(&[
         accepts(&[1]),
-        pending(series("1.2")),
-        pending(series("1.3")),
-        done.clone(),
+        // It was withdrawn once.
         pending(image("1.4")),
         done.clone(),
         pending(image("1.5")),
         pending(image("1.6")),
+        done.clone(),
+        done.clone(),
         done,
     ]);
     let found = listed(&mut server, &titles(), &study).unwrap();
+    let own = [vec![study.series(SopClass::Withdrawal, 0)], study.holding_series(1)].concat();
     let found: Vec<_> = found.iter().map(|of| (of.series.as_str(), of.uid.as_str())).collect();
-    assert_eq!(found, [("1.2", "1.4"), ("1.3", "1.5"), ("1.3", "1.6")]);
+    let [mark, figures] = [0, 1].map(|at| own[at].as_str());
+    assert_eq!(found, [(mark, "1.4"), (figures, "1.5"), (figures, "1.6")]);
     let queries = server.heard();
     let asked = |at: usize, tag| {
         text_of(&reading::read(Syntax::ExplicitLittleEndian, &queries[at]).unwrap(), tag)
     };
-    assert_eq!(asked(1, tags::QUERY_RETRIEVE_LEVEL).as_deref(), Some("SERIES"));
-    for (at, series) in [(3, "1.2"), (5, "1.3")] {
+    // Marks, figures, report and meshes; a message is a command and a data set.
+    assert_eq!((own.len(), queries.len()), (4, 8));
+    for (nth, series) in own.iter().enumerate() {
+        let at = 2 * nth + 1;
         assert_eq!(asked(at, tags::QUERY_RETRIEVE_LEVEL).as_deref(), Some("IMAGE"));
-        assert_eq!(asked(at, tags::SERIES_INSTANCE_UID).as_deref(), Some(series));
-        assert_eq!(asked(at, tags::STUDY_INSTANCE_UID), Some(study.uid()));
+        assert_eq!(asked(at, tags::SERIES_INSTANCE_UID).as_ref(), Some(series));
+        assert_eq!(asked(at, tags::STUDY_INSTANCE_UID).as_deref(), Some("1.2.276.4711"));
     }
 }
 

@@ -10,6 +10,10 @@ use super::{ListedPerson, ScheduledStep, WorklistEntry};
 /// The longest text that is shown to people, characters.
 const SHOWN_MOST: usize = 100;
 
+/// The longest way in which a name is written, characters, and how many ways there are at most (PS3.5, 6.2.1).
+const NAME_GROUP_MOST: usize = 64;
+const NAME_GROUPS: usize = 3;
+
 /// The values of a response as DICOM writes them (PS3.5, 6.2), decoded from their character set; empty where there
 /// are none. Values of several are separated by a backslash.
 #[derive(Clone, Copy, PartialEq, Eq, Default)]
@@ -22,6 +26,8 @@ pub struct FindResponse<'a> {
     pub patient_name: &'a str,
     /// (0010,0030) DA
     pub patient_birth_date: &'a str,
+    /// (0010,0040) CS
+    pub patient_sex: &'a str,
     /// (0032,1060) LO
     pub requested_procedure_description: &'a str,
     /// (0020,000D) UI
@@ -48,7 +54,9 @@ impl From<FindResponse<'_>> for WorklistEntry {
             issuer: plain(of.issuer_of_patient_id),
             person: ListedPerson {
                 name: shown(&name(of.patient_name)),
+                dicom_name: as_written(of.patient_name),
                 birth_date: date(of.patient_birth_date),
+                sex: sex(of.patient_sex),
             },
             procedure: shown(of.requested_procedure_description),
             scheduled: ScheduledStep {
@@ -85,6 +93,22 @@ fn name(value: &str) -> String {
     let given: Vec<&str> = parts.take(2).filter(|part| !part.is_empty()).collect();
     let parts = [family.to_owned(), given.join(" ")];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
+}
+
+/// A name as it is; empty if DICOM could not write it again.
+fn as_written(value: &str) -> String {
+    let name = plain(value);
+    let groups = || name.split('=');
+    let fits = groups().count() <= NAME_GROUPS
+        && groups().all(|group| group.chars().count() <= NAME_GROUP_MOST)
+        && !name.chars().any(|sign| sign.is_control() || sign == '\\');
+    if fits { name } else { String::new() }
+}
+
+/// One of the values that there are (PS3.3, C.7.1.1); else empty.
+fn sex(value: &str) -> String {
+    let sex = plain(value);
+    if matches!(sex.as_str(), "M" | "F" | "O") { sex } else { String::new() }
 }
 
 /// `20261128`, or as it was written long ago `2026.11.28`.
@@ -124,6 +148,7 @@ mod tests {
             issuer_of_patient_id: "",
             patient_name: "Müller^Änne^Maria^Dr.",
             patient_birth_date: "19500102",
+            patient_sex: "F ",
             requested_procedure_description: "Beinvermessung ",
             study_instance_uid: "1.2.276.4242\0",
             accession_number: "ACC0815 ",
@@ -145,7 +170,9 @@ mod tests {
             issuer: String::new(),
             person: ListedPerson {
                 name: "Müller, Änne Maria".to_owned(),
+                dicom_name: "Müller^Änne^Maria^Dr.".to_owned(),
                 birth_date: Some(civil::date(1950, 1, 2)),
+                sex: "F".to_owned(),
             },
             procedure: "Beinvermessung".to_owned(),
             scheduled,
@@ -172,6 +199,20 @@ mod tests {
         for text in ["", "2530", "0961", "9", "093", "morning"] {
             assert_eq!(time(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn what_an_archive_may_be_told_is_as_the_server_wrote_it_or_empty() {
+        let long = "x".repeat(64);
+        let (three, longer) = ([long.as_str(); 3].join("="), format!("{long}x"));
+        let in_three_ways = "Yamada^Tarou=山田^太郎=やまだ^たろう";
+        for name in ["Müller^Änne^^Dr.", in_three_ways, three.as_str(), ""] {
+            assert_eq!(as_written(&format!("{name} ")), name);
+        }
+        for name in ["A\\B", "A\nB", longer.as_str(), "a=b=c=d"] {
+            assert_eq!(as_written(name), "", "{name}");
+        }
+        assert_eq!(["M ", "F", "O", "", "m", "MALE"].map(sex), ["M", "F", "O", "", "", ""]);
     }
 
     #[test]

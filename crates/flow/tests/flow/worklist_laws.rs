@@ -43,7 +43,7 @@ fn entry() -> impl Strategy<Value = WorklistEntry> {
             WorklistEntry {
                 patient,
                 issuer,
-                person: ListedPerson { name, birth_date },
+                person: ListedPerson { name, birth_date, ..ListedPerson::default() },
                 procedure: String::new(),
                 scheduled: ScheduledStep { stations, modality, date, time: None, step },
                 request: ImagingRequest::new(&uid, &number),

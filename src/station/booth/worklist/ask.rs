@@ -37,6 +37,7 @@ fn entry(answer: &InMemDicomObject) -> WorklistEntry {
         issuer_of_patient_id: &text(answer, tags::ISSUER_OF_PATIENT_ID),
         patient_name: &text(answer, tags::PATIENT_NAME),
         patient_birth_date: &text(answer, tags::PATIENT_BIRTH_DATE),
+        patient_sex: &text(answer, tags::PATIENT_SEX),
         requested_procedure_description: &text(answer, tags::REQUESTED_PROCEDURE_DESCRIPTION),
         study_instance_uid: &text(answer, tags::STUDY_INSTANCE_UID),
         accession_number: &text(answer, tags::ACCESSION_NUMBER),

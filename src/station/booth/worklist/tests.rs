@@ -9,6 +9,7 @@ use gaiter_flow::cause::Cause;
 use gaiter_flow::facts::WorklistFacts;
 use gaiter_flow::worklist::FindResponse;
 use gaiter_flow::{Facts, Identity};
+use gaiter_record::Source;
 use jiff::Timestamp;
 
 use super::worker::note_fault;
@@ -180,6 +181,23 @@ fn an_answer_without_changes_is_no_new_edition() {
         .collect();
     assert_eq!(editions, [1, 1, 2]);
     assert_eq!(booth.listed(), Some(Vec::new()), "nobody is planned");
+}
+
+#[test]
+fn who_a_patient_is_is_known_for_a_chosen_request_of_the_day_and_no_longer() {
+    let dir = tempfile::tempdir().unwrap();
+    let booth = booth(dir.path());
+    answers(&booth, vec![entry("4711", "A1")]);
+    let of = |request: Option<ImagingRequest>| {
+        let sources = vec![Source::from_kind(SourceKind::Operator).with_request(request)];
+        booth.listed_person(&Patient { id: "4711".to_owned(), sources })
+    };
+    let chosen = || ImagingRequest::new("1.2.276.4711", "A1");
+    assert_eq!(of(chosen()).unwrap().dicom_name, "Quastenflosser^Hanna");
+    assert_eq!(of(ImagingRequest::new("1.2.276.4711", "A2")), None);
+    assert_eq!(of(None), None);
+    booth.end_worklist(today().tomorrow().unwrap());
+    assert_eq!(of(chosen()), None);
 }
 
 /// Every file below a folder, as text.
