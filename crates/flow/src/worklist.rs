@@ -68,6 +68,8 @@ pub struct WorklistEntry {
     /// What is to be done, for the person who chooses: Requested Procedure Description (0032,1060).
     pub procedure: String,
     pub scheduled: ScheduledStep,
+    /// Accession Number (0008,0050), also of a request that is not valid.
+    pub accession_number: String,
     /// The request that the examination answers; `None` if the server sent none that is valid.
     pub request: Option<ImagingRequest>,
 }
@@ -91,9 +93,9 @@ impl WorklistEntry {
         sha256(parts.join("\0").as_bytes()).chars().take(KEY_DIGITS).collect()
     }
 
-    /// The number of its request in the hospital system.
+    /// The number of its request in the hospital system; `None` if it has none.
     pub fn accession_number(&self) -> Option<&str> {
-        self.request.as_ref()?.accession_number.as_deref()
+        Some(self.accession_number.as_str()).filter(|number| !number.is_empty())
     }
 }
 
@@ -285,6 +287,7 @@ mod tests {
                 time: None,
                 step: "1".to_owned(),
             },
+            accession_number: accession_number.to_owned(),
             request: ImagingRequest::new(&format!("1.2.3.{}", patient.len()), accession_number),
         }
     }
@@ -350,6 +353,14 @@ mod tests {
         let no_request = WorklistEntry { request: None, ..entry("2", "A2") };
         let found = list(&[entry("1", "A0"), no_id, no_request]);
         assert_eq!((patients(&found), found.left_out()), (vec!["1"], 2));
+    }
+
+    /// Red while only valid requests had a number.
+    #[test]
+    fn a_number_whose_request_is_not_valid_is_no_id_of_somebody_else() {
+        let no_study = WorklistEntry { request: None, ..entry("2", "9") };
+        let found = list(&[entry("1", "A1"), no_study]);
+        assert_eq!(found.chosen_by("9", true, TODAY), WorklistChoice::Unclear);
     }
 
     #[test]

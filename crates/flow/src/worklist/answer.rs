@@ -66,6 +66,7 @@ impl From<FindResponse<'_>> for WorklistEntry {
                 time: time(of.start_time),
                 step: plain(of.step_id),
             },
+            accession_number: plain(of.accession_number),
             request: ImagingRequest::new(
                 of.study_instance_uid.trim_end_matches('\0'),
                 of.accession_number,
@@ -176,6 +177,7 @@ mod tests {
             },
             procedure: "Beinvermessung".to_owned(),
             scheduled,
+            accession_number: "ACC0815".to_owned(),
             request: ImagingRequest::new("1.2.276.4242", "ACC0815"),
         };
         assert_eq!(entry, expected);

@@ -46,6 +46,7 @@ fn entry() -> impl Strategy<Value = WorklistEntry> {
                 person: ListedPerson { name, birth_date, ..ListedPerson::default() },
                 procedure: String::new(),
                 scheduled: ScheduledStep { stations, modality, date, time: None, step },
+                accession_number: number.clone(),
                 request: ImagingRequest::new(&uid, &number),
             }
         },
@@ -82,11 +83,7 @@ proptest! {
         code in text(),
     ) {
         let list = Worklist::new(answer.clone(), &expected(), TODAY, is_id);
-        let has_number = |entry: &&WorklistEntry| {
-            let request = entry.request.as_ref();
-            let number = request.and_then(|request| request.accession_number.as_deref());
-            number == Some(code.as_str())
-        };
+        let has_number = |entry: &&WorklistEntry| entry.accession_number() == Some(code.as_str());
         let entries = list.entries(TODAY);
         let is_listed = entries.iter().any(|entry| entry.patient == code);
         match list.chosen_by(&code, is_id(&code), TODAY) {
