@@ -193,6 +193,9 @@ impl Booth {
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, sights) = (Mutex::new(inner), Mutex::new(vec![Sights::default(); folders]));
         let (orders_look, pressed) = (Notify::new(), Notify::new());
+        #[cfg(feature = "dicom")]
+        let worklist = worklist::BoothWorklist::recall(&core)?;
+        #[cfg(not(feature = "dicom"))]
         let worklist = worklist::BoothWorklist::default();
         Ok(Booth { core, inner, sights, signal, looks, orders_look, worklist, pressed })
     }

@@ -16,6 +16,7 @@ use super::export::passed_over::{Ignored, PassedOver};
 use super::settle::Wait;
 use super::trigger::PortState;
 use super::views::ViewsSeries;
+use super::worklist::AccessionNumbers;
 
 /// Everything that is known about a running station apart from its journal. It is never serialised: it holds paths, and
 /// paths may name patients.
@@ -245,6 +246,8 @@ pub struct WorklistFacts {
     pub left_out: usize,
     /// How often the entries have changed in this run.
     pub edition: u64,
+    /// What is known of the hospital's accession numbers; `None` where nobody reads codes.
+    pub numbers: Option<AccessionNumbers>,
 }
 
 impl WorklistFacts {
@@ -257,6 +260,7 @@ impl WorklistFacts {
             entries: 0,
             left_out: 0,
             edition: 0,
+            numbers: None,
         }
     }
 

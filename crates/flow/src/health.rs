@@ -17,6 +17,7 @@ use super::facts::{IntakeState, SourceFacts, SourceState, StoreFacts, StoreRefus
 use super::lifecycle::REVISION_REFUSED;
 use super::trigger::PortState;
 use super::words::age;
+use super::worklist::AccessionNumbers;
 
 /// How long a source or a store may be out of order before it is reported: longer than a look that hits
 /// a short network break, shorter than the operator's patience.
@@ -76,6 +77,7 @@ pub fn complaints(
     }));
     complaints.extend(unfetched(facts, now));
     complaints.extend(worklist(facts, now));
+    complaints.extend(numbers(facts, now));
     complaints.extend(revisions_refused(backlog));
     complaints.extend(moved(backlog));
     complaints.extend(certificates(backlog, now));
@@ -124,6 +126,20 @@ fn worklist(facts: &Facts, now: Timestamp) -> Option<Complaint> {
     let figures = ComplaintFigures::why(worklist.fault.as_ref()?);
     let has_lasted = has_lasted(worklist.since, now, REPLUG);
     has_lasted.then(|| Complaint::notice("worklist-out-of-reach", figures))
+}
+
+/// The hospital's accession numbers, if an id that is read may be one: it names nobody then.
+fn numbers(facts: &Facts, now: Timestamp) -> Option<Complaint> {
+    let worklist = facts.worklist.as_ref()?;
+    let code = match worklist.numbers? {
+        AccessionNumbers::LikeIds => "worklist-numbers-like-ids",
+        // The first answer may be on its way.
+        AccessionNumbers::Unseen if has_lasted(worklist.since, now, REPLUG) => {
+            "worklist-numbers-unseen"
+        }
+        AccessionNumbers::Unseen | AccessionNumbers::Apart => return None,
+    };
+    Some(Complaint::notice(code, ComplaintFigures::default()))
 }
 
 fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complaint> {

@@ -6,6 +6,7 @@
 //! chooses: they are in no `Debug`, and they are gone with the day.
 
 mod answer;
+mod numbers;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -14,6 +15,7 @@ use gaiter_record::{ImagingRequest, sha256};
 use jiff::civil::{Date, Time};
 
 pub use answer::FindResponse;
+pub use numbers::AccessionNumbers;
 
 /// The most entries that can be chosen from: no booth scans more patients in a day, and no person looks through
 /// more of them.
@@ -213,8 +215,9 @@ impl Worklist {
     }
 
     /// Whom a scanned code chooses: a patient's id or an accession number. `may_be_id` is whether it is allowed as
-    /// a patient's id; then it may be that of somebody who is not listed, and no accession number.
-    pub fn chosen_by(&self, code: &str, may_be_id: bool, today: Date) -> WorklistChoice<'_> {
+    /// a patient's id; then it may be that of somebody who is not listed, and no accession number. Whether it may be
+    /// that of somebody whom the list does not have, [`AccessionNumbers::chosen_by`] knows.
+    fn chosen_by(&self, code: &str, may_be_id: bool, today: Date) -> WorklistChoice<'_> {
         let entries = self.entries(today);
         if !self.is_over(today) && self.numbers_left_out.contains(code) {
             return WorklistChoice::Unclear;

@@ -1,8 +1,9 @@
 //! The worklist of a hospital system as the booth has it: in memory only, and only for its day.
 //!
 //! A worker asks the server on a thread of its own. Nothing waits for it: while the server is away or slow, the last
-//! answer of the day holds, and whoever is not on it is named as without a list. [`gaiter_flow::worklist`] decides
-//! whom an entry or a code chooses; that is then a word at the booth.
+//! answer of the day holds, and whoever is not on it is named as without a list. What kind of accession numbers the
+//! hospital has is in the journal, too. [`gaiter_flow::worklist`] decides whom an entry or a code chooses; that is then
+//! a word at the booth.
 
 #[cfg(feature = "dicom")]
 mod ask;
@@ -16,13 +17,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gaiter_flow::round::{Named, NamedNext};
-use gaiter_flow::worklist::{ListedPerson, Worklist, WorklistChoice, WorklistEntry};
+use gaiter_flow::worklist::{
+    AccessionNumbers, ListedPerson, Worklist, WorklistChoice, WorklistEntry,
+};
 use gaiter_record::{ImagingRequest, Patient, SourceKind};
 use jiff::Zoned;
 use jiff::civil::Date;
 use tracing::warn;
 
 use super::{Booth, NameFault};
+#[cfg(feature = "dicom")]
+use crate::config::PatientConfig;
+#[cfg(feature = "dicom")]
+use crate::station::core::Core;
+#[cfg(feature = "dicom")]
+use crate::station::journal::JournalError;
 #[cfg(feature = "dicom")]
 pub use ask::ask;
 #[cfg(feature = "dicom")]
@@ -32,14 +41,37 @@ pub use worker::worker;
 #[derive(Debug, Default)]
 pub(super) struct BoothWorklist {
     list: Mutex<Option<Worklist>>,
+    /// What is known of the hospital's accession numbers; `None` without a worklist.
+    numbers: Mutex<Option<AccessionNumbers>>,
     /// A page was opened: its reader wants a new answer.
     is_wanted: AtomicBool,
 }
 
 impl BoothWorklist {
+    /// A worklist that was not asked yet, with what the journal knows of its hospital.
+    #[cfg(feature = "dicom")]
+    pub(super) fn recall(core: &Core) -> Result<BoothWorklist, JournalError> {
+        let numbers = match &core.config.patient.worklist {
+            Some(_) => Some(core.custody.journal().accession_numbers(&id_rules(core))?),
+            None => None,
+        };
+        Ok(BoothWorklist { numbers: Mutex::new(numbers), ..BoothWorklist::default() })
+    }
+
+    fn numbers(&self) -> MutexGuard<'_, Option<AccessionNumbers>> {
+        self.numbers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn list(&self) -> MutexGuard<'_, Option<Worklist>> {
         self.list.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// What decides whether a text is allowed as an id. Under other rules another number may be like one.
+#[cfg(feature = "dicom")]
+fn id_rules(core: &Core) -> String {
+    let PatientConfig { pattern, check_digit, .. } = &core.config.patient;
+    format!("{check_digit:?} {pattern}")
 }
 
 /// The day on the station's clock, in the zone of the machine.
@@ -71,16 +103,17 @@ impl Booth {
     /// The patient of a name as a source gave it, with the request that it answers; `None` if it names nobody.
     pub(super) fn identified(&self, text: &str, by: SourceKind) -> Option<Named> {
         let patient = self.core().identity.patient(text, by).map(|Patient { id, .. }| id);
-        let list = self.worklist.list();
-        let (Some(list), today) = (list.as_ref(), today()) else {
+        let Some(numbers) = *self.worklist.numbers() else {
             return patient.map(|id| Named::new(id, by));
         };
+        let (known, today) = (self.worklist.list(), today());
+        let list = known.as_ref();
         let answering = |id: String, request: Option<&ImagingRequest>| Named {
             request: request.cloned(),
             ..Named::new(id, by)
         };
         match by {
-            SourceKind::Reader => match list.chosen_by(text, patient.is_some(), today) {
+            SourceKind::Reader => match numbers.chosen_by(text, patient.is_some(), list, today) {
                 WorklistChoice::Patient { id, request } => Some(answering(id.to_owned(), request)),
                 WorklistChoice::NotListed => patient.map(|id| Named::new(id, by)),
                 WorklistChoice::Unclear => {
@@ -89,7 +122,7 @@ impl Booth {
                 }
             },
             SourceKind::Operator => patient.map(|id| {
-                let request = list.request_of(&id, today);
+                let request = list.and_then(|list| list.request_of(&id, today));
                 answering(id, request)
             }),
             // Whoever sent it did not choose from the list.

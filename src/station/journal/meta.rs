@@ -1,6 +1,8 @@
 //! What the station must remember about itself.
 
 use gaiter_flow::views::ViewsSeries;
+#[cfg(feature = "dicom")]
+use gaiter_flow::worklist::AccessionNumbers;
 use rusqlite::Connection;
 use serde_json::json;
 
@@ -23,6 +25,10 @@ pub(super) const BEGUN: &str = "begun:";
 
 /// What the last scans showed about the scanner's cameras.
 const VIEWS: &str = "views";
+
+/// Prefix for what is known of a hospital's accession numbers, under each of the rules for ids.
+#[cfg(feature = "dicom")]
+const ACCESSION_NUMBERS: &str = "accession-numbers:";
 
 /// A fact; `None` if it is not there.
 pub(super) fn fact<T>(
@@ -125,6 +131,27 @@ impl Journal {
     /// Records that a store was begun at this place.
     pub fn begun(&self, store: &str, place: &str) -> Result<(), JournalError> {
         set_fact(&self.connection(), &format!("{BEGUN}{store}"), place)
+    }
+
+    /// What the worklist has shown of the hospital's accession numbers under these rules for ids.
+    #[cfg(feature = "dicom")]
+    pub fn accession_numbers(&self, rules: &str) -> Result<AccessionNumbers, JournalError> {
+        let name = format!("{ACCESSION_NUMBERS}{rules}");
+        Ok(fact(&self.connection(), &name, of_json)?.unwrap_or_default())
+    }
+
+    /// Saves what the worklist has shown of them, if that is new.
+    #[cfg(feature = "dicom")]
+    pub fn keep_accession_numbers(
+        &self,
+        rules: &str,
+        numbers: AccessionNumbers,
+    ) -> Result<(), JournalError> {
+        if self.accession_numbers(rules)? == numbers {
+            return Ok(());
+        }
+        let name = format!("{ACCESSION_NUMBERS}{rules}");
+        set_fact(&self.connection(), &name, &json_text(&numbers)?)
     }
 
     pub(super) fn fact(&self, name: &str) -> Result<Option<String>, JournalError> {

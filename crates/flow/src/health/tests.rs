@@ -316,3 +316,24 @@ fn a_worklist_that_is_away_for_a_minute_is_a_notice_of_a_station_that_is_ready()
     let facts = Facts { worklist: Some(worklist), ..facts };
     assert_eq!(codes(&facts, &EMPTY, at(999)), [""; 0]);
 }
+
+#[test]
+fn ids_that_name_nobody_where_they_are_read_are_a_notice_of_a_station_that_is_ready() {
+    let told = |numbers, second| {
+        let worklist = WorklistFacts { numbers, ..WorklistFacts::new(at(0)) };
+        let facts = Facts { worklist: Some(worklist), ..facts() };
+        let found = complaints(&facts, &EMPTY, OVERDUE, at(second));
+        assert!(found.iter().all(|of| of.severity == Severity::Notice));
+        found.into_iter().map(|of| of.code).collect::<Vec<_>>()
+    };
+    let like_ids = Some(AccessionNumbers::LikeIds);
+    assert_eq!(told(like_ids, 1), ["worklist-numbers-like-ids"]);
+    let unseen = Some(AccessionNumbers::Unseen);
+    assert_eq!(
+        (told(unseen, 1).len(), told(unseen, 61)),
+        (0, vec!["worklist-numbers-unseen".into()])
+    );
+    for quiet in [Some(AccessionNumbers::Apart), None] {
+        assert!(told(quiet, 999).is_empty(), "{quiet:?}");
+    }
+}

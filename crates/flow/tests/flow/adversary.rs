@@ -29,9 +29,9 @@
 //!   another only where that one was taken.
 //! - When the journal was lost nothing is exported again with another comment: one that is built anew
 //!   knows the bytes of what was delivered and not its geometry.
-//! - In half of the practices a worklist names patients, by taps and by codes. A number on a paper that is somebody
-//!   else's, too, or may be an id, is shown to the reader only while the station has the entry of who shows it; where a
-//!   code names nobody, the patient is named by a word.
+//! - In half of the practices a worklist names patients, by taps and by codes. Of a hospital, either all accession
+//!   numbers may be ids or none. A number on a paper that is somebody else's number, too, is shown to the reader only
+//!   while the station has the entry of who shows it; where a code names nobody, the patient is named by a word.
 //! - What comes later than anybody waits for it (an export more than `window + late` after its press or
 //!   after its refusal, an order more than that after its press, or one that could not be read before a
 //!   scan that nobody was named for) is counted in a row of its own.

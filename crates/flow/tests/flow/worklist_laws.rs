@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use gaiter_flow::worklist::{
-    ListedPerson, ScheduledStep, Worklist, WorklistChoice, WorklistEntry, WorklistFilter,
+    AccessionNumbers, ListedPerson, ScheduledStep, Worklist, WorklistChoice, WorklistEntry,
+    WorklistFilter,
 };
 use gaiter_record::ImagingRequest;
 use jiff::civil::{Date, date};
@@ -86,7 +87,7 @@ proptest! {
         let has_number = |entry: &&WorklistEntry| entry.accession_number() == Some(code.as_str());
         let entries = list.entries(TODAY);
         let is_listed = entries.iter().any(|entry| entry.patient == code);
-        match list.chosen_by(&code, is_id(&code), TODAY) {
+        match AccessionNumbers::Apart.chosen_by(&code, is_id(&code), Some(&list), TODAY) {
             WorklistChoice::Patient { id, request } => {
                 // Whoever else may be meant by the code is the same patient.
                 prop_assert!(entries.iter().filter(has_number).all(|entry| entry.patient == id));
@@ -99,6 +100,22 @@ proptest! {
                 prop_assert!(!is_listed && !entries.iter().any(|entry| has_number(&entry)));
             }
             WorklistChoice::Unclear => prop_assert!(answer.iter().any(|entry| has_number(&entry))),
+        }
+    }
+
+    #[test]
+    fn after_an_answer_no_code_names_anybody_that_may_be_an_id_and_a_number_of_it(
+        answer in vec(entry(), 0..12),
+        code in text(),
+    ) {
+        let list = Worklist::new(answer.clone(), &expected(), TODAY, is_id);
+        let numbers = AccessionNumbers::default().seen_with(&answer, is_id);
+        let has_alike = answer.iter().any(|entry| entry.accession_number().is_some_and(is_id));
+        if is_id(&code) && (answer.is_empty() || has_alike) {
+            for list in [None, Some(&list)] {
+                let chosen = numbers.chosen_by(&code, true, list, TODAY);
+                prop_assert_eq!(chosen, WorklistChoice::Unclear);
+            }
         }
     }
 
@@ -122,7 +139,9 @@ proptest! {
         let list = Worklist::new(answer, &expected(), TODAY, is_id);
         for day in [date(2026, 11, 27), date(2026, 11, 29)] {
             prop_assert!(list.entries(day).is_empty());
-            prop_assert_eq!(list.chosen_by(&code, is_id(&code), day), WorklistChoice::NotListed);
+            let chosen =
+                AccessionNumbers::Apart.chosen_by(&code, is_id(&code), Some(&list), day);
+            prop_assert_eq!(chosen, WorklistChoice::NotListed);
             prop_assert_eq!(list.request_of(&code, day), None);
         }
     }

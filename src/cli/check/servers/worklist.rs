@@ -60,11 +60,11 @@ fn listed(
         patient.is_ok_and(|patient| patient.is_some())
     };
     let all = answer.len();
-    let list = Worklist::new(answer, &worklist.filter, today, is_id);
-    let entries = list.entries(today);
-    let numbers = entries.iter().filter_map(WorklistEntry::accession_number);
+    let numbers = answer.iter().filter_map(WorklistEntry::accession_number);
     let may_be_ids = numbers.filter(|number| is_id(number)).count();
-    let mut detail = format!("answers: {all} entries, {} of this station today", entries.len());
+    let list = Worklist::new(answer, &worklist.filter, today, is_id);
+    let mut detail =
+        format!("answers: {all} entries, {} of this station today", list.entries(today).len());
     if list.left_out() > 0 {
         detail += &format!(
             ", and {} by which nobody can be named (patient.pattern, or no study)",
@@ -73,8 +73,7 @@ fn listed(
     }
     if may_be_ids > 0 {
         detail += &format!(
-            "; patient.pattern allows {may_be_ids} of their accession numbers as ids: read by the reader, \
-             these choose nobody"
+            "; patient.pattern allows {may_be_ids} accession numbers as ids: no id that is read names anybody"
         );
     }
     let is_sound = list.left_out() == 0 && may_be_ids == 0;

@@ -123,14 +123,46 @@ fn a_code_that_is_read_chooses_an_entry_by_its_number_and_by_its_patient() {
 }
 
 #[test]
-fn who_is_not_listed_is_named_as_without_a_list_and_a_number_that_may_be_an_id_names_nobody() {
+fn who_is_not_listed_is_named_as_without_a_list_where_no_number_can_be_an_id() {
+    for has_list in [true, false] {
+        let dir = tempfile::tempdir().unwrap();
+        let booth = booth(dir.path());
+        answers(&booth, vec![entry("4711", "A1")]);
+        if !has_list {
+            booth.end_worklist(today().tomorrow().unwrap());
+        }
+        read(&booth, "A9");
+        assert!(expected(&booth).is_empty());
+        read(&booth, "4800");
+        assert_eq!(expected(&booth), [is("4800", None)], "{has_list}");
+    }
+}
+
+#[test]
+fn where_a_number_may_be_an_id_no_code_that_may_be_one_names_anybody_also_after_a_start() {
     let dir = tempfile::tempdir().unwrap();
     let booth = booth(dir.path());
-    answers(&booth, vec![entry("4711", "4799")]);
-    read(&booth, "4799");
-    read(&booth, "A9");
+    let read_all = || ["4799", "4711", "4800"].map(|code| read(&booth, code));
+    read_all();
+    assert!(expected(&booth).is_empty(), "no list has shown what numbers there are");
+    answers(&booth, vec![entry("4711", "4799"), entry("4712", "A2")]);
+    read_all();
+    answers(&booth, vec![entry("4712", "A2")]);
+    read_all();
+    booth.end_worklist(today().tomorrow().unwrap());
+    read_all();
     assert!(expected(&booth).is_empty());
-    read(&booth, "4800");
+    let recalled = BoothWorklist::recall(booth.core()).unwrap();
+    assert_eq!(*recalled.numbers(), Some(AccessionNumbers::LikeIds));
+    // Other rules for ids are another question.
+    let journal = booth.core().custody.journal();
+    let under_others = journal.accession_numbers("None ^[0-9]{5}$").unwrap();
+    assert_eq!(under_others, AccessionNumbers::Unseen);
+    // A number that is none of an id chooses, and whoever is typed is named.
+    answers(&booth, vec![entry("4712", "A2")]);
+    read(&booth, "A2");
+    assert_eq!(expected(&booth), [is("4712", Some("A2"))]);
+    booth.name_patient("4800", SourceKind::Operator, true).unwrap();
     assert_eq!(expected(&booth), [is("4800", None)]);
 }
 

@@ -6,15 +6,15 @@ use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
 use gaiter_flow::facts::WorklistFacts;
-use gaiter_flow::worklist::{Worklist, WorklistEntry};
+use gaiter_flow::worklist::{AccessionNumbers, Worklist, WorklistEntry};
 use gaiter_record::SourceKind;
 use jiff::Timestamp;
 use jiff::civil::Date;
-use tokio::task::JoinError;
+use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
 
-use super::{ask, today};
+use super::{ask, id_rules, today};
 use crate::config::WorklistConfig;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
@@ -38,7 +38,9 @@ pub async fn worker(
     mut stop: Stop,
 ) -> Result<(), JoinError> {
     let config = Arc::new(config);
-    booth.core().board.note(|facts| facts.worklist = Some(WorklistFacts::new(Timestamp::now())));
+    let numbers = booth.numbers_told();
+    let unasked = WorklistFacts { numbers, ..WorklistFacts::new(Timestamp::now()) };
+    booth.core().board.note(|facts| facts.worklist = Some(unasked));
     let alive = || {
         beat.beat();
         booth.end_worklist(today());
@@ -49,7 +51,10 @@ pub async fn worker(
         let answered =
             patiently(DEADLINE, &mut stop, move |_| ask(&theirs, day), alive, hangs).await?;
         match answered {
-            Some(Ok(answer)) => booth.note_worklist(answer, &config, day),
+            Some(Ok(answer)) => {
+                let (booth, config) = (Arc::clone(&booth), Arc::clone(&config));
+                spawn_blocking(move || booth.note_worklist(answer, &config, day)).await?;
+            }
             Some(Err(fault)) => note_fault(booth.core(), fault.cause()),
             None => break,
         }
@@ -83,7 +88,7 @@ pub(super) fn note_fault(core: &Core, why: Cause) {
 }
 
 impl Booth {
-    /// Takes an answer of the server for a day.
+    /// Takes an answer of the server for a day. Blocks.
     pub(super) fn note_worklist(
         &self,
         answer: Vec<WorklistEntry>,
@@ -92,6 +97,9 @@ impl Booth {
     ) {
         let core = self.core();
         let is_id = |text: &str| core.identity.patient(text, SourceKind::Operator).is_some();
+        // First: the numbers of the new list may be like ids.
+        self.note_numbers(&answer, is_id);
+        let numbers = self.numbers_told();
         let list = Worklist::new(answer, &config.filter, day, is_id);
         let (entries, left_out) = (list.entries(day).len(), list.left_out());
         let has_changed = self.replace_worklist(Some(list));
@@ -101,11 +109,32 @@ impl Booth {
             worklist.note(None, Timestamp::now());
             (worklist.entries, worklist.left_out) = (entries, left_out);
             worklist.edition += u64::from(has_changed);
+            worklist.numbers = numbers;
             Some(was_sound)
         });
         if was_sound == Some(false) {
             info!(event = "worklist-in-reach", count = entries);
         }
+    }
+
+    /// Notes what an answer shows of the hospital's accession numbers. If the journal fails, it holds for this run, and
+    /// the next answer tries again.
+    fn note_numbers(&self, answer: &[WorklistEntry], is_id: impl Fn(&str) -> bool) {
+        let mut known = self.worklist.numbers();
+        let seen = known.unwrap_or_default().seen_with(answer, is_id);
+        *known = Some(seen);
+        drop(known);
+        let core = self.core();
+        let kept = core.custody.journal().keep_accession_numbers(&id_rules(core), seen);
+        if let Err(error) = kept {
+            core.journal_failed(&error);
+        }
+    }
+
+    /// What is known of the numbers, where somebody reads codes.
+    fn numbers_told(&self) -> Option<AccessionNumbers> {
+        let has_reader = self.core().config.trigger.reader.is_some();
+        self.worklist.numbers().filter(|_| has_reader)
     }
 
     /// Forgets the list once its day is over.

@@ -1,11 +1,11 @@
 //! The worklist of a hospital, which changes at any time, whose server is away at any time, and whose numbers may be
-//! anybody's ids or numbers; and the people who choose from it, by codes and on a page that may be old.
+//! anybody's ids, or another's numbers; and the people who choose from it, by codes and on a page that may be old.
 //!
 //! It draws from a chance of its own: what else happens in a sequence does not depend on it.
 
 use gaiter_flow::round::Named;
 use gaiter_flow::worklist::{
-    FindResponse, Worklist, WorklistChoice, WorklistEntry, WorklistFilter,
+    AccessionNumbers, FindResponse, Worklist, WorklistChoice, WorklistEntry, WorklistFilter,
 };
 use gaiter_record::{ImagingRequest, SourceKind};
 use jiff::civil::{self, Date};
@@ -29,11 +29,15 @@ pub struct DayList {
     off: Off,
     /// A practice that has none.
     is_none: bool,
+    /// A hospital whose numbers may be ids: all are.
+    has_like_ids: bool,
     is_away: bool,
     server: Vec<WorklistEntry>,
     /// What the server last answered to the station.
     answer: Vec<WorklistEntry>,
     station: Option<Worklist>,
+    /// What the station's journal knows of the numbers.
+    numbers: AccessionNumbers,
     page: Option<Worklist>,
     requests: usize,
 }
@@ -47,14 +51,17 @@ impl DayList {
             Off::Nothing => chance.below(2) == 0,
             of => of != Off::CodesMeanOne,
         };
+        let has_like_ids = chance.below(4) == 0;
         DayList {
             chance,
             off,
             is_none,
+            has_like_ids,
             is_away: false,
             server: Vec::new(),
             answer: Vec::new(),
             station: None,
+            numbers: AccessionNumbers::default(),
             page: None,
             requests: 0,
         }
@@ -74,6 +81,7 @@ impl DayList {
         }
         if runs && !self.is_away && self.chance.below(CHANGES) == 0 {
             self.answer.clone_from(&self.server);
+            self.numbers = self.numbers.seen_with(&self.server, is_id);
             self.station = Some(Worklist::new(self.server.clone(), &ours(), TODAY, is_id));
         }
         // A page is a little older than what the station has, or much.
@@ -105,11 +113,12 @@ impl DayList {
 
     /// An entry for some patient. Its number may be somebody's id, or the number of another entry.
     fn entry(&mut self, patients: usize) -> WorklistEntry {
-        let (most, chance) = (patients + AHEAD, &mut self.chance);
+        let (most, has_like_ids) = (patients + AHEAD, self.has_like_ids);
+        let chance = &mut self.chance;
         let (patient, other) = (1 + chance.below(most), 1 + chance.below(most));
         let number = match chance.below(4) {
-            0 => id(other),
-            1 => format!("A{other}"),
+            _ if has_like_ids => id(other),
+            0 => format!("A{other}"),
             _ => format!("A{patient}"),
         };
         let is_ours = chance.below(8) > 0;
@@ -142,30 +151,33 @@ impl DayList {
         self.named_by(&code)
     }
 
-    /// Whether a patient shows a paper with this number: where it is somebody else's, too, or may be an id, only while
-    /// the station knows that it is this patient's. Nothing else tells one from the other.
+    /// Whether a patient shows a paper with this number: where it is somebody else's number, too, only while the
+    /// station knows that it is this patient's. Nothing else tells one from the other.
     fn may_show(&self, patient: &str, number: &str) -> bool {
-        let Some(list) = &self.station else { return !is_id(number) };
+        let (false, Some(list)) = (is_id(number), &self.station) else { return true };
         let is_own = |entry: &WorklistEntry| {
             entry.patient == patient && entry.accession_number() == Some(number)
         };
         let is_known_as_theirs =
             self.answer.iter().any(|entry| is_own(entry) && ours().has(entry, TODAY));
-        let is_known = list.chosen_by(number, is_id(number), TODAY) != WorklistChoice::NotListed;
-        is_known_as_theirs || !(is_known || is_id(number))
+        let chosen = self.numbers.chosen_by(number, false, Some(list), TODAY);
+        is_known_as_theirs || chosen == WorklistChoice::NotListed
     }
 
     /// As `Booth::identified` of the station.
     fn named_by(&self, code: &str) -> Option<Named> {
         let by = SourceKind::Reader;
         let as_id = is_id(code).then(|| Named::new(code, by));
-        let Some(list) = &self.station else { return as_id };
+        if self.is_none {
+            return as_id;
+        }
+        let list = self.station.as_ref();
         if self.off == Off::CodesMeanOne {
-            let mut entries = list.entries(TODAY).iter();
+            let mut entries = list.iter().flat_map(|list| list.entries(TODAY));
             let found = entries.find(|entry| entry.accession_number() == Some(code));
             return found.map(|entry| chosen(entry, by)).or(as_id);
         }
-        match list.chosen_by(code, is_id(code), TODAY) {
+        match self.numbers.chosen_by(code, is_id(code), list, TODAY) {
             WorklistChoice::Patient { id, request } => {
                 Some(Named { request: request.cloned(), ..Named::new(id, by) })
             }

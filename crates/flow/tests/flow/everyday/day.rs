@@ -6,7 +6,7 @@ use std::time::Duration;
 use gaiter_flow::ScanState;
 use gaiter_flow::round::{Capture, Named};
 use gaiter_flow::worklist::{
-    FindResponse, Worklist, WorklistChoice, WorklistEntry, WorklistFilter,
+    AccessionNumbers, FindResponse, Worklist, WorklistChoice, WorklistEntry, WorklistFilter,
 };
 use gaiter_record::SourceKind;
 use jiff::civil::{self, Date};
@@ -30,6 +30,9 @@ const UNLISTED: usize = 15;
 
 /// So often another's entry is tapped first.
 const MISTAKEN: usize = 50;
+
+/// In one of so many hospitals accession numbers may be ids.
+const LIKE_IDS: usize = 3;
 
 /// So often the station has no list: it was started while the server was away.
 const UNKNOWN: usize = 10;
@@ -62,6 +65,8 @@ pub struct Day<'a> {
     acts_made: u64,
     files: Vec<String>,
     list: Worklist,
+    /// What the station knows of the hospital's numbers, also when it has no list.
+    numbers: AccessionNumbers,
     pressed_ms: u64,
     /// Of each body, whether it is a second scan of somebody whose first one was refused.
     pub is_again: Vec<bool>,
@@ -73,13 +78,15 @@ pub struct Day<'a> {
 pub fn play(habits: &Habits, seed: u64, tells: bool) -> Day<'_> {
     let booth = Booth::new(habits.setup(), seed, tells);
     let (acts, files) = (BTreeMap::new(), Vec::new());
+    let (list, numbers) = worklist(0, false);
     let mut day = Day {
         booth,
         habits,
         acts,
         acts_made: 0,
         files,
-        list: worklist(0),
+        list,
+        numbers,
         pressed_ms: 0,
         is_again: Vec::new(),
         unanswered: BTreeSet::new(),
@@ -99,9 +106,9 @@ fn is_id(text: &str) -> bool {
     text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// A list with an entry for most of so many patients, and a second one for some. Some have the id of another patient as
-/// their accession number.
-fn worklist(patients: usize) -> Worklist {
+/// A list with an entry for most of so many patients, and a second one for some; and what it shows of the numbers, which
+/// are ids of other patients for some if `has_like_ids`.
+fn worklist(patients: usize, has_like_ids: bool) -> (Worklist, AccessionNumbers) {
     let entry = |patient: usize, number: &str| {
         WorklistEntry::from(FindResponse {
             patient_id: &id(patient),
@@ -113,16 +120,17 @@ fn worklist(patients: usize) -> Worklist {
         })
     };
     let first = (0..patients).map(|patient| match patient % 20 {
-        3 => entry(patient, &id((patient + 7) % patients)),
+        3 if has_like_ids => entry(patient, &id((patient + 7) % patients)),
         _ => entry(patient, &format!("A{patient}")),
     });
     let second = (0..patients).filter(|patient| patient % 10 == 5);
     let second = second.map(|patient| entry(patient, &format!("SECOND{patient}")));
     let unlisted: Vec<String> = (7..patients).step_by(UNLISTED).map(id).collect();
     let all = first.chain(second).filter(|entry| !unlisted.contains(&entry.patient));
-    let answer = all.collect();
+    let answer: Vec<WorklistEntry> = all.collect();
+    let numbers = AccessionNumbers::default().seen_with(&answer, is_id);
     let expected = WorklistFilter { station: "LEGSCAN".to_owned(), modality: None };
-    Worklist::new(answer, &expected, TODAY, is_id)
+    (Worklist::new(answer, &expected, TODAY, is_id), numbers)
 }
 
 impl Day<'_> {
@@ -145,7 +153,9 @@ impl Day<'_> {
         let apart = DAY_MS / patients as u64;
         let begin = self.booth.now_ms + 600_000;
         let mut press_before = begin;
-        self.list = worklist(patients);
+        // Days without a worklist draw nothing for it.
+        let has_like_ids = self.habits.naming == Naming::Worklist && self.one_in(LIKE_IDS);
+        (self.list, self.numbers) = worklist(patients, has_like_ids);
         for patient in 0..patients {
             let press = begin + apart * patient as u64 + self.some_s(0, apart / 2500);
             let never_comes = self.habits.no_shows && self.one_in(50);
@@ -219,17 +229,18 @@ impl Day<'_> {
         }
         let is_known = !self.one_in(UNKNOWN);
         let entry = self.list.entries(TODAY).iter().find(|entry| entry.patient == own);
-        let number = entry.filter(|_| is_known).and_then(WorklistEntry::accession_number);
+        let number = entry.and_then(WorklistEntry::accession_number);
         let code = match self.booth.chance.below(4) {
             0 => number.map(str::to_owned),
             1 => Some(own.clone()),
             _ => None,
         };
         let Some(code) = code else { return self.chosen(&own, SourceKind::Operator) };
-        let named = match self.list.chosen_by(&code, is_id(&code), TODAY) {
-            WorklistChoice::Patient { id, .. } if is_known => Some(id.to_owned()),
-            WorklistChoice::Unclear if is_known => None,
-            _ => Some(code),
+        let list = is_known.then_some(&self.list);
+        let named = match self.numbers.chosen_by(&code, is_id(&code), list, TODAY) {
+            WorklistChoice::Patient { id, .. } => Some(id.to_owned()),
+            WorklistChoice::NotListed if is_id(&code) => Some(code),
+            WorklistChoice::NotListed | WorklistChoice::Unclear => None,
         };
         if let Some(named) = named {
             return self.chosen(&named, SourceKind::Reader);
