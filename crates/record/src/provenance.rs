@@ -71,7 +71,7 @@ pub struct Source {
     /// How reliable it is; missing for a record that was found in its store.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<Confidence>,
-    /// The request of a hospital system's worklist that was chosen with the patient; missing if none was.
+    /// The request of a hospital system's worklist that the scan answers; missing if none is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub request: Option<ImagingRequest>,
 }
@@ -135,10 +135,15 @@ impl Source {
         Source { kind, confidence, request: None }
     }
 
-    /// The same source, by which this request was chosen: then no person typed the id, and no expression found it.
+    /// The same source, with the request that was found by it. That says nothing of how reliable the id is: one that
+    /// was mistyped may have a request, too.
     pub fn with_request(self, request: Option<ImagingRequest>) -> Source {
-        let confidence = request.as_ref().map(|_| Confidence::High).or(self.confidence);
-        Source { confidence, request, ..self }
+        Source { request, ..self }
+    }
+
+    /// The same source, by which the patient was chosen from a worklist: no person typed the id.
+    pub fn chosen(self) -> Source {
+        Source { confidence: Some(Confidence::High), ..self }
     }
 }
 

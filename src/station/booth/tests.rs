@@ -80,12 +80,15 @@ fn a_scan_that_is_refused_after_the_machine_has_started_anew_opens_its_capture_i
 }
 
 #[test]
-fn the_request_that_was_chosen_with_a_name_is_still_there_after_a_start() {
+fn the_entry_that_was_chosen_with_a_name_is_still_there_after_a_start() {
     let dir = tempfile::tempdir().unwrap();
     let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
     let request = ImagingRequest::new("1.2.276.4242", "ACC0815");
-    let named =
-        |id: &str| Named { request: request.clone(), ..Named::new(id, SourceKind::Operator) };
+    let named = |id: &str| Named {
+        request: request.clone(),
+        is_chosen: id == "4711",
+        ..Named::new(id, SourceKind::Operator)
+    };
     let before = Rounds::new(rules(), Vec::new(), Names::default());
     let mut after = before.clone();
     after.receives(Duration::ZERO);

@@ -139,7 +139,8 @@ impl Booth {
         let entry =
             self.worklist.list().as_ref().and_then(|list| list.entry(key, today()).cloned());
         let WorklistEntry { patient, request, .. } = entry.ok_or(NameFault::EntryGone)?;
-        let named = Named { request, ..Named::new(patient, SourceKind::Operator) };
+        let by = SourceKind::Operator;
+        let named = Named { request, is_chosen: true, ..Named::new(patient, by) };
         self.name_certainly(named, replaces)
     }
 }

@@ -247,11 +247,14 @@ fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
     Ok(CaptureRow { capture, boot: text(1)?, at: time(row, 12)? })
 }
 
-/// The source of a name with the request that was chosen, if one was; without one the cell is the bare word.
+/// The source of a name with what the worklist had of the patient; without that the cell is the bare word.
 #[derive(Serialize, Deserialize)]
 struct SourceCell {
     by: SourceKind,
-    request: ImagingRequest,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    request: Option<ImagingRequest>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_chosen: bool,
 }
 
 /// The patient of this id, by the cell of the source.
@@ -259,16 +262,17 @@ fn of_source(id: String, source: &str) -> Option<Named> {
     if !source.starts_with('{') {
         return of_word(source).map(|by| Named::new(id, by));
     }
-    let SourceCell { by, request } = serde_json::from_str(source).ok()?;
-    Some(Named { id, by, request: Some(request) })
+    let SourceCell { by, request, is_chosen } = serde_json::from_str(source).ok()?;
+    Some(Named { id, by, request, is_chosen })
 }
 
 /// The cell of the source.
 fn source_of(named: &Named) -> Result<String, JournalError> {
-    match &named.request {
-        None => Ok(json_text(&named.by)?.trim_matches('"').to_owned()),
-        Some(request) => json_text(&SourceCell { by: named.by, request: request.clone() }),
+    let Named { by, request, is_chosen, .. } = named.clone();
+    if request.is_none() && !is_chosen {
+        return Ok(json_text(&by)?.trim_matches('"').to_owned());
     }
+    json_text(&SourceCell { by, request, is_chosen })
 }
 
 /// What a word stands for that serde writes.

@@ -30,7 +30,8 @@ pub(super) const KNOWN: i64 = 1;
 ///
 /// Captures are the presses of the button, and without a button the names that were given. `boot` is the
 /// machine start that `opened_ms` and `until_ms` refer to. `patient` and `source` are '' if no patient was
-/// named; `source` is JSON if a request of the worklist was chosen. `refused`: the export that answered it was refused, and another is awaited.
+/// named; `source` is JSON if the worklist had a request of the patient, or its entry was chosen. `refused`: the export
+/// that answered it was refused, and another is awaited.
 ///
 /// `looks` holds what the looks at each folder know about files that are not taken in yet, as JSON; `boot` and
 /// `looked_ms` as in `captures`. `orders` are handled orders that are still in their folder.

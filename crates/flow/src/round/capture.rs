@@ -37,37 +37,50 @@ pub struct Named {
     /// The id, accepted as valid.
     pub id: String,
     pub by: SourceKind,
-    /// The request of the worklist that was chosen with the patient. It decides nothing here.
+    /// The request of the worklist that was chosen with the patient, or found by the id. It decides nothing here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub request: Option<ImagingRequest>,
+    /// The patient's entry of the worklist was chosen: nobody typed the id. It decides nothing here.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_chosen: bool,
 }
 
 impl Named {
     /// A patient who was named without a request.
     pub fn new(id: impl Into<String>, by: SourceKind) -> Named {
-        Named { id: id.into(), by, request: None }
+        Named { id: id.into(), by, request: None, is_chosen: false }
     }
 
     /// The source that named the patient, as a record has it.
     pub fn source(&self) -> Source {
-        Source::from_kind(self.by).with_request(self.request.clone())
+        let source = Source::from_kind(self.by).with_request(self.request.clone());
+        if self.is_chosen { source.chosen() } else { source }
     }
 
-    /// Keeps the request that was chosen with the same patient before, if no other was chosen since.
-    pub(super) fn keep_request_of(&mut self, before: &Named) {
-        if self.request.is_none() && before.id == self.id {
+    /// Keeps that the same patient was chosen before, with the request if there is no other since.
+    pub(super) fn keep_choice_of(&mut self, before: &Named) {
+        if before.id != self.id {
+            return;
+        }
+        self.is_chosen |= before.is_chosen;
+        if self.request.is_none() {
             self.request.clone_from(&before.request);
         }
     }
 }
 
-/// These patients, each once, as first named; without a request where several may be meant.
+/// These patients, each once, as first named; without a request where several may be meant, and chosen only if each
+/// time.
 pub(super) fn distinct<'a>(all: impl IntoIterator<Item = &'a Named>) -> Vec<Named> {
     let mut found: Vec<Named> = Vec::new();
     for named in all {
         match found.iter_mut().find(|known| known.id == named.id) {
-            Some(known) if known.request != named.request => known.request = None,
-            Some(_) => {}
+            Some(known) => {
+                known.is_chosen &= named.is_chosen;
+                if known.request != named.request {
+                    known.request = None;
+                }
+            }
             None => found.push(named.clone()),
         }
     }

@@ -155,7 +155,7 @@ impl Rounds {
         self.clear_doubts();
         let before = self.names.next.take();
         let known = before.iter().flat_map(|next| &next.names);
-        known.for_each(|name| named.keep_request_of(&name.named));
+        known.for_each(|name| named.keep_choice_of(&name.named));
         let is_other = |next: &Next| next.names.iter().any(|name| name.named.id != named.id);
         let replaced = before.as_ref().is_some_and(is_other);
         let mut next = Next::one(named.clone(), now, is_crossed.then_some(Doubt::Crossed));

@@ -1,6 +1,6 @@
 //! Each line of the table above, and the ways time and people can cross them.
 
-use gaiter_record::{ImagingRequest, SourceKind};
+use gaiter_record::{Confidence, ImagingRequest, SourceKind};
 
 use super::*;
 use crate::settle::Sights;
@@ -135,6 +135,29 @@ fn a_held_scan_keeps_the_request_of_each_candidate() {
         assert_eq!(judged.request_of(id), chosen(id).request.as_ref());
     }
     assert_eq!(judged.request_of("3"), None);
+}
+
+/// Red while any request made its source a high one: a mistyped id may be listed, too.
+#[test]
+fn who_was_typed_is_of_medium_confidence_and_who_was_chosen_of_high_also_if_typed_since() {
+    let typed = Named { request: ImagingRequest::new("1.2.3", "A1"), ..named("1") };
+    let chosen = Named { is_chosen: true, ..typed.clone() };
+    for (names, confidence) in [
+        (vec![typed.clone()], Confidence::Medium),
+        (vec![chosen.clone()], Confidence::High),
+        (vec![chosen.clone(), typed.clone()], Confidence::High),
+        (vec![Named { id: "2".to_owned(), ..chosen }, typed], Confidence::Medium),
+    ] {
+        let mut captures = captures();
+        for (at_s, name) in (1..).zip(names) {
+            captures.named(name, 1, at(at_s), &[]);
+        }
+        let source = captures.pressed(1, at(9)).patient.unwrap().source();
+        assert_eq!(
+            (source.confidence, source.request),
+            (Some(confidence), ImagingRequest::new("1.2.3", "A1"))
+        );
+    }
 }
 
 #[test]

@@ -42,11 +42,13 @@ fn the_figures_leave_their_house_but_no_id_no_name_and_no_words() {
 }
 
 #[test]
-fn a_request_makes_its_source_a_high_one_and_stands_in_the_record_with_it() {
+fn a_choice_makes_its_source_a_high_one_and_a_request_alone_does_not() {
     let request = ImagingRequest::new(" 1.2.276.4242 ", "ACC0815 ").unwrap();
     let typed = Source::from_kind(SourceKind::Operator);
     assert_eq!(typed.confidence, Some(Confidence::Medium));
-    let chosen = typed.clone().with_request(Some(request.clone()));
+    let with_request = typed.clone().with_request(Some(request.clone()));
+    assert_eq!(with_request.confidence, Some(Confidence::Medium), "its id may be mistyped");
+    let chosen = with_request.chosen();
     assert_eq!(chosen.confidence, Some(Confidence::High));
     let written = serde_json::json!({
         "kind": "operator", "confidence": "high",

@@ -382,8 +382,8 @@ impl Booth {
             true => run.captures.clone(),
             false => at_rest(self.setup.off, &run.captures),
         };
-        let Named { id, by, request } = named;
-        let named = Named { request, ..Named::new(&id, as_heard(self.setup.off, run, &id, by)) };
+        let (id, by) = (named.id.clone(), named.by);
+        let named = Named { by: as_heard(self.setup.off, run, &id, by), ..named };
         let is_told = by == SourceKind::Order && self.setup.off != Off::EarsOpen;
         let is_overtaken = is_told && after.overtaken(&named, absent);
         let is_sure = doubt.is_none();

@@ -197,7 +197,7 @@ impl DayList {
         let list = self.station.as_ref();
         let tapped = list.zip(key).and_then(|(list, key)| list.entry(key, TODAY));
         match tapped {
-            Some(entry) => chosen(entry, by),
+            Some(entry) => Named { is_chosen: true, ..chosen(entry, by) },
             None => {
                 let request = list.and_then(|list| list.request_of(&own, TODAY)).cloned();
                 Named { request, ..Named::new(own, by) }
