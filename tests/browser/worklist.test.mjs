@@ -14,11 +14,11 @@ let browser;
 before(async () => { browser = await browse(); });
 after(async () => { await browser.close(); });
 
-/** Runs a test before a station with a worklist that has these entries. */
-async function listing(entries, run) {
+/** Runs a test before a station with a worklist that has these entries, and more of a configuration. */
+async function listing(entries, run, more = "") {
   const server = await WorklistServer.make(entries);
   try {
-    await at(await Station.make({ more: server.section }), (station) => run(station, server));
+    await at(await Station.make({ more: `${server.section}${more}` }), (station) => run(station, server));
   } finally {
     server.end();
   }
@@ -32,7 +32,7 @@ function record(station, patient) {
 }
 
 const rows = (page) => page.locator("#worklist_body li");
-const choose = (page, at) => rows(page).nth(at).getByRole("button", { name: "Choose" }).click();
+const choose = (page, at) => rows(page).nth(at).getByRole("button", { name: /^Choose / }).click();
 const next = (page, patient) => page.locator("#next_body .who").filter({ hasText: patient }).waitFor();
 const unknown = (page) => page.locator("#worklist_body").getByText("has not answered today").waitFor();
 
@@ -50,6 +50,9 @@ test("the day's entries are listed, and the one that is chosen is the patient of
     assert.deepEqual(first, ["09:30", "Quastenflosser, Hanna", "Mar 11, 1947", "4711", "Beinvermessung, A1"]);
     const second = await rows(page).nth(1).locator("span, bdi").allTextContents();
     assert.deepEqual(second.slice(0, 3), ["10:00", "Hammerhai, Karl<b>fett</b>", ""]);
+    for (const name of ["Choose Quastenflosser, Hanna, 4711, A1", "Choose Hammerhai, Karl<b>fett</b>, 4712, A2"]) {
+      assert.equal(await page.getByRole("button", { name, exact: true }).count(), 1, name);
+    }
     assert.deepEqual(await violations(page), []);
     await shoot(page, "worklist");
     assert.match(await page.locator("#next_body").textContent(), /No patient is named/, "a list names nobody");
@@ -132,6 +135,15 @@ test("while the server is away the page says so, the last list holds, and it goe
     await rows(page).first().waitFor();
     await part(station, "answers");
   });
+});
+
+test("in German, too, each button names whom it chooses", async () => {
+  await listing([FIRST], async (station) => {
+    const { page } = await tab(browser, station);
+    await page.goto(station.link());
+    const name = "Auswählen: Quastenflosser, Hanna, 4711, A1";
+    await page.getByRole("button", { name, exact: true }).waitFor();
+  }, "[report]\nlanguage = \"de\"\n");
 });
 
 test("whoever has no token sees no worklist, and a kiosk none at all", async () => {

@@ -37,12 +37,20 @@ async function showWorklist(edition, canAct) {
 function expected(entries) {
   if (!entries?.length) return make("p", { class: "empty" }, label(entries ? "worklist_empty" : "worklist_unknown"));
   return make("ul", { class: "worklist" }, entries.map((entry) => make("li", {},
-    button(label("worklist_choose"), `choose ${entry.key}`, () => choose(entry)),
+    chooser(entry),
     make("span", {}, entry.time ?? ""),
     make("bdi", {}, entry.name),
     make("span", {}, entry.born ? birthday(entry.born) : ""),
     make("bdi", { class: "quiet" }, entry.patient),
     make("span", { class: "quiet" }, [entry.procedure, entry.accession_number].filter(Boolean).join(", ")))));
+}
+
+// The button of an entry. Whoever hears the page alone learns from its name whom it chooses.
+function chooser(entry) {
+  const chosen = [entry.name, entry.patient, entry.accession_number].filter(Boolean).join(", ");
+  const made = button(label("worklist_choose"), `choose ${entry.key}`, () => choose(entry));
+  made.setAttribute("aria-label", label("worklist_choose_of").replace("{patient}", () => chosen));
+  return made;
 }
 
 // A birth date is of no time zone. Its month is a word: 03/11 is November to some and March to others.
