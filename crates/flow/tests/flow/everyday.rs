@@ -18,7 +18,7 @@ use std::env;
 use count::Count;
 use workflow::{Habits, Naming};
 
-use super::adversary::{booth, exports, laws, truth};
+use super::adversary::{booth, disk, exports, laws, truth};
 
 /// Days of one run; the claim is proved with ten times as many.
 const DAYS: u64 = 30;

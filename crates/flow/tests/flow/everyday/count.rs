@@ -7,6 +7,7 @@ use gaiter_flow::DeliveryState;
 use gaiter_flow::round::CaptureMatch;
 
 use super::day::Day;
+use super::disk::ScanRow;
 use super::truth::{Plan, id};
 use super::workflow::Naming;
 
@@ -18,6 +19,8 @@ pub struct Count {
     pub given: usize,
     pub held: usize,
     pub unassigned: usize,
+    /// Scans of patients who were named that are nobody's: the name was lost.
+    pub nameless: usize,
     pub refused: usize,
     /// Bodies whose export never came in.
     pub lost: usize,
@@ -33,14 +36,21 @@ impl Count {
         let bodies = &day.booth.truth.bodies;
         let mut chains: Vec<BTreeSet<String>> = Vec::new();
         for (body, of) in bodies.iter().enumerate() {
-            let rows = day.booth.disk.scans().filter(|(_, row)| row.content.whole.body == body);
-            let Some((_, row)) = rows.max_by_key(|(_, row)| row.content.length()) else {
+            let rows = day.booth.disk.scans().map(|(_, row)| row);
+            let rows: Vec<&ScanRow> = rows.filter(|row| row.content.whole.body == body).collect();
+            if rows.is_empty() {
                 self.lost += 1;
                 continue;
-            };
+            }
             self.scans += 1;
-            self.named += usize::from(day.habits.naming != Naming::Nobody);
-            if let Some(why) = row.held {
+            let is_named = day.habits.naming != Naming::Nobody;
+            self.named += usize::from(is_named);
+            let own = Some(id(of.patient));
+            let is_given =
+                |row: &&ScanRow| row.deliveries.get(&own) == Some(&DeliveryState::Delivered);
+            // A body may be exported more than once: what a person must decide about any of it is held.
+            let held = rows.iter().find_map(|row| Some((row, row.held?)));
+            if let Some((row, why)) = held {
                 self.held += 1;
                 *self.causes.entry(why).or_default() += 1;
                 let mut concerned = BTreeSet::from([id(of.patient)]);
@@ -50,10 +60,11 @@ impl Count {
                 join(&mut chains, concerned);
             } else if of.is_refused || of.plan == Plan::Broken {
                 self.refused += 1;
-            } else if row.deliveries.get(&Some(id(of.patient))) == Some(&DeliveryState::Delivered) {
+            } else if rows.iter().any(is_given) {
                 self.given += 1;
             } else {
                 self.unassigned += 1;
+                self.nameless += usize::from(is_named);
             }
         }
         let unanswered: BTreeSet<String> = day.unanswered.iter().map(|who| id(*who)).collect();
@@ -64,8 +75,13 @@ impl Count {
         }
     }
 
+    /// Of the scans of patients who were named, so many in a hundred are held.
     pub fn held_percent(&self) -> f64 {
-        100.0 * self.held as f64 / self.named.max(1) as f64
+        self.percent_of_named(self.held)
+    }
+
+    fn percent_of_named(&self, count: usize) -> f64 {
+        100.0 * count as f64 / self.named.max(1) as f64
     }
 }
 
@@ -83,14 +99,15 @@ fn join(chains: &mut Vec<BTreeSet<String>>, mut concerned: BTreeSet<String>) {
 
 impl fmt::Display for Count {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Count { scans, given, held, unassigned, refused, spread, spread_unanswered, .. } = self;
+        let Count { scans, given, held, unassigned, nameless, refused, .. } = self;
         write!(
             out,
             "{scans:6} scans {given:6} given {held:4} held ({:.2} %) {unassigned:5} unassigned \
-             {refused:4} refused   0 wrong   {} spread, {} unanswered ",
+             {nameless:4} of them named ({:.2} %) {refused:4} refused   0 wrong   {} spread, {} unanswered ",
             self.held_percent(),
-            spread.len(),
-            spread_unanswered.len(),
+            self.percent_of_named(*nameless),
+            self.spread.len(),
+            self.spread_unanswered.len(),
         )?;
         for (why, count) in &self.causes {
             write!(out, " {why} {count}")?;
