@@ -1,6 +1,7 @@
 //! The figures of the sheet as a measurement report (PS3.16, TID 1500): a group for each leg.
 
 use dicom_dictionary_std::tags;
+use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::export::{ExportFigure, What, export_figures};
 use gaiter_record::report::title;
@@ -60,7 +61,7 @@ impl Parts<'_> {
     fn content(&self) -> Dataset {
         let (record, language) = (self.sent.record, self.rules.language);
         let station = record.station.as_deref().unwrap_or_default();
-        let tag = Concept::new(language.tag(), "RFC5646", language.tag());
+        let spoken = Concept::new(language.tag(), "RFC5646", name_of(language));
         let procedure = self.own("leg-measures", language.text("hospital.leg_measures"));
         let figures = export_figures(record);
         let legs = record.sides().map(|side| {
@@ -70,7 +71,7 @@ impl Parts<'_> {
         let measurements = Item::container(MEASUREMENTS).with(legs.collect());
         let device = uid(&format!("device\0{station}"));
         let mut below = vec![
-            (Relation::HasConceptModifier, Item::code(LANGUAGE, tag)),
+            (Relation::HasConceptModifier, Item::code(LANGUAGE, spoken)),
             (Relation::HasObservationContext, Item::code(OBSERVER_TYPE, DEVICE)),
             (Relation::HasObservationContext, Item::uid(DEVICE_UID, &device)),
         ];
@@ -130,5 +131,13 @@ impl Parts<'_> {
     /// A code of gaiter's own.
     fn own<'c>(&'c self, value: &'c str, meaning: &'c str) -> Concept<'c> {
         Concept::new(value, &self.rules.coding, meaning)
+    }
+}
+
+/// The meaning of the code of a language. Meanings of codes are English, as in PS3.16.
+fn name_of(language: Language) -> &'static str {
+    match language {
+        Language::En => "English",
+        Language::De => "German",
     }
 }

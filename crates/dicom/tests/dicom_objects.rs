@@ -11,6 +11,7 @@ use gaiter_dicom::web::multipart;
 use gaiter_dicom::{
     DicomObject, DicomRules, Listed, Person, Sent, SopClass, Study, objects, withdrawal,
 };
+use gaiter_language::Language;
 use gaiter_leg::Side;
 use gaiter_record::export::{What, export_figures};
 use gaiter_record::{ImagingRequest, Record, RecordFile};
@@ -69,12 +70,22 @@ fn sent(record: &Record, withdrawals: usize) -> Vec<DicomObject> {
 }
 
 fn sent_into(study: &Study, record: &Record, withdrawals: usize) -> Vec<DicomObject> {
+    let rules = dicom_rules(&["report.pdf", "left.stl", "right.obj", "right.stl"]);
+    sent_by(&rules, study, record, withdrawals)
+}
+
+fn sent_by(
+    rules: &DicomRules,
+    study: &Study,
+    record: &Record,
+    withdrawals: usize,
+) -> Vec<DicomObject> {
     let file =
         |name: &str| RecordFile { name: name.to_owned(), bytes: format!("of {name}").into_bytes() };
     let files = FILES.map(file);
     let first_seen = "2026-11-26T19:21:02Z".parse().unwrap();
     let sent = Sent { record, files: &files, first_seen, study, person: None, withdrawals };
-    objects(&sent, &dicom_rules(&["report.pdf", "left.stl", "right.obj", "right.stl"]))
+    objects(&sent, rules)
 }
 
 /// What a server shows of an object.
@@ -180,6 +191,18 @@ fn the_report_holds_every_figure_of_the_sheet_to_the_last_digit_with_side_level_
         .collect();
     assert!(told.len() > 12);
     assert_eq!(told, expected);
+}
+
+#[test]
+fn the_report_names_its_language_by_tag_and_in_words() {
+    for (language, tag, meaning) in
+        [(Language::En, "en", "English"), (Language::De, "de", "German")]
+    {
+        let rules = DicomRules { language, ..dicom_rules(&[]) };
+        let found = codes(&dataset(&sent_by(&rules, &study(), &marked(), 0)[0]));
+        let expected = ["RFC5646", tag, meaning].map(str::to_owned);
+        assert!(found.contains(&expected), "{found:?}");
+    }
 }
 
 #[test]
