@@ -214,11 +214,11 @@ impl RecordStore for DicomStore {
 }
 
 fn misfit(fault: PatientIdFault) -> StoreFault {
-    StoreFault::Permanent(Rejection::Dicom(fault))
+    StoreFault::Permanent(Rejection::DicomPatientId(fault))
 }
 
 fn unwritable(fault: EncodeFault) -> StoreFault {
-    StoreFault::Permanent(Rejection::DicomObject(fault.to_string()))
+    StoreFault::Permanent(Rejection::DicomObject(fault))
 }
 
 fn is_shown(object: &DicomObject, listed: &[Listed]) -> bool {

@@ -117,11 +117,11 @@ pub enum Rejection {
     /// Its patient's id cannot be written as DICOM.
     #[cfg(feature = "dicom")]
     #[error("it cannot be written as DICOM: {0}")]
-    Dicom(gaiter_dicom::PatientIdFault),
-    /// It cannot be written as DICOM.
+    DicomPatientId(gaiter_dicom::PatientIdFault),
+    /// An object of it cannot be written as DICOM.
     #[cfg(feature = "dicom")]
     #[error("it cannot be written as DICOM: {0}")]
-    DicomObject(String),
+    DicomObject(gaiter_dicom::EncodeFault),
     /// The server knows no patient of this id.
     #[error(
         "the server knows no patient of this id: have the patient registered there, then try again"

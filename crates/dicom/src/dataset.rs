@@ -11,14 +11,14 @@ use dicom_transfer_syntax_registry::entries::{
     EXPLICIT_VR_LITTLE_ENDIAN, IMPLICIT_VR_LITTLE_ENDIAN,
 };
 
-/// A data set that cannot be written.
-#[derive(Debug, thiserror::Error)]
+/// A data set or packet that cannot be written, with what the library that writes it says.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the data set cannot be written: {0}")]
-pub struct EncodeFault(Box<dyn Error + Send + Sync>);
+pub struct EncodeFault(String);
 
 impl EncodeFault {
-    pub(crate) fn new(why: impl Error + Send + Sync + 'static) -> EncodeFault {
-        EncodeFault(Box::new(why))
+    pub(crate) fn new(why: impl Error) -> EncodeFault {
+        EncodeFault(why.to_string())
     }
 }
 

@@ -7,9 +7,8 @@ use dicom_core::Tag;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::InMemDicomObject;
 use dicom_ul::pdu::{
-    AssociationAC, AssociationRJ, AssociationRJResult, AssociationRQ, PDU_HEADER_SIZE,
-    PDV_HEADER_SIZE, PDataValue, PDataValueType, Pdu, PresentationContextProposed,
-    UserVariableItem, read_pdu, write_pdu,
+    AssociationAC, AssociationRJ, AssociationRQ, PDU_HEADER_SIZE, PDV_HEADER_SIZE, PDataValue,
+    PDataValueType, Pdu, PresentationContextProposed, UserVariableItem, read_pdu, write_pdu,
 };
 
 use super::reading::read;
@@ -121,9 +120,8 @@ impl<S: Read + Write> Association<S> {
         association.send(&request(titles, &proposed))?;
         let accepted = match association.packet()? {
             Pdu::AssociationAC(accepted) => accepted,
-            Pdu::AssociationRJ(AssociationRJ { result, source }) => {
-                let is_lasting = result == AssociationRJResult::Permanent;
-                return Err(DimseFault::Rejected { is_lasting, why: source });
+            Pdu::AssociationRJ(AssociationRJ { source, .. }) => {
+                return Err(DimseFault::Rejected { why: source });
             }
             Pdu::AbortRQ { .. } => return Err(DimseFault::Aborted),
             _ => return Err(DimseFault::Unexpected),

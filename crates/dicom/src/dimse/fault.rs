@@ -18,11 +18,10 @@ pub enum DimseFault {
     /// The connection broke.
     #[error("the connection broke: {0}")]
     Connection(#[from] io::Error),
-    /// The server takes no association with the station.
+    /// The server takes no association with the station. Whether it says that this will last changes nothing: the
+    /// titles may be registered there at any time.
     #[error("the server rejects the association: {why}")]
     Rejected {
-        /// Whether it says that this will last.
-        is_lasting: bool,
         /// Its reason.
         why: AssociationRJSource,
     },
