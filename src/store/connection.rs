@@ -126,6 +126,15 @@ pub(crate) enum Connection {
 }
 
 impl Connection {
+    /// From now on nothing is waited for longer than this.
+    pub fn waits_at_most(&mut self, limit: Duration) {
+        let stream = match self {
+            Connection::Plain(stream) => stream,
+            Connection::Encrypted(stream) => &mut stream.sock,
+        };
+        stream.until = Instant::now() + limit;
+    }
+
     /// Closes the connection as the protocol requires, whatever the server does with that.
     pub fn close(self) {
         if let Connection::Encrypted(mut stream) = self {

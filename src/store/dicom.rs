@@ -26,6 +26,7 @@ use jiff::Timestamp;
 use super::server::ServerFault;
 use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
 use dimse::DimseArchive;
+use server::END_MOST;
 pub use server::{DicomAccess, DicomServer, DicomWay, DimseServer};
 use web::WebArchive;
 
@@ -105,7 +106,7 @@ impl RecordStore for DicomStore {
 
     /// Each request or association has the limit for itself.
     fn step_most(&self) -> Duration {
-        self.server.limit * REQUESTS_MOST
+        (self.server.limit + END_MOST) * REQUESTS_MOST
     }
 
     fn takes_unassigned(&self) -> bool {

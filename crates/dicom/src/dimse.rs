@@ -1,7 +1,8 @@
 //! Messages over a connection (PS3.7 and PS3.8): C-ECHO, C-STORE, and C-FIND in an archive of images or a worklist.
 //!
-//! A connection is whatever reads and writes; who opens it sets its limits of time. Each call is one association, which
-//! is ended by it.
+//! A connection is whatever reads and writes; who opens it sets its limits of time. Each call is one association.
+//! After it whoever opened the connection ends that, by [`release`] or after a fault by [`abort`]: for the answer to an
+//! end nobody waits as long as for what was asked.
 
 mod association;
 mod fault;
@@ -16,6 +17,7 @@ use dicom_dictionary_std::{tags, uids};
 use dicom_object::InMemDicomObject;
 
 use self::association::Association;
+pub use self::association::{abort, release};
 pub use self::fault::{DimseFault, TitleFault};
 use super::dataset::{Dataset, text_of};
 use super::{DicomObject, Listed, NotStored, SopClass, Study};
@@ -85,10 +87,7 @@ impl Model {
 /// # Errors
 /// See [`DimseFault`].
 pub fn echo<S: Read + Write>(stream: S, titles: &Titles) -> Result<(), DimseFault> {
-    let mut association = Association::open(stream, titles, &[uids::VERIFICATION])?;
-    association.echo()?;
-    association.release();
-    Ok(())
+    Association::open(stream, titles, &[uids::VERIFICATION])?.echo()
 }
 
 /// Whether the server answers, and lets the station search for studies.
@@ -101,7 +100,6 @@ pub fn reach<S: Read + Write>(stream: S, titles: &Titles) -> Result<(), DimseFau
     association.echo()?;
     let query = at_level("STUDY").text(tags::PATIENT_ID, NOBODY).text(tags::STUDY_INSTANCE_UID, "");
     association.find(Model::Study.class(), &query.0, LISTED_MOST)?;
-    association.release();
     Ok(())
 }
 
@@ -116,10 +114,7 @@ pub fn find<S: Read + Write>(
     query: &InMemDicomObject,
     most: usize,
 ) -> Result<Vec<InMemDicomObject>, DimseFault> {
-    let mut association = Association::open(stream, titles, &[model.class()])?;
-    let found = association.find(model.class(), query, most)?;
-    association.release();
-    Ok(found)
+    Association::open(stream, titles, &[model.class()])?.find(model.class(), query, most)
 }
 
 /// What the server has of a record in its study. It is asked for the objects of each series that the record may have:
@@ -137,7 +132,6 @@ pub fn listed<S: Read + Write>(
     for series in study.holding_series(study.withdrawals(&listed)) {
         listed.extend(of_series(&mut association, study, &series)?);
     }
-    association.release();
     Ok(listed)
 }
 
@@ -178,7 +172,6 @@ pub fn store<S: Read + Write>(
     for object in objects {
         refused.extend(association.store(object)?.and_then(NotStored::for_reason));
     }
-    association.release();
     Ok(refused)
 }
 

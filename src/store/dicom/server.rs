@@ -2,11 +2,14 @@
 
 use std::time::Duration;
 
-use gaiter_dicom::dimse::{DimseFault, Titles};
+use gaiter_dicom::dimse::{DimseFault, Titles, abort, release};
 use gaiter_https::{Endpoint, Secret, TlsFiles};
 
 use crate::store::connection::{Connection, Peer};
 use crate::store::server::ServerFault;
+
+/// How long the end of an association may take. What was asked is answered by then, or will not be.
+pub(crate) const END_MOST: Duration = Duration::from_secs(1);
 
 /// Where an archive of images is and how it is asked.
 #[derive(Debug, Clone)]
@@ -72,7 +75,8 @@ impl DimseServer {
         self.tls.as_ref()?.own.as_ref().map(|(_, key)| key)
     }
 
-    /// What the server makes of a question, on a connection for it alone. `limit` is for the whole exchange.
+    /// What the server makes of a question, on a connection for it alone. `limit` is for the whole exchange, and
+    /// [`END_MOST`] for the end of the association.
     pub(crate) fn asked<T>(
         &self,
         limit: Duration,
@@ -81,6 +85,12 @@ impl DimseServer {
         let peer = Peer { host: &self.host, port: self.port, tls: self.tls.as_ref(), limit };
         let mut connection = peer.connected()?;
         let answer = ask(&mut connection, &self.titles);
+        connection.waits_at_most(END_MOST);
+        match &answer {
+            Ok(_) => release(&mut connection),
+            Err(fault) if fault.is_an_end() => {}
+            Err(_) => abort(&mut connection),
+        }
         connection.close();
         answer.map_err(|fault| match fault {
             DimseFault::Connection(source) => peer.fault(source).into(),

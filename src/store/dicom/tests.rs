@@ -1,10 +1,11 @@
 //! The store against an archive of a few lines: what it sends, and what it makes of each answer.
 
-use std::io::Write;
+use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
-use gaiter_dicom::dimse::{AeTitle, Titles};
+use gaiter_dicom::dimse::{AeTitle, DimseFault, Titles};
 use gaiter_flow::worklist::ListedPerson;
 use gaiter_https::{HttpFault, TlsFiles};
 use gaiter_record::RecordFile;
@@ -293,8 +294,8 @@ fn an_address_without_an_archive_is_told_apart_from_an_archive_without_the_study
     assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
 }
 
-/// A server of associations on this machine, and a store that has so long for it.
-fn by_associations(limit: Duration) -> (TcpListener, DicomStore) {
+/// A server of associations on this machine.
+fn listening() -> (TcpListener, DimseServer) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let title = |text: &str| AeTitle::new(text).unwrap();
     let server = DimseServer {
@@ -303,6 +304,12 @@ fn by_associations(limit: Duration) -> (TcpListener, DicomStore) {
         titles: Titles { calling: title("GAITER"), called: title("PACS") },
         tls: None,
     };
+    (listener, server)
+}
+
+/// A server of associations, and a store that has so long for it.
+fn by_associations(limit: Duration) -> (TcpListener, DicomStore) {
+    let (listener, server) = listening();
     let server = DicomServer { way: DicomWay::Dimse(server), limit };
     (listener, DicomStore::new(server, dicom_rules(&["report.pdf"]), "booth-1"))
 }
@@ -325,4 +332,29 @@ fn a_server_of_associations_that_hangs_or_dies_is_asked_again() {
         "{fault}"
     );
     assert!(store.place().starts_with("dicom://PACS@127.0.0.1:"), "{}", store.place());
+}
+
+/// What a server hears of the end of an association. It never says anything.
+fn heard_of_the_end(answer: Result<(), DimseFault>) -> Vec<u8> {
+    let (listener, server) = listening();
+    let hears = std::thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let mut heard = Vec::new();
+        stream.read_to_end(&mut heard).unwrap();
+        heard
+    });
+    let (began, is_done) = (Instant::now(), answer.is_ok());
+    assert_eq!(server.asked(Duration::from_secs(60), |_, _| answer).is_ok(), is_done);
+    assert!(began.elapsed() < Duration::from_secs(30), "the end is not waited for");
+    hears.join().unwrap()
+}
+
+#[test]
+fn an_association_is_ended_as_it_went_and_its_end_is_not_waited_for() {
+    // PS3.8, 9.3.6 and 9.3.8: A-RELEASE-RQ, A-ABORT.
+    assert_eq!(heard_of_the_end(Ok(())), [5, 0, 0, 0, 0, 4, 0, 0, 0, 0]);
+    assert_eq!(heard_of_the_end(Err(DimseFault::Unexpected)), [7, 0, 0, 0, 0, 4, 0, 0, 0, 0]);
+    let timed_out = DimseFault::Connection(ErrorKind::TimedOut.into());
+    assert_eq!(heard_of_the_end(Err(timed_out)), [7, 0, 0, 0, 0, 4, 0, 0, 0, 0]);
+    assert!(heard_of_the_end(Err(DimseFault::Aborted)).is_empty());
 }

@@ -7,8 +7,9 @@ use dicom_core::Tag;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::InMemDicomObject;
 use dicom_ul::pdu::{
-    AssociationAC, AssociationRJ, AssociationRQ, PDU_HEADER_SIZE, PDV_HEADER_SIZE, PDataValue,
-    PDataValueType, Pdu, PresentationContextProposed, UserVariableItem, read_pdu, write_pdu,
+    AbortRQSource, AssociationAC, AssociationRJ, AssociationRQ, PDU_HEADER_SIZE, PDV_HEADER_SIZE,
+    PDataValue, PDataValueType, Pdu, PresentationContextProposed, UserVariableItem, read_pdu,
+    write_pdu,
 };
 
 use super::reading::read;
@@ -26,13 +27,15 @@ const APPLICATION: &str = "1.2.840.10008.3.1.1.1";
 /// The longest packet (PDU) that is read or sent, bytes: what most servers take without being asked.
 const PACKET_MOST: u32 = 16 << 10;
 
-/// The type of the packet that accepts an association (PS3.8, 9.3.3).
+// Types of packets: that accept, reject and abort an association (PS3.8, 9.3.3, 9.3.4, 9.3.8).
 const ACCEPTS: u8 = 0x02;
+const REJECTS: u8 = 0x03;
+const ABORTS: u8 = 0x07;
 
-/// Where the items of that packet begin, bytes.
+/// Where the items of a packet that accepts begin, bytes.
 const ITEMS_FROM: usize = 74;
 
-/// The type of an item that says whether a context is accepted (PS3.8, 9.3.3.2).
+/// The type of an item of it that says whether a context is accepted (PS3.8, 9.3.3.2).
 const CONTEXT_RESULT: u8 = 0x21;
 
 /// One command or data set of an answer, bytes: an entry of a worklist has some thousands.
@@ -117,7 +120,7 @@ impl<S: Read + Write> Association<S> {
             received: VecDeque::new(),
             bytes: 0,
         };
-        association.send(&request(titles, &proposed))?;
+        send(&mut association.stream, &request(titles, &proposed))?;
         let accepted = match association.packet()? {
             Pdu::AssociationAC(accepted) => accepted,
             Pdu::AssociationRJ(AssociationRJ { source, .. }) => {
@@ -185,11 +188,6 @@ impl<S: Read + Write> Association<S> {
         }
     }
 
-    /// Ends the association. All is answered by then, so it does not matter what the server makes of it.
-    pub fn release(mut self) {
-        let _ = self.send(&Pdu::ReleaseRQ).and_then(|()| self.packet());
-    }
-
     fn context(&self, class: &'static str) -> Result<Context, DimseFault> {
         let found = self.contexts.iter().find(|of| of.class == class);
         found.copied().ok_or(DimseFault::NotAccepted { class })
@@ -223,7 +221,7 @@ impl<S: Read + Write> Association<S> {
                     is_last: parts.peek().is_none(),
                     data: part.to_vec(),
                 };
-                self.send(&Pdu::PData { data: vec![value] })?;
+                send(&mut self.stream, &Pdu::PData { data: vec![value] })?;
             }
         }
         Ok(())
@@ -273,28 +271,53 @@ impl<S: Read + Write> Association<S> {
         }
     }
 
-    fn send(&mut self, packet: &Pdu) -> Result<(), DimseFault> {
-        let mut bytes = Vec::new();
-        write_pdu(&mut bytes, packet).map_err(EncodeFault::new)?;
-        self.stream.write_all(&bytes)?;
-        Ok(self.stream.flush()?)
-    }
-
     /// The next packet.
     fn packet(&mut self) -> Result<Pdu, DimseFault> {
-        let mut packet = vec![0; PDU_HEADER_SIZE as usize];
-        self.stream.read_exact(&mut packet)?;
-        let length = u32::from_be_bytes([packet[2], packet[3], packet[4], packet[5]]);
-        if length > PACKET_MOST {
-            return Err(DimseFault::TooLong { bytes: length as usize, most: PACKET_MOST as usize });
+        parsed(&without_refused(packet(&mut self.stream)?))
+    }
+}
+
+/// Ends the association of a connection on which all is answered, and reads the answer to that, whatever it is.
+pub fn release<S: Read + Write>(mut stream: S) {
+    let _ = send(&mut stream, &Pdu::ReleaseRQ).and_then(|()| packet(&mut stream));
+}
+
+/// Ends the association of a connection after a fault.
+pub fn abort<S: Write>(mut stream: S) {
+    let _ = send(&mut stream, &Pdu::AbortRQ { source: AbortRQSource::ServiceUser });
+}
+
+fn send(stream: &mut impl Write, packet: &Pdu) -> Result<(), DimseFault> {
+    let mut bytes = Vec::new();
+    write_pdu(&mut bytes, packet).map_err(EncodeFault::new)?;
+    stream.write_all(&bytes)?;
+    Ok(stream.flush()?)
+}
+
+/// The bytes of the next packet.
+fn packet(stream: &mut impl Read) -> Result<Vec<u8>, DimseFault> {
+    let mut packet = vec![0; PDU_HEADER_SIZE as usize];
+    stream.read_exact(&mut packet)?;
+    let length = u32::from_be_bytes([packet[2], packet[3], packet[4], packet[5]]);
+    if length > PACKET_MOST {
+        return Err(DimseFault::TooLong { bytes: length as usize, most: PACKET_MOST as usize });
+    }
+    packet.resize((PDU_HEADER_SIZE + length) as usize, 0);
+    stream.read_exact(&mut packet[PDU_HEADER_SIZE as usize..])?;
+    Ok(packet)
+}
+
+/// What the bytes of a packet are. The reader of packets refuses reasons that are not in the standard; an association
+/// that ends for one of these has ended, too.
+fn parsed(packet: &[u8]) -> Result<Pdu, DimseFault> {
+    match (read_pdu(packet, PACKET_MOST, true), packet) {
+        (Ok(Some(packet)), _) => Ok(packet),
+        (Ok(None), _) => Err(DimseFault::Cut),
+        (Err(_), [REJECTS, _, _, _, _, _, _, _, source, reason, ..]) => {
+            Err(DimseFault::RejectedFor { source_code: *source, reason: *reason })
         }
-        packet.resize((PDU_HEADER_SIZE + length) as usize, 0);
-        self.stream.read_exact(&mut packet[PDU_HEADER_SIZE as usize..])?;
-        match read_pdu(&without_refused(packet)[..], PACKET_MOST, true) {
-            Ok(Some(packet)) => Ok(packet),
-            Ok(None) => Err(DimseFault::Cut),
-            Err(_) => Err(DimseFault::Unreadable),
-        }
+        (Err(_), [ABORTS, ..]) => Err(DimseFault::Aborted),
+        (Err(_), _) => Err(DimseFault::Unreadable),
     }
 }
 

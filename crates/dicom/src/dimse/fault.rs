@@ -25,6 +25,16 @@ pub enum DimseFault {
         /// Its reason.
         why: AssociationRJSource,
     },
+    /// The server takes no association with the station, for a reason that the standard does not know.
+    #[error(
+        "the server rejects the association for the unknown reason {reason} of the source {source_code}"
+    )]
+    RejectedFor {
+        /// Where it comes from (PS3.8, 9.3.4).
+        source_code: u8,
+        /// Its number.
+        reason: u8,
+    },
     /// The server ended the association.
     #[error("the server aborts the association")]
     Aborted,
@@ -84,8 +94,17 @@ impl DimseFault {
             self,
             DimseFault::Connection(_)
                 | DimseFault::Rejected { .. }
+                | DimseFault::RejectedFor { .. }
                 | DimseFault::Aborted
                 | DimseFault::NotAccepted { .. }
+        )
+    }
+
+    /// Whether the server has ended the association, or made none.
+    pub fn is_an_end(&self) -> bool {
+        matches!(
+            self,
+            DimseFault::Rejected { .. } | DimseFault::RejectedFor { .. } | DimseFault::Aborted
         )
     }
 }

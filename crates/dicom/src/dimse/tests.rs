@@ -266,6 +266,23 @@ fn a_server_that_rejects_aborts_refuses_or_dies_is_told_apart() {
 }
 
 #[test]
+fn an_end_for_a_reason_that_no_standard_has_is_an_end() {
+    let end = |before: &[Pdu], packet: [u8; 10]| {
+        let mut server = Script::new(before);
+        server.says.get_mut().extend(packet);
+        echo(&mut server, &titles()).unwrap_err()
+    };
+    let told = end(&[], [3, 0, 0, 0, 0, 4, 0, 1, 2, 9]);
+    assert!(told.is_an_end(), "{told}");
+    let rejected = "the server rejects the association for the unknown reason 9 of the source 2";
+    assert_eq!(told.to_string(), rejected);
+    for before in [vec![], vec![accepts(&[1])]] {
+        let told = end(&before, [7, 0, 0, 0, 0, 4, 0, 0, 2, 9]);
+        assert!(matches!(told, DimseFault::Aborted), "{told}");
+    }
+}
+
+#[test]
 fn a_server_that_answers_and_lets_search_is_reached() {
     let answers = [accepts(&[1, 3]), answer(0x30, 0, None), answer(0x20, 0, None)];
     reach(Script::new(&answers), &titles()).unwrap();
