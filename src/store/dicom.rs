@@ -30,8 +30,8 @@ use server::END_MOST;
 pub use server::{DicomAccess, DicomServer, DicomWay, DimseServer};
 use web::WebArchive;
 
-/// Requests or associations of a long step: two that look what is there, one that stores, two that look again.
-const REQUESTS_MOST: u32 = 5;
+/// Requests or associations of a step that look what is there: two before it stores, and two after.
+const LOOKS_MOST: u32 = 4;
 
 /// The server, by how it is asked.
 #[derive(Debug)]
@@ -73,17 +73,22 @@ impl DicomStore {
         }
     }
 
-    /// Sends objects, which may say who the patient is. Whether the server has them, only a search tells.
+    /// Sends objects, which may say who the patient is, each with the limit for itself: where the line is slow, the next
+    /// try goes on where this one ended. Whether the server has them, only a search tells.
     fn send(
         &self,
         objects: &[DicomObject],
         patient: &str,
         is_named: bool,
     ) -> Result<(), StoreFault> {
-        match &self.archive {
-            Archive::Web(archive) => archive.send(objects, patient, is_named),
-            Archive::Dimse(archive) => archive.send(objects),
+        let mut failed = Vec::new();
+        for object in objects {
+            failed.extend(match &self.archive {
+                Archive::Web(archive) => archive.store(object, patient, is_named)?,
+                Archive::Dimse(archive) => archive.store(object)?,
+            });
         }
+        answers::judged(&failed, objects.len())
     }
 }
 
@@ -104,9 +109,10 @@ impl RecordStore for DicomStore {
         self.server.tls()?.own.as_ref().map(|(certificate, _)| certificate.as_path())
     }
 
-    /// Each request or association has the limit for itself.
+    /// Each request or association has the limit for itself, and so has each object: the figures and files.
     fn step_most(&self) -> Duration {
-        (self.server.limit + END_MOST) * REQUESTS_MOST
+        let objects = 1 + self.rules.attach.len() as u32;
+        (self.server.limit + END_MOST) * (LOOKS_MOST + objects)
     }
 
     fn takes_unassigned(&self) -> bool {

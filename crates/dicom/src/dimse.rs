@@ -155,24 +155,17 @@ fn of_series<S: Read + Write>(
     found.iter().map(read).collect()
 }
 
-/// Sends objects (C-STORE). Returns those that the server does not store.
+/// Sends an object (C-STORE). Returns why the server does not store it; `None` if it does, or has it.
 ///
 /// # Errors
-/// See [`DimseFault`]; some objects may be stored then.
+/// See [`DimseFault`]; the object may be stored then.
 pub fn store<S: Read + Write>(
     stream: S,
     titles: &Titles,
-    objects: &[DicomObject],
-) -> Result<Vec<NotStored>, DimseFault> {
-    let mut classes: Vec<&'static str> = objects.iter().map(|of| of.class().uid()).collect();
-    classes.sort_unstable();
-    classes.dedup();
-    let mut association = Association::open(stream, titles, &classes)?;
-    let mut refused = Vec::new();
-    for object in objects {
-        refused.extend(association.store(object)?.and_then(NotStored::for_reason));
-    }
-    Ok(refused)
+    object: &DicomObject,
+) -> Result<Option<NotStored>, DimseFault> {
+    let mut association = Association::open(stream, titles, &[object.class().uid()])?;
+    Ok(association.store(object)?.and_then(NotStored::for_reason))
 }
 
 /// The beginning of a query at a level of studies.

@@ -11,21 +11,17 @@ const OBJECT: &str = "application/dicom";
 /// The media type of an answer.
 pub const JSON: &str = "application/dicom+json";
 
-/// Objects as the body of a request, with its media type.
+/// An object as the body of a request, with its media type.
 ///
 /// # Errors
-/// If an object cannot be written.
-pub fn multipart(objects: &[DicomObject]) -> Result<(String, Vec<u8>), EncodeFault> {
-    let files = objects.iter().map(DicomObject::file).collect::<Result<Vec<_>, _>>()?;
-    // It is in no object: it depends on all of their bytes.
-    let boundary = sha256(&files.concat());
-    let mut body = Vec::new();
-    for file in &files {
-        body.extend(format!("--{boundary}\r\nContent-Type: {OBJECT}\r\n\r\n").bytes());
-        body.extend_from_slice(file);
-        body.extend(b"\r\n");
-    }
-    body.extend(format!("--{boundary}--\r\n").bytes());
+/// If it cannot be written.
+pub fn multipart(object: &DicomObject) -> Result<(String, Vec<u8>), EncodeFault> {
+    let file = object.file()?;
+    // It is not in the object: it depends on all of its bytes.
+    let boundary = sha256(&file);
+    let head = format!("--{boundary}\r\nContent-Type: {OBJECT}\r\n\r\n");
+    let end = format!("\r\n--{boundary}--\r\n");
+    let body = [head.as_bytes(), &file, end.as_bytes()].concat();
     Ok((format!("multipart/related; type=\"{OBJECT}\"; boundary={boundary}"), body))
 }
 

@@ -11,7 +11,7 @@ use crate::store::{Rejection, StoreFault};
 /// There is nothing that a search found.
 const NO_CONTENT: u16 = 204;
 
-/// Some or all objects were not stored; the body tells which, and why.
+/// The object was not stored; the body tells why.
 const CONFLICT: u16 = 409;
 
 /// What the server has of a study.
@@ -44,32 +44,42 @@ fn found<T>(
     found.ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
 }
 
-/// Whether all of so many objects were stored, as far as the answer tells. Without the words that must get into no log,
+/// An object that the archive did not store.
+#[derive(Debug)]
+pub(super) struct Failed {
+    /// The status of its answer.
+    pub status: u16,
+    pub why: NotStored,
+}
+
+/// Whether the object of a request was stored, as far as the answer tells. Without the words that must get into no log,
 /// nothing that it says is repeated.
 pub(super) fn stored(
     answer: &HttpAnswer,
-    count: usize,
     secret: Option<&[&str]>,
-) -> Result<(), StoreFault> {
+) -> Result<Option<Failed>, StoreFault> {
     let status = answer.status;
     if !answer.is_success() && status != CONFLICT {
         return Err(refusal(answer, secret));
     }
     // What is no JSON is nothing that is looked for in it.
     let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
-    judged(&web::not_stored(&json), count, status)?;
-    if answer.is_success() { Ok(()) } else { Err(refusal(answer, secret)) }
+    match web::not_stored(&json).into_iter().next() {
+        Some(why) => Ok(Some(Failed { status, why })),
+        None if answer.is_success() => Ok(None),
+        None => Err(refusal(answer, secret)),
+    }
 }
 
 /// What it means that some of so many objects were not stored: if one never will be, a person must decide.
-pub(super) fn judged(failed: &[NotStored], count: usize, status: u16) -> Result<(), StoreFault> {
-    let why = |of: &NotStored| {
-        format!("{} of {count} objects were not stored, reason {:04X}", failed.len(), of.reason)
-    };
-    match (failed.iter().find(|of| !of.is_passing()), failed.first()) {
-        (Some(of), _) => Err(refused(status, why(of))),
-        (None, Some(of)) => Err(ServerFault::Busy { status, why: why(of) }.into()),
-        (None, None) => Ok(()),
+pub(super) fn judged(failed: &[Failed], count: usize) -> Result<(), StoreFault> {
+    let lasting = failed.iter().find(|of| !of.why.is_passing());
+    let Some(of) = lasting.or(failed.first()) else { return Ok(()) };
+    let Failed { status, why: NotStored { reason } } = *of;
+    let why = format!("{} of {count} objects were not stored, reason {reason:04X}", failed.len());
+    match lasting {
+        Some(_) => Err(refused(status, why)),
+        None => Err(ServerFault::Busy { status, why }.into()),
     }
 }
 

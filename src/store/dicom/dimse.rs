@@ -5,8 +5,9 @@ use std::time::Duration;
 use gaiter_dicom::dimse::{self, DimseFault, Titles};
 use gaiter_dicom::{DicomObject, Listed, Study};
 
+use super::answers::Failed;
 use super::server::DimseServer;
-use super::{answers, unwritable};
+use super::unwritable;
 use crate::store::StoreFault;
 use crate::store::connection::Connection;
 use crate::store::server::ServerFault;
@@ -33,12 +34,11 @@ impl DimseArchive {
         self.asked(|connection, titles| dimse::listed(connection, titles, study))
     }
 
-    /// Sends objects. Whether the server has them, only a search tells.
-    pub fn send(&self, objects: &[DicomObject]) -> Result<(), StoreFault> {
-        let failed = self.asked(|connection, titles| dimse::store(connection, titles, objects))?;
-        let status = failed.first().map(|of| of.reason).unwrap_or_default();
+    /// Sends an object. Whether the server has it, only a search tells.
+    pub fn store(&self, object: &DicomObject) -> Result<Option<Failed>, StoreFault> {
+        let why = self.asked(|connection, titles| dimse::store(connection, titles, object))?;
         // A status has 16 bits.
-        answers::judged(&failed, objects.len(), u16::try_from(status).unwrap_or_default())
+        Ok(why.map(|why| Failed { status: u16::try_from(why.reason).unwrap_or_default(), why }))
     }
 
     fn asked<T>(

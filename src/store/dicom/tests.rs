@@ -5,6 +5,7 @@ use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use gaiter_dicom::SopClass;
 use gaiter_dicom::dimse::{AeTitle, DimseFault, Titles};
 use gaiter_flow::worklist::ListedPerson;
 use gaiter_https::{HttpFault, TlsFiles};
@@ -22,15 +23,15 @@ enum Mode {
     Keep,
     /// It answers as if it had kept them.
     Lose,
-    /// It keeps all but the last, for this reason.
-    RefuseLast(u16),
+    /// It keeps all but reports, for this reason.
+    RefuseReport(u16),
     /// It keeps them, and its answer is a fault.
     KeepAndFail,
     /// It answers so to everything.
     Say(&'static str, &'static str),
 }
 
-/// An archive on this machine, and the requests for storing that it had.
+/// An archive on this machine, and the requests for storing that it had, of an object each.
 struct Archive {
     port: u16,
     mode: Arc<Mutex<Mode>>,
@@ -80,11 +81,15 @@ impl Archive {
                         _ => answer("503 Service Unavailable", "restarting 4711"),
                     }
                 }
-                Mode::RefuseLast(reason) => {
-                    let all = sent(&request);
-                    kept.extend_from_slice(&all[..all.len() - 1]);
+                Mode::RefuseReport(reason) => {
+                    let all = sent(&request).into_iter();
+                    let is_report = |of: &Value| of["00080016"]["Value"][0] == SopClass::Pdf.uid();
+                    let (refused, taken): (Vec<Value>, Vec<Value>) = all.partition(is_report);
+                    kept.extend(taken);
                     let why = json!({ "00081197": { "vr": "US", "Value": [reason] } });
-                    answer("202 Accepted", &json!({ "00081198": { "Value": [why] } }).to_string())
+                    let failed = json!({ "00081198": { "Value": vec![why; refused.len()] } });
+                    let status = if refused.is_empty() { "200 OK" } else { "409 Conflict" };
+                    answer(status, &failed.to_string())
                 }
             };
             let _ = stream.write_all(answer.as_bytes());
@@ -167,9 +172,11 @@ fn a_record_is_stored_once_and_a_later_revision_beside_it() {
     assert!(!first.already_there);
     let again = put(&store, "4711", 1).unwrap();
     assert_eq!((again.already_there, &again.folder), (true, &first.folder));
-    assert_eq!(archive.stored(), 1);
-    assert!(!put(&store, "4711", 2).unwrap().already_there);
     assert_eq!(archive.stored(), 2);
+    assert!(!put(&store, "4711", 2).unwrap().already_there);
+    assert_eq!(archive.stored(), 4);
+    // At most two looks before, and two after.
+    assert!(store.step_most() > Duration::from_secs(30) * (2 + 4));
 }
 
 #[test]
@@ -181,8 +188,10 @@ fn a_lost_answer_or_a_half_stored_record_is_completed_by_the_next_try() {
     assert!(matches!(fault, StoreFault::Server(ServerFault::Busy { status: 503, .. })), "{fault}");
     assert!(!fault.to_string().contains("4711"), "{fault}");
     archive.becomes(Mode::Keep);
-    assert!(put(&store, "4711", 1).unwrap().already_there);
-    archive.becomes(Mode::RefuseLast(0xa700));
+    assert_eq!(archive.stored(), 1);
+    assert!(!put(&store, "4711", 1).unwrap().already_there);
+    assert_eq!(archive.stored(), 2, "what is there is not sent again");
+    archive.becomes(Mode::RefuseReport(0xa700));
     let fault = put(&store, "4711", 2).unwrap_err();
     assert_eq!(fault.code(), "store-unavailable", "{fault}");
     archive.becomes(Mode::Keep);
@@ -201,7 +210,7 @@ fn an_archive_that_says_yes_and_shows_nothing_has_stored_nothing() {
 #[test]
 fn an_object_that_the_archive_will_never_store_waits_for_a_person() {
     let archive = Archive::new();
-    archive.becomes(Mode::RefuseLast(0x0122));
+    archive.becomes(Mode::RefuseReport(0x0122));
     let fault = put(&archive.store(), "4711", 1).unwrap_err();
     assert_eq!(fault.code(), "server-refused");
     assert!(fault.to_string().contains("1 of 2 objects were not stored, reason 0122"), "{fault}");
@@ -215,12 +224,12 @@ fn a_withdrawn_record_is_marked_once_and_can_be_given_again() {
     let receipt = receipt.to_str();
     for _ in 0..2 {
         withdraw(&store, receipt).unwrap();
-        assert_eq!(archive.stored(), 2);
+        assert_eq!(archive.stored(), 3);
     }
     assert!(!put(&store, "4711", 1).unwrap().already_there);
     assert!(put(&store, "4711", 1).unwrap().already_there);
     withdraw(&store, receipt).unwrap();
-    assert_eq!(archive.stored(), 4);
+    assert_eq!(archive.stored(), 6);
 }
 
 #[test]

@@ -7,7 +7,8 @@ use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClien
 use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
 use http::{Method, Uri};
 
-use super::{DicomAccess, answers, unwritable};
+use super::answers::{self, Failed};
+use super::{DicomAccess, unwritable};
 use crate::store::StoreFault;
 use crate::store::authorization::{self, secret_words};
 use crate::store::server::ServerFault;
@@ -51,19 +52,19 @@ impl WebArchive {
         answers::listed(&answer, &without(&secret, patient))
     }
 
-    /// Sends objects, which may say who the patient is. Whether the server has them, only a search tells.
-    pub fn send(
+    /// Sends an object, which may say who the patient is. Whether the server has it, only a search tells.
+    pub fn store(
         &self,
-        objects: &[DicomObject],
+        object: &DicomObject,
         patient: &str,
         is_named: bool,
-    ) -> Result<(), StoreFault> {
-        let body = web::multipart(objects).map_err(unwritable)?;
+    ) -> Result<Option<Failed>, StoreFault> {
+        let body = web::multipart(object).map_err(unwritable)?;
         let (answer, secret) = self.ask(Method::POST, "studies", Some(body))?;
         let secret = without(&secret, patient);
         // A server may write a name in another way than it was sent.
         let secret = if is_named { None } else { Some(&secret[..]) };
-        answers::stored(&answer, objects.len(), secret)
+        answers::stored(&answer, secret)
     }
 
     /// Asks the server for a path below its base, with a body of this media type or without. Returns the answer, and
