@@ -164,7 +164,9 @@ pub fn store<S: Read + Write>(
     titles: &Titles,
     object: &DicomObject,
 ) -> Result<Option<NotStored>, DimseFault> {
-    let mut association = Association::open(stream, titles, &[object.class().uid()])?;
+    // Every server knows the second: one that accepts neither does not judge the object.
+    let classes = [object.class().uid(), uids::VERIFICATION];
+    let mut association = Association::open(stream, titles, &classes)?;
     Ok(association.store(object)?.and_then(NotStored::for_reason))
 }
 

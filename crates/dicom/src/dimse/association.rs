@@ -72,6 +72,13 @@ const PENDING: [u16; 2] = [0xff00, 0xff01];
 /// The server does not know the kind of object.
 const CLASS_NOT_SUPPORTED: u64 = 0x0122;
 
+/// Results of contexts that will last: the server does not know the class, or none of the transfer syntaxes
+/// (PS3.8, 9.3.3.2).
+const NOT_SUPPORTED: [u8; 2] = [3, 4];
+
+/// The result of a context that is refused for no reason, or that the server says nothing of.
+const NO_REASON: u8 = 2;
+
 /// A kind of object or service that both sides know.
 #[derive(Debug, Clone, Copy)]
 struct Context {
@@ -92,6 +99,8 @@ struct Answer {
 pub(super) struct Association<S> {
     stream: S,
     contexts: Vec<Context>,
+    /// The classes that the server refuses, each with its result.
+    refused: Vec<(&'static str, u8)>,
     /// Bytes of a message that one packet holds.
     part_most: usize,
     /// Messages that were sent.
@@ -115,13 +124,15 @@ impl<S: Read + Write> Association<S> {
         let mut association = Association {
             stream,
             contexts: Vec::new(),
+            refused: Vec::new(),
             part_most: 0,
             sent: 0,
             received: VecDeque::new(),
             bytes: 0,
         };
         send(&mut association.stream, &request(titles, &proposed))?;
-        let accepted = match association.packet()? {
+        let (answer, refused) = without_refused(packet(&mut association.stream)?);
+        let accepted = match parsed(&answer)? {
             Pdu::AssociationAC(accepted) => accepted,
             Pdu::AssociationRJ(AssociationRJ { source, .. }) => {
                 return Err(DimseFault::Rejected { why: source });
@@ -131,6 +142,9 @@ impl<S: Read + Write> Association<S> {
         };
         association.part_most = part_most(&accepted)?;
         association.contexts = contexts(&accepted, &proposed);
+        let result = |id| refused.iter().find(|(of, _)| *of == id).map(|(_, result)| *result);
+        let refused = proposed.into_iter().filter_map(|(id, class)| Some((class, result(id)?)));
+        association.refused = refused.collect();
         Ok(association)
     }
 
@@ -144,10 +158,16 @@ impl<S: Read + Write> Association<S> {
         }
     }
 
-    /// C-STORE. Returns the reason of a server that does not store the object.
+    /// C-STORE. Returns the reason of a server that does not store the object. One that accepts nothing at all is not
+    /// set up for the station yet, which is no matter of the object.
     pub fn store(&mut self, object: &DicomObject) -> Result<Option<u64>, DimseFault> {
-        let Ok(context) = self.context(object.class().uid()) else {
-            return Ok(Some(CLASS_NOT_SUPPORTED));
+        let context = match self.context(object.class().uid()) {
+            Err(DimseFault::NotAccepted { result, .. })
+                if NOT_SUPPORTED.contains(&result) && !self.contexts.is_empty() =>
+            {
+                return Ok(Some(CLASS_NOT_SUPPORTED));
+            }
+            context => context?,
         };
         let data = context.syntax.encoded(object.dataset())?;
         let own = Dataset::new()
@@ -189,8 +209,12 @@ impl<S: Read + Write> Association<S> {
     }
 
     fn context(&self, class: &'static str) -> Result<Context, DimseFault> {
-        let found = self.contexts.iter().find(|of| of.class == class);
-        found.copied().ok_or(DimseFault::NotAccepted { class })
+        if let Some(context) = self.contexts.iter().find(|of| of.class == class) {
+            return Ok(*context);
+        }
+        let refused = self.refused.iter().find(|(of, _)| *of == class);
+        let result = refused.map_or(NO_REASON, |(_, result)| *result);
+        Err(DimseFault::NotAccepted { class, result })
     }
 
     /// Sends a command with what it has besides, and a data set.
@@ -273,7 +297,7 @@ impl<S: Read + Write> Association<S> {
 
     /// The next packet.
     fn packet(&mut self) -> Result<Pdu, DimseFault> {
-        parsed(&without_refused(packet(&mut self.stream)?))
+        parsed(&packet(&mut self.stream)?)
     }
 }
 
@@ -321,20 +345,23 @@ fn parsed(packet: &[u8]) -> Result<Pdu, DimseFault> {
     }
 }
 
-/// A packet without the contexts that it refuses: with them some servers name no transfer syntax, which has no meaning
-/// there (PS3.8, 9.3.3.2) and which the reader of packets insists on.
-fn without_refused(packet: Vec<u8>) -> Vec<u8> {
+/// A packet without the contexts that it refuses, and the id and result of each of these: with them some servers name
+/// no transfer syntax, which has no meaning there (PS3.8, 9.3.3.2) and which the reader of packets insists on.
+fn without_refused(packet: Vec<u8>) -> (Vec<u8>, Vec<(u8, u8)>) {
+    let mut refused = Vec::new();
     let (Some(&ACCEPTS), Some((head, mut items))) =
         (packet.first(), packet.split_at_checked(ITEMS_FROM))
     else {
-        return packet;
+        return (packet, refused);
     };
     let mut kept = head.to_vec();
     while let Some((item, rest)) = first_item(items) {
-        // Type, a byte, length of two bytes, id, a byte, result.
-        let is_refused = item[0] == CONTEXT_RESULT && item.get(6).is_some_and(|of| *of != 0);
-        if !is_refused {
-            kept.extend_from_slice(item);
+        match item {
+            // Type, a byte, length of two bytes, id, a byte, result.
+            [CONTEXT_RESULT, _, _, _, id, _, result, ..] if *result != 0 => {
+                refused.push((*id, *result));
+            }
+            _ => kept.extend_from_slice(item),
         }
         items = rest;
     }
@@ -342,7 +369,7 @@ fn without_refused(packet: Vec<u8>) -> Vec<u8> {
     kept.extend_from_slice(items);
     let length = kept.len() as u32 - PDU_HEADER_SIZE;
     kept[2..6].copy_from_slice(&length.to_be_bytes());
-    kept
+    (kept, refused)
 }
 
 /// The first item of a packet with its head, and what follows.
@@ -384,7 +411,7 @@ fn part_most(accepted: &AssociationAC) -> Result<usize, DimseFault> {
     part.map(|part| part as usize).ok_or(DimseFault::Unexpected)
 }
 
-/// What the server accepts of what was proposed; what it refuses was not read.
+/// What the server accepts of what was proposed.
 fn contexts(accepted: &AssociationAC, proposed: &[(u8, &'static str)]) -> Vec<Context> {
     accepted
         .presentation_contexts

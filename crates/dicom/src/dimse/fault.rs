@@ -39,10 +39,12 @@ pub enum DimseFault {
     #[error("the server aborts the association")]
     Aborted,
     /// The server does not offer a service to the station.
-    #[error("the server does not accept the service {class}")]
+    #[error("the server does not accept the service {class} (result {result})")]
     NotAccepted {
-        /// The UID of the service.
+        /// The UID of the service, or of a kind of object.
         class: &'static str,
+        /// Why (PS3.8, 9.3.3.2).
+        result: u8,
     },
     /// The server could not do what was asked.
     #[error("the server answers with the status {status:04X}")]

@@ -154,26 +154,51 @@ fn an_object_is_sent_whole_and_what_the_server_says_decides_whether_it_is_stored
     }
 }
 
+/// The server takes these contexts, and refuses one for a reason; no transfer syntax follows.
+fn refuses(ids: &[u8], id: u8, result: u8) -> Script {
+    let mut server = Script::new(&[accepts(ids)]);
+    let says = server.says.get_mut();
+    says.extend([0x21, 0, 0, 4, id, 0, result, 0]);
+    let length = says.len() as u32 - 6;
+    says[2..6].copy_from_slice(&length.to_be_bytes());
+    server
+}
+
 #[test]
 fn an_object_whose_kind_the_server_does_not_know_is_not_stored_and_that_will_last() {
-    let mut server = Script::new(&[accepts(&[])]);
-    let refused = store(&mut server, &titles(), &object()).unwrap().unwrap();
-    assert_eq!(refused, NotStored { reason: 0x0122 });
-    assert!(!refused.is_passing() && server.heard().is_empty());
+    for result in [3, 4] {
+        let mut server = refuses(&[3], 1, result);
+        let refused = store(&mut server, &titles(), &object()).unwrap().unwrap();
+        assert_eq!(refused, NotStored { reason: 0x0122 });
+        assert!(!refused.is_passing() && server.heard().is_empty());
+    }
+}
+
+#[test]
+fn a_server_that_refuses_a_kind_for_another_reason_or_everything_may_take_it_later() {
+    for (mut server, expected) in [
+        (refuses(&[3], 1, 1), 1),
+        (refuses(&[3], 1, 2), 2),
+        (refuses(&[3], 1, 9), 9),
+        (refuses(&[], 1, 3), 3),
+        (Script::new(&[accepts(&[3])]), 2),
+    ] {
+        let fault = store(&mut server, &titles(), &object()).unwrap_err();
+        let DimseFault::NotAccepted { result, .. } = fault else { panic!("{fault}") };
+        assert_eq!((result, server.heard().len()), (expected, 0));
+    }
 }
 
 #[test]
 fn a_refused_kind_needs_no_transfer_syntax() {
-    let mut server = Script::new(&[accepts(&[1])]);
-    let says = server.says.get_mut();
-    // The context 3 is refused for the reason 3, and nothing follows.
-    says.extend([0x21, 0, 0, 4, 3, 0, 3, 0]);
-    let length = says.len() as u32 - 6;
-    says[2..6].copy_from_slice(&length.to_be_bytes());
-    write_pdu(says, &answer(0x30, 0, None)).unwrap();
+    let mut server = refuses(&[1], 3, 3);
+    write_pdu(server.says.get_mut(), &answer(0x30, 0, None)).unwrap();
     let fault = reach(&mut server, &titles()).unwrap_err();
     let search = uids::STUDY_ROOT_QUERY_RETRIEVE_INFORMATION_MODEL_FIND;
-    assert!(matches!(fault, DimseFault::NotAccepted { class } if class == search), "{fault}");
+    assert!(
+        matches!(fault, DimseFault::NotAccepted { class, result: 3 } if class == search),
+        "{fault}"
+    );
 }
 
 #[test]
@@ -257,7 +282,7 @@ fn a_server_that_rejects_aborts_refuses_or_dies_is_told_apart() {
     assert_eq!(fault(&[accepts(&[1]), aborts]), "the server aborts the association");
     let status = fault(&[accepts(&[1]), answer(0x20, 0xa700, None)]);
     assert_eq!(status, "the server answers with the status A700");
-    let worklist = "the server does not accept the service 1.2.840.10008.5.1.4.31";
+    let worklist = "the server does not accept the service 1.2.840.10008.5.1.4.31 (result 2)";
     assert_eq!(fault(&[accepts(&[])]), worklist);
     assert!(matches!(search(&[], 1), Err(DimseFault::Connection(_))));
     assert!(matches!(search(&[accepts(&[1])], 1), Err(DimseFault::Connection(_))));
