@@ -102,7 +102,7 @@ impl Wlmscpfs {
     }
 
     fn entries(&self) -> Vec<WorklistEntry> {
-        ask(&worklist(self.port, LONG), DAY).unwrap()
+        ask(&worklist(self.port, LONG), DAY).unwrap().entries
     }
 }
 

@@ -82,6 +82,15 @@ impl Model {
     }
 }
 
+/// What a server has answered to a query.
+#[derive(Debug)]
+pub struct Found {
+    /// The answers.
+    pub answers: Vec<InMemDicomObject>,
+    /// How many further ones cannot be read.
+    pub unreadable: usize,
+}
+
 /// Whether the server takes an association and answers (C-ECHO).
 ///
 /// # Errors
@@ -113,15 +122,19 @@ pub fn find<S: Read + Write>(
     model: Model,
     query: &InMemDicomObject,
     most: usize,
-) -> Result<Vec<InMemDicomObject>, DimseFault> {
-    Association::open(stream, titles, &[model.class()])?.find(model.class(), query, most)
+) -> Result<Found, DimseFault> {
+    let mut association = Association::open(stream, titles, &[model.class()])?;
+    let found = association.find(model.class(), query, most)?;
+    let all = found.len();
+    let answers: Vec<InMemDicomObject> = found.into_iter().flatten().collect();
+    Ok(Found { unreadable: all - answers.len(), answers })
 }
 
 /// What the server has of a record in its study. It is asked for the objects of each series that the record may have:
 /// not every server searches across series (PS3.4, C.4.1.2.2), and others may have any number of objects in the study.
 ///
 /// # Errors
-/// If an answer lacks a UID; else see [`DimseFault`].
+/// If an answer cannot be read or lacks a UID; else see [`DimseFault`].
 pub fn listed<S: Read + Write>(
     stream: S,
     titles: &Titles,
@@ -147,12 +160,13 @@ fn of_series<S: Read + Write>(
         .text(tags::SOP_INSTANCE_UID, "")
         .text(tags::SOP_CLASS_UID, "");
     let found = association.find(Model::Study.class(), &query.0, LISTED_MOST)?;
-    let read = |of: &InMemDicomObject| -> Result<Listed, DimseFault> {
-        let class = required(of, tags::SOP_CLASS_UID)?;
-        let uid = required(of, tags::SOP_INSTANCE_UID)?;
+    let read = |of: Result<InMemDicomObject, DimseFault>| -> Result<Listed, DimseFault> {
+        let of = of?;
+        let class = required(&of, tags::SOP_CLASS_UID)?;
+        let uid = required(&of, tags::SOP_INSTANCE_UID)?;
         Ok(Listed { class, series: series.to_owned(), uid })
     };
-    found.iter().map(read).collect()
+    found.into_iter().map(read).collect()
 }
 
 /// Sends an object (C-STORE). Returns why the server does not store it; `None` if it does, or has it.

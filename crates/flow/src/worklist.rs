@@ -126,7 +126,7 @@ impl WorklistFilter {
 pub struct Worklist {
     day: Date,
     entries: Vec<WorklistEntry>,
-    /// How many entries of this station nobody can be named by.
+    /// How many entries nobody can be named by: those of this station, and what cannot be read.
     left_out: usize,
     /// The accession numbers of these.
     numbers_left_out: BTreeSet<String>,
@@ -176,6 +176,11 @@ impl Worklist {
         Worklist { day: today, entries, left_out: others.len(), numbers_left_out }
     }
 
+    /// It with so many entries besides that cannot be read.
+    pub fn with_unreadable(self, count: usize) -> Worklist {
+        Worklist { left_out: self.left_out + count, ..self }
+    }
+
     /// Its entries, in the order of their times; none on another day than its own.
     pub fn entries(&self, today: Date) -> &[WorklistEntry] {
         if self.is_over(today) { &[] } else { &self.entries }
@@ -186,7 +191,7 @@ impl Worklist {
         self.day != today
     }
 
-    /// How many entries of this station nobody can be named by.
+    /// How many entries nobody can be named by: those of this station, and what cannot be read.
     pub fn left_out(&self) -> usize {
         self.left_out
     }
@@ -356,6 +361,8 @@ mod tests {
         let no_request = WorklistEntry { request: None, ..entry("2", "A2") };
         let found = list(&[entry("1", "A0"), no_id, no_request]);
         assert_eq!((patients(&found), found.left_out()), (vec!["1"], 2));
+        let found = found.with_unreadable(3);
+        assert_eq!((patients(&found), found.left_out()), (vec!["1"], 5));
     }
 
     /// Red while only valid requests had a number.

@@ -33,7 +33,7 @@ use crate::station::core::Core;
 #[cfg(feature = "dicom")]
 use crate::station::journal::JournalError;
 #[cfg(feature = "dicom")]
-pub use ask::ask;
+pub use ask::{WorklistAnswer, ask};
 #[cfg(feature = "dicom")]
 pub use worker::worker;
 

@@ -181,13 +181,13 @@ impl<S: Read + Write> Association<S> {
         }
     }
 
-    /// C-FIND, with up to so many answers.
+    /// C-FIND, with up to so many answers. One that cannot be read leaves the others as they are.
     pub fn find(
         &mut self,
         class: &'static str,
         query: &InMemDicomObject,
         most: usize,
-    ) -> Result<Vec<InMemDicomObject>, DimseFault> {
+    ) -> Result<Vec<Result<InMemDicomObject, DimseFault>>, DimseFault> {
         let context = self.context(class)?;
         let data = context.syntax.encoded(query)?;
         self.ask(context, C_FIND, Dataset::new().value(tags::PRIORITY, PRIORITY), Some(&data))?;
@@ -200,7 +200,7 @@ impl<S: Read + Write> Association<S> {
                     return Err(DimseFault::TooMany { most });
                 }
                 (status, Some(data)) if PENDING.contains(&status) => {
-                    found.push(read(context.syntax, &data)?);
+                    found.push(read(context.syntax, &data));
                 }
                 (status, None) if PENDING.contains(&status) => return Err(DimseFault::Unexpected),
                 (status, _) => return Err(DimseFault::Status { status }),

@@ -132,6 +132,10 @@ fn object() -> DicomObject {
 }
 
 fn search(packets: &[Pdu], most: usize) -> Result<Vec<InMemDicomObject>, DimseFault> {
+    found(packets, most).map(|found| found.answers)
+}
+
+fn found(packets: &[Pdu], most: usize) -> Result<Found, DimseFault> {
     find(Script::new(packets), &titles(), Model::Worklist, &InMemDicomObject::new_empty(), most)
 }
 
@@ -267,6 +271,29 @@ fn answers_are_text_whatever_their_character_set_and_no_more_of_them_than_were_a
     let names: Vec<_> = found.iter().map(|of| text_of(of, tags::PATIENT_NAME).unwrap()).collect();
     assert_eq!(names, ["\u{dc}ber^A", "\u{dc}ber^A"]);
     assert!(matches!(search(&packets, 1), Err(DimseFault::TooMany { most: 1 })));
+}
+
+#[test]
+fn an_answer_that_cannot_be_read_leaves_the_others_and_is_counted() {
+    let of = |id: &str| answer(0x20, 0xff00, Some(Dataset::new().text(tags::PATIENT_ID, id)));
+    let broken = |bytes: &[u8]| {
+        let Pdu::PData { mut data } = of("4712") else { panic!("it is data") };
+        data[1].data = bytes.to_vec();
+        Pdu::PData { data }
+    };
+    let level = b"\x40\0\x00\x01SQ\0\0\xff\xff\xff\xff\xfe\xff\0\xe0\xff\xff\xff\xff";
+    let packets = [
+        accepts(&[1]),
+        of("4711"),
+        broken(b"\x10\0\x20\0LO\xff\xff4712"),
+        broken(&level.repeat(9)),
+        of("4713"),
+        answer(0x20, 0, None),
+    ];
+    let Found { answers, unreadable } = found(&packets, 4).unwrap();
+    let ids: Vec<_> = answers.iter().map(|of| text_of(of, tags::PATIENT_ID).unwrap()).collect();
+    assert_eq!((ids, unreadable), (vec!["4711".to_owned(), "4713".to_owned()], 2));
+    assert!(matches!(found(&packets, 3), Err(DimseFault::TooMany { most: 3 })));
 }
 
 #[test]

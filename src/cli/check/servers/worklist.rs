@@ -10,7 +10,7 @@ use jiff::{Timestamp, Zoned};
 use super::{not_given, of_certificate, of_secret};
 use crate::cli::check::row::{Row, Verdict};
 use crate::config::{Config, WorklistConfig};
-use crate::station::booth::worklist;
+use crate::station::booth::worklist::{self, WorklistAnswer};
 
 /// The name of the row of the server.
 const CHECK: &str = "worklist";
@@ -48,7 +48,7 @@ fn of_server(worklist: &WorklistConfig, config: &Config) -> Vec<Row> {
 
 /// What an answer holds for this station, without naming anybody.
 fn listed(
-    answer: Vec<WorklistEntry>,
+    answer: WorklistAnswer,
     worklist: &WorklistConfig,
     config: &Config,
     today: Date,
@@ -59,15 +59,16 @@ fn listed(
         let patient = identity.as_ref().map(|rules| rules.patient(text, SourceKind::Operator));
         patient.is_ok_and(|patient| patient.is_some())
     };
-    let all = answer.len();
-    let numbers = answer.iter().filter_map(WorklistEntry::accession_number);
+    let WorklistAnswer { entries, unreadable } = answer;
+    let all = entries.len() + unreadable;
+    let numbers = entries.iter().filter_map(WorklistEntry::accession_number);
     let may_be_ids = numbers.filter(|number| is_id(number)).count();
-    let list = Worklist::new(answer, &worklist.filter, today, is_id);
+    let list = Worklist::new(entries, &worklist.filter, today, is_id).with_unreadable(unreadable);
     let mut detail =
         format!("answers: {all} entries, {} of this station today", list.entries(today).len());
     if list.left_out() > 0 {
         detail += &format!(
-            ", and {} by which nobody can be named (patient.pattern, or no study)",
+            ", and {} by which nobody can be named (patient.pattern, no study, or not to be read)",
             list.left_out()
         );
     }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use gaiter_dicom::dimse::{Model, find};
+use gaiter_dicom::dimse::{Found, Model, find};
 use gaiter_dicom::{InMemDicomObject, Tag, planned, tags};
 use gaiter_flow::worklist::{FindResponse, WorklistEntry};
 use jiff::civil::Date;
@@ -14,17 +14,26 @@ use crate::store::ServerFault;
 /// whole hospital; more than that is not the list of a day.
 const ANSWERS_MOST: usize = 5_000;
 
-/// The entries that the server has for this station on a day. Blocks, for as long as `config.limit` allows.
+/// What a server has answered.
+#[derive(Debug)]
+pub struct WorklistAnswer {
+    /// The entries that it has.
+    pub entries: Vec<WorklistEntry>,
+    /// How many further ones cannot be read.
+    pub unreadable: usize,
+}
+
+/// What the server has for this station on a day. Blocks, for as long as `config.limit` allows.
 ///
 /// # Errors
 /// [`ServerFault`], which holds nothing that an entry says: nothing is known then, and an earlier answer still holds.
-pub fn ask(config: &WorklistConfig, day: Date) -> Result<Vec<WorklistEntry>, ServerFault> {
+pub fn ask(config: &WorklistConfig, day: Date) -> Result<WorklistAnswer, ServerFault> {
     let WorklistConfig { server, filter, limit, .. } = config;
     let query = planned(&server.titles.calling, filter.modality.as_deref(), day);
-    let answers = server.asked(*limit, |connection, titles| {
+    let Found { answers, unreadable } = server.asked(*limit, |connection, titles| {
         find(connection, titles, Model::Worklist, &query, ANSWERS_MOST)
     })?;
-    Ok(answers.iter().map(entry).collect())
+    Ok(WorklistAnswer { entries: answers.iter().map(entry).collect(), unreadable })
 }
 
 /// The entry of an answer, which has one planned step.

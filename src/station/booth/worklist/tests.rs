@@ -61,6 +61,7 @@ fn entry(patient: &str, number: &str) -> WorklistEntry {
 
 fn answers(booth: &Booth, answer: Vec<WorklistEntry>) {
     let config = booth.core().config.patient.worklist.clone().unwrap();
+    let answer = WorklistAnswer { entries: answer, unreadable: 0 };
     booth.note_worklist(answer, &config, today());
 }
 
@@ -197,6 +198,16 @@ fn while_the_server_is_away_the_last_answer_holds_and_its_day_ends_it() {
     booth.end_worklist(today().tomorrow().unwrap());
     assert!(booth.listed().is_none() && booth.worklist.list().is_none(), "nothing is known of it");
     assert_eq!((facts(&booth).entries, facts(&booth).edition), (0, before + 1));
+}
+
+#[test]
+fn entries_that_cannot_be_read_are_told_as_left_out() {
+    let dir = tempfile::tempdir().unwrap();
+    let booth = booth(dir.path());
+    let config = booth.core().config.patient.worklist.clone().unwrap();
+    let answer = WorklistAnswer { entries: vec![entry("4711", "A1")], unreadable: 2 };
+    booth.note_worklist(answer, &config, today());
+    assert_eq!((facts(&booth).entries, facts(&booth).left_out), (1, 2));
 }
 
 #[test]

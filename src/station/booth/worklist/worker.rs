@@ -14,7 +14,7 @@ use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
 
-use super::{ask, id_rules, today};
+use super::{WorklistAnswer, ask, id_rules, today};
 use crate::config::WorklistConfig;
 use crate::station::booth::Booth;
 use crate::station::core::Core;
@@ -89,18 +89,14 @@ pub(super) fn note_fault(core: &Core, why: Cause) {
 
 impl Booth {
     /// Takes an answer of the server for a day. Blocks.
-    pub(super) fn note_worklist(
-        &self,
-        answer: Vec<WorklistEntry>,
-        config: &WorklistConfig,
-        day: Date,
-    ) {
+    pub(super) fn note_worklist(&self, answer: WorklistAnswer, config: &WorklistConfig, day: Date) {
         let core = self.core();
         let is_id = |text: &str| core.identity.patient(text, SourceKind::Operator).is_some();
         // First: the numbers of the new list may be like ids.
-        self.note_numbers(&answer, is_id);
+        self.note_numbers(&answer.entries, is_id);
         let numbers = self.numbers_told();
-        let list = Worklist::new(answer, &config.filter, day, is_id);
+        let list = Worklist::new(answer.entries, &config.filter, day, is_id)
+            .with_unreadable(answer.unreadable);
         let (entries, left_out) = (list.entries(day).len(), list.left_out());
         let has_changed = self.replace_worklist(Some(list));
         let was_sound = core.board.note(|facts| {
