@@ -57,8 +57,7 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
     use Absent::Default;
     let place = reader.text("store.dicom.address", Default(""), or_none(place));
     let issuer = reader.text("store.dicom.issuer", Default(""), issuer);
-    let attach = "report.pdf\", \"left.stl\", \"right.stl";
-    let attach = reader.list("store.dicom.attach", Default(attach), attached);
+    let attach = reader.list("store.dicom.attach", Default("report.pdf"), attached);
     let names = reader.flag("store.dicom.names", "false");
     let access = access(reader);
     let titles = titles(reader);

@@ -33,15 +33,45 @@ fn of_archive(config: &Config, dicom: &DicomStoreConfig, store: &dyn RecordStore
 
 /// The files that are to be sent and that no record has.
 fn of_attached(config: &Config, dicom: &DicomStoreConfig, store: &dyn RecordStore) -> Option<Row> {
-    let kinds = config.output.files.iter();
-    let surfaces = kinds
-        .flat_map(|kind| Side::FROM_FRONT.map(|side| format!("{}{}", side.word(), kind.ending())));
-    let made: Vec<String> = surfaces.chain(["report.pdf".to_owned()]).collect();
-    let missing: Vec<&str> =
-        dicom.attach.iter().filter(|name| !made.contains(name)).map(String::as_str).collect();
+    let missing = not_made(config, dicom);
     let detail = format!(
         "no record has {}: name its kind in output.files, or remove it from store.dicom.attach",
         missing.join(", ")
     );
     (!missing.is_empty()).then(|| Row::at("attach", store.place(), Verdict::Warn, detail))
+}
+
+/// Those that the station's own settings keep from being made.
+fn not_made<'c>(config: &Config, dicom: &'c DicomStoreConfig) -> Vec<&'c str> {
+    let kinds = config.output.files.iter();
+    let surfaces = kinds
+        .flat_map(|kind| Side::FROM_FRONT.map(|side| format!("{}{}", side.word(), kind.ending())));
+    let made: Vec<String> = surfaces.chain(["report.pdf".to_owned()]).collect();
+    dicom.attach.iter().filter(|name| !made.contains(name)).map(String::as_str).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config;
+
+    fn not_made_by(keys: &str) -> Vec<String> {
+        let text = format!(
+            "[station]\nid = \"booth-1\"\nstate_dir = \"/var/lib/gaiter\"\n\
+             [scanner]\nexport_dirs = [\"/srv/scanner/export\"]\n\
+             [store.folder]\npath = \"/srv/records\"\n\
+             [store.dicom]\naddress = \"https://pacs.clinic.example/dicom-web\"\n{keys}"
+        );
+        let config = config::load(&text).unwrap();
+        let missing = not_made(&config, config.store.dicom.as_ref().unwrap());
+        missing.into_iter().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn what_goes_by_default_is_in_every_record_and_what_is_in_none_is_told() {
+        assert!(not_made_by("").is_empty());
+        let attach = "attach = [\"left.stl\", \"report.pdf\"]\n";
+        assert_eq!(not_made_by(attach), ["left.stl"]);
+        assert!(not_made_by(&format!("{attach}[output]\nfiles = [\"stl\"]\n")).is_empty());
+    }
 }
