@@ -78,7 +78,7 @@ export class WorklistServer {
   /** The section of a station that asks it. */
   get section() {
     const { port } = this.listener.address();
-    return `[patient.worklist]\naddress = "127.0.0.1:${port}"\nserver = "RIS"\nencryption = "none"\nevery = "10s"\n`;
+    return `[patient.worklist]\naddress = "127.0.0.1:${port}"\nserver_ae_title = "RIS"\nencryption = "none"\nevery = "10s"\n`;
   }
 
   end() {

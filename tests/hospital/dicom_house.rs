@@ -57,7 +57,7 @@ pub fn dimse_way(host: &str, port: u16, called: &str, tls: Option<TlsFiles>) -> 
 /// The keys of `[store.dicom]` for associations that are not encrypted. Two objects are sent of a record.
 pub fn dimse_section(port: u16, called: &str) -> String {
     format!(
-        "[store.dicom]\naddress = \"127.0.0.1:{port}\"\nserver = \"{called}\"\n\
+        "[store.dicom]\naddress = \"127.0.0.1:{port}\"\nserver_ae_title = \"{called}\"\n\
          encryption = \"none\"\nattach = [\"report.pdf\"]\n"
     )
 }

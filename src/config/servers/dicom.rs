@@ -74,8 +74,8 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
             let (titles, tls) = (Titles { calling, called }, encryption.then_some(tls));
             Ok(DicomWay::Dimse(DimseServer { host, port, titles, tls }))
         }
-        (Place::Web(_), Some(_), _) => Err(What::Together("store.dicom.server")),
-        (Place::Dimse(..), None, _) => Err(What::Without("store.dicom.server")),
+        (Place::Web(_), Some(_), _) => Err(What::Together("store.dicom.server_ae_title")),
+        (Place::Dimse(..), None, _) => Err(What::Without("store.dicom.server_ae_title")),
         (Place::Dimse(..), Some(_), _) => Err(What::Together("store.dicom.access")),
     };
     let way = way.map_err(|what| reader.note(at, "store.dicom.address", what)).ok()?;
@@ -99,8 +99,8 @@ fn place(text: &str) -> Result<Place, What> {
 /// The titles of the station and of the server, which has one only if associations are asked for.
 fn titles(reader: &mut Reader) -> Option<(AeTitle, Option<AeTitle>)> {
     use Absent::Default;
-    let called = reader.text("store.dicom.server", Default(""), or_none(title));
-    let calling = reader.text("store.dicom.title", Default("GAITER"), title);
+    let called = reader.text("store.dicom.server_ae_title", Default(""), or_none(title));
+    let calling = reader.text("store.dicom.ae_title", Default("GAITER"), title);
     Some((calling?.value, called?.value))
 }
 

@@ -42,8 +42,8 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     use Absent::Default;
     let key = "patient.worklist.address";
     let address = reader.text(key, Default(""), or_none(host_and_port));
-    let server = reader.text("patient.worklist.server", Default(""), or_none(title));
-    let own = reader.text("patient.worklist.title", Default("GAITER"), title);
+    let server = reader.text("patient.worklist.server_ae_title", Default(""), or_none(title));
+    let own = reader.text("patient.worklist.ae_title", Default("GAITER"), title);
     let modality = reader.text("patient.worklist.modality", Default(""), or_none(modality));
     let every =
         reader.text("patient.worklist.every", Default("1m"), parse::duration_in("10s"..="1h"));
@@ -55,7 +55,7 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     let Found { value: Some((host, port)), at } = address? else { return Some(None) };
     let called = server?.value;
     if called.is_none() {
-        reader.note(at, key, What::Without("patient.worklist.server"));
+        reader.note(at, key, What::Without("patient.worklist.server_ae_title"));
     }
     let (calling, called, tls) = (own?.value, called?, encryption?.value.then_some(tls?));
     let filter = WorklistFilter { station: calling.as_str().to_owned(), modality: modality?.value };

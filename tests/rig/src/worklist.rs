@@ -82,7 +82,7 @@ impl WorklistServer {
     pub fn section(&self) -> String {
         let port = self.port;
         format!(
-            "[patient.worklist]\naddress = \"127.0.0.1:{port}\"\nserver = \"RIS\"\n\
+            "[patient.worklist]\naddress = \"127.0.0.1:{port}\"\nserver_ae_title = \"RIS\"\n\
              encryption = \"none\"\nevery = \"10s\"\n"
         )
     }

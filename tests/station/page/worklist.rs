@@ -5,8 +5,7 @@ use rig::web::Header;
 use super::*;
 
 /// A server that is not there.
-const AWAY: &str =
-    "[patient.worklist]\naddress = \"127.0.0.1:1\"\nserver = \"RIS\"\nencryption = \"none\"\n";
+const AWAY: &str = "[patient.worklist]\naddress = \"127.0.0.1:1\"\nserver_ae_title = \"RIS\"\nencryption = \"none\"\n";
 
 fn asked(site: &Site, headers: &[Header]) -> HttpAnswer {
     site.post("/worklist", "{\"anew\":true}", headers)

@@ -28,7 +28,7 @@ fn booth(dir: &Path) -> Booth {
     let text = format!(
         "[station]\nid = \"booth-1\"\nstate_dir = \"{0}/state\"\n[scanner]\nexport_dirs = [\"{0}/export\"]\n\
          [patient]\npattern = '^[0-9]{{4}}$'\n\
-         [patient.worklist]\naddress = \"127.0.0.1:104\"\nserver = \"RIS\"\ntitle = \"LEGSCAN\"\n\
+         [patient.worklist]\naddress = \"127.0.0.1:104\"\nserver_ae_title = \"RIS\"\nae_title = \"LEGSCAN\"\n\
          encryption = \"none\"\n[store.folder]\npath = \"{0}/records\"\n",
         dir.display()
     );
