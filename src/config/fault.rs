@@ -110,6 +110,9 @@ pub enum What {
     /// Two keys of which only one may be set.
     #[error("is set together with {0}")]
     Together(&'static str),
+    /// A key that nothing reads as the others are set.
+    #[error("has no effect {0}")]
+    NoEffect(&'static str),
     /// Not a list of known girths.
     #[error("{0}")]
     PhantomGirths(PhantomTextFault),
@@ -166,6 +169,7 @@ impl Hint for What {
             }
             What::OnlyLoopback(_) => ADDRESS.into(),
             What::Together(_) => "remove one of the two".into(),
+            What::NoEffect(_) => "remove it".into(),
             What::Overlap { .. } => "exports, state and records need separate folders".into(),
             What::NotARegex(_) => "in single quotes a \\ needs no doubling: '^P?[0-9]+_'".into(),
             What::NoPatientGroup => {

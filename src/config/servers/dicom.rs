@@ -1,7 +1,10 @@
 //! `[store.dicom]`: an archive of images.
 
+use std::ops::Range;
+
 use gaiter_dicom::attachable;
 use gaiter_dicom::dimse::{AeTitle, Titles};
+use gaiter_https::Secret;
 
 use super::{TlsKeys, address, file_name, host_and_port, line, secret, tls, user};
 use crate::config::fault::What;
@@ -52,6 +55,9 @@ const TLS: TlsKeys = TlsKeys {
 /// The longest name of who assigns ids, characters (LO).
 const ISSUER_MOST: usize = 64;
 
+/// The station's title, if none is set.
+const AE_TITLE: &str = "GAITER";
+
 /// Reads the keys of `[store.dicom]`. Without an address the section is off.
 pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreConfig>> {
     use Absent::Default;
@@ -59,26 +65,23 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
     let issuer = reader.text("store.dicom.issuer", Default(""), issuer);
     let attach = reader.list("store.dicom.attach", Default("report.pdf"), attached);
     let names = reader.flag("store.dicom.names", "false");
-    let access = access(reader);
-    let titles = titles(reader);
-    let encryption =
-        reader.text("store.dicom.encryption", Default("tls"), parse::word(ENCRYPTIONS));
+    let (web, dimse) = (WebKeys::read(reader), DimseKeys::read(reader));
     let tls = tls(reader, &TLS);
     let limit =
         reader.text("store.dicom.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
     let Found { value: Some(place), at } = place? else { return Some(None) };
-    let (access, (calling, called), encryption, tls) = (access?, titles?, encryption?.value, tls?);
-    let way = match (place, called, access) {
-        (Place::Web(base), None, access) => Ok(DicomWay::Web { base, access, tls }),
-        (Place::Dimse(host, port), Some(called), DicomAccess::Open) => {
-            let (titles, tls) = (Titles { calling, called }, encryption.then_some(tls));
-            Ok(DicomWay::Dimse(DimseServer { host, port, titles, tls }))
+    let (web, dimse, tls) = (web?, dimse?, tls?);
+    let way = match place {
+        Place::Web(base) => {
+            dimse.note_unread(reader);
+            DicomWay::Web { base, access: web.access(reader)?, tls }
         }
-        (Place::Web(_), Some(_), _) => Err(What::Together("store.dicom.server_ae_title")),
-        (Place::Dimse(..), None, _) => Err(What::Without("store.dicom.server_ae_title")),
-        (Place::Dimse(..), Some(_), _) => Err(What::Together("store.dicom.access")),
+        Place::Dimse(host, port) => {
+            web.note_unread(reader);
+            let (titles, is_encrypted) = dimse.titles(reader, at)?;
+            DicomWay::Dimse(DimseServer { host, port, titles, tls: is_encrypted.then_some(tls) })
+        }
     };
-    let way = way.map_err(|what| reader.note(at, "store.dicom.address", what)).ok()?;
     let server = DicomServer { way, limit: limit?.value };
     Some(Some(DicomStoreConfig {
         server,
@@ -96,44 +99,106 @@ fn place(text: &str) -> Result<Place, What> {
     }
 }
 
-/// The titles of the station and of the server, which has one only if associations are asked for.
-fn titles(reader: &mut Reader) -> Option<(AeTitle, Option<AeTitle>)> {
-    use Absent::Default;
-    let called = reader.text("store.dicom.server_ae_title", Default(""), or_none(title));
-    let calling = reader.text("store.dicom.ae_title", Default("GAITER"), title);
-    Some((calling?.value, called?.value))
+/// The keys for DICOMweb alone.
+struct WebKeys {
+    access: Found<Kind>,
+    user: Found<Option<String>>,
+    secret: Found<Option<Secret>>,
+}
+
+impl WebKeys {
+    fn read(reader: &mut Reader) -> Option<WebKeys> {
+        use Absent::Default;
+        let access = reader.text("store.dicom.access", Default("open"), parse::word(KINDS));
+        let user = reader.text("store.dicom.user", Default(""), or_none(user));
+        let secret = reader.text("store.dicom.secret", Default(""), or_none(secret));
+        Some(WebKeys { access: access?, user: user?, secret: secret? })
+    }
+
+    /// How the station authenticates. All keys that are missing or too many are reported at once.
+    fn access(self, reader: &mut Reader) -> Option<DicomAccess> {
+        let WebKeys { access: Found { value: kind, at }, user, secret } = self;
+        let keys = [
+            ("store.dicom.user", user.at, user.value.is_some(), kind == Kind::Basic),
+            ("store.dicom.secret", secret.at, secret.value.is_some(), kind != Kind::Open),
+        ];
+        for (key, key_at, is_set, is_needed) in keys {
+            match (is_set, is_needed) {
+                (false, true) => reader.note(at.clone(), "store.dicom.access", What::Without(key)),
+                (true, false) => reader.note(key_at, key, What::NoEffect("with this access")),
+                _ => {}
+            }
+        }
+        Some(match kind {
+            Kind::Open => DicomAccess::Open,
+            Kind::Basic => DicomAccess::Basic { user: user.value?, password: secret.value? },
+            Kind::Bearer => DicomAccess::Bearer { token: secret.value? },
+        })
+    }
+
+    fn note_unread(self, reader: &mut Reader) {
+        let keys = [
+            ("store.dicom.access", self.access.at, self.access.value != Kind::Open),
+            ("store.dicom.user", self.user.at, self.user.value.is_some()),
+            ("store.dicom.secret", self.secret.at, self.secret.value.is_some()),
+        ];
+        note_unread(reader, keys, "by C-STORE");
+    }
+}
+
+/// The keys for associations alone.
+struct DimseKeys {
+    called: Found<Option<AeTitle>>,
+    calling: Found<AeTitle>,
+    is_encrypted: Found<bool>,
+}
+
+impl DimseKeys {
+    fn read(reader: &mut Reader) -> Option<DimseKeys> {
+        use Absent::Default;
+        let called = reader.text("store.dicom.server_ae_title", Default(""), or_none(title));
+        let calling = reader.text("store.dicom.ae_title", Default(AE_TITLE), title);
+        let words = parse::word(ENCRYPTIONS);
+        let is_encrypted = reader.text("store.dicom.encryption", Default("tls"), words);
+        Some(DimseKeys { called: called?, calling: calling?, is_encrypted: is_encrypted? })
+    }
+
+    /// Who asks whom, and whether that is encrypted. `at` is the place of the address, which needs the server's title.
+    fn titles(self, reader: &mut Reader, at: Range<usize>) -> Option<(Titles, bool)> {
+        let Some(called) = self.called.value else {
+            let without = What::Without("store.dicom.server_ae_title");
+            reader.note(at, "store.dicom.address", without);
+            return None;
+        };
+        Some((Titles { calling: self.calling.value, called }, self.is_encrypted.value))
+    }
+
+    fn note_unread(self, reader: &mut Reader) {
+        let is_own = self.calling.value.as_str() != AE_TITLE;
+        let keys = [
+            ("store.dicom.server_ae_title", self.called.at, self.called.value.is_some()),
+            ("store.dicom.ae_title", self.calling.at, is_own),
+            ("store.dicom.encryption", self.is_encrypted.at, !self.is_encrypted.value),
+        ];
+        note_unread(reader, keys, "over DICOMweb");
+    }
+}
+
+/// Notes which of these keys are set to something else than their default, though nothing reads them.
+fn note_unread(
+    reader: &mut Reader,
+    keys: [(&'static str, Range<usize>, bool); 3],
+    why: &'static str,
+) {
+    for (key, at, _) in keys.into_iter().filter(|(.., is_set)| *is_set) {
+        reader.note(at, key, What::NoEffect(why));
+    }
 }
 
 /// The title of an application.
 pub(super) fn title(text: &str) -> Result<AeTitle, What> {
     let hint = "write 1 to 16 letters, digits and signs of ASCII, as in \"ORTHANC\"";
     AeTitle::new(text).map_err(|_| not_a(text, "a valid AE title", hint))
-}
-
-/// How the station authenticates.
-fn access(reader: &mut Reader) -> Option<DicomAccess> {
-    use Absent::Default;
-    let kind = reader.text("store.dicom.access", Default("open"), parse::word(KINDS));
-    let user = reader.text("store.dicom.user", Default(""), or_none(user));
-    let secret = reader.text("store.dicom.secret", Default(""), or_none(secret));
-    let Found { value: kind, at } = kind?;
-    let (user, secret) = (user?.value, secret?.value);
-    // All missing keys are reported at once.
-    let of_user = ("store.dicom.user", user.is_some());
-    let of_secret = ("store.dicom.secret", secret.is_some());
-    let needed = match kind {
-        Kind::Open => Vec::new(),
-        Kind::Basic => vec![of_user, of_secret],
-        Kind::Bearer => vec![of_secret],
-    };
-    for (key, _) in needed.into_iter().filter(|(_, has)| !has) {
-        reader.note(at.clone(), "store.dicom.access", What::Without(key));
-    }
-    Some(match kind {
-        Kind::Open => DicomAccess::Open,
-        Kind::Basic => DicomAccess::Basic { user: user?, password: secret? },
-        Kind::Bearer => DicomAccess::Bearer { token: secret? },
-    })
 }
 
 /// Who assigns ids, as DICOM can write it.
