@@ -462,6 +462,29 @@ fn a_credential_is_for_the_service_and_the_server_is_not_tried_without_it() {
 }
 
 #[test]
+#[cfg(feature = "dicom")]
+fn a_line_that_anyone_can_read_is_told_with_what_is_read_and_whose_it_is() {
+    let root = TempDir::new().unwrap();
+    // An address that is kept for documents: nobody is there.
+    let far = "address = \"192.0.2.1:104\"\nserver_ae_title = \"PACS\"\n\
+               encryption = \"none\"\ntimeout = \"1s\"\n";
+    for (section, read, server) in [
+        ("store.dicom", "the results", "archive"),
+        ("patient.worklist", "names and birth dates", "server of the worklist"),
+    ] {
+        let config = station(root.path(), &format!("[{section}]\n{far}"));
+        let output = check(&config, &["--json"]);
+        let [(_, verdict, detail)] = &rows(&output, "encryption")[..] else { panic!() };
+        assert_eq!(verdict, "warn");
+        let expected = format!(
+            "not encrypted: anyone in the network can read {read}; encryption = \"tls\" if the \
+             {server} can"
+        );
+        assert_eq!(*detail, expected);
+    }
+}
+
+#[test]
 fn a_receiver_takes_a_connection_or_fails_and_a_folder_of_messages_is_written_in() {
     let root = TempDir::new().unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
@@ -480,7 +503,9 @@ fn a_receiver_takes_a_connection_or_fails_and_a_folder_of_messages_is_written_in
     let output = check(&station(root.path(), &far), &["--json"]);
     let [(_, verdict, detail)] = &rows(&output, "encryption")[..] else { panic!() };
     assert_eq!(verdict, "warn");
-    assert!(detail.starts_with("not encrypted"), "{detail}");
+    let expected = "not encrypted: anyone in the network can read the results; \
+                    encryption = \"tls\" if the receiver can";
+    assert_eq!(detail, expected);
     let messages = root.path().join("messages");
     fs::create_dir(&messages).unwrap();
     let way = store(&format!("path = \"{}\"", messages.display()));

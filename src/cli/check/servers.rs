@@ -58,16 +58,17 @@ fn hl7_rows(config: &Hl7StoreConfig, store: &dyn RecordStore) -> Vec<Row> {
     rows.extend(tls.as_ref().and_then(|tls| of_certificate(tls, Timestamp::now())));
     rows.push(tried("HL7 receiver", store, own.as_slice(), "takes a connection"));
     if tls.is_none() && !is_this_machine(host) {
-        rows.push(not_encrypted(store));
+        rows.push(not_encrypted(store.place(), "the results", "receiver"));
     }
     rows
 }
 
-/// A warning that what goes to a server can be read on the way.
-fn not_encrypted(store: &dyn RecordStore) -> Row {
-    let detail = "not encrypted: anyone in the network can read the results; \
-                  encryption = \"tls\" if the receiver can";
-    Row::at("encryption", store.place(), Verdict::Warn, detail)
+/// A warning that what goes to a server or comes from it can be read on the way.
+fn not_encrypted(place: String, what: &str, server: &str) -> Row {
+    let detail = format!(
+        "not encrypted: anyone in the network can read {what}; encryption = \"tls\" if the {server} can"
+    );
+    Row::at("encryption", place, Verdict::Warn, detail)
 }
 
 fn archive_rows(config: &ArchiveStoreConfig, store: &dyn RecordStore) -> Vec<Row> {

@@ -25,7 +25,7 @@ fn of_archive(config: &Config, dicom: &DicomStoreConfig, store: &dyn RecordStore
     if let DicomWay::Dimse(DimseServer { host, tls: None, .. }) = &dicom.server.way
         && !is_this_machine(host)
     {
-        rows.push(not_encrypted(store));
+        rows.push(not_encrypted(store.place(), "the results", "archive"));
     }
     rows.extend(of_attached(config, dicom, store));
     rows

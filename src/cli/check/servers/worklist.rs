@@ -7,7 +7,7 @@ use gaiter_record::SourceKind;
 use jiff::civil::Date;
 use jiff::{Timestamp, Zoned};
 
-use super::{not_given, of_certificate, of_secret};
+use super::{not_encrypted, not_given, of_certificate, of_secret};
 use crate::cli::check::row::{Row, Verdict};
 use crate::config::{Config, WorklistConfig};
 use crate::station::booth::worklist::{self, WorklistAnswer};
@@ -39,9 +39,7 @@ fn of_server(worklist: &WorklistConfig, config: &Config) -> Vec<Row> {
     });
     rows.push(tried);
     if server.tls.is_none() && !is_this_machine(&server.host) {
-        let detail = "not encrypted: anyone in the network can read names and birth dates; \
-                      encryption = \"tls\" if the server can";
-        rows.push(Row::at("encryption", &place, Verdict::Warn, detail));
+        rows.push(not_encrypted(place, "names and birth dates", "server of the worklist"));
     }
     rows
 }
