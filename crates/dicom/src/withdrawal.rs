@@ -39,6 +39,7 @@ pub fn withdrawal(
         .text(tags::SOP_INSTANCE_UID, uid.as_str())
         .text(tags::STUDY_DATE, "")
         .text(tags::STUDY_TIME, "")
+        .text(tags::STUDY_DESCRIPTION, rules.language.text("hospital.leg_measures"))
         .text(tags::CONTENT_DATE, date)
         .text(tags::CONTENT_TIME, time)
         .text(tags::TIMEZONE_OFFSET_FROM_UTC, "+0000")

@@ -326,6 +326,9 @@ fn a_withdrawal_names_what_holds_and_leaves_nothing_that_does() {
         ),
         ("113038", "KO")
     );
+    let figures = dataset(&sent(&marked(), 0)[0]);
+    let descriptions = [&set, &figures].map(|of| text(of, tags::STUDY_DESCRIPTION));
+    assert!(descriptions[0] == descriptions[1] && !descriptions[0].is_empty(), "{descriptions:?}");
     let named: BTreeSet<String> = below(&set)
         .iter()
         .map(|item| {
