@@ -138,7 +138,7 @@ impl SopClass {
 }
 
 /// A DICOM object.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct DicomObject {
     class: SopClass,
     uid: String,
