@@ -176,7 +176,7 @@ fn wlmscpfs_lists_who_is_expected_at_the_station_today_with_umlauts_in_each_char
         assert_eq!(step.time, Some(time(9, 30, 0, 0)));
         // From there into the report.
         let [report, numbers] = report_of(entry);
-        assert!(report.contains("Gr\u{fc}nwald^J\u{f6}rg (M, 1950-01-02, #4711)"), "{report}");
+        assert!(report.contains("Gr\u{fc}nwald^J\u{f6}rg (M, 1950-01-02, #4711:KIS)"), "{report}");
         // In the object, and in the request that it answers.
         assert_eq!(numbers.matches("[A1]").count(), 2, "{numbers}");
     }
