@@ -168,20 +168,19 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     fn erase(&self, patient: &str, before: Timestamp, scans: &[ScanId]) -> Result<(), StoreFault>;
 
     /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
-    /// `keeper` has it. Files that a person added to it move to the keeper's record. `receipt` is what a server has
-    /// confirmed the record by: a server that does not show it has not withdrawn it. `request` is the one that the
-    /// record answers. A repeated call does nothing.
+    /// `keeper` has it. Files that a person added to it move to the keeper's record. A repeated call does
+    /// nothing.
     ///
     /// # Errors
     /// See [`StoreFault`]; a permanent one if the store gives nothing back, or if the record was changed
-    /// by hand and is therefore left alone.
+    /// by hand and is therefore left alone; [`ServerFault::NotShown`] if the server does not show all that it has
+    /// confirmed or may still take in: what it shows is withdrawn.
     fn withdraw(
         &self,
         _scan: &ScanId,
         _from: Option<&str>,
         _keeper: Option<&str>,
-        _receipt: Option<&str>,
-        _request: Option<&ImagingRequest>,
+        _past: PastDelivery<'_>,
     ) -> Result<(), StoreFault> {
         Err(StoreFault::Permanent(Rejection::HandedOver))
     }
@@ -246,6 +245,18 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     }
 }
 
+/// What is known of the delivery of a record that is withdrawn, for servers.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PastDelivery<'a> {
+    /// What the server has confirmed the record by, '' if it was sent and not confirmed; `None` if it is not known
+    /// whether it was sent.
+    pub receipt: Option<&'a str>,
+    /// The request that the record answers.
+    pub request: Option<&'a ImagingRequest>,
+    /// The turn in which it was delivered last.
+    pub turn: u32,
+}
+
 /// One record on its way to a store.
 #[derive(Debug, Clone, Copy)]
 pub struct Delivery<'a> {
@@ -259,6 +270,8 @@ pub struct Delivery<'a> {
     pub first_seen: Timestamp,
     /// The revision of the record.
     pub revision: u32,
+    /// How often the scan was taken from this patient and given back; counted for servers.
+    pub turn: u32,
     /// The record's files except the scan's own bytes, in the order in which they are to be written,
     /// `SHA256SUMS` last.
     pub files: &'a [RecordFile],

@@ -19,7 +19,6 @@ use gaiter_https::{
     Bucket, BucketFault, BucketPlace, HttpsClient, PutNew, Secret, TlsFiles, secret,
 };
 use gaiter_leg::{Method, WholeBody};
-use gaiter_record::ImagingRequest;
 use gaiter_record::archive::{
     Announcement, Document, MethodId, ObjectKey, Pseudonym, RecordHash, SiteKey, StationId,
     Withdrawal, packed, pseudonymous,
@@ -29,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use self::clock::MonotonicClock;
 use super::server::ServerFault;
-use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
 
 /// For a whole exchange: a crop has one or two million bytes, and a clinic's line may be slow.
 const EXCHANGE_MOST: Duration = Duration::from_secs(60);
@@ -258,8 +257,7 @@ impl RecordStore for ArchiveStore {
         scan: &ScanId,
         from: Option<&str>,
         _keeper: Option<&str>,
-        _receipt: Option<&str>,
-        _request: Option<&ImagingRequest>,
+        _past: PastDelivery<'_>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let site = self.site_key()?;

@@ -3,7 +3,10 @@
 //!
 //! The server itself is the register. What it shows of the study (QIDO-RS, C-FIND) is compared with the objects of the
 //! record, whose UIDs are always the same: only what is missing is sent, and a record counts as stored once the server
-//! shows all of it, not because it said yes.
+//! shows all of it, not because it said yes, and not as refused because it said no.
+//!
+//! Servers that know IHE Imaging Object Change Management hide what was withdrawn and what withdrew it, and do not take
+//! the UIDs of either again. So no UID depends on what a server shows of earlier turns.
 
 mod answers;
 mod dimse;
@@ -20,24 +23,33 @@ use gaiter_dicom::{
     withdrawal,
 };
 use gaiter_flow::ScanId;
-use gaiter_record::{ImagingRequest, Patient};
+use gaiter_record::Patient;
 use jiff::Timestamp;
 
 use super::server::ServerFault;
-use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
 use dimse::DimseArchive;
 use server::END_MOST;
 pub use server::{DicomAccess, DicomServer, DicomWay, DimseServer};
 use web::WebArchive;
 
-/// Requests or associations of a step that look what is there: two before it stores, and two after.
-const LOOKS_MOST: u32 = 4;
+/// Requests or associations of a step besides those that store the record: two that look what is there, one that marks
+/// what is left of an earlier turn, two that look again, and two after the record was stored.
+const REQUESTS_MOST: u32 = 7;
 
 /// The server, by how it is asked.
 #[derive(Debug)]
 enum Archive {
     Web(WebArchive),
     Dimse(DimseArchive),
+}
+
+/// Where the record of a patient's scan is, and the turn in which it is delivered.
+#[derive(Debug, Clone, Copy)]
+struct RecordPlace<'a> {
+    study: &'a Study,
+    patient: &'a str,
+    turn: u32,
 }
 
 /// An archive of images as a store.
@@ -65,16 +77,16 @@ impl DicomStore {
         DicomStore { server, rules, archive, station: station.to_owned() }
     }
 
-    /// What the server has of a study.
-    fn listed(&self, study: &Study, patient: &str) -> Result<Vec<Listed>, StoreFault> {
+    /// What the server has of a record up to its turn; it may tell of others, too.
+    fn listed(&self, place: RecordPlace<'_>) -> Result<Vec<Listed>, StoreFault> {
         match &self.archive {
-            Archive::Web(archive) => archive.listed(study, patient),
-            Archive::Dimse(archive) => archive.listed(study),
+            Archive::Web(archive) => archive.listed(place.study, place.patient),
+            Archive::Dimse(archive) => archive.listed(place.study, place.turn + 1),
         }
     }
 
-    /// Sends objects, which may say who the patient is, each with the limit for itself: where the line is slow, the next
-    /// try goes on where this one ended. Whether the server has them, only a search tells.
+    /// Sends objects of a record, which may say who the patient is, each with the limit for itself: where the line is
+    /// slow, the next try goes on where this one ended.
     fn send(
         &self,
         objects: &[DicomObject],
@@ -89,6 +101,29 @@ impl DicomStore {
             });
         }
         answers::judged(&failed, objects.len())
+    }
+
+    /// The mark for what the server shows of the first `turns` turns; `None` if it needs none.
+    fn mark(&self, study: &Study, turns: u32, listed: &[Listed]) -> Option<DicomObject> {
+        withdrawal(study, turns, listed, &self.station, &self.rules, Timestamp::now())
+    }
+
+    /// Marks what the server shows of the first `turns` turns. Returns what it shows then.
+    fn marked(
+        &self,
+        place: RecordPlace<'_>,
+        turns: u32,
+        listed: Vec<Listed>,
+    ) -> Result<Vec<Listed>, StoreFault> {
+        let Some(mark) = self.mark(place.study, turns, &listed) else { return Ok(listed) };
+        let answer = self.send(&[mark], place.patient, false);
+        let after = self.listed(place)?;
+        if self.mark(place.study, turns, &after).is_some() {
+            answer?;
+            let why = "it still shows objects without the mark".to_owned();
+            return Err(ServerFault::Answer(why).into());
+        }
+        Ok(after)
     }
 }
 
@@ -112,7 +147,7 @@ impl RecordStore for DicomStore {
     /// Each request or association has the limit for itself, and so has each object: the figures and files.
     fn step_most(&self) -> Duration {
         let objects = 1 + self.rules.attach.len() as u32;
-        (self.server.limit + END_MOST) * (LOOKS_MOST + objects)
+        (self.server.limit + END_MOST) * (REQUESTS_MOST + objects)
     }
 
     fn takes_unassigned(&self) -> bool {
@@ -135,7 +170,10 @@ impl RecordStore for DicomStore {
         let (record, patient) = delivery.named_record().map_err(StoreFault::Permanent)?;
         let study = Study::new(delivery.scan.as_str(), patient).map_err(misfit)?;
         let study = study.answering(record.patient.as_ref().and_then(Patient::request));
-        let before = self.listed(&study, patient)?;
+        let turn = delivery.turn;
+        let place = RecordPlace { study: &study, patient, turn };
+        // It may have been given back before it was taken back here.
+        let before = self.marked(place, turn, self.listed(place)?)?;
         let person = delivery.person.map(|of| Person {
             name: &of.dicom_name,
             birth_date: of.birth_date,
@@ -148,34 +186,39 @@ impl RecordStore for DicomStore {
             first_seen: delivery.first_seen,
             study: &study,
             person,
-            withdrawals: study.withdrawals(&before),
+            turn,
         };
         let mut missing = objects(&sent, &self.rules);
         let count = missing.len();
         missing.retain(|object| !is_shown(object, &before));
         let receipt = |already_there| Receipt { folder: PathBuf::from(study.uid()), already_there };
         if missing.is_empty() {
-            return Ok(receipt(true));
+            // A station that has lost its decisions does not know that it was taken back.
+            return match self.mark(&study, turn + 1, &before) {
+                None => Err(StoreFault::Permanent(Rejection::TakenBackThere)),
+                Some(_) => Ok(receipt(true)),
+            };
         }
-        self.send(&missing, patient, is_named)?;
-        let after = self.listed(&study, patient)?;
+        // Whether the server has them, only a search tells, whatever it answered.
+        let answer = self.send(&missing, patient, is_named);
+        let after = self.listed(place)?;
         missing.retain(|object| !is_shown(object, &after));
         if !missing.is_empty() {
+            answer?;
             let why = format!("it does not show {} of {count} objects", missing.len());
             return Err(ServerFault::Answer(why).into());
         }
         Ok(receipt(false))
     }
 
-    /// Marks what holds there as made for the wrong patient. Nothing is deleted; some archives hide it then, and the
-    /// mark with it.
+    /// Marks what is there as made for the wrong patient. Nothing is deleted; some archives hide it then, and the mark
+    /// with it.
     fn withdraw(
         &self,
         scan: &ScanId,
         from: Option<&str>,
         _keeper: Option<&str>,
-        receipt: Option<&str>,
-        request: Option<&ImagingRequest>,
+        past: PastDelivery<'_>,
     ) -> Result<(), StoreFault> {
         // Of a patient whose id cannot be written nothing was sent.
         let Some((patient, study)) =
@@ -183,29 +226,19 @@ impl RecordStore for DicomStore {
         else {
             return Ok(());
         };
-        let study = study.answering(request);
-        let study = match receipt {
-            Some(uid) => study.confirmed(uid),
-            None => study,
+        let study = study.answering(past.request);
+        let study = match past.receipt {
+            Some(uid) if !uid.is_empty() => study.confirmed(uid),
+            _ => study,
         };
-        let listed = self.listed(&study, patient)?;
-        let now = Timestamp::now();
-        match withdrawal(&study, &listed, &self.station, &self.rules, now) {
-            Some(mark) => {
-                self.send(&[mark], patient, false)?;
-                match study.holding(&self.listed(&study, patient)?).len() {
-                    0 => Ok(()),
-                    holding => {
-                        let why = format!("it still shows {holding} objects without the mark");
-                        Err(ServerFault::Answer(why).into())
-                    }
-                }
-            }
-            None if receipt.is_some() && study.withdrawals(&listed) == 0 => {
-                let why = "it does not show the study that it has confirmed".to_owned();
-                Err(ServerFault::Answer(why).into())
-            }
-            None => Ok(()),
+        let place = RecordPlace { study: &study, patient, turn: past.turn };
+        let (turns, listed) = (past.turn + 1, self.listed(place)?);
+        let is_there = study.shows_withdrawal(&listed) || !study.shown(turns, &listed).is_empty();
+        self.marked(place, turns, listed)?;
+        match past.receipt {
+            // If nothing is there it is hidden by the mark of a run that ended, or not shown yet.
+            Some(receipt) if receipt.is_empty() || !is_there => Err(ServerFault::NotShown.into()),
+            _ => Ok(()),
         }
     }
 

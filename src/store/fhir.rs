@@ -20,7 +20,6 @@ use std::time::Duration;
 
 use gaiter_flow::ScanId;
 use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient};
-use gaiter_record::ImagingRequest;
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
 use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
 use http::{Method, Uri};
@@ -32,7 +31,7 @@ use self::answers::{Asked, of_replacing, outcome_of};
 use self::existing::REPORT;
 use super::authorization::secret_words;
 use super::server::ServerFault;
-use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
 pub use server::{FhirAccess, FhirServer, SmartAccess};
 
 /// The media type of FHIR as JSON.
@@ -239,15 +238,14 @@ impl RecordStore for FhirStore {
         scan: &ScanId,
         from: Option<&str>,
         _keeper: Option<&str>,
-        receipt: Option<&str>,
-        _request: Option<&ImagingRequest>,
+        past: PastDelivery<'_>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let key = FhirKey::new(scan.as_str(), patient);
         let mark = self.identifier(key.withdrawal(&self.station));
         let there = self.of_record(&key, patient)?;
         self.replace(&FhirStore::in_error(&there, Some(&mark))?, &[], patient)?;
-        self.all_found(&there, receipt, patient)
+        self.all_found(&there, past.receipt, patient)
     }
 
     /// Removes nothing: what a server was given is the house's own, and is listed for the person who erases.

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::naming;
-use gaiter_record::{FIRST_REVISION, ImagingRequest, RecordFile};
+use gaiter_record::{FIRST_REVISION, RecordFile};
 use jiff::Timestamp;
 
 use self::lock::StoreLock;
@@ -26,8 +26,8 @@ use self::search::{KEEPS_IT, find};
 use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{
-    Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault, StoredScan, durable,
-    folders, tried,
+    Delivery, FoundRecord, PastDelivery, Receipt, RecordStore, Rejection, StoreFault, StoredScan,
+    durable, folders, tried,
 };
 use crate::store::Access;
 pub use person::PersonFolder;
@@ -228,8 +228,7 @@ impl RecordStore for FolderStore {
         scan: &ScanId,
         from: Option<&str>,
         keeper: Option<&str>,
-        _receipt: Option<&str>,
-        _request: Option<&ImagingRequest>,
+        _past: PastDelivery<'_>,
     ) -> Result<(), StoreFault> {
         self.reach()?;
         let withdrawn = self.withdraw_in_reach(scan, from, keeper);

@@ -16,14 +16,14 @@ use std::time::Duration;
 use gaiter_flow::ScanId;
 use gaiter_https::{Secret, TlsFiles};
 use gaiter_record::hl7::{self, Acknowledgment, Hl7Rules, PdfForm};
-use gaiter_record::{ImagingRequest, sha256};
+use gaiter_record::sha256;
 use jiff::Timestamp;
 
 use self::sent::{Sent, SentMessages};
 use super::connection::Peer;
 use super::exchange::ExchangeFolder;
 use super::server::ServerFault;
-use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
 
 /// Digits of the hash that stands for a scan of a patient.
 const KEY_DIGITS: usize = 32;
@@ -249,8 +249,7 @@ impl RecordStore for Hl7Store {
         scan: &ScanId,
         from: Option<&str>,
         _keeper: Option<&str>,
-        _receipt: Option<&str>,
-        _request: Option<&ImagingRequest>,
+        _past: PastDelivery<'_>,
     ) -> Result<(), StoreFault> {
         let Some(patient) = from else { return Ok(()) };
         let key = key(scan, patient);

@@ -43,6 +43,9 @@ pub enum ServerFault {
     #[cfg(feature = "dicom")]
     #[error("the DICOM server cannot do it now: {0}")]
     Dimse(gaiter_dicom::dimse::DimseFault),
+    /// It does not show what it was sent, or has confirmed: it may yet.
+    #[error("the server does not show what it was sent; it may yet")]
+    NotShown,
     /// A receiver of messages does not take one now.
     #[error("the receiver cannot take the message now: {0}")]
     Later(String),
@@ -85,7 +88,7 @@ impl ServerFault {
     /// Whether a working server may answer so for one record, such as one that is locked there.
     pub fn is_of_a_record(&self) -> bool {
         match self {
-            ServerFault::Later(_) | ServerFault::Answer(_) => true,
+            ServerFault::Later(_) | ServerFault::Answer(_) | ServerFault::NotShown => true,
             ServerFault::Http(fault) => matches!(fault, HttpFault::TooLong { .. }),
             ServerFault::Busy { status, .. } => matches!(status, 409 | 412 | 423),
             #[cfg(feature = "dicom")]
@@ -119,6 +122,8 @@ impl ServerFault {
             ServerFault::Answer(why) => Cause::known("server-answer", [("why", why.clone())]),
             #[cfg(feature = "dicom")]
             ServerFault::Dimse(fault) => Cause::known("server-dimse", [("why", fault.to_string())]),
+            // A take-back waits for it, and no store is out of reach by it.
+            ServerFault::NotShown => Cause::verbatim(self),
             ServerFault::Later(why) => Cause::known("receiver-later", [("why", why.clone())]),
         }
     }

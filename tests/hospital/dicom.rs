@@ -7,6 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use gaiter::store::{Delivery, PastDelivery};
 use gaiter_dicom::{DicomObject, DicomRules, Person, Sent, SopClass, Study, objects};
 use gaiter_https::TlsFiles;
 use gaiter_language::Language;
@@ -32,7 +33,7 @@ pub fn objects_of(scan: &Scan, person: Option<Person<'_>>, rules: &DicomRules) -
     let first_seen = scan.delivery().first_seen;
     let (record, files) = (&scan.record, &scan.files);
     let study = &study;
-    objects(&Sent { record, files, first_seen, study, person, withdrawals: 0 }, rules)
+    objects(&Sent { record, files, first_seen, study, person, turn: 0 }, rules)
 }
 
 /// What a program says about a file.
@@ -133,10 +134,12 @@ fn orthanc_keeps_what_was_taken_back_with_its_mark_and_takes_it_again() {
     let store = orthanc.store();
     let receipt = put(&store, &SMALL).folder;
     for _ in 0..2 {
-        store.withdraw(&SMALL.id, Some(PATIENT), None, receipt.to_str(), None).unwrap();
+        let past = PastDelivery { receipt: receipt.to_str(), ..PastDelivery::default() };
+        store.withdraw(&SMALL.id, Some(PATIENT), None, past).unwrap();
         assert_eq!(orthanc.count(), 2);
     }
-    assert!(!put(&store, &SMALL).already_there);
+    let again = Delivery { turn: 1, ..SMALL.delivery() };
+    assert!(!store.put(&again).unwrap().already_there);
     assert_eq!(orthanc.count(), 3);
 }
 
@@ -155,10 +158,12 @@ fn orthanc_has_two_scans_in_the_study_of_a_request_and_gives_back_one() {
         assert!(put(store, &first).already_there && put(store, &second).already_there);
     }
     assert_eq!(orthanc.count(), 2);
-    web.withdraw(&first.id, Some(PATIENT), None, None, request.as_ref()).unwrap();
+    let past = PastDelivery { request: request.as_ref(), ..PastDelivery::default() };
+    web.withdraw(&first.id, Some(PATIENT), None, past).unwrap();
     assert_eq!(orthanc.count(), 3);
     assert!(put(&dimse, &second).already_there);
-    assert!(!put(&dimse, &first).already_there);
+    let again = Delivery { turn: 1, ..first.delivery() };
+    assert!(!dimse.put(&again).unwrap().already_there);
     assert_eq!(orthanc.count(), 4);
 }
 
@@ -189,7 +194,8 @@ fn orthanc_over_associations_has_the_same_objects_once_and_takes_them_back() {
     // Over DICOMweb, too, it is there already.
     assert!(put(&orthanc.store(), &scan).already_there);
     assert_eq!(orthanc.count(), 3);
-    store.withdraw(&scan.id, Some(PATIENT), None, receipt.folder.to_str(), None).unwrap();
+    let past = PastDelivery { receipt: receipt.folder.to_str(), ..PastDelivery::default() };
+    store.withdraw(&scan.id, Some(PATIENT), None, past).unwrap();
     assert_eq!(orthanc.count(), 4);
 }
 

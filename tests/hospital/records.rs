@@ -79,6 +79,7 @@ impl Scan {
             person: None,
             first_seen: "2026-11-20T08:00:00Z".parse().unwrap(),
             revision: self.record.revision,
+            turn: 0,
             files: &self.files,
             scan_file: Path::new("/dev/null"),
             ending: "obj",

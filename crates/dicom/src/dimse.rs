@@ -130,8 +130,9 @@ pub fn find<S: Read + Write>(
     Ok(Found { unreadable: all - answers.len(), answers })
 }
 
-/// What the server has of a record in its study. It is asked for the objects of each series that the record may have:
-/// not every server searches across series (PS3.4, C.4.1.2.2), and others may have any number of objects in the study.
+/// What the server has of a record in its study. It is asked for the objects of each series that the record may have in
+/// its first `turns` turns: not every server searches across series (PS3.4, C.4.1.2.2), and others may have any number of
+/// objects in the study.
 ///
 /// # Errors
 /// If an answer cannot be read or lacks a UID; else see [`DimseFault`].
@@ -139,10 +140,11 @@ pub fn listed<S: Read + Write>(
     stream: S,
     titles: &Titles,
     study: &Study,
+    turns: u32,
 ) -> Result<Vec<Listed>, DimseFault> {
     let mut association = Association::open(stream, titles, &[Model::Study.class()])?;
     let mut listed = of_series(&mut association, study, &study.series(SopClass::Withdrawal, 0))?;
-    for series in study.holding_series(study.withdrawals(&listed)) {
+    for series in study.record_series(turns) {
         listed.extend(of_series(&mut association, study, &series)?);
     }
     Ok(listed)

@@ -189,8 +189,9 @@ pub struct Sent<'a> {
     pub study: &'a Study,
     /// Who the patient is, if a worklist told it.
     pub person: Option<Person<'a>>,
-    /// How often the record was withdrawn from this patient before: what was marked as wrong stays so.
-    pub withdrawals: usize,
+    /// How often the scan was taken from this patient and given back: what was marked as wrong stays so, and an archive
+    /// that hides it does not take its UIDs again.
+    pub turn: u32,
 }
 
 /// All objects of a record: the figures, then the files that the rules name.
@@ -214,10 +215,10 @@ struct Parts<'a> {
 impl Parts<'_> {
     /// An object for a part of the record, with its own attributes. `number` is its place among them, from 1.
     fn object(&self, class: SopClass, part: &str, number: u32, own: Dataset) -> DicomObject {
-        let Sent { study, record, person, withdrawals, .. } = self.sent;
+        let Sent { study, record, person, turn, .. } = self.sent;
         let (revision, language) = (record.revision, self.rules.language);
         let [date, time] = moment(&self.at);
-        let uid = study.instance(part, revision, withdrawals);
+        let uid = study.instance(part, revision, turn);
         let number = NUMBERS_A_REVISION * revision.saturating_sub(1) + number;
         let person = person.filter(|_| self.rules.names).map(Person::elements);
         let dataset = study
@@ -234,7 +235,7 @@ impl Parts<'_> {
             .text(tags::TIMEZONE_OFFSET_FROM_UTC, self.at.strftime("%z").to_string())
             .text(tags::STUDY_DESCRIPTION, language.text("hospital.leg_measures"))
             .text(tags::MODALITY, class.modality())
-            .text(tags::SERIES_INSTANCE_UID, study.series(class, withdrawals))
+            .text(tags::SERIES_INSTANCE_UID, study.series(class, turn))
             .text(tags::SERIES_NUMBER, class.series_number())
             .text(tags::INSTANCE_NUMBER, number.to_string())
             .and(own);

@@ -80,40 +80,41 @@ impl Study {
         }
     }
 
-    /// How often the record was withdrawn, by what a server shows of the study.
-    pub fn withdrawals(&self, listed: &[Listed]) -> usize {
+    /// Whether a server shows a withdrawal of the record.
+    pub fn shows_withdrawal(&self, listed: &[Listed]) -> bool {
         let series = self.series(SopClass::Withdrawal, 0);
-        listed.iter().filter(|of| of.series == series).count()
+        listed.iter().any(|of| of.series == series)
     }
 
-    /// What a server shows of the record that holds: not what was withdrawn, and nothing of others in the study.
-    pub fn holding<'a>(&self, listed: &'a [Listed]) -> Vec<&'a Listed> {
-        let series = self.holding_series(self.withdrawals(listed));
+    /// What a server shows of the record in its first `turns` turns, withdrawn or not: nothing of others in the study.
+    pub fn shown<'a>(&self, turns: u32, listed: &'a [Listed]) -> Vec<&'a Listed> {
+        let series = self.record_series(turns);
         listed.iter().filter(|of| series.contains(&of.series)).collect()
     }
 
-    /// The series of what holds after so many withdrawals.
-    pub(crate) fn holding_series(&self, withdrawals: usize) -> Vec<String> {
+    /// The series of the record in its first `turns` turns.
+    pub(crate) fn record_series(&self, turns: u32) -> Vec<String> {
         let classes = SopClass::ALL.into_iter().filter(|class| *class != SopClass::Withdrawal);
-        let mut series: Vec<String> =
-            classes.map(|class| self.series(class, withdrawals)).collect();
+        let mut series: Vec<String> = (0..turns)
+            .flat_map(|turn| classes.clone().map(move |class| self.series(class, turn)))
+            .collect();
         // Meshes of both kinds have one.
         series.dedup();
         series
     }
 
-    /// The series of a kind. After a withdrawal a record has other series; the withdrawals have one together.
-    pub(crate) fn series(&self, class: SopClass, withdrawals: usize) -> String {
+    /// The series of a kind. In another turn a record has other series; the withdrawals have one together.
+    pub(crate) fn series(&self, class: SopClass, turn: u32) -> String {
         let modality = class.modality();
         match class {
             SopClass::Withdrawal => self.part_uid(modality),
-            _ => self.part_uid(&format!("{modality}\0{withdrawals}")),
+            _ => self.part_uid(&format!("{modality}\0{turn}")),
         }
     }
 
     /// The object of a part of a revision.
-    pub(crate) fn instance(&self, part: &str, revision: u32, withdrawals: usize) -> String {
-        self.part_uid(&format!("{part}\0{revision}\0{withdrawals}"))
+    pub(crate) fn instance(&self, part: &str, revision: u32, turn: u32) -> String {
+        self.part_uid(&format!("{part}\0{revision}\0{turn}"))
     }
 
     /// Patient and study, as each object has them. The name is not known.
@@ -185,8 +186,8 @@ mod tests {
         Study::new("ab", "4711").unwrap()
     }
 
-    fn listed(class: SopClass, withdrawals: usize, uid: &str) -> Listed {
-        let series = study().series(class, withdrawals);
+    fn listed(class: SopClass, turn: u32, uid: &str) -> Listed {
+        let series = study().series(class, turn);
         Listed { class: class.uid().to_owned(), series, uid: uid.to_owned() }
     }
 
@@ -235,16 +236,18 @@ mod tests {
     }
 
     #[test]
-    fn what_was_withdrawn_and_what_others_have_in_the_study_does_not_hold() {
+    fn what_others_have_in_the_study_and_what_marks_it_is_not_of_the_record() {
         let other = Listed { series: "1.2.3".to_owned(), ..listed(SopClass::Pdf, 0, "9") };
-        let first = [listed(SopClass::Pdf, 0, "1"), listed(SopClass::Measurements, 0, "2"), other];
-        let holding = |listed: &[Listed]| {
-            study().holding(listed).into_iter().map(|of| of.uid.clone()).collect::<Vec<String>>()
+        let all = [
+            listed(SopClass::Pdf, 0, "1"),
+            listed(SopClass::Measurements, 1, "2"),
+            other,
+            listed(SopClass::Withdrawal, 0, "3"),
+        ];
+        let shown = |turns: u32| {
+            study().shown(turns, &all).into_iter().map(|of| of.uid.as_str()).collect::<Vec<_>>()
         };
-        assert_eq!(holding(&first), ["1", "2"]);
-        let withdrawn = [&first[..], &[listed(SopClass::Withdrawal, 0, "3")][..]].concat();
-        assert_eq!((study().withdrawals(&withdrawn), holding(&withdrawn)), (1, Vec::new()));
-        let again = [&withdrawn[..], &[listed(SopClass::Pdf, 1, "4")][..]].concat();
-        assert_eq!(holding(&again), ["4"]);
+        assert_eq!([shown(0), shown(1), shown(2)], [vec![], vec!["1"], vec!["1", "2"]]);
+        assert!(study().shows_withdrawal(&all) && !study().shows_withdrawal(&all[..3]));
     }
 }

@@ -13,24 +13,27 @@ use super::{DicomObject, DicomRules, Listed, SopClass, Study, UTF_8, equipment, 
 /// The title of a selection of objects that were made for another patient (PS3.16, CID 7010).
 const WRONG_PATIENT: Concept<'_> = Concept::new("113038", DCM, "Incorrect Modality Worklist Entry");
 
-/// The object that withdraws what a server shows of the record; `None` if nothing of it holds there. `station` is the
-/// one that withdraws it.
+/// The object that withdraws all that a server shows of the record in its first `turns` turns; `None` if that is
+/// nothing, or if the server shows this object, too. Its UID derives from what it names: for the same objects it is the
+/// same, and what appears later has one of its own. `station` is the one that withdraws it.
 pub fn withdrawal(
     study: &Study,
+    turns: u32,
     listed: &[Listed],
     station: &str,
     rules: &DicomRules,
     now: Timestamp,
 ) -> Option<DicomObject> {
-    let (holding, withdrawals) = (study.holding(listed), study.withdrawals(listed));
-    if holding.is_empty() {
+    let (class, shown) = (SopClass::Withdrawal, study.shown(turns, listed));
+    let mut named: Vec<&str> = shown.iter().map(|of| of.uid.as_str()).collect();
+    named.sort_unstable();
+    let uid = study.part_uid(&format!("withdrawal\0{}", named.join("\0")));
+    if shown.is_empty() || listed.iter().any(|of| of.uid == uid) {
         return None;
     }
-    let class = SopClass::Withdrawal;
-    let uid = study.part_uid(&format!("withdrawal\0{withdrawals}"));
     let [date, time] = moment(&now.to_zoned(TimeZone::UTC));
     let references =
-        holding.iter().map(|of| (Relation::Contains, Item::reference(&of.class, &of.uid)));
+        shown.iter().map(|of| (Relation::Contains, Item::reference(&of.class, &of.uid)));
     let dataset = study
         .of_patient(&rules.issuer)
         .and(equipment(Some(station), env!("CARGO_PKG_VERSION")))
@@ -44,19 +47,19 @@ pub fn withdrawal(
         .text(tags::CONTENT_TIME, time)
         .text(tags::TIMEZONE_OFFSET_FROM_UTC, "+0000")
         .text(tags::MODALITY, class.modality())
-        .text(tags::SERIES_INSTANCE_UID, study.series(class, withdrawals))
+        .text(tags::SERIES_INSTANCE_UID, study.series(class, 0))
         .text(tags::SERIES_NUMBER, class.series_number())
-        .text(tags::INSTANCE_NUMBER, (withdrawals + 1).to_string())
+        .text(tags::INSTANCE_NUMBER, turns.to_string())
         .items(tags::REFERENCED_PERFORMED_PROCEDURE_STEP_SEQUENCE, Vec::new())
-        .items(tags::CURRENT_REQUESTED_PROCEDURE_EVIDENCE_SEQUENCE, vec![evidence(study, &holding)])
+        .items(tags::CURRENT_REQUESTED_PROCEDURE_EVIDENCE_SEQUENCE, vec![evidence(study, &shown)])
         .and(Item::container(WRONG_PATIENT).with(references.collect()).root("2010"));
     Some(DicomObject { class, uid, dataset: dataset.0 })
 }
 
 /// The withdrawn objects, by their series.
-fn evidence(study: &Study, holding: &[&Listed]) -> Dataset {
+fn evidence(study: &Study, shown: &[&Listed]) -> Dataset {
     let of_series =
-        grouped(holding.iter().map(|of| (of.series.as_str(), reference(&of.class, &of.uid))));
+        grouped(shown.iter().map(|of| (of.series.as_str(), reference(&of.class, &of.uid))));
     let series = of_series.into_iter().map(|(series, references)| {
         Dataset::new()
             .text(tags::SERIES_INSTANCE_UID, series)

@@ -65,26 +65,21 @@ fn study() -> Study {
     Study::new("ab", "4711").unwrap()
 }
 
-fn sent(record: &Record, withdrawals: usize) -> Vec<DicomObject> {
-    sent_into(&study(), record, withdrawals)
+fn sent(record: &Record, turn: u32) -> Vec<DicomObject> {
+    sent_into(&study(), record, turn)
 }
 
-fn sent_into(study: &Study, record: &Record, withdrawals: usize) -> Vec<DicomObject> {
+fn sent_into(study: &Study, record: &Record, turn: u32) -> Vec<DicomObject> {
     let rules = dicom_rules(&["report.pdf", "left.stl", "right.obj", "right.stl"]);
-    sent_by(&rules, study, record, withdrawals)
+    sent_by(&rules, study, record, turn)
 }
 
-fn sent_by(
-    rules: &DicomRules,
-    study: &Study,
-    record: &Record,
-    withdrawals: usize,
-) -> Vec<DicomObject> {
+fn sent_by(rules: &DicomRules, study: &Study, record: &Record, turn: u32) -> Vec<DicomObject> {
     let file =
         |name: &str| RecordFile { name: name.to_owned(), bytes: format!("of {name}").into_bytes() };
     let files = FILES.map(file);
     let first_seen = "2026-11-26T19:21:02Z".parse().unwrap();
-    let sent = Sent { record, files: &files, first_seen, study, person: None, withdrawals };
+    let sent = Sent { record, files: &files, first_seen, study, person: None, turn };
     objects(&sent, rules)
 }
 
@@ -239,7 +234,7 @@ fn every_object_stands_in_the_study_of_the_request_that_the_scan_answers_with_it
         let made = sent_into(&study, &record, 0);
         let listed: Vec<Listed> = made.iter().map(shown).collect();
         let now = "2026-11-27T08:00:00Z".parse().unwrap();
-        let mark = withdrawal(&study, &listed, "booth-1", &dicom_rules(&[]), now).unwrap();
+        let mark = withdrawal(&study, 1, &listed, "booth-1", &dicom_rules(&[]), now).unwrap();
         for object in made.iter().chain([&mark]) {
             let set = dataset(object);
             assert_eq!(text(&set, tags::STUDY_INSTANCE_UID), study.uid());
@@ -273,7 +268,7 @@ fn objects_say_who_the_patient_is_only_where_the_rules_allow_it() {
             first_seen,
             study: &study,
             person: Some(person),
-            withdrawals: 0,
+            turn: 0,
         };
         assert!(!format!("{sent:?}").contains("Jörg"), "logs get no names");
         let made = objects(&sent, &rules);
@@ -298,7 +293,7 @@ fn objects_of_others_in_the_study_neither_count_nor_are_withdrawn() {
     };
     let others = [other(SopClass::Withdrawal, "1.2.3.1"), other(SopClass::Pdf, "1.2.3.2")];
     let (rules, now) = (dicom_rules(&[]), "2026-11-27T08:00:00Z".parse().unwrap());
-    assert!(withdrawal(&study, &others, "booth-1", &rules, now).is_none());
+    assert!(withdrawal(&study, 1, &others, "booth-1", &rules, now).is_none());
     let made = sent_into(&study, &marked(), 0);
     // Another scan of the patient answers the same request.
     let request = ImagingRequest::new("1.2.276.4711", "A1");
@@ -307,18 +302,21 @@ fn objects_of_others_in_the_study_neither_count_nor_are_withdrawn() {
     let ours = made.iter().map(shown);
     let listed: Vec<Listed> =
         others.into_iter().chain(second.iter().map(shown)).chain(ours).collect();
-    assert_eq!(study.withdrawals(&listed), 0);
-    let holding: BTreeSet<String> =
-        study.holding(&listed).into_iter().map(|of| of.uid.clone()).collect();
-    assert_eq!(holding, uids(&made));
+    assert!(!study.shows_withdrawal(&listed));
+    let own: BTreeSet<String> =
+        study.shown(1, &listed).into_iter().map(|of| of.uid.clone()).collect();
+    assert_eq!(own, uids(&made));
 }
 
 #[test]
-fn a_withdrawal_names_what_holds_and_leaves_nothing_that_does() {
+fn a_withdrawal_names_what_is_shown_once_and_what_appears_later_with_it() {
+    let late: Vec<Listed> = sent(&marked(), 1).iter().map(shown).collect();
     let mut listed: Vec<Listed> = sent(&marked(), 0).iter().map(shown).collect();
     let rules = dicom_rules(&[]);
     let now = "2026-11-27T08:00:00Z".parse().unwrap();
-    let withdrawn = withdrawal(&study(), &listed, "booth-1", &rules, now).unwrap();
+    let withdrawal =
+        |turns, listed: &[Listed]| withdrawal(&study(), turns, listed, "booth-1", &rules, now);
+    let withdrawn = withdrawal(2, &listed).unwrap();
     let set = dataset(&withdrawn);
     assert_eq!(
         (
@@ -338,8 +336,14 @@ fn a_withdrawal_names_what_holds_and_leaves_nothing_that_does() {
         .collect();
     assert_eq!(named, uids(&sent(&marked(), 0)));
     listed.push(shown(&withdrawn));
-    assert!(withdrawal(&study(), &listed, "booth-1", &rules, now).is_none());
-    assert_eq!(study().withdrawals(&listed), 1);
+    listed.reverse();
+    assert!(withdrawal(2, &listed).is_none());
+    listed.extend(late);
+    assert!(withdrawal(1, &listed).is_none(), "of the first turn nothing is new");
+    let again = withdrawal(2, &listed).unwrap();
+    assert_ne!(again.uid(), withdrawn.uid());
+    listed.push(shown(&again));
+    assert!(withdrawal(2, &listed).is_none());
 }
 
 #[test]

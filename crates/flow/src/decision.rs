@@ -68,6 +68,16 @@ impl Ruling {
         ruling
     }
 
+    /// How often decisions gave a scan to this patient after they had taken it away.
+    pub fn turn(decisions: &[Decision], patient: &str) -> u32 {
+        let allows = |number: usize| {
+            let until = decisions.iter().take(number).cloned().collect::<Vec<_>>();
+            Ruling::from_decisions(&until).allows(Some(patient))
+        };
+        let again = (1..=decisions.len()).filter(|&number| allows(number) && !allows(number - 1));
+        u32::try_from(again.count()).unwrap_or(u32::MAX)
+    }
+
     /// Whether a record of the scan for this patient, or unassigned, may stay where it is.
     pub fn allows(&self, patient: Option<&str>) -> bool {
         match patient {
@@ -82,13 +92,17 @@ impl Ruling {
 mod tests {
     use super::*;
 
-    fn ruling(decisions: &[(Decided, Option<&str>)]) -> Ruling {
+    fn decisions(decided: &[(Decided, Option<&str>)]) -> Vec<Decision> {
         let decision = |(what, patient): &(Decided, Option<&str>)| Decision {
             at: Timestamp::UNIX_EPOCH,
             what: *what,
             patient: patient.map(str::to_owned),
         };
-        Ruling::from_decisions(&decisions.iter().map(decision).collect::<Vec<_>>())
+        decided.iter().map(decision).collect()
+    }
+
+    fn ruling(decided: &[(Decided, Option<&str>)]) -> Ruling {
+        Ruling::from_decisions(&decisions(decided))
     }
 
     #[test]
@@ -108,6 +122,26 @@ mod tests {
                 && !unassigned.allows(Some("1"))
                 && !unassigned.allows(Some("2"))
         );
+    }
+
+    #[test]
+    fn a_turn_begins_when_a_scan_is_given_back_and_stays_when_it_is_taken_away() {
+        use Decided::{Assigned, GivenUp, Released, Unassigned};
+        let decided = decisions(&[
+            (Released, Some("1")),
+            (Unassigned, Some("1")),
+            (GivenUp, None),
+            (Assigned, Some("2")),
+            (Released, Some("1")),
+            (Assigned, Some("1")),
+            (Assigned, Some("2")),
+            (Assigned, Some("1")),
+        ]);
+        let turns = |id: &str| -> Vec<u32> {
+            (0..=decided.len()).map(|number| Ruling::turn(&decided[..number], id)).collect()
+        };
+        assert_eq!(turns("1"), [0, 0, 0, 0, 0, 1, 1, 1, 2]);
+        assert_eq!(turns("2"), [0, 0, 0, 0, 1, 1, 1, 2, 2]);
     }
 
     #[test]

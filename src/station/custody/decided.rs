@@ -95,6 +95,11 @@ impl Custody {
         Ok(Some(true))
     }
 
+    /// How often a scan was taken from a patient and given back, by the decisions about it.
+    pub fn turn(&self, scan: &ScanId, patient: &str) -> Result<u32, CustodyFault> {
+        Ok(Ruling::turn(&io("reading decisions", self.decisions.of(scan))?, patient))
+    }
+
     /// The decisions about a scan; `None` if they cannot be read.
     fn state_known(&self, scan: &ScanId) -> Result<Option<DecisionsOfScan>, CustodyFault> {
         let decisions = match self.decisions.of(scan) {

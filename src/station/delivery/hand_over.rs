@@ -45,6 +45,7 @@ fn handed_over(booth: &Booth, due: &Due) -> Result<(), DeliveryFault> {
         person: person.as_ref(),
         first_seen: row.first_seen,
         revision: stored.record.revision,
+        turn: work::turn(core, due, store)?,
         files: &files,
         scan_file: &folder.join(&stored.scan_file),
         ending: &row.format,

@@ -10,6 +10,7 @@ use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
 use gaiter_language::Language;
 use gaiter_record::{FIRST_REVISION, Patient, RecordFile};
+use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
 use super::measuring::{self, MeasureOutcome};
@@ -21,10 +22,13 @@ use crate::station::custody::quarantine::{Reason, Stage};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::{Due, JournalError, KEPT, ScanRow};
 use crate::station::runtime::chain;
-use crate::store::{Delivery, RecordStore, Rejection, StoreFault};
+use crate::store::{Delivery, PastDelivery, RecordStore, Rejection, ServerFault, StoreFault};
 
 /// The code of a delivery that a server does not take now, while it may take others.
 pub const NOT_TAKEN: &str = "not-taken-now";
+
+/// What a server was sent appears there within so long, even if its answer was lost and it takes objects in overnight.
+const APPEARS_WITHIN: SignedDuration = SignedDuration::from_hours(24);
 
 /// A scan that has been measured for a patient, now or before.
 #[derive(Debug)]
@@ -137,6 +141,7 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
                 person: person.as_ref(),
                 first_seen: row.first_seen,
                 revision: FIRST_REVISION,
+                turn: turn(core, due, store)?,
                 files,
                 scan_file: &core.custody.spool().scan_file(&row.scan, &row.format),
                 ending: &row.format,
@@ -171,7 +176,16 @@ pub(super) fn note_place(
     Ok(())
 }
 
-/// The receipt of a server for the record that is to be withdrawn from it, if it gave one.
+/// How often the scan was taken from its patient and given back, for a server.
+pub(super) fn turn(core: &Core, due: &Due, store: &dyn RecordStore) -> Result<u32, DeliveryFault> {
+    match &due.patient {
+        Some(patient) if store.is_server() => Ok(core.custody.turn(&due.scan, &patient.id)?),
+        _ => Ok(0),
+    }
+}
+
+/// The receipt of a server for the record that is to be withdrawn from it, '' if it gave none; `None` if the journal
+/// does not know whether it was sent.
 fn receipt_here(
     core: &Core,
     due: &Due,
@@ -179,7 +193,7 @@ fn receipt_here(
 ) -> Result<Option<String>, DeliveryFault> {
     let places = core.custody.journal().places(due)?;
     match places.get(&store.place()) {
-        Some(receipt) => Ok(Some(receipt.clone()).filter(|receipt| !receipt.is_empty())),
+        Some(receipt) => Ok(Some(receipt.clone())),
         None if places.is_empty() => Ok(None),
         None => Err(moved()),
     }
@@ -189,6 +203,16 @@ fn receipt_here(
 fn moved() -> DeliveryFault {
     let error = "the record is to be withdrawn at an earlier address of the store".to_owned();
     DeliveryFault::PutOff { code: "store-moved", error }
+}
+
+/// Waits for what a server does not show, for as long as it may still appear.
+fn may_appear(core: &Core, due: &Due) -> Result<(), DeliveryFault> {
+    let since = core.custody.journal().withdrawing_since(due)?;
+    if since.is_none_or(|since| Timestamp::now().duration_since(since) >= APPEARS_WITHIN) {
+        return Ok(());
+    }
+    let error = ServerFault::NotShown.to_string();
+    Err(DeliveryFault::PutOff { code: "not-shown-yet", error })
 }
 
 /// Who keeps the record of a scan that is withdrawn from a folder.
@@ -215,13 +239,16 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
             false => (keeper(core, due, from)?, None),
         };
         let scan = short(&due.scan);
-        match store.withdraw(&due.scan, from, keeper.as_deref(), receipt.as_deref(), request) {
+        let turn = turn(core, due, store)?;
+        let past = PastDelivery { receipt: receipt.as_deref(), request, turn };
+        match store.withdraw(&due.scan, from, keeper.as_deref(), past) {
             Err(StoreFault::Permanent(Rejection::HandedOver)) => {
                 warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);
                 journal.left_there(due)?;
                 return Ok(());
             }
             Err(StoreFault::Permanent(rejection)) => return Err(DeliveryFault::Kept(rejection)),
+            Err(StoreFault::Server(ServerFault::NotShown)) => may_appear(core, due)?,
             other => other.map_err(|fault| of_store(fault, &row))?,
         }
         if store.is_server() && journal.gone_from(due, &store.place())? {

@@ -20,7 +20,7 @@ use rusqlite::{Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{delivery_state, detail, set_code, step};
-use super::row::{all, cell, first, patient_id, run, scan_id, value};
+use super::row::{all, cell, first, patient_id, run, scan_id, time, value};
 use super::scans::insert_delivery;
 use super::{Due, Event, Journal, JournalError, history};
 
@@ -174,6 +174,14 @@ impl Journal {
     /// Reports whether a delivery is still to be made: no decision has changed it since it began.
     pub fn is_to_be_made(&self, due: &Due) -> Result<bool, JournalError> {
         Ok(delivery_state(&self.connection(), due)? == Some(DeliveryState::Pending))
+    }
+
+    /// When it was decided that a record is to be withdrawn, of one that is.
+    pub fn withdrawing_since(&self, due: &Due) -> Result<Option<Timestamp>, JournalError> {
+        let since = "SELECT changed_at FROM deliveries
+                     WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state = 'withdrawing'";
+        let cells = [due.scan.as_str(), due.patient_cell(), &due.store];
+        first(&self.connection(), since, cells, |row| time(row, 0))
     }
 
     /// Records that the record is gone from the store.

@@ -29,9 +29,9 @@ impl DimseArchive {
         self.asked(|connection, titles| dimse::reach(connection, titles))
     }
 
-    /// What the server has of a study.
-    pub fn listed(&self, study: &Study) -> Result<Vec<Listed>, StoreFault> {
-        self.asked(|connection, titles| dimse::listed(connection, titles, study))
+    /// What the server has of a record in its first `turns` turns.
+    pub fn listed(&self, study: &Study, turns: u32) -> Result<Vec<Listed>, StoreFault> {
+        self.asked(|connection, titles| dimse::listed(connection, titles, study, turns))
     }
 
     /// Sends an object. Whether the server has it, only a search tells.

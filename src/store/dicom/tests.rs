@@ -1,15 +1,18 @@
 //! The store against an archive of a few lines: what it sends, and what it makes of each answer.
 
+mod decisions;
+
+use std::collections::BTreeSet;
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use gaiter_dicom::SopClass;
 use gaiter_dicom::dimse::{AeTitle, DimseFault, Titles};
 use gaiter_flow::worklist::ListedPerson;
 use gaiter_https::{HttpFault, TlsFiles};
-use gaiter_record::RecordFile;
+use gaiter_record::{ImagingRequest, RecordFile};
 use serde_json::{Value, json};
 use support::http_server::{answer, request_of, serve};
 use support::records::{dicom_rules, without_legs};
@@ -25,85 +28,195 @@ enum Mode {
     Lose,
     /// It keeps all but reports, for this reason.
     RefuseReport(u16),
-    /// It keeps them, and its answer is a fault.
-    KeepAndFail,
+    /// It keeps them, and answers that it does not, for this reason.
+    KeepAndRefuse(u16),
+    /// It keeps them, and goes away before it answers.
+    KeepAndDie,
+    /// It keeps none, and answers each with a fault.
+    Fail,
     /// It answers so to everything.
     Say(&'static str, &'static str),
 }
 
-/// An archive on this machine, and the requests for storing that it had, of an object each.
+/// It is away.
+const AWAY: Mode = Mode::Say("503 Service Unavailable", "restarting 4711");
+
+/// An object that an archive has.
+#[derive(Debug, Clone)]
+struct Kept {
+    uid: String,
+    /// As a search shows it.
+    shown: Value,
+    is_report: bool,
+    /// The UIDs that it marks, if it is a mark.
+    marks: BTreeSet<String>,
+}
+
+/// What an archive is and has.
+#[derive(Debug)]
+struct Place {
+    mode: Mode,
+    /// Whether it hides marks and what they mark, and refuses both afterwards, as dcm4chee does.
+    is_hiding: bool,
+    /// Whether what it keeps appears later.
+    is_late: bool,
+    kept: Vec<Kept>,
+    late: Vec<Kept>,
+    /// How often it was asked to store something.
+    stored: usize,
+}
+
+/// An archive on this machine. It is sent an object with each request.
 struct Archive {
     port: u16,
-    mode: Arc<Mutex<Mode>>,
-    stored: Arc<Mutex<usize>>,
+    place: Arc<Mutex<Place>>,
 }
 
-/// The value of a UID in a file of DICOM.
-fn uid(file: &str, tag: &str) -> String {
-    let at = file.find(&format!("{tag}UI")).unwrap() + tag.len() + 2;
-    let length = usize::from(file.as_bytes()[at]);
-    file[at + 2..at + 2 + length].trim_end_matches('\0').to_owned()
+/// The value of a UID after its tag and representation.
+fn value(after: &str) -> String {
+    let length = usize::from(after.as_bytes()[0]);
+    after[2..2 + length].trim_end_matches('\0').to_owned()
 }
 
-/// The objects in a request, as a search shows them.
-fn sent(request: &str) -> Vec<Value> {
+/// The objects in a request.
+fn sent(request: &str) -> Vec<Kept> {
     let files = request.split("DICM").skip(1);
-    let shown = |file: &str| {
-        let of = |tag: &str| json!({ "vr": "UI", "Value": [uid(file, tag)] });
-        json!({
-            "00080016": of("\x08\0\x16\0"),
-            "00080018": of("\x08\0\x18\0"),
-            "0020000E": of("\x20\0\x0e\0"),
-        })
+    let kept = |file: &str| {
+        let uid = |tag: &str| value(file.split_once(&format!("{tag}UI")).unwrap().1);
+        let [class, own, series] = ["\x08\0\x16\0", "\x08\0\x18\0", "\x20\0\x0e\0"].map(uid);
+        let is_mark = class == SopClass::Withdrawal.uid();
+        let references = file.split("\x08\0\x55\x11UI").skip(1).map(value);
+        let of = |uid: &str| json!({ "vr": "UI", "Value": [uid] });
+        let shown =
+            json!({ "00080016": of(&class), "00080018": of(&own), "0020000E": of(&series) });
+        let is_report = class == SopClass::Pdf.uid();
+        Kept { uid: own, shown, is_report, marks: references.filter(|_| is_mark).collect() }
     };
-    files.map(shown).collect()
+    files.map(kept).collect()
+}
+
+impl Place {
+    fn is_marked(&self, uid: &str) -> bool {
+        self.kept.iter().any(|of| of.marks.contains(uid))
+    }
+
+    fn has(&self, uid: &str) -> bool {
+        self.kept.iter().chain(&self.late).any(|of| of.uid == uid)
+    }
+
+    /// The objects of a record that no mark names.
+    fn holding(&self) -> Vec<&str> {
+        let records = self.kept.iter().filter(|of| of.marks.is_empty());
+        records.map(|of| of.uid.as_str()).filter(|uid| !self.is_marked(uid)).collect()
+    }
+
+    fn found(&self) -> String {
+        let is_shown =
+            |of: &&Kept| !self.is_hiding || of.marks.is_empty() && !self.is_marked(&of.uid);
+        json!(self.kept.iter().filter(is_shown).map(|of| &of.shown).collect::<Vec<_>>()).to_string()
+    }
+
+    /// Keeps an object, or tells why not, by the codes of dcm4chee.
+    fn keep(&mut self, of: Kept) -> Option<u16> {
+        let has = self.has(&of.uid);
+        let refused = match of.marks.is_empty() {
+            true => self.is_marked(&of.uid).then_some(0xa771),
+            false if has => Some(0xa770),
+            false => of.marks.iter().any(|uid| !self.has(uid)).then_some(0xa772),
+        };
+        if self.is_hiding && refused.is_some() {
+            return refused;
+        }
+        match (has, self.is_late) {
+            (true, _) => {}
+            (false, true) => self.late.push(of),
+            (false, false) => self.kept.push(of),
+        }
+        None
+    }
+
+    /// Does with an object what its mode says. Returns the reason for which it says that it does not keep it.
+    fn refusal(&mut self, of: Kept) -> Option<u16> {
+        match self.mode {
+            Mode::Lose | Mode::Fail => None,
+            Mode::RefuseReport(reason) if of.is_report => Some(reason),
+            Mode::KeepAndRefuse(reason) => self.keep(of).or(Some(reason)),
+            _ => self.keep(of),
+        }
+    }
+
+    fn answer_to(&mut self, objects: Vec<Kept>) -> String {
+        let refused: Vec<u16> = objects.into_iter().filter_map(|of| self.refusal(of)).collect();
+        if !refused.is_empty() {
+            let why = |reason: &u16| json!({ "00081197": { "vr": "US", "Value": [reason] } });
+            let why: Vec<Value> = refused.iter().map(why).collect();
+            return answer("409 Conflict", &json!({ "00081198": { "Value": why } }).to_string());
+        }
+        match self.mode {
+            Mode::KeepAndDie => self.mode = AWAY,
+            Mode::Fail => {}
+            _ => return answer("200 OK", &json!({ "00081198": { "vr": "SQ" } }).to_string()),
+        }
+        answer("503 Service Unavailable", "restarting 4711")
+    }
 }
 
 impl Archive {
     fn new() -> Archive {
-        let (mode, stored) = (Arc::new(Mutex::new(Mode::Keep)), Arc::new(Mutex::new(0)));
-        let (asked, count) = (Arc::clone(&mode), Arc::clone(&stored));
-        let mut kept: Vec<Value> = Vec::new();
+        Archive::that_hides(false)
+    }
+
+    fn that_hides(is_hiding: bool) -> Archive {
+        let place = Arc::new(Mutex::new(Place {
+            mode: Mode::Keep,
+            is_hiding,
+            is_late: false,
+            kept: Vec::new(),
+            late: Vec::new(),
+            stored: 0,
+        }));
+        let asked = Arc::clone(&place);
         let port = serve(move |mut stream| {
             let Ok(request) = request_of(&mut stream) else { return };
-            let mode = *asked.lock().unwrap();
+            let mut place = asked.lock().unwrap();
             let is_search = request.starts_with("GET ");
-            *count.lock().unwrap() += usize::from(!is_search);
-            let done = |body: Value| answer("200 OK", &body.to_string());
+            place.stored += usize::from(!is_search);
+            let mode = place.mode;
             let answer = match mode {
                 Mode::Say(status, body) => answer(status, body),
-                _ if is_search => done(json!(kept)),
-                Mode::Lose => done(json!({})),
-                Mode::Keep | Mode::KeepAndFail => {
-                    kept.extend(sent(&request));
-                    match mode {
-                        Mode::Keep => done(json!({ "00081198": { "vr": "SQ" } })),
-                        _ => answer("503 Service Unavailable", "restarting 4711"),
-                    }
-                }
-                Mode::RefuseReport(reason) => {
-                    let all = sent(&request).into_iter();
-                    let is_report = |of: &Value| of["00080016"]["Value"][0] == SopClass::Pdf.uid();
-                    let (refused, taken): (Vec<Value>, Vec<Value>) = all.partition(is_report);
-                    kept.extend(taken);
-                    let why = json!({ "00081197": { "vr": "US", "Value": [reason] } });
-                    let failed = json!({ "00081198": { "Value": vec![why; refused.len()] } });
-                    let status = if refused.is_empty() { "200 OK" } else { "409 Conflict" };
-                    answer(status, &failed.to_string())
-                }
+                _ if is_search => answer("200 OK", &place.found()),
+                _ => place.answer_to(sent(&request)),
             };
+            drop(place);
             let _ = stream.write_all(answer.as_bytes());
         });
-        Archive { port, mode, stored }
+        Archive { port, place }
+    }
+
+    fn place(&self) -> MutexGuard<'_, Place> {
+        self.place.lock().unwrap()
     }
 
     fn becomes(&self, mode: Mode) {
-        *self.mode.lock().unwrap() = mode;
+        self.place().mode = mode;
     }
 
     /// How often it was asked to store something.
     fn stored(&self) -> usize {
-        *self.stored.lock().unwrap()
+        self.place().stored
+    }
+
+    /// How many objects of a record hold there.
+    fn holding(&self) -> usize {
+        self.place().holding().len()
+    }
+
+    /// All that it has appears.
+    fn catches_up(&self) {
+        let mut place = self.place();
+        let late = std::mem::take(&mut place.late);
+        place.kept.extend(late);
+        place.is_late = false;
     }
 
     fn store(&self) -> DicomStore {
@@ -124,26 +237,36 @@ fn scan() -> ScanId {
 }
 
 fn put(store: &DicomStore, patient: &str, revision: u32) -> Result<Receipt, StoreFault> {
+    put_in(store, patient, revision, 0)
+}
+
+fn put_in(
+    store: &DicomStore,
+    patient: &str,
+    revision: u32,
+    turn: u32,
+) -> Result<Receipt, StoreFault> {
     let record = without_legs(scan().as_str(), Some(patient), revision);
-    put_record(store, (patient, None), revision, &record)
+    put_record(store, (patient, None), (revision, turn), &record)
 }
 
 /// Puts a record of 4711 that answers the request of this study.
 fn put_answering(
     store: &DicomStore,
     study: &str,
+    turn: u32,
     person: Option<&ListedPerson>,
 ) -> Result<Receipt, StoreFault> {
     let record = without_legs(scan().as_str(), Some("4711"), 1);
     let mut record: Value = serde_json::from_slice(&record).unwrap();
     record["patient"]["sources"][0]["request"] = json!({ "study_instance_uid": study });
-    put_record(store, ("4711", person), 1, record.to_string().as_bytes())
+    put_record(store, ("4711", person), (1, turn), record.to_string().as_bytes())
 }
 
 fn put_record(
     store: &DicomStore,
     (patient, person): (&str, Option<&ListedPerson>),
-    revision: u32,
+    (revision, turn): (u32, u32),
     record: &[u8],
 ) -> Result<Receipt, StoreFault> {
     let file = |name: &str, bytes: &[u8]| RecordFile { name: name.into(), bytes: bytes.into() };
@@ -153,14 +276,19 @@ fn put_record(
         person,
         first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
         revision,
+        turn,
         files: &[file("record.json", record), file("report.pdf", b"%PDF-1.7")],
         scan_file: Path::new("/nowhere"),
         ending: "obj",
     })
 }
 
-fn withdraw(store: &DicomStore, receipt: Option<&str>) -> Result<(), StoreFault> {
-    store.withdraw(&scan(), Some("4711"), None, receipt, None)
+fn withdraw(store: &DicomStore, receipt: Option<&str>, turn: u32) -> Result<(), StoreFault> {
+    store.withdraw(&scan(), Some("4711"), None, PastDelivery { receipt, request: None, turn })
+}
+
+fn is_not_shown(done: &Result<(), StoreFault>) -> bool {
+    matches!(done, Err(StoreFault::Server(ServerFault::NotShown)))
 }
 
 #[test]
@@ -175,15 +303,15 @@ fn a_record_is_stored_once_and_a_later_revision_beside_it() {
     assert_eq!(archive.stored(), 2);
     assert!(!put(&store, "4711", 2).unwrap().already_there);
     assert_eq!(archive.stored(), 4);
-    // At most two looks before, and two after.
-    assert!(store.step_most() > Duration::from_secs(30) * (2 + 4));
+    // At most two looks before, a mark and two looks after it, and two looks in the end.
+    assert!(store.step_most() > Duration::from_secs(30) * (2 + 7));
 }
 
 #[test]
 fn a_lost_answer_or_a_half_stored_record_is_completed_by_the_next_try() {
     let archive = Archive::new();
     let store = archive.store();
-    archive.becomes(Mode::KeepAndFail);
+    archive.becomes(Mode::KeepAndDie);
     let fault = put(&store, "4711", 1).unwrap_err();
     assert!(matches!(fault, StoreFault::Server(ServerFault::Busy { status: 503, .. })), "{fault}");
     assert!(!fault.to_string().contains("4711"), "{fault}");
@@ -217,19 +345,53 @@ fn an_object_that_the_archive_will_never_store_waits_for_a_person() {
 }
 
 #[test]
+fn a_record_that_is_shown_is_stored_whatever_the_archive_answered() {
+    for reason in [0xc000, 0x0122, 0xa700] {
+        let archive = Archive::new();
+        archive.becomes(Mode::KeepAndRefuse(reason));
+        assert!(!put(&archive.store(), "4711", 1).unwrap().already_there, "{reason:04X}");
+    }
+}
+
+#[test]
 fn a_withdrawn_record_is_marked_once_and_can_be_given_again() {
+    for is_hiding in [false, true] {
+        let archive = Archive::that_hides(is_hiding);
+        let store = archive.store();
+        let receipt = put(&store, "4711", 1).unwrap().folder;
+        let receipt = receipt.to_str();
+        withdraw(&store, receipt, 0).unwrap();
+        // The run ended before it noted that.
+        let again = withdraw(&store, receipt, 0);
+        assert!(if is_hiding { is_not_shown(&again) } else { again.is_ok() }, "{again:?}");
+        assert_eq!((archive.stored(), archive.holding()), (3, 0));
+        assert!(!put_in(&store, "4711", 1, 1).unwrap().already_there);
+        assert!(put_in(&store, "4711", 1, 1).unwrap().already_there);
+        assert_eq!(archive.holding(), 2);
+        withdraw(&store, receipt, 1).unwrap();
+        assert_eq!((archive.stored(), archive.holding()), (6, 0));
+    }
+}
+
+#[test]
+fn a_record_that_was_withdrawn_there_is_not_taken_for_stored() {
     let archive = Archive::new();
     let store = archive.store();
-    let receipt = put(&store, "4711", 1).unwrap().folder;
-    let receipt = receipt.to_str();
-    for _ in 0..2 {
-        withdraw(&store, receipt).unwrap();
-        assert_eq!(archive.stored(), 3);
+    put(&store, "4711", 1).unwrap();
+    withdraw(&store, None, 0).unwrap();
+    assert_eq!(put(&store, "4711", 1).unwrap_err().code(), "taken-back-there");
+}
+
+#[test]
+fn a_mark_whose_answer_is_lost_or_a_refusal_is_there_if_nothing_is_shown_without_it() {
+    for (is_hiding, reason) in [(false, 0xa770), (true, 0xa770), (true, 0xc000)] {
+        let archive = Archive::that_hides(is_hiding);
+        let store = archive.store();
+        let receipt = put(&store, "4711", 1).unwrap().folder;
+        archive.becomes(Mode::KeepAndRefuse(reason));
+        withdraw(&store, receipt.to_str(), 0).unwrap();
+        assert_eq!(archive.holding(), 0);
     }
-    assert!(!put(&store, "4711", 1).unwrap().already_there);
-    assert!(put(&store, "4711", 1).unwrap().already_there);
-    withdraw(&store, receipt).unwrap();
-    assert_eq!(archive.stored(), 6);
 }
 
 #[test]
@@ -237,25 +399,27 @@ fn a_record_in_the_study_of_a_request_is_stored_once_and_withdrawn_where_it_is()
     const THEIRS: &str = "1.2.276.4711";
     let archive = Archive::new();
     let store = archive.store();
-    let receipt = put_answering(&store, THEIRS, None).unwrap();
+    let receipt = put_answering(&store, THEIRS, 0, None).unwrap();
     assert_eq!((receipt.folder.to_str(), receipt.already_there), (Some(THEIRS), false));
-    assert!(put_answering(&store, THEIRS, None).unwrap().already_there);
+    assert!(put_answering(&store, THEIRS, 0, None).unwrap().already_there);
     // Of an answer that was lost there is no receipt, and after a lost journal no request.
     let request = ImagingRequest::new(THEIRS, "");
-    for (receipt, request) in [(None, request.as_ref()), (Some(THEIRS), None)] {
+    let known = [(None, request.as_ref()), (Some(THEIRS), None)];
+    for (turn, (receipt, request)) in (0..).zip(known) {
         let before = archive.stored();
+        let past = PastDelivery { receipt, request, turn };
         for _ in 0..2 {
-            store.withdraw(&scan(), Some("4711"), None, receipt, request).unwrap();
+            store.withdraw(&scan(), Some("4711"), None, past).unwrap();
             assert_eq!(archive.stored(), before + 1);
         }
-        assert!(!put_answering(&store, THEIRS, None).unwrap().already_there);
+        assert!(!put_answering(&store, THEIRS, turn + 1, None).unwrap().already_there);
     }
 }
 
 #[test]
 fn what_an_archive_says_of_objects_that_name_the_patient_is_not_repeated() {
     let archive = Archive::new();
-    archive.becomes(Mode::KeepAndFail);
+    archive.becomes(Mode::Fail);
     let person = ListedPerson {
         dicom_name: "Gr\u{fc}nwald^J\u{f6}rg".to_owned(),
         ..ListedPerson::default()
@@ -263,20 +427,42 @@ fn what_an_archive_says_of_objects_that_name_the_patient_is_not_repeated() {
     for (names, study) in [(true, "1.2.276.1"), (false, "1.2.276.2")] {
         let mut store = archive.store();
         store.rules.names = names;
-        let fault = put_answering(&store, study, Some(&person)).unwrap_err().to_string();
+        let fault = put_answering(&store, study, 0, Some(&person)).unwrap_err().to_string();
         assert!(fault.contains("503"), "{fault}");
         assert_eq!(fault.contains("restarting"), !names, "{fault}");
     }
 }
 
 #[test]
-fn a_record_that_was_confirmed_and_is_not_shown_does_not_count_as_withdrawn() {
+fn what_was_sent_or_confirmed_and_is_not_shown_does_not_count_as_withdrawn() {
     let archive = Archive::new();
     let store = archive.store();
-    withdraw(&store, None).unwrap();
-    let fault = withdraw(&store, Some("2.25.1")).unwrap_err();
-    assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
+    withdraw(&store, None, 0).unwrap();
+    for receipt in ["", "2.25.1"] {
+        assert!(is_not_shown(&withdraw(&store, Some(receipt), 0)), "{receipt:?}");
+    }
     assert_eq!(archive.stored(), 0);
+}
+
+#[test]
+fn what_appears_after_its_take_back_was_begun_is_marked_by_the_next_try() {
+    for is_hiding in [false, true] {
+        let archive = Archive::that_hides(is_hiding);
+        let store = archive.store();
+        archive.becomes(Mode::RefuseReport(0xa700));
+        put(&store, "4711", 1).unwrap_err();
+        archive.becomes(Mode::KeepAndDie);
+        archive.place().is_late = true;
+        put(&store, "4711", 1).unwrap_err();
+        archive.becomes(Mode::Keep);
+        archive.place().is_late = false;
+        assert!(is_not_shown(&withdraw(&store, Some(""), 0)));
+        assert_eq!(archive.holding(), 0);
+        archive.catches_up();
+        assert_eq!(archive.holding(), 1);
+        assert!(is_not_shown(&withdraw(&store, Some(""), 0)));
+        assert_eq!(archive.holding(), 0);
+    }
 }
 
 #[test]
@@ -294,7 +480,7 @@ fn an_address_without_an_archive_is_told_apart_from_an_archive_without_the_study
     store.reach().unwrap();
     for (status, body) in [("404 Not Found", ""), ("401 Unauthorized", "who are you?")] {
         archive.becomes(Mode::Say(status, body));
-        for fault in [store.reach().unwrap_err(), withdraw(&store, None).unwrap_err()] {
+        for fault in [store.reach().unwrap_err(), withdraw(&store, None, 0).unwrap_err()] {
             assert!(matches!(fault, StoreFault::Server(ServerFault::Forbidden { .. })), "{fault}");
         }
     }

@@ -94,6 +94,10 @@ impl FhirStore {
 
     /// Checks that searches have found what the server has confirmed by this receipt: the report, and the
     /// observations in it. A search does not find what is not in its index yet, or what the station may not see.
+    ///
+    /// # Errors
+    /// [`ServerFault::NotShown`] for a record that was sent and not confirmed, if there is no report: all of it came in
+    /// together, or may yet.
     pub(super) fn all_found(
         &self,
         there: &[Value],
@@ -112,8 +116,16 @@ impl FhirStore {
             return hidden();
         }
         let Some(receipt) = receipt else { return Ok(()) };
-        if is_found(receipt) {
+        let has_report = || there.iter().any(|of| of["resourceType"] == REPORT);
+        if is_found(receipt) || receipt.is_empty() && has_report() {
             return Ok(());
+        }
+        if receipt.is_empty() {
+            return match self.subject(patient) {
+                // Nothing can be of a patient whom it does not know.
+                Err(StoreFault::Permanent(Rejection::NotRegistered)) => Ok(()),
+                _ => Err(ServerFault::NotShown.into()),
+            };
         }
         match self.ask(Method::GET, receipt, None, &[patient]) {
             // It was deleted there.

@@ -43,6 +43,7 @@ impl Case {
             person: None,
             first_seen,
             revision: FIRST_REVISION,
+            turn: 0,
             files: &self.files,
             scan_file: &self.scan_file,
             ending: "obj",
@@ -259,12 +260,12 @@ fn a_record_for_nobody_is_taken_back_with_its_notes_once_the_patient_has_it() {
     fs::write(old.join("note.txt"), "left leg in a cast").unwrap();
     let stored = case.store().stored_scan(&case.scan, None).unwrap().unwrap();
     assert_eq!(stored, StoredScan { bytes: b"v 0 0 0\n".to_vec(), ord: None });
-    let early = case.store().withdraw(&case.scan, None, Some("4711"), None, None);
+    let early = case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default());
     assert!(early.is_err() && old.exists(), "nobody has it yet");
 
     let new = case.store().put(&case.delivery()).unwrap().folder;
     for _ in 0..2 {
-        case.store().withdraw(&case.scan, None, Some("4711"), None, None).unwrap();
+        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap();
         assert!(!old.exists());
         assert_eq!(fs::read_to_string(new.join("note.txt")).unwrap(), "left leg in a cast");
     }
@@ -277,7 +278,8 @@ fn a_record_for_nobody_that_somebody_changed_is_left_as_it_is() {
     let old = case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap().folder;
     case.store().put(&case.delivery()).unwrap();
     fs::write(old.join("record.json"), "changed by hand").unwrap();
-    let fault = case.store().withdraw(&case.scan, None, Some("4711"), None, None).unwrap_err();
+    let fault =
+        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap_err();
     assert_eq!(fault.code(), "store-place-occupied");
     assert_eq!(fs::read(old.join("record.json")).unwrap(), b"changed by hand");
 }
@@ -329,7 +331,7 @@ fn a_record_is_taken_back_with_all_its_revisions_and_their_notes() {
     for place in [&first, &second, &revised(&case, 3)] {
         fs::write(place.join("note.txt"), place.to_string_lossy().as_bytes()).unwrap();
     }
-    case.store().withdraw(&case.scan, Some("4711"), None, None, None).unwrap();
+    case.store().withdraw(&case.scan, Some("4711"), None, PastDelivery::default()).unwrap();
     assert_eq!(names(&case.dir.path().join("records/4711")), [""; 0]);
     let notes: Vec<String> =
         names(&keeper).into_iter().filter(|name| name.contains("note")).collect();
@@ -348,9 +350,9 @@ fn notes_of_one_name_go_from_record_to_record_and_none_is_lost_or_doubled() {
     for round in 0..7 {
         let unassigned = case.store().put(&nobodys).unwrap().folder;
         fs::write(unassigned.join("note.txt"), format!("{}", round % 3)).unwrap();
-        case.store().withdraw(&case.scan, Some("4711"), None, None, None).unwrap();
+        case.store().withdraw(&case.scan, Some("4711"), None, PastDelivery::default()).unwrap();
         folder = case.store().put(&theirs).unwrap().folder;
-        case.store().withdraw(&case.scan, None, Some("4711"), None, None).unwrap();
+        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap();
     }
     let record = folder.file_name().unwrap().to_str().unwrap();
     let named = |number: &str| format!("{record}{number}.note.txt");
@@ -376,11 +378,12 @@ fn what_is_in_the_way_of_one_record_is_no_fault_of_the_store() {
     let stone = format!(".staging.booth-1.withdrawn_{}", case.scan.short());
     let stone = records.join("_unassigned").join(stone);
     fs::write(&stone, "a file").unwrap();
-    let fault = case.store().withdraw(&case.scan, None, Some("4711"), None, None).unwrap_err();
+    let fault =
+        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap_err();
     assert!(matches!(fault, StoreFault::Permanent(Rejection::InTheWay { .. })), "{fault:?}");
     assert!(kept.exists());
     fs::remove_file(stone).unwrap();
-    case.store().withdraw(&case.scan, None, Some("4711"), None, None).unwrap();
+    case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap();
     assert!(!kept.exists());
 
     // The store itself is another matter.
@@ -398,7 +401,8 @@ fn where_one_revision_was_changed_by_hand_none_is_taken_back() {
     let first = case.store().put(&case.delivery()).unwrap().folder;
     let second = revised(&case, 2);
     fs::write(second.join("record.json"), "changed by hand").unwrap();
-    let fault = case.store().withdraw(&case.scan, Some("4711"), None, None, None).unwrap_err();
+    let fault =
+        case.store().withdraw(&case.scan, Some("4711"), None, PastDelivery::default()).unwrap_err();
     assert_eq!(fault.code(), "store-place-occupied");
     assert!(first.exists() && second.exists());
 }
@@ -414,8 +418,10 @@ fn a_patients_folder_that_is_a_link_takes_and_gives_nothing() {
     assert_eq!(names(&records.join("0815")), [""; 0]);
     // Nor is another patient's record taken back through it.
     let theirs = case.store().put(&Delivery { patient: Some("0815"), ..case.delivery() }).unwrap();
-    let fault =
-        case.store().withdraw(&case.scan, Some("4711"), Some("0815"), None, None).unwrap_err();
+    let fault = case
+        .store()
+        .withdraw(&case.scan, Some("4711"), Some("0815"), PastDelivery::default())
+        .unwrap_err();
     assert_eq!(fault.code(), "patient-folder-is-a-link");
     assert!(theirs.folder.exists());
     assert!(case.store().stored_scan(&case.scan, Some("4711")).is_err());

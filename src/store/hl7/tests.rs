@@ -141,6 +141,7 @@ fn put(store: &Hl7Store, patient: Option<&str>, revision: u32) -> Result<Receipt
         person: None,
         first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
         revision,
+        turn: 0,
         files: &files(revision),
         scan_file: Path::new("/nowhere"),
         ending: "obj",
@@ -232,7 +233,7 @@ fn what_names_nobody_or_somebody_else_is_not_sent() {
 fn a_correction_a_withdrawal_and_a_result_after_it_are_messages_of_their_own() {
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
-    let withdraw = || store.withdraw(&scan(), Some("4711"), None, None, None).unwrap();
+    let withdraw = || store.withdraw(&scan(), Some("4711"), None, PastDelivery::default()).unwrap();
     withdraw();
     assert!(receiver.controls().is_empty(), "nothing was sent that could be withdrawn");
     assert!(is_new(&store, 1) && is_new(&store, 2));
@@ -255,7 +256,8 @@ fn a_result_whose_answer_was_lost_is_taken_back_and_one_that_was_refused_is_not(
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
     let hasty = receiver.store_that_waits(Duration::from_secs(1), state.path());
-    let withdraw = |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None, None, None);
+    let withdraw =
+        |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None, PastDelivery::default());
     receiver.becomes(Mode::Refuse);
     assert!(put(&store, Some("4711"), 1).is_err());
     receiver.becomes(Mode::Accept);
@@ -286,7 +288,7 @@ fn what_a_correction_no_longer_holds_is_wrong_there_and_is_taken_back_with_it() 
     without.rules.pdf = PdfForm::None;
     assert!(is_new(&without, 2));
     assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "C"), ("PDF", "W")]));
-    without.withdraw(&scan(), Some("4711"), None, None, None).unwrap();
+    without.withdraw(&scan(), Some("4711"), None, PastDelivery::default()).unwrap();
     assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "W"), ("PDF", "W")]));
 }
 
@@ -294,8 +296,9 @@ fn what_a_correction_no_longer_holds_is_wrong_there_and_is_taken_back_with_it() 
 fn another_receiver_has_neither_the_result_nor_its_withdrawal() {
     let (first, second, state) = (Receiving::new(), Receiving::new(), TempDir::new().unwrap());
     let stores = [&first, &second].map(|receiver| receiver.store(state.path()));
-    let withdraw =
-        |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None, None, None).unwrap();
+    let withdraw = |store: &Hl7Store| {
+        store.withdraw(&scan(), Some("4711"), None, PastDelivery::default()).unwrap()
+    };
     assert!(stores.iter().all(|store| is_new(store, 1)));
     assert_eq!(first.controls(), second.controls(), "it is the same message");
     stores.iter().for_each(withdraw);

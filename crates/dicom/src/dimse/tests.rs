@@ -128,7 +128,8 @@ fn object() -> DicomObject {
         attach: Vec::new(),
         names: false,
     };
-    withdrawal(&study, &listed, "booth-1", &rules, "2026-11-27T08:00:00Z".parse().unwrap()).unwrap()
+    let now = "2026-11-27T08:00:00Z".parse().unwrap();
+    withdrawal(&study, 1, &listed, "booth-1", &rules, now).unwrap()
 }
 
 fn search(packets: &[Pdu], most: usize) -> Result<Vec<InMemDicomObject>, DimseFault> {
@@ -225,26 +226,30 @@ fn a_record_is_listed_by_its_own_series_whoever_else_has_objects_in_the_study() 
     let (pending, done) = (|set| answer(0x20, 0xff00, Some(set)), answer(0x20, 0, None));
     let mut server = Script::new(&[
         accepts(&[1]),
-        // It was withdrawn once.
+        // It was withdrawn once, and has come back.
         pending(image("1.4")),
         done.clone(),
         pending(image("1.5")),
         pending(image("1.6")),
         done.clone(),
         done.clone(),
+        done.clone(),
+        pending(image("1.7")),
+        done.clone(),
+        done.clone(),
         done,
     ]);
-    let found = listed(&mut server, &titles(), &study).unwrap();
-    let own = [vec![study.series(SopClass::Withdrawal, 0)], study.holding_series(1)].concat();
+    let found = listed(&mut server, &titles(), &study, 2).unwrap();
+    let own = [vec![study.series(SopClass::Withdrawal, 0)], study.record_series(2)].concat();
     let found: Vec<_> = found.iter().map(|of| (of.series.as_str(), of.uid.as_str())).collect();
-    let [mark, figures] = [0, 1].map(|at| own[at].as_str());
-    assert_eq!(found, [(mark, "1.4"), (figures, "1.5"), (figures, "1.6")]);
+    let [mark, figures, again] = [0, 1, 4].map(|at| own[at].as_str());
+    assert_eq!(found, [(mark, "1.4"), (figures, "1.5"), (figures, "1.6"), (again, "1.7")]);
     let queries = server.heard();
     let asked = |at: usize, tag| {
         text_of(&reading::read(Syntax::ExplicitLittleEndian, &queries[at]).unwrap(), tag)
     };
-    // Marks, figures, report and meshes; a message is a command and a data set.
-    assert_eq!((own.len(), queries.len()), (4, 8));
+    // Marks, and twice figures, report and meshes; a message is a command and a data set.
+    assert_eq!((own.len(), queries.len()), (7, 14));
     for (nth, series) in own.iter().enumerate() {
         let at = 2 * nth + 1;
         assert_eq!(asked(at, tags::QUERY_RETRIEVE_LEVEL).as_deref(), Some("IMAGE"));

@@ -443,7 +443,9 @@ fn a_record_at_an_earlier_address_of_a_server_is_withdrawn_only_there_or_where_a
     // Sent once more, and no answer yet.
     world.journal.put_at(&due, "a", None).unwrap();
     world.comes_to_rest();
+    assert_eq!(world.journal.withdrawing_since(&due).unwrap(), None);
     world.unassign();
+    assert!(world.journal.withdrawing_since(&due).unwrap().is_some());
     assert_eq!(moved(&world), None);
     world.journal.begun(server, "b").unwrap();
     assert_eq!(moved(&world), Some(1));
