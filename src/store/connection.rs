@@ -127,6 +127,7 @@ pub(crate) enum Connection {
 
 impl Connection {
     /// From now on nothing is waited for longer than this.
+    #[cfg(feature = "dicom")]
     pub fn waits_at_most(&mut self, limit: Duration) {
         let stream = match self {
             Connection::Plain(stream) => stream,
