@@ -16,6 +16,7 @@ use http::Uri;
 
 use super::fault::What;
 use super::parse::{self, Absent, Found, Reader, not_a, or_none};
+use super::words::Words;
 pub use archive::ArchiveStoreConfig;
 pub(super) use archive::archive;
 #[cfg(feature = "dicom")]
@@ -30,6 +31,13 @@ pub(super) use hl7::hl7;
 pub use worklist::WorklistConfig;
 #[cfg(feature = "dicom")]
 pub(super) use worklist::worklist;
+
+/// Whether a line that is not HTTP is encrypted: `store.hl7.encryption`, `store.dicom.encryption`,
+/// `patient.worklist.encryption`.
+const ENCRYPTIONS: Words<bool> = &[("tls", true), ("none", false)];
+
+/// How the station calls itself to servers that know their peers by name, if nothing else is set.
+const APPLICATION: &str = "GAITER";
 
 /// The longest text in a message or header, characters.
 const LINE_MOST: usize = 200;

@@ -6,7 +6,9 @@ use gaiter_dicom::attachable;
 use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::Secret;
 
-use super::{TlsKeys, address, file_name, host_and_port, line, secret, tls, user};
+use super::{
+    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, secret, tls, user,
+};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
 use crate::config::words::Words;
@@ -36,9 +38,6 @@ enum Kind {
 const KINDS: Words<Kind> =
     &[("open", Kind::Open), ("basic", Kind::Basic), ("bearer", Kind::Bearer)];
 
-/// `store.dicom.encryption`
-const ENCRYPTIONS: Words<bool> = &[("tls", true), ("none", false)];
-
 /// Where an archive is, and by its form how it is asked.
 #[derive(Debug, Clone)]
 enum Place {
@@ -54,9 +53,6 @@ const TLS: TlsKeys = TlsKeys {
 
 /// The longest name of who assigns ids, characters (LO).
 const ISSUER_MOST: usize = 64;
-
-/// The station's title, if none is set.
-const AE_TITLE: &str = "GAITER";
 
 /// Reads the keys of `[store.dicom]`. Without an address the section is off.
 pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreConfig>> {
@@ -157,7 +153,7 @@ impl DimseKeys {
     fn read(reader: &mut Reader) -> Option<DimseKeys> {
         use Absent::Default;
         let called = reader.text("store.dicom.server_ae_title", Default(""), or_none(title));
-        let calling = reader.text("store.dicom.ae_title", Default(AE_TITLE), title);
+        let calling = reader.text("store.dicom.ae_title", Default(APPLICATION), title);
         let words = parse::word(ENCRYPTIONS);
         let is_encrypted = reader.text("store.dicom.encryption", Default("tls"), words);
         Some(DimseKeys { called: called?, calling: calling?, is_encrypted: is_encrypted? })
@@ -174,7 +170,7 @@ impl DimseKeys {
     }
 
     fn note_unread(self, reader: &mut Reader) {
-        let is_own = self.calling.value.as_str() != AE_TITLE;
+        let is_own = self.calling.value.as_str() != APPLICATION;
         let keys = [
             ("store.dicom.server_ae_title", self.called.at, self.called.value.is_some()),
             ("store.dicom.ae_title", self.calling.at, is_own),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use gaiter_record::hl7::{Charset, PdfForm};
 
-use super::{TlsKeys, host_and_port, line, tls};
+use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, line, tls};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, or_none};
 use crate::config::words::Words;
@@ -28,9 +28,6 @@ pub struct Hl7StoreConfig {
     pub pdf: PdfForm,
     pub charset: Charset,
 }
-
-/// `store.hl7.encryption`
-const ENCRYPTIONS: Words<bool> = &[("tls", true), ("none", false)];
 
 /// `store.hl7.processing`
 const PROCESSINGS: Words<char> = &[("production", 'P'), ("training", 'T')];
@@ -90,7 +87,7 @@ fn way(
 
 fn settings(reader: &mut Reader, way: Option<Option<Hl7Way>>) -> Option<Option<Hl7StoreConfig>> {
     use Absent::Default;
-    let application = reader.text("store.hl7.application", Default("GAITER"), line);
+    let application = reader.text("store.hl7.application", Default(APPLICATION), line);
     let facility = reader.text("store.hl7.facility", Default(""), line);
     let to_application = reader.text("store.hl7.receiving_application", Default(""), line);
     let to_facility = reader.text("store.hl7.receiving_facility", Default(""), line);

@@ -6,10 +6,9 @@ use gaiter_dicom::dimse::Titles;
 use gaiter_flow::worklist::WorklistFilter;
 
 use super::dicom::title;
-use super::{TlsKeys, host_and_port, tls};
+use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, tls};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
-use crate::config::words::Words;
 use crate::store::dicom::DimseServer;
 
 /// `[patient.worklist]`: a server that states who is expected today (DICOM Modality Worklist).
@@ -28,9 +27,6 @@ pub struct WorklistConfig {
 /// The longest modality, characters (VR CS).
 const MODALITY_MOST: usize = 16;
 
-/// `patient.worklist.encryption`
-const ENCRYPTIONS: Words<bool> = &[("tls", true), ("none", false)];
-
 const TLS: TlsKeys = TlsKeys {
     authorities: "patient.worklist.authorities",
     certificate: "patient.worklist.certificate",
@@ -43,7 +39,7 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     let key = "patient.worklist.address";
     let address = reader.text(key, Default(""), or_none(host_and_port));
     let server = reader.text("patient.worklist.server_ae_title", Default(""), or_none(title));
-    let own = reader.text("patient.worklist.ae_title", Default("GAITER"), title);
+    let own = reader.text("patient.worklist.ae_title", Default(APPLICATION), title);
     let modality = reader.text("patient.worklist.modality", Default(""), or_none(modality));
     let every =
         reader.text("patient.worklist.every", Default("1m"), parse::duration_in("10s"..="1h"));
