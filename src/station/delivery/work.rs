@@ -205,10 +205,15 @@ fn moved() -> DeliveryFault {
     DeliveryFault::PutOff { code: "store-moved", error }
 }
 
+/// Whether what a server was sent may still appear there; `since` is when its take-back was decided, `None` if it was
+/// not. A clock that was set back prolongs the wait.
+fn may_still_appear(since: Option<Timestamp>, now: Timestamp) -> bool {
+    since.is_some_and(|since| now.duration_since(since) < APPEARS_WITHIN)
+}
+
 /// Waits for what a server does not show, for as long as it may still appear.
 fn may_appear(core: &Core, due: &Due) -> Result<(), DeliveryFault> {
-    let since = core.custody.journal().withdrawing_since(due)?;
-    if since.is_none_or(|since| Timestamp::now().duration_since(since) >= APPEARS_WITHIN) {
+    if !may_still_appear(core.custody.journal().withdrawing_since(due)?, Timestamp::now()) {
         return Ok(());
     }
     let error = ServerFault::NotShown.to_string();
@@ -346,5 +351,21 @@ impl From<CustodyFault> for DeliveryFault {
 impl From<JournalError> for DeliveryFault {
     fn from(error: JournalError) -> DeliveryFault {
         DeliveryFault::Custody(error.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_server_does_not_show_is_waited_for_until_a_day_after_its_take_back_was_decided() {
+        let decided: Timestamp = "2026-11-29T08:00:00Z".parse().unwrap();
+        let may = |now: &str| may_still_appear(Some(decided), now.parse().unwrap());
+        assert!(may("2026-11-29T08:00:00Z") && may("2026-11-30T07:59:59Z"));
+        assert!(!may("2026-11-30T08:00:00Z"));
+        // The clock was set back.
+        assert!(may("2026-11-29T07:00:00Z"));
+        assert!(!may_still_appear(None, decided));
     }
 }
