@@ -1,8 +1,8 @@
 //! Messages over a connection (PS3.7 and PS3.8): C-ECHO, C-STORE, and C-FIND in an archive of images or a worklist.
 //!
-//! A connection is whatever reads and writes; who opens it sets its limits of time. Each call is one association.
-//! After it whoever opened the connection ends that, by [`release`] or after a fault by [`abort`]: for the answer to an
-//! end nobody waits as long as for what was asked.
+//! A connection is anything that reads and writes. The caller opens it, sets its time limits, and ends the association:
+//! by [`release`], or after a fault by [`abort`], with a shorter limit than for the call itself. Each call is one
+//! association.
 
 mod association;
 mod fault;

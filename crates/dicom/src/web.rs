@@ -38,7 +38,7 @@ pub fn search(study: &Study) -> String {
     format!("studies/{}/instances", study.uid())
 }
 
-/// What a server shows of a study; `None` if the answer is none to that search.
+/// What a server shows of a study; `None` if it is not an answer to that search.
 pub fn listed(answer: &Value) -> Option<Vec<Listed>> {
     answer.as_array()?.iter().map(one).collect()
 }

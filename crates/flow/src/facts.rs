@@ -231,7 +231,7 @@ impl TriggerFacts {
     }
 }
 
-/// The worklist of a hospital system: how it is, and nothing of whom it names.
+/// The state of the worklist of a hospital system, without its patients.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WorklistFacts {
     /// Why the server gave no answer at the last attempt; `None` if it did, or was not asked yet.
@@ -242,7 +242,7 @@ pub struct WorklistFacts {
     pub answered: Option<Timestamp>,
     /// How many entries can be chosen.
     pub entries: usize,
-    /// How many entries of this station nobody can be named by.
+    /// How many entries of this station name no patient.
     pub left_out: usize,
     /// How often the entries have changed in this run.
     pub edition: u64,

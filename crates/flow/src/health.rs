@@ -120,7 +120,7 @@ fn unfetched(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
     })
 }
 
-/// The worklist, if its server is away: whoever comes can be named without it.
+/// The worklist, if its server does not answer. Patients can be named without it.
 fn worklist(facts: &Facts, now: Timestamp) -> Option<Complaint> {
     let worklist = facts.worklist.as_ref()?;
     let figures = ComplaintFigures::why(worklist.fault.as_ref()?);

@@ -77,8 +77,8 @@ pub struct WorklistEntry {
 }
 
 impl WorklistEntry {
-    /// Names the entry to a page, and nobody to a reader: a hash. An entry that tells another name or birth date than
-    /// before is another: whoever chooses it has read these.
+    /// Identifies the entry on a page without its patient: a hash. It changes with name and birth date, so that a tap
+    /// on a page that still shows the old ones chooses nothing.
     pub fn key(&self) -> String {
         let request = self.request.as_ref();
         let ListedPerson { name, birth_date, .. } = &self.person;
@@ -126,7 +126,7 @@ impl WorklistFilter {
 pub struct Worklist {
     day: Date,
     entries: Vec<WorklistEntry>,
-    /// How many entries nobody can be named by: those of this station, and what cannot be read.
+    /// How many entries name no patient: entries of this station, and unreadable ones.
     left_out: usize,
     /// The accession numbers of these.
     numbers_left_out: BTreeSet<String>,
@@ -139,15 +139,14 @@ pub enum WorklistChoice<'a> {
     NotListed,
     /// This patient, and the request if there is only one that may be meant.
     Patient { id: &'a str, request: Option<&'a ImagingRequest> },
-    /// Nobody for certain: it may be the id of one patient and the accession number of another.
+    /// It may be the id of one patient and the accession number of another.
     Unclear,
 }
 
 impl Worklist {
     /// The list of a day, from the answer to a query. `is_id` is whether a text is allowed as a patient's id.
     ///
-    /// An entry is left out if nobody can be named by it: without a valid id or request, or if entries differ on
-    /// who has the id.
+    /// An entry without a valid id or request is left out, and so are entries that differ on whose the id is.
     pub fn new(
         answer: Vec<WorklistEntry>,
         filter: &WorklistFilter,
@@ -191,7 +190,7 @@ impl Worklist {
         self.day != today
     }
 
-    /// How many entries nobody can be named by: those of this station, and what cannot be read.
+    /// How many entries name no patient: entries of this station, and unreadable ones.
     pub fn left_out(&self) -> usize {
         self.left_out
     }

@@ -46,7 +46,7 @@ const SECOND: Planned = Planned {
     accession_number: "A4712",
 };
 
-/// Entries by which nobody can be named, with names where a server should have none: as an id, as a study, and of an
+/// Entries that name no patient, with names where a server should have none: as an id, as a study, and of an
 /// id that two people have.
 const LEFT_OUT: [Planned; 4] = [
     Planned { patient: "Ammenhai", accession_number: "A1", ..FIRST },

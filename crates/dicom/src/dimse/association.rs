@@ -301,7 +301,7 @@ impl<S: Read + Write> Association<S> {
     }
 }
 
-/// Ends the association of a connection on which all is answered, and reads the answer to that, whatever it is.
+/// Ends an association in which every request was answered, and waits for the answer to that. Faults change nothing.
 pub fn release<S: Read + Write>(mut stream: S) {
     let _ = send(&mut stream, &Pdu::ReleaseRQ).and_then(|()| packet(&mut stream));
 }
@@ -365,7 +365,7 @@ fn without_refused(packet: Vec<u8>) -> (Vec<u8>, Vec<(u8, u8)>) {
         }
         items = rest;
     }
-    // What is no item is the reader's to judge.
+    // The reader of packets judges what remains.
     kept.extend_from_slice(items);
     let length = kept.len() as u32 - PDU_HEADER_SIZE;
     kept[2..6].copy_from_slice(&length.to_be_bytes());

@@ -72,14 +72,14 @@ pub enum DimseFault {
         /// The deepest that are read.
         most: usize,
     },
-    /// An element of an answer claims to be longer than the answer, or is none.
+    /// An element of an answer is longer than the answer, or is malformed.
     #[error("an element of the answer does not fit into it")]
     Cut,
     /// An answer lacks an element.
     #[error("the answer lacks the element {0}")]
     Missing(Tag),
-    /// An answer is none to what was asked.
-    #[error("the answer is none to what was asked")]
+    /// An answer is of another kind than the request.
+    #[error("the answer does not belong to the request")]
     Unexpected,
     /// An answer cannot be read.
     #[error("the answer cannot be read")]

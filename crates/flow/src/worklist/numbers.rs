@@ -18,7 +18,7 @@ pub enum AccessionNumbers {
     Unseen,
     /// None was allowed as a patient's id: what is allowed as one is one.
     Apart,
-    /// Some are: what is allowed as an id may be the number of somebody else.
+    /// Some are: what is allowed as an id may be another patient's accession number.
     LikeIds,
 }
 

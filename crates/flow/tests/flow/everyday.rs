@@ -184,7 +184,7 @@ fn patients_who_never_come() {
         let habits = Habits { no_shows: true, ..Habits::new(Naming::Order, button) };
         days(&format!("{way}; 2 % never come"), habits);
     }
-    // Whoever is only listed is nobody's rival.
+    // A patient who is only on the list competes with nobody for a scan.
     for (way, button) in [("worklist, then press", true), ("worklist, no button", false)] {
         let habits = Habits { no_shows: true, ..Habits::new(Naming::Worklist, button) };
         days(&format!("{way}; 2 % never come"), habits);

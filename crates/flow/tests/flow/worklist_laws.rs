@@ -89,7 +89,7 @@ proptest! {
         let is_listed = entries.iter().any(|entry| entry.patient == code);
         match AccessionNumbers::Apart.chosen_by(&code, is_id(&code), Some(&list), TODAY) {
             WorklistChoice::Patient { id, request } => {
-                // Whoever else may be meant by the code is the same patient.
+                // Every entry with this number is of the same patient.
                 prop_assert!(entries.iter().filter(has_number).all(|entry| entry.patient == id));
                 prop_assert!(id == code || (!is_listed && !is_id(&code)));
                 let theirs = entries.iter().filter(|entry| entry.patient == id);

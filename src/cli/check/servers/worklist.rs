@@ -66,13 +66,13 @@ fn listed(
         format!("answers: {all} entries, {} of this station today", list.entries(today).len());
     if list.left_out() > 0 {
         detail += &format!(
-            ", and {} by which nobody can be named (patient.pattern, no study, or not to be read)",
+            ", and {} that name no patient (id not allowed by patient.pattern, no study, or unreadable)",
             list.left_out()
         );
     }
     if may_be_ids > 0 {
         detail += &format!(
-            "; patient.pattern allows {may_be_ids} accession numbers as ids: no id that is read names anybody"
+            "; patient.pattern allows {may_be_ids} accession numbers as ids: the reader names no patient by an id"
         );
     }
     let is_sound = list.left_out() == 0 && may_be_ids == 0;

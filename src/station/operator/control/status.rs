@@ -189,7 +189,7 @@ pub struct WorklistStatus {
     pub answered: Option<Timestamp>,
     /// How many entries can be chosen.
     pub entries: usize,
-    /// How many entries of this station nobody can be named by.
+    /// How many entries of this station name no patient.
     pub left_out: usize,
 }
 

@@ -19,7 +19,7 @@ pub struct Count {
     pub given: usize,
     pub held: usize,
     pub unassigned: usize,
-    /// Scans of patients who were named that are nobody's: the name was lost.
+    /// Scans without a patient although one was named: the name was lost.
     pub nameless: usize,
     pub refused: usize,
     /// Bodies whose export never came in.
