@@ -7,7 +7,8 @@ use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::Secret;
 
 use super::{
-    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, secret, tls, user,
+    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, note_unread,
+    secret, tls, user,
 };
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
@@ -70,12 +71,13 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
     let way = match place {
         Place::Web(base) => {
             dimse.note_unread(reader);
-            DicomWay::Web { base, access: web.access(reader)?, tls }
+            DicomWay::Web { base, access: web.access(reader)?, tls: tls.files }
         }
         Place::Dimse(host, port) => {
             web.note_unread(reader);
-            let (titles, is_encrypted) = dimse.titles(reader, at)?;
-            DicomWay::Dimse(DimseServer { host, port, titles, tls: is_encrypted.then_some(tls) })
+            let tls = tls.of_line(reader, dimse.is_encrypted.value);
+            let titles = dimse.titles(reader, at)?;
+            DicomWay::Dimse(DimseServer { host, port, titles, tls })
         }
     };
     let server = DicomServer { way, limit: limit?.value };
@@ -159,14 +161,14 @@ impl DimseKeys {
         Some(DimseKeys { called: called?, calling: calling?, is_encrypted: is_encrypted? })
     }
 
-    /// Who asks whom, and whether that is encrypted. `at` is the place of the address, which needs the server's title.
-    fn titles(self, reader: &mut Reader, at: Range<usize>) -> Option<(Titles, bool)> {
+    /// Who asks whom. `at` is the place of the address, which needs the server's title.
+    fn titles(self, reader: &mut Reader, at: Range<usize>) -> Option<Titles> {
         let Some(called) = self.called.value else {
             let without = What::Without("store.dicom.server_ae_title");
             reader.note(at, "store.dicom.address", without);
             return None;
         };
-        Some((Titles { calling: self.calling.value, called }, self.is_encrypted.value))
+        Some(Titles { calling: self.calling.value, called })
     }
 
     fn note_unread(self, reader: &mut Reader) {
@@ -177,17 +179,6 @@ impl DimseKeys {
             ("store.dicom.encryption", self.is_encrypted.at, !self.is_encrypted.value),
         ];
         note_unread(reader, keys, "over DICOMweb");
-    }
-}
-
-/// Notes which of these keys are set to something else than their default, though nothing reads them.
-fn note_unread(
-    reader: &mut Reader,
-    keys: [(&'static str, Range<usize>, bool); 3],
-    why: &'static str,
-) {
-    for (key, at, _) in keys.into_iter().filter(|(.., is_set)| *is_set) {
-        reader.note(at, key, What::NoEffect(why));
     }
 }
 

@@ -63,7 +63,7 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreCon
     let server = FhirServer {
         base,
         access: access?,
-        tls: tls?,
+        tls: tls?.files,
         proxy: proxy?,
         limit: limit?.value,
         patients: patients?,

@@ -71,11 +71,12 @@ fn way(
     let encryption = reader.text("store.hl7.encryption", Default("tls"), parse::word(ENCRYPTIONS));
     let tls = tls(reader, &TLS);
     let limit = reader.text("store.hl7.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
-    let (path, encryption, tls, limit) = (path?, encryption?.value, tls?, limit?.value);
+    let (path, is_encrypted, tls, limit) = (path?, encryption?.value, tls?, limit?.value);
     match (address?.value, path.value) {
         (None, None) => Some(None),
         (Some((host, port)), None) => {
-            Some(Some(Hl7Way::Mllp { host, port, tls: encryption.then_some(tls), limit }))
+            let tls = tls.of_line(reader, is_encrypted);
+            Some(Some(Hl7Way::Mllp { host, port, tls, limit }))
         }
         (None, Some(folder)) => Some(Some(Hl7Way::Files(folder))),
         (Some(_), Some(_)) => {

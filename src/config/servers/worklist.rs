@@ -53,7 +53,8 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     if called.is_none() {
         reader.note(at, key, What::Without("patient.worklist.server_ae_title"));
     }
-    let (calling, called, tls) = (own?.value, called?, encryption?.value.then_some(tls?));
+    let tls = tls?.of_line(reader, encryption?.value);
+    let (calling, called) = (own?.value, called?);
     let filter = WorklistFilter { station: calling.as_str().to_owned(), modality: modality?.value };
     Some(Some(WorklistConfig {
         server: DimseServer { host, port, titles: Titles { calling, called }, tls },
