@@ -1,5 +1,7 @@
 //! Text from outside in a form that is safe to show to people.
 
+use std::iter;
+
 /// The longest line of another program, characters.
 const LINE_MOST: usize = 200;
 
@@ -25,8 +27,9 @@ pub fn escaped(text: &str) -> String {
 /// direction of letters, without these words in capital or small letters, which must not get into a log, and at most
 /// 200 characters long.
 pub fn in_a_line(text: &str, without: &[&str]) -> String {
-    let mut line: String = seen(text).chars().take(READ_MOST).collect();
-    for word in without.iter().map(|word| seen(word)).filter(|word| !word.is_empty()) {
+    let mut line: String = seen(text).take(READ_MOST).collect();
+    let words = without.iter().map(|word| seen(word).collect::<String>());
+    for word in words.filter(|word| !word.is_empty()) {
         line = masked(&line, &word);
     }
     line.chars().take(LINE_MOST).collect()
@@ -58,11 +61,10 @@ fn masked(text: &str, word: &str) -> String {
 }
 
 /// What people see of a text, with single blanks.
-fn seen(text: &str) -> String {
-    let of_word =
-        |word: &str| word.chars().filter(|letter| !is_hidden(*letter)).collect::<String>();
-    let words = text.split_whitespace().map(of_word).filter(|word: &String| !word.is_empty());
-    words.collect::<Vec<String>>().join(" ")
+fn seen(text: &str) -> impl Iterator<Item = char> {
+    let words = text.split_whitespace().filter(|word| !word.chars().all(is_hidden));
+    let letters = words.flat_map(|word| iter::once(' ').chain(word.chars()));
+    letters.filter(|letter| !is_hidden(*letter)).skip(1)
 }
 
 /// Control characters, blanks other than the plain one, format characters, including those that change
