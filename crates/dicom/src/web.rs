@@ -1,7 +1,11 @@
 //! Messages of DICOMweb (PS3.18): objects to be stored, what became of them, and what a server shows of a study.
 
+use std::fmt;
+
 use gaiter_record::sha256;
-use serde_json::Value;
+use serde::Deserializer;
+use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::value::RawValue;
 
 use super::{DicomObject, EncodeFault, Listed, NotStored, Study};
 
@@ -25,12 +29,16 @@ pub fn multipart(object: &DicomObject) -> Result<(String, Vec<u8>), EncodeFault>
     Ok((format!("multipart/related; type=\"{OBJECT}\"; boundary={boundary}"), body))
 }
 
-/// The objects that a server did not store, by its answer. A sequence without items, as some answer after success, is
-/// none, and so is one that the server has already.
-pub fn not_stored(answer: &Value) -> Vec<NotStored> {
-    let reasons = values(&answer["00081198"])
-        .map(|of| values(&of["00081197"]).next().and_then(Value::as_u64).unwrap_or_default());
-    reasons.filter_map(NotStored::for_reason).collect()
+/// Why a server did not store the object of a request, by its answer. A sequence without items, as some answer after
+/// success, is no failure, and neither is an object that the server has already.
+pub fn not_stored(answer: &[u8]) -> Option<NotStored> {
+    let [failed] = members(whole(answer)?, ["00081198"])?;
+    let mut why = None;
+    each_value(failed, |item| {
+        let reason = members(item, ["00081197"]).and_then(|[reason]| first(reason));
+        why = why.take().or_else(|| NotStored::for_reason(reason.unwrap_or_default()));
+    });
+    why
 }
 
 /// The path of the search for what a server has of a study.
@@ -38,27 +46,115 @@ pub fn search(study: &Study) -> String {
     format!("studies/{}/instances", study.uid())
 }
 
-/// What a server shows of a study; `None` if it is not an answer to that search.
-pub fn listed(answer: &Value) -> Option<Vec<Listed>> {
-    answer.as_array()?.iter().map(one).collect()
+/// What a server shows of a study; `None` if it is not an answer to that search. Others may have thousands of objects
+/// in it, with some kB of attributes each, of which three UIDs are kept. Whatever an answer holds, that is less than five
+/// times its length.
+pub fn listed(answer: &[u8]) -> Option<Vec<Listed>> {
+    let (mut listed, mut is_whole) = (Vec::new(), true);
+    each(whole(answer)?, |item| match one(item) {
+        Some(object) => listed.push(object),
+        None => is_whole = false,
+    })?;
+    is_whole.then_some(listed)
 }
 
-fn one(of: &Value) -> Option<Listed> {
-    let [class, series, uid] = ["00080016", "0020000E", "00080018"]
-        .map(|tag| values(&of[tag]).next().and_then(Value::as_str).map(str::to_owned));
+/// Whether an answer is a list, as each search has.
+pub fn is_list(answer: &[u8]) -> bool {
+    serde_json::from_slice::<Vec<IgnoredAny>>(answer).is_ok()
+}
+
+fn one(item: &RawValue) -> Option<Listed> {
+    let [class, series, uid] = members(item, ["00080016", "0020000E", "00080018"])?.map(first);
     Some(Listed { class: class?, series: series?, uid: uid? })
 }
 
-/// The values of an attribute.
-fn values(attribute: &Value) -> impl Iterator<Item = &Value> {
-    attribute["Value"].as_array().into_iter().flatten()
+/// An answer that is JSON as a whole.
+fn whole(answer: &[u8]) -> Option<&RawValue> {
+    serde_json::from_slice(answer).ok()
+}
+
+/// The first value of an attribute, if it is one of this type.
+fn first<T: DeserializeOwned>(attribute: Option<&RawValue>) -> Option<T> {
+    let mut first = None;
+    each_value(attribute, |value| {
+        first.get_or_insert(value);
+    });
+    serde_json::from_str(first?.get()).ok()
+}
+
+/// Takes each value of an attribute, if it has any.
+fn each_value<'a>(attribute: Option<&'a RawValue>, take: impl FnMut(&'a RawValue)) {
+    let values = attribute.and_then(|attribute| members(attribute, ["Value"]));
+    if let Some([Some(values)]) = values {
+        each(values, take);
+    }
+}
+
+/// Takes each value of an array; `None` if it is none.
+fn each<'a>(array: &'a RawValue, take: impl FnMut(&'a RawValue)) -> Option<()> {
+    array.deserialize_seq(Each(take)).ok()
+}
+
+/// The members of these names in an object, as they are written; `None` if it is none.
+fn members<'a, const N: usize>(
+    object: &'a RawValue,
+    names: [&str; N],
+) -> Option<[Option<&'a RawValue>; N]> {
+    object.deserialize_map(Members(names)).ok()
+}
+
+/// Reads an array, value by value.
+struct Each<F>(F);
+
+impl<'a, F: FnMut(&'a RawValue)> Visitor<'a> for Each<F> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an array")
+    }
+
+    fn visit_seq<A: SeqAccess<'a>>(mut self, mut array: A) -> Result<(), A::Error> {
+        while let Some(value) = array.next_element()? {
+            (self.0)(value);
+        }
+        Ok(())
+    }
+}
+
+/// Reads the members of these names in an object. The others are passed over, however long or deep they are.
+struct Members<'n, const N: usize>([&'n str; N]);
+
+impl<'a, const N: usize> Visitor<'a> for Members<'_, N> {
+    type Value = [Option<&'a RawValue>; N];
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'a>>(self, mut object: A) -> Result<Self::Value, A::Error> {
+        let mut members: Self::Value = [None; N];
+        while let Some(name) = object.next_key::<String>()? {
+            let value = object.next_value()?;
+            if let Some(at) = self.0.iter().position(|of| *of == name) {
+                members[at] = Some(value);
+            }
+        }
+        Ok(members)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
+    use serde_json::{Value, json};
 
     use super::*;
+
+    /// Arrays in one another, deeper than any stack.
+    const DEEP: usize = 1_000_000;
+
+    fn bytes(answer: &Value) -> Vec<u8> {
+        answer.to_string().into_bytes()
+    }
 
     fn answer(reasons: &[Value]) -> Value {
         let failed: Vec<Value> = reasons
@@ -72,17 +168,27 @@ mod tests {
     fn failures_are_counted_by_items_because_the_sequence_is_there_after_success_too() {
         for success in [json!({}), json!({ "00081198": { "vr": "SQ" } }), answer(&[]), Value::Null]
         {
-            assert!(not_stored(&success).is_empty(), "{success}");
+            assert_eq!(not_stored(&bytes(&success)), None, "{success}");
         }
-        let failed = not_stored(&answer(&[json!(0xa700), json!(0x0122), json!(0x0111)]));
-        assert_eq!(failed.iter().map(NotStored::is_passing).collect::<Vec<_>>(), [true, false]);
+        for (reasons, told) in [
+            (vec![0xa700], Some((0xa700, true))),
+            (vec![0x0122], Some((0x0122, false))),
+            (vec![0x0111], None),
+            (vec![0x0111, 0x0122, 0xa700], Some((0x0122, false))),
+        ] {
+            let reasons: Vec<Value> = reasons.into_iter().map(|reason| json!(reason)).collect();
+            let failed = not_stored(&bytes(&answer(&reasons)));
+            assert_eq!(failed.map(|of| (of.reason, of.is_passing())), told, "{reasons:?}");
+        }
     }
 
     #[test]
     fn a_failure_without_a_reason_is_tried_again() {
-        let failed = not_stored(&json!({ "00081198": { "vr": "SQ", "Value": [{}] } }));
-        assert_eq!(failed, [NotStored { reason: 0 }]);
-        assert!(failed[0].is_passing());
+        for item in [json!({}), json!(1), json!({ "00081197": null }), json!({ "00081197": {} })] {
+            let failed = json!({ "00081198": { "vr": "SQ", "Value": [item] } });
+            let failed = not_stored(&bytes(&failed)).unwrap();
+            assert!(failed.reason == 0 && failed.is_passing(), "{item}");
+        }
     }
 
     #[test]
@@ -92,11 +198,42 @@ mod tests {
         let whole: Value = Value::Object(tags.clone().into_iter().collect());
         let expected =
             Listed { class: "1.2".to_owned(), series: "1.3".to_owned(), uid: "1.4".to_owned() };
-        assert_eq!(listed(&json!([whole])), Some(vec![expected]));
-        assert_eq!(listed(&json!([])), Some(Vec::new()));
+        assert_eq!(listed(&bytes(&json!([whole]))), Some(vec![expected]));
+        assert_eq!(listed(b" []\n"), Some(Vec::new()));
         let part: Value = Value::Object(tags[..2].iter().cloned().collect());
         for other in [json!([whole, part]), json!({}), Value::Null, json!([1])] {
-            assert_eq!(listed(&other), None, "{other}");
+            assert_eq!(listed(&bytes(&other)), None, "{other}");
+            assert_eq!(is_list(&bytes(&other)), other.is_array(), "{other}");
         }
+        assert!(listed(b"").is_none() && listed(b"[] []").is_none() && listed(b"[").is_none());
+    }
+
+    #[test]
+    fn what_is_not_looked_for_costs_nothing_however_much_or_deep_it_is() {
+        let of = |value: &str| format!("{{\"vr\":\"UI\",\"Value\":[{value}]}}");
+        let (open, close) = ("[".repeat(DEEP), "]".repeat(DEEP));
+        let many: String = (0..10_000)
+            .map(|at| format!("\"0009{at:04}\":{},", of("{\"00080018\":{\"Value\":[\"9\"]}}")))
+            .collect();
+        let object = |class: &str| {
+            let [class, series, uid] = [class, "\"1.3\"", "\"1.4\",5"].map(of);
+            format!(
+                "{{{many}\"00080016\":{class},\"00099999\":{open}{close},\"0020000E\":{series},\
+                 \"00080018\":{uid}}}"
+            )
+        };
+        let shown = listed(format!("[{}]", object("\"1.2\"")).as_bytes()).unwrap();
+        let expected =
+            Listed { class: "1.2".to_owned(), series: "1.3".to_owned(), uid: "1.4".to_owned() };
+        assert_eq!(shown, [expected]);
+        let deep = format!("{open}{close}");
+        assert_eq!(listed(format!("[{}]", object(&deep)).as_bytes()), None, "its class is no text");
+        for answer in [&open, &deep] {
+            assert_eq!(listed(answer.as_bytes()), None);
+            assert_eq!(not_stored(answer.as_bytes()), None);
+        }
+        assert!(!is_list(open.as_bytes()) && is_list(deep.as_bytes()));
+        let failed = format!("{{{many}\"00081198\":{{\"Value\":[{{\"00081197\":{deep}}}]}}}}");
+        assert_eq!(not_stored(failed.as_bytes()), Some(NotStored { reason: 0 }));
     }
 }

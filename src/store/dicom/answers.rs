@@ -3,7 +3,6 @@
 use gaiter_dicom::{Listed, NotStored, web};
 use gaiter_https::HttpAnswer;
 use gaiter_record::shown::in_a_line;
-use serde_json::Value;
 
 use crate::store::server::ServerFault;
 use crate::store::{Rejection, StoreFault};
@@ -26,7 +25,7 @@ pub(super) fn listed(answer: &HttpAnswer, secret: &[&str]) -> Result<Vec<Listed>
 pub(super) fn is_archive(answer: &HttpAnswer, secret: &[&str]) -> Result<(), StoreFault> {
     match answer.status {
         NO_CONTENT => Ok(()),
-        _ => found(answer, secret, |json| json.is_array().then_some(()), "studies"),
+        _ => found(answer, secret, |body| web::is_list(body).then_some(()), "studies"),
     }
 }
 
@@ -34,14 +33,13 @@ pub(super) fn is_archive(answer: &HttpAnswer, secret: &[&str]) -> Result<(), Sto
 fn found<T>(
     answer: &HttpAnswer,
     secret: &[&str],
-    read: impl Fn(&Value) -> Option<T>,
+    read: impl Fn(&[u8]) -> Option<T>,
     kind: &str,
 ) -> Result<T, StoreFault> {
     if !answer.is_success() {
         return Err(refusal(answer, Some(secret)));
     }
-    let found = serde_json::from_slice(&answer.body).ok().and_then(|json: Value| read(&json));
-    found.ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
+    read(&answer.body).ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
 }
 
 /// An object that the archive did not store.
@@ -62,9 +60,7 @@ pub(super) fn stored(
     if !answer.is_success() && status != CONFLICT {
         return Err(refusal(answer, secret));
     }
-    // What is no JSON is nothing that is looked for in it.
-    let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
-    match web::not_stored(&json).into_iter().next() {
+    match web::not_stored(&answer.body) {
         Some(why) => Ok(Some(Failed { status, why })),
         None if answer.is_success() => Ok(None),
         None => Err(refusal(answer, secret)),
