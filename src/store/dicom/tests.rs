@@ -16,6 +16,7 @@ use gaiter_record::{ImagingRequest, RecordFile};
 use serde_json::{Value, json};
 use support::http_server::{answer, request_of, serve};
 use support::records::{dicom_rules, without_legs};
+use support::stow::SentObject;
 
 use super::*;
 use crate::store::sums;
@@ -72,27 +73,18 @@ struct Archive {
     place: Arc<Mutex<Place>>,
 }
 
-/// The value of a UID after its tag and representation.
-fn value(after: &str) -> String {
-    let length = usize::from(after.as_bytes()[0]);
-    after[2..2 + length].trim_end_matches('\0').to_owned()
-}
-
 /// The objects in a request.
 fn sent(request: &str) -> Vec<Kept> {
-    let files = request.split("DICM").skip(1);
-    let kept = |file: &str| {
-        let uid = |tag: &str| value(file.split_once(&format!("{tag}UI")).unwrap().1);
-        let [class, own, series] = ["\x08\0\x16\0", "\x08\0\x18\0", "\x20\0\x0e\0"].map(uid);
-        let is_mark = class == SopClass::Withdrawal.uid();
-        let references = file.split("\x08\0\x55\x11UI").skip(1).map(value);
-        let of = |uid: &str| json!({ "vr": "UI", "Value": [uid] });
-        let shown =
-            json!({ "00080016": of(&class), "00080018": of(&own), "0020000E": of(&series) });
-        let is_report = class == SopClass::Pdf.uid();
-        Kept { uid: own, shown, is_report, marks: references.filter(|_| is_mark).collect() }
+    let kept = |of: SentObject| {
+        let is_mark = of.class == SopClass::Withdrawal.uid();
+        Kept {
+            shown: of.shown(),
+            is_report: of.class == SopClass::Pdf.uid(),
+            marks: of.references().filter(|_| is_mark).collect(),
+            uid: of.uid,
+        }
     };
-    files.map(kept).collect()
+    SentObject::all(request).into_iter().map(kept).collect()
 }
 
 impl Place {

@@ -4,6 +4,7 @@
 pub mod booth;
 pub mod day;
 pub mod faults;
+pub mod images;
 pub mod invariants;
 pub mod process;
 pub mod pty;

@@ -1,5 +1,6 @@
-//! Names and birth dates of a worklist stand on the page of somebody with the token, and nowhere else: in nothing that
-//! the station tells, logs at whatever level, or writes. They are gone with the day and with the run.
+//! Names and birth dates of a worklist stand on the page of somebody with the token, and in what an archive of images
+//! gets that is to have them, and nowhere else: in nothing that the station tells, logs at whatever level, or writes.
+//! They are gone with the day and with the run.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -7,12 +8,14 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use rig::images::ImageArchive;
 use rig::process::{family, public_words};
 use rig::web::{HttpAnswer, Site};
 use rig::worklist::{Manner, Planned, WorklistServer};
 use rig::{Booth, Daemon, Setting, sha256};
 use serde_json::{Value, json};
 use support::coarse_body;
+use support::stow::SentObject;
 
 /// What the page of somebody with the token shows of the first entry.
 const SHOWN: [&str; 2] = ["Quastenflosser, Hanna", "1947-03-11"];
@@ -55,19 +58,23 @@ const LEFT_OUT: [Planned; 4] = [
     Planned { patient: "4714", study: "1.2.276.2", accession_number: "A3", ..SECOND },
 ];
 
-/// So long before its midnight a station is started, seconds. On a machine on which that is too short, the next.
-const UNTIL_MIDNIGHT_S: [u64; 3] = [10, 40, 160];
+/// How many objects an archive of images has of a record: the figures and the report.
+const OBJECTS: usize = 2;
+
+/// So long before its midnight a station is started that takes a scan before it, seconds. On a machine on which that is
+/// too short, the next.
+const UNTIL_MIDNIGHT_S: [u64; 3] = [20, 60, 180];
 
 /// A day, seconds.
 const DAY_S: u64 = 24 * 3600;
 
-/// A booth whose page is open to this machine and to the network.
-fn booth(server: &WorklistServer) -> Booth {
+/// A booth whose page is open to this machine and to the network, and whose archive of images gets names.
+fn booth(server: &WorklistServer, archive: &ImageArchive) -> Booth {
     let booth = Booth::set(&Setting { files: "[]", ..Setting::default() });
-    let section = server.section();
+    let servers = server.section() + &archive.section();
     booth.reconfigure(|config| {
         format!(
-            "{config}[status]\nlisten = \"127.0.0.1:0\"\n[page]\nnetwork = \"0.0.0.0:0\"\n{section}"
+            "{config}[status]\nlisten = \"127.0.0.1:0\"\n[page]\nnetwork = \"0.0.0.0:0\"\n{servers}"
         )
     });
     booth
@@ -110,6 +117,39 @@ fn tap(site: &Site, patient: &str) {
     assert_clean("the answer to a tap", &answer.bytes);
 }
 
+/// The scan that is exported.
+fn scan() -> String {
+    sha256(&coarse_body(0))[..12].to_owned()
+}
+
+/// Takes a scan of the first patient, who is tapped, as far as the archive of images, which refuses it.
+fn take_scan(booth: &Booth, site: &Site, archive: &ImageArchive) {
+    tap(site, FIRST.patient);
+    booth.wait_for_look();
+    booth.export("x.obj", &coarse_body(0));
+    booth.wait_for_records(1);
+    booth.wait_for("a refusal", || !archive.refused().is_empty());
+}
+
+/// What the archive of images has once it keeps what it refused.
+fn delivered(booth: &Booth, archive: &ImageArchive) -> Vec<SentObject> {
+    archive.keeps();
+    booth.gaiter(&["retry", &scan()]);
+    booth.wait_for("the objects", || archive.kept().len() == OBJECTS);
+    archive.kept()
+}
+
+/// Fails unless objects say who the first patient is, and nothing of others.
+#[track_caller]
+fn assert_name_the_first(objects: &[SentObject]) {
+    for SentObject { name, text, .. } in objects {
+        assert_eq!(name, FIRST.name);
+        assert!(text.contains(FIRST.born));
+        let others = text.replace(FIRST.name, "").replace(FIRST.born, "");
+        assert_clean("an object", others.as_bytes());
+    }
+}
+
 #[track_caller]
 fn assert_clean(what: &str, text: &[u8]) {
     let text = String::from_utf8_lossy(text).to_lowercase();
@@ -136,7 +176,7 @@ fn assert_clean_files(folder: &Path) {
 
 /// Everything that is told of a running station, to whomever.
 fn assert_tells_nobody(booth: &Booth, daemon: &Daemon) {
-    let scan = &sha256(&coarse_body(0))[..12];
+    let scan = &scan();
     let (local, network) = (Site::open(booth, "local"), Site::open(booth, "network"));
     let pages = ["/", "/kiosk", "/state", "/state?kiosk", "/page.js", "/healthz", "/metrics"];
     for (site, way) in [(&local, "local"), (&network, "network")] {
@@ -176,23 +216,18 @@ fn assert_tells_nobody(booth: &Booth, daemon: &Daemon) {
     }
 }
 
-/// Everything that a station has written.
+/// Everything that a station has written: its log, and all of its folders.
 fn assert_has_written_nobody(booth: &Booth) {
-    for folder in ["state", "records", "export"] {
-        assert_clean_files(&booth.path(folder));
-    }
-    assert_clean("the log", booth.log().as_bytes());
+    assert_clean_files(&booth.path(""));
 }
 
 /// A day with everything that can happen to a worklist: entries that name nobody, a tap, a server that refuses with a
-/// name in its remark, one that is away, and an entry that goes.
-fn a_day(booth: &Booth, daemon: &Daemon, server: &WorklistServer) {
+/// name in its remark, one that is away, and an entry that goes. The archive of images refuses with names, too, before
+/// it keeps them.
+fn a_day(booth: &Booth, daemon: &Daemon, server: &WorklistServer, archive: &ImageArchive) {
     let site = Site::open(booth, "local");
     booth.wait_for("the list", || are_shown(&site));
-    tap(&site, "4711");
-    booth.wait_for_look();
-    booth.export("x.obj", &coarse_body(0));
-    booth.wait_for_records(1);
+    take_scan(booth, &site, archive);
     for (outage, manner) in [(1, Manner::Refuses("Ammenhai^Fritz 19310423")), (2, Manner::IsAway)] {
         server.is(manner);
         booth.wait_for("an outage", || listed(&site).status == 200 && outages(booth) == outage);
@@ -202,7 +237,9 @@ fn a_day(booth: &Booth, daemon: &Daemon, server: &WorklistServer) {
         let answers = || booth.log().matches("event=\"worklist-in-reach\"").count();
         booth.wait_for("its end", || listed(&site).status == 200 && answers() == outage + 1);
     }
-    tap(&site, "4712");
+    let objects = delivered(booth, archive);
+    assert_name_the_first(&[archive.refused(), objects].concat());
+    tap(&site, SECOND.patient);
     assert_tells_nobody(booth, daemon);
     server.has(&[FIRST, LEFT_OUT[0]]);
     booth.wait_for("one entry less", || !listed(&site).body.contains("Hammerhai"));
@@ -217,9 +254,10 @@ fn outages(booth: &Booth) -> usize {
 /// What may be known of a day at a station whose log has this level.
 fn nobody_is_named_but_on_the_page(level: &str) {
     let server = WorklistServer::new(&[&[FIRST, SECOND][..], &LEFT_OUT].concat());
-    let booth = booth(&server);
+    let archive = ImageArchive::that_refuses();
+    let booth = booth(&server, &archive);
     let daemon = start(&booth, level, DAY_S / 2);
-    a_day(&booth, &daemon, &server);
+    a_day(&booth, &daemon, &server, &archive);
     assert_has_written_nobody(&booth);
     assert_eq!(daemon.stop().code(), Some(0));
     assert_has_written_nobody(&booth);
@@ -246,7 +284,7 @@ fn nobody_is_named_but_on_the_page(level: &str) {
 }
 
 #[test]
-fn names_of_a_worklist_stand_on_the_page_of_who_has_the_token_and_nowhere_else() {
+fn names_of_a_worklist_stand_on_the_page_of_who_has_the_token_and_in_an_archive_and_nowhere_else() {
     nobody_is_named_but_on_the_page("info");
 }
 
@@ -255,24 +293,34 @@ fn names_of_a_worklist_are_in_no_log_at_the_finest_level() {
     nobody_is_named_but_on_the_page("trace");
 }
 
-/// Whether the names are gone at midnight from the page of a station that had them before. On a machine that is too slow
-/// for that, they are not seen in time.
+/// Whether the names are gone at midnight from a station that had them before, on its page and in what it sent. On a
+/// machine that is too slow for that, they are not seen in time.
 fn are_seen_and_gone_at_midnight(seconds: u64) -> bool {
     let server = WorklistServer::new(&[FIRST, SECOND]);
-    let booth = booth(&server);
+    let archive = ImageArchive::that_refuses();
+    let booth = booth(&server, &archive);
     let before = SystemTime::now();
     let daemon = start(&booth, "info", seconds);
     let site = Site::open(&booth, "local");
     booth.wait_for("the list", || are_shown(&site));
+    take_scan(&booth, &site, &archive);
     server.is(Manner::IsAway);
-    if server.days().len() > 1 {
+    // The zone counts whole seconds.
+    let is_over = || before.elapsed().unwrap() >= Duration::from_secs(seconds - 1);
+    if is_over() {
         return false;
     }
+    assert_name_the_first(&archive.refused());
     booth.wait_for("the end of the day", || !are_shown(&site));
-    // The zone counts whole seconds.
-    assert!(before.elapsed().unwrap() + Duration::from_secs(1) >= Duration::from_secs(seconds));
+    assert!(is_over());
     assert_eq!(listed(&site).body, "{\"entries\":null}");
     booth.wait_for("a status of the new day", || booth.status()["worklist"]["entries"] == 0);
+    // What waited for the archive answers the request, and names nobody any more.
+    for SentObject { name, text, .. } in delivered(&booth, &archive) {
+        assert_eq!(name, "");
+        assert!(text.contains(FIRST.accession_number));
+        assert_clean("an object of the day after", text.as_bytes());
+    }
     assert_tells_nobody(&booth, &daemon);
     assert_eq!(daemon.stop().code(), Some(0));
     assert_has_written_nobody(&booth);
@@ -280,7 +328,7 @@ fn are_seen_and_gone_at_midnight(seconds: u64) -> bool {
 }
 
 #[test]
-fn names_of_a_worklist_are_gone_at_midnight_although_its_server_is_away() {
+fn names_of_a_worklist_are_gone_at_midnight_although_its_server_and_an_archive_are_away() {
     let is_seen = UNTIL_MIDNIGHT_S.into_iter().any(are_seen_and_gone_at_midnight);
-    assert!(is_seen, "no list was seen within {UNTIL_MIDNIGHT_S:?} s of a start");
+    assert!(is_seen, "no scan was sent within {UNTIL_MIDNIGHT_S:?} s of a start");
 }

@@ -14,6 +14,7 @@ pub mod recorded;
 pub mod records;
 pub mod solids;
 pub mod stance;
+pub mod stow;
 pub mod strip;
 pub mod test_leg;
 pub mod tubes;
