@@ -10,11 +10,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use rig::worklist::WorklistServer;
 use rig::{Booth, Setting};
 
 use crate::clock::Clock;
 use crate::keeper::Keeper;
 use crate::plan::Plan;
+use crate::worklist;
 
 /// How often somebody who waits looks up.
 const LOOK_UP: Duration = Duration::from_millis(20);
@@ -24,6 +26,7 @@ pub struct Field {
     pub plan: Plan,
     pub keeper: Keeper,
     pub clock: Option<Clock>,
+    pub worklist: WorklistServer,
     pub port: u16,
     began: Instant,
     done: AtomicBool,
@@ -33,10 +36,10 @@ pub struct Field {
 }
 
 impl Field {
-    /// A booth whose state folder may lie on a disk of its own, with a page on a port that is its own.
+    /// A booth whose state folder may lie on a disk of its own, with a page on a port that is its own, and a worklist.
     pub fn new(plan: Plan) -> Field {
         let booth = Booth::set(&Setting { files: "[]", ..Setting::default() });
-        let port = free_port();
+        let (port, worklist) = (free_port(), worklist::server());
         let (at, state) = (booth.path("state"), booth.path("disk/state"));
         fs::create_dir(booth.path("disk")).unwrap();
         // The station is told the folder itself; whoever looks on finds it under its usual name.
@@ -48,12 +51,15 @@ impl Field {
                 true => "",
                 false => "[retention]\nquarantine = \"720h\"\njournal = \"720h\"\n",
             };
-            format!("{config}[status]\nlisten = \"127.0.0.1:{port}\"\n{retention}")
+            // Short, so that many questions end, whatever becomes of them.
+            let asks = worklist.section() + "timeout = \"2s\"\n";
+            format!("{config}[status]\nlisten = \"127.0.0.1:{port}\"\n{retention}{asks}")
         });
         Field {
             plan,
             keeper: Keeper::default(),
             clock: Clock::new(booth.path("clock")),
+            worklist,
             port,
             began: Instant::now(),
             done: AtomicBool::new(false),

@@ -1,12 +1,12 @@
-//! A siege: a hostile user of the machine, a failing disk, a lying clock and a restless exporter at one
-//! time against one real station, which is reloaded and killed meanwhile. Its page and its health answer
-//! within two seconds throughout, nobody else gets its port, and when all is over it comes to rest by
-//! itself with every invariant.
+//! A siege: a hostile user of the machine, a failing disk, a lying clock, a restless exporter and a worklist
+//! that hangs and dies at one time against one real station, which is reloaded and killed meanwhile. Its
+//! page and its health answer within two seconds throughout, nobody else gets its port, and when all is over
+//! it comes to rest by itself with every invariant.
 //!
 //! `GAITER_SIEGE_S` sets for how long, `GAITER_SEED` draws another plan of events; what was done and the
 //! log of the station lie in the folder that the test names at its end. `GAITER_SIEGE_WITHOUT` leaves parts
-//! out, to tell whose doing something is: any of keeper, crowd, thief, intruder, disk, clock, exporter and
-//! retention.
+//! out, to tell whose doing something is: any of keeper, crowd, thief, intruder, disk, clock, exporter,
+//! worklist and retention.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
@@ -20,6 +20,7 @@ mod intruder;
 mod keeper;
 mod plan;
 mod watch;
+mod worklist;
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -114,7 +115,7 @@ fn warmed_up(field: &Field) -> Vitals {
     Vitals::read(pid).unwrap()
 }
 
-/// All four adversaries, each in its own thread.
+/// All adversaries, each in its own thread.
 fn attacked(field: &Field, disks: &mut Disks) -> Fleeting {
     let (plan, soon) = (field.plan, Duration::from_secs(1));
     let second = Duration::from_secs(1);
@@ -123,6 +124,7 @@ fn attacked(field: &Field, disks: &mut Disks) -> Fleeting {
     let failures = plan.events((4, "disk"), 5 * second, 8 * second, failing::draw);
     let lies = plan.events((5, "clock"), soon, 4 * second, clock::draw);
     let exports = plan.events((6, "exporter"), Duration::ZERO, second * 2 / 3, exports::draw);
+    let manners = plan.events((7, "worklist"), soon, 3 * second, worklist::draw);
     thread::scope(|scope| {
         scope.spawn(|| crowd::besiege(field, crowds));
         if !Plan::is_without("thief") {
@@ -131,6 +133,7 @@ fn attacked(field: &Field, disks: &mut Disks) -> Fleeting {
         scope.spawn(|| intruder::intrude(field, intrusions));
         scope.spawn(|| disks.fail(field, failures));
         scope.spawn(|| clock::lie(field, lies));
+        scope.spawn(|| worklist::change(field, manners));
         scope.spawn(|| exporter::export(field, exports)).join().unwrap()
     })
 }
@@ -220,6 +223,7 @@ fn told(field: &Field, samples: &[Samples]) {
     for line in log.lines().filter(|line| line.contains("panicked")) {
         field.fault(format_args!("a panic: {line}"));
     }
+    worklist::judge(field, &log);
     if field.clock.is_some() && !Plan::is_without("clock") && !clock::was_asked(&log) {
         field.fault(
             "the station never asked the clock that lies: the test has tested nothing there",

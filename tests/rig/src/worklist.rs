@@ -43,6 +43,8 @@ pub enum Manner {
     Answers,
     /// Connections end as soon as they are made.
     IsAway,
+    /// Nothing is said, for as long as somebody waits for it.
+    Hangs,
     /// It is refused, with this remark.
     Refuses(&'static str),
 }
@@ -111,10 +113,14 @@ fn locked(told: &Mutex<Told>) -> MutexGuard<'_, Told> {
 
 /// One association.
 fn serve(mut stream: TcpStream, told: &Mutex<Told>) -> io::Result<()> {
-    if locked(told).manner == Manner::IsAway {
+    let manner = locked(told).manner;
+    if manner == Manner::IsAway {
         return Ok(());
     }
     stream.set_read_timeout(Some(PATIENCE))?;
+    if manner == Manner::Hangs {
+        return io::copy(&mut stream, &mut io::sink()).map(drop);
+    }
     let mut query = Vec::new();
     loop {
         let (kind, body) = received(&mut stream)?;
@@ -159,13 +165,13 @@ fn takes(query: &mut Vec<u8>, mut parts: &[u8]) -> bool {
     false
 }
 
-/// All that is answered to a query; none if the server is away by now.
+/// All that is answered to a query; none if the server is away or hangs by now.
 fn answers(told: &Mutex<Told>, query: &[u8]) -> Option<Vec<u8>> {
     let mut told = locked(told);
     let (manner, day) = (told.manner, day_of(query));
     let mut answers = Vec::new();
     match manner {
-        Manner::IsAway => return None,
+        Manner::IsAway | Manner::Hangs => return None,
         Manner::Refuses(remark) => answers.extend(command(REFUSED, NO_DATA, remark)),
         Manner::Answers => {
             for entry in &told.entries {
