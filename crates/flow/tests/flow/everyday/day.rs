@@ -152,7 +152,8 @@ impl Day<'_> {
         let patients = 40 + self.booth.chance.below(21);
         let apart = DAY_MS / patients as u64;
         let begin = self.booth.now_ms + 600_000;
-        let mut press_before = begin;
+        // The first order, too, comes before its press.
+        let mut press_before = self.booth.now_ms;
         // Days without a worklist draw nothing for it.
         let has_like_ids = self.habits.naming == Naming::Worklist && self.one_in(LIKE_IDS);
         (self.list, self.numbers) = worklist(patients, has_like_ids);
