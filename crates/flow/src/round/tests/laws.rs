@@ -367,3 +367,34 @@ fn two_contents_at_once_and_one_of_before_the_press_are_no_clean_round() {
     captures.answer(&before, at(112));
     assert_eq!(code(&captures.match_content(&content(seen(110), Vec::new()), at(115))), AMBIGUOUS);
 }
+
+/// Somebody is ordered, named at the booth if the light asks, and scanned; whether it asked.
+fn is_asked_about(captures: &mut Rounds, id: &str, second: u64) -> bool {
+    captures.named(order(id), 1, at(second), &[]);
+    let is_asked = captures.asks_who();
+    if is_asked {
+        captures.named(named(id), 1, at(second + 1), &[]);
+    }
+    captures.pressed(1, at(second + 2));
+    assert_eq!(patient_of(&export(captures, seen(second + 10))), Some(id));
+    is_asked
+}
+
+#[test]
+fn an_order_whose_patient_never_comes_costs_two_answers_or_one_or_none_if_it_is_given_up() {
+    let asked = |captures: &mut Rounds| {
+        [("2", 100), ("3", 200), ("4", 300)]
+            .map(|(id, second)| is_asked_about(captures, id, second))
+    };
+    let mut waits = captures();
+    waits.named(order("1"), 1, at(0), &[]);
+    let (mut asked_first, mut before) = (waits.clone(), waits.clone());
+    assert_eq!(asked(&mut waits), [true, true, false]);
+    before.call_off();
+    assert_eq!(asked(&mut before), [false, false, false]);
+    asked_first.named(order("2"), 1, at(90), &[]);
+    assert!(asked_first.asks_who());
+    asked_first.call_off();
+    asked_first.named(named("2"), 1, at(95), &[]);
+    assert_eq!(asked(&mut asked_first), [false, false, false]);
+}

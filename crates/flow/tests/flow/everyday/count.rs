@@ -18,12 +18,18 @@ pub struct Count {
     pub named: usize,
     pub given: usize,
     pub held: usize,
+    /// Of these, where the light had asked nothing, or was answered.
+    pub held_unasked: usize,
     pub unassigned: usize,
     /// Scans without a patient although one was named: the name was lost.
     pub nameless: usize,
     pub refused: usize,
     /// Bodies whose export never came in.
     pub lost: usize,
+    /// Patients who were expected and never came.
+    pub no_shows: usize,
+    /// How often the light asked who is there and was answered.
+    pub answers: usize,
     causes: BTreeMap<&'static str, usize>,
     /// The days on which a hold came to a third patient although the booth had said who is there.
     pub spread: Vec<u64>,
@@ -33,6 +39,8 @@ pub struct Count {
 
 impl Count {
     pub fn add(&mut self, day: &Day<'_>, seed: u64) {
+        self.no_shows += day.no_shows;
+        self.answers += day.answers;
         let bodies = &day.booth.truth.bodies;
         let mut chains: Vec<BTreeSet<String>> = Vec::new();
         for (body, of) in bodies.iter().enumerate() {
@@ -52,6 +60,7 @@ impl Count {
             let held = rows.iter().find_map(|row| Some((row, row.held?)));
             if let Some((row, why)) = held {
                 self.held += 1;
+                self.held_unasked += usize::from(!day.unanswered.contains(&of.patient));
                 *self.causes.entry(why).or_default() += 1;
                 let mut concerned = BTreeSet::from([id(of.patient)]);
                 if let CaptureMatch::Held { candidates, .. } = &row.judged {
@@ -111,6 +120,12 @@ impl fmt::Display for Count {
         )?;
         for (why, count) in &self.causes {
             write!(out, " {why} {count}")?;
+        }
+        if self.no_shows > 0 {
+            let each = |count: usize| count as f64 / self.no_shows as f64;
+            let (held, answers) = (each(self.held), each(self.answers));
+            write!(out, "   for each of {} who never came {held:.2} held", self.no_shows)?;
+            write!(out, ", {answers:.2} answers")?;
         }
         Ok(())
     }

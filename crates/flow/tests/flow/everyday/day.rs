@@ -72,6 +72,10 @@ pub struct Day<'a> {
     pub is_again: Vec<bool>,
     /// Patients at whose scan the light asked who is there, and nobody answered.
     pub unanswered: BTreeSet<usize>,
+    /// How often somebody did.
+    pub answers: usize,
+    /// Patients who were expected and never came.
+    pub no_shows: usize,
 }
 
 /// Plays the day of a seed.
@@ -90,6 +94,8 @@ pub fn play(habits: &Habits, seed: u64, tells: bool) -> Day<'_> {
         pressed_ms: 0,
         is_again: Vec::new(),
         unanswered: BTreeSet::new(),
+        answers: 0,
+        no_shows: 0,
     };
     day.plan();
     while let Some(((at, _), act)) = day.acts.pop_first() {
@@ -182,6 +188,7 @@ impl Day<'_> {
                 Naming::Card | Naming::Worklist | Naming::FileName | Naming::Nobody => {}
             }
             if never_comes {
+                self.no_shows += 1;
                 continue;
             }
             let ask = press - self.some_s(2, 4);
@@ -272,7 +279,11 @@ impl Day<'_> {
         if self.one_in(2) {
             self.unanswered.insert(patient);
         } else {
+            self.answers += 1;
             self.booth.tell(|| "the operator answers what the light asks".to_owned());
+            if self.habits.gives_up {
+                let _ = self.booth.call_off();
+            }
             let _ = self.booth.name(Named::new(id(patient), SourceKind::Operator), None, None);
         }
     }

@@ -44,6 +44,8 @@ pub struct Habits {
     pub early: bool,
     /// 2 % of the patients who are ordered never come.
     pub no_shows: bool,
+    /// Who answers the light gives up what waits before naming who is there.
+    pub gives_up: bool,
     /// Orders come some seconds after the press.
     pub after_press: bool,
     pub identity: Rc<Identity>,
@@ -64,6 +66,7 @@ impl Habits {
             refused: false,
             early: false,
             no_shows: false,
+            gives_up: false,
             after_press: false,
             identity: Rc::new(identity),
         }
