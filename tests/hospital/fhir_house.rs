@@ -15,6 +15,9 @@ use support::records::fhir_rules;
 use crate::records::{PATIENT, Scan};
 use crate::server::{House, Server, fhir};
 
+/// How long an answer is waited for.
+pub const LONG: Duration = Duration::from_secs(30);
+
 /// The system of patients' ids on the server.
 pub const PATIENTS: &str = "urn:oid:1.2.276.0.76.3.1.999";
 
@@ -38,7 +41,7 @@ pub fn server_at(base: String) -> FhirServer {
         access: FhirAccess::Open,
         tls: TlsFiles::default(),
         proxy: None,
-        limit: Duration::from_secs(30),
+        limit: LONG,
         patients: PATIENTS.to_owned(),
     }
 }
@@ -90,12 +93,12 @@ impl House {
 
     /// A store that sends report and record to it.
     pub fn store(&self) -> Store {
-        store_of(server_at(self.base()))
+        self.store_within(LONG)
     }
 
-    /// A store that waits for it no longer than two seconds.
-    pub fn hasty_store(&self) -> Store {
-        store_of(FhirServer { limit: Duration::from_secs(2), ..server_at(self.base()) })
+    /// A store that waits for it no longer than this.
+    pub fn store_within(&self, limit: Duration) -> Store {
+        store_of(FhirServer { limit, ..server_at(self.base()) })
     }
 
     pub fn register(&self, patient: &str) -> Value {
