@@ -92,10 +92,14 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     fn place(&self) -> String;
 
     /// Reports whether the store takes records of scans without a patient.
-    fn takes_unassigned(&self) -> bool;
+    fn takes_unassigned(&self) -> bool {
+        false
+    }
 
     /// Reports whether a record can be withdrawn; practice software keeps what it was handed.
-    fn gives_back(&self) -> bool;
+    fn gives_back(&self) -> bool {
+        true
+    }
 
     /// Reports whether others act on what is there at once: a withdrawal does not wait for another patient's
     /// record, and an erasure removes nothing there.
@@ -161,11 +165,19 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
 
     /// Removes what the store has of a person and gives back: records of scans that came before a time,
     /// those of these scans from the unassigned ones, results that have no name yet. A repeated call
-    /// does nothing.
+    /// does nothing. From a server nothing is removed: what it was given is the house's own, and is listed for the
+    /// person who erases.
     ///
     /// # Errors
     /// See [`StoreFault`]; what was removed stays removed.
-    fn erase(&self, patient: &str, before: Timestamp, scans: &[ScanId]) -> Result<(), StoreFault>;
+    fn erase(
+        &self,
+        _patient: &str,
+        _before: Timestamp,
+        _scans: &[ScanId],
+    ) -> Result<(), StoreFault> {
+        Ok(())
+    }
 
     /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
     /// `keeper` has it. Files that a person added to it move to the keeper's record. A repeated call does
@@ -177,13 +189,11 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     /// confirmed or may still take in: what it shows is withdrawn.
     fn withdraw(
         &self,
-        _scan: &ScanId,
-        _from: Option<&str>,
-        _keeper: Option<&str>,
-        _past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault> {
-        Err(StoreFault::Permanent(Rejection::HandedOver))
-    }
+        scan: &ScanId,
+        from: Option<&str>,
+        keeper: Option<&str>,
+        past: PastDelivery<'_>,
+    ) -> Result<(), StoreFault>;
 
     /// The head of the station's history, as [`RecordStore::keep_head`] left it; `None` if there is none.
     ///

@@ -23,7 +23,6 @@ use gaiter_record::archive::{
     Announcement, Document, MethodId, ObjectKey, Pseudonym, RecordHash, SiteKey, StationId,
     Withdrawal, packed, pseudonymous,
 };
-use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use self::clock::MonotonicClock;
@@ -199,14 +198,6 @@ impl RecordStore for ArchiveStore {
         EXCHANGE_MOST * REQUESTS_MOST + self.crops.longest()
     }
 
-    fn takes_unassigned(&self) -> bool {
-        false
-    }
-
-    fn gives_back(&self) -> bool {
-        true
-    }
-
     /// The station can make pseudonyms, and the store of objects takes what it writes.
     fn reach(&self) -> Result<(), StoreFault> {
         self.site_key()?;
@@ -268,15 +259,5 @@ impl RecordStore for ArchiveStore {
             patient: Some(Pseudonym::of(&site, patient)),
             at: self.clock.tick()?,
         })
-    }
-
-    /// Removes nothing: the station may not. Those who run the archive remove a person there, by the pseudonym.
-    fn erase(
-        &self,
-        _patient: &str,
-        _before: Timestamp,
-        _scans: &[ScanId],
-    ) -> Result<(), StoreFault> {
-        Ok(())
     }
 }

@@ -150,14 +150,6 @@ impl RecordStore for DicomStore {
         (self.server.limit + END_MOST) * (REQUESTS_MOST + objects)
     }
 
-    fn takes_unassigned(&self) -> bool {
-        false
-    }
-
-    fn gives_back(&self) -> bool {
-        true
-    }
-
     /// Whether it lets the station search. Whether it lets it store, the first record tells.
     fn reach(&self) -> Result<(), StoreFault> {
         match &self.archive {
@@ -240,16 +232,6 @@ impl RecordStore for DicomStore {
             Some(receipt) if receipt.is_empty() || !is_there => Err(ServerFault::NotShown.into()),
             _ => Ok(()),
         }
-    }
-
-    /// Removes nothing: what a server was given is the house's own, and is listed for the person who erases.
-    fn erase(
-        &self,
-        _patient: &str,
-        _before: Timestamp,
-        _scans: &[ScanId],
-    ) -> Result<(), StoreFault> {
-        Ok(())
     }
 }
 

@@ -23,7 +23,6 @@ use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClien
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
 use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
 use http::{Method, Uri};
-use jiff::Timestamp;
 use serde_json::Value;
 
 use self::access::Token;
@@ -172,14 +171,6 @@ impl RecordStore for FhirStore {
         self.server.limit * REQUESTS_MOST
     }
 
-    fn takes_unassigned(&self) -> bool {
-        false
-    }
-
-    fn gives_back(&self) -> bool {
-        true
-    }
-
     /// Checks that the server answers, uses R4, and admits the station.
     fn reach(&self) -> Result<(), StoreFault> {
         let statement = self.ask(Method::GET, "metadata", None, &[])?;
@@ -246,15 +237,5 @@ impl RecordStore for FhirStore {
         let there = self.of_record(&key, patient)?;
         self.replace(&FhirStore::in_error(&there, Some(&mark))?, &[], patient)?;
         self.all_found(&there, past.receipt, patient)
-    }
-
-    /// Removes nothing: what a server was given is the house's own, and is listed for the person who erases.
-    fn erase(
-        &self,
-        _patient: &str,
-        _before: Timestamp,
-        _scans: &[ScanId],
-    ) -> Result<(), StoreFault> {
-        Ok(())
     }
 }

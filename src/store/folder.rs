@@ -168,10 +168,6 @@ impl RecordStore for FolderStore {
         true
     }
 
-    fn gives_back(&self) -> bool {
-        true
-    }
-
     /// The folder is made for a station's first start only: later a missing one means a share that is not mounted,
     /// and nothing may be written in its place. Its mark distinguishes it from the empty folder that remains then.
     fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {

@@ -25,7 +25,10 @@ use jiff::tz::TimeZone;
 use sha2::{Digest, Sha256};
 
 use super::exchange::ExchangeFolder;
-use super::{Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault, durable, tried};
+use super::{
+    Delivery, FoundRecord, PastDelivery, Receipt, RecordStore, Rejection, StoreFault, durable,
+    tried,
+};
 pub use attach::{Attach, Attached};
 use gaiter_flow::ScanId;
 use gaiter_record::gdt::rules::{COUNTER_MOST, FileName};
@@ -128,10 +131,6 @@ impl RecordStore for GdtStore {
         self.place.folder().to_string_lossy().into_owned()
     }
 
-    fn takes_unassigned(&self) -> bool {
-        false
-    }
-
     fn gives_back(&self) -> bool {
         false
     }
@@ -216,6 +215,16 @@ impl RecordStore for GdtStore {
             }
         }
         self.place.sync()
+    }
+
+    fn withdraw(
+        &self,
+        _scan: &ScanId,
+        _from: Option<&str>,
+        _keeper: Option<&str>,
+        _past: PastDelivery<'_>,
+    ) -> Result<(), StoreFault> {
+        Err(StoreFault::Permanent(Rejection::HandedOver))
     }
 
     /// A folder that is out of reach is no fault: nothing is there then.

@@ -164,14 +164,6 @@ impl RecordStore for Hl7Store {
         }
     }
 
-    fn takes_unassigned(&self) -> bool {
-        false
-    }
-
-    fn gives_back(&self) -> bool {
-        true
-    }
-
     fn is_server(&self) -> bool {
         true
     }

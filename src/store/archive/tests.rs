@@ -7,7 +7,7 @@ use std::sync::mpsc::Receiver;
 
 use gaiter_record::{RECORD, RecordFile};
 use gaiter_scan::Format;
-use jiff::SignedDuration;
+use jiff::{SignedDuration, Timestamp};
 use serde_json::json;
 use support::coarse_body;
 use support::http_server::{answer, serve_answers};
