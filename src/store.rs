@@ -4,7 +4,7 @@
 pub mod archive;
 mod authorization;
 pub mod brief;
-pub(crate) mod connection;
+mod connection;
 #[cfg(feature = "dicom")]
 pub mod dicom;
 pub mod durable;
@@ -29,6 +29,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 pub use archive::ArchiveStore;
+pub use connection::Peer;
 #[cfg(feature = "dicom")]
 pub use dicom::DicomStore;
 pub use fault::{Rejection, StoreFault};

@@ -7,32 +7,43 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use gaiter_https::{EndpointFault, HttpFault, TlsFiles, tls};
+use gaiter_https::{EndpointFault, HttpFault, Secret, TlsFiles, tls};
 use rustls::pki_types::ServerName;
 use rustls::{ClientConnection, StreamOwned};
 
-/// A server and how it is reached.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Peer<'a> {
-    pub host: &'a str,
+/// A server that does not speak HTTP, and how it is reached.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Peer {
+    /// Name or address; an address of IPv6 in brackets.
+    pub host: String,
     pub port: u16,
     /// What is trusted; `None` for a connection that is not encrypted.
-    pub tls: Option<&'a TlsFiles>,
-    /// For a whole exchange.
+    pub tls: Option<TlsFiles>,
+    /// For a whole exchange, from the search for the address to the last byte of the answer.
     pub limit: Duration,
 }
 
-impl Peer<'_> {
+impl Peer {
+    /// The secret that connections need: the key of the station's certificate.
+    pub fn secret(&self) -> Option<&Secret> {
+        self.tls.as_ref()?.key()
+    }
+
+    /// The host without the brackets of an IPv6 address.
+    pub fn name(&self) -> &str {
+        self.host.trim_matches(['[', ']'])
+    }
+
     /// Opens a connection and closes it again.
-    pub fn open(&self) -> Result<(), HttpFault> {
+    pub(crate) fn open(&self) -> Result<(), HttpFault> {
         self.connected().map(Connection::close)
     }
 
     /// A connection, on which nothing was sent yet.
-    pub fn connected(&self) -> Result<Connection, HttpFault> {
+    pub(crate) fn connected(&self) -> Result<Connection, HttpFault> {
         let until = Instant::now() + self.limit;
         // Read first: without its certificates a connection is useless.
-        let config = self.tls.map(tls::trust).transpose()?;
+        let config = self.tls.as_ref().map(tls::trust).transpose()?;
         let stream = self.tcp(until)?;
         let stream = Timed { stream, until };
         let Some(config) = config else { return Ok(Connection::Plain(stream)) };
@@ -87,13 +98,8 @@ impl Peer<'_> {
         }
     }
 
-    /// The host without the brackets of an IPv6 address.
-    fn name(&self) -> &str {
-        self.host.trim_start_matches('[').trim_end_matches(']')
-    }
-
     /// What broke an exchange.
-    pub fn fault(&self, source: io::Error) -> HttpFault {
+    pub(crate) fn fault(&self, source: io::Error) -> HttpFault {
         self.fault_in(source, Phase::Exchange)
     }
 

@@ -28,9 +28,8 @@ use jiff::Timestamp;
 
 use super::server::ServerFault;
 use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
-use dimse::DimseArchive;
 use server::END_MOST;
-pub use server::{DicomAccess, DicomServer, DicomWay, DimseServer};
+pub use server::{DicomAccess, DicomServer, DimseServer};
 use web::WebArchive;
 
 /// Requests or associations of a step besides those that store the record: two that look what is there, one that marks
@@ -41,7 +40,7 @@ const REQUESTS_MOST: u32 = 7;
 #[derive(Debug)]
 enum Archive {
     Web(WebArchive),
-    Dimse(DimseArchive),
+    Dimse(DimseServer),
 }
 
 /// Where the record of a patient's scan is, and the turn in which it is delivered.
@@ -68,11 +67,11 @@ impl DicomStore {
 
     /// The store of a station, of objects by `rules`, at this server.
     pub fn new(server: DicomServer, rules: DicomRules, station: &str) -> DicomStore {
-        let archive = match server.way.clone() {
-            DicomWay::Web { base, access, tls } => {
-                Archive::Web(WebArchive::new(base, access, tls, server.limit))
+        let archive = match server.clone() {
+            DicomServer::Web { base, access, tls, limit } => {
+                Archive::Web(WebArchive::new(base, access, tls, limit))
             }
-            DicomWay::Dimse(dimse) => Archive::Dimse(DimseArchive::new(dimse, server.limit)),
+            DicomServer::Dimse(dimse) => Archive::Dimse(dimse),
         };
         DicomStore { server, rules, archive, station: station.to_owned() }
     }
@@ -141,13 +140,13 @@ impl RecordStore for DicomStore {
     }
 
     fn own_certificate(&self) -> Option<&Path> {
-        self.server.tls()?.own.as_ref().map(|(certificate, _)| certificate.as_path())
+        self.server.tls()?.certificate()
     }
 
     /// Each request or association has the limit for itself, and so has each object: the figures and files.
     fn step_most(&self) -> Duration {
         let objects = 1 + self.rules.attach.len() as u32;
-        (self.server.limit + END_MOST) * (REQUESTS_MOST + objects)
+        (self.server.limit() + END_MOST) * (REQUESTS_MOST + objects)
     }
 
     /// Whether it lets the station search. Whether it lets it store, the first record tells.

@@ -163,7 +163,7 @@ impl RecordStore for FhirStore {
     }
 
     fn own_certificate(&self) -> Option<&Path> {
-        self.server.tls.own.as_ref().map(|(certificate, _)| certificate.as_path())
+        self.server.tls.certificate()
     }
 
     /// Each request has the limit for itself.

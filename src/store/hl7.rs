@@ -11,19 +11,16 @@ mod sent;
 mod tests;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use gaiter_flow::ScanId;
-use gaiter_https::{Secret, TlsFiles};
 use gaiter_record::hl7::{self, Acknowledgment, Hl7Rules, PdfForm};
 use gaiter_record::sha256;
 use jiff::Timestamp;
 
 use self::sent::{Sent, SentMessages};
-use super::connection::Peer;
 use super::exchange::ExchangeFolder;
 use super::server::ServerFault;
-use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, PastDelivery, Peer, Receipt, RecordStore, Rejection, StoreFault};
 
 /// Digits of the hash that stands for a scan of a patient.
 const KEY_DIGITS: usize = 32;
@@ -32,15 +29,7 @@ const KEY_DIGITS: usize = 32;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Hl7Way {
     /// Over a connection, with an answer to each.
-    Mllp {
-        /// Name or address of the receiver; an address of IPv6 in brackets.
-        host: String,
-        port: u16,
-        /// What is trusted; `None` for a connection that is not encrypted.
-        tls: Option<TlsFiles>,
-        /// For a whole exchange, from the search for the address to the last byte of the answer.
-        limit: Duration,
-    },
+    Mllp(Peer),
     /// As files in a folder, which the receiver removes.
     Files(PathBuf),
 }
@@ -49,22 +38,17 @@ impl Hl7Way {
     /// The folder of message files, if that is the way.
     pub fn folder(&self) -> Option<&PathBuf> {
         match self {
-            Hl7Way::Mllp { .. } => None,
+            Hl7Way::Mllp(_) => None,
             Hl7Way::Files(folder) => Some(folder),
         }
     }
 
-    /// The station's own certificate that connections show, and its key.
-    pub fn own(&self) -> Option<&(PathBuf, Secret)> {
+    /// The receiver, if messages get there over a connection.
+    pub fn receiver(&self) -> Option<&Peer> {
         match self {
-            Hl7Way::Mllp { tls, .. } => tls.as_ref()?.own.as_ref(),
+            Hl7Way::Mllp(receiver) => Some(receiver),
             Hl7Way::Files(_) => None,
         }
-    }
-
-    /// The secret that connections need: the key of that certificate.
-    pub fn secret(&self) -> Option<&Secret> {
-        self.own().map(|(_, key)| key)
     }
 }
 
@@ -97,15 +81,6 @@ impl Hl7Store {
         Some(ExchangeFolder::new(self.way.folder()?.clone(), &self.station))
     }
 
-    fn receiver(&self) -> Option<Peer<'_>> {
-        match &self.way {
-            Hl7Way::Mllp { host, port, tls, limit } => {
-                Some(Peer { host, port: *port, tls: tls.as_ref(), limit: *limit })
-            }
-            Hl7Way::Files(_) => None,
-        }
-    }
-
     /// Sends a message and notes that the receiver has it. It is noted before: if the answer is lost, or cannot be
     /// noted, the receiver may have the message, and a take-back must not leave it there.
     fn send(
@@ -115,11 +90,13 @@ impl Hl7Store {
         message: &[u8],
         sent: &Sent,
     ) -> Result<(), StoreFault> {
-        let Some(receiver) = self.receiver() else { return self.hand_out(key, message, sent) };
+        let Some(receiver) = self.way.receiver() else {
+            return self.hand_out(key, message, sent);
+        };
         let connection = receiver.connected().map_err(ServerFault::Http)?;
         let before = self.sent.of(key)?;
         self.sent.note(key, &Sent { is_answered: false, ..sent.clone() })?;
-        let answer = mllp::exchange(&receiver, connection, message).map_err(ServerFault::Http)?;
+        let answer = mllp::exchange(receiver, connection, message).map_err(ServerFault::Http)?;
         match accepted(&answer, &sent.control, patient) {
             Ok(()) => self.sent.note(key, sent),
             Err(fault @ (StoreFault::Permanent(_) | StoreFault::Server(ServerFault::Later(_)))) => {
@@ -159,7 +136,7 @@ impl RecordStore for Hl7Store {
 
     fn place(&self) -> String {
         match &self.way {
-            Hl7Way::Mllp { host, port, .. } => format!("{host}:{port}"),
+            Hl7Way::Mllp(Peer { host, port, .. }) => format!("{host}:{port}"),
             Hl7Way::Files(folder) => folder.to_string_lossy().into_owned(),
         }
     }
@@ -169,7 +146,7 @@ impl RecordStore for Hl7Store {
     }
 
     fn own_certificate(&self) -> Option<&Path> {
-        self.way.own().map(|(certificate, _)| certificate.as_path())
+        self.way.receiver()?.tls.as_ref()?.certificate()
     }
 
     fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
@@ -190,7 +167,7 @@ impl RecordStore for Hl7Store {
     }
 
     fn reach(&self) -> Result<(), StoreFault> {
-        match self.receiver() {
+        match self.way.receiver() {
             Some(receiver) => Ok(receiver.open().map_err(ServerFault::Http)?),
             None => self.folder().map_or(Ok(()), |folder| folder.reach()),
         }

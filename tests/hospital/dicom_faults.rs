@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use gaiter::store::{PastDelivery, Rejection, StoreFault};
 
-use crate::dicom_house::{Way, dimse_way, store_by, with_mesh};
+use crate::dicom_house::{Way, dimse_server, plain_peer, store_at, with_mesh};
 use crate::fhir_house::{Deed, put, setback};
 use crate::records::{PATIENT, SMALL, Scan};
 use crate::server::{House, Server, dicom, own_dicom};
@@ -221,7 +221,7 @@ fn an_archive_that_lets_nobody_look_is_not_reached() {
 #[test]
 fn an_archive_that_is_away_is_named_and_waited_for() {
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let store = store_by(dimse_way("127.0.0.1", port, "PACS", None), SHORT);
+    let store = store_at(dimse_server(plain_peer(port, SHORT), "PACS"));
     assert_eq!(store.reach().unwrap_err().code(), "store-unavailable");
     let told = setback(&store, &TWO);
     assert!(told.contains(&port.to_string()), "{told}");

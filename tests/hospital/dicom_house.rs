@@ -5,8 +5,8 @@
 use std::fs;
 use std::time::Duration;
 
-use gaiter::store::DicomStore;
-use gaiter::store::dicom::{DicomAccess, DicomServer, DicomWay, DimseServer};
+use gaiter::store::dicom::{DicomAccess, DicomServer, DimseServer};
+use gaiter::store::{DicomStore, Peer};
 use gaiter_dicom::DicomRules;
 use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::TlsFiles;
@@ -43,15 +43,20 @@ pub fn with_mesh(scan: &Scan) -> Scan {
 }
 
 /// A store that sends to an archive.
-pub fn store_by(way: DicomWay, limit: Duration) -> Store {
-    Box::new(DicomStore::new(DicomServer { way, limit }, rules(), "booth-1"))
+pub fn store_at(server: DicomServer) -> Store {
+    Box::new(DicomStore::new(server, rules(), "booth-1"))
 }
 
-/// By associations with an archive of this title.
-pub fn dimse_way(host: &str, port: u16, called: &str, tls: Option<TlsFiles>) -> DicomWay {
+/// An archive of this title that takes associations.
+pub fn dimse_server(peer: Peer, called: &str) -> DicomServer {
     let title = |text: &str| AeTitle::new(text).unwrap();
     let titles = Titles { calling: title("GAITER"), called: title(called) };
-    DicomWay::Dimse(DimseServer { host: host.to_owned(), port, titles, tls })
+    DicomServer::Dimse(DimseServer { peer, titles })
+}
+
+/// A port of this machine that is not encrypted.
+pub fn plain_peer(port: u16, limit: Duration) -> Peer {
+    Peer { host: "127.0.0.1".to_owned(), port, tls: None, limit }
 }
 
 /// The keys of `[store.dicom]` for associations that are not encrypted. Two objects are sent of a record.
@@ -65,8 +70,8 @@ pub fn dimse_section(port: u16, called: &str) -> String {
 impl House {
     /// A store that sends to it.
     pub fn images(&self, way: Way, limit: Duration) -> Store {
-        let way = match way {
-            Way::Web => DicomWay::Web {
+        store_at(match way {
+            Way::Web => DicomServer::Web {
                 base: format!(
                     "http://127.0.0.1:{}/{}/dicom-web",
                     self.server.port("http"),
@@ -74,10 +79,10 @@ impl House {
                 ),
                 access: DicomAccess::Open,
                 tls: TlsFiles::default(),
+                limit,
             },
-            Way::Dimse => dimse_way("127.0.0.1", self.server.port("dimse"), &self.name, None),
-        };
-        store_by(way, limit)
+            Way::Dimse => dimse_server(plain_peer(self.server.port("dimse"), limit), &self.name),
+        })
     }
 
     /// How many objects it has. Every one that was sent could be read.

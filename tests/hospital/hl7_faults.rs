@@ -7,7 +7,7 @@ use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
 use gaiter::store::hl7::Hl7Way;
-use gaiter::store::{PastDelivery, Rejection, StoreFault};
+use gaiter::store::{PastDelivery, Peer, Rejection, StoreFault};
 use gaiter_https::{Secret, TlsFiles};
 
 use crate::fhir_house::{Deed, put, setback};
@@ -147,7 +147,7 @@ fn an_encrypted_receiver_must_have_the_right_certificate_and_may_ask_for_one() {
 fn a_receiver_that_is_away_is_named_and_waited_for() {
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let (host, limit) = ("127.0.0.1".to_owned(), Duration::from_secs(2));
-    let sender = Sender::new(Hl7Way::Mllp { host, port, tls: None, limit }, rules("KIS"));
+    let sender = Sender::new(Hl7Way::Mllp(Peer { host, port, tls: None, limit }), rules("KIS"));
     let store = &sender.store;
     assert_eq!(store.reach().unwrap_err().code(), "store-unavailable");
     let told = setback(store, &SMALL);

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use gaiter::store::Peer;
 use gaiter::store::hl7::{Hl7Store, Hl7Way};
 use gaiter_https::TlsFiles;
 use gaiter_language::Language;
@@ -59,7 +60,7 @@ impl House {
     /// A way to it.
     pub fn way(&self, way: &str, tls: Option<TlsFiles>, limit: Duration) -> Hl7Way {
         let (host, port) = ("localhost".to_owned(), self.server.port(way));
-        Hl7Way::Mllp { host, port, tls, limit }
+        Hl7Way::Mllp(Peer { host, port, tls, limit })
     }
 
     /// A store that sends to it without TLS.

@@ -11,12 +11,13 @@ use std::sync::Mutex;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use gaiter::store::dicom::{DicomAccess, DicomWay};
+use gaiter::store::Peer;
+use gaiter::store::dicom::{DicomAccess, DicomServer};
 use gaiter_https::{Secret, TlsFiles};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::dicom_house::{Way, dimse_section, dimse_way, store_by};
+use crate::dicom_house::{Way, dimse_section, dimse_server, plain_peer, store_at};
 use crate::fhir_house::Store;
 use crate::server::certificates;
 
@@ -114,15 +115,15 @@ impl Orthanc {
 
     /// A store that asks it over DICOMweb.
     pub fn store(&self) -> Store {
-        let way = DicomWay::Web {
+        store_at(DicomServer::Web {
             base: self.base(),
             access: DicomAccess::Basic {
                 user: "clinic".to_owned(),
                 password: Secret::File(self.path("secret")),
             },
             tls: TlsFiles::default(),
-        };
-        store_by(way, LIMIT)
+            limit: LIMIT,
+        })
     }
 
     /// The same server, asked over associations.
@@ -132,12 +133,13 @@ impl Orthanc {
 
     /// The same, called by this title.
     pub fn by_title(&self, called: &str) -> Store {
-        store_by(dimse_way("127.0.0.1", self.dimse_port, called, None), LIMIT)
+        store_at(dimse_server(plain_peer(self.dimse_port, LIMIT), called))
     }
 
     /// The same, by TLS.
     pub fn by_tls(&self, host: &str, tls: TlsFiles) -> Store {
-        store_by(dimse_way(host, self.dimse_port, TITLE, Some(tls)), LIMIT)
+        let (host, port) = (host.to_owned(), self.dimse_port);
+        store_at(dimse_server(Peer { host, port, tls: Some(tls), limit: LIMIT }, TITLE))
     }
 
     /// Whom a store trusts that asks it by TLS, with a certificate of its own or without.

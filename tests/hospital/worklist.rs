@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use gaiter::config::WorklistConfig;
 use gaiter::station::booth::worklist::ask;
+use gaiter::store::Peer;
 use gaiter::store::dicom::DimseServer;
 use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_dicom::{DicomRules, Person};
@@ -51,14 +52,11 @@ fn worklist(port: u16, limit: Duration) -> WorklistConfig {
     let title = |text: &str| AeTitle::new(text).unwrap();
     WorklistConfig {
         server: DimseServer {
-            host: "127.0.0.1".to_owned(),
-            port,
+            peer: Peer { host: "127.0.0.1".to_owned(), port, tls: None, limit },
             titles: Titles { calling: title("LEGSCAN"), called: title("RIS") },
-            tls: None,
         },
         filter: WorklistFilter { station: "LEGSCAN".to_owned(), modality: None },
         every: Duration::from_secs(60),
-        limit,
     }
 }
 

@@ -92,6 +92,18 @@ pub struct TlsFiles {
     pub own: Option<(PathBuf, Secret)>,
 }
 
+impl TlsFiles {
+    /// The station's certificate.
+    pub fn certificate(&self) -> Option<&Path> {
+        self.own.as_ref().map(|(certificate, _)| certificate.as_path())
+    }
+
+    /// The key of the station's certificate.
+    pub fn key(&self) -> Option<&Secret> {
+        self.own.as_ref().map(|(_, key)| key)
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Secret {
     File(PathBuf),

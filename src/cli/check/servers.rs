@@ -11,7 +11,7 @@ use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
 use gaiter_flow::health::CERTIFICATE_ENDS_SOON;
-use gaiter_https::{Secret, SecretFault, TlsFiles, is_this_machine, secret, tls};
+use gaiter_https::{Secret, SecretFault, is_this_machine, secret, tls};
 use jiff::Timestamp;
 
 use super::environment::writable;
@@ -20,7 +20,7 @@ use crate::config::{ArchiveStoreConfig, Config, FhirStoreConfig, Hl7StoreConfig}
 use crate::station::stores::Stores;
 use crate::store::archive::CropChoice;
 use crate::store::hl7::Hl7Way;
-use crate::store::{ArchiveStore, FhirStore, Hl7Store, OTHERS, RecordStore};
+use crate::store::{ArchiveStore, FhirStore, Hl7Store, OTHERS, Peer, RecordStore};
 
 /// A row for each server, each secret and each certificate of the station.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
@@ -38,43 +38,55 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
 }
 
 fn fhir_rows(config: &FhirStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
-    let secrets = config.server.secrets();
-    let mut rows: Vec<Row> = secrets.iter().map(|secret| of_secret(secret)).collect();
-    rows.extend(of_certificate(&config.server.tls, Timestamp::now()));
     let detail = "speaks R4, and lets the station look for patients";
-    rows.push(tried("FHIR server", store, &secrets, detail));
-    rows
+    of_store("FHIR server", store, &config.server.secrets(), detail)
 }
 
 fn hl7_rows(config: &Hl7StoreConfig, store: &dyn RecordStore) -> Vec<Row> {
-    let (host, tls) = match &config.way {
+    let receiver = match &config.way {
         Hl7Way::Files(folder) => {
             return vec![Row::from_attempt("message folder", folder, writable(folder))];
         }
-        Hl7Way::Mllp { host, tls, .. } => (host, tls),
+        Hl7Way::Mllp(receiver) => receiver,
     };
-    let own = config.way.secret();
-    let mut rows: Vec<Row> = own.map(of_secret).into_iter().collect();
-    rows.extend(tls.as_ref().and_then(|tls| of_certificate(tls, Timestamp::now())));
-    rows.push(tried("HL7 receiver", store, own.as_slice(), "takes a connection"));
-    if tls.is_none() && !is_this_machine(host) {
-        rows.push(not_encrypted(store.place(), "the results", "receiver"));
-    }
+    let secrets = receiver.secret();
+    let mut rows = of_store("HL7 receiver", store, secrets.as_slice(), "takes a connection");
+    rows.extend(not_encrypted(receiver, store.place(), "the results", "receiver"));
     rows
 }
 
-/// A warning that what goes to a server or comes from it can be read on the way.
-fn not_encrypted(place: String, what: &str, server: &str) -> Row {
+/// The rows of a server: the secrets and the certificate of the station, and whether it answers.
+fn of_store(
+    check: &'static str,
+    store: &dyn RecordStore,
+    secrets: &[&Secret],
+    found: &'static str,
+) -> Vec<Row> {
+    let mut rows = of_station(secrets, store.own_certificate());
+    rows.push(tried(check, store, secrets, found));
+    rows
+}
+
+/// The rows of what the station shows a server.
+fn of_station(secrets: &[&Secret], certificate: Option<&Path>) -> Vec<Row> {
+    let of_secrets = secrets.iter().map(|secret| of_secret(secret));
+    of_secrets.chain(of_certificate(certificate, Timestamp::now())).collect()
+}
+
+/// A warning that what goes to a server on another machine or comes from it can be read on the way.
+fn not_encrypted(peer: &Peer, place: String, what: &str, server: &str) -> Option<Row> {
+    if peer.tls.is_some() || is_this_machine(&peer.host) {
+        return None;
+    }
     let detail = format!(
         "not encrypted: anyone in the network can read {what}; encryption = \"tls\" if the {server} can"
     );
-    Row::at("encryption", place, Verdict::Warn, detail)
+    Some(Row::at("encryption", place, Verdict::Warn, detail))
 }
 
 fn archive_rows(config: &ArchiveStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
-    let secrets = config.place.secrets();
-    let mut rows: Vec<Row> = secrets.iter().map(|secret| of_secret(secret)).collect();
-    rows.push(tried("archive", store, &secrets, "takes what the station writes"));
+    let detail = "takes what the station writes";
+    let mut rows = of_store("archive", store, &config.place.secrets(), detail);
     if config.crop == CropChoice::Whole {
         let detail =
             "whole bodies with their faces leave the house; crop = \"legs\" sends legs only";
@@ -124,8 +136,8 @@ fn of_secret(secret: &Secret) -> Row {
 
 /// How long the station's own certificate still holds, if it has one. One that cannot be read is reported where the server
 /// is tried.
-fn of_certificate(tls: &TlsFiles, now: Timestamp) -> Option<Row> {
-    let (path, _) = tls.own.as_ref()?;
+fn of_certificate(certificate: Option<&Path>, now: Timestamp) -> Option<Row> {
+    let path = certificate?;
     let left = tls::holds_until(path).ok()??.duration_since(now);
     let days = left.as_hours() / 24;
     let (verdict, detail) = match left {
@@ -158,16 +170,14 @@ mod tests {
     #[test]
     fn a_certificate_of_the_station_is_told_before_it_ends() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/tls/localhost.pem");
-        let key = Secret::Credential("key".to_owned());
-        let tls = TlsFiles { authorities: None, own: Some((path, key)) };
         for (now, verdict, detail) in [
             ("2119-01-01T00:00:00Z", Verdict::Ok, "holds for 365 days"),
             ("2119-12-03T00:00:00Z", Verdict::Warn, "ends in 29 days: have a new one signed"),
             ("2120-01-02T00:00:00Z", Verdict::Fail, "has ended: have a new one signed"),
         ] {
-            let row = of_certificate(&tls, now.parse().unwrap()).unwrap();
+            let row = of_certificate(Some(&path), now.parse().unwrap()).unwrap();
             assert_eq!((row.verdict, row.detail.as_str()), (verdict, detail));
         }
-        assert!(of_certificate(&TlsFiles::default(), Timestamp::now()).is_none());
+        assert!(of_certificate(None, Timestamp::now()).is_none());
     }
 }

@@ -13,7 +13,8 @@ use super::{
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
 use crate::config::words::Words;
-use crate::store::dicom::{DicomAccess, DicomServer, DicomWay, DimseServer};
+use crate::store::Peer;
+use crate::store::dicom::{DicomAccess, DicomServer, DimseServer};
 
 /// `[store.dicom]`: an archive of images that gets every named record.
 #[derive(Debug, Clone)]
@@ -68,19 +69,24 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
         reader.text("store.dicom.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
     let Found { value: Some(place), at } = place? else { return Some(None) };
     let (web, dimse, tls) = (web?, dimse?, tls?);
-    let way = match place {
+    let server = match place {
         Place::Web(base) => {
             dimse.note_unread(reader);
-            DicomWay::Web { base, access: web.access(reader)?, tls: tls.files }
+            DicomServer::Web {
+                base,
+                access: web.access(reader)?,
+                tls: tls.files,
+                limit: limit?.value,
+            }
         }
         Place::Dimse(host, port) => {
             web.note_unread(reader);
             let tls = tls.of_line(reader, dimse.is_encrypted.value);
             let titles = dimse.titles(reader, at)?;
-            DicomWay::Dimse(DimseServer { host, port, titles, tls })
+            let peer = Peer { host, port, tls, limit: limit?.value };
+            DicomServer::Dimse(DimseServer { peer, titles })
         }
     };
-    let server = DicomServer { way, limit: limit?.value };
     Some(Some(DicomStoreConfig {
         server,
         issuer: issuer?.value,

@@ -8,6 +8,7 @@ use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, line, tls};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, or_none};
 use crate::config::words::Words;
+use crate::store::Peer;
 use crate::store::hl7::Hl7Way;
 
 /// `[store.hl7]`: a receiver of HL7 v2 that gets every named record.
@@ -76,7 +77,7 @@ fn way(
         (None, None) => Some(None),
         (Some((host, port)), None) => {
             let tls = tls.of_line(reader, is_encrypted);
-            Some(Some(Hl7Way::Mllp { host, port, tls, limit }))
+            Some(Some(Hl7Way::Mllp(Peer { host, port, tls, limit })))
         }
         (None, Some(folder)) => Some(Some(Hl7Way::Files(folder))),
         (Some(_), Some(_)) => {

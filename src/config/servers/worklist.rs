@@ -9,6 +9,7 @@ use super::dicom::title;
 use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, tls};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
+use crate::store::Peer;
 use crate::store::dicom::DimseServer;
 
 /// `[patient.worklist]`: a server that states who is expected today (DICOM Modality Worklist).
@@ -20,8 +21,6 @@ pub struct WorklistConfig {
     pub filter: WorklistFilter,
     /// How often the server is asked.
     pub every: Duration,
-    /// For a whole exchange.
-    pub limit: Duration,
 }
 
 /// The longest modality, characters (VR CS).
@@ -55,12 +54,12 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     }
     let tls = tls?.of_line(reader, encryption?.value);
     let (calling, called) = (own?.value, called?);
+    let peer = Peer { host, port, tls, limit: limit?.value };
     let filter = WorklistFilter { station: calling.as_str().to_owned(), modality: modality?.value };
     Some(Some(WorklistConfig {
-        server: DimseServer { host, port, titles: Titles { calling, called }, tls },
+        server: DimseServer { peer, titles: Titles { calling, called } },
         filter,
         every: every?.value,
-        limit: limit?.value,
     }))
 }
 

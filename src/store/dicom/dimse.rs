@@ -1,7 +1,5 @@
 //! An archive asked over associations: C-ECHO, C-STORE and C-FIND, each call with a connection of its own.
 
-use std::time::Duration;
-
 use gaiter_dicom::dimse::{self, DimseFault, Titles};
 use gaiter_dicom::{DicomObject, Listed, Study};
 
@@ -12,40 +10,30 @@ use crate::store::StoreFault;
 use crate::store::connection::Connection;
 use crate::store::server::ServerFault;
 
-/// An archive with DIMSE.
-#[derive(Debug)]
-pub(super) struct DimseArchive {
-    server: DimseServer,
-    limit: Duration,
-}
-
-impl DimseArchive {
-    pub fn new(server: DimseServer, limit: Duration) -> DimseArchive {
-        DimseArchive { server, limit }
-    }
-
+impl DimseServer {
     /// Whether it answers and lets the station search. Whether it lets it store, the first record tells.
-    pub fn reach(&self) -> Result<(), StoreFault> {
-        self.asked(|connection, titles| dimse::reach(connection, titles))
+    pub(super) fn reach(&self) -> Result<(), StoreFault> {
+        self.told(|connection, titles| dimse::reach(connection, titles))
     }
 
     /// What the server has of a record in its first `turns` turns.
-    pub fn listed(&self, study: &Study, turns: u32) -> Result<Vec<Listed>, StoreFault> {
-        self.asked(|connection, titles| dimse::listed(connection, titles, study, turns))
+    pub(super) fn listed(&self, study: &Study, turns: u32) -> Result<Vec<Listed>, StoreFault> {
+        self.told(|connection, titles| dimse::listed(connection, titles, study, turns))
     }
 
     /// Sends an object. Whether the server has it, only a search tells.
-    pub fn store(&self, object: &DicomObject) -> Result<Option<Failed>, StoreFault> {
-        let why = self.asked(|connection, titles| dimse::store(connection, titles, object))?;
+    pub(super) fn store(&self, object: &DicomObject) -> Result<Option<Failed>, StoreFault> {
+        let why = self.told(|connection, titles| dimse::store(connection, titles, object))?;
         // A status has 16 bits.
         Ok(why.map(|why| Failed { status: u16::try_from(why.reason).unwrap_or_default(), why }))
     }
 
-    fn asked<T>(
+    /// As [`DimseServer::asked`]. What cannot be written is a matter of the record.
+    fn told<T>(
         &self,
         ask: impl FnOnce(&mut Connection, &Titles) -> Result<T, DimseFault>,
     ) -> Result<T, StoreFault> {
-        self.server.asked(self.limit, ask).map_err(|fault| match fault {
+        self.asked(ask).map_err(|fault| match fault {
             ServerFault::Dimse(DimseFault::Encode(fault)) => unwritable(fault),
             fault => fault.into(),
         })

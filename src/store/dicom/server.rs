@@ -5,7 +5,8 @@ use std::time::Duration;
 use gaiter_dicom::dimse::{DimseFault, Titles, abort, release};
 use gaiter_https::{Endpoint, Secret, TlsFiles};
 
-use crate::store::connection::{Connection, Peer};
+use crate::store::Peer;
+use crate::store::connection::Connection;
 use crate::store::server::ServerFault;
 
 /// How long the end of an association may take. What was asked is answered by then, or will not be.
@@ -13,16 +14,7 @@ pub(crate) const END_MOST: Duration = Duration::from_secs(1);
 
 /// Where an archive of images is and how it is asked.
 #[derive(Debug, Clone)]
-pub struct DicomServer {
-    /// How it is asked, and where.
-    pub way: DicomWay,
-    /// For a whole exchange.
-    pub limit: Duration,
-}
-
-/// How an archive of images is asked.
-#[derive(Debug, Clone)]
-pub enum DicomWay {
+pub enum DicomServer {
     /// Over DICOMweb.
     Web {
         /// The base address of its services, without a slash at its end.
@@ -31,6 +23,8 @@ pub enum DicomWay {
         access: DicomAccess,
         /// What connections trust.
         tls: TlsFiles,
+        /// For a whole exchange.
+        limit: Duration,
     },
     /// Over associations (DIMSE).
     Dimse(DimseServer),
@@ -39,13 +33,10 @@ pub enum DicomWay {
 /// A server that takes associations.
 #[derive(Debug, Clone)]
 pub struct DimseServer {
-    /// Name or address; an address of IPv6 in brackets.
-    pub host: String,
-    pub port: u16,
+    /// Where it is, and how it is reached.
+    pub peer: Peer,
     /// Who asks whom.
     pub titles: Titles,
-    /// What is trusted; `None` for a connection that is not encrypted.
-    pub tls: Option<TlsFiles>,
 }
 
 /// How the station authenticates. A certificate of its own is part of the connection.
@@ -62,28 +53,16 @@ pub enum DicomAccess {
 impl DimseServer {
     /// Its address, for people.
     pub fn place(&self) -> String {
-        format!("dicom://{}@{}:{}", self.titles.called.as_str(), self.host, self.port)
+        format!("dicom://{}@{}:{}", self.titles.called.as_str(), self.peer.host, self.peer.port)
     }
 
-    /// The host without the brackets of an IPv6 address.
-    pub fn name(&self) -> &str {
-        self.host.trim_matches(['[', ']'])
-    }
-
-    /// The secret that connections with it need.
-    pub fn secret(&self) -> Option<&Secret> {
-        self.tls.as_ref()?.own.as_ref().map(|(_, key)| key)
-    }
-
-    /// What the server makes of a question, on a connection for it alone. `limit` is for the whole exchange, and
-    /// [`END_MOST`] for the end of the association.
+    /// What the server makes of a question, on a connection for it alone. The end of the association has
+    /// [`END_MOST`] besides.
     pub(crate) fn asked<T>(
         &self,
-        limit: Duration,
         ask: impl FnOnce(&mut Connection, &Titles) -> Result<T, DimseFault>,
     ) -> Result<T, ServerFault> {
-        let peer = Peer { host: &self.host, port: self.port, tls: self.tls.as_ref(), limit };
-        let mut connection = peer.connected()?;
+        let mut connection = self.peer.connected()?;
         let answer = ask(&mut connection, &self.titles);
         connection.waits_at_most(END_MOST);
         match &answer {
@@ -93,7 +72,7 @@ impl DimseServer {
         }
         connection.close();
         answer.map_err(|fault| match fault {
-            DimseFault::Connection(source) => peer.fault(source).into(),
+            DimseFault::Connection(source) => self.peer.fault(source).into(),
             fault => ServerFault::Dimse(fault),
         })
     }
@@ -102,38 +81,45 @@ impl DimseServer {
 impl DicomServer {
     /// Every secret that connections with it need.
     pub fn secrets(&self) -> Vec<&Secret> {
-        let of_access = match &self.way {
-            DicomWay::Web { access: DicomAccess::Basic { password, .. }, .. } => Some(password),
-            DicomWay::Web { access: DicomAccess::Bearer { token }, .. } => Some(token),
-            DicomWay::Web { access: DicomAccess::Open, .. } | DicomWay::Dimse(_) => None,
+        let of_access = match self {
+            DicomServer::Web { access: DicomAccess::Basic { password, .. }, .. } => Some(password),
+            DicomServer::Web { access: DicomAccess::Bearer { token }, .. } => Some(token),
+            DicomServer::Web { access: DicomAccess::Open, .. } | DicomServer::Dimse(_) => None,
         };
-        let own = self.tls().and_then(|tls| tls.own.as_ref()).map(|(_, key)| key);
-        of_access.into_iter().chain(own).collect()
+        of_access.into_iter().chain(self.tls().and_then(TlsFiles::key)).collect()
     }
 
     /// What connections trust; `None` for one that is not encrypted.
     pub fn tls(&self) -> Option<&TlsFiles> {
-        match &self.way {
-            DicomWay::Web { tls, .. } => Some(tls),
-            DicomWay::Dimse(server) => server.tls.as_ref(),
+        match self {
+            DicomServer::Web { tls, .. } => Some(tls),
+            DicomServer::Dimse(server) => server.peer.tls.as_ref(),
+        }
+    }
+
+    /// The longest that a whole exchange takes.
+    pub fn limit(&self) -> Duration {
+        match self {
+            DicomServer::Web { limit, .. } => *limit,
+            DicomServer::Dimse(server) => server.peer.limit,
         }
     }
 
     /// Its address, for people.
     pub fn place(&self) -> String {
-        match &self.way {
-            DicomWay::Web { base, .. } => base.clone(),
-            DicomWay::Dimse(server) => server.place(),
+        match self {
+            DicomServer::Web { base, .. } => base.clone(),
+            DicomServer::Dimse(server) => server.place(),
         }
     }
 
     /// The host that the station connects to.
     pub fn host(&self) -> Option<String> {
-        match &self.way {
-            DicomWay::Web { base, .. } => {
+        match self {
+            DicomServer::Web { base, .. } => {
                 Some(Endpoint::from_uri(&base.parse().ok()?).ok()?.name().to_owned())
             }
-            DicomWay::Dimse(server) => Some(server.name().to_owned()),
+            DicomServer::Dimse(server) => Some(server.peer.name().to_owned()),
         }
     }
 }

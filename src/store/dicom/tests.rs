@@ -19,7 +19,7 @@ use support::records::{dicom_rules, without_legs};
 use support::stow::SentObject;
 
 use super::*;
-use crate::store::sums;
+use crate::store::{Peer, sums};
 
 /// What an archive does with objects.
 #[derive(Debug, Clone, Copy)]
@@ -212,12 +212,10 @@ impl Archive {
     }
 
     fn store(&self) -> DicomStore {
-        let server = DicomServer {
-            way: DicomWay::Web {
-                base: format!("http://127.0.0.1:{}/dicom-web", self.port),
-                access: DicomAccess::Open,
-                tls: TlsFiles::default(),
-            },
+        let server = DicomServer::Web {
+            base: format!("http://127.0.0.1:{}/dicom-web", self.port),
+            access: DicomAccess::Open,
+            tls: TlsFiles::default(),
             limit: Duration::from_secs(30),
         };
         DicomStore::new(server, dicom_rules(&["report.pdf"]), "booth-1")
@@ -481,24 +479,19 @@ fn an_address_without_an_archive_is_told_apart_from_an_archive_without_the_study
     assert!(matches!(fault, StoreFault::Server(ServerFault::Answer(_))), "{fault}");
 }
 
-/// A server of associations on this machine.
-fn listening() -> (TcpListener, DimseServer) {
+/// A server of associations on this machine, for which the station has so long.
+fn listening(limit: Duration) -> (TcpListener, DimseServer) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let title = |text: &str| AeTitle::new(text).unwrap();
-    let server = DimseServer {
-        host: "127.0.0.1".to_owned(),
-        port: listener.local_addr().unwrap().port(),
-        titles: Titles { calling: title("GAITER"), called: title("PACS") },
-        tls: None,
-    };
-    (listener, server)
+    let titles = Titles { calling: title("GAITER"), called: title("PACS") };
+    let (host, port) = ("127.0.0.1".to_owned(), listener.local_addr().unwrap().port());
+    (listener, DimseServer { peer: Peer { host, port, tls: None, limit }, titles })
 }
 
 /// A server of associations, and a store that has so long for it.
 fn by_associations(limit: Duration) -> (TcpListener, DicomStore) {
-    let (listener, server) = listening();
-    let server = DicomServer { way: DicomWay::Dimse(server), limit };
-    (listener, DicomStore::new(server, dicom_rules(&["report.pdf"]), "booth-1"))
+    let (listener, server) = listening(limit);
+    (listener, DicomStore::new(DicomServer::Dimse(server), dicom_rules(&["report.pdf"]), "booth-1"))
 }
 
 #[test]
@@ -523,7 +516,7 @@ fn a_server_of_associations_that_hangs_or_dies_is_asked_again() {
 
 /// What a server hears of the end of an association. It never says anything.
 fn heard_of_the_end(answer: Result<(), DimseFault>) -> Vec<u8> {
-    let (listener, server) = listening();
+    let (listener, server) = listening(Duration::from_secs(60));
     let hears = std::thread::spawn(move || {
         let (mut stream, _) = listener.accept().unwrap();
         let mut heard = Vec::new();
@@ -531,7 +524,7 @@ fn heard_of_the_end(answer: Result<(), DimseFault>) -> Vec<u8> {
         heard
     });
     let (began, is_done) = (Instant::now(), answer.is_ok());
-    assert_eq!(server.asked(Duration::from_secs(60), |_, _| answer).is_ok(), is_done);
+    assert_eq!(server.asked(|_, _| answer).is_ok(), is_done);
     assert!(began.elapsed() < Duration::from_secs(30), "the end is not waited for");
     hears.join().unwrap()
 }

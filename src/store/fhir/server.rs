@@ -59,7 +59,7 @@ impl FhirServer {
             FhirAccess::Smart(smart) => Some(&smart.key),
         };
         let of_proxy = self.proxy.as_ref().and_then(|proxy| proxy.user.as_ref());
-        let own = self.tls.own.as_ref().map(|(_, key)| key);
-        [of_access, of_proxy.map(|(_, password)| password), own].into_iter().flatten().collect()
+        let of_proxy = of_proxy.map(|(_, password)| password);
+        [of_access, of_proxy, self.tls.key()].into_iter().flatten().collect()
     }
 }

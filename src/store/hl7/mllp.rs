@@ -4,7 +4,8 @@ use std::io::{self, Read, Write};
 
 use gaiter_https::HttpFault;
 
-use crate::store::connection::{Connection, Peer};
+use crate::store::Peer;
+use crate::store::connection::Connection;
 
 /// The byte before a message.
 const START: u8 = 0x0b;
@@ -17,7 +18,7 @@ const ANSWER_MOST: usize = 256 * 1024;
 
 /// Sends a message on a connection to a receiver and returns the answer without its frame.
 pub(super) fn exchange(
-    receiver: &Peer<'_>,
+    receiver: &Peer,
     mut connection: Connection,
     message: &[u8],
 ) -> Result<Vec<u8>, HttpFault> {

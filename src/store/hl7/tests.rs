@@ -65,7 +65,7 @@ impl Receiving {
 
     fn store_that_waits(&self, limit: Duration, state: &Path) -> Hl7Store {
         let host = "localhost".to_owned();
-        let way = Hl7Way::Mllp { host, port: self.port, tls: None, limit };
+        let way = Hl7Way::Mllp(Peer { host, port: self.port, tls: None, limit });
         Hl7Store::new(way, hl7_rules("KIS"), state)
     }
 
@@ -194,7 +194,7 @@ fn a_receiver_that_is_not_there_is_out_of_reach() {
     drop(listener);
     for host in ["127.0.0.1", "localhost"] {
         let limit = Duration::from_secs(20);
-        let way = Hl7Way::Mllp { host: host.to_owned(), port, tls: None, limit };
+        let way = Hl7Way::Mllp(Peer { host: host.to_owned(), port, tls: None, limit });
         let fault = Hl7Store::new(way, hl7_rules("KIS"), state.path()).reach().unwrap_err();
         assert!(matches!(fault, StoreFault::Server(_)), "{host}: {fault}");
     }

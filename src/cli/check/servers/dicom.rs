@@ -1,14 +1,12 @@
 //! The archive of images: whether it takes the station, and whether it gets what is to be sent.
 
-use gaiter_https::is_this_machine;
 use gaiter_leg::Side;
-use jiff::Timestamp;
 
-use super::{not_encrypted, of_certificate, of_secret, tried};
+use super::{not_encrypted, of_store};
 use crate::cli::check::row::{Row, Verdict};
 use crate::config::{Config, DicomStoreConfig};
 use crate::station::stores::Stores;
-use crate::store::dicom::{DicomWay, DimseServer};
+use crate::store::dicom::DicomServer;
 use crate::store::{DicomStore, RecordStore};
 
 /// The rows of the archive, if there is one.
@@ -18,14 +16,10 @@ pub(super) fn rows(config: &Config, stores: &Stores) -> Vec<Row> {
 }
 
 fn of_archive(config: &Config, dicom: &DicomStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
-    let secrets = dicom.server.secrets();
-    let mut rows: Vec<Row> = secrets.iter().map(|secret| of_secret(secret)).collect();
-    rows.extend(dicom.server.tls().and_then(|tls| of_certificate(tls, Timestamp::now())));
-    rows.push(tried("DICOM archive", store, &secrets, "lets the station look for studies"));
-    if let DicomWay::Dimse(DimseServer { host, tls: None, .. }) = &dicom.server.way
-        && !is_this_machine(host)
-    {
-        rows.push(not_encrypted(store.place(), "the results", "archive"));
+    let detail = "lets the station look for studies";
+    let mut rows = of_store("DICOM archive", store, &dicom.server.secrets(), detail);
+    if let DicomServer::Dimse(server) = &dicom.server {
+        rows.extend(not_encrypted(&server.peer, store.place(), "the results", "archive"));
     }
     rows.extend(of_attached(config, dicom, store));
     rows

@@ -2,12 +2,12 @@
 
 use gaiter_flow::Identity;
 use gaiter_flow::worklist::{Worklist, WorklistEntry};
-use gaiter_https::is_this_machine;
+use gaiter_https::TlsFiles;
 use gaiter_record::SourceKind;
+use jiff::Zoned;
 use jiff::civil::Date;
-use jiff::{Timestamp, Zoned};
 
-use super::{not_encrypted, not_given, of_certificate, of_secret};
+use super::{not_encrypted, not_given, of_station};
 use crate::cli::check::row::{Row, Verdict};
 use crate::config::{Config, WorklistConfig};
 use crate::station::booth::worklist::{self, WorklistAnswer};
@@ -23,9 +23,9 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
 
 fn of_server(worklist: &WorklistConfig, config: &Config) -> Vec<Row> {
     let server = &worklist.server;
-    let (place, secret) = (server.place(), server.secret());
-    let mut rows: Vec<Row> = secret.map(of_secret).into_iter().collect();
-    rows.extend(server.tls.as_ref().and_then(|tls| of_certificate(tls, Timestamp::now())));
+    let (place, secret) = (server.place(), server.peer.secret());
+    let certificate = server.peer.tls.as_ref().and_then(TlsFiles::certificate);
+    let mut rows = of_station(secret.as_slice(), certificate);
     let today = Zoned::now().date();
     let tried = not_given(secret.as_slice(), CHECK, &place).unwrap_or_else(|| {
         match worklist::ask(worklist, today) {
@@ -38,9 +38,8 @@ fn of_server(worklist: &WorklistConfig, config: &Config) -> Vec<Row> {
         }
     });
     rows.push(tried);
-    if server.tls.is_none() && !is_this_machine(&server.host) {
-        rows.push(not_encrypted(place, "names and birth dates", "server of the worklist"));
-    }
+    let what = "names and birth dates";
+    rows.extend(not_encrypted(&server.peer, place, what, "server of the worklist"));
     rows
 }
 

@@ -10,7 +10,6 @@ use super::super::row::{Row, Verdict};
 use super::Unit;
 use crate::config::Config;
 use crate::store::fhir::FhirAccess;
-use crate::store::hl7::Hl7Way;
 
 /// The port of which nothing but the host's address is asked.
 const ANY_PORT: u16 = 0;
@@ -66,14 +65,13 @@ fn hosts(config: &Config) -> Vec<String> {
     #[cfg(feature = "dicom")]
     {
         hosts.extend(config.store.dicom.iter().filter_map(|of| of.server.host()));
-        hosts.extend(config.patient.worklist.iter().map(|of| of.server.name().to_owned()));
+        hosts.extend(config.patient.worklist.iter().map(|of| of.server.peer.name().to_owned()));
     }
     if let Some(archive) = &config.store.archive {
         hosts.extend(host_of(&archive.place.bucket.address));
     }
-    if let Some(Hl7Way::Mllp { host, .. }) = config.store.hl7.as_ref().map(|hl7| &hl7.way) {
-        hosts.push(host.trim_matches(['[', ']']).to_owned());
-    }
+    let receiver = config.store.hl7.as_ref().and_then(|hl7| hl7.way.receiver());
+    hosts.extend(receiver.map(|receiver| receiver.name().to_owned()));
     hosts.dedup();
     hosts
 }
@@ -141,14 +139,14 @@ fn is_within(address: &IpAddr, range: &str) -> bool {
 /// The credentials that the configuration names.
 fn named(config: &Config) -> Vec<&str> {
     let fhir = config.store.fhir.as_ref().map(|fhir| fhir.server.secrets()).unwrap_or_default();
-    let hl7 = config.store.hl7.as_ref().and_then(|hl7| hl7.way.secret());
+    let hl7 = config.store.hl7.as_ref().and_then(|hl7| hl7.way.receiver()?.secret());
     let archive = config.store.archive.as_ref();
     let archive = archive.map(|archive| archive.place.secrets()).unwrap_or_default();
     let secrets = fhir.into_iter().chain(hl7).chain(archive);
     #[cfg(feature = "dicom")]
     let secrets = secrets
         .chain(config.store.dicom.iter().flat_map(|of| of.server.secrets()))
-        .chain(config.patient.worklist.iter().filter_map(|of| of.server.secret()));
+        .chain(config.patient.worklist.iter().filter_map(|of| of.server.peer.secret()));
     let named = secrets.filter_map(|secret| match secret {
         Secret::Credential(name) => Some(name.as_str()),
         Secret::File(_) => None,

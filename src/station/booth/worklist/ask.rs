@@ -23,14 +23,14 @@ pub struct WorklistAnswer {
     pub unreadable: usize,
 }
 
-/// What the server has for this station on a day. Blocks, for as long as `config.limit` allows.
+/// What the server has for this station on a day. Blocks, for as long as the server's limit allows.
 ///
 /// # Errors
 /// [`ServerFault`], which holds nothing that an entry says: nothing is known then, and an earlier answer still holds.
 pub fn ask(config: &WorklistConfig, day: Date) -> Result<WorklistAnswer, ServerFault> {
-    let WorklistConfig { server, filter, limit, .. } = config;
+    let WorklistConfig { server, filter, .. } = config;
     let query = planned(&server.titles.calling, filter.modality.as_deref(), day);
-    let Found { answers, unreadable } = server.asked(*limit, |connection, titles| {
+    let Found { answers, unreadable } = server.asked(|connection, titles| {
         find(connection, titles, Model::Worklist, &query, ANSWERS_MOST)
     })?;
     Ok(WorklistAnswer { entries: answers.iter().map(entry).collect(), unreadable })
