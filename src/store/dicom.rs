@@ -19,8 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gaiter_dicom::{
-    DicomObject, DicomRules, EncodeFault, Listed, PatientIdFault, Person, Sent, Study, objects,
-    withdrawal,
+    DicomObject, DicomRules, EncodeFault, Listed, Person, Sent, Study, objects, withdrawal,
 };
 use gaiter_flow::ScanId;
 use gaiter_record::Patient;
@@ -41,14 +40,6 @@ const REQUESTS_MOST: u32 = 7;
 enum Archive {
     Web(WebArchive),
     Dimse(DimseServer),
-}
-
-/// Where the record of a patient's scan is, and the turn in which it is delivered.
-#[derive(Debug, Clone, Copy)]
-struct RecordPlace<'a> {
-    study: &'a Study,
-    patient: &'a str,
-    turn: u32,
 }
 
 /// An archive of images as a store.
@@ -77,10 +68,10 @@ impl DicomStore {
     }
 
     /// What the server has of a record up to its turn; it may tell of others, too.
-    fn listed(&self, place: RecordPlace<'_>) -> Result<Vec<Listed>, StoreFault> {
+    fn listed(&self, study: &Study, turn: u32) -> Result<Vec<Listed>, StoreFault> {
         match &self.archive {
-            Archive::Web(archive) => archive.listed(place.study, place.patient),
-            Archive::Dimse(archive) => archive.listed(place.study, place.turn + 1),
+            Archive::Web(archive) => archive.listed(study),
+            Archive::Dimse(archive) => archive.listed(study, turn + 1),
         }
     }
 
@@ -89,13 +80,13 @@ impl DicomStore {
     fn send(
         &self,
         objects: &[DicomObject],
-        patient: &str,
+        study: &Study,
         is_named: bool,
     ) -> Result<(), StoreFault> {
         let mut failed = Vec::new();
         for object in objects {
             failed.extend(match &self.archive {
-                Archive::Web(archive) => archive.store(object, patient, is_named)?,
+                Archive::Web(archive) => archive.store(object, study, is_named)?,
                 Archive::Dimse(archive) => archive.store(object)?,
             });
         }
@@ -107,17 +98,18 @@ impl DicomStore {
         withdrawal(study, turns, listed, &self.station, &self.rules, Timestamp::now())
     }
 
-    /// Marks what the server shows of the first `turns` turns. Returns what it shows then.
+    /// Marks what the server shows of the first `turns` turns. Returns what it shows then of a record up to its turn.
     fn marked(
         &self,
-        place: RecordPlace<'_>,
+        study: &Study,
+        turn: u32,
         turns: u32,
         listed: Vec<Listed>,
     ) -> Result<Vec<Listed>, StoreFault> {
-        let Some(mark) = self.mark(place.study, turns, &listed) else { return Ok(listed) };
-        let answer = self.send(&[mark], place.patient, false);
-        let after = self.listed(place)?;
-        if self.mark(place.study, turns, &after).is_some() {
+        let Some(mark) = self.mark(study, turns, &listed) else { return Ok(listed) };
+        let answer = self.send(&[mark], study, false);
+        let after = self.listed(study, turn)?;
+        if self.mark(study, turns, &after).is_some() {
             answer?;
             let why = "it still shows objects without the mark".to_owned();
             return Err(ServerFault::Answer(why).into());
@@ -159,12 +151,12 @@ impl RecordStore for DicomStore {
 
     fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         let (record, patient) = delivery.named_record().map_err(StoreFault::Permanent)?;
+        let misfit = |fault| StoreFault::Permanent(Rejection::DicomPatientId(fault));
         let study = Study::new(delivery.scan.as_str(), patient).map_err(misfit)?;
         let study = study.answering(record.patient.as_ref().and_then(Patient::request));
         let turn = delivery.turn;
-        let place = RecordPlace { study: &study, patient, turn };
         // It may have been given back before it was taken back here.
-        let before = self.marked(place, turn, self.listed(place)?)?;
+        let before = self.marked(&study, turn, turn, self.listed(&study, turn)?)?;
         let person = delivery.person.map(|of| Person {
             name: &of.dicom_name,
             birth_date: of.birth_date,
@@ -191,8 +183,8 @@ impl RecordStore for DicomStore {
             };
         }
         // Whether the server has them, only a search tells, whatever it answered.
-        let answer = self.send(&missing, patient, is_named);
-        let after = self.listed(place)?;
+        let answer = self.send(&missing, &study, is_named);
+        let after = self.listed(&study, turn)?;
         missing.retain(|object| !is_shown(object, &after));
         if !missing.is_empty() {
             answer?;
@@ -212,30 +204,22 @@ impl RecordStore for DicomStore {
         past: PastDelivery<'_>,
     ) -> Result<(), StoreFault> {
         // Of a patient whose id cannot be written nothing was sent.
-        let Some((patient, study)) =
-            from.and_then(|from| Some((from, Study::new(scan.as_str(), from).ok()?)))
-        else {
-            return Ok(());
-        };
+        let study = from.and_then(|from| Study::new(scan.as_str(), from).ok());
+        let Some(study) = study else { return Ok(()) };
         let study = study.answering(past.request);
         let study = match past.receipt {
             Some(uid) if !uid.is_empty() => study.confirmed(uid),
             _ => study,
         };
-        let place = RecordPlace { study: &study, patient, turn: past.turn };
-        let (turns, listed) = (past.turn + 1, self.listed(place)?);
+        let (turns, listed) = (past.turn + 1, self.listed(&study, past.turn)?);
         let is_there = study.shows_withdrawal(&listed) || !study.shown(turns, &listed).is_empty();
-        self.marked(place, turns, listed)?;
+        self.marked(&study, past.turn, turns, listed)?;
         match past.receipt {
             // If nothing is there it is hidden by the mark of a run that ended, or not shown yet.
             Some(receipt) if receipt.is_empty() || !is_there => Err(ServerFault::NotShown.into()),
             _ => Ok(()),
         }
     }
-}
-
-fn misfit(fault: PatientIdFault) -> StoreFault {
-    StoreFault::Permanent(Rejection::DicomPatientId(fault))
 }
 
 fn unwritable(fault: EncodeFault) -> StoreFault {

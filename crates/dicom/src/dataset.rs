@@ -5,8 +5,8 @@ use std::error::Error;
 use dicom_core::dictionary::DataDictionaryEntry;
 use dicom_core::value::DataSetSequence;
 use dicom_core::{DataDictionary, DataElement, PrimitiveValue, Tag, VR};
-use dicom_dictionary_std::uids;
 use dicom_object::{InMemDicomObject, StandardDataDictionary};
+use dicom_transfer_syntax_registry::TransferSyntax;
 use dicom_transfer_syntax_registry::entries::{
     EXPLICIT_VR_LITTLE_ENDIAN, IMPLICIT_VR_LITTLE_ENDIAN,
 };
@@ -33,25 +33,22 @@ impl Syntax {
     pub(crate) const ALL: [Syntax; 2] =
         [Syntax::ExplicitLittleEndian, Syntax::ImplicitLittleEndian];
 
-    pub(crate) fn uid(self) -> &'static str {
+    /// It as the library knows it.
+    pub(crate) fn transfer_syntax(self) -> TransferSyntax {
         match self {
-            Syntax::ExplicitLittleEndian => uids::EXPLICIT_VR_LITTLE_ENDIAN,
-            Syntax::ImplicitLittleEndian => uids::IMPLICIT_VR_LITTLE_ENDIAN,
+            Syntax::ExplicitLittleEndian => EXPLICIT_VR_LITTLE_ENDIAN.erased(),
+            Syntax::ImplicitLittleEndian => IMPLICIT_VR_LITTLE_ENDIAN.erased(),
         }
+    }
+
+    pub(crate) fn uid(self) -> &'static str {
+        self.transfer_syntax().uid()
     }
 
     /// The bytes of a data set.
     pub(crate) fn encoded(self, set: &InMemDicomObject) -> Result<Vec<u8>, EncodeFault> {
         let mut bytes = Vec::new();
-        let written = match self {
-            Syntax::ExplicitLittleEndian => {
-                set.write_dataset_with_ts(&mut bytes, &EXPLICIT_VR_LITTLE_ENDIAN.erased())
-            }
-            Syntax::ImplicitLittleEndian => {
-                set.write_dataset_with_ts(&mut bytes, &IMPLICIT_VR_LITTLE_ENDIAN.erased())
-            }
-        };
-        written.map_err(EncodeFault::new)?;
+        set.write_dataset_with_ts(&mut bytes, &self.transfer_syntax()).map_err(EncodeFault::new)?;
         Ok(bytes)
     }
 }

@@ -216,31 +216,36 @@ impl Parts<'_> {
     /// An object for a part of the record, with its own attributes. `number` is its place among them, from 1.
     fn object(&self, class: SopClass, part: &str, number: u32, own: Dataset) -> DicomObject {
         let Sent { study, record, person, turn, .. } = self.sent;
-        let (revision, language) = (record.revision, self.rules.language);
         let [date, time] = moment(&self.at);
-        let uid = study.instance(part, revision, turn);
-        let number = NUMBERS_A_REVISION * revision.saturating_sub(1) + number;
+        let uid = study.instance(part, record.revision, turn);
+        let number = NUMBERS_A_REVISION * record.revision.saturating_sub(1) + number;
         let person = person.filter(|_| self.rules.names).map(Person::elements);
-        let dataset = study
-            .of_patient(&self.rules.issuer)
+        let dataset = common(study, self.rules, class, turn, &self.at)
             .and(person.unwrap_or_else(Dataset::new))
             .and(equipment(record.station.as_deref(), &record.made_by.gaiter))
-            .text(tags::SPECIFIC_CHARACTER_SET, UTF_8)
-            .text(tags::SOP_CLASS_UID, class.uid())
             .text(tags::SOP_INSTANCE_UID, uid.as_str())
-            .text(tags::STUDY_DATE, date.as_str())
-            .text(tags::STUDY_TIME, time.as_str())
-            .text(tags::CONTENT_DATE, date.as_str())
-            .text(tags::CONTENT_TIME, time.as_str())
-            .text(tags::TIMEZONE_OFFSET_FROM_UTC, self.at.strftime("%z").to_string())
-            .text(tags::STUDY_DESCRIPTION, language.text("hospital.leg_measures"))
-            .text(tags::MODALITY, class.modality())
-            .text(tags::SERIES_INSTANCE_UID, study.series(class, turn))
-            .text(tags::SERIES_NUMBER, class.series_number())
+            .text(tags::STUDY_DATE, date)
+            .text(tags::STUDY_TIME, time)
             .text(tags::INSTANCE_NUMBER, number.to_string())
             .and(own);
         DicomObject { class, uid, dataset: dataset.0 }
     }
+}
+
+/// What all objects of a kind have in a turn of a study; `at` is the time of their content.
+fn common(study: &Study, rules: &DicomRules, class: SopClass, turn: u32, at: &Zoned) -> Dataset {
+    let [date, time] = moment(at);
+    study
+        .of_patient(&rules.issuer)
+        .text(tags::SPECIFIC_CHARACTER_SET, UTF_8)
+        .text(tags::SOP_CLASS_UID, class.uid())
+        .text(tags::CONTENT_DATE, date)
+        .text(tags::CONTENT_TIME, time)
+        .text(tags::TIMEZONE_OFFSET_FROM_UTC, at.strftime("%z").to_string())
+        .text(tags::STUDY_DESCRIPTION, rules.language.text("hospital.leg_measures"))
+        .text(tags::MODALITY, class.modality())
+        .text(tags::SERIES_INSTANCE_UID, study.series(class, turn))
+        .text(tags::SERIES_NUMBER, class.series_number())
 }
 
 /// What made an object.

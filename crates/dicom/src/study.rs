@@ -72,6 +72,11 @@ impl Study {
         Study { request: Some(request), ..own }
     }
 
+    /// The patient's id.
+    pub fn patient(&self) -> &str {
+        &self.patient
+    }
+
     /// Its UID.
     pub fn uid(&self) -> String {
         match &self.request {

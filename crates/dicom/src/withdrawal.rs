@@ -8,7 +8,7 @@ use jiff::tz::TimeZone;
 
 use super::content::{Concept, DCM, Item, Relation, reference};
 use super::dataset::Dataset;
-use super::{DicomObject, DicomRules, Listed, SopClass, Study, UTF_8, equipment, moment};
+use super::{DicomObject, DicomRules, Listed, SopClass, Study, common, equipment};
 
 /// The title of a selection of objects that were made for another patient (PS3.16, CID 7010).
 const WRONG_PATIENT: Concept<'_> = Concept::new("113038", DCM, "Incorrect Modality Worklist Entry");
@@ -31,24 +31,13 @@ pub fn withdrawal(
     if shown.is_empty() || listed.iter().any(|of| of.uid == uid) {
         return None;
     }
-    let [date, time] = moment(&now.to_zoned(TimeZone::UTC));
     let references =
         shown.iter().map(|of| (Relation::Contains, Item::reference(&of.class, &of.uid)));
-    let dataset = study
-        .of_patient(&rules.issuer)
+    let dataset = common(study, rules, class, 0, &now.to_zoned(TimeZone::UTC))
         .and(equipment(Some(station), env!("CARGO_PKG_VERSION")))
-        .text(tags::SPECIFIC_CHARACTER_SET, UTF_8)
-        .text(tags::SOP_CLASS_UID, class.uid())
         .text(tags::SOP_INSTANCE_UID, uid.as_str())
         .text(tags::STUDY_DATE, "")
         .text(tags::STUDY_TIME, "")
-        .text(tags::STUDY_DESCRIPTION, rules.language.text("hospital.leg_measures"))
-        .text(tags::CONTENT_DATE, date)
-        .text(tags::CONTENT_TIME, time)
-        .text(tags::TIMEZONE_OFFSET_FROM_UTC, "+0000")
-        .text(tags::MODALITY, class.modality())
-        .text(tags::SERIES_INSTANCE_UID, study.series(class, 0))
-        .text(tags::SERIES_NUMBER, class.series_number())
         .text(tags::INSTANCE_NUMBER, turns.to_string())
         .items(tags::REFERENCED_PERFORMED_PROCEDURE_STEP_SEQUENCE, Vec::new())
         .items(tags::CURRENT_REQUESTED_PROCEDURE_EVIDENCE_SEQUENCE, vec![evidence(study, &shown)])

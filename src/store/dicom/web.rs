@@ -43,25 +43,25 @@ impl WebArchive {
     }
 
     /// What the server has of a study.
-    pub fn listed(&self, study: &Study, patient: &str) -> Result<Vec<Listed>, StoreFault> {
+    pub fn listed(&self, study: &Study) -> Result<Vec<Listed>, StoreFault> {
         let (answer, secret) = self.ask(Method::GET, &web::search(study), None)?;
         if answer.status == NOT_FOUND {
             // A server that is no archive, or one that is not up yet, says so, too.
             return self.reach().map(|()| Vec::new());
         }
-        answers::listed(&answer, &without(&secret, patient))
+        answers::listed(&answer, &without(&secret, study.patient()))
     }
 
     /// Sends an object, which may say who the patient is. Whether the server has it, only a search tells.
     pub fn store(
         &self,
         object: &DicomObject,
-        patient: &str,
+        study: &Study,
         is_named: bool,
     ) -> Result<Option<Failed>, StoreFault> {
         let body = web::multipart(object).map_err(unwritable)?;
         let (answer, secret) = self.ask(Method::POST, "studies", Some(body))?;
-        let secret = without(&secret, patient);
+        let secret = without(&secret, study.patient());
         // A server may write a name in another way than it was sent.
         let secret = if is_named { None } else { Some(&secret[..]) };
         answers::stored(&answer, secret)

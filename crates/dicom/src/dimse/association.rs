@@ -194,16 +194,12 @@ impl<S: Read + Write> Association<S> {
         let mut found = Vec::new();
         loop {
             let Answer { status, data } = self.answer(C_FIND)?;
-            match (status, data) {
-                (SUCCESS, _) => return Ok(found),
-                (status, Some(_)) if PENDING.contains(&status) && found.len() == most => {
-                    return Err(DimseFault::TooMany { most });
-                }
-                (status, Some(data)) if PENDING.contains(&status) => {
-                    found.push(read(context.syntax, &data));
-                }
-                (status, None) if PENDING.contains(&status) => return Err(DimseFault::Unexpected),
-                (status, _) => return Err(DimseFault::Status { status }),
+            match data {
+                _ if status == SUCCESS => return Ok(found),
+                _ if !PENDING.contains(&status) => return Err(DimseFault::Status { status }),
+                None => return Err(DimseFault::Unexpected),
+                Some(_) if found.len() == most => return Err(DimseFault::TooMany { most }),
+                Some(data) => found.push(read(context.syntax, &data)),
             }
         }
     }
@@ -271,7 +267,7 @@ impl<S: Read + Write> Association<S> {
         let mut message = Vec::new();
         loop {
             let Some(part) = self.received.pop_front() else {
-                match self.packet()? {
+                match parsed(&packet(&mut self.stream)?)? {
                     Pdu::PData { data } => self.received.extend(data),
                     Pdu::AbortRQ { .. } => return Err(DimseFault::Aborted),
                     _ => return Err(DimseFault::Unexpected),
@@ -293,11 +289,6 @@ impl<S: Read + Write> Association<S> {
                 return Ok(message);
             }
         }
-    }
-
-    /// The next packet.
-    fn packet(&mut self) -> Result<Pdu, DimseFault> {
-        parsed(&packet(&mut self.stream)?)
     }
 }
 

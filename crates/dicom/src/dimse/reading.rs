@@ -3,9 +3,6 @@
 
 use dicom_core::{Tag, VR};
 use dicom_object::InMemDicomObject;
-use dicom_transfer_syntax_registry::entries::{
-    EXPLICIT_VR_LITTLE_ENDIAN, IMPLICIT_VR_LITTLE_ENDIAN,
-};
 
 use super::DimseFault;
 use crate::dataset::{Syntax, vr};
@@ -23,14 +20,7 @@ const SEQUENCE_END: Tag = Tag(0xfffe, 0xe0dd);
 /// Reads a data set.
 pub(super) fn read(syntax: Syntax, bytes: &[u8]) -> Result<InMemDicomObject, DimseFault> {
     whole(syntax.elements(bytes, 0)?)?;
-    let read = match syntax {
-        Syntax::ExplicitLittleEndian => {
-            InMemDicomObject::read_dataset_with_ts(bytes, &EXPLICIT_VR_LITTLE_ENDIAN.erased())
-        }
-        Syntax::ImplicitLittleEndian => {
-            InMemDicomObject::read_dataset_with_ts(bytes, &IMPLICIT_VR_LITTLE_ENDIAN.erased())
-        }
-    };
+    let read = InMemDicomObject::read_dataset_with_ts(bytes, &syntax.transfer_syntax());
     read.map_err(|_| DimseFault::Unreadable)
 }
 
