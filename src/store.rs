@@ -2,7 +2,6 @@
 //! record and returns a receipt again.
 
 pub mod archive;
-mod authorization;
 pub mod brief;
 mod connection;
 #[cfg(feature = "dicom")]
@@ -18,6 +17,7 @@ pub mod polling;
 pub mod revision;
 pub mod server;
 pub mod sums;
+mod web;
 
 use std::ffi::OsStr;
 use std::fmt;
@@ -42,6 +42,7 @@ use gaiter_record::{ImagingRequest, RECORD, Record, RecordFile};
 pub use gdt::{GdtStore, Given};
 pub use hl7::Hl7Store;
 pub use server::ServerFault;
+pub use web::HttpAccess;
 
 /// The permission bits of everybody but the owner.
 pub const OTHERS: u32 = 0o077;

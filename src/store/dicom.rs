@@ -28,7 +28,7 @@ use jiff::Timestamp;
 use super::server::ServerFault;
 use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
 use server::END_MOST;
-pub use server::{DicomAccess, DicomServer, DimseServer};
+pub use server::{DicomServer, DimseServer};
 use web::WebArchive;
 
 /// Requests or associations of a step besides those that store the record: two that look what is there, one that marks

@@ -50,6 +50,18 @@ impl StoreFault {
         }
     }
 
+    /// The fault of an answer over HTTP that is none of success. What a person must correct waits for one; the rest is
+    /// asked again.
+    pub(super) fn of_status(status: u16, why: String) -> StoreFault {
+        match status {
+            400 | 410 | 413 | 415 | 422 => {
+                StoreFault::Permanent(Rejection::ServerRefused { status, why })
+            }
+            401 | 403 | 404 | 405 | 407 => ServerFault::Forbidden { status, why }.into(),
+            _ => ServerFault::Busy { status, why }.into(),
+        }
+    }
+
     /// The stable code of this fault, for the journal and `reason.json`.
     pub fn code(&self) -> &'static str {
         match self {

@@ -19,25 +19,22 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use gaiter_flow::ScanId;
-use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient};
+use gaiter_https::{HttpAnswer, HttpsClient};
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
-use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
-use http::{Method, Uri};
+use http::Method;
+use http::header::HeaderValue;
 use serde_json::Value;
 
 use self::access::Token;
 use self::answers::{Asked, of_replacing, outcome_of};
 use self::existing::REPORT;
-use super::authorization::secret_words;
 use super::server::ServerFault;
+use super::web::{asked, secret_words};
 use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
 pub use server::{FhirAccess, FhirServer, SmartAccess};
 
 /// The media type of FHIR as JSON.
-const JSON: HeaderValue = HeaderValue::from_static("application/fhir+json");
-
-/// Servers keep what a search has found, some for a minute: a patient who was registered since would not be found.
-const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
+const JSON: &str = "application/fhir+json";
 
 /// The id of a patient whom no server knows.
 const TRIAL_PATIENT: &str = "gaiter-check";
@@ -133,19 +130,12 @@ impl FhirStore {
         body: &[u8],
         shown: Option<&HeaderValue>,
     ) -> Result<HttpAnswer, ServerFault> {
-        let mut headers: Vec<(HeaderName, HeaderValue)> =
-            vec![(ACCEPT, JSON), (CACHE_CONTROL, ANEW)];
-        if !body.is_empty() {
-            headers.push((CONTENT_TYPE, JSON));
-        }
-        headers.extend(shown.map(|shown| (AUTHORIZATION, shown.clone())));
         let address = match path.is_empty() {
             true => self.server.base.clone(),
             false => format!("{}/{path}", self.server.base),
         };
-        let uri: Uri = address.parse().map_err(|_| HttpFault::from(EndpointFault::Address))?;
-        let request = HttpRequest { method: method.clone(), uri, headers, body: body.to_vec() };
-        Ok(self.client.send(request)?)
+        let body = (!body.is_empty()).then(|| (JSON.to_owned(), body.to_vec()));
+        asked(&self.client, method.clone(), &address, JSON, body, shown.cloned())
     }
 }
 

@@ -5,8 +5,8 @@
 use std::fs;
 use std::time::Duration;
 
-use gaiter::store::dicom::{DicomAccess, DicomServer, DimseServer};
-use gaiter::store::{DicomStore, Peer};
+use gaiter::store::dicom::{DicomServer, DimseServer};
+use gaiter::store::{DicomStore, HttpAccess, Peer};
 use gaiter_dicom::DicomRules;
 use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::TlsFiles;
@@ -77,7 +77,7 @@ impl House {
                     self.server.port("http"),
                     self.name
                 ),
-                access: DicomAccess::Open,
+                access: HttpAccess::Open,
                 tls: TlsFiles::default(),
                 limit,
             },

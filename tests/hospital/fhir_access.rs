@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gaiter::store::HttpAccess;
 use gaiter::store::fhir::{FhirAccess, FhirServer, SmartAccess};
 use gaiter_https::{Endpoint, Proxy, Secret, TlsFiles};
 
@@ -49,10 +50,10 @@ fn a_password_or_a_token_lets_in_and_is_read_anew_each_time_and_never_told() {
         let path = house.path("secret");
         let place = secret(path.clone(), "Falsch\n");
         let access = match shown == word {
-            true => FhirAccess::Basic { user: "gaiter".to_owned(), password: place },
-            false => FhirAccess::Bearer { token: place },
+            true => HttpAccess::Basic { user: "gaiter".to_owned(), password: place },
+            false => HttpAccess::Bearer { token: place },
         };
-        let store = store_with(&house, access);
+        let store = store_with(&house, FhirAccess::Http(access));
         let told = setback(&store, &SMALL);
         assert!(told.contains("401") && !told.contains("Falsch"), "{told}");
         secret(path.clone(), &format!("{shown}\n"));

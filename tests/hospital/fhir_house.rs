@@ -6,7 +6,7 @@ use std::fs;
 use std::time::Duration;
 
 use gaiter::store::fhir::{FhirAccess, FhirServer, FhirStore};
-use gaiter::store::{Receipt, RecordStore, StoreFault};
+use gaiter::store::{HttpAccess, Receipt, RecordStore, StoreFault};
 use gaiter_https::TlsFiles;
 use rig::web::Site;
 use serde_json::{Value, json};
@@ -38,7 +38,7 @@ pub type Deed<'a> = &'a dyn Fn(&Store) -> Result<(), StoreFault>;
 pub fn server_at(base: String) -> FhirServer {
     FhirServer {
         base,
-        access: FhirAccess::Open,
+        access: FhirAccess::Http(HttpAccess::Open),
         tls: TlsFiles::default(),
         proxy: None,
         limit: LONG,

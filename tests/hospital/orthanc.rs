@@ -11,8 +11,8 @@ use std::sync::Mutex;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use gaiter::store::Peer;
-use gaiter::store::dicom::{DicomAccess, DicomServer};
+use gaiter::store::dicom::DicomServer;
+use gaiter::store::{HttpAccess, Peer};
 use gaiter_https::{Secret, TlsFiles};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -117,7 +117,7 @@ impl Orthanc {
     pub fn store(&self) -> Store {
         store_at(DicomServer::Web {
             base: self.base(),
-            access: DicomAccess::Basic {
+            access: HttpAccess::Basic {
                 user: "clinic".to_owned(),
                 password: Secret::File(self.path("secret")),
             },

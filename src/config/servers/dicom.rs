@@ -13,8 +13,8 @@ use super::{
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
 use crate::config::words::Words;
-use crate::store::Peer;
-use crate::store::dicom::{DicomAccess, DicomServer, DimseServer};
+use crate::store::dicom::{DicomServer, DimseServer};
+use crate::store::{HttpAccess, Peer};
 
 /// `[store.dicom]`: an archive of images that gets every named record.
 #[derive(Debug, Clone)]
@@ -120,7 +120,7 @@ impl WebKeys {
     }
 
     /// How the station authenticates. All keys that are missing or too many are reported at once.
-    fn access(self, reader: &mut Reader) -> Option<DicomAccess> {
+    fn access(self, reader: &mut Reader) -> Option<HttpAccess> {
         let WebKeys { access: Found { value: kind, at }, user, secret } = self;
         let keys = [
             ("store.dicom.user", user.at, user.value.is_some(), kind == Kind::Basic),
@@ -134,9 +134,9 @@ impl WebKeys {
             }
         }
         Some(match kind {
-            Kind::Open => DicomAccess::Open,
-            Kind::Basic => DicomAccess::Basic { user: user.value?, password: secret.value? },
-            Kind::Bearer => DicomAccess::Bearer { token: secret.value? },
+            Kind::Open => HttpAccess::Open,
+            Kind::Basic => HttpAccess::Basic { user: user.value?, password: secret.value? },
+            Kind::Bearer => HttpAccess::Bearer { token: secret.value? },
         })
     }
 

@@ -6,6 +6,7 @@ use super::{TlsKeys, address, both, file_name, host_and_port, line, secret, syst
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, or_none};
 use crate::config::words::Words;
+use crate::store::HttpAccess;
 use crate::store::fhir::{FhirAccess, FhirServer, SmartAccess};
 
 /// `[store.fhir]`: a FHIR R4 server that gets every named record.
@@ -104,9 +105,9 @@ fn access(reader: &mut Reader) -> Option<FhirAccess> {
         reader.note(at.clone(), "store.fhir.access", What::Without(key));
     }
     Some(match kind {
-        Kind::Open => FhirAccess::Open,
-        Kind::Basic => FhirAccess::Basic { user: user?, password: secret? },
-        Kind::Bearer => FhirAccess::Bearer { token: secret? },
+        Kind::Open => FhirAccess::Http(HttpAccess::Open),
+        Kind::Basic => FhirAccess::Http(HttpAccess::Basic { user: user?, password: secret? }),
+        Kind::Bearer => FhirAccess::Http(HttpAccess::Bearer { token: secret? }),
         Kind::Smart => FhirAccess::Smart(SmartAccess {
             client: client?,
             key: secret?,

@@ -74,27 +74,18 @@ pub(super) fn judged(failed: &[Failed], count: usize) -> Result<(), StoreFault> 
     let Failed { status, why: NotStored { reason } } = *of;
     let why = format!("{} of {count} objects were not stored, reason {reason:04X}", failed.len());
     match lasting {
-        Some(_) => Err(refused(status, why)),
+        Some(_) => Err(StoreFault::Permanent(Rejection::ServerRefused { status, why })),
         None => Err(ServerFault::Busy { status, why }.into()),
     }
 }
 
-/// The fault of an answer that is none of success. What a person must correct waits for one; the rest is asked again.
+/// The fault of an answer that is none of success.
 fn refusal(answer: &HttpAnswer, secret: Option<&[&str]>) -> StoreFault {
-    let status = answer.status;
     let text = String::from_utf8_lossy(&answer.body);
     let why = match (text.trim(), secret) {
         ("", _) => "it does not say why".to_owned(),
         (_, None) => "what it says may name the patient".to_owned(),
         (text, Some(secret)) => in_a_line(text, secret),
     };
-    match status {
-        400 | 410 | 413 | 415 | 422 => refused(status, why),
-        401 | 403 | 404 | 405 | 407 => ServerFault::Forbidden { status, why }.into(),
-        _ => ServerFault::Busy { status, why }.into(),
-    }
-}
-
-fn refused(status: u16, why: String) -> StoreFault {
-    StoreFault::Permanent(Rejection::ServerRefused { status, why })
+    StoreFault::of_status(answer.status, why)
 }

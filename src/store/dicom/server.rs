@@ -5,9 +5,9 @@ use std::time::Duration;
 use gaiter_dicom::dimse::{DimseFault, Titles, abort, release};
 use gaiter_https::{Endpoint, Secret, TlsFiles};
 
-use crate::store::Peer;
 use crate::store::connection::Connection;
 use crate::store::server::ServerFault;
+use crate::store::{HttpAccess, Peer};
 
 /// How long the end of an association may take. What was asked is answered by then, or will not be.
 pub(crate) const END_MOST: Duration = Duration::from_secs(1);
@@ -20,7 +20,7 @@ pub enum DicomServer {
         /// The base address of its services, without a slash at its end.
         base: String,
         /// How the station authenticates.
-        access: DicomAccess,
+        access: HttpAccess,
         /// What connections trust.
         tls: TlsFiles,
         /// For a whole exchange.
@@ -37,17 +37,6 @@ pub struct DimseServer {
     pub peer: Peer,
     /// Who asks whom.
     pub titles: Titles,
-}
-
-/// How the station authenticates. A certificate of its own is part of the connection.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum DicomAccess {
-    /// It does not.
-    Open,
-    /// By user and password.
-    Basic { user: String, password: Secret },
-    /// By a token that does not change.
-    Bearer { token: Secret },
 }
 
 impl DimseServer {
@@ -82,9 +71,8 @@ impl DicomServer {
     /// Every secret that connections with it need.
     pub fn secrets(&self) -> Vec<&Secret> {
         let of_access = match self {
-            DicomServer::Web { access: DicomAccess::Basic { password, .. }, .. } => Some(password),
-            DicomServer::Web { access: DicomAccess::Bearer { token }, .. } => Some(token),
-            DicomServer::Web { access: DicomAccess::Open, .. } | DicomServer::Dimse(_) => None,
+            DicomServer::Web { access, .. } => access.secret(),
+            DicomServer::Dimse(_) => None,
         };
         of_access.into_iter().chain(self.tls().and_then(TlsFiles::key)).collect()
     }

@@ -19,7 +19,7 @@ use support::records::{dicom_rules, without_legs};
 use support::stow::SentObject;
 
 use super::*;
-use crate::store::{Peer, sums};
+use crate::store::{HttpAccess, Peer, sums};
 
 /// What an archive does with objects.
 #[derive(Debug, Clone, Copy)]
@@ -214,7 +214,7 @@ impl Archive {
     fn store(&self) -> DicomStore {
         let server = DicomServer::Web {
             base: format!("http://127.0.0.1:{}/dicom-web", self.port),
-            access: DicomAccess::Open,
+            access: HttpAccess::Open,
             tls: TlsFiles::default(),
             limit: Duration::from_secs(30),
         };

@@ -3,15 +3,14 @@
 use std::time::Duration;
 
 use gaiter_dicom::{DicomObject, Listed, Study, web};
-use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient, TlsFiles};
-use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
-use http::{Method, Uri};
+use gaiter_https::{HttpAnswer, HttpsClient, TlsFiles};
+use http::Method;
 
 use super::answers::{self, Failed};
-use super::{DicomAccess, unwritable};
-use crate::store::StoreFault;
-use crate::store::authorization::{self, secret_words};
+use super::unwritable;
 use crate::store::server::ServerFault;
+use crate::store::web::{asked, secret_words};
+use crate::store::{HttpAccess, StoreFault};
 
 /// The search for studies of a patient whom no archive knows.
 const TRIAL_SEARCH: &str = "studies?PatientID=gaiter-check&limit=1";
@@ -19,20 +18,17 @@ const TRIAL_SEARCH: &str = "studies?PatientID=gaiter-check&limit=1";
 /// Some archives answer so to the search within a study that they do not have.
 const NOT_FOUND: u16 = 404;
 
-/// What was stored a moment ago must be found.
-const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
-
 /// An archive with DICOMweb.
 #[derive(Debug)]
 pub(super) struct WebArchive {
     /// Without a slash at its end.
     base: String,
-    access: DicomAccess,
+    access: HttpAccess,
     client: HttpsClient,
 }
 
 impl WebArchive {
-    pub fn new(base: String, access: DicomAccess, tls: TlsFiles, limit: Duration) -> WebArchive {
+    pub fn new(base: String, access: HttpAccess, tls: TlsFiles, limit: Duration) -> WebArchive {
         WebArchive { base, access, client: HttpsClient::new(tls, None, limit) }
     }
 
@@ -75,33 +71,10 @@ impl WebArchive {
         path: &str,
         body: Option<(String, Vec<u8>)>,
     ) -> Result<(HttpAnswer, Vec<String>), ServerFault> {
-        let json = HeaderValue::from_static(web::JSON);
-        let mut headers: Vec<(HeaderName, HeaderValue)> =
-            vec![(ACCEPT, json), (CACHE_CONTROL, ANEW)];
         let address = format!("{}/{path}", self.base);
-        let uri: Uri = address.parse().map_err(|_| HttpFault::from(EndpointFault::Address))?;
-        let body = match body {
-            Some((media_type, body)) => {
-                let media_type = HeaderValue::from_str(&media_type);
-                let media_type = media_type.map_err(|_| HttpFault::from(EndpointFault::Address))?;
-                headers.push((CONTENT_TYPE, media_type));
-                body
-            }
-            None => Vec::new(),
-        };
-        let shown = self.authorization()?;
+        let shown = self.access.authorization()?;
         let secret = shown.as_ref().map(secret_words).unwrap_or_default();
-        headers.extend(shown.map(|shown| (AUTHORIZATION, shown)));
-        Ok((self.client.send(HttpRequest { method, uri, headers, body })?, secret))
-    }
-
-    /// What the header `Authorization` holds; `None` if none is needed.
-    fn authorization(&self) -> Result<Option<HeaderValue>, ServerFault> {
-        match &self.access {
-            DicomAccess::Open => Ok(None),
-            DicomAccess::Basic { user, password } => authorization::basic(user, password).map(Some),
-            DicomAccess::Bearer { token } => authorization::bearer(token).map(Some),
-        }
+        Ok((asked(&self.client, method, &address, web::JSON, body, shown)?, secret))
     }
 }
 

@@ -7,8 +7,8 @@ use http::header::HeaderValue;
 
 use super::server::{FhirAccess, SmartAccess};
 use super::{FhirStore, smart};
-use crate::store::authorization;
 use crate::store::server::ServerFault;
+use crate::store::web::header;
 
 /// A token is renewed so long before its end, or when half of its time is over.
 const BEFORE_END: Duration = Duration::from_secs(30);
@@ -36,9 +36,7 @@ impl FhirStore {
     /// What the header `Authorization` holds; `None` if none is needed.
     pub(super) fn authorization(&self) -> Result<Option<HeaderValue>, ServerFault> {
         match &self.server.access {
-            FhirAccess::Open => Ok(None),
-            FhirAccess::Basic { user, password } => authorization::basic(user, password).map(Some),
-            FhirAccess::Bearer { token } => authorization::bearer(token).map(Some),
+            FhirAccess::Http(access) => access.authorization(),
             FhirAccess::Smart(smart) => self.token(smart).map(Some),
         }
     }
@@ -50,7 +48,7 @@ impl FhirStore {
             return Ok(token.shown.clone());
         }
         let (value, lasts) = smart::token(&self.client, smart, &self.server.base)?;
-        let shown = authorization::header(&format!("Bearer {value}"))?;
+        let shown = header(&format!("Bearer {value}"))?;
         *kept = Some(Token::new(shown.clone(), now, lasts));
         Ok(shown)
     }
@@ -74,7 +72,7 @@ mod tests {
     fn a_token_is_renewed_before_its_end_and_a_short_one_at_half_its_time() {
         let given = Instant::now();
         for (lasts_s, renewed_s) in [(300, 270), (60, 30), (40, 20), (1, 0), (0, 0)] {
-            let token = authorization::header("Bearer x").unwrap();
+            let token = header("Bearer x").unwrap();
             let token = Token::new(token, given, Duration::from_secs(lasts_s));
             let at = |s: u64| given + Duration::from_secs(s);
             assert!(!token.holds(at(renewed_s) + Duration::from_millis(500)), "{lasts_s}");
@@ -85,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_token_is_in_no_debug_output() {
-        let shown = authorization::header("Bearer abc123").unwrap();
+        let shown = header("Bearer abc123").unwrap();
         let token = Token::new(shown, Instant::now(), BEFORE_END);
         assert!(!format!("{token:?}").contains("abc123"));
     }

@@ -84,16 +84,13 @@ fn is_id(text: &str) -> bool {
     (1..=64).contains(&text.len()) && text.bytes().all(is_letter) && !is_step
 }
 
-/// The fault of an answer that is none of success. What a person must correct waits for one; the rest is asked
-/// again.
+/// The fault of an answer that is none of success.
 pub(super) fn outcome_of(status: u16, answer: &Value, secret: &[&str]) -> StoreFault {
     let why = outcome::words(answer, secret).unwrap_or_else(|| "it does not say why".to_owned());
     match status {
-        400 | 410 | 412 | 413 | 415 | 422 => {
-            StoreFault::Permanent(Rejection::ServerRefused { status, why })
-        }
-        401 | 403 | 404 | 405 | 407 => ServerFault::Forbidden { status, why }.into(),
-        _ => ServerFault::Busy { status, why }.into(),
+        // Several resources have the identifier of one.
+        412 => StoreFault::Permanent(Rejection::ServerRefused { status, why }),
+        _ => StoreFault::of_status(status, why),
     }
 }
 

@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use gaiter_https::{Proxy, Secret, TlsFiles};
 
+use crate::store::HttpAccess;
+
 /// Where a server is and how it is asked.
 #[derive(Debug, Clone)]
 pub struct FhirServer {
@@ -21,15 +23,11 @@ pub struct FhirServer {
     pub patients: String,
 }
 
-/// How the station authenticates. A certificate of its own is part of the connection.
+/// How the station authenticates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FhirAccess {
-    /// It does not.
-    Open,
-    /// By user and password.
-    Basic { user: String, password: Secret },
-    /// By a token that does not change.
-    Bearer { token: Secret },
+    /// As with any server.
+    Http(HttpAccess),
     /// By SMART Backend Services: a signed statement gives a token for some minutes.
     Smart(SmartAccess),
 }
@@ -53,9 +51,7 @@ impl FhirServer {
     /// Every secret that connections with it need.
     pub fn secrets(&self) -> Vec<&Secret> {
         let of_access = match &self.access {
-            FhirAccess::Open => None,
-            FhirAccess::Basic { password, .. } => Some(password),
-            FhirAccess::Bearer { token } => Some(token),
+            FhirAccess::Http(access) => access.secret(),
             FhirAccess::Smart(smart) => Some(&smart.key),
         };
         let of_proxy = self.proxy.as_ref().and_then(|proxy| proxy.user.as_ref());

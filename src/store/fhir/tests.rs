@@ -15,7 +15,7 @@ use support::http_server::{answer, serve_answers};
 use super::answers::Asked;
 use super::{FhirAccess, FhirServer, FhirStore, SmartAccess};
 use crate::store::server::ServerFault;
-use crate::store::{PastDelivery, RecordStore, Rejection, StoreFault};
+use crate::store::{HttpAccess, PastDelivery, RecordStore, Rejection, StoreFault};
 
 const PATIENTS: &str = "urn:oid:1.2.276.0.76.3.1.999.1";
 const RECORDS: &str = "urn:gaiter:record";
@@ -43,7 +43,7 @@ fn store(port: u16, access: FhirAccess) -> FhirStore {
 /// A store whose server gives these answers, and the requests.
 fn answered(answers: Vec<String>) -> (FhirStore, Receiver<String>) {
     let (port, requests) = serve_answers(answers);
-    (store(port, FhirAccess::Open), requests)
+    (store(port, FhirAccess::Http(HttpAccess::Open)), requests)
 }
 
 /// A store that is let in by SMART, whose server gives these answers.
@@ -145,8 +145,8 @@ fn no_fault_tells_token_password_or_patient() {
     let secret = dir.path().join("secret");
     std::fs::write(&secret, "hidden-word\n").unwrap();
     let secret = Secret::File(secret);
-    let bearer = FhirAccess::Bearer { token: secret.clone() };
-    let basic = FhirAccess::Basic { user: "station".to_owned(), password: secret };
+    let bearer = HttpAccess::Bearer { token: secret.clone() };
+    let basic = HttpAccess::Basic { user: "station".to_owned(), password: secret };
     let encoded = "c3RhdGlvbjpoaWRkZW4td29yZA==";
     for (access, shown) in [(bearer, "hidden-word"), (basic, encoded)] {
         let said = format!(
@@ -154,7 +154,7 @@ fn no_fault_tells_token_password_or_patient() {
              Patient?identifier=urn%3Aoid%3A1.2.276.0.76.3.1.999.1%7CP%2F4711 of P/4711"
         );
         let (port, _requests) = serve_answers(vec![outcome("403 Forbidden", &said)]);
-        let fault = store(port, access).subject("P/4711").unwrap_err();
+        let fault = store(port, FhirAccess::Http(access)).subject("P/4711").unwrap_err();
         assert!(fault.to_string().contains("is not let in to"), "{fault}");
         for told in [fault.to_string(), fault.cause().to_string(), format!("{fault:?}")] {
             for word in ["hidden-word", encoded.trim_end_matches('='), "4711"] {
