@@ -10,7 +10,6 @@ mod hl7;
 mod worklist;
 
 use std::net::Ipv6Addr;
-use std::ops::Range;
 
 use gaiter_https::{Endpoint, EndpointFault, Secret, TlsFiles};
 use http::Uri;
@@ -138,53 +137,31 @@ fn user(text: &str) -> Result<String, What> {
     line(text)
 }
 
-/// The keys of the certificates of a store, in their order.
-struct TlsKeys {
-    authorities: &'static str,
-    certificate: &'static str,
-    key: &'static str,
-}
-
-/// A key, where it is, and whether it is set to something else than its default.
-type Written = (&'static str, Range<usize>, bool);
-
-/// Which certificates a store uses, and its keys for them.
-struct Tls {
-    files: TlsFiles,
-    keys: [Written; 3],
-}
-
-impl Tls {
-    /// The certificates of a line that is not HTTP; `None` for one without encryption, where no key has an effect.
-    fn of_line(self, reader: &mut Reader, is_encrypted: bool) -> Option<TlsFiles> {
-        if !is_encrypted {
-            note_unread(reader, self.keys, "with encryption = \"none\"");
-            return None;
-        }
-        Some(self.files)
-    }
-}
+/// The keys of the certificates of a server: of the authorities that are trusted, the station's own, and its key.
+type TlsKeys = [&'static str; 3];
 
 /// Reads which certificates a store uses.
-fn tls(reader: &mut Reader, keys: &TlsKeys) -> Option<Tls> {
+fn tls(reader: &mut Reader, [authorities, own, own_key]: TlsKeys) -> Option<TlsFiles> {
     let mut path = |key| reader.text(key, Absent::Default(""), or_none(parse::full_path));
-    let (authorities, certificate) = (path(keys.authorities), path(keys.certificate));
-    let key = reader.text(keys.key, Absent::Default(""), or_none(secret));
-    let (authorities, certificate, key) = (authorities?, certificate?, key?);
-    let written = [
-        (keys.authorities, authorities.at, authorities.value.is_some()),
-        (keys.certificate, certificate.at.clone(), certificate.value.is_some()),
-        (keys.key, key.at.clone(), key.value.is_some()),
-    ];
-    let own = both(reader, (keys.certificate, certificate), (keys.key, key))?;
-    Some(Tls { files: TlsFiles { authorities: authorities.value, own }, keys: written })
+    let (authorities, certificate) = (path(authorities), path(own));
+    let key = reader.text(own_key, Absent::Default(""), or_none(secret));
+    let (authorities, certificate, key) = (authorities?.value, certificate?, key?);
+    let own = both(reader, (own, certificate), (own_key, key))?;
+    Some(TlsFiles { authorities, own })
 }
 
-/// Notes which of these keys are set, though nothing reads them.
-fn note_unread(reader: &mut Reader, keys: [Written; 3], why: &'static str) {
-    for (key, at, _) in keys.into_iter().filter(|(.., is_set)| *is_set) {
-        reader.note(at, key, What::NoEffect(why));
+/// These certificates for a line that is not HTTP; `None` without encryption, where their keys have no effect.
+fn tls_of_line(
+    reader: &mut Reader,
+    keys: TlsKeys,
+    tls: TlsFiles,
+    is_encrypted: bool,
+) -> Option<TlsFiles> {
+    if is_encrypted {
+        return Some(tls);
     }
+    reader.note_unread(&keys, || What::NoEffect("with encryption = \"none\""));
+    None
 }
 
 /// The values of two keys that need each other, each with its key; `Some(None)` if neither is set.

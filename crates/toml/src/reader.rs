@@ -112,6 +112,18 @@ impl<'t, W: Hint> Reader<'t, W> {
         self.faults.note(&at, key, what);
     }
 
+    /// Notes which of these texts, for which it was asked, are set to something else than their default though nothing
+    /// reads them.
+    pub fn note_unread(&mut self, paths: &[&'static str], what: impl Fn() -> W) {
+        for path in paths {
+            let key = self.keys.iter().find(|key| key.path == *path).copied();
+            let (Some(key), Seen::Value(value)) = (key, self.find(path)) else { continue };
+            if value.get_ref().as_str() != Some(key.absent.example()) {
+                self.note(value.span(), path, what());
+            }
+        }
+    }
+
     /// A text, parsed; `None` if it is wrong, or absent without a default.
     pub fn text<T>(
         &mut self,

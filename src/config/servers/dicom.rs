@@ -1,14 +1,12 @@
 //! `[store.dicom]`: an archive of images.
 
-use std::ops::Range;
-
 use gaiter_dicom::attachable;
 use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::Secret;
 
 use super::{
-    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, note_unread,
-    secret, tls, user,
+    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, secret, tls,
+    tls_of_line, user,
 };
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
@@ -47,11 +45,15 @@ enum Place {
     Dimse(String, u16),
 }
 
-const TLS: TlsKeys = TlsKeys {
-    authorities: "store.dicom.authorities",
-    certificate: "store.dicom.certificate",
-    key: "store.dicom.certificate_key",
-};
+/// The keys for DICOMweb alone.
+const FOR_WEB: [&str; 3] = ["store.dicom.access", "store.dicom.user", "store.dicom.secret"];
+
+/// The keys for associations alone.
+const FOR_DIMSE: [&str; 3] =
+    ["store.dicom.server_ae_title", "store.dicom.ae_title", "store.dicom.encryption"];
+
+const TLS: TlsKeys =
+    ["store.dicom.authorities", "store.dicom.certificate", "store.dicom.certificate_key"];
 
 /// The longest name of who assigns ids, characters (LO).
 const ISSUER_MOST: usize = 64;
@@ -63,26 +65,34 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
     let issuer = reader.text("store.dicom.issuer", Default(""), issuer);
     let attach = reader.list("store.dicom.attach", Default("report.pdf"), attached);
     let names = reader.flag("store.dicom.names", "false");
-    let (web, dimse) = (WebKeys::read(reader), DimseKeys::read(reader));
-    let tls = tls(reader, &TLS);
+    let kind = reader.text("store.dicom.access", Default("open"), parse::word(KINDS));
+    let user = reader.text("store.dicom.user", Default(""), or_none(user));
+    let secret = reader.text("store.dicom.secret", Default(""), or_none(secret));
+    let called = reader.text("store.dicom.server_ae_title", Default(""), or_none(title));
+    let calling = reader.text("store.dicom.ae_title", Default(APPLICATION), title);
+    let encryption =
+        reader.text("store.dicom.encryption", Default("tls"), parse::word(ENCRYPTIONS));
+    let tls = tls(reader, TLS);
     let limit =
         reader.text("store.dicom.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
     let Found { value: Some(place), at } = place? else { return Some(None) };
-    let (web, dimse, tls) = (web?, dimse?, tls?);
+    let (kind, user, secret) = (kind?, user?.value, secret?.value);
+    let (called, calling, encryption, tls) =
+        (called?.value, calling?.value, encryption?.value, tls?);
     let server = match place {
         Place::Web(base) => {
-            dimse.note_unread(reader);
-            DicomServer::Web {
-                base,
-                access: web.access(reader)?,
-                tls: tls.files,
-                limit: limit?.value,
-            }
+            reader.note_unread(&FOR_DIMSE, || What::NoEffect("over DICOMweb"));
+            let access = access(reader, kind, user, secret)?;
+            DicomServer::Web { base, access, tls, limit: limit?.value }
         }
         Place::Dimse(host, port) => {
-            web.note_unread(reader);
-            let tls = tls.of_line(reader, dimse.is_encrypted.value);
-            let titles = dimse.titles(reader, at)?;
+            reader.note_unread(&FOR_WEB, || What::NoEffect("by C-STORE"));
+            if called.is_none() {
+                let without = What::Without("store.dicom.server_ae_title");
+                reader.note(at, "store.dicom.address", without);
+            }
+            let titles = Titles { calling, called: called? };
+            let tls = tls_of_line(reader, TLS, tls, encryption);
             let peer = Peer { host, port, tls, limit: limit?.value };
             DicomServer::Dimse(DimseServer { peer, titles })
         }
@@ -103,89 +113,29 @@ fn place(text: &str) -> Result<Place, What> {
     }
 }
 
-/// The keys for DICOMweb alone.
-struct WebKeys {
-    access: Found<Kind>,
-    user: Found<Option<String>>,
-    secret: Found<Option<Secret>>,
-}
-
-impl WebKeys {
-    fn read(reader: &mut Reader) -> Option<WebKeys> {
-        use Absent::Default;
-        let access = reader.text("store.dicom.access", Default("open"), parse::word(KINDS));
-        let user = reader.text("store.dicom.user", Default(""), or_none(user));
-        let secret = reader.text("store.dicom.secret", Default(""), or_none(secret));
-        Some(WebKeys { access: access?, user: user?, secret: secret? })
-    }
-
-    /// How the station authenticates. All keys that are missing or too many are reported at once.
-    fn access(self, reader: &mut Reader) -> Option<HttpAccess> {
-        let WebKeys { access: Found { value: kind, at }, user, secret } = self;
-        let keys = [
-            ("store.dicom.user", user.at, user.value.is_some(), kind == Kind::Basic),
-            ("store.dicom.secret", secret.at, secret.value.is_some(), kind != Kind::Open),
-        ];
-        for (key, key_at, is_set, is_needed) in keys {
-            match (is_set, is_needed) {
-                (false, true) => reader.note(at.clone(), "store.dicom.access", What::Without(key)),
-                (true, false) => reader.note(key_at, key, What::NoEffect("with this access")),
-                _ => {}
-            }
+/// How the station authenticates. All keys that are missing or too many are reported at once.
+fn access(
+    reader: &mut Reader,
+    Found { value: kind, at }: Found<Kind>,
+    user: Option<String>,
+    secret: Option<Secret>,
+) -> Option<HttpAccess> {
+    let keys = [
+        ("store.dicom.user", user.is_some(), kind == Kind::Basic),
+        ("store.dicom.secret", secret.is_some(), kind != Kind::Open),
+    ];
+    for (key, is_set, is_needed) in keys {
+        match (is_set, is_needed) {
+            (false, true) => reader.note(at.clone(), "store.dicom.access", What::Without(key)),
+            (true, false) => reader.note_unread(&[key], || What::NoEffect("with this access")),
+            _ => {}
         }
-        Some(match kind {
-            Kind::Open => HttpAccess::Open,
-            Kind::Basic => HttpAccess::Basic { user: user.value?, password: secret.value? },
-            Kind::Bearer => HttpAccess::Bearer { token: secret.value? },
-        })
     }
-
-    fn note_unread(self, reader: &mut Reader) {
-        let keys = [
-            ("store.dicom.access", self.access.at, self.access.value != Kind::Open),
-            ("store.dicom.user", self.user.at, self.user.value.is_some()),
-            ("store.dicom.secret", self.secret.at, self.secret.value.is_some()),
-        ];
-        note_unread(reader, keys, "by C-STORE");
-    }
-}
-
-/// The keys for associations alone.
-struct DimseKeys {
-    called: Found<Option<AeTitle>>,
-    calling: Found<AeTitle>,
-    is_encrypted: Found<bool>,
-}
-
-impl DimseKeys {
-    fn read(reader: &mut Reader) -> Option<DimseKeys> {
-        use Absent::Default;
-        let called = reader.text("store.dicom.server_ae_title", Default(""), or_none(title));
-        let calling = reader.text("store.dicom.ae_title", Default(APPLICATION), title);
-        let words = parse::word(ENCRYPTIONS);
-        let is_encrypted = reader.text("store.dicom.encryption", Default("tls"), words);
-        Some(DimseKeys { called: called?, calling: calling?, is_encrypted: is_encrypted? })
-    }
-
-    /// Who asks whom. `at` is the place of the address, which needs the server's title.
-    fn titles(self, reader: &mut Reader, at: Range<usize>) -> Option<Titles> {
-        let Some(called) = self.called.value else {
-            let without = What::Without("store.dicom.server_ae_title");
-            reader.note(at, "store.dicom.address", without);
-            return None;
-        };
-        Some(Titles { calling: self.calling.value, called })
-    }
-
-    fn note_unread(self, reader: &mut Reader) {
-        let is_own = self.calling.value.as_str() != APPLICATION;
-        let keys = [
-            ("store.dicom.server_ae_title", self.called.at, self.called.value.is_some()),
-            ("store.dicom.ae_title", self.calling.at, is_own),
-            ("store.dicom.encryption", self.is_encrypted.at, !self.is_encrypted.value),
-        ];
-        note_unread(reader, keys, "over DICOMweb");
-    }
+    Some(match kind {
+        Kind::Open => HttpAccess::Open,
+        Kind::Basic => HttpAccess::Basic { user: user?, password: secret? },
+        Kind::Bearer => HttpAccess::Bearer { token: secret? },
+    })
 }
 
 /// The title of an application.

@@ -36,11 +36,8 @@ const KINDS: Words<Kind> = &[
     ("smart", Kind::Smart),
 ];
 
-const TLS: TlsKeys = TlsKeys {
-    authorities: "store.fhir.authorities",
-    certificate: "store.fhir.certificate",
-    key: "store.fhir.certificate_key",
-};
+const TLS: TlsKeys =
+    ["store.fhir.authorities", "store.fhir.certificate", "store.fhir.certificate_key"];
 
 /// Reads the keys of `[store.fhir]`. Without an address the section is off.
 pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreConfig>> {
@@ -52,7 +49,7 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreCon
     let attach = "report.pdf\", \"record.json\", \"left.step\", \"right.step";
     let attach = reader.list("store.fhir.attach", Default(attach), file_name);
     let access = access(reader);
-    let tls = tls(reader, &TLS);
+    let tls = tls(reader, TLS);
     let proxy = proxy(reader);
     let limit = reader.text("store.fhir.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
     let Found { value: base, at } = base?;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use gaiter_record::hl7::{Charset, PdfForm};
 
-use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, line, tls};
+use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, line, tls, tls_of_line};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, or_none};
 use crate::config::words::Words;
@@ -43,11 +43,8 @@ const PDFS: Words<PdfForm> =
 /// `store.hl7.charset`
 const CHARSETS: Words<Charset> = &[("utf-8", Charset::Utf8), ("8859-1", Charset::Latin1)];
 
-const TLS: TlsKeys = TlsKeys {
-    authorities: "store.hl7.authorities",
-    certificate: "store.hl7.certificate",
-    key: "store.hl7.certificate_key",
-};
+const TLS: TlsKeys =
+    ["store.hl7.authorities", "store.hl7.certificate", "store.hl7.certificate_key"];
 
 /// The folder as written, and the settings of the section; `Some(None)` if it is off.
 type Section = (Option<Found<PathBuf>>, Option<Option<Hl7StoreConfig>>);
@@ -70,13 +67,13 @@ fn way(
 ) -> Option<Option<Hl7Way>> {
     use Absent::Default;
     let encryption = reader.text("store.hl7.encryption", Default("tls"), parse::word(ENCRYPTIONS));
-    let tls = tls(reader, &TLS);
+    let tls = tls(reader, TLS);
     let limit = reader.text("store.hl7.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
     let (path, is_encrypted, tls, limit) = (path?, encryption?.value, tls?, limit?.value);
     match (address?.value, path.value) {
         (None, None) => Some(None),
         (Some((host, port)), None) => {
-            let tls = tls.of_line(reader, is_encrypted);
+            let tls = tls_of_line(reader, TLS, tls, is_encrypted);
             Some(Some(Hl7Way::Mllp(Peer { host, port, tls, limit })))
         }
         (None, Some(folder)) => Some(Some(Hl7Way::Files(folder))),

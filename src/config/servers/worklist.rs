@@ -6,7 +6,7 @@ use gaiter_dicom::dimse::Titles;
 use gaiter_flow::worklist::WorklistFilter;
 
 use super::dicom::title;
-use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, tls};
+use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, tls, tls_of_line};
 use crate::config::fault::What;
 use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
 use crate::store::Peer;
@@ -26,11 +26,11 @@ pub struct WorklistConfig {
 /// The longest modality, characters (VR CS).
 const MODALITY_MOST: usize = 16;
 
-const TLS: TlsKeys = TlsKeys {
-    authorities: "patient.worklist.authorities",
-    certificate: "patient.worklist.certificate",
-    key: "patient.worklist.certificate_key",
-};
+const TLS: TlsKeys = [
+    "patient.worklist.authorities",
+    "patient.worklist.certificate",
+    "patient.worklist.certificate_key",
+];
 
 /// Reads the keys of `[patient.worklist]`. Without an address the section is off.
 pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<WorklistConfig>> {
@@ -44,7 +44,7 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
         reader.text("patient.worklist.every", Default("1m"), parse::duration_in("10s"..="1h"));
     let words = parse::word(ENCRYPTIONS);
     let encryption = reader.text("patient.worklist.encryption", Default("tls"), words);
-    let tls = tls(reader, &TLS);
+    let tls = tls(reader, TLS);
     let limit =
         reader.text("patient.worklist.timeout", Default("10s"), parse::duration_in("1s"..="20s"));
     let Found { value: Some((host, port)), at } = address? else { return Some(None) };
@@ -52,7 +52,7 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     if called.is_none() {
         reader.note(at, key, What::Without("patient.worklist.server_ae_title"));
     }
-    let tls = tls?.of_line(reader, encryption?.value);
+    let tls = tls_of_line(reader, TLS, tls?, encryption?.value);
     let (calling, called) = (own?.value, called?);
     let peer = Peer { host, port, tls, limit: limit?.value };
     let filter = WorklistFilter { station: calling.as_str().to_owned(), modality: modality?.value };
