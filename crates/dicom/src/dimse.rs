@@ -91,15 +91,7 @@ pub struct Found {
     pub unreadable: usize,
 }
 
-/// Whether the server takes an association and answers (C-ECHO).
-///
-/// # Errors
-/// See [`DimseFault`].
-pub fn echo<S: Read + Write>(stream: S, titles: &Titles) -> Result<(), DimseFault> {
-    Association::open(stream, titles, &[uids::VERIFICATION])?.echo()
-}
-
-/// Whether the server answers, and lets the station search for studies.
+/// Whether the server answers (C-ECHO), and lets the station search for studies.
 ///
 /// # Errors
 /// See [`DimseFault`].

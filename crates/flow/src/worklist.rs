@@ -37,6 +37,13 @@ pub struct ListedPerson {
     pub sex: String,
 }
 
+impl ListedPerson {
+    /// The birth date as text; empty if it is not known.
+    fn born(&self) -> String {
+        self.birth_date.map(|date| date.to_string()).unwrap_or_default()
+    }
+}
+
 /// Logs get no names.
 impl fmt::Debug for ListedPerson {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -81,12 +88,11 @@ impl WorklistEntry {
     /// on a page that still shows the old ones chooses nothing.
     pub fn key(&self) -> String {
         let request = self.request.as_ref();
-        let ListedPerson { name, birth_date, .. } = &self.person;
-        let born = birth_date.map(|date| date.to_string()).unwrap_or_default();
+        let born = self.person.born();
         let parts = [
             self.patient.as_str(),
             &self.issuer,
-            name,
+            &self.person.name,
             &born,
             request.map_or("", |request| &request.study_instance_uid),
             self.accession_number().unwrap_or_default(),
@@ -258,9 +264,8 @@ fn only_request<'a>(
 fn disputed(entries: &[WorklistEntry]) -> BTreeSet<String> {
     let mut people: BTreeMap<&str, [BTreeSet<String>; 3]> = BTreeMap::new();
     for entry in entries {
-        let ListedPerson { name, birth_date, .. } = &entry.person;
-        let born = birth_date.map(|date| date.to_string()).unwrap_or_default();
-        let told = [entry.issuer.clone(), name.to_lowercase(), born];
+        let name = entry.person.name.to_lowercase();
+        let told = [entry.issuer.clone(), name, entry.person.born()];
         let known = people.entry(&entry.patient).or_default();
         for (known, told) in known.iter_mut().zip(told).filter(|(_, told)| !told.is_empty()) {
             known.insert(told);

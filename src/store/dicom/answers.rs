@@ -15,27 +15,24 @@ const CONFLICT: u16 = 409;
 
 /// What the server has of a study.
 pub(super) fn listed(answer: &HttpAnswer, secret: &[&str]) -> Result<Vec<Listed>, StoreFault> {
-    match answer.status {
-        NO_CONTENT => Ok(Vec::new()),
-        _ => found(answer, secret, web::listed, "objects with class, series and UID"),
-    }
+    found(answer, secret, web::listed, "objects with class, series and UID")
 }
 
 /// Whether the answer is one to a search for studies.
 pub(super) fn is_archive(answer: &HttpAnswer, secret: &[&str]) -> Result<(), StoreFault> {
-    match answer.status {
-        NO_CONTENT => Ok(()),
-        _ => found(answer, secret, |body| web::is_list(body).then_some(()), "studies"),
-    }
+    found(answer, secret, |body| web::is_list(body).then_some(()), "studies")
 }
 
-/// What a search has found, or that the answer lists nothing of the kind.
-fn found<T>(
+/// What a search has found, which may be nothing, or that the answer lists nothing of the kind.
+fn found<T: Default>(
     answer: &HttpAnswer,
     secret: &[&str],
     read: impl Fn(&[u8]) -> Option<T>,
     kind: &str,
 ) -> Result<T, StoreFault> {
+    if answer.status == NO_CONTENT {
+        return Ok(T::default());
+    }
     if !answer.is_success() {
         return Err(refusal(answer, Some(secret)));
     }

@@ -92,14 +92,8 @@ pub enum DimseFault {
 impl DimseFault {
     /// Whether it is about one answer, so that another question may be answered.
     pub fn is_of_an_answer(&self) -> bool {
-        !matches!(
-            self,
-            DimseFault::Connection(_)
-                | DimseFault::Rejected { .. }
-                | DimseFault::RejectedFor { .. }
-                | DimseFault::Aborted
-                | DimseFault::NotAccepted { .. }
-        )
+        let is_of_all = matches!(self, DimseFault::Connection(_) | DimseFault::NotAccepted { .. });
+        !is_of_all && !self.is_an_end()
     }
 
     /// Whether the server has ended the association, or made none.

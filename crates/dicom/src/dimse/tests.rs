@@ -132,6 +132,10 @@ fn object() -> DicomObject {
     withdrawal(&study, 1, &listed, "booth-1", &rules, now).unwrap()
 }
 
+fn echo(stream: impl Read + Write) -> Result<(), DimseFault> {
+    Association::open(stream, &titles(), &[uids::VERIFICATION])?.echo()
+}
+
 fn search(packets: &[Pdu], most: usize) -> Result<Vec<InMemDicomObject>, DimseFault> {
     found(packets, most).map(|found| found.answers)
 }
@@ -327,7 +331,7 @@ fn an_end_for_a_reason_that_no_standard_has_is_an_end() {
     let end = |before: &[Pdu], packet: [u8; 10]| {
         let mut server = Script::new(before);
         server.says.get_mut().extend(packet);
-        echo(&mut server, &titles()).unwrap_err()
+        echo(&mut server).unwrap_err()
     };
     let told = end(&[], [3, 0, 0, 0, 0, 4, 0, 1, 2, 9]);
     assert!(told.is_an_end(), "{told}");
@@ -343,7 +347,7 @@ fn an_end_for_a_reason_that_no_standard_has_is_an_end() {
 fn a_server_that_answers_and_lets_search_is_reached() {
     let answers = [accepts(&[1, 3]), answer(0x30, 0, None), answer(0x20, 0, None)];
     reach(Script::new(&answers), &titles()).unwrap();
-    echo(Script::new(&answers), &titles()).unwrap();
+    echo(Script::new(&answers)).unwrap();
     assert!(reach(Script::new(&[accepts(&[1]), answer(0x30, 0, None)]), &titles()).is_err());
 }
 
@@ -351,7 +355,7 @@ fn a_server_that_answers_and_lets_search_is_reached() {
 fn a_packet_longer_than_agreed_is_not_read() {
     let mut server = Script::new(&[accepts(&[1])]);
     server.says.get_mut().extend([4, 0, 0xff, 0xff, 0xff, 0xff]);
-    let fault = echo(server, &titles()).unwrap_err();
+    let fault = echo(server).unwrap_err();
     assert!(matches!(fault, DimseFault::TooLong { bytes: 0xffff_ffff, .. }), "{fault}");
 }
 

@@ -61,7 +61,8 @@ pub async fn worker(
         let since = booth.core().now();
         let waited = || booth.core().now().saturating_sub(since);
         // Of a new day nothing is known.
-        let is_wanted = || today() != day || booth.takes_wish();
+        let is_wanted =
+            || today() != day || booth.worklist.is_wanted.swap(false, Ordering::Relaxed);
         let is_due = || waited() >= config.every || (waited() >= AGAIN && is_wanted());
         while !is_due() {
             alive();
@@ -153,9 +154,5 @@ impl Booth {
         let has_changed = *list != new;
         *list = new;
         has_changed
-    }
-
-    fn takes_wish(&self) -> bool {
-        self.worklist.is_wanted.swap(false, Ordering::Relaxed)
     }
 }
