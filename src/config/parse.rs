@@ -9,7 +9,7 @@ use regex::Regex;
 
 use super::fault::What;
 use super::words;
-pub(super) use gaiter_toml::{Absent, Found, word};
+pub(super) use gaiter_toml::{Absent, Found, or_none, word};
 
 /// Reads the keys of `station.toml`.
 pub(super) type Reader<'t> = gaiter_toml::Reader<'t, What>;
@@ -147,13 +147,6 @@ fn regex(text: &str) -> Result<Regex, What> {
         let last = message.lines().last().unwrap_or_default();
         What::NotARegex(last.trim_start_matches("error: ").into())
     })
-}
-
-/// An empty text means `None`.
-pub(super) fn or_none<T>(
-    parse: impl Fn(&str) -> Result<T, What>,
-) -> impl Fn(&str) -> Result<Option<T>, What> {
-    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 
 /// The value of a key that may be left out, with its place; `None` if it was.

@@ -134,7 +134,7 @@ fn fhir_store(config: &Config, fhir: &FhirStoreConfig) -> FhirStore {
         garment: config.garment.clone(),
         attach: fhir.attach.clone(),
     };
-    FhirStore::new(fhir.server.clone(), rules).of_station(&config.station.id)
+    FhirStore::new(fhir.server.clone(), rules, &config.station.id)
 }
 
 /// The store of a receiver of HL7 v2. A station without a name for its facility has its own.
@@ -154,7 +154,7 @@ fn hl7_store(config: &Config, hl7: &Hl7StoreConfig) -> Hl7Store {
         language: config.language,
         garment: config.garment.clone(),
     };
-    Hl7Store::new(hl7.way.clone(), rules, &config.station.state_dir).of_station(station)
+    Hl7Store::new(hl7.way.clone(), rules, &config.station.state_dir, station)
 }
 
 /// The store of an archive of images.

@@ -59,15 +59,10 @@ impl FhirStore {
     /// Its name in the journal.
     pub const NAME: &str = "fhir";
 
-    /// A store of resources by `rules`, at this server.
-    pub fn new(server: FhirServer, rules: FhirRules) -> FhirStore {
+    /// The store of a station, of resources by `rules`, at this server.
+    pub fn new(server: FhirServer, rules: FhirRules, station: &str) -> FhirStore {
         let client = HttpsClient::new(server.tls.clone(), server.proxy.clone(), server.limit);
-        FhirStore { server, rules, client, token: Mutex::default(), station: String::new() }
-    }
-
-    /// The store of a station beside others that send records of the same scans.
-    pub fn of_station(self, station: &str) -> FhirStore {
-        FhirStore { station: station.to_owned(), ..self }
+        FhirStore { server, rules, client, token: Mutex::default(), station: station.to_owned() }
     }
 
     /// Creates what the server has not yet. Returns each entry with what became of it.

@@ -66,15 +66,10 @@ impl Hl7Store {
     /// Its name in the journal.
     pub const NAME: &str = "hl7";
 
-    /// A store of messages by `rules`, on this way; what was sent is noted in the state folder.
-    pub fn new(way: Hl7Way, rules: Hl7Rules, state_dir: &Path) -> Hl7Store {
+    /// The store of a station, of messages by `rules`, on this way; what was sent is noted in the state folder.
+    pub fn new(way: Hl7Way, rules: Hl7Rules, state_dir: &Path, station: &str) -> Hl7Store {
         let sent = SentMessages::in_state(state_dir);
-        Hl7Store { way, rules, sent, station: String::new() }
-    }
-
-    /// The store of a station that may have its receiver or folder of messages together with others.
-    pub fn of_station(self, station: &str) -> Hl7Store {
-        Hl7Store { station: station.to_owned(), ..self }
+        Hl7Store { way, rules, sent, station: station.to_owned() }
     }
 
     fn folder(&self) -> Option<ExchangeFolder> {

@@ -81,7 +81,7 @@ fn a_record_is_there_once_however_often_it_is_sent_with_all_figures_of_the_sheet
 #[ignore = "needs Medplum's FHIR router and a thousand deliveries, run by .ci/run"]
 fn a_replay_of_a_thousand_deliveries_creates_nothing_twice() {
     let house = House::with_patient();
-    let store: Store = Box::new(FhirStore::new(server_at(house.base()), fhir_rules(&[])));
+    let store: Store = Box::new(FhirStore::new(server_at(house.base()), fhir_rules(&[]), ""));
     let scans: Vec<Scan> = (0..1000).map(|number| SMALL.numbered(number)).collect();
     for round in 0..2 {
         for scan in &scans {
@@ -151,7 +151,7 @@ fn what_one_station_took_back_another_brings_back_only_after_a_decision_of_its_o
     let house = House::with_patient();
     let [first, second] = ["booth-1", "booth-2"].map(|name| -> Store {
         let rules = fhir_rules(&["report.pdf", "record.json"]);
-        Box::new(FhirStore::new(server_at(house.base()), rules).of_station(name))
+        Box::new(FhirStore::new(server_at(house.base()), rules, name))
     });
     let receipt = put(&first, &SMALL).folder;
     let withdraw = |store: &Store| {

@@ -48,7 +48,7 @@ pub fn server_at(base: String) -> FhirServer {
 
 /// A store that sends report and record.
 pub fn store_of(server: FhirServer) -> Store {
-    Box::new(FhirStore::new(server, fhir_rules(&["report.pdf", "record.json"])))
+    Box::new(FhirStore::new(server, fhir_rules(&["report.pdf", "record.json"]), ""))
 }
 
 #[track_caller]

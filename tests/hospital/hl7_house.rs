@@ -41,13 +41,13 @@ pub struct Sender {
 impl Sender {
     pub fn new(way: Hl7Way, rules: Hl7Rules) -> Sender {
         let state = tempfile::tempdir().unwrap();
-        let store = Box::new(Hl7Store::new(way, rules, state.path()));
+        let store = Box::new(Hl7Store::new(way, rules, state.path(), ""));
         Sender { store, state }
     }
 
     /// The same with a store for another way.
     pub fn by(self, way: Hl7Way, rules: Hl7Rules) -> Sender {
-        let store = Box::new(Hl7Store::new(way, rules, self.state.path()));
+        let store = Box::new(Hl7Store::new(way, rules, self.state.path(), ""));
         Sender { store, state: self.state }
     }
 }

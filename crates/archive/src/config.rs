@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use gaiter_https::{BucketPlace, Endpoint, EndpointFault, Secret, TlsFiles, is_this_machine};
-use gaiter_toml::{Absent, Hint, Reader, utf8};
+use gaiter_toml::{Absent, Hint, Reader, or_none, utf8};
 use http::Uri;
 use toml::de::DeTable;
 
@@ -202,11 +202,6 @@ fn processes(text: &str) -> Result<usize, What> {
         text => text.parse().ok().filter(|count| (1..=1024).contains(count)),
     };
     count.ok_or_else(|| not_a(text, "a number of processes", "write \"cores\" or 1 to 1024"))
-}
-
-/// An empty text means `None`.
-fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Result<Option<T>, What> {
-    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 
 #[cfg(test)]

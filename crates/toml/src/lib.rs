@@ -15,4 +15,4 @@ pub use faults::utf8;
 pub use notation::Guess;
 pub use reader::{Absent, Found, Key, Reader, Removed};
 pub use section::{Section, Value, read};
-pub use value::{nearest, number, word};
+pub use value::{nearest, number, or_none, word};

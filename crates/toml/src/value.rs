@@ -34,6 +34,13 @@ pub fn word<T: Copy, W: Hint>(
     move |text| meaning(words, text).map_err(W::from)
 }
 
+/// An empty text means `None`.
+pub fn or_none<T, W>(
+    parse: impl Fn(&str) -> Result<T, W>,
+) -> impl Fn(&str) -> Result<Option<T>, W> {
+    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
+}
+
 /// What a word of a choice stands for.
 pub(crate) fn meaning<T: Copy>(words: &[(&str, T)], text: &str) -> Result<T, What> {
     let found = words.iter().find(|(word, _)| *word == text);

@@ -37,7 +37,7 @@ fn store(port: u16, access: FhirAccess) -> FhirStore {
         garment: Garment::default(),
         attach: Vec::new(),
     };
-    FhirStore::new(server, rules)
+    FhirStore::new(server, rules, "")
 }
 
 /// A store whose server gives these answers, and the requests.
@@ -365,10 +365,11 @@ fn what_another_took_back_is_not_brought_back_by_a_later_revision() {
         there["status"] = "entered-in-error".into();
         there["identifier"] = [own].into_iter().chain(mark).collect();
         let (store, _requests) = answered(vec![answer("200 OK", &there.to_string())]);
+        let store = FhirStore { station: "booth-2".to_owned(), ..store };
         let value = key.part("report");
         let entry = Entry::new(Identifier { system: RECORDS.to_owned(), value }, resource);
         let asked = Asked { reference: "DiagnosticReport/5".to_owned(), is_new: false };
-        store.of_station("booth-2").stale(&[(entry, asked)], &key, 2, "4711")
+        store.stale(&[(entry, asked)], &key, 2, "4711")
     };
     for other in [Some("booth-1"), None] {
         assert_eq!(of(other).unwrap_err().code(), "taken-back-there", "{other:?}");

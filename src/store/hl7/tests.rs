@@ -66,7 +66,7 @@ impl Receiving {
     fn store_that_waits(&self, limit: Duration, state: &Path) -> Hl7Store {
         let host = "localhost".to_owned();
         let way = Hl7Way::Mllp(Peer { host, port: self.port, tls: None, limit });
-        Hl7Store::new(way, hl7_rules("KIS"), state)
+        Hl7Store::new(way, hl7_rules("KIS"), state, "")
     }
 
     /// The last message that it was sent.
@@ -195,7 +195,7 @@ fn a_receiver_that_is_not_there_is_out_of_reach() {
     for host in ["127.0.0.1", "localhost"] {
         let limit = Duration::from_secs(20);
         let way = Hl7Way::Mllp(Peer { host: host.to_owned(), port, tls: None, limit });
-        let fault = Hl7Store::new(way, hl7_rules("KIS"), state.path()).reach().unwrap_err();
+        let fault = Hl7Store::new(way, hl7_rules("KIS"), state.path(), "").reach().unwrap_err();
         assert!(matches!(fault, StoreFault::Server(_)), "{host}: {fault}");
     }
 }
@@ -311,7 +311,7 @@ fn stations_beside_each_other_have_control_ids_of_their_own() {
     let receiver = Receiving::new();
     let states = [TempDir::new().unwrap(), TempDir::new().unwrap()];
     for (state, name) in states.iter().zip(["booth-1", "booth-2"]) {
-        let store = receiver.store(state.path()).of_station(name);
+        let store = Hl7Store { station: name.to_owned(), ..receiver.store(state.path()) };
         assert!(is_new(&store, 1) && !is_new(&store, 1));
     }
     let controls = receiver.controls();
@@ -360,7 +360,7 @@ fn messages(folder: &Path) -> Vec<String> {
 
 /// A store of message files in `folder`, with its state folder.
 fn of_files(folder: &Path, state: &Path) -> Hl7Store {
-    Hl7Store::new(Hl7Way::Files(folder.to_owned()), hl7_rules("KIS"), state).of_station("booth-1")
+    Hl7Store::new(Hl7Way::Files(folder.to_owned()), hl7_rules("KIS"), state, "booth-1")
 }
 
 #[test]
