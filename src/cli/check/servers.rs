@@ -16,7 +16,7 @@ use jiff::Timestamp;
 
 use super::environment::writable;
 use super::row::{Row, Verdict};
-use crate::config::{ArchiveStoreConfig, Config, FhirStoreConfig, Hl7StoreConfig};
+use crate::config::{ArchiveStoreConfig, Config, Hl7StoreConfig};
 use crate::station::stores::Stores;
 use crate::store::archive::CropChoice;
 use crate::store::hl7::Hl7Way;
@@ -27,19 +27,19 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     let stores = Stores::from_config(config);
     let fhir = config.store.fhir.as_ref().zip(stores.named(FhirStore::NAME));
     let hl7 = config.store.hl7.as_ref().zip(stores.named(Hl7Store::NAME));
-    let fhir = fhir.map(|(fhir, store)| fhir_rows(fhir, store)).unwrap_or_default();
-    let hl7 = hl7.map(|(hl7, store)| hl7_rows(hl7, store)).unwrap_or_default();
     let archive = config.store.archive.as_ref().zip(stores.named(ArchiveStore::NAME));
-    let archive = archive.map(|(archive, store)| archive_rows(archive, store));
-    let rows = fhir.into_iter().chain(hl7).chain(archive.unwrap_or_default());
+    let rows = [
+        fhir.map(|(fhir, store)| {
+            let detail = "speaks R4, and lets the station look for patients";
+            of_store("FHIR server", store, &fhir.server.secrets(), detail)
+        }),
+        hl7.map(|(hl7, store)| hl7_rows(hl7, store)),
+        archive.map(|(archive, store)| archive_rows(archive, store)),
+    ];
+    let rows = rows.into_iter().flatten().flatten();
     #[cfg(feature = "dicom")]
     let rows = rows.chain(dicom::rows(config, &stores)).chain(worklist::rows(config));
     rows.collect()
-}
-
-fn fhir_rows(config: &FhirStoreConfig, store: &dyn RecordStore) -> Vec<Row> {
-    let detail = "speaks R4, and lets the station look for patients";
-    of_store("FHIR server", store, &config.server.secrets(), detail)
 }
 
 fn hl7_rows(config: &Hl7StoreConfig, store: &dyn RecordStore) -> Vec<Row> {
