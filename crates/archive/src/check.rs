@@ -19,7 +19,10 @@ pub fn check(config: &ArchiveConfig) -> Result<ExitCode, ArchiveFault> {
         .and_then(|mut client| database::check_schema(&mut client))
         .map(|()| "its tables are those of this version".to_owned());
     let objects = bucket(config).list(ObjectKey::INBOX, "").map_err(ArchiveFault::from);
-    let objects = objects.map(|page| format!("{} in the inbox", counted(&page)));
+    let objects = objects.map(|page| {
+        let more = if page.is_more { "more than " } else { "" };
+        format!("{more}{} in the inbox", page.objects.len())
+    });
     let confined = gaiter_confined::tried().map(|found: Confinement| found.words().to_owned());
     let mut all_well = true;
     for (name, tried) in [
@@ -34,9 +37,4 @@ pub fn check(config: &ArchiveConfig) -> Result<ExitCode, ArchiveFault> {
         }
     }
     Ok(if all_well { ExitCode::SUCCESS } else { ExitCode::from(EXIT_IO) })
-}
-
-fn counted(page: &gaiter_https::Page) -> String {
-    let more = if page.is_more { "more than " } else { "" };
-    format!("{more}{}", page.objects.len())
 }

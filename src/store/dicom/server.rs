@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use gaiter_dicom::dimse::{DimseFault, Titles, abort, release};
-use gaiter_https::{Endpoint, Secret, TlsFiles};
+use gaiter_https::{Secret, TlsFiles};
 
 use crate::store::connection::Connection;
 use crate::store::server::ServerFault;
@@ -98,16 +98,6 @@ impl DicomServer {
         match self {
             DicomServer::Web { base, .. } => base.clone(),
             DicomServer::Dimse(server) => server.place(),
-        }
-    }
-
-    /// The host that the station connects to.
-    pub fn host(&self) -> Option<String> {
-        match self {
-            DicomServer::Web { base, .. } => {
-                Some(Endpoint::from_uri(&base.parse().ok()?).ok()?.name().to_owned())
-            }
-            DicomServer::Dimse(server) => Some(server.peer.name().to_owned()),
         }
     }
 }

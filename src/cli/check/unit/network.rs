@@ -9,6 +9,8 @@ use gaiter_https::{Endpoint, Secret};
 use super::super::row::{Row, Verdict};
 use super::Unit;
 use crate::config::Config;
+#[cfg(feature = "dicom")]
+use crate::store::dicom::DicomServer;
 use crate::store::fhir::FhirAccess;
 
 /// The port of which nothing but the host's address is asked.
@@ -64,7 +66,10 @@ fn hosts(config: &Config) -> Vec<String> {
     }
     #[cfg(feature = "dicom")]
     {
-        hosts.extend(config.store.dicom.iter().filter_map(|of| of.server.host()));
+        hosts.extend(config.store.dicom.iter().filter_map(|of| match &of.server {
+            DicomServer::Web { base, .. } => host_of(base),
+            DicomServer::Dimse(server) => Some(server.peer.name().to_owned()),
+        }));
         hosts.extend(config.patient.worklist.iter().map(|of| of.server.peer.name().to_owned()));
     }
     if let Some(archive) = &config.store.archive {
