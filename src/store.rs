@@ -38,7 +38,7 @@ pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::naming::RecordName;
 use gaiter_flow::worklist::ListedPerson;
-use gaiter_record::{ImagingRequest, RECORD, Record, RecordFile};
+use gaiter_record::{Acquired, ImagingRequest, RECORD, Record, RecordFile};
 pub use gdt::{GdtStore, Given};
 pub use hl7::Hl7Store;
 pub use server::ServerFault;
@@ -315,12 +315,16 @@ impl<'a> Delivery<'a> {
     }
 }
 
-/// A record in a store, as far as its place shows it.
+/// A record in a store, as far as its place and a first look into it show it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FoundRecord {
     pub scan: ScanId,
     /// The patient's id; `None` if no patient was named.
     pub patient: Option<String>,
+    /// The request that it answers for this patient; `None` if the store does not keep that.
+    pub request: Option<ImagingRequest>,
+    /// When the scan was taken; `None` if the store does not keep that.
+    pub acquired: Option<Acquired>,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
     /// The ending of the scan's format.

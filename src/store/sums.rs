@@ -164,7 +164,7 @@ fn read(folder: &Path) -> io::Result<Result<Vec<(ScanId, String)>, SumsFault>> {
 
 /// `None` for a missing file, or a folder in its place, which is a finding about the record; any other error
 /// is not.
-fn readable(read: io::Result<Vec<u8>>) -> io::Result<Option<Vec<u8>>> {
+pub fn readable(read: io::Result<Vec<u8>>) -> io::Result<Option<Vec<u8>>> {
     use io::ErrorKind::{IsADirectory, NotADirectory, NotFound};
     match read {
         Ok(bytes) => Ok(Some(bytes)),

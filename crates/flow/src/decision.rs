@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use gaiter_record::ImagingRequest;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,10 @@ pub struct Decision {
     /// patient. `None` if the decision concerns no patient.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patient: Option<String>,
+    /// The request that the scan answers for this patient; `None` if it answers none. What was sent into its study is
+    /// taken back there although the journal, and the patient's record, are lost.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub request: Option<ImagingRequest>,
 }
 
 /// The possible decisions.
@@ -97,6 +102,7 @@ mod tests {
             at: Timestamp::UNIX_EPOCH,
             what: *what,
             patient: patient.map(str::to_owned),
+            request: None,
         };
         decided.iter().map(decision).collect()
     }

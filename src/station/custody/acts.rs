@@ -6,7 +6,7 @@ use std::sync::PoisonError;
 
 use gaiter_flow::decision::{Decided, Ruling};
 use gaiter_flow::{DeliveryState, ScanId};
-use gaiter_record::Patient;
+use gaiter_record::{ImagingRequest, Patient};
 
 use super::decided::by_operator;
 use super::{Custody, CustodyFault, intake_of, io};
@@ -93,7 +93,7 @@ impl Custody {
             return Ok(Acted::Nothing);
         };
         others.remove(place);
-        let stay: Vec<Patient> = others.iter().map(|id| by_operator(id)).collect();
+        let stay: Vec<Patient> = others.iter().map(|id| by_operator(id, None)).collect();
         if !self.bring_back(row, stay.first(), stored)? {
             return Ok(Acted::NoBytes);
         }
@@ -140,10 +140,10 @@ impl Custody {
         if !self.journal.owners(&row.scan)?.is_empty() {
             return Ok(Acted::HasPatient);
         }
+        let patient = &self.answering(&row.scan, patient)?;
         if !self.bring_back(row, Some(patient), stored)? {
             return Ok(Acted::NoBytes);
         }
-        let patient = &self.answering(&row.scan, patient)?;
         let stores = self.stores_for(Some(patient));
         let decision = (Decided::Assigned, Some(patient.id.clone()));
         self.decide(&row.scan, &[decision], |journal, number| {
@@ -152,15 +152,23 @@ impl Custody {
         Ok(Acted::Done(stores.len()))
     }
 
-    /// The patient to whom a person assigns a scan, with the request that was chosen with that patient for the press or
-    /// the name that the scan may answer. A patient who had the scan keeps the request: its record may be in the study.
-    fn answering(&self, scan: &ScanId, patient: &Patient) -> Result<Patient, CustodyFault> {
+    /// The request that a scan answers for a patient: the one that was chosen with that patient for the press or the
+    /// name that the scan may answer. A patient who had the scan keeps the request: its record may be in the study.
+    pub(super) fn request_of(
+        &self,
+        scan: &ScanId,
+        patient: &str,
+    ) -> Result<Option<ImagingRequest>, CustodyFault> {
         let intake = self.spool.intake(scan).ok();
-        let request = intake.and_then(|intake| intake.judged.request_of(&patient.id).cloned());
-        let request = match request {
-            Some(request) => Some(request),
-            None => self.journal.request_of(scan, &patient.id)?,
-        };
+        match intake.and_then(|intake| intake.judged.request_of(patient).cloned()) {
+            Some(request) => Ok(Some(request)),
+            None => Ok(self.journal.request_of(scan, patient)?),
+        }
+    }
+
+    /// The patient to whom a person assigns a scan, with the request that it answers then.
+    fn answering(&self, scan: &ScanId, patient: &Patient) -> Result<Patient, CustodyFault> {
+        let request = self.request_of(scan, &patient.id)?;
         let sources = patient.sources.iter().cloned();
         let sources = sources.map(|source| source.with_request(request.clone())).collect();
         Ok(Patient { id: patient.id.clone(), sources })

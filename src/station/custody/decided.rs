@@ -1,13 +1,13 @@
 //! Decisions and the journal. Each decision is stored before the journal changes. If the journal does
 //! not know it, after a crash in between or after a rebuild, it is carried out later.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::sync::PoisonError;
 
 use gaiter_flow::decision::{Decided, Decision, Ruling};
 use gaiter_flow::{ScanId, ScanState};
-use gaiter_record::{Patient, Source, SourceKind};
+use gaiter_record::{AcquiredFrom, ImagingRequest, Patient, Source, SourceKind};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -18,21 +18,47 @@ use crate::store::{FoundRecord, StoredScan};
 /// The operators' decisions about a scan.
 struct DecisionsOfScan {
     ruling: Ruling,
-    /// The ids of those who no longer have the scan.
-    former: BTreeSet<String>,
+    /// The ids of all whom they name, with the requests that the scan answers for them.
+    named: BTreeMap<String, Option<ImagingRequest>>,
     number: usize,
 }
 
 impl DecisionsOfScan {
+    const NOTHING: DecisionsOfScan =
+        DecisionsOfScan { ruling: Ruling::OPEN, named: BTreeMap::new(), number: 0 };
+
+    fn new(decisions: Vec<Decision>) -> DecisionsOfScan {
+        let (ruling, number) = (Ruling::from_decisions(&decisions), decisions.len());
+        let mut named: BTreeMap<String, Option<ImagingRequest>> = BTreeMap::new();
+        for Decision { patient, request, .. } in decisions {
+            if let Some(id) = patient {
+                let known = named.entry(id).or_default();
+                *known = request.or_else(|| known.take());
+            }
+        }
+        DecisionsOfScan { ruling, named, number }
+    }
+
     /// The patients the scan belongs to according to the decisions.
     fn patients(&self) -> Vec<Patient> {
-        self.ruling.patients.iter().map(|id| by_operator(id)).collect()
+        self.named_if(|id| self.ruling.patients.contains(id))
+    }
+
+    /// Those who no longer have the scan.
+    fn former(&self) -> Vec<Patient> {
+        self.named_if(|id| !self.ruling.allows(Some(id)))
+    }
+
+    fn named_if(&self, is_meant: impl Fn(&str) -> bool) -> Vec<Patient> {
+        let meant = self.named.iter().filter(|(id, _)| is_meant(id));
+        meant.map(|(id, request)| by_operator(id, request.clone())).collect()
     }
 }
 
-/// The patient of this id, by an operator's decision.
-pub(super) fn by_operator(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source::from_kind(SourceKind::Operator)] }
+/// The patient of this id, by an operator's decision, with the request that the scan answers.
+pub(super) fn by_operator(id: &str, request: Option<ImagingRequest>) -> Patient {
+    let source = Source::from_kind(SourceKind::Operator).with_request(request);
+    Patient { id: id.to_owned(), sources: vec![source] }
 }
 
 impl Custody {
@@ -47,12 +73,13 @@ impl Custody {
         let before = io("reading decisions", self.decisions.of(scan))?;
         let mut decisions = before.clone();
         let at = Timestamp::now();
-        let decision = |(what, patient): &(Decided, Option<String>)| Decision {
-            at,
-            what: *what,
-            patient: patient.clone(),
-        };
-        decisions.extend(decided.iter().map(decision));
+        for (what, patient) in decided {
+            let request = match patient {
+                Some(id) => self.request_of(scan, id)?,
+                None => None,
+            };
+            decisions.push(Decision { at, what: *what, patient: patient.clone(), request });
+        }
         io("keeping a decision", self.decisions.keep(scan, &decisions))?;
         let changed = change(&self.journal, decisions.len());
         if changed.is_err() {
@@ -91,7 +118,7 @@ impl Custody {
         let patients = known.patients();
         let stores = self.stores_for(patients.first());
         self.journal.carried_out(scan, &known.ruling, &patients, &stores, known.number)?;
-        self.leave_at_servers(scan, &known.former)?;
+        self.leave_at_servers(scan, &known.former())?;
         Ok(Some(true))
     }
 
@@ -109,10 +136,7 @@ impl Custody {
             }
             decisions => io("reading decisions", decisions)?,
         };
-        let (ruling, number) = (Ruling::from_decisions(&decisions), decisions.len());
-        let named = decisions.into_iter().filter_map(|decision| decision.patient);
-        let former = named.filter(|id| !ruling.allows(Some(id.as_str()))).collect();
-        Ok(Some(DecisionsOfScan { ruling, former, number }))
+        Ok(Some(DecisionsOfScan::new(decisions)))
     }
 
     /// Reports whether a decision forbids a record that a store holds.
@@ -124,15 +148,15 @@ impl Custody {
     /// Enters a record that a store holds, and removes spooled bytes that are no longer needed.
     pub fn found(&self, record: &FoundRecord, store: &str) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let (row, patient, folder) = parts(record);
-        let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
         let known = self.state_known(&record.scan)?.unwrap_or(DecisionsOfScan::NOTHING);
+        let (row, patient, folder) = parts(record, &known);
+        let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
         let number = (known.number > 0).then_some(known.number);
         self.journal.found(&found, &known.ruling.patients, number)?;
         if let Some(patient) = patient.as_ref().filter(|_| !self.servers.is_empty()) {
             self.journal.may_be_at_servers(&record.scan, patient, true)?;
         }
-        self.leave_at_servers(&record.scan, &known.former)?;
+        self.leave_at_servers(&record.scan, &known.former())?;
         self.give_up_served(&record.scan)
     }
 
@@ -146,31 +170,27 @@ impl Custody {
         stored: Option<StoredScan>,
     ) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let (row, patient, folder) = parts(record);
-        let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
         let known = self.state_known(&record.scan)?.unwrap_or(DecisionsOfScan::NOTHING);
+        let (row, patient, folder) = parts(record, &known);
+        let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
         let patients = known.patients();
         let has_bytes = self.bring_back(&row, patients.first(), stored)?;
         let number = has_bytes.then_some(known.number);
         let takers = self.stores_for(patients.first());
         self.journal.found_against(&found, &patients, &takers, number)?;
-        let former = known.former.iter().chain(&record.patient).cloned().collect();
+        let former: Vec<Patient> = patient.into_iter().chain(known.former()).collect();
         self.leave_at_servers(&record.scan, &former)?;
         warn!(event = "record-against-decision", scan = record.scan.short(), store, has_bytes);
         Ok(())
     }
 
     /// Has the record of a scan withdrawn from the servers that may have it for these former patients.
-    fn leave_at_servers(
-        &self,
-        scan: &ScanId,
-        former: &BTreeSet<String>,
-    ) -> Result<(), CustodyFault> {
+    fn leave_at_servers(&self, scan: &ScanId, former: &[Patient]) -> Result<(), CustodyFault> {
         if self.servers.is_empty() {
             return Ok(());
         }
-        for id in former {
-            self.journal.may_be_at_servers(scan, &by_operator(id), false)?;
+        for patient in former {
+            self.journal.may_be_at_servers(scan, patient, false)?;
         }
         Ok(())
     }
@@ -195,24 +215,24 @@ impl Custody {
     }
 }
 
-impl DecisionsOfScan {
-    const NOTHING: DecisionsOfScan =
-        DecisionsOfScan { ruling: Ruling::OPEN, former: BTreeSet::new(), number: 0 };
-}
-
 /// The journal row of a record found in a store, its patient, and its folder.
-fn parts(record: &FoundRecord) -> (ScanRow, Option<Patient>, String) {
+fn parts(record: &FoundRecord, decided: &DecisionsOfScan) -> (ScanRow, Option<Patient>, String) {
+    let taken_by =
+        |from: AcquiredFrom| record.acquired.as_ref().filter(|of| of.from == from).map(|of| of.at);
     let row = ScanRow {
         scan: record.scan.clone(),
         format: record.format.clone(),
         size: record.size,
         first_seen: record.first_seen,
-        file_time: None,
-        pressed_at: None,
+        file_time: taken_by(AcquiredFrom::FileTime),
+        pressed_at: taken_by(AcquiredFrom::Press),
         state: ScanState::Delivered,
     };
-    let sources = vec![Source::from_kind(SourceKind::Record)];
-    let patient = record.patient.clone().map(|id| Patient { id, sources });
+    let patient = record.patient.clone().map(|id| {
+        let request = record.request.as_ref().or_else(|| decided.named.get(&id)?.as_ref());
+        let source = Source::from_kind(SourceKind::Record).with_request(request.cloned());
+        Patient { id, sources: vec![source] }
+    });
     (row, patient, record.folder.to_string_lossy().into_owned())
 }
 

@@ -85,7 +85,7 @@ mod tests {
 
     fn assigned(id: &str) -> Decision {
         let at = "2026-11-21T09:15:00Z".parse::<Timestamp>().unwrap();
-        Decision { at, what: Decided::Assigned, patient: Some(id.to_owned()) }
+        Decision { at, what: Decided::Assigned, patient: Some(id.to_owned()), request: None }
     }
 
     #[test]

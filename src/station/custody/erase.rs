@@ -244,7 +244,9 @@ impl Custody {
             if decisions.iter().any(|decision| decision.patient.as_deref() == Some(patient)) {
                 // Their number stays: the journal knows how many of them it has carried out.
                 for decision in &mut decisions {
-                    decision.patient = decision.patient.take().filter(|id| id != patient);
+                    if decision.patient.as_deref() == Some(patient) {
+                        (decision.patient, decision.request) = (None, None);
+                    }
                 }
                 io("erasing an id", self.decisions.keep(&scan, &decisions))?;
             }

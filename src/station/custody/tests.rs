@@ -71,6 +71,8 @@ pub(super) fn found_record() -> FoundRecord {
     FoundRecord {
         scan: sums::scan_id(BYTES),
         patient: Some("4711".to_owned()),
+        request: None,
+        acquired: None,
         first_seen: "2026-11-20T09:15:00Z".parse().unwrap(),
         format: "obj".to_owned(),
         size: 8,
@@ -320,7 +322,7 @@ fn a_held_scan_that_is_released_goes_to_the_patient_it_was_held_for_and_to_nobod
     assert!(!custody.spool.holds(&scan), "nothing is pending, held or refused any more");
 }
 
-fn erase(custody: &Custody, state_dir: &Path, id: &str) {
+pub(super) fn erase(custody: &Custody, state_dir: &Path, id: &str) {
     custody.ask_for_erasure(id, "uid 0", false).unwrap();
     let whose = custody.erasures().hash(id);
     let erasure = custody.erasures().of(&whose).unwrap();

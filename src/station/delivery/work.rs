@@ -9,7 +9,7 @@ use gaiter_flow::facts::{StoreAttempt, StoreRefusal};
 use gaiter_flow::lifecycle::HANDED_OVER;
 use gaiter_flow::outbox::Ended;
 use gaiter_language::Language;
-use gaiter_record::{FIRST_REVISION, Patient, RecordFile};
+use gaiter_record::{FIRST_REVISION, RecordFile};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
@@ -238,14 +238,15 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         let journal = core.custody.journal();
         let store = core.stores.named(&due.store).ok_or_else(|| no_store(due))?;
         let from = due.patient.as_ref().map(|patient| patient.id.as_str());
-        let request = due.patient.as_ref().and_then(Patient::request);
+        // From all deliveries: where the journal was lost, another store may have told it.
+        let request = from.map(|from| journal.request_of(&due.scan, from)).transpose()?.flatten();
         let (keeper, receipt) = match store.is_server() {
             true => (None, receipt_here(core, due, store)?),
             false => (keeper(core, due, from)?, None),
         };
         let scan = short(&due.scan);
         let turn = turn(core, due, store)?;
-        let past = PastDelivery { receipt: receipt.as_deref(), request, turn };
+        let past = PastDelivery { receipt: receipt.as_deref(), request: request.as_ref(), turn };
         match store.withdraw(&due.scan, from, keeper.as_deref(), past) {
             Err(StoreFault::Permanent(Rejection::HandedOver)) => {
                 warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);

@@ -1,7 +1,7 @@
 //! The folder store on real folders.
 
 use gaiter_flow::ScanId;
-use gaiter_record::{FIRST_REVISION, RecordFile};
+use gaiter_record::{Acquired, AcquiredFrom, FIRST_REVISION, ImagingRequest, RecordFile};
 
 use super::*;
 use crate::store::StoredScan;
@@ -250,6 +250,34 @@ fn every_record_in_the_store_is_found_and_nothing_else() {
     assert!(whose.contains(&None) && whose.contains(&Some("4711".to_owned())), "{whose:?}");
     assert!(found.iter().all(|record| record.scan == case.scan && record.size == 8));
     assert!(found.iter().all(|record| record.first_seen == case.delivery().first_seen));
+}
+
+#[test]
+fn a_record_tells_when_its_scan_was_taken_and_which_request_it_answers_for_its_own_patient() {
+    let mut case = Case::new();
+    let record = br#"{"patient": {"id": "4711", "sources": [{"kind": "reader", "request":
+        {"study_instance_uid": "1.2.276.4711", "accession_number": "A1"}}]},
+        "acquired": {"at": "2026-11-21T09:14:00Z", "from": "press"}, "legs": []}"#;
+    let listing = format!("{}  record.json\n{}  scan.obj\n", sums::scan_id(record), case.scan);
+    let file = |name: &str, bytes| RecordFile { name: name.to_owned(), bytes };
+    case.files = vec![file("record.json", record.to_vec()), file(SUMS, listing.into_bytes())];
+    case.store().put(&case.delivery()).unwrap();
+    case.store().put(&Delivery { patient: Some("0815"), ..case.delivery() }).unwrap();
+    let at = "2026-11-21T09:14:00Z".parse().unwrap();
+    let taken = Some(Acquired::new(at, AcquiredFrom::Press));
+    let found = case.store().records().unwrap();
+    assert!(found.len() == 2 && found.iter().all(|of| of.acquired == taken), "{found:?}");
+    let mut requests: Vec<_> =
+        found.into_iter().map(|of| (of.patient.unwrap(), of.request)).collect();
+    requests.sort();
+    let theirs = ImagingRequest::new("1.2.276.4711", "A1");
+    assert_eq!(requests, [("0815".to_owned(), None), ("4711".to_owned(), theirs)]);
+    // What a person has done to it hides no record.
+    fs::write(case.place().join("record.json"), "changed by hand").unwrap();
+    let found = case.store().records().unwrap();
+    let told: Vec<bool> = found.iter().map(|of| of.acquired.is_some()).collect();
+    assert_eq!(told.iter().filter(|told| **told).count(), 1, "{found:?}");
+    assert_eq!(told.len(), 2);
 }
 
 #[test]

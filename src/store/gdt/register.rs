@@ -50,6 +50,8 @@ impl Entry {
         Some(FoundRecord {
             scan: ScanId::parse(&self.scan)?,
             patient: Some(self.patient),
+            request: None,
+            acquired: None,
             first_seen: self.first_seen,
             format: self.format,
             size: self.size,

@@ -253,6 +253,8 @@ fn a_journal_that_was_lost_finds_what_was_handed_over() {
     let expected = FoundRecord {
         scan: sums::scan_id(b"a"),
         patient: Some("4711".into()),
+        request: None,
+        acquired: None,
         first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
         format: "obj".into(),
         size: 8,

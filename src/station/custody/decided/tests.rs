@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use gaiter_flow::{DeliveryState, Whose};
+use gaiter_record::Acquired;
 
 use super::super::tests::{
-    BYTES, admit, found_record, open, open_with_server, patient, reason, says, stored,
+    BYTES, admit, erase, found_record, open, open_with_server, patient, reason, says, stored,
 };
 use super::super::{Acted, Verdict};
 use super::*;
@@ -118,6 +119,7 @@ fn a_decision_that_a_crash_cut_off_before_the_journal_is_carried_out_once() {
         at: Timestamp::now(),
         what: Decided::Unassigned,
         patient: Some("4711".to_owned()),
+        request: None,
     };
     custody.decisions.keep(&scan, &[cut_off]).unwrap();
     let custody = started(custody);
@@ -322,6 +324,57 @@ fn a_scan_of_two_patients_is_taken_back_from_one_and_stays_with_the_other() {
         }
         assert_eq!(custody.journal.owners(&row.scan).unwrap(), ["0815"]);
     }
+}
+
+#[test]
+fn which_request_a_scan_answers_outlives_the_journal_by_its_record_and_by_the_decisions_about_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut custody = open_with_server(dir.path());
+    let request = ImagingRequest::new("1.2.276.4711", "A1");
+    let at_server = |custody: &Custody| {
+        let due = custody.journal.pending().unwrap();
+        let due = due.into_iter().find(|due| due.store == "fhir").unwrap();
+        (due.task, due.patient.unwrap().request().cloned())
+    };
+    let row = |custody: &Custody| custody.journal.scan(&sums::scan_id(BYTES)).unwrap().unwrap();
+    let chosen = Some(by_operator("4711", request.clone()));
+    admit(&custody, Whose { patient: chosen, ..Whose::default() });
+    deliver(&custody);
+    // Lost while the record is in the folder.
+    custody = rebuilt_by(open_with_server, custody, dir.path());
+    let at = "2026-11-20T09:14:00Z".parse().unwrap();
+    let acquired = Some(Acquired::new(at, AcquiredFrom::Press));
+    let record = FoundRecord { request: request.clone(), acquired, ..found_record() };
+    custody.found(&record, "folder").unwrap();
+    assert_eq!((row(&custody).pressed_at, row(&custody).file_time), (Some(at), None));
+    custody.unassign(&row(&custody), "4711", Some(stored())).unwrap();
+    assert_eq!(at_server(&custody), (Task::Withdraw, request.clone()));
+    // Lost when the folder has given it up, and the server has not answered.
+    custody = rebuilt_by(open_with_server, custody, dir.path());
+    assert_eq!(at_server(&custody), (Task::Withdraw, request.clone()));
+    // Lost before it was sent again.
+    custody.assign(&row(&custody), &patient("4711"), None).unwrap();
+    custody = rebuilt_by(open_with_server, custody, dir.path());
+    assert_eq!(at_server(&custody), (Task::Deliver, request));
+}
+
+#[test]
+fn a_decision_keeps_neither_id_nor_request_of_a_person_who_was_erased() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let chosen = Some(by_operator("4711", ImagingRequest::new("1.2.276.4711", "A1")));
+    admit(&custody, Whose { patient: chosen, ..Whose::default() });
+    deliver(&custody);
+    let row = custody.journal.scan(&sums::scan_id(BYTES)).unwrap().unwrap();
+    custody.unassign(&row, "4711", Some(stored())).unwrap();
+    custody.assign(&row, &patient("0815"), None).unwrap();
+    let holds = |text: &str| {
+        let file = dir.path().join(format!("decisions/{}.json", row.scan));
+        fs::read_to_string(file).unwrap().contains(text)
+    };
+    assert!(holds("\"4711\"") && holds("\"1.2.276.4711\""));
+    erase(&custody, dir.path(), "4711");
+    assert!(holds("\"0815\"") && !holds("\"4711\"") && !holds("\"1.2.276.4711\""));
 }
 
 #[test]
