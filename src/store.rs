@@ -26,7 +26,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use jiff::Timestamp;
+use jiff::{Timestamp, Zoned};
 
 pub use archive::ArchiveStore;
 pub use connection::Peer;
@@ -267,6 +267,8 @@ pub struct PastDelivery<'a> {
     pub request: Option<&'a ImagingRequest>,
     /// The turn in which it was delivered last.
     pub turn: u32,
+    /// When the scan was taken, by the clock at the scanner; `None` if it is not known.
+    pub taken: Option<&'a Zoned>,
 }
 
 /// One record on its way to a store.

@@ -23,6 +23,7 @@ use gaiter_dicom::{
 };
 use gaiter_flow::ScanId;
 use gaiter_record::Patient;
+use gaiter_record::export::taken;
 use jiff::Timestamp;
 
 use super::server::ServerFault;
@@ -70,23 +71,25 @@ impl DicomStore {
     /// What the server has of a record up to its turn; it may tell of others, too.
     fn listed(&self, study: &Study, turn: u32) -> Result<Vec<Listed>, StoreFault> {
         match &self.archive {
-            Archive::Web(archive) => archive.listed(study),
+            Archive::Web(archive) => archive.listed(study, self.repeats(study)),
             Archive::Dimse(archive) => archive.listed(study, turn + 1),
         }
     }
 
-    /// Sends objects of a record, which may say who the patient is, each with the limit for itself: where the line is
-    /// slow, the next try goes on where this one ended.
-    fn send(
-        &self,
-        objects: &[DicomObject],
-        study: &Study,
-        is_named: bool,
-    ) -> Result<(), StoreFault> {
+    /// Whether faults repeat what the server says of a study. It says nothing that must get into no log if it knows no
+    /// name, neither from this station nor, in the study of a request, from others; and it may write a name in another
+    /// way than it was sent.
+    fn repeats(&self, study: &Study) -> bool {
+        !self.rules.names && !study.is_of_request()
+    }
+
+    /// Sends objects of a record, each with the limit for itself: where the line is slow, the next try goes on where this
+    /// one ended.
+    fn send(&self, objects: &[DicomObject], study: &Study) -> Result<(), StoreFault> {
         let mut failed = Vec::new();
         for object in objects {
             failed.extend(match &self.archive {
-                Archive::Web(archive) => archive.store(object, study, is_named)?,
+                Archive::Web(archive) => archive.store(object, study, self.repeats(study))?,
                 Archive::Dimse(archive) => archive.store(object)?,
             });
         }
@@ -107,7 +110,7 @@ impl DicomStore {
         listed: Vec<Listed>,
     ) -> Result<Vec<Listed>, StoreFault> {
         let Some(mark) = self.mark(study, turns, &listed) else { return Ok(listed) };
-        let answer = self.send(&[mark], study, false);
+        let answer = self.send(&[mark], study);
         let after = self.listed(study, turn)?;
         if self.mark(study, turns, &after).is_some() {
             answer?;
@@ -153,7 +156,9 @@ impl RecordStore for DicomStore {
         let (record, patient) = delivery.named_record().map_err(StoreFault::Permanent)?;
         let misfit = |fault| StoreFault::Permanent(Rejection::DicomPatientId(fault));
         let study = Study::new(delivery.scan.as_str(), patient).map_err(misfit)?;
-        let study = study.answering(record.patient.as_ref().and_then(Patient::request));
+        let study = study
+            .answering(record.patient.as_ref().and_then(Patient::request))
+            .taken_at(taken(&record, delivery.first_seen));
         let turn = delivery.turn;
         // It may have been given back before it was taken back here.
         let before = self.marked(&study, turn, turn, self.listed(&study, turn)?)?;
@@ -162,7 +167,6 @@ impl RecordStore for DicomStore {
             birth_date: of.birth_date,
             sex: &of.sex,
         });
-        let is_named = self.rules.names && person.is_some();
         let sent = Sent {
             record: &record,
             files: delivery.files,
@@ -183,7 +187,7 @@ impl RecordStore for DicomStore {
             };
         }
         // Whether the server has them, only a search tells, whatever it answered.
-        let answer = self.send(&missing, &study, is_named);
+        let answer = self.send(&missing, &study);
         let after = self.listed(&study, turn)?;
         missing.retain(|object| !is_shown(object, &after));
         if !missing.is_empty() {
@@ -206,7 +210,10 @@ impl RecordStore for DicomStore {
         // Of a patient whose id cannot be written nothing was sent.
         let study = from.and_then(|from| Study::new(scan.as_str(), from).ok());
         let Some(study) = study else { return Ok(()) };
-        let study = study.answering(past.request);
+        let mut study = study.answering(past.request);
+        if let Some(taken) = past.taken {
+            study = study.taken_at(taken.clone());
+        }
         let study = match past.receipt {
             Some(uid) if !uid.is_empty() => study.confirmed(uid),
             _ => study,

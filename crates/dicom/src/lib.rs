@@ -216,27 +216,35 @@ impl Parts<'_> {
     /// An object for a part of the record, with its own attributes. `number` is its place among them, from 1.
     fn object(&self, class: SopClass, part: &str, number: u32, own: Dataset) -> DicomObject {
         let Sent { study, record, person, turn, .. } = self.sent;
-        let [date, time] = moment(&self.at);
         let uid = study.instance(part, record.revision, turn);
         let number = NUMBERS_A_REVISION * record.revision.saturating_sub(1) + number;
         let person = person.filter(|_| self.rules.names).map(Person::elements);
-        let dataset = common(study, self.rules, class, turn, &self.at)
+        let dataset = common(study, self.rules, class, turn, &self.at, Some(&self.at))
             .and(person.unwrap_or_else(Dataset::new))
             .and(equipment(record.station.as_deref(), &record.made_by.gaiter))
             .text(tags::SOP_INSTANCE_UID, uid.as_str())
-            .text(tags::STUDY_DATE, date)
-            .text(tags::STUDY_TIME, time)
             .text(tags::INSTANCE_NUMBER, number.to_string())
             .and(own);
         DicomObject { class, uid, dataset: dataset.0 }
     }
 }
 
-/// What all objects of a kind have in a turn of a study; `at` is the time of their content.
-fn common(study: &Study, rules: &DicomRules, class: SopClass, turn: u32, at: &Zoned) -> Dataset {
+/// What all objects of a kind have in a turn of a study. `at` is the time of their content, and `taken` that of the scan,
+/// if it is known, in the same zone: archives take what any object says of the study for all of it.
+fn common(
+    study: &Study,
+    rules: &DicomRules,
+    class: SopClass,
+    turn: u32,
+    at: &Zoned,
+    taken: Option<&Zoned>,
+) -> Dataset {
     let [date, time] = moment(at);
+    let [study_date, study_time] = taken.map(moment).unwrap_or_default();
     study
         .of_patient(&rules.issuer)
+        .text(tags::STUDY_DATE, study_date)
+        .text(tags::STUDY_TIME, study_time)
         .text(tags::SPECIFIC_CHARACTER_SET, UTF_8)
         .text(tags::SOP_CLASS_UID, class.uid())
         .text(tags::CONTENT_DATE, date)

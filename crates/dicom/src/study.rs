@@ -4,6 +4,7 @@ use dicom_core::Tag;
 use dicom_dictionary_std::tags;
 use gaiter_record::ImagingRequest;
 use gaiter_record::fhir::uuid_bytes;
+use jiff::Zoned;
 
 use super::SopClass;
 use super::dataset::Dataset;
@@ -27,6 +28,8 @@ pub struct Study {
     key: String,
     /// The request whose study it is; `None` for the scan's own.
     request: Option<ImagingRequest>,
+    /// When the scan was taken, by the clock at the scanner, if it is known.
+    taken: Option<Zoned>,
 }
 
 /// An object that a server shows.
@@ -51,12 +54,23 @@ impl Study {
         if !is_whole || patient.chars().count() > ID_MOST || !patient.chars().all(is_plain) {
             return Err(PatientIdFault);
         }
-        Ok(Study { patient: patient.to_owned(), key: format!("{scan}\0{patient}"), request: None })
+        let (patient, key) = (patient.to_owned(), format!("{scan}\0{patient}"));
+        Ok(Study { patient, key, request: None, taken: None })
     }
 
     /// The study of the request that the scan answers, if it answers one. Others may have objects in it.
     pub fn answering(self, request: Option<&ImagingRequest>) -> Study {
         Study { request: request.cloned(), ..self }
+    }
+
+    /// Whether it is the study of a request, in which others may have objects.
+    pub fn is_of_request(&self) -> bool {
+        self.request.is_some()
+    }
+
+    /// The study of a scan that was taken then, by the clock at the scanner.
+    pub fn taken_at(self, at: Zoned) -> Study {
+        Study { taken: Some(at), ..self }
     }
 
     /// The study of this UID, in which a server has confirmed the record.
@@ -70,6 +84,11 @@ impl Study {
         }
         let request = ImagingRequest { study_instance_uid: uid.to_owned(), accession_number: None };
         Study { request: Some(request), ..own }
+    }
+
+    /// When the scan was taken, if it is known.
+    pub(crate) fn taken(&self) -> Option<&Zoned> {
+        self.taken.as_ref()
     }
 
     /// The patient's id.

@@ -33,11 +33,11 @@ pub fn withdrawal(
     }
     let references =
         shown.iter().map(|of| (Relation::Contains, Item::reference(&of.class, &of.uid)));
-    let dataset = common(study, rules, class, 0, &now.to_zoned(TimeZone::UTC))
+    // The times of an object are all in one zone.
+    let zone = study.taken().map_or(TimeZone::UTC, |taken| TimeZone::fixed(taken.offset()));
+    let dataset = common(study, rules, class, 0, &now.to_zoned(zone), study.taken())
         .and(equipment(Some(station), env!("CARGO_PKG_VERSION")))
         .text(tags::SOP_INSTANCE_UID, uid.as_str())
-        .text(tags::STUDY_DATE, "")
-        .text(tags::STUDY_TIME, "")
         .text(tags::INSTANCE_NUMBER, turns.to_string())
         .items(tags::REFERENCED_PERFORMED_PROCEDURE_STEP_SEQUENCE, Vec::new())
         .items(tags::CURRENT_REQUESTED_PROCEDURE_EVIDENCE_SEQUENCE, vec![evidence(study, &shown)])

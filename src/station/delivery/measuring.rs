@@ -176,6 +176,12 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
     }
 }
 
+/// When a scan was taken, by the clock of this machine.
+pub(super) fn acquired_at(row: &ScanRow) -> Acquired {
+    let acquired = acquired(row.pressed_at, row.file_time, row.first_seen);
+    Acquired { utc_offset_min: utc_offset_min(acquired.at), ..acquired }
+}
+
 /// The job for the measuring process, and the file of the scanner's own measures.
 fn job(
     core: &Core,
@@ -192,11 +198,10 @@ fn job(
     };
     let config = &core.config;
     let series = core.custody.phantom_series();
-    let acquired = acquired(row.pressed_at, row.file_time, row.first_seen);
     let provenance = Provenance {
         station: Some(config.station.id.clone()),
         patient,
-        acquired: Some(Acquired { utc_offset_min: utc_offset_min(acquired.at), ..acquired }),
+        acquired: Some(acquired_at(row)),
         phantom_check: series.and_then(|series| series.last_before(row.first_seen)),
         ..Provenance::of_scan(row.scan.to_string())
     };

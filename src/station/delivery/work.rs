@@ -246,7 +246,13 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         };
         let scan = short(&due.scan);
         let turn = turn(core, due, store)?;
-        let past = PastDelivery { receipt: receipt.as_deref(), request: request.as_ref(), turn };
+        let taken = measuring::acquired_at(&row).local();
+        let past = PastDelivery {
+            receipt: receipt.as_deref(),
+            request: request.as_ref(),
+            turn,
+            taken: Some(&taken),
+        };
         match store.withdraw(&due.scan, from, keeper.as_deref(), past) {
             Err(StoreFault::Permanent(Rejection::HandedOver)) => {
                 warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);

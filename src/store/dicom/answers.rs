@@ -14,19 +14,22 @@ const NO_CONTENT: u16 = 204;
 const CONFLICT: u16 = 409;
 
 /// What the server has of a study.
-pub(super) fn listed(answer: &HttpAnswer, secret: &[&str]) -> Result<Vec<Listed>, StoreFault> {
+pub(super) fn listed(
+    answer: &HttpAnswer,
+    secret: Option<&[&str]>,
+) -> Result<Vec<Listed>, StoreFault> {
     found(answer, secret, web::listed, "objects with class, series and UID")
 }
 
 /// Whether the answer is one to a search for studies.
-pub(super) fn is_archive(answer: &HttpAnswer, secret: &[&str]) -> Result<(), StoreFault> {
+pub(super) fn is_archive(answer: &HttpAnswer, secret: Option<&[&str]>) -> Result<(), StoreFault> {
     found(answer, secret, |body| web::is_list(body).then_some(()), "studies")
 }
 
 /// What a search has found, which may be nothing, or that the answer lists nothing of the kind.
 fn found<T: Default>(
     answer: &HttpAnswer,
-    secret: &[&str],
+    secret: Option<&[&str]>,
     read: impl Fn(&[u8]) -> Option<T>,
     kind: &str,
 ) -> Result<T, StoreFault> {
@@ -34,7 +37,7 @@ fn found<T: Default>(
         return Ok(T::default());
     }
     if !answer.is_success() {
-        return Err(refusal(answer, Some(secret)));
+        return Err(refusal(answer, secret));
     }
     read(&answer.body).ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
 }

@@ -10,7 +10,6 @@ use std::time::Instant;
 
 use gaiter_dicom::SopClass;
 use gaiter_dicom::dimse::{AeTitle, DimseFault, Titles};
-use gaiter_flow::worklist::ListedPerson;
 use gaiter_https::{HttpFault, TlsFiles};
 use gaiter_record::{ImagingRequest, RecordFile};
 use serde_json::{Value, json};
@@ -237,25 +236,20 @@ fn put_in(
     turn: u32,
 ) -> Result<Receipt, StoreFault> {
     let record = without_legs(scan().as_str(), Some(patient), revision);
-    put_record(store, (patient, None), (revision, turn), &record)
+    put_record(store, patient, (revision, turn), &record)
 }
 
 /// Puts a record of 4711 that answers the request of this study.
-fn put_answering(
-    store: &DicomStore,
-    study: &str,
-    turn: u32,
-    person: Option<&ListedPerson>,
-) -> Result<Receipt, StoreFault> {
+fn put_answering(store: &DicomStore, study: &str, turn: u32) -> Result<Receipt, StoreFault> {
     let record = without_legs(scan().as_str(), Some("4711"), 1);
     let mut record: Value = serde_json::from_slice(&record).unwrap();
     record["patient"]["sources"][0]["request"] = json!({ "study_instance_uid": study });
-    put_record(store, ("4711", person), (1, turn), record.to_string().as_bytes())
+    put_record(store, "4711", (1, turn), record.to_string().as_bytes())
 }
 
 fn put_record(
     store: &DicomStore,
-    (patient, person): (&str, Option<&ListedPerson>),
+    patient: &str,
     (revision, turn): (u32, u32),
     record: &[u8],
 ) -> Result<Receipt, StoreFault> {
@@ -263,7 +257,7 @@ fn put_record(
     store.put(&Delivery {
         scan: &scan(),
         patient: Some(patient),
-        person,
+        person: None,
         first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
         revision,
         turn,
@@ -274,7 +268,8 @@ fn put_record(
 }
 
 fn withdraw(store: &DicomStore, receipt: Option<&str>, turn: u32) -> Result<(), StoreFault> {
-    store.withdraw(&scan(), Some("4711"), None, PastDelivery { receipt, request: None, turn })
+    let past = PastDelivery { receipt, turn, ..PastDelivery::default() };
+    store.withdraw(&scan(), Some("4711"), None, past)
 }
 
 fn is_not_shown(done: &Result<(), StoreFault>) -> bool {
@@ -389,37 +384,39 @@ fn a_record_in_the_study_of_a_request_is_stored_once_and_withdrawn_where_it_is()
     const THEIRS: &str = "1.2.276.4711";
     let archive = Archive::new();
     let store = archive.store();
-    let receipt = put_answering(&store, THEIRS, 0, None).unwrap();
+    let receipt = put_answering(&store, THEIRS, 0).unwrap();
     assert_eq!((receipt.folder.to_str(), receipt.already_there), (Some(THEIRS), false));
-    assert!(put_answering(&store, THEIRS, 0, None).unwrap().already_there);
-    // Of an answer that was lost there is no receipt, and after a lost journal no request.
+    assert!(put_answering(&store, THEIRS, 0).unwrap().already_there);
+    // Of an answer that was lost there is no receipt, and of a record that was confirmed the request is not needed.
     let request = ImagingRequest::new(THEIRS, "");
     let known = [(None, request.as_ref()), (Some(THEIRS), None)];
     for (turn, (receipt, request)) in (0..).zip(known) {
         let before = archive.stored();
-        let past = PastDelivery { receipt, request, turn };
+        let past = PastDelivery { receipt, request, turn, taken: None };
         for _ in 0..2 {
             store.withdraw(&scan(), Some("4711"), None, past).unwrap();
             assert_eq!(archive.stored(), before + 1);
         }
-        assert!(!put_answering(&store, THEIRS, turn + 1, None).unwrap().already_there);
+        assert!(!put_answering(&store, THEIRS, turn + 1).unwrap().already_there);
     }
 }
 
 #[test]
-fn what_an_archive_says_of_objects_that_name_the_patient_is_not_repeated() {
+fn what_an_archive_says_is_repeated_only_if_it_knows_no_name() {
     let archive = Archive::new();
     archive.becomes(Mode::Fail);
-    let person = ListedPerson {
-        dicom_name: "Gr\u{fc}nwald^J\u{f6}rg".to_owned(),
-        ..ListedPerson::default()
-    };
-    for (names, study) in [(true, "1.2.276.1"), (false, "1.2.276.2")] {
+    for (names, request) in
+        [(true, Some("1.2.276.1")), (false, Some("1.2.276.2")), (true, None), (false, None)]
+    {
         let mut store = archive.store();
         store.rules.names = names;
-        let fault = put_answering(&store, study, 0, Some(&person)).unwrap_err().to_string();
+        let fault = match request {
+            Some(study) => put_answering(&store, study, 0),
+            None => put(&store, "4711", 1),
+        };
+        let fault = fault.unwrap_err().to_string();
         assert!(fault.contains("503"), "{fault}");
-        assert_eq!(fault.contains("restarting"), !names, "{fault}");
+        assert_eq!(fault.contains("restarting"), !names && request.is_none(), "{fault}");
     }
 }
 

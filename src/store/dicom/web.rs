@@ -35,32 +35,31 @@ impl WebArchive {
     /// Whether it lets the station search. Whether it lets it store, the first record tells.
     pub fn reach(&self) -> Result<(), StoreFault> {
         let (answer, secret) = self.ask(Method::GET, TRIAL_SEARCH, None)?;
-        answers::is_archive(&answer, &without(&secret, ""))
+        answers::is_archive(&answer, Some(&without(&secret, "")))
     }
 
-    /// What the server has of a study.
-    pub fn listed(&self, study: &Study) -> Result<Vec<Listed>, StoreFault> {
+    /// What the server has of a study. With `repeats` a fault repeats what it says.
+    pub fn listed(&self, study: &Study, repeats: bool) -> Result<Vec<Listed>, StoreFault> {
         let (answer, secret) = self.ask(Method::GET, &web::search(study), None)?;
         if answer.status == NOT_FOUND {
             // A server that is no archive, or one that is not up yet, says so, too.
             return self.reach().map(|()| Vec::new());
         }
-        answers::listed(&answer, &without(&secret, study.patient()))
+        let secret = without(&secret, study.patient());
+        answers::listed(&answer, repeats.then_some(&secret[..]))
     }
 
-    /// Sends an object, which may say who the patient is. Whether the server has it, only a search tells.
+    /// Sends an object. Whether the server has it, only a search tells. With `repeats` a fault repeats what it says.
     pub fn store(
         &self,
         object: &DicomObject,
         study: &Study,
-        is_named: bool,
+        repeats: bool,
     ) -> Result<Option<Failed>, StoreFault> {
         let body = web::multipart(object).map_err(unwritable)?;
         let (answer, secret) = self.ask(Method::POST, "studies", Some(body))?;
         let secret = without(&secret, study.patient());
-        // A server may write a name in another way than it was sent.
-        let secret = if is_named { None } else { Some(&secret[..]) };
-        answers::stored(&answer, secret)
+        answers::stored(&answer, repeats.then_some(&secret[..]))
     }
 
     /// Asks the server for a path below its base, with a body of this media type or without. Returns the answer, and
