@@ -61,7 +61,7 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreCon
     let server = FhirServer {
         base,
         access: access?,
-        tls: tls?.files,
+        tls: tls?,
         proxy: proxy?,
         limit: limit?.value,
         patients: patients?,
