@@ -199,7 +199,8 @@ pub struct Sent<'a> {
 /// The same record with the same rules gives the same objects.
 pub fn objects(sent: &Sent<'_>, rules: &DicomRules) -> Vec<DicomObject> {
     let at = taken(sent.record, sent.first_seen);
-    let parts = Parts { sent: *sent, rules, at };
+    let study = sent.study.clone().taken_at(at.clone());
+    let parts = Parts { sent: Sent { study: &study, ..*sent }, rules, at };
     let documents = parts.documents();
     [vec![parts.measurements()], documents].concat()
 }
@@ -219,7 +220,7 @@ impl Parts<'_> {
         let uid = study.instance(part, record.revision, turn);
         let number = NUMBERS_A_REVISION * record.revision.saturating_sub(1) + number;
         let person = person.filter(|_| self.rules.names).map(Person::elements);
-        let dataset = common(study, self.rules, class, turn, &self.at, Some(&self.at))
+        let dataset = common(study, self.rules, class, turn, &self.at)
             .and(person.unwrap_or_else(Dataset::new))
             .and(equipment(record.station.as_deref(), &record.made_by.gaiter))
             .text(tags::SOP_INSTANCE_UID, uid.as_str())
@@ -229,18 +230,11 @@ impl Parts<'_> {
     }
 }
 
-/// What all objects of a kind have in a turn of a study. `at` is the time of their content, and `taken` that of the scan,
-/// if it is known, in the same zone: archives take what any object says of the study for all of it.
-fn common(
-    study: &Study,
-    rules: &DicomRules,
-    class: SopClass,
-    turn: u32,
-    at: &Zoned,
-    taken: Option<&Zoned>,
-) -> Dataset {
+/// What all objects of a kind have in a turn of a study. `at` is the time of their content, in the zone of the study's:
+/// archives take what any object says of the study for all of it.
+fn common(study: &Study, rules: &DicomRules, class: SopClass, turn: u32, at: &Zoned) -> Dataset {
     let [date, time] = moment(at);
-    let [study_date, study_time] = taken.map(moment).unwrap_or_default();
+    let [study_date, study_time] = study.taken().map(moment).unwrap_or_default();
     study
         .of_patient(&rules.issuer)
         .text(tags::STUDY_DATE, study_date)

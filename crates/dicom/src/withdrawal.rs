@@ -35,7 +35,7 @@ pub fn withdrawal(
         shown.iter().map(|of| (Relation::Contains, Item::reference(&of.class, &of.uid)));
     // The times of an object are all in one zone.
     let zone = study.taken().map_or(TimeZone::UTC, |taken| TimeZone::fixed(taken.offset()));
-    let dataset = common(study, rules, class, 0, &now.to_zoned(zone), study.taken())
+    let dataset = common(study, rules, class, 0, &now.to_zoned(zone))
         .and(equipment(Some(station), env!("CARGO_PKG_VERSION")))
         .text(tags::SOP_INSTANCE_UID, uid.as_str())
         .text(tags::INSTANCE_NUMBER, turns.to_string())
