@@ -76,9 +76,8 @@ impl DicomStore {
         }
     }
 
-    /// Whether faults repeat what the server says of a study. It says nothing that must get into no log if it knows no
-    /// name, neither from this station nor, in the study of a request, from others; and it may write a name in another
-    /// way than it was sent.
+    /// Whether faults may repeat what the server says of a study: not where it may know the patient's name, from this
+    /// station or, in the study of a request, from others. It may write the name in another way than it was sent.
     fn repeats(&self, study: &Study) -> bool {
         !self.rules.names && !study.is_of_request()
     }

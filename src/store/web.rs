@@ -10,9 +10,9 @@ use http::{Method, Uri};
 
 use super::server::{ServerFault, TokenFault};
 
-/// Servers keep what a search has found, some for a minute: what was stored, or who was registered since, would not be
-/// found.
-const ANEW: HeaderValue = HeaderValue::from_static("no-cache");
+/// Servers keep the result of a search, some for a minute: what was stored, or who was registered since, would be
+/// missing.
+const NO_CACHE: HeaderValue = HeaderValue::from_static("no-cache");
 
 /// How the station authenticates. A certificate of its own is part of the connection.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub(super) fn asked(
     let not_sent = || HttpFault::from(EndpointFault::Address);
     let uri: Uri = address.parse().map_err(|_| not_sent())?;
     let mut headers: Vec<(HeaderName, HeaderValue)> =
-        vec![(ACCEPT, HeaderValue::from_static(accept)), (CACHE_CONTROL, ANEW)];
+        vec![(ACCEPT, HeaderValue::from_static(accept)), (CACHE_CONTROL, NO_CACHE)];
     headers.extend(shown.map(|shown| (AUTHORIZATION, shown)));
     let (media_type, body) = body.unzip();
     if let Some(media_type) = media_type {
@@ -80,7 +80,7 @@ pub(super) fn header(text: &str) -> Result<HeaderValue, TokenFault> {
     Ok(value)
 }
 
-/// The words of what was shown that must get into no log: a token, or a password and what it was made to.
+/// The words of what was shown that must get into no log: a token, or a password and its encoded form.
 pub(super) fn secret_words(shown: &HeaderValue) -> Vec<String> {
     let value = shown.to_str().ok().and_then(|text| text.split_once(' ')).map(|(_, value)| value);
     let Some(value) = value else { return Vec::new() };

@@ -1,5 +1,5 @@
-//! The worklist: its server answers, refuses, hangs and dies. It lists patients of the exporter, and nobody chooses from
-//! it: whose a scan is, it changes nothing about.
+//! The worklist: its server answers, refuses, hangs and dies. It lists patients of the exporter, but nobody chooses
+//! from it, so it must have no effect on whose a scan is.
 
 use rig::worklist::{Manner, Planned, WorklistServer};
 

@@ -28,7 +28,7 @@ use crate::objects::bucket;
 /// How many jobs are claimed at a time: with 16 a claim one server gives 10 000 jobs a second, one by one 500.
 const CLAIM: i64 = 16;
 
-/// How hard results are packed: as little as it can be.
+/// The level of Zstandard at which results are packed: the fastest of its ordinary ones.
 const PACKING_LEVEL: i32 = 1;
 
 /// How long a worker waits if there is nothing to do.

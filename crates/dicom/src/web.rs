@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_looked_for_costs_nothing_however_much_or_deep_it_is() {
+    fn what_is_not_looked_for_is_passed_over_however_much_or_deep_it_is() {
         let of = |value: &str| format!("{{\"vr\":\"UI\",\"Value\":[{value}]}}");
         let (open, close) = ("[".repeat(DEEP), "]".repeat(DEEP));
         let many: String = (0..10_000)

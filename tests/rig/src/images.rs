@@ -1,4 +1,4 @@
-//! An archive of images (DICOMweb), which refuses what it is sent, with whose it is, or keeps it.
+//! An archive of images (DICOMweb) that keeps what it is sent, or refuses it with a remark that names the patient.
 
 use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -27,7 +27,7 @@ impl ImageArchive {
         let told = Arc::<Mutex<Told>>::default();
         let theirs = Arc::clone(&told);
         let port = serve(move |mut stream| {
-            // Who connects and says nothing hears nothing.
+            // A connection without a request gets no answer.
             let Ok(request) = request_of(&mut stream) else { return };
             let answer = locked(&theirs).answer_to(&request);
             let _ = stream.write_all(answer.as_bytes());

@@ -28,9 +28,9 @@ const DAYS: u64 = 30;
 const HELD_MOST_PERCENT: f64 = 2.0;
 const HELD_BY_ORDER_MOST_PERCENT: f64 = 4.0;
 
-/// So many answers at the booth settle an order whose patient never came. The first is given while that order waits
-/// beside the next one. The second is for the order after that: whoever was ordered and not scanned may come next.
-/// One is enough if it gives up what waits.
+/// The most answers at the booth that an order costs whose patient never comes. The light asks when the next order
+/// comes, because two wait then. It asks again at the order after that, because the patient of the first may still
+/// come. If the operator gives up the waiting orders with the first answer, it does not ask again.
 ///
 /// What is held follows from that and from how often the light is answered, so it has no limit of its own. Where a
 /// share `a` of the questions is answered, `n` answers leave `n (1 - a) / a` unanswered, with a variance of
@@ -65,8 +65,8 @@ fn days(workflow: &str, habits: Habits) {
     }
 }
 
-/// Plays the days of a workflow in which orders are left over: only what the light asked and nobody answered is held,
-/// and so many answers end it.
+/// Plays the days of a workflow in which orders are left over: only scans about which the light asked and nobody
+/// answered are held, and each no-show costs at most so many answers.
 fn days_with_orders_left(workflow: &str, habits: &Habits, answers_most: usize) {
     let count = played(workflow, habits);
     let Count { no_shows, answers, held_unasked, .. } = count;
