@@ -29,16 +29,19 @@ pub fn multipart(object: &DicomObject) -> Result<(String, Vec<u8>), EncodeFault>
     Ok((format!("multipart/related; type=\"{OBJECT}\"; boundary={boundary}"), body))
 }
 
-/// Why a server did not store the object of a request, by its answer. A sequence without items, as some answer after
-/// success, is no failure, and neither is an object that the server has already.
-pub fn not_stored(answer: &[u8]) -> Option<NotStored> {
+/// Whether a server has the object of a request, by the failures in its answer; `None` if it names none. A sequence
+/// without items, as some answer after success, names none, and an object that the server has already is no failure.
+pub fn stored(answer: &[u8]) -> Option<Result<(), NotStored>> {
     let [failed] = members(whole(answer)?, ["00081198"])?;
-    let mut why = None;
+    let mut stored = None;
     each_value(failed, |item| {
         let reason = members(item, ["00081197"]).and_then(|[reason]| first(reason));
-        why = why.take().or_else(|| NotStored::for_reason(reason.unwrap_or_default()));
+        if !matches!(stored, Some(Err(_))) {
+            let failure = NotStored::for_reason(reason.unwrap_or_default());
+            stored = Some(failure.map_or(Ok(()), Err));
+        }
     });
-    why
+    stored
 }
 
 /// The path of the search for what a server has of a study.
@@ -168,17 +171,18 @@ mod tests {
     fn failures_are_counted_by_items_because_the_sequence_is_there_after_success_too() {
         for success in [json!({}), json!({ "00081198": { "vr": "SQ" } }), answer(&[]), Value::Null]
         {
-            assert_eq!(not_stored(&bytes(&success)), None, "{success}");
+            assert_eq!(stored(&bytes(&success)), None, "{success}");
         }
         for (reasons, told) in [
-            (vec![0xa700], Some((0xa700, true))),
-            (vec![0x0122], Some((0x0122, false))),
-            (vec![0x0111], None),
-            (vec![0x0111, 0x0122, 0xa700], Some((0x0122, false))),
+            (vec![0xa700], Err((0xa700, true))),
+            (vec![0x0122], Err((0x0122, false))),
+            (vec![0x0111], Ok(())),
+            (vec![0x0111, 0x0122, 0xa700], Err((0x0122, false))),
+            (vec![0x0122, 0x0111], Err((0x0122, false))),
         ] {
             let reasons: Vec<Value> = reasons.into_iter().map(|reason| json!(reason)).collect();
-            let failed = not_stored(&bytes(&answer(&reasons)));
-            assert_eq!(failed.map(|of| (of.reason, of.is_passing())), told, "{reasons:?}");
+            let stored = stored(&bytes(&answer(&reasons))).unwrap();
+            assert_eq!(stored.map_err(|of| (of.reason, of.is_passing())), told, "{reasons:?}");
         }
     }
 
@@ -186,7 +190,7 @@ mod tests {
     fn a_failure_without_a_reason_is_tried_again() {
         for item in [json!({}), json!(1), json!({ "00081197": null }), json!({ "00081197": {} })] {
             let failed = json!({ "00081198": { "vr": "SQ", "Value": [item] } });
-            let failed = not_stored(&bytes(&failed)).unwrap();
+            let failed = stored(&bytes(&failed)).unwrap().unwrap_err();
             assert!(failed.reason == 0 && failed.is_passing(), "{item}");
         }
     }
@@ -230,10 +234,10 @@ mod tests {
         assert_eq!(listed(format!("[{}]", object(&deep)).as_bytes()), None, "its class is no text");
         for answer in [&open, &deep] {
             assert_eq!(listed(answer.as_bytes()), None);
-            assert_eq!(not_stored(answer.as_bytes()), None);
+            assert_eq!(stored(answer.as_bytes()), None);
         }
         assert!(!is_list(open.as_bytes()) && is_list(deep.as_bytes()));
         let failed = format!("{{{many}\"00081198\":{{\"Value\":[{{\"00081197\":{deep}}}]}}}}");
-        assert_eq!(not_stored(failed.as_bytes()), Some(NotStored { reason: 0 }));
+        assert_eq!(stored(failed.as_bytes()), Some(Err(NotStored { reason: 0 })));
     }
 }

@@ -60,8 +60,9 @@ pub(super) fn stored(
     if !answer.is_success() && status != CONFLICT {
         return Err(refusal(answer, secret));
     }
-    match web::not_stored(&answer.body) {
-        Some(why) => Ok(Some(Failed { status, why })),
+    match web::stored(&answer.body) {
+        Some(Err(why)) => Ok(Some(Failed { status, why })),
+        Some(Ok(())) => Ok(None),
         None if answer.is_success() => Ok(None),
         None => Err(refusal(answer, secret)),
     }

@@ -107,7 +107,8 @@ impl Place {
         json!(self.kept.iter().filter(is_shown).map(|of| &of.shown).collect::<Vec<_>>()).to_string()
     }
 
-    /// Keeps an object, or tells why not, by the codes of dcm4chee.
+    /// Keeps an object, or tells why not, by the standard's code for a duplicate and those of dcm4chee for marks. What is
+    /// sent again appears.
     fn keep(&mut self, of: Kept) -> Option<u16> {
         let has = self.has(&of.uid);
         let refused = match of.marks.is_empty() {
@@ -118,10 +119,13 @@ impl Place {
         if self.is_hiding && refused.is_some() {
             return refused;
         }
-        match (has, self.is_late) {
-            (true, _) => {}
-            (false, true) => self.late.push(of),
-            (false, false) => self.kept.push(of),
+        if has {
+            self.kept.extend(self.late.extract_if(.., |late| late.uid == of.uid));
+            return Some(0x0111);
+        }
+        match self.is_late {
+            true => self.late.push(of),
+            false => self.kept.push(of),
         }
         None
     }
@@ -336,6 +340,17 @@ fn a_record_that_is_shown_is_stored_whatever_the_archive_answered() {
         archive.becomes(Mode::KeepAndRefuse(reason));
         assert!(!put(&archive.store(), "4711", 1).unwrap().already_there, "{reason:04X}");
     }
+}
+
+#[test]
+fn a_record_that_the_archive_keeps_late_and_refuses_as_a_duplicate_is_stored() {
+    let archive = Archive::new();
+    let store = archive.store();
+    archive.place().is_late = true;
+    put(&store, "4711", 1).unwrap_err();
+    // Both objects are missing in the list, and each is there when it is sent again.
+    assert!(!put(&store, "4711", 1).unwrap().already_there);
+    assert_eq!((archive.stored(), archive.holding()), (4, 2));
 }
 
 #[test]
