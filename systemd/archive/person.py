@@ -1,8 +1,8 @@
 """Removes a person from the bucket of an archive, in all versions:
 
-    python3 systemd/archive/person.py archive.toml PSEUDONYM person.txt
+    python3 person.py archive.toml PSEUDONYM person.txt
 
-person.txt is what systemd/archive/person.sql has printed. The key in archive.toml must be that of the bucket's owner,
+person.txt is what person.sql has printed. The key in archive.toml must be that of the bucket's owner,
 in a file. Prints what it removes. Needs python3-boto3; may be called again.
 """
 

@@ -1,5 +1,5 @@
--- Removes a person from the database of an archive, and prints what systemd/archive/person.py removes from the bucket:
---   psql -qAt -v ON_ERROR_STOP=1 -v pseudonym=PSEUDONYM -f systemd/archive/person.sql gaiter_archive >person.txt
+-- Removes a person from the database of an archive, and prints what person.py removes from the bucket:
+--   psql -qAt -v ON_ERROR_STOP=1 -v pseudonym=PSEUDONYM -f person.sql gaiter_archive >person.txt
 -- A line is a scan that nobody else has, or a scan that the person had once: its station, it, the scanner's file.
 begin;
 set local search_path = gaiter;

@@ -1,10 +1,12 @@
-"""The papers of the package, into a folder: python3 -B systemd/papers FOLDER
+"""The papers of a package, into a folder: python3 -B systemd/papers PACKAGE FOLDER
+
+PACKAGE is gaiter or gaiter-archive.
 
     copyright         every licence in the program, as Debian's copyright format 1.0 has it
     THIRD-PARTY.txt   the licence texts and copyright lines themselves
-    gaiter.cdx.json   the parts of the program, as CycloneDX 1.5
+    PACKAGE.cdx.json  the parts of the program, as CycloneDX 1.5
     changelog         CHANGELOG.md, in Debian's form
-    source/           what a licence wants to come with the program: the source of libusb, serialport and gaiter
+    source/           what a licence wants to come with the program gaiter: the source of libusb, serialport and gaiter
 
 They are made from what Cargo links, each time: no list of crates is kept anywhere. What needs a person
 is an error: a licence that nobody has read, a C library or a foreign part that copyright.in does not name.
@@ -21,17 +23,17 @@ import notices
 import sbom
 import source
 
-if len(sys.argv) != 2:
+if len(sys.argv) != 3:
     sys.exit(__doc__)
 root = Path(__file__).resolve().parents[2]
-folder = Path(sys.argv[1])
+folder = Path(sys.argv[2])
 folder.mkdir(parents=True, exist_ok=True)
 try:
-    program = linked.program(root)
+    program = linked.program(root, sys.argv[1])
     papers = {
         "copyright": debian.copyright_file(program),
         "THIRD-PARTY.txt": notices.text(program),
-        "gaiter.cdx.json": sbom.text(program),
+        f"{program.package.name}.cdx.json": sbom.text(program),
         "changelog": changelog.debian(program),
     }
     source.put(program, folder / "source")

@@ -35,12 +35,12 @@ def debian(program):
             raise Unclear(f"CHANGELOG.md: {section.splitlines()[0]!r} has no version")
         changes = re.findall(r"^- (.+?)(?=\n- |\n\n|\n*\Z)", section, re.M | re.S)
         suite = "unstable" if heading["day"] else "UNRELEASED"
-        lines = [f"gaiter ({heading['version']}) {suite}; urgency=medium", ""]
+        lines = [f"{program.package.name} ({heading['version']}) {suite}; urgency=medium", ""]
         for change in changes:
             words = re.sub(r"[`*]|\]\([^)]*\)|\[", "", " ".join(change.split()))
             lines += textwrap.wrap(words, 78, initial_indent="  * ", subsequent_indent="    ")
         lines += ["", f" -- {maintainer(program.root)}  {when(heading['day'])}", ""]
         entries.append("\n".join(lines))
-    if f"({program.gaiter.version})" not in entries[0]:
-        raise Unclear(f"CHANGELOG.md does not begin with {program.gaiter.version}")
+    if f"({program.package.version})" not in entries[0]:
+        raise Unclear(f"CHANGELOG.md does not begin with {program.package.version}")
     return "\n".join(entries)

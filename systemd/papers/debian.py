@@ -1,6 +1,7 @@
 """Debian's copyright file, from copyright.in and the crates."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import linked
@@ -74,8 +75,34 @@ def indented(text):
     return joined(line.rstrip().replace("\t", "    ") or "." for line in text.strip().splitlines())
 
 
+def filled(template, parts):
+    """A template with the parts of the program, without the paragraphs about those that it lacks."""
+    place = re.compile(r"\{\{(.+?)\}\}")
+    paragraphs = re.split(r"\n\n", template)
+    there = [one for one in paragraphs if all(parts[name] is not None for name in place.findall(one))]
+    return place.sub(lambda found: parts[found[1]], "\n\n".join(there))
+
+
+def is_needed(paragraph, program, licences):
+    """Whether a paragraph of Debian's is about a crate of the program, or a licence of one."""
+    if crate := re.match(r"Files: vendor/(.+?)-\*/", paragraph):
+        return program.crate(crate[1]) is not None
+    if licence := re.match(r"License: (\S+)\n ", paragraph):
+        return licence[1] in licences
+    return True
+
+
+def demo(program):
+    """The scans that the station has within."""
+    manifest = tomllib.loads((program.package.folder / "Cargo.toml").read_text())
+    scans = [path.removeprefix("/") for path in manifest["package"]["include"] if path.startswith("/fixtures/")]
+    return " ".join(scans) or None
+
+
 def libusb_holders(program):
     """Of the files of libusb that are compiled on Linux."""
+    if not program.libusb:
+        return []
     source = program.libusb / "libusb"
     compiled = re.compile(r"libusb/[^/]*$|os/linux_|os/.*_posix")
     files = [path for path in source.rglob("*.[ch]") if compiled.search(str(path))]
@@ -100,7 +127,11 @@ def copyright_file(program):
         "libusb holders": joined(libusb_holders(program)),
         "SQLite": program.sqlite_version,
         "Rust": program.rust,
+        "demo": demo(program),
         "OFL": indented((fonts / "OFL.txt").read_text().split("\n\n", 1)[1]),
         "font holders": joined(whose(line) for line in claims((fonts / "OFL.txt").read_text())),
     }
-    return re.sub(r"\{\{(.+?)\}\}", lambda place: parts[place[1]], template)
+    paragraphs = filled(template, parts).split("\n\n")
+    files = [one for one in paragraphs if one.startswith("Files: ") and is_needed(one, program, ())]
+    licences = set(re.findall(r"[\w.+-]+", " ".join(re.findall(r"^License: (.+)$", "\n".join(files), re.M))))
+    return "\n\n".join(one for one in paragraphs if is_needed(one, program, licences))

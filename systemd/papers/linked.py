@@ -8,7 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # Crates that compile C, and what of it copyright.in names.
-COMPILES_C = {"libsqlite3-sys": "SQLite", "libusb1-sys": "libusb", "ring": "parts of BoringSSL"}
+COMPILES_C = {
+    "libsqlite3-sys": "SQLite",
+    "libusb1-sys": "libusb",
+    "ring": "parts of BoringSSL",
+    "zstd-sys": "libzstd",
+}
 
 # Where the texts of licences stand, in files of crates.
 LICENCE_FILE = re.compile(r"(licen[sc]e|copying|notice|copyright|unlicense|ofl)", re.I)
@@ -58,7 +63,7 @@ def is_licence(path):
 class Program:
     root: Path
     # With the other crates of the workspace.
-    gaiter: Crate
+    package: Crate
     # Those of others.
     crates: list[Crate]
     rust: str
@@ -67,21 +72,28 @@ class Program:
     rust_notices: str
 
     def crate(self, name):
-        return next(crate for crate in self.crates if crate.name == name)
+        """The crate of this name, if it is linked."""
+        return next((crate for crate in self.crates if crate.name == name), None)
 
     @property
     def libusb(self):
-        return self.crate("libusb1-sys").folder / "libusb"
+        crate = self.crate("libusb1-sys")
+        return crate and crate.folder / "libusb"
 
     @property
     def libusb_version(self):
+        if not self.libusb:
+            return None
         text = (self.libusb / "libusb/version.h").read_text()
         numbers = [re.search(rf"LIBUSB_{part} (\d+)", text)[1] for part in ("MAJOR", "MINOR", "MICRO")]
         return ".".join(numbers)
 
     @property
     def sqlite_version(self):
-        header = self.crate("libsqlite3-sys").folder / "sqlite3/sqlite3.h"
+        crate = self.crate("libsqlite3-sys")
+        if not crate:
+            return None
+        header = crate.folder / "sqlite3/sqlite3.h"
         return re.search(r'#define SQLITE_VERSION\s+"([\d.]+)"', header.read_text())[1]
 
     @property
@@ -97,7 +109,7 @@ def run(root, *command):
     return subprocess.run(command, cwd=root, check=True, text=True, stdout=subprocess.PIPE).stdout
 
 
-def program(root):
+def program(root, name):
     rustc = run(root, "rustc", "-vV")
     target = re.search(r"^host: (.+)$", rustc, re.M)[1]
     of = ["--locked", "--offline"]
@@ -106,21 +118,21 @@ def program(root):
     lock = tomllib.loads((root / "Cargo.lock").read_text())["package"]
     sums = {f"{p['name']} {p['version']}": p.get("checksum") for p in lock}
     # Also the macros, which write a part of what is compiled, and what those use; no tests.
-    of += ["--package", "gaiter", "--target", target]
+    of += ["--package", name, "--target", target]
     tree = run(root, "cargo", "tree", *of, "--edges", "normal", "--prefix", "depth")
     uses, above = {}, []
     for line in tree.splitlines():
-        depth, name, version = re.match(r"(\d+)(\S+) v(\S+)", line).groups()
-        crate = f"{name} {version}"
+        depth, *crate = re.match(r"(\d+)(\S+) v(\S+)", line).groups()
+        crate = " ".join(crate)
         del above[int(depth):]
         if above:
             uses[above[-1]].add(crate)
         uses.setdefault(crate, set())
         above.append(crate)
     # The crates of the workspace are the program's own: what they use, it uses.
-    gaiter = next(id for id in uses if id.split()[0] == "gaiter")
+    package = next(id for id in uses if id.split()[0] == name)
     own = {id for id in uses if not packages[id]["source"]}
-    uses[gaiter] = set().union(*(uses[id] for id in own)) - own
+    uses[package] = set().union(*(uses[id] for id in own)) - own
     crates = [made(packages[id], sums[id], used) for id, used in sorted(uses.items()) if id not in own]
     for crate in crates:
         compiles = {d["name"] for d in packages[crate.id]["dependencies"] if d["kind"] == "build"}
@@ -132,7 +144,7 @@ def program(root):
         raise Unclear(f"{notices} is missing: rustup's toolchains have it")
     return Program(
         root=root,
-        gaiter=made(packages[gaiter], None, uses[gaiter]),
+        package=made(packages[package], None, uses[package]),
         crates=crates,
         rust=re.search(r"^release: (\S+)$", rustc, re.M)[1],
         target=target,

@@ -79,7 +79,14 @@ def text(program):
         line = f"  {id}: {'; '.join(whose)}" if whose else f"  {id}"
         if line not in owners.setdefault(words, []):
             owners[words].append(line)
-    parts = [HEAD.read_text(encoding="utf-8").replace("{{libusb}}", program.libusb_version)]
+    serialport = program.crate("serialport")
+    head = {
+        "program": program.package.name,
+        "libusb": program.libusb_version,
+        "serialport": serialport and serialport.version,
+        "SQLite": program.sqlite_version,
+    }
+    parts = [debian.filled(HEAD.read_text(encoding="utf-8"), head)]
     for crate in program.crates:
         parts[0] += f"{crate.id}: {crate.licence}\n  https://crates.io/crates/{crate.name}/{crate.version}\n"
     by_use = sorted(texts, key=lambda words: (-len(owners[words]), owners[words]))

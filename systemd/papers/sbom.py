@@ -9,18 +9,23 @@ from datetime import datetime, timezone
 
 def text(program):
     rust = other("std", program.rust, "pkg:github/rust-lang/rust@", {"expression": "MIT OR Apache-2.0"})
-    lgpl = licence("LGPL-2.1-or-later")
-    libusb = other("libusb", program.libusb_version, "pkg:github/libusb/libusb@v", lgpl)
-    sqlite = other("sqlite", program.sqlite_version, "pkg:generic/sqlite@", licence("blessing"))
     fonts = [font(path) for path in program.fonts]
-    gaiter = component(program.gaiter) | {"type": "application"}
-    others = [rust, libusb, sqlite, *fonts]
-    uses = {purl(crate.id): {purl(id) for id in crate.uses} for crate in [program.gaiter, *program.crates]}
+    package = component(program.package) | {"type": "application"}
+    # With the crates that have them within.
+    within = []
+    if crate := program.crate("libusb1-sys"):
+        lgpl = licence("LGPL-2.1-or-later")
+        within.append((crate, other("libusb", program.libusb_version, "pkg:github/libusb/libusb@v", lgpl)))
+    if crate := program.crate("libsqlite3-sys"):
+        blessing = licence("blessing")
+        within.append((crate, other("sqlite", program.sqlite_version, "pkg:generic/sqlite@", blessing)))
+    others = [rust, *(one for _, one in within), *fonts]
+    uses = {purl(crate.id): {purl(id) for id in crate.uses} for crate in [program.package, *program.crates]}
     uses |= {one["bom-ref"]: set() for one in others}
-    uses[gaiter["bom-ref"]] |= {one["bom-ref"] for one in [rust, *fonts]}
-    uses[purl(program.crate("libusb1-sys").id)].add(libusb["bom-ref"])
-    uses[purl(program.crate("libsqlite3-sys").id)].add(sqlite["bom-ref"])
-    metadata = {"component": gaiter}
+    uses[package["bom-ref"]] |= {one["bom-ref"] for one in [rust, *fonts]}
+    for crate, one in within:
+        uses[purl(crate.id)].add(one["bom-ref"])
+    metadata = {"component": package}
     if "SOURCE_DATE_EPOCH" in os.environ:
         made = datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), timezone.utc)
         metadata["timestamp"] = made.strftime("%Y-%m-%dT%H:%M:%SZ")

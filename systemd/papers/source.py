@@ -1,4 +1,4 @@
-"""Source that goes with the program.
+"""Source that goes with the program gaiter.
 
 libusb is linked into it. By section 6a of its licence, the LGPL 2.1, whoever gets the program gets the
 source of libusb, and what it takes to link the program with a changed one: the source of gaiter. The
@@ -41,7 +41,7 @@ def files(root):
 
 def pack(program, folder):
     """The source of gaiter, the same bytes for the same files."""
-    name = f"gaiter-{program.gaiter.version}"
+    name = f"gaiter-{program.package.version}"
     time = int(os.environ.get("SOURCE_DATE_EPOCH", "0"))
 
     def plain(entry):
@@ -60,14 +60,18 @@ def pack(program, folder):
 
 
 def put(program, folder):
+    along = list(filter(goes_along, program.crates))
+    # gaiter-archive links nothing of that kind.
+    if not along:
+        return
     folder.mkdir(exist_ok=True)
     pack(program, folder)
-    for crate in filter(goes_along, program.crates):
+    for crate in along:
         # Beside the folder where Cargo unpacked it.
         packed = f"{crate.name}-{crate.version}.crate"
         path = crate.folder.parents[2] / "cache" / crate.folder.parent.name / packed
         if not path.exists() or hashlib.sha256(path.read_bytes()).hexdigest() != crate.sha256:
             raise Unclear(f"{path} is not the crate of Cargo.lock")
         shutil.copy(path, folder)
-    text = README.read_text().replace("{{gaiter}}", program.gaiter.version)
+    text = README.read_text().replace("{{gaiter}}", program.package.version)
     (folder / "README").write_text(text.replace("{{libusb1-sys}}", program.crate("libusb1-sys").version))

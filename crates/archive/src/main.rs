@@ -22,7 +22,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use fault::ArchiveFault;
 
@@ -93,6 +93,8 @@ enum Verb {
         #[arg(long, requires = "go")]
         over_limit: bool,
     },
+    /// Writes the manual to a folder, a page for each verb.
+    Man { folder: PathBuf },
     /// The worker's measuring process.
     #[command(name = measure::VERB, hide = true)]
     Measure,
@@ -116,13 +118,20 @@ fn main() -> ExitCode {
 }
 
 fn run(args: Args) -> Result<ExitCode, ArchiveFault> {
-    // It gets no configuration, and reads no file.
-    if matches!(args.verb, Verb::Measure) {
-        measure::serve(io::stdin().lock(), io::stdout().lock())?;
-        return Ok(ExitCode::SUCCESS);
-    }
+    let verb = match args.verb {
+        // It gets no configuration, and reads no file.
+        Verb::Measure => {
+            measure::serve(io::stdin().lock(), io::stdout().lock())?;
+            return Ok(ExitCode::SUCCESS);
+        }
+        Verb::Man { folder } => {
+            clap_mangen::generate_to(Args::command(), folder)?;
+            return Ok(ExitCode::SUCCESS);
+        }
+        verb => verb,
+    };
     let config = config::read(&args.config)?;
-    match args.verb {
+    match verb {
         Verb::Index { reconcile, once } => index::index(&config, reconcile, once)?,
         Verb::Work { until_empty } => return work::work(&config, until_empty),
         Verb::Status { listen: Some(address), .. } => status::serve::serve(&config, address)?,
@@ -134,7 +143,7 @@ fn run(args: Args) -> Result<ExitCode, ArchiveFault> {
             let choice = reextract::Choice { sample, limit_mm, go, over_limit };
             return reextract::reextract(&config, &choice);
         }
-        Verb::Measure => {}
+        Verb::Man { .. } | Verb::Measure => {}
     }
     Ok(ExitCode::SUCCESS)
 }
