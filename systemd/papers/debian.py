@@ -126,6 +126,7 @@ def copyright_file(program):
         "libusb": program.libusb_version,
         "libusb holders": joined(libusb_holders(program)),
         "SQLite": program.sqlite_version,
+        "libzstd": program.libzstd_version,
         "Rust": program.rust,
         "demo": demo(program),
         "OFL": indented((fonts / "OFL.txt").read_text().split("\n\n", 1)[1]),

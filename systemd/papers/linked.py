@@ -89,6 +89,11 @@ class Program:
         return ".".join(numbers)
 
     @property
+    def libzstd_version(self):
+        crate = self.crate("zstd-sys")
+        return crate and crate.version.split("+zstd.")[1]
+
+    @property
     def sqlite_version(self):
         crate = self.crate("libsqlite3-sys")
         if not crate:

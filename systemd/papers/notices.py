@@ -71,7 +71,8 @@ def text(program):
     # By the words of the text, so that its line breaks part nobody.
     texts, owners = {}, {}
     for id, name, said in sources(program):
-        if not debian.is_taken(Path(name)):
+        # Of a choice between another licence and the GPL, gaiter takes the other.
+        if not debian.is_taken(Path(name)) or "GNU GENERAL PUBLIC LICENSE\n" in said:
             continue
         whose, body = parted(name, said)
         words = re.sub(r"\W+", " ", TITLE.sub("", body)).strip().lower()
@@ -85,6 +86,7 @@ def text(program):
         "libusb": program.libusb_version,
         "serialport": serialport and serialport.version,
         "SQLite": program.sqlite_version,
+        "libzstd": program.libzstd_version,
     }
     parts = [debian.filled(HEAD.read_text(encoding="utf-8"), head)]
     for crate in program.crates:

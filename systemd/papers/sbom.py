@@ -19,6 +19,9 @@ def text(program):
     if crate := program.crate("libsqlite3-sys"):
         blessing = licence("blessing")
         within.append((crate, other("sqlite", program.sqlite_version, "pkg:generic/sqlite@", blessing)))
+    if crate := program.crate("zstd-sys"):
+        bsd = licence("BSD-3-Clause")
+        within.append((crate, other("libzstd", program.libzstd_version, "pkg:github/facebook/zstd@v", bsd)))
     others = [rust, *(one for _, one in within), *fonts]
     uses = {purl(crate.id): {purl(id) for id in crate.uses} for crate in [program.package, *program.crates]}
     uses |= {one["bom-ref"]: set() for one in others}

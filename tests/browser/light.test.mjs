@@ -78,7 +78,7 @@ test("a held scan is told while another export is expected", async () => {
 });
 
 test("an export that does not come is told, and a station without a button is not told to press one", async () => {
-  await at(await Station.make({ patient: 'expires = "10s"' }), async (station) => {
+  await at(await Station.make({ patient: 'expires = "10s"', more: '[capture]\nlate = "9m"\n' }), async (station) => {
     const { page } = await tab(browser, station);
     await page.goto(station.link());
     await page.getByRole("button", { name: "Name the next patient" }).click();

@@ -13,7 +13,8 @@ import { gunzipSync } from "node:zlib";
 
 import { chromium } from "playwright-core";
 
-import { decodePng, swipe } from "./viewer_page.mjs";
+import { PATIENCE_MS, until } from "./station.mjs";
+import { decodePng, settled, swipe } from "./viewer_page.mjs";
 
 const root = resolve(import.meta.dirname, "../..");
 const gaiter = resolve(root, process.env.GAITER_BIN ?? "target/debug/gaiter");
@@ -60,6 +61,7 @@ function report(name, of, language, ...choices) {
 async function onPage(address, options, claim) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, colorScheme: "light", ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (message) => { if (message.type() === "error") faults.push(message.text()); });
@@ -153,7 +155,7 @@ test("both feet are shown whole, and the legs fill the view's height or width", 
       for (const name of ["Maßband", "Messpunkte mit Umfang"]) await page.getByLabel(name, { exact: true }).setChecked(false);
       const stage = page.locator(".gaiter-stage");
       await stage.scrollIntoViewIfNeeded();
-      await page.waitForTimeout(200);
+      await settled(page);
       const image = decodePng(await stage.screenshot());
       const drawn = Array.from({ length: image.height }, (_, y) => Array.from({ length: image.width }, (__, x) => x)
         .filter((x) => { const [red, , blue] = image.pixel(x, y); return red > blue + 15 && red < 230; }));
@@ -176,7 +178,7 @@ test("on a phone both legs, their levels and the tape are in view, nothing is cu
     await onPage(report("plain", record, language), { viewport: { width: 390, height: 844 }, hasTouch: true }, async (page) => {
       const stage = page.locator(".gaiter-stage");
       await stage.scrollIntoViewIfNeeded();
-      await page.waitForTimeout(200);
+      await settled(page);
       const frame = await stage.boundingBox();
       assert.ok(frame.height < 844 && frame.x >= 0 && frame.x + frame.width <= 390);
       const labels = await page.locator(".gaiter-stage span:visible").evaluateAll((spans) => spans.map((span) =>
@@ -209,12 +211,10 @@ test("the wheel over the view scrolls the page, and so does a finger", async () 
     let before = await at();
     await page.mouse.click(box.x + 40, box.y + 300);
     await page.mouse.wheel(0, 200);
-    await page.waitForTimeout(400);
-    assert.ok(await at() >= before + 200);
+    await until("the wheel", async () => await at() >= before + 200);
     before = await at();
     await swipe(page, [box.x + 40, 400], 150);
-    await page.waitForTimeout(200);
-    assert.ok(await at() < before - 100);
+    await until("the finger", async () => await at() < before - 100);
   });
 });
 

@@ -160,7 +160,11 @@ ${more}`);
 
   /** What the station says of itself to everybody. */
   async state() {
-    return (await fetch(`${this.origin}/state`)).json();
+    for (;;) {
+      const answer = await fetch(`${this.origin}/state`);
+      // On a busy machine it may not be made in time.
+      if (answer.status !== 503) return answer.json();
+    }
   }
 }
 

@@ -6,6 +6,8 @@ import { inflateSync } from "node:zlib";
 
 import { chromium } from "playwright-core";
 
+import { PATIENCE_MS } from "./station.mjs";
+
 const VIEWER = new URL("../../crates/record/src/report/viewer/", import.meta.url);
 
 /** The parts of the script in the order of their names behind the English words, as the program has them. */
@@ -59,6 +61,7 @@ export async function start() {
 async function openPage(browser, address, options) {
   const context = await browser.newContext({ viewport: { width: 900, height: 800 }, colorScheme: "light", ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (message) => { if (message.type() === "error") faults.push(message.text()); });
@@ -94,7 +97,7 @@ export async function swipe(page, [x, y], byPx) {
 
 /** Waits until the page has been scrolled this far; a strict page allows no predicate as text. */
 export async function scrolled(page, leastPx) {
-  for (let tries = 0; tries < 100; tries += 1) {
+  for (let tries = 0; tries < 2400; tries += 1) {
     if (await page.evaluate(() => window.scrollY) >= leastPx) return settled(page);
     await page.waitForTimeout(50);
   }

@@ -13,6 +13,8 @@ import { gunzipSync } from "node:zlib";
 
 import { chromium } from "playwright-core";
 
+import { PATIENCE_MS } from "./station.mjs";
+
 const root = resolve(import.meta.dirname, "../..");
 const gaiter = resolve(root, process.env.GAITER_BIN ?? "target/debug/gaiter");
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -71,6 +73,7 @@ async function onPage(language, options, claim) {
   const address = pathToFileURL(join(folder, language, "visits.html")).href;
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, colorScheme: "light", ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (message) => { if (message.type() === "error") faults.push(message.text()); });

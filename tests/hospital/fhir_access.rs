@@ -116,8 +116,8 @@ fn a_signed_statement_gets_a_token_which_is_renewed_before_and_after_its_end() {
         assert!(setback(&store, &SMALL).contains("401"));
         assert_eq!((given(), house.strikes()), (3, 3));
         house.becomes("");
-        // A token of four seconds is renewed before its end, not at it.
-        fs::write(house.path("token-seconds"), "4").unwrap();
+        // A token of twelve seconds is renewed before its end, not at it.
+        fs::write(house.path("token-seconds"), "12").unwrap();
         house.becomes("401 1");
         put(&store, &SMALL);
         let refused = || house.log().iter().filter(|line| line.ends_with(" 401")).count();

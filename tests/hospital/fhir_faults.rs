@@ -16,7 +16,7 @@ use crate::server::{House, own_fhir};
 /// How long an answer is waited for that does not come.
 const SHORT: Duration = Duration::from_secs(2);
 
-/// How long a store that waits for [`SHORT`] may take, on a busy machine.
+/// How long a store may take on a busy machine, besides the limits of its requests.
 const SOON: Duration = Duration::from_secs(12);
 
 /// Requests of a delivery, a correction and a take-back, at least: a search and a transaction; a look at each
@@ -69,7 +69,7 @@ fn struck_everywhere(
             Ok(()) | Err(StoreFault::Server(_)) => {}
             Err(other) => panic!("{fault} at request {nth}: {other:?}"),
         }
-        assert!(took < SOON.max(limit), "{fault} at request {nth}: {took:?}");
+        assert!(took < SOON + 5 * limit, "{fault} at request {nth}: {took:?}");
         let counts = house.counts();
         let is_once = counts.iter().zip(ONE).all(|(found, most)| *found <= most);
         assert!(is_once, "{fault} at request {nth}: {counts:?}");

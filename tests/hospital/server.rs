@@ -21,7 +21,7 @@ use tempfile::TempDir;
 const UP: Duration = Duration::from_secs(120);
 
 /// How long a line of a log is waited for.
-const SOON: Duration = Duration::from_secs(20);
+const SOON: Duration = Duration::from_secs(120);
 
 /// A server that is up.
 pub struct Server {

@@ -32,7 +32,7 @@ use crate::records::SMALL;
 const UP: Duration = Duration::from_secs(60);
 
 /// How long an answer is waited for.
-const LONG: Duration = Duration::from_secs(20);
+const LONG: Duration = Duration::from_secs(120);
 
 /// How long one is waited for that does not come.
 const SHORT: Duration = Duration::from_secs(1);

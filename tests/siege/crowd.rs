@@ -202,7 +202,7 @@ fn jostle_at_the_socket(field: &Field, chance: &mut Chance) {
 }
 
 /// How long a station that is on its way out may take to be gone.
-const GOING: Duration = Duration::from_millis(500);
+const GOING: Duration = Duration::from_secs(5);
 
 /// Tries to have the page's port for himself, while the station is up and has said that it is ready.
 /// Whoever has it could show the operator a page of his own. A station that ends gives its port away, so

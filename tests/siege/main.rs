@@ -46,7 +46,7 @@ const SILENCE: Duration = Duration::from_secs(60);
 const PAUSE_MOST: Duration = Duration::from_secs(300);
 
 /// How long a station that has just been started may complain of what was.
-const HEALTHY: Duration = Duration::from_secs(30);
+const HEALTHY: Duration = Duration::from_secs(120);
 
 /// How far above its beginning the station may be when all is over: threads that block end when they have
 /// been idle, and whoever watches keeps some of them busy; the allocator keeps memory.

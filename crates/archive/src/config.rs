@@ -117,7 +117,7 @@ fn keys(reader: &mut Reader<'_, What>) -> Option<ArchiveConfig> {
     let host = reader.text("database.host", Default("/run/postgresql"), word);
     let port = reader.text("database.port", Default("5432"), port);
     let name = reader.text("database.name", Default("gaiter_archive"), word);
-    let user = reader.text("database.user", Default("gaiter_archive"), word);
+    let user = reader.text("database.user", Default("gaiter-archive"), word);
     let password = reader.text("database.password", Default(""), or_none(secret));
     let authorities = reader.text("database.authorities", Default(""), or_none(full_path));
     let address = reader.text("objects.address", Required("https://s3.clinic.example"), address);

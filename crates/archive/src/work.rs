@@ -13,6 +13,7 @@ use gaiter_https::{Bucket, PutNew};
 use gaiter_leg::Method;
 use gaiter_record::archive::{Document, MethodId, ObjectKey, ScanResult};
 use postgres::Client;
+use rustix::system::uname;
 use tokio::runtime;
 use tokio::signal::unix::{SignalKind, signal};
 use zstd::bulk::compress;
@@ -40,9 +41,6 @@ const SETBACK: Duration = Duration::from_secs(5);
 /// The worker was asked to end before all scans were measured, and can be started again (`EX_TEMPFAIL` of `sysexits.h`).
 const EXIT_ASKED_TO_END: u8 = 75;
 
-/// The machine's name.
-const HOST_NAME: &str = "/proc/sys/kernel/hostname";
-
 /// One of the threads, each with a connection of its own.
 struct Worker<'a> {
     config: &'a ArchiveConfig,
@@ -69,12 +67,14 @@ enum Done {
 pub fn work(config: &ArchiveConfig, until_empty: bool) -> Result<ExitCode, ArchiveFault> {
     let method = Method::default();
     let id = MethodId::of(&method)?;
-    let host = std::fs::read_to_string(HOST_NAME).unwrap_or_default();
+    // Not from /proc/sys, which the unit hides.
+    let system = uname();
+    let host = system.nodename().to_string_lossy();
     let asked = asked_to_end()?;
     let asked_to_end = &*asked;
     thread::scope(|scope| {
         for number in 0..config.processes {
-            let name = format!("{}:{}:{number}", host.trim(), process::id());
+            let name = format!("{host}:{}:{number}", process::id());
             let (method, id) = (method.clone(), id.clone());
             let worker = Worker { config, method, id, name, until_empty, asked_to_end };
             scope.spawn(move || worker.run());

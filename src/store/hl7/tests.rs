@@ -15,6 +15,9 @@ use tempfile::TempDir;
 use super::*;
 use crate::store::sums;
 
+/// How long an answer is waited for that does not come.
+const SHORT: Duration = Duration::from_secs(3);
+
 /// What a receiver does with a message.
 #[derive(Debug, Clone, Copy)]
 enum Mode {
@@ -165,10 +168,10 @@ fn a_message_is_sent_until_it_is_accepted_and_never_again_whatever_becomes_of_th
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
     store.reach().unwrap();
-    let hasty = receiver.store_that_waits(Duration::from_secs(1), state.path());
+    let hasty = receiver.store_that_waits(SHORT, state.path());
     for (mode, store, said) in [
-        (Mode::Silent, &hasty, "no whole answer within 1 s"),
-        (Mode::Drip, &hasty, "no whole answer within 1 s"),
+        (Mode::Silent, &hasty, "no whole answer within 3 s"),
+        (Mode::Drip, &hasty, "no whole answer within 3 s"),
         (Mode::Half, &store, "end of file"),
         (Mode::Flood, &store, "more than 262144 bytes"),
         (Mode::Locked, &store, "AE: 206"),
@@ -177,7 +180,7 @@ fn a_message_is_sent_until_it_is_accepted_and_never_again_whatever_becomes_of_th
         let began = Instant::now();
         let fault = passing(store);
         assert!(fault.contains(said), "{mode:?}: {fault}");
-        assert!(began.elapsed() < Duration::from_secs(10), "{mode:?} took {:?}", began.elapsed());
+        assert!(began.elapsed() < Duration::from_secs(60), "{mode:?} took {:?}", began.elapsed());
     }
     receiver.becomes(Mode::Accept);
     assert!(is_new(&store, 1));
@@ -255,7 +258,7 @@ fn a_correction_a_withdrawal_and_a_result_after_it_are_messages_of_their_own() {
 fn a_result_whose_answer_was_lost_is_taken_back_and_one_that_was_refused_is_not() {
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
-    let hasty = receiver.store_that_waits(Duration::from_secs(1), state.path());
+    let hasty = receiver.store_that_waits(SHORT, state.path());
     let withdraw =
         |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None, PastDelivery::default());
     receiver.becomes(Mode::Refuse);

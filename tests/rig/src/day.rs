@@ -30,7 +30,8 @@ const TRUE_FIRST: &str = "1003";
 
 /// How long a scan may take to be measured before the next patient's is in question: longer than it does
 /// where many days are played at once on a busy machine. With a button each start waits so long.
-const WINDOW: &str = "20s";
+const WINDOW: &str = "120s";
+const WINDOW_WITH_BUTTON: &str = "20s";
 
 /// A day holds so many looks after a name or a press before anything is exported: what lies there at
 /// the second one was not there at the first.
@@ -92,9 +93,10 @@ impl Day {
         let at = booth.path("");
         let at = at.to_str().unwrap().trim_end_matches('/');
         fs::create_dir(booth.path("orders")).unwrap();
+        let window = if has_button { WINDOW_WITH_BUTTON } else { WINDOW };
         let mut further = format!(
             "[patient.orders]\npath = \"{at}/orders\"\nquiet = \"50ms\"\n\
-             [capture]\nwindow = \"{WINDOW}\"\nlate = \"0s\"\n"
+             [capture]\nwindow = \"{window}\"\nlate = \"0s\"\n"
         );
         let button = has_button.then(|| {
             let port = booth.path("button");

@@ -5,6 +5,7 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
+use std::time::Instant;
 
 use serde_json::Value;
 
@@ -66,8 +67,16 @@ impl Site {
         ]
     }
 
+    /// Asks again where an answer takes the station too long, as on a busy machine: that is 503 without a word.
     pub fn get(&self, path: &str, headers: &[Header]) -> HttpAnswer {
-        self.request("GET", path, "", headers)
+        let began = Instant::now();
+        loop {
+            let answer = self.request("GET", path, "", headers);
+            let is_late = answer.status == 503 && answer.body.is_empty();
+            if !is_late || began.elapsed() > PATIENCE {
+                return answer;
+            }
+        }
     }
 
     pub fn post(&self, path: &str, body: &str, headers: &[Header]) -> HttpAnswer {

@@ -30,7 +30,7 @@ pub struct Ports {
 }
 
 /// How long a verb may take, on a busy machine.
-const LONG: Duration = Duration::from_secs(120);
+const LONG: Duration = Duration::from_secs(600);
 
 /// More than any result has, bytes.
 const RESULT_MOST: u64 = 1 << 26;
