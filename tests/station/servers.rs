@@ -98,6 +98,7 @@ fn told(booth: &Booth, args: &[&str]) -> String {
 }
 
 const DELIVERED: &str = "SELECT count(*) FROM scans WHERE state = 'delivered'";
+const OWED: &str = "SELECT count(*) FROM deliveries WHERE amended <> ''";
 
 #[test]
 fn a_scan_whose_server_is_slow_is_measured_once() {
@@ -133,8 +134,11 @@ fn a_revision_that_a_server_refuses_is_a_notice_until_a_person_has_it_sent_again
     assert!(shown.contains("hl7: delivered [revision-refused]"), "{shown}");
     assert!(told(&booth, &["scans"]).contains("revision-refused"));
     becomes(&says, ACCEPTED);
-    told(&booth, &["retry", id]);
-    booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE amended <> ''", 0);
+    let retried = booth.gaiter(&["retry", id]);
+    // A station that has offered it again by itself, on a busy machine, owes none.
+    let is_owed = booth.journal(OWED) != Some(0);
+    assert!(code(&retried) == Some(0) || !is_owed, "{}", stderr(&retried));
+    booth.wait_for_journal(OWED, 0);
     assert_eq!(complaints(&booth), Vec::<String>::new());
     assert_eq!(daemon.stop().code(), Some(0));
 }
