@@ -160,11 +160,13 @@ ${more}`);
 
   /** What the station says of itself to everybody. */
   async state() {
-    for (;;) {
-      const answer = await fetch(`${this.origin}/state`);
-      // On a busy machine it may not be made in time.
-      if (answer.status !== 503) return answer.json();
-    }
+    let answer;
+    // On a busy machine it may not be made in time.
+    await until("an answer", async () => {
+      answer = await fetch(`${this.origin}/state`);
+      return answer.status !== 503;
+    });
+    return answer.json();
   }
 }
 

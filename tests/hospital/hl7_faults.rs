@@ -137,7 +137,7 @@ fn an_encrypted_receiver_must_have_the_right_certificate_and_may_ask_for_one() {
     assert!(told.contains("UnknownIssuer") || told.contains("no certificates"), "{told}");
     let told = refusal("expired", tls(None)).to_lowercase();
     assert!(told.contains("expired"), "{told}");
-    // It waits for more than TLS begins with.
+    // It takes the beginning of TLS for that of a message, and waits for its end.
     setback(&by("plain", tls(None), SHORT).store, &SMALL);
     refusal("mutual", tls(None));
     assert_eq!(house.messages().len(), 0, "nothing was sent to a receiver that is not trusted");

@@ -29,8 +29,10 @@ const PATIENTS: [(&str, &str); 2] = [("1001", "first.obj"), ("1002", "second.obj
 const TRUE_FIRST: &str = "1003";
 
 /// How long a scan may take to be measured before the next patient's is in question: longer than it does
-/// where many days are played at once on a busy machine. With a button each start waits so long.
+/// where many days are played at once on a busy machine.
 const WINDOW: &str = "120s";
+
+/// The same with a button, where each start waits so long.
 const WINDOW_WITH_BUTTON: &str = "20s";
 
 /// A day holds so many looks after a name or a press before anything is exported: what lies there at
