@@ -3,7 +3,6 @@
 //! [`load`] is pure, text in; [`read`] is the thin layer that takes the text from a file.
 
 mod capture;
-mod fault;
 mod gdt;
 mod load;
 mod observability;
@@ -32,7 +31,6 @@ use regex::Regex;
 
 use crate::store::Access;
 pub use capture::{CaptureConfig, PatientConfig};
-pub use fault::{ConfigFault, What};
 use gaiter_cad::Output;
 use gaiter_flow::confinement::Confine;
 use gaiter_flow::retention::Retention;
@@ -56,6 +54,9 @@ pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;
 pub use watch::WatchConfig;
 pub use words::WithoutTrigger;
+
+/// One fault in a configuration file.
+pub type ConfigFault = gaiter_toml::Fault<gaiter_toml::What>;
 
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]

@@ -7,8 +7,7 @@ use gaiter_flow::{Mask, OrdersWhen};
 use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{GdtRules, Product, Reference};
 
-use super::fault::What;
-use super::parse::{self, Absent, Found, Reader, not_a};
+use super::parse::{self, Absent, Found, Reader, What, not_a};
 use super::words::Words;
 use crate::store::gdt::Attached;
 
@@ -190,7 +189,7 @@ fn reference(text: &str) -> Result<(Reference, String), What> {
         return parse::word(REFERENCES)(text).map(|reference| (reference, String::new()));
     }
     if text.contains(char::is_control) {
-        return Err(What::ControlInPath(text.into()));
+        return Err(parse::control_in_path(text));
     }
     Ok((Reference::Full, text.into()))
 }

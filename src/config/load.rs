@@ -1,6 +1,5 @@
 //! The text of `station.toml` → [`Config`], or all of its faults.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use gaiter_cad::Output;
@@ -11,8 +10,7 @@ use gaiter_record::report::Print;
 use gaiter_toml::What::Twice;
 use toml::de::DeTable;
 
-use super::fault::{ConfigFault, What};
-use super::parse::{self, Absent, Found, Reader};
+use super::parse::{self, Absent, Found, Reader, What};
 use super::removed::REMOVED;
 use super::sizes::FilesBeside;
 use super::sizes::beside::Files;
@@ -22,8 +20,9 @@ use super::words::{
     VOLUMES, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
-    Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, observability, page, phantom, servers, sizes, trigger, watch,
+    Config, ConfigFault, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig,
+    StationConfig, StoreConfig, capture, gdt, observability, page, phantom, servers, sizes,
+    trigger, watch,
 };
 
 /// Reads the text of a configuration that names no other files.
@@ -132,8 +131,9 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
         && faces_up_or_down(up.value, facing.value)
     {
         let (up, faces) = (spelt(UPS, up.value), spelt(FACINGS, facing.value));
-        let what = What::FacesUpOrDown { facing: faces, up };
-        reader.note(facing.at.clone(), "scanner.facing", what);
+        let message = format!("\"{faces}\" is along the up axis, scanner.up = \"{up}\"");
+        let hint = "choose a horizontal axis, or \"auto\" to find it from the feet";
+        reader.note(facing.at.clone(), "scanner.facing", What::own(message, hint));
     }
 
     let (capture, patient) = whose?;
@@ -217,14 +217,10 @@ fn b1(text: &str) -> Result<B1, What> {
     if text == B1::Steepest.word() {
         return Ok(B1::Steepest);
     }
-    match parse::length_in("2cm"..="20cm")(text) {
-        Ok(distance_mm) => Ok(B1::AboveB { distance_mm: f64::from(distance_mm) }),
-        Err(What::NotA { text, .. }) => {
-            let hint = "write \"steepest\", or how far B1 is above B: \"8cm\"";
-            Err(parse::not_a(&text, "a valid place of B1", hint))
-        }
-        Err(what) => Err(what),
-    }
+    let hint = "write \"steepest\", or how far B1 is above B: \"8cm\"";
+    parse::length(text).map_err(|_| parse::not_a(text, "a valid place of B1", hint))?;
+    let distance_mm = parse::length_in("2cm"..="20cm")(text)?;
+    Ok(B1::AboveB { distance_mm: f64::from(distance_mm) })
 }
 
 fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {
@@ -301,14 +297,11 @@ fn folders_apart(
 fn apart(reader: &mut Reader, a: Named, b: Named) {
     let Some(a_is_inner) = nested(&a.1.value, &b.1.value) else { return };
     let ((key, inner), (other_key, outer)) = if a_is_inner { (a, b) } else { (b, a) };
-    let spelt = |path: &Path| path.display().to_string();
-    let what = What::Overlap {
-        inner: spelt(&inner.value),
-        outer: spelt(&outer.value),
-        other_key: other_key.into(),
-    };
-    let at: Range<usize> = inner.at.clone();
-    reader.note(at, key, what);
+    let how = if inner.value == outer.value { "is also" } else { "lies inside" };
+    let (inner_path, outer_path) = (inner.value.display(), outer.value.display());
+    let message = format!("\"{inner_path}\" {how} {other_key} \"{outer_path}\"");
+    let what = What::own(message, "exports, state and records need separate folders");
+    reader.note(inner.at.clone(), key, what);
 }
 
 /// `Some(true)` if `a` is or lies inside `b`, `Some(false)` if `b` lies inside `a`, `None` otherwise.

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 use super::StatusConfig;
-use super::fault::What;
-use super::parse::{self, Absent, Found, Reader};
+use super::parse::{self, Absent, Found, Reader, What};
 use super::removed::REMOVED;
 
 /// The name of the control socket in the state folder.
@@ -31,7 +30,9 @@ pub(super) fn control_socket(reader: &mut Reader, state_dir: Option<&Found<PathB
     let most = SOCKET_PATH_MOST - CONTROL_SOCKET.len() - 1;
     let length = state_dir.value.as_os_str().as_bytes().len();
     if length > most {
-        let what = What::LongPath { length, most };
+        let message =
+            format!("has {length} bytes; the station's control socket in it allows {most}");
+        let what = What::own(message, "choose a shorter path: \"/var/lib/gaiter\"");
         reader.note(state_dir.at.clone(), "station.state_dir", what);
     }
 }
@@ -54,7 +55,11 @@ pub fn state_dir(text: &str) -> Option<PathBuf> {
 fn loopback(text: &str) -> Result<Option<SocketAddr>, What> {
     let hint = r#"write "off", or an address of this machine and a port: "127.0.0.1:9184""#;
     match parse::address_or_off(text, hint)? {
-        Some(address) if !address.ip().is_loopback() => Err(What::NotLoopback(text.into())),
+        Some(address) if !address.ip().is_loopback() => {
+            let message = format!("\"{text}\" can be reached from other machines");
+            let hint = r#"the address must be on this machine: "127.0.0.1:9184""#;
+            Err(What::own(message, hint))
+        }
         address => Ok(address),
     }
 }
@@ -80,10 +85,12 @@ mod tests {
             assert_eq!(loopback(text), Ok(Some(text.parse().unwrap())), "{text}");
         }
         for text in ["0.0.0.0:9184", "[::]:9184", "192.168.1.4:9184", "[::ffff:10.0.0.1]:80"] {
-            assert_eq!(loopback(text), Err(What::NotLoopback(text.into())), "{text}");
+            let message = format!("\"{text}\" can be reached from other machines");
+            assert_eq!(loopback(text).unwrap_err().to_string(), message);
         }
         for text in ["", "on", "9184", ":9184", "127.0.0.1", "localhost:9184", "127.0.0.1:99999"] {
-            assert!(matches!(loopback(text), Err(What::NotA { .. })), "{text}");
+            let message = format!("\"{text}\" is not an address and port");
+            assert_eq!(loopback(text).unwrap_err().to_string(), message);
         }
     }
 }

@@ -4,8 +4,7 @@ use std::net::SocketAddr;
 
 use gaiter_flow::page::IdsShown;
 
-use super::fault::{ADDRESS, What};
-use super::parse::{self, Absent, Reader};
+use super::parse::{self, Absent, Reader, What};
 use super::words::IDS_SHOWN;
 
 /// `[page]`: who may read the operator's page, and what it shows.
@@ -27,8 +26,12 @@ pub(super) fn config(reader: &mut Reader) -> Option<PageConfig> {
 
 /// `"off"`, or an address that other machines can reach.
 fn reachable(text: &str) -> Result<Option<SocketAddr>, What> {
-    match parse::address_or_off(text, ADDRESS)? {
-        Some(address) if address.ip().is_loopback() => Err(What::OnlyLoopback(text.into())),
+    let hint = r#"write "off", or this machine's address on the local network and a port: "192.168.1.20:9180""#;
+    match parse::address_or_off(text, hint)? {
+        Some(address) if address.ip().is_loopback() => {
+            let message = format!("\"{text}\" cannot be reached from other machines");
+            Err(What::own(message, hint))
+        }
         address => Ok(address),
     }
 }
@@ -44,10 +47,12 @@ mod tests {
             assert_eq!(reachable(text), Ok(Some(text.parse().unwrap())), "{text}");
         }
         for text in ["127.0.0.1:9180", "[::1]:9180"] {
-            assert_eq!(reachable(text), Err(What::OnlyLoopback(text.into())), "{text}");
+            let message = format!("\"{text}\" cannot be reached from other machines");
+            assert_eq!(reachable(text).unwrap_err().to_string(), message);
         }
         for text in ["", "on", "192.168.1.20", "booth:9180"] {
-            assert!(matches!(reachable(text), Err(What::NotA { .. })), "{text}");
+            let message = format!("\"{text}\" is not an address and port");
+            assert_eq!(reachable(text).unwrap_err().to_string(), message);
         }
     }
 }

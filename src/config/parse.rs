@@ -1,15 +1,14 @@
 //! Parses the text of one value. The functions report what is wrong, not where.
 
 use std::net::SocketAddr;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
 use regex::Regex;
 
-use super::fault::What;
-use super::words;
-pub(super) use gaiter_toml::{Absent, Found, or_none, word};
+use super::words::{self, HEIGHTS_CM};
+pub(super) use gaiter_toml::{Absent, Found, What, or_none, word};
 
 /// Reads the keys of `station.toml`.
 pub(super) type Reader<'t> = gaiter_toml::Reader<'t, What>;
@@ -24,7 +23,7 @@ fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
 
 /// The fault of a text that is nothing of this kind.
 pub(super) fn not_a(text: &str, what: &'static str, hint: &'static str) -> What {
-    What::NotA { text: text.into(), what, hint }
+    What::own(format!("\"{text}\" is not {what}"), hint)
 }
 
 /// The smallest and the largest allowed value, as written in the file.
@@ -39,7 +38,8 @@ fn within<T: PartialOrd>(
     move |text| {
         let value = parse(text)?;
         if value < parse(least)? || value > parse(most)? {
-            return Err(What::OutOfRange { text: text.into(), least, most });
+            let hint = format!("anything from \"{least}\" to \"{most}\"");
+            return Err(What::own(format!("\"{text}\" is out of range"), hint));
         }
         Ok(value)
     }
@@ -111,7 +111,11 @@ pub(super) fn distance_in(bounds: Bounds) -> impl Fn(&str) -> Result<f64, What> 
 
 /// A height above the floor in cm, in mm.
 pub(super) fn height_mm(text: &str) -> Result<f64, What> {
-    words::height_mm(text).ok_or_else(|| What::NotAHeight(text.into()))
+    words::height_mm(text).ok_or_else(|| {
+        let Range { start, end } = HEIGHTS_CM;
+        let hint = format!("a height above the floor in cm, more than {start} and less than {end}");
+        What::own(format!("{text} is not a height on a leg"), hint)
+    })
 }
 
 /// A station's name: only the plainest characters, because it is part of file names.
@@ -120,8 +124,14 @@ pub(super) fn station_id(text: &str) -> Result<String, What> {
     if plain && (1..=32).contains(&text.len()) {
         Ok(text.into())
     } else {
-        Err(What::NotAStationId(text.into()))
+        Err(not_a_station_id(text))
     }
+}
+
+/// The fault of a text that is no station's name.
+pub(super) fn not_a_station_id(text: &str) -> What {
+    let message = format!("\"{text}\" cannot be the name of a station");
+    What::own(message, "1 to 32 letters (a-z, A-Z), digits, - and _")
 }
 
 /// A full path. A relative one is refused: a daemon has no obvious working folder, and the folder of the
@@ -129,23 +139,37 @@ pub(super) fn station_id(text: &str) -> Result<String, What> {
 pub(super) fn full_path(text: &str) -> Result<PathBuf, What> {
     let path = Path::new(text);
     if text.contains(char::is_control) {
-        return Err(What::ControlInPath(text.into()));
+        return Err(control_in_path(text));
     }
     if !path.is_absolute() {
-        return Err(What::RelativePath(text.into()));
+        let hint = match text.starts_with('~') {
+            true => "write the home folder in full; ~ is only known to a shell",
+            false => "write the path from the root on, beginning with /",
+        };
+        return Err(What::own(format!("\"{text}\" is not a full path"), hint));
     }
+    // The target is not obvious.
     if path.components().any(|part| part == Component::ParentDir) {
-        return Err(What::ClimbingPath(text.into()));
+        let hint = "write where the path really leads, without ..";
+        return Err(What::own(format!("\"{text}\" contains \"..\""), hint));
     }
     // Collecting the components drops doubled and trailing slashes, so that equal folders compare equal.
     Ok(path.components().collect())
+}
+
+/// The fault of a path with a control character, usually a `\r` or `\t` that was meant as part of a folder's name.
+pub(super) fn control_in_path(text: &str) -> What {
+    let hint = "in double quotes a \\ begins a special character; use single quotes";
+    What::own(format!("\"{text}\" contains a control character"), hint)
 }
 
 fn regex(text: &str) -> Result<Regex, What> {
     Regex::new(text).map_err(|error| {
         let message = error.to_string();
         let last = message.lines().last().unwrap_or_default();
-        What::NotARegex(last.trim_start_matches("error: ").into())
+        let why = last.trim_start_matches("error: ");
+        let hint = "in single quotes a \\ needs no doubling: '^P?[0-9]+_'";
+        What::own(format!("is not a regular expression: {why}"), hint)
     })
 }
 
@@ -165,8 +189,11 @@ pub(super) fn address_or_off(text: &str, hint: &'static str) -> Result<Option<So
 /// A regular expression for file names that marks the part that is the patient's id.
 pub(super) fn file_name(text: &str) -> Result<Regex, What> {
     let expression = regex(text)?;
-    let named = expression.capture_names().flatten().any(|name| name == "patient");
-    if named { Ok(expression) } else { Err(What::NoPatientGroup) }
+    if expression.capture_names().flatten().any(|name| name == "patient") {
+        return Ok(expression);
+    }
+    let hint = "mark the part that is the patient's id: '^(?<patient>P?[0-9]+)_'";
+    Err(What::own("has no group named \"patient\"", hint))
 }
 
 /// Ids that no clinic assigns and no expression may accept: patient ids become folder names.
@@ -178,7 +205,10 @@ pub(super) fn patient_pattern(text: &str) -> Result<Regex, What> {
     regex(text)?;
     let whole = regex(&format!(r"\A(?:{text})\z"))?;
     match UNSAFE_IDS.iter().find(|id| whole.is_match(id)) {
-        Some(id) => Err(What::LoosePattern(id)),
+        Some(id) => {
+            let hint = "name the characters an id may hold and how many: '[A-Z]?[0-9]{1,12}'";
+            Err(What::own(format!("would accept {id:?} as a patient's id"), hint))
+        }
         None => Ok(whole),
     }
 }
@@ -187,13 +217,17 @@ pub(super) fn patient_pattern(text: &str) -> Result<Regex, What> {
 mod tests {
     use super::*;
 
+    fn fault<T: std::fmt::Debug>(parsed: Result<T, What>) -> String {
+        parsed.unwrap_err().to_string()
+    }
+
     #[test]
     fn durations_are_a_number_and_a_unit_and_nothing_else() {
         assert_eq!(duration("2s"), Ok(Duration::from_secs(2)));
         assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
         assert_eq!(duration("10m"), Ok(Duration::from_secs(600)));
         for text in ["", "2", "s", "2 s", "-2s", "1.5s", "2sec", "99999999999999999999s", "²s"] {
-            assert!(matches!(duration(text), Err(What::NotA { .. })), "{text}");
+            assert_eq!(fault(duration(text)), format!("\"{text}\" is not a duration"));
         }
         assert!(duration("18446744073709551615h").is_err(), "the product overflows");
     }
@@ -210,7 +244,7 @@ mod tests {
         assert_eq!(length("5cm"), length("50mm"));
         assert_eq!(length("80mm"), Ok(80));
         for text in ["5", "5 cm", "0.5cm", "-5cm", "5m", "2in", "99999999999mm"] {
-            assert!(matches!(length(text), Err(What::NotA { .. })), "{text}");
+            assert_eq!(fault(length(text)), format!("\"{text}\" is not a length"));
         }
     }
 
@@ -220,7 +254,7 @@ mod tests {
         assert_eq!(distance("2mm"), Ok(2.0));
         for text in ["", "mm", "0.05", "0.05 mm", "-1mm", "+1mm", ".5mm", "1e3mm", "1.2.3mm", "5cm"]
         {
-            assert!(matches!(distance(text), Err(What::NotA { .. })), "{text}");
+            assert_eq!(fault(distance(text)), format!("\"{text}\" is not a distance"));
         }
         let within = distance_in("0.005mm"..="5mm");
         assert!(within("0.005mm").is_ok() && within("5mm").is_ok());
@@ -237,8 +271,8 @@ mod tests {
     #[test]
     fn equal_folders_are_equal_paths() {
         assert_eq!(full_path("/srv//scans/./a/"), full_path("/srv/scans/a"));
-        assert_eq!(full_path("/a/../b"), Err(What::ClimbingPath("/a/../b".into())));
-        assert_eq!(full_path(""), Err(What::RelativePath(String::new())));
+        assert_eq!(fault(full_path("/a/../b")), "\"/a/../b\" contains \"..\"");
+        assert_eq!(fault(full_path("")), "\"\" is not a full path");
     }
 
     #[test]
@@ -253,8 +287,10 @@ mod tests {
     #[test]
     fn a_patient_pattern_that_lets_paths_through_is_refused() {
         for text in [".+", "[^ ]{2,5}", "[0-9]*", "(?s).{3}"] {
-            assert!(matches!(patient_pattern(text), Err(What::LoosePattern(_))), "{text}");
+            let fault = fault(patient_pattern(text));
+            assert!(fault.starts_with("would accept "), "{text}: {fault}");
         }
-        assert!(matches!(patient_pattern("a)|(?:b"), Err(What::NotARegex(_))));
+        let fault = fault(patient_pattern("a)|(?:b"));
+        assert!(fault.starts_with("is not a regular expression: "), "{fault}");
     }
 }

@@ -5,8 +5,7 @@ use std::time::Duration;
 use gaiter_leg::phantom::Phantom;
 
 use super::capture::PatientConfig;
-use super::fault::What;
-use super::parse::{self, Absent, Reader};
+use super::parse::{self, Absent, Reader, What};
 
 /// `[phantom]`: the daily check.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +29,8 @@ pub(super) fn config(
     use Absent::{Default, Nothing};
     let example = Nothing("8:50.3, 17:50.3, 33:31.4, 42:31.4");
     let girths = reader.text("phantom.girths", example, |text| {
-        text.parse::<Phantom>().map_err(What::PhantomGirths)
+        let hint = r#"in cm: "35.2" for a cylinder, or girths at heights: "10:35.2, 30:38.1""#;
+        text.parse::<Phantom>().map_err(|fault| What::own(fault.to_string(), hint))
     });
     let name = reader.text("phantom.name", Default("PHANTOM"), phantom_name);
     let tolerance =
@@ -39,7 +39,9 @@ pub(super) fn config(
     if let (Some(_), Some(name), Some(patient)) = (&girths, &name, patient)
         && patient.pattern.is_match(&name.value)
     {
-        reader.note(name.at.clone(), "phantom.name", What::PhantomIsPatient(name.value.clone()));
+        let message = format!("patient.pattern accepts \"{}\" as a patient's id", name.value);
+        let what = What::own(message, "choose a name that no patient's id can be");
+        reader.note(name.at.clone(), "phantom.name", what);
     }
     Some(PhantomConfig {
         phantom: girths?.value,
@@ -53,7 +55,8 @@ pub(super) fn config(
 fn phantom_name(text: &str) -> Result<String, What> {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if text.len() < 3 || !text.chars().all(fits) {
-        return Err(What::PhantomName(text.to_owned()));
+        let message = format!("\"{text}\" cannot be the name of the phantom");
+        return Err(What::own(message, "at least 3 letters (a-z, A-Z), digits, - and _"));
     }
     Ok(text.to_owned())
 }

@@ -7,8 +7,7 @@ use gaiter_flow::trigger::code::Codes;
 use gaiter_flow::trigger::lines::LINE_MOST;
 use gaiter_flow::trigger::report::Pattern;
 
-use super::fault::What;
-use super::parse::{self, not_a};
+use super::parse::{self, What, not_a};
 use super::words::Words;
 
 /// Where Linux has keyboards: a path in this folder is no serial port.

@@ -14,8 +14,7 @@ use std::net::Ipv6Addr;
 use gaiter_https::{Endpoint, EndpointFault, Secret, TlsFiles};
 use http::Uri;
 
-use super::fault::What;
-use super::parse::{self, Absent, Found, Reader, not_a, or_none};
+use super::parse::{self, Absent, Found, Reader, What, not_a, or_none};
 use super::words::Words;
 pub use archive::ArchiveStoreConfig;
 pub(super) use archive::archive;
@@ -160,7 +159,7 @@ fn tls_of_line(
     if is_encrypted {
         return Some(tls);
     }
-    reader.note_unread(&keys, || What::NoEffect("with encryption = \"none\""));
+    reader.note_unread(&keys, || no_effect("with encryption = \"none\""));
     None
 }
 
@@ -176,6 +175,16 @@ fn both<A, B>(
         (Some(_), None) => (a.at, key_a, key_b),
         (None, Some(_)) => (b.at, key_b, key_a),
     };
-    reader.note(at, key, What::Without(without));
+    reader.note(at, key, set_without(without));
     None
+}
+
+/// The fault of a key that needs another one.
+fn set_without(key: &str) -> What {
+    What::own(format!("is set without {key}"), format!("set {key} too"))
+}
+
+/// The fault of a key that nothing reads as the others are set.
+fn no_effect(why: &str) -> What {
+    What::own(format!("has no effect {why}"), "remove it")
 }

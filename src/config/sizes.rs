@@ -3,10 +3,9 @@
 pub mod beside;
 
 use gaiter_sizes::{DocumentFault, Garment, Mapping, SizeTable, mapping};
-use gaiter_toml::What::{NotAWord, Twice};
+use gaiter_toml::What::{self, NotAWord, Twice};
 
 use self::beside::{Files, TextFile};
-use super::fault::What;
 use super::parse::{self, Absent, Found, Reader};
 
 /// The most bytes of all files together: every measuring process gets their content before its scan.
@@ -78,10 +77,12 @@ fn read_files<T>(
     let mut all: Vec<T> = Vec::new();
     for Found { value: named, at } in reader.list(key, Absent::Default(""), parse::full_path) {
         let mut note = |what: What| reader.note(at.clone(), key, what);
+        let of_file =
+            |message| What::own(message, "gaiter sizes check FILE names every fault of a file");
         let found = match files.from.at(&named) {
             Ok(found) => found,
             Err(why) => {
-                note(What::NamedFile(why.to_string()));
+                note(of_file(why.to_string()));
                 continue;
             }
         };
@@ -89,7 +90,7 @@ fn read_files<T>(
         if bytes > BYTES_MOST {
             let message =
                 format!("garments, size tables and mappings have more than {BYTES_MOST} bytes");
-            note(What::NamedFile(message));
+            note(of_file(message));
             continue;
         }
         files.bytes = bytes;
@@ -97,11 +98,11 @@ fn read_files<T>(
             match read(text.as_bytes()) {
                 Err(faults) => {
                     for fault in faults {
-                        note(What::NamedFile(format!("{}:{fault}", path.display())));
+                        note(of_file(format!("{}:{fault}", path.display())));
                     }
                 }
                 Ok(one) if all.iter().any(|of| name(of) == name(&one)) => {
-                    note(Twice(name(&one).to_owned()).into());
+                    note(Twice(name(&one).to_owned()));
                 }
                 Ok(one) => all.push(one),
             }

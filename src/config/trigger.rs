@@ -8,8 +8,7 @@ use gaiter_flow::trigger::code::Codes;
 use gaiter_flow::trigger::lines::Tokens;
 use gaiter_flow::trigger::report::Pattern;
 
-use super::fault::What;
-use super::parse::{self, Absent, Found, Reader, or_none};
+use super::parse::{self, Absent, Found, Reader, What, or_none};
 use super::port::{
     self, CONTACTS, InputPlace, ModemLine, ReaderPort, SerialPlace, Settings, UsbName, WIRES,
 };
@@ -137,7 +136,8 @@ fn twice<T>(
 ) {
     let Some(Found { value: Some(place), at }) = trigger else { return };
     if ids == Some(&port(place)) {
-        reader.note(at, key, What::SamePort);
+        let hint = "a port can have only one use: remove one";
+        reader.note(at, key, What::own("is also the port of patient.reader", hint));
     }
 }
 
@@ -174,7 +174,9 @@ fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<Seria
     if let Some(Found { value: Some(_), at }) = &place
         && deaf
     {
-        reader.note(at.clone(), key, What::NoInput);
+        let message = "has neither tokens nor a contact: no press could be detected";
+        let what = What::own(message, r#"write tokens = ["PRESS"] or contact = "cts""#);
+        reader.note(at.clone(), key, what);
     }
     let texts = |tokens: Vec<Found<String>>| tokens.into_iter().map(|token| token.value).collect();
     let tokens = Tokens { short: texts(short), long: texts(long) };

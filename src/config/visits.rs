@@ -3,8 +3,7 @@
 use gaiter_record::report::AgeMax;
 use gaiter_visits::threshold::{Limited, Threshold};
 
-use super::fault::What;
-use super::parse::{self, Absent, Reader};
+use super::parse::{self, Absent, Reader, What};
 use super::words::{LIMBS, LIMITED};
 
 /// `[visits]`: how the visits of a patient are compared.
@@ -32,7 +31,7 @@ pub(super) fn config(reader: &mut Reader) -> VisitsConfig {
 fn threshold(reader: &mut Reader) -> Option<Threshold> {
     use Absent::Required;
     let text = |text: &str| match text.trim() {
-        "" => Err(What::EmptyText),
+        "" => Err(What::own("must not be empty", "write a text that people understand")),
         text => Ok(text.to_owned()),
     };
     let name = reader.text("visits.thresholds.name", Required("DXA, mild"), text);
@@ -51,5 +50,14 @@ fn threshold(reader: &mut Reader) -> Option<Threshold> {
 /// A limit with the unit of what it limits.
 fn limit(of: Limited, text: &str) -> Result<f64, What> {
     let limit = parse::decimal(text, of.unit()).filter(|limit| *limit > 0.0);
-    limit.ok_or_else(|| What::NotALimit { text: text.to_owned(), unit: of.unit() })
+    limit.ok_or_else(|| {
+        let hint = match of.unit() {
+            _ if text.to_lowercase().ends_with("ml") => {
+                "no limit is in mL: that of arms does not hold for legs"
+            }
+            "%" => r#"write a number and %: "3%", "4.5%""#,
+            _ => r#"write a number and mm: "20mm""#,
+        };
+        What::own(format!("\"{text}\" is not a limit in {}", of.unit()), hint)
+    })
 }

@@ -2,8 +2,7 @@
 
 use gaiter_flow::DoneFile;
 
-use super::fault::What;
-use super::parse::{self, Absent, Reader};
+use super::parse::{self, Absent, Reader, What};
 
 /// How export folders are watched.
 #[derive(Debug, Clone)]

@@ -109,6 +109,20 @@ pub enum What {
     /// The same folder, name or word twice.
     #[error("\"{0}\" stands twice")]
     Twice(String),
+    /// What a kind of file does not allow, in its own words.
+    #[error("{message}")]
+    Own {
+        message: String,
+        /// What to write.
+        hint: String,
+    },
+}
+
+impl What {
+    /// What a kind of file does not allow, and what to write.
+    pub fn own(message: impl Into<String>, hint: impl Into<String>) -> What {
+        What::Own { message: message.into(), hint: hint.into() }
+    }
 }
 
 impl Hint for What {
@@ -130,6 +144,7 @@ impl Hint for What {
             What::Text { .. } => "shorten it, without line ends".into(),
             What::Empty => "write at least one entry".into(),
             What::Twice(_) => "remove or rename one of the two".into(),
+            What::Own { hint, .. } => hint.clone(),
         };
         Some(hint)
     }

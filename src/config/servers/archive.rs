@@ -4,9 +4,8 @@ use gaiter_https::{BucketPlace, TlsFiles};
 use gaiter_record::archive::StationId;
 use http::Uri;
 
-use super::{address, is_bare, secret};
-use crate::config::fault::What;
-use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
+use super::{address, is_bare, secret, set_without};
+use crate::config::parse::{self, Absent, Found, Reader, What, not_a, or_none};
 use crate::config::words::Words;
 use crate::store::archive::{ArchivePlace, CropChoice};
 
@@ -48,7 +47,7 @@ pub(in crate::config) fn archive(reader: &mut Reader) -> Option<Option<ArchiveSt
         ("store.archive.site_key", site_key.is_some()),
     ];
     for (missing, _) in needed.into_iter().filter(|(_, has)| !has) {
-        reader.note(at.clone(), "store.archive.address", What::Without(missing));
+        reader.note(at.clone(), "store.archive.address", set_without(missing));
     }
     let place = ArchivePlace {
         bucket: BucketPlace {
@@ -90,5 +89,5 @@ fn bare(text: &str) -> Result<String, What> {
 
 /// The name of a station among those of the archive.
 fn station(text: &str) -> Result<StationId, What> {
-    StationId::parse(text).map_err(|_| What::NotAStationId(text.to_owned()))
+    StationId::parse(text).map_err(|_| parse::not_a_station_id(text))
 }

@@ -5,11 +5,10 @@ use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::Secret;
 
 use super::{
-    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, secret, tls,
-    tls_of_line, user,
+    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, no_effect, secret,
+    set_without, tls, tls_of_line, user,
 };
-use crate::config::fault::What;
-use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
+use crate::config::parse::{self, Absent, Found, Reader, What, not_a, or_none};
 use crate::config::words::Words;
 use crate::store::dicom::{DicomServer, DimseServer};
 use crate::store::{HttpAccess, Peer};
@@ -81,14 +80,14 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
         (called?.value, calling?.value, encryption?.value, tls?);
     let server = match place {
         Place::Web(base) => {
-            reader.note_unread(&FOR_DIMSE, || What::NoEffect("over DICOMweb"));
+            reader.note_unread(&FOR_DIMSE, || no_effect("over DICOMweb"));
             let access = access(reader, kind, user, secret)?;
             DicomServer::Web { base, access, tls, limit: limit?.value }
         }
         Place::Dimse(host, port) => {
-            reader.note_unread(&FOR_WEB, || What::NoEffect("by C-STORE"));
+            reader.note_unread(&FOR_WEB, || no_effect("by C-STORE"));
             if called.is_none() {
-                let without = What::Without("store.dicom.server_ae_title");
+                let without = set_without("store.dicom.server_ae_title");
                 reader.note(at, "store.dicom.address", without);
             }
             let titles = Titles { calling, called: called? };
@@ -126,8 +125,8 @@ fn access(
     ];
     for (key, is_set, is_needed) in keys {
         match (is_set, is_needed) {
-            (false, true) => reader.note(at.clone(), "store.dicom.access", What::Without(key)),
-            (true, false) => reader.note_unread(&[key], || What::NoEffect("with this access")),
+            (false, true) => reader.note(at.clone(), "store.dicom.access", set_without(key)),
+            (true, false) => reader.note_unread(&[key], || no_effect("with this access")),
             _ => {}
         }
     }

@@ -2,9 +2,10 @@
 
 use gaiter_https::{Endpoint, Proxy};
 
-use super::{TlsKeys, address, both, file_name, host_and_port, line, secret, system, tls, user};
-use crate::config::fault::What;
-use crate::config::parse::{self, Absent, Found, Reader, or_none};
+use super::{
+    TlsKeys, address, both, file_name, host_and_port, line, secret, set_without, system, tls, user,
+};
+use crate::config::parse::{self, Absent, Found, Reader, What, or_none};
 use crate::config::words::Words;
 use crate::store::HttpAccess;
 use crate::store::fhir::{FhirAccess, FhirServer, SmartAccess};
@@ -56,7 +57,7 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreCon
     let Some(base) = base else { return Some(None) };
     let patients = patients?.value;
     if patients.is_none() {
-        reader.note(at, "store.fhir.address", What::Without("store.fhir.patient_system"));
+        reader.note(at, "store.fhir.address", set_without("store.fhir.patient_system"));
     }
     let server = FhirServer {
         base,
@@ -99,7 +100,7 @@ fn access(reader: &mut Reader) -> Option<FhirAccess> {
         Kind::Smart => vec![("store.fhir.client", has_client), of_secret],
     };
     for (key, _) in needed.into_iter().filter(|(_, has)| !has) {
-        reader.note(at.clone(), "store.fhir.access", What::Without(key));
+        reader.note(at.clone(), "store.fhir.access", set_without(key));
     }
     Some(match kind {
         Kind::Open => FhirAccess::Http(HttpAccess::Open),

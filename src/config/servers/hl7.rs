@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use gaiter_record::hl7::{Charset, PdfForm};
 
 use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, line, tls, tls_of_line};
-use crate::config::fault::What;
-use crate::config::parse::{self, Absent, Found, Reader, or_none};
+use crate::config::parse::{self, Absent, Found, Reader, What, or_none};
 use crate::config::words::Words;
 use crate::store::Peer;
 use crate::store::hl7::Hl7Way;
@@ -78,7 +77,8 @@ fn way(
         }
         (None, Some(folder)) => Some(Some(Hl7Way::Files(folder))),
         (Some(_), Some(_)) => {
-            reader.note(path.at, "store.hl7.path", What::Together("store.hl7.address"));
+            let what = What::own("is set together with store.hl7.address", "remove one of the two");
+            reader.note(path.at, "store.hl7.path", what);
             None
         }
     }

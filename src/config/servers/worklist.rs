@@ -6,9 +6,8 @@ use gaiter_dicom::dimse::Titles;
 use gaiter_flow::worklist::WorklistFilter;
 
 use super::dicom::title;
-use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, tls, tls_of_line};
-use crate::config::fault::What;
-use crate::config::parse::{self, Absent, Found, Reader, not_a, or_none};
+use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, set_without, tls, tls_of_line};
+use crate::config::parse::{self, Absent, Found, Reader, What, not_a, or_none};
 use crate::store::Peer;
 use crate::store::dicom::DimseServer;
 
@@ -50,7 +49,7 @@ pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<Worklist
     let Found { value: Some((host, port)), at } = address? else { return Some(None) };
     let called = server?.value;
     if called.is_none() {
-        reader.note(at, key, What::Without("patient.worklist.server_ae_title"));
+        reader.note(at, key, set_without("patient.worklist.server_ae_title"));
     }
     let tls = tls_of_line(reader, TLS, tls?, encryption?.value);
     let (calling, called) = (own?.value, called?);
