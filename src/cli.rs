@@ -48,15 +48,15 @@ pub fn main() -> ExitCode {
 
 fn dispatch(verb: Verb) -> Exit {
     match verb {
-        Verb::Demo(args) => demo::demo(&args),
-        Verb::Run(args) => run::run(&args),
+        Verb::Demo(args) => demo::demo(&args).unwrap_or_else(|exit| exit),
+        Verb::Run(args) => run::run(&args).unwrap_or_else(|exit| exit),
         Verb::Extract(args) => extract::extract(&args).unwrap_or_else(|exit| exit),
         Verb::Calibrate(args) => calibrate::calibrate(&args).unwrap_or_else(|exit| exit),
         Verb::Reextract(args) => reextract::reextract(&args).unwrap_or_else(|exit| exit),
         Verb::Report(args) => report::report(&args).unwrap_or_else(|exit| exit),
         Verb::Sizes(args) => sizes::sizes(&args).unwrap_or_else(|exit| exit),
         Verb::Order(args) => order::order(&args).unwrap_or_else(|exit| exit),
-        Verb::Compare(args) => compare::compare(&args),
+        Verb::Compare(args) => compare::compare(&args).unwrap_or_else(|exit| exit),
         Verb::Measure(args) => run::measure(&args),
         Verb::Check(args) => check::check(&args),
         Verb::Status(args) => status::status(&args),
@@ -129,6 +129,15 @@ pub fn complain(text: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
+/// Prints why a verb failed, and returns its exit.
+pub fn failed<F: Display>(fault: &F) -> Exit
+where
+    for<'f> Exit: From<&'f F>,
+{
+    complain(format_args!("gaiter: {fault}"));
+    Exit::from(fault)
+}
+
 /// Text from outside, typically a file name, on one line. Control characters, line separators and marks
 /// that change the writing direction are escaped, so that no name can forge a line or move the
 /// cursor.
@@ -142,6 +151,14 @@ pub fn terminal_safe(text: impl Display) -> String {
         }
     }
     shown
+}
+
+/// The configuration for a verb that needs it.
+///
+/// # Errors
+/// The exit of the verb if it cannot be read or has faults; all are printed.
+pub fn config_at(path: &Path) -> Result<Config, Exit> {
+    config::read(path).map_err(|error| explain_config(&error))
 }
 
 /// The configuration for a verb that also works on a machine without a station; `None` if there is none at the
@@ -169,17 +186,6 @@ pub fn report_choice(config: Option<&Config>) -> (ReportChoice, Vec<Garment>) {
     }
 }
 
-/// The exit of a verb that has no usable configuration.
-pub fn exit_of(error: &ConfigError) -> Exit {
-    match error {
-        ConfigError::Faults { .. } => Exit::Config,
-        ConfigError::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
-            Exit::NoFile
-        }
-        ConfigError::Unreadable { .. } => Exit::Io,
-    }
-}
-
 /// Prints why there is no usable configuration, with every fault in it, and returns the exit.
 pub fn explain_config(error: &ConfigError) -> Exit {
     match error {
@@ -197,7 +203,7 @@ pub fn explain_config(error: &ConfigError) -> Exit {
             complain(format_args!("gaiter: {}", terminal_safe(error)));
         }
     }
-    exit_of(error)
+    Exit::from(error)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod amend;
 
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::Read;
 
 use gaiter_record::gdt::order::ORDER_MOST;
 
@@ -42,7 +42,9 @@ pub fn patient(verb: &PatientVerb) -> Exit {
         PatientVerb::Show(args) => ask::sentence(args, &Request::Next),
         PatientVerb::Visits(args) => {
             let command = "gaiter patient visits";
-            unless_given(args.stray.as_ref(), command, || compare::visits(&args.how))
+            unless_given(args.stray.as_ref(), command, || {
+                compare::visits(&args.how).unwrap_or_else(|exit| exit)
+            })
         }
         PatientVerb::Affected(args) => {
             let command = format!("gaiter patient affected {}", args.leg);
@@ -98,10 +100,7 @@ pub fn order(args: &GdtOrderArgs) -> Exit {
         Ok(_) => ask::sentence(&args.ask, &Request::Order { bytes }),
         Err(error) => {
             complain(format_args!("gaiter: {}: {error}", terminal_safe(args.file.display())));
-            match error.kind() {
-                io::ErrorKind::NotFound => Exit::NoFile,
-                _ => Exit::Io,
-            }
+            Exit::from(&error)
         }
     }
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::args::AskArgs;
-use super::{Exit, complain, exit_of, exit_of_printing, explain_config, print, terminal_safe};
+use super::{Exit, complain, exit_of_printing, explain_config, print, terminal_safe};
 use crate::config::{self, ConfigError, control_path};
 use crate::station::operator::control::protocol::{
     ControlAnswer, ControlFault, ControlFaultKind, Request,
@@ -88,20 +88,6 @@ impl AskFault {
         }
     }
 
-    /// The exit of the verb.
-    pub fn exit(&self) -> Exit {
-        match self {
-            AskFault::Config(error) => exit_of(error),
-            AskFault::NoStation { .. } | AskFault::Denied | AskFault::Io(_) => Exit::Io,
-            AskFault::Answer(_) => Exit::Internal,
-            AskFault::Refused(fault) => match fault.kind {
-                ControlFaultKind::Request => Exit::Usage,
-                ControlFaultKind::Unknown => Exit::NoFile,
-                ControlFaultKind::Failed => Exit::Io,
-            },
-        }
-    }
-
     /// The fault as JSON, for programs.
     pub fn json(&self) -> serde_json::Value {
         json!({
@@ -109,7 +95,7 @@ impl AskFault {
                 "code": self.code(),
                 "message": self.to_string(),
                 "hint": self.hint(Language::En),
-                "exit": self.exit().code(),
+                "exit": Exit::from(self).code(),
             }
         })
     }
@@ -124,6 +110,21 @@ impl AskFault {
             AskFault::Denied => Some(language.text("terminal.fault.sudo").to_owned()),
             AskFault::Answer(_) => Some(language.text("terminal.fault.restart").to_owned()),
             AskFault::Config(_) | AskFault::Io(_) | AskFault::Refused(_) => None,
+        }
+    }
+}
+
+impl From<&AskFault> for Exit {
+    fn from(fault: &AskFault) -> Exit {
+        match fault {
+            AskFault::Config(error) => Exit::from(error),
+            AskFault::NoStation { .. } | AskFault::Denied | AskFault::Io(_) => Exit::Io,
+            AskFault::Answer(_) => Exit::Internal,
+            AskFault::Refused(fault) => match fault.kind {
+                ControlFaultKind::Request => Exit::Usage,
+                ControlFaultKind::Unknown => Exit::NoFile,
+                ControlFaultKind::Failed => Exit::Io,
+            },
         }
     }
 }
@@ -246,7 +247,7 @@ pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
 
 /// Prints why there is no answer, with `--json` as an object.
 pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
-    let exit = fault.exit();
+    let exit = Exit::from(fault);
     if args.json {
         // If printing fails, the exit code still informs the caller.
         let _ = print(format_args!("{:#}\n", fault.json()));

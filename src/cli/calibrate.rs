@@ -13,8 +13,7 @@ use jiff::Timestamp;
 use super::args::CalibrateArgs;
 use super::extract::scan_at;
 use super::terminal::{self, painted};
-use super::{Exit, complain, exit_of_printing, explain_config, print, terminal_safe};
-use crate::config;
+use super::{Exit, complain, config_at, exit_of_printing, print, terminal_safe};
 
 /// The tolerance without a configuration, mm: a tape reads to 1 to 2 mm.
 const TOLERANCE_MM: f64 = 2.0;
@@ -50,8 +49,7 @@ struct Choices {
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
     fn from_args(args: &CalibrateArgs) -> Result<Choices, Exit> {
-        let config = args.config.as_deref().map(config::read).transpose();
-        let config = config.map_err(|error| explain_config(&error))?;
+        let config = args.config.as_deref().map(config_at).transpose()?;
         let (mut method, configured) =
             config.map(|config| (config.method, config.phantom)).unwrap_or_default();
         method.unit = args.unit.unwrap_or(method.unit);
@@ -67,7 +65,8 @@ impl Choices {
 }
 
 fn checked(args: &CalibrateArgs, choices: &Choices) -> Result<CheckRecord, (Exit, String)> {
-    let (bytes, format) = scan_at(&args.scan).map_err(|fault| (fault.exit(), fault.to_string()))?;
+    let (bytes, format) =
+        scan_at(&args.scan).map_err(|fault| (Exit::from(&fault), fault.to_string()))?;
     let found = phantom::check(&bytes, format, &choices.phantom, &choices.method);
     if let Err(fault) = &found
         && !args.json

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::args::CheckArgs;
 use super::terminal::{self, painted};
-use super::{Exit, ask, complain, exit_of, exit_of_printing, explain_config, print, terminal_safe};
+use super::{Exit, ask, complain, exit_of_printing, explain_config, print, terminal_safe};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::operator::control::status::{ComplaintStatus, Status};
@@ -151,7 +151,7 @@ fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
                     faults.clone_from(found);
                 }
             }
-            exit_of(error)
+            Exit::from(error)
         }
     };
     let config = file.display().to_string();

@@ -18,7 +18,7 @@ use super::args::{CompareArgs, CompareChoice};
 use super::ask::read_patient;
 use super::report::{self, placed, written};
 use super::terminal::{self, screen};
-use super::{Exit, complain, config_if_any, exit_of_printing, print, report_choice, terminal_safe};
+use super::{Exit, config_if_any, exit_of_printing, failed, print, report_choice, terminal_safe};
 use crate::config::{Config, FolderStoreConfig};
 use crate::station::runtime::chain;
 use crate::store::revision::visits::PlacedRecord;
@@ -68,10 +68,10 @@ enum CompareFault {
     Paper(#[from] PdfFault),
 }
 
-impl CompareFault {
-    fn exit(&self) -> Exit {
-        match self {
-            CompareFault::Files(fault) => fault.exit(),
+impl From<&CompareFault> for Exit {
+    fn from(fault: &CompareFault) -> Exit {
+        match fault {
+            CompareFault::Files(fault) => Exit::from(fault),
             CompareFault::Course { .. } | CompareFault::OneVisit | CompareFault::OneUsable => {
                 Exit::Unmeasurable
             }
@@ -84,7 +84,7 @@ impl CompareFault {
 }
 
 /// Compares records and prints or writes what changed.
-pub fn compare(args: &CompareArgs) -> Exit {
+pub fn compare(args: &CompareArgs) -> Result<Exit, Exit> {
     ended(&args.how, |_| {
         let found = records::at(&args.records)?;
         let make = Course::comparable;
@@ -94,7 +94,7 @@ pub fn compare(args: &CompareArgs) -> Exit {
 }
 
 /// Compares the visits of a patient in the station's store. The id comes from the operator.
-pub fn visits(how: &CompareChoice) -> Exit {
+pub fn visits(how: &CompareChoice) -> Result<Exit, Exit> {
     ended(how, |config| {
         let config = config.ok_or(CompareFault::NoStore)?;
         let FolderStoreConfig { path: root, access } = &config.store.folder;
@@ -141,16 +141,10 @@ struct Chosen {
 fn ended(
     how: &CompareChoice,
     chosen: impl FnOnce(Option<&Config>) -> Result<Chosen, CompareFault>,
-) -> Exit {
-    let config = match config_if_any(&how.config) {
-        Ok(config) => config,
-        Err(exit) => return exit,
-    };
+) -> Result<Exit, Exit> {
+    let config = config_if_any(&how.config)?;
     let compared = chosen(config.as_ref()).and_then(|of| compared(how, config.as_ref(), of));
-    compared.unwrap_or_else(|fault| {
-        complain(format_args!("gaiter: {fault}"));
-        fault.exit()
-    })
+    compared.map_err(|fault| failed(&fault))
 }
 
 fn compared(

@@ -22,8 +22,8 @@ use tokio::time::timeout;
 use super::args::DemoArgs;
 use super::terminal::progress::Progress;
 use super::terminal::{self, screen, table};
-use super::{Exit, complain, explain_config, print};
-use crate::config::{self, Config};
+use super::{Exit, complain, config_at, print};
+use crate::config::Config;
 use crate::station::demo::{self, SimulatedButton};
 use crate::station::{self, Orders, StationEvent};
 use exports::{DemoExport, Expected, exports};
@@ -67,26 +67,20 @@ enum DemoFault {
 }
 
 /// Shows the station at work. Succeeds only if exactly the complete scans led to records.
-pub fn demo(args: &DemoArgs) -> Exit {
+pub fn demo(args: &DemoArgs) -> Result<Exit, Exit> {
     let button = SimulatedButton::new();
     if let Err(error) = &button {
         // The station works without a button.
         complain(format_args!("gaiter demo: no button is available: {error}"));
     }
     let mut button = button.ok();
-    let config = match prepare(button.as_ref()) {
-        Ok(path) => match config::read(&path) {
-            Ok(config) => config,
-            Err(error) => return explain_config(&error),
-        },
-        Err(fault) => return failed(&fault),
-    };
+    let config = config_at(&prepare(button.as_ref()).map_err(|fault| failed(&fault))?)?;
     let shown = Runtime::new().map_err(DemoFault::from).and_then(|runtime| {
         let shown = runtime.block_on(show(config, button.take(), args.json));
         runtime.shutdown_background();
         shown
     });
-    shown.map_or_else(|fault| failed(&fault), |()| Exit::Done)
+    shown.map(|()| Exit::Done).map_err(|fault| failed(&fault))
 }
 
 fn failed(fault: &DemoFault) -> Exit {

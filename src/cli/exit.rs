@@ -1,8 +1,9 @@
 //! The exit codes of the verbs, after `sysexits.h`.
 
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
+use crate::config::ConfigError;
 use crate::config::sizes::beside::NoFiles;
 
 /// The exit of a verb. Later variants are worse, so the worst of several is their `max`.
@@ -32,11 +33,30 @@ impl Exit {
     }
 }
 
+/// The exit of a verb that cannot read a file or folder that it was given.
+impl From<&io::Error> for Exit {
+    fn from(error: &io::Error) -> Exit {
+        match error.kind() {
+            ErrorKind::NotFound => Exit::NoFile,
+            _ => Exit::Io,
+        }
+    }
+}
+
+/// The exit of a verb that has no usable configuration.
+impl From<&ConfigError> for Exit {
+    fn from(error: &ConfigError) -> Exit {
+        match error {
+            ConfigError::Faults { .. } => Exit::Config,
+            ConfigError::Unreadable { source, .. } => Exit::from(source),
+        }
+    }
+}
+
 impl From<&NoFiles> for Exit {
     fn from(why: &NoFiles) -> Exit {
         match why {
-            NoFiles::Io { source, .. } if source.kind() == ErrorKind::NotFound => Exit::NoFile,
-            NoFiles::Io { .. } => Exit::Io,
+            NoFiles::Io { source, .. } => Exit::from(source),
             _ => Exit::Unmeasurable,
         }
     }

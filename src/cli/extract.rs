@@ -24,9 +24,9 @@ use super::parallel::{in_order, usual_jobs};
 use super::terminal::progress::Progress;
 use super::terminal::{self, screen, table};
 use super::{
-    Exit, complain, exit_of_printing, explain_config, ord, print, report_choice, terminal_safe,
+    Exit, complain, config_at, exit_of_printing, failed, ord, print, report_choice, terminal_safe,
 };
-use crate::config::{self, words};
+use crate::config::words;
 use found::{FolderFault, found};
 use names::Names;
 use place::{Foreign, put_folder};
@@ -70,10 +70,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Exit, Exit> {
     };
     in_order(&scans, jobs, work, |scan, measured| {
         let outcome = || match (scan, measured) {
-            (Err(fault), _) => {
-                complain(format_args!("gaiter: {fault}"));
-                (fault.exit(), None)
-            }
+            (Err(fault), _) => (failed(fault), None),
             (Ok(path), Ok(Some(measured))) => run.delivered(path, measured),
             (Ok(path), Err(panic)) => run.delivered(path, Err(FileFault::Panic(panic))),
             (Ok(_), Ok(None)) => (Exit::Done, None),
@@ -122,7 +119,7 @@ impl Run<'_> {
             }
             Err(fault) => {
                 complain(&fault);
-                (fault.exit(), Some(Row::not_measured(name, fault.code())))
+                (Exit::from(&fault), Some(Row::not_measured(name, fault.code())))
             }
         }
     }
@@ -170,8 +167,7 @@ struct Choices {
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
     fn from_args(args: &ExtractArgs) -> Result<Choices, Exit> {
-        let config = args.config.as_deref().map(config::read).transpose();
-        let config = config.map_err(|error| explain_config(&error))?;
+        let config = args.config.as_deref().map(config_at).transpose()?;
         let (configured, garments) = report_choice(config.as_ref());
         let (mut method, mut output) =
             config.map(|config| (config.method, config.output)).unwrap_or_default();
@@ -245,16 +241,18 @@ fn advice(other_up: Option<Up>) -> String {
     })
 }
 
-impl FileFault {
-    pub(super) fn exit(&self) -> Exit {
-        match self {
-            FileFault::Unreadable(error) if error.kind() == io::ErrorKind::NotFound => Exit::NoFile,
-            FileFault::Unreadable(_) | FileFault::NotAFile => Exit::Io,
+impl From<&FileFault> for Exit {
+    fn from(fault: &FileFault) -> Exit {
+        match fault {
+            FileFault::Unreadable(error) => Exit::from(error),
+            FileFault::NotAFile => Exit::Io,
             FileFault::Refused { .. } => Exit::Unmeasurable,
             FileFault::Panic(_) | FileFault::Files(_) => Exit::Internal,
         }
     }
+}
 
+impl FileFault {
     /// The code shown in the summary. The codes of refusals are stable.
     fn code(&self) -> &'static str {
         match self {

@@ -31,7 +31,7 @@ pub fn man(args: &ManArgs) -> Exit {
         Ok(()) => Exit::Done,
         Err(error) => {
             complain(format_args!("gaiter: {}: {error}", terminal_safe(dir.display())));
-            if error.kind() == io::ErrorKind::NotFound { Exit::NoFile } else { Exit::Io }
+            Exit::from(&error)
         }
     }
 }

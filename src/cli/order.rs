@@ -19,8 +19,8 @@ use jiff::Zoned;
 
 use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat};
 use super::{
-    Exit, complain, config_if_any, exit_of_printing, print, print_to, report, report_choice,
-    terminal_safe,
+    Exit, complain, config_if_any, exit_of_printing, failed, print, print_to, report,
+    report_choice, terminal_safe,
 };
 
 /// Checks mappings, or writes an order.
@@ -49,45 +49,33 @@ enum OrderVerbFault {
     /// The order cannot be written as JSON.
     #[error("the order cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// The record cannot be read, or the files cannot be written.
-    #[error(transparent)]
-    Files(#[from] report::ReportFault),
 }
 
-impl OrderVerbFault {
-    fn exit(&self) -> Exit {
-        match self {
+impl From<&OrderVerbFault> for Exit {
+    fn from(fault: &OrderVerbFault) -> Exit {
+        match fault {
             OrderVerbFault::Ref(_) => Exit::Usage,
-            OrderVerbFault::Unreadable { source, .. }
-                if source.kind() == io::ErrorKind::NotFound =>
-            {
-                Exit::NoFile
-            }
-            OrderVerbFault::Unreadable { .. } => Exit::Io,
+            OrderVerbFault::Unreadable { source, .. } => Exit::from(source),
             OrderVerbFault::Last { .. } | OrderVerbFault::Reorder { .. } => Exit::Unmeasurable,
             OrderVerbFault::Json(_) => Exit::Internal,
-            OrderVerbFault::Files(fault) => fault.exit(),
         }
     }
 }
 
 /// Writes or prints the order, and prints what is open.
 fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
-    let complained = |fault: OrderVerbFault| {
-        complain(format_args!("gaiter: {fault}"));
-        fault.exit()
-    };
     // clap asks for a record where no other verb is named, and for a last order where one is repeated.
     let path = args.record.as_ref().ok_or(Exit::Usage)?;
     let config = config_if_any(&args.config)?;
     let (choice, garments) = report_choice(config.as_ref());
     let language = args.language.unwrap_or(choice.language);
     let mapping = args.mapping.as_deref().map(check::mapping).transpose()?;
-    let last = args.last.as_deref().map(last_order).transpose().map_err(complained)?;
+    let last = args.last.as_deref().map(last_order).transpose();
+    let last = last.map_err(|fault| failed(&fault))?;
     let last = args.last.as_deref().zip(last);
     let named = named(args, last.as_ref().map(|(_, order)| order));
     let garment = named.chosen(&garments, &choice.garment)?;
-    let record = report::record_at(path).map_err(|fault| complained(fault.into()))?;
+    let record = report::record_at(path).map_err(|fault| failed(&fault))?;
     if record.has_finding(NOT_VOUCHED) {
         let name = terminal_safe(path.display());
         let message =
@@ -95,14 +83,14 @@ fn ordered(args: &OrderOf) -> Result<Exit, Exit> {
         complain(format_args!("gaiter: {message}"));
     }
     let order = order_from_args(args, &record, &garment, last, choice.sizes.scanner_girth_mm);
-    let order = order.map_err(complained)?.on(Zoned::now().date(), choice.age_max);
+    let order = order.map_err(|fault| failed(&fault))?.on(Zoned::now().date(), choice.age_max);
     let files = files(&order, mapping.as_ref(), &record, language)
-        .map_err(|fault| complained(fault.into()))?;
+        .map_err(|fault| failed(&OrderVerbFault::from(fault)))?;
     open::lines(&order, language).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
     let printed = match &args.out {
         Some(out) => {
             let paths = report::placed(&files, out, args.force);
-            let paths = paths.map_err(|fault| complained(fault.into()))?;
+            let paths = paths.map_err(|fault| failed(&fault))?;
             print(report::written(&paths, args.json))
         }
         None => {

@@ -9,7 +9,7 @@ mod reach;
 mod watch;
 
 use super::args::{DiscloseArgs, EraseArgs};
-use super::{Exit, complain};
+use super::{Exit, complain, failed};
 use reach::PersonFault;
 
 /// Writes all that the station holds of a person into a folder.
@@ -24,10 +24,10 @@ pub fn erase(args: &EraseArgs) -> Exit {
 
 fn ended(done: Result<Exit, PersonFault>) -> Exit {
     done.unwrap_or_else(|fault| {
-        complain(format_args!("gaiter: {fault}"));
+        let exit = failed(&fault);
         if let Some(hint) = fault.hint() {
             complain(format_args!("  hint: {hint}"));
         }
-        fault.exit()
+        exit
     })
 }

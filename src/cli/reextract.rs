@@ -80,9 +80,7 @@ fn records(at: &Path) -> Result<Vec<Family>, Exit> {
         terminal_safe(chain(&fault))
     ));
     match fault {
-        StoreFault::Transient { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
-            Err(Exit::NoFile)
-        }
+        StoreFault::Transient { source, .. } => Err(Exit::from(&source)),
         _ => Err(Exit::Io),
     }
 }
@@ -106,7 +104,7 @@ fn print_entry(
 ) -> (Exit, Option<ReextractEntry>) {
     let (name, folder) = family.latest();
     let name = if args.names { terminal_safe(folder.display()) } else { name.scan.clone() };
-    let exit = done.as_ref().map_or_else(ReextractFault::exit, |_| Exit::Done);
+    let exit = done.as_ref().map_or_else(Exit::from, |_| Exit::Done);
     if args.json {
         let printed = exit_of_printing("the result", json_line(args, family, &done));
         return (exit.max(printed), done.ok().map(|again| ReextractEntry { name, again }));

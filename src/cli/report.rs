@@ -17,7 +17,7 @@ use serde_json::json;
 
 use super::args::ReportArgs;
 use super::sizes::tables;
-use super::{Exit, complain, print, terminal_safe};
+use super::{Exit, complain, failed, print, terminal_safe};
 use crate::station::runtime::chain;
 use crate::store::revision::families;
 use crate::store::sums::{self, SumsFault};
@@ -28,10 +28,7 @@ pub fn report(args: &ReportArgs) -> Result<Exit, Exit> {
     let garment = args.garment.chosen(Garment::shipped(), &Garment::default())?;
     let tables = tables(&args.tables)?;
     let sizes = SizeChoice { tables, today: Zoned::now().date(), ..SizeChoice::default() };
-    let paths = made(args, sizes, garment).map_err(|fault| {
-        complain(format_args!("gaiter: {fault}"));
-        fault.exit()
-    })?;
+    let paths = made(args, sizes, garment).map_err(|fault| failed(&fault))?;
     print(written(&paths, args.json)).map(|()| Exit::Done).map_err(|error| {
         complain(format_args!("gaiter: the report is written, but: {error}"));
         Exit::Io
@@ -112,10 +109,9 @@ pub enum ReportFault {
     },
 }
 
-impl ReportFault {
-    /// The exit of the verb.
-    pub fn exit(&self) -> Exit {
-        match self {
+impl From<&ReportFault> for Exit {
+    fn from(fault: &ReportFault) -> Exit {
+        match fault {
             ReportFault::Nothing(_) | ReportFault::NoRecordIn(_) => Exit::NoFile,
             ReportFault::NoRecord { .. }
             | ReportFault::OtherSchema { .. }

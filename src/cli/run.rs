@@ -15,7 +15,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{fmt, registry};
 
 use super::args::{MeasureArgs, RunArgs};
-use super::{Exit, complain, explain_config};
+use super::{Exit, complain, config_at};
 use crate::config::{self, ConfigError};
 use crate::station::measure::child;
 use crate::station::runtime::chain;
@@ -33,11 +33,8 @@ const LOG_FILTER: &str = "RUST_LOG";
 const LOG_LEVEL: LevelFilter = LevelFilter::INFO;
 
 /// Runs the station until SIGTERM or SIGINT.
-pub fn run(args: &RunArgs) -> Exit {
-    let config = match config::read(&args.config) {
-        Ok(config) => config,
-        Err(error) => return explain_config(&error),
-    };
+pub fn run(args: &RunArgs) -> Result<Exit, Exit> {
+    let config = config_at(&args.config)?;
     log_to_stderr();
     Access::open_umask();
     let started = Runtime::new().and_then(|runtime| {
@@ -45,18 +42,15 @@ pub fn run(args: &RunArgs) -> Exit {
         let orders = runtime.block_on(async { Ok((asked_to_stop()?, asked_to_reload(path)?)) });
         orders.map(|orders: (_, _)| (runtime, orders))
     });
-    let (runtime, (stop, reload)) = match started {
-        Ok(started) => started,
-        Err(error) => {
-            complain(format_args!("gaiter: cannot start: {error}"));
-            return Exit::Internal;
-        }
-    };
+    let (runtime, (stop, reload)) = started.map_err(|error| {
+        complain(format_args!("gaiter: cannot start: {error}"));
+        Exit::Internal
+    })?;
     let orders = Orders { stop, reload };
     let ended = runtime.block_on(station::run(config, orders, None));
     // A read from a share that does not answer cannot be interrupted and must not delay the end.
     runtime.shutdown_background();
-    ended.map_or_else(|error| explain(&error), |()| Exit::Done)
+    ended.map(|()| Exit::Done).map_err(|error| explain(&error))
 }
 
 /// Reads the scan on standard input and writes the answer to standard output.

@@ -11,7 +11,7 @@ use jiff::Zoned;
 
 use super::args::{SizesArgs, SizesOf, SizesVerb};
 use super::terminal::{self, screen};
-use super::{Exit, complain, config_if_any, exit_of_printing, print, report, report_choice};
+use super::{Exit, config_if_any, exit_of_printing, failed, print, report, report_choice};
 pub use check::remark_in_words;
 pub use tables::{files_at, read_all, tables};
 
@@ -34,10 +34,7 @@ fn print_verdicts(args: &SizesOf) -> Result<Exit, Exit> {
         [] => configured.sizes.tables,
         paths => tables(paths)?,
     };
-    let record = report::checked_record_at(path).map_err(|fault| {
-        complain(format_args!("gaiter: {fault}"));
-        fault.exit()
-    })?;
+    let record = report::checked_record_at(path).map_err(|fault| failed(&fault))?;
     let language = args.language.unwrap_or(configured.language);
     let choice = SizeChoice { tables, today: Zoned::now().date(), ..configured.sizes };
     let verdicts = SizeVerdicts::new(&record, &garment, &choice);

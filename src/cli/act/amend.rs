@@ -33,7 +33,7 @@ pub fn amend(args: &AmendArgs) -> Exit {
                 false => ask::sentence(&args.ask, &request(None)),
             }
         }
-        Named::File(path) => in_folder(args, &path, &setting),
+        Named::File(path) => in_folder(args, &path, &setting).unwrap_or_else(|exit| exit),
     }
 }
 
@@ -57,22 +57,18 @@ fn measured(args: &AmendArgs) -> Measured {
 }
 
 /// Amends the record in a folder, without a station.
-fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
-    let choice = match config_if_any(&args.ask.config) {
-        Ok(config) => report_choice(config.as_ref()).0,
-        Err(exit) => return exit,
-    };
+fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Result<Exit, Exit> {
+    let (choice, _) = report_choice(config_if_any(&args.ask.config)?.as_ref());
     // The record's own file names its folder, too; no other file does.
     let is_record = path.file_name().is_some_and(|name| name == RECORD);
     let folder = path.parent().filter(|_| is_record && path.is_file()).unwrap_or(path);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     if folder.is_file() {
-        return refused(args, path, &AmendRecordFault::NoRecord);
+        return Err(refused(args, path, &AmendRecordFault::NoRecord));
     }
-    match amend_record(folder, &setting.amendments(Timestamp::now()), args.sure, &choice) {
-        Ok(amended) => report_amended(args, &amended, &choice),
-        Err(fault) => refused(args, path, &fault),
-    }
+    let amended = amend_record(folder, &setting.amendments(Timestamp::now()), args.sure, &choice);
+    let amended = amended.map_err(|fault| refused(args, path, &fault))?;
+    Ok(report_amended(args, &amended, &choice))
 }
 
 fn report_amended(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {

@@ -27,10 +27,9 @@ pub enum FolderFault {
     },
 }
 
-impl FolderFault {
-    /// The exit of a verb that meets this fault.
-    pub fn exit(&self) -> Exit {
-        match self {
+impl From<&FolderFault> for Exit {
+    fn from(fault: &FolderFault) -> Exit {
+        match fault {
             FolderFault::Unreadable { .. } => Exit::Io,
             FolderFault::NoScan { .. } => Exit::NoFile,
         }
@@ -108,6 +107,9 @@ mod tests {
     fn a_folder_without_a_scan_is_no_such_file() {
         let dir = tempfile::tempdir().unwrap();
         let faults = found(&[dir.path().to_owned()], true);
-        assert!(matches!(&faults[..], [Err(fault)] if fault.exit() == Exit::NoFile), "{faults:?}");
+        assert!(
+            matches!(&faults[..], [Err(fault)] if Exit::from(fault) == Exit::NoFile),
+            "{faults:?}"
+        );
     }
 }

@@ -52,10 +52,10 @@ pub(super) enum PersonFault {
     Print(io::Error),
 }
 
-impl PersonFault {
-    pub(super) fn exit(&self) -> Exit {
-        match self {
-            PersonFault::Ask(fault) => fault.exit(),
+impl From<&PersonFault> for Exit {
+    fn from(fault: &PersonFault) -> Exit {
+        match fault {
+            PersonFault::Ask(fault) => Exit::from(fault),
             PersonFault::EmptyId
             | PersonFault::NotAgain
             | PersonFault::Awaited
@@ -67,7 +67,9 @@ impl PersonFault {
             | PersonFault::Print(_) => Exit::Io,
         }
     }
+}
 
+impl PersonFault {
     /// Whether the station ended, or was away, before it answered.
     pub(super) fn is_silence(&self) -> bool {
         matches!(self, PersonFault::Ask(AskFault::Io(_) | AskFault::NoStation { .. }))

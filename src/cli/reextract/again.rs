@@ -47,10 +47,11 @@ impl ReextractFault {
             ReextractFault::Io(_) => "record-io",
         }
     }
+}
 
-    /// The exit of a verb that meets this fault.
-    pub fn exit(&self) -> Exit {
-        match self {
+impl From<&ReextractFault> for Exit {
+    fn from(fault: &ReextractFault) -> Exit {
+        match fault {
             ReextractFault::Stored(StoredFault::Io(_)) | ReextractFault::Io(_) => Exit::Io,
             ReextractFault::Stored(_) | ReextractFault::Refused { .. } => Exit::Unmeasurable,
             ReextractFault::NotMade(_) | ReextractFault::Panic(_) => Exit::Internal,

@@ -8,9 +8,8 @@ use gaiter_leg::{Method, Side};
 use gaiter_record::{Record, ReportChoice};
 use jiff::Zoned;
 
-use crate::cli::{Exit, explain_config};
-use crate::config::words::{FACINGS, POSTURES, UNITS, UPS, WINDINGS};
-use crate::config::{self, words};
+use crate::cli::{Exit, config_at};
+use crate::config::words::{self, FACINGS, POSTURES, UNITS, UPS, WINDINGS};
 
 /// Method, output and report of a configuration, for all records. Without one the default method: what the export
 /// declares and which definitions of levels were requested is not part of it, and is taken from each record.
@@ -33,9 +32,7 @@ impl Choices {
     /// # Errors
     /// The exit of a verb if the configuration has faults.
     pub fn from_config(config: Option<&Path>) -> Result<Choices, Exit> {
-        let config = config.map(config::read).transpose();
-        let config = config.map_err(|error| explain_config(&error))?;
-        Ok(Choices(config.map(|config| {
+        Ok(Choices(config.map(config_at).transpose()?.map(|config| {
             let report = config.report_choice(Zoned::now().date());
             RecordChoices { method: config.method, output: config.output, report }
         })))
