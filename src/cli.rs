@@ -31,6 +31,7 @@ use clap::error::ErrorKind;
 use gaiter_record::ReportChoice;
 use gaiter_sizes::Garment;
 use jiff::Zoned;
+use serde::Serialize;
 
 use crate::config::{self, Config, ConfigError};
 use crate::station::operator::control::protocol::Request;
@@ -111,6 +112,14 @@ pub fn print_to(mut out: impl Write, bytes: &[u8]) -> io::Result<()> {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }
+}
+
+/// Writes a value as JSON, for programs, as [`print()`] does.
+///
+/// # Errors
+/// See [`print()`].
+pub fn print_json(value: &impl Serialize) -> io::Result<()> {
+    print(serde_json::to_string_pretty(value)? + "\n")
 }
 
 /// The exit of a verb after it printed this; a failure to print is reported.

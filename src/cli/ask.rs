@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::args::AskArgs;
-use super::{Exit, complain, exit_of_printing, explain_config, print, terminal_safe};
+use super::{Exit, complain, exit_of_printing, explain_config, print, print_json, terminal_safe};
 use crate::config::{self, ConfigError, control_path};
 use crate::station::operator::control::protocol::{
     ControlAnswer, ControlFault, ControlFaultKind, Request,
@@ -222,15 +222,11 @@ pub fn answered<T: Serialize>(
         Ok(answer) => answer,
         Err(fault) => return refused(args, &fault),
     };
-    let text = if args.json {
-        match serde_json::to_string_pretty(&answer) {
-            Ok(text) => text + "\n",
-            Err(error) => return refused(args, &AskFault::Answer(error)),
-        }
-    } else {
-        table(&answer, language(&args.config))
+    let printed = match args.json {
+        true => print_json(&answer),
+        false => print(table(&answer, language(&args.config))),
     };
-    exit_of_printing("the answer", print(text)).max(exit(&answer))
+    exit_of_printing("the answer", printed).max(exit(&answer))
 }
 
 /// Sends a request and prints the sentence in the answer.
@@ -250,7 +246,7 @@ pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
     let exit = Exit::from(fault);
     if args.json {
         // If printing fails, the exit code still informs the caller.
-        let _ = print(format_args!("{:#}\n", fault.json()));
+        let _ = print_json(&fault.json());
         return exit;
     }
     if let AskFault::Config(error) = fault {

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::args::CheckArgs;
 use super::terminal::{self, painted};
-use super::{Exit, ask, complain, exit_of_printing, explain_config, print, terminal_safe};
+use super::{Exit, ask, exit_of_printing, explain_config, print_json, terminal_safe};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::operator::control::protocol::{ControlAnswer, Request};
 use crate::station::operator::control::status::{ComplaintStatus, Status};
@@ -28,24 +28,16 @@ use row::{Example, Row, Verdict};
 /// configuration file. So it has an exit code of its own.
 pub fn check(args: &CheckArgs) -> Exit {
     let read = config::read(&args.config);
-    let (printed, exit) = if args.json {
-        let (report, exit) = report(&args.config, read);
-        match serde_json::to_string_pretty(&report) {
-            Ok(json) => (print(json + "\n"), exit),
-            Err(error) => {
-                complain(format_args!("gaiter: cannot write the result as JSON: {error}"));
-                return Exit::Internal;
-            }
+    let checks = read.as_ref().map(|config| around(&args.config, config)).unwrap_or_default();
+    let exit = read.as_ref().map_or_else(Exit::from, |_| worst(&checks));
+    let printed = match (args.json, read) {
+        (true, read) => print_json(&Report::new(&args.config, exit, read.err(), checks)),
+        (false, Ok(_)) => {
+            let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
+            rows.extend(checks);
+            terminal::print_painted(table(&rows))
         }
-    } else {
-        match read {
-            Ok(config) => {
-                let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
-                rows.extend(around(&args.config, &config));
-                (terminal::print_painted(table(&rows)), worst(&rows))
-            }
-            Err(error) => return explain_config(&error),
-        }
+        (false, Err(error)) => return explain_config(&error),
     };
     exit.max(exit_of_printing("the result", printed))
 }
@@ -137,23 +129,14 @@ struct Report {
     checks: Vec<Row>,
 }
 
-fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
-    let (mut unreadable, mut faults, mut checks) = (None, Vec::new(), Vec::new());
-    let exit = match &read {
-        Ok(config) => {
-            checks = around(file, config);
-            worst(&checks)
-        }
-        Err(error) => {
-            match error {
-                ConfigError::Unreadable { source, .. } => unreadable = Some(source.to_string()),
-                ConfigError::Faults { faults: found, .. } => {
-                    faults.clone_from(found);
-                }
-            }
-            Exit::from(error)
-        }
-    };
-    let config = file.display().to_string();
-    (Report { config, exit: exit.code(), unreadable, faults, checks }, exit)
+impl Report {
+    fn new(file: &Path, exit: Exit, error: Option<ConfigError>, checks: Vec<Row>) -> Report {
+        let (unreadable, faults) = match error {
+            None => (None, Vec::new()),
+            Some(ConfigError::Unreadable { source, .. }) => (Some(source.to_string()), Vec::new()),
+            Some(ConfigError::Faults { faults, .. }) => (None, faults),
+        };
+        let (config, exit) = (file.display().to_string(), exit.code());
+        Report { config, exit, unreadable, faults, checks }
+    }
 }

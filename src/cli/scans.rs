@@ -41,13 +41,8 @@ pub fn scans(args: &ScansArgs) -> Exit {
         ControlAnswer::Scans(scans) => Some(scans),
         _ => None,
     };
-    ask::answered(
-        &args.ask,
-        &request,
-        taken,
-        |scans, language| list(scans, language),
-        |_| Exit::Done,
-    )
+    let table = |scans: &Vec<Listed>, language| list(scans, language);
+    ask::answered(&args.ask, &request, taken, table, |_| Exit::Done)
 }
 
 /// One row per scan, newest first.

@@ -4,14 +4,12 @@ mod check;
 mod tables;
 mod text;
 
-use std::io;
-
 use gaiter_record::sizing::{SizeChoice, SizeVerdicts};
 use jiff::Zoned;
 
 use super::args::{SizesArgs, SizesOf, SizesVerb};
 use super::terminal::{self, screen};
-use super::{Exit, config_if_any, exit_of_printing, failed, print, report, report_choice};
+use super::{Exit, config_if_any, exit_of_printing, failed, print_json, report, report_choice};
 pub use check::remark_in_words;
 pub use tables::{files_at, read_all, tables};
 
@@ -39,9 +37,7 @@ fn print_verdicts(args: &SizesOf) -> Result<Exit, Exit> {
     let choice = SizeChoice { tables, today: Zoned::now().date(), ..configured.sizes };
     let verdicts = SizeVerdicts::new(&record, &garment, &choice);
     let printed = match args.json {
-        true => serde_json::to_string_pretty(&verdicts)
-            .map_err(io::Error::other)
-            .and_then(|json| print(json + "\n")),
+        true => print_json(&verdicts),
         false => {
             terminal::print_painted(text::render(&verdicts, &garment, language, screen::columns()))
         }
