@@ -33,6 +33,7 @@ use crate::store::Access;
 pub use capture::{CaptureConfig, PatientConfig};
 use gaiter_cad::Output;
 use gaiter_flow::confinement::Confine;
+use gaiter_flow::health::counted;
 use gaiter_flow::retention::Retention;
 use gaiter_language::Language;
 use gaiter_leg::Method;
@@ -220,16 +221,12 @@ pub enum ConfigError {
         source: io::Error,
     },
     /// The file was read but is wrong; all faults in the order of their lines, at least one.
-    #[error("{} has {}", path.display(), counted(faults.len()))]
+    #[error("{} has {}", path.display(), counted(faults.len(), "fault"))]
     Faults {
         /// The file name as given.
         path: PathBuf,
         faults: Vec<ConfigFault>,
     },
-}
-
-fn counted(faults: usize) -> String {
-    if faults == 1 { "1 fault".into() } else { format!("{faults} faults") }
 }
 
 /// Reads a configuration file.

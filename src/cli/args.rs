@@ -280,20 +280,12 @@ pub struct DemoArgs {
 pub struct SchemaArgs {
     /// Of which file
     #[arg(value_name = "FILE", value_parser = of_words(SCHEMAS), default_value = "record")]
-    pub of: SchemaOf,
+    pub schema: &'static str,
 }
 
-/// The files that have a schema.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SchemaOf {
-    /// `record.json`
-    Record,
-    /// `order.json`
-    Order,
-}
-
-/// The words for these files.
-const SCHEMAS: Words<SchemaOf> = &[("record", SchemaOf::Record), ("order", SchemaOf::Order)];
+/// The files that have a schema, with it.
+const SCHEMAS: Words<&str> =
+    &[("record", gaiter_record::schema::JSON_SCHEMA), ("order", gaiter_record::order::JSON_SCHEMA)];
 
 /// `gaiter completions`
 #[derive(Debug, clap::Args)]

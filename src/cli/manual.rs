@@ -4,9 +4,8 @@
 use std::io;
 
 use clap::Command;
-use gaiter_record::{order, schema};
 
-use super::args::{self, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
+use super::args::{self, CompletionsArgs, ManArgs, SchemaArgs};
 use super::{Exit, complain, exit_of_printing, print, print_to, terminal_safe};
 
 /// Prints the completions for a shell.
@@ -38,11 +37,7 @@ pub fn man(args: &ManArgs) -> Exit {
 
 /// Prints the JSON Schema of records or orders.
 pub fn schema(args: &SchemaArgs) -> Exit {
-    let schema = match args.of {
-        SchemaOf::Record => schema::JSON_SCHEMA,
-        SchemaOf::Order => order::JSON_SCHEMA,
-    };
-    exit_of_printing("the schema", print(schema))
+    exit_of_printing("the schema", print(args.schema))
 }
 
 /// The command line as users see it, without the verb that only the station calls.

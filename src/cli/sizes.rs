@@ -11,7 +11,7 @@ use super::args::{SizesArgs, SizesOf, SizesVerb};
 use super::terminal::{self, screen};
 use super::{Exit, config_if_any, exit_of_printing, failed, print_json, report, report_choice};
 pub use check::remark_in_words;
-pub use tables::{files_at, read_all, tables};
+pub use tables::{files_at, of_paths, read_all, tables};
 
 /// Checks tables, or judges a record.
 pub fn sizes(args: &SizesArgs) -> Result<Exit, Exit> {

@@ -1,15 +1,15 @@
 //! `gaiter order check`: the faults of mapping files.
 
-use std::fmt::Write;
 use std::path::Path;
 
+use gaiter_flow::health::counted;
 use gaiter_sizes::mapping::parse;
 use gaiter_sizes::{DocumentFault, Mapping};
 use serde_json::{Value, json};
 
 use crate::cli::args::OrderCheckArgs;
-use crate::cli::sizes::{files_at, read_all};
-use crate::cli::{Exit, complain, exit_of_printing, print, terminal_safe};
+use crate::cli::sizes::{files_at, of_paths, read_all};
+use crate::cli::{Exit, complain, exit_of_printing, print, print_json, terminal_safe};
 use crate::config::sizes::beside::TextFile;
 
 /// Name and number of the schema of the result as JSON.
@@ -17,20 +17,15 @@ const SCHEMA: &str = "gaiter.order-check/1";
 
 /// Checks the mappings and prints what was found.
 pub fn check(args: &OrderCheckArgs) -> Exit {
-    let (mut worst, mut checked) = (Exit::Done, Vec::new());
-    for path in &args.files {
-        match files_at(path) {
-            Ok(files) => checked.extend(files.into_iter().map(Checked::check)),
-            Err(exit) => worst = worst.max(exit),
-        }
-    }
+    let (files, mut worst) = of_paths(&args.files, files_at);
+    let checked: Vec<Checked> = files.into_iter().map(Checked::check).collect();
     if checked.iter().any(|of| of.found.is_err()) {
         worst = worst.max(Exit::Unmeasurable);
     }
     let printed = match args.json {
         true => {
             let files: Vec<Value> = checked.iter().map(Checked::json).collect();
-            print(format_args!("{:#}\n", json!({ "schema": SCHEMA, "files": files })))
+            print_json(&json!({ "schema": SCHEMA, "files": files }))
         }
         false => print(checked.iter().map(Checked::text).collect::<String>()),
     };
@@ -69,16 +64,8 @@ impl Checked {
                 format!("{path}: {}: no fault, {} columns\n", terminal_safe(id), columns.len())
             }
             Err(faults) => {
-                let count = match faults.len() {
-                    1 => "1 fault".to_owned(),
-                    count => format!("{count} faults"),
-                };
-                let mut text = format!("{path}: {count}\n");
-                for fault in faults {
-                    // Writing to a text cannot fail.
-                    let _ = writeln!(text, "  {fault}");
-                }
-                text
+                let lines: String = faults.iter().map(|fault| format!("  {fault}\n")).collect();
+                format!("{path}: {}\n{lines}", counted(faults.len(), "fault"))
             }
         }
     }

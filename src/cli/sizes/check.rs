@@ -13,7 +13,7 @@ use jiff::Zoned;
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::files_at;
+use super::{files_at, of_paths};
 use crate::cli::args::{GarmentArgs, SizesCheckArgs};
 use crate::cli::terminal::screen::{self, indented};
 use crate::cli::{Exit, exit_of_printing, print, terminal_safe};
@@ -26,14 +26,8 @@ const SCHEMA: &str = "gaiter.size-check/1";
 pub fn check(args: &SizesCheckArgs) -> Result<Exit, Exit> {
     let own = GarmentArgs { garment_file: args.garment_file.clone(), garment: None };
     let garments = own.known(Garment::shipped())?;
-    let (today, mut worst) = (Zoned::now().date(), Exit::Done);
-    let mut checked = Vec::new();
-    for path in &args.files {
-        match files_at(path) {
-            Ok(found) => checked.extend(of_files(&found, &garments, today)),
-            Err(exit) => worst = worst.max(exit),
-        }
-    }
+    let (files, mut worst) = of_paths(&args.files, files_at);
+    let checked = of_files(&files, &garments, Zoned::now().date());
     if checked.iter().any(|of| of.found.is_err()) {
         worst = worst.max(Exit::Unmeasurable);
     }

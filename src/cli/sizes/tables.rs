@@ -41,17 +41,26 @@ pub fn read_all<T>(
     if exit == Exit::Done { Ok(all) } else { Err(exit) }
 }
 
+/// What is read at these paths, in their order, and the worst exit of those at which it cannot be.
+pub fn of_paths<T>(
+    paths: &[PathBuf],
+    read: impl Fn(&Path) -> Result<Vec<T>, Exit>,
+) -> (Vec<T>, Exit) {
+    let (mut all, mut worst) = (Vec::new(), Exit::Done);
+    for path in paths {
+        match read(path) {
+            Ok(found) => all.extend(found),
+            Err(exit) => worst = worst.max(exit),
+        }
+    }
+    (all, worst)
+}
+
 /// The tables of these files and folders, in their order.
 ///
 /// # Errors
 /// The exit of the verb if one of them cannot be read or has faults; all of them are printed.
 pub fn tables(paths: &[PathBuf]) -> Result<Vec<SizeTable>, Exit> {
-    let (mut tables, mut worst) = (Vec::new(), Exit::Done);
-    for path in paths {
-        match read_all(path, parse) {
-            Ok(found) => tables.extend(found),
-            Err(exit) => worst = worst.max(exit),
-        }
-    }
+    let (tables, worst) = of_paths(paths, |path| read_all(path, parse));
     if worst == Exit::Done { Ok(tables) } else { Err(worst) }
 }
