@@ -11,19 +11,11 @@ use crate::station::demo::Export;
 const WOMAN: &[u8] = include_bytes!("../../../fixtures/scans/f_average_tc2.obj.gz");
 const MAN: &[u8] = include_bytes!("../../../fixtures/scans/m_average_clean.obj.gz");
 
-/// The required result of an export.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Expected {
-    Record,
-    /// A refusal: the scan goes to quarantine.
-    Refusal,
-}
-
 pub struct DemoExport {
     /// The file, and how long the scanner takes to write it.
     pub export: Export,
-    /// Its required result.
-    pub expected: Expected,
+    /// Whether it must lead to a record; if not, it must be refused and goes to quarantine.
+    pub is_whole: bool,
     /// When the scanner begins, from the start of the demo.
     pub after: Duration,
 }
@@ -33,19 +25,19 @@ pub struct DemoExport {
 /// # Errors
 /// If a recorded scan cannot be decompressed.
 pub fn exports(folder: &Path) -> io::Result<Vec<DemoExport>> {
-    let export = |name: &str, bytes: Vec<u8>, seconds: u64, expected, after: u64| {
+    let export = |name: &str, bytes: Vec<u8>, seconds: u64, is_whole, after: u64| {
         let takes = Duration::from_secs(seconds);
         let export = Export { path: folder.join(name), bytes, takes };
-        DemoExport { export, expected, after: Duration::from_secs(after) }
+        DemoExport { export, is_whole, after: Duration::from_secs(after) }
     };
     let (woman, man) = (decompressed(WOMAN)?, decompressed(MAN)?);
     // Not half of `man`, which follows: that export would count as the rest of this one and be held.
     let half = woman[..woman.len() / 2].to_vec();
     Ok(vec![
-        export("4711_first.obj", woman, 3, Expected::Record, 1),
-        export("4712_aborted.obj", half, 2, Expected::Refusal, 3),
-        export("4713_ball.obj", ball().into_bytes(), 1, Expected::Refusal, 4),
-        export("4714_last.obj", man, 3, Expected::Record, 6),
+        export("4711_first.obj", woman, 3, true, 1),
+        export("4712_aborted.obj", half, 2, false, 3),
+        export("4713_ball.obj", ball().into_bytes(), 1, false, 4),
+        export("4714_last.obj", man, 3, true, 6),
     ])
 }
 
