@@ -53,32 +53,25 @@ impl CaptureConfig {
 
 /// Reads the keys of both sections.
 pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfig)> {
-    use Absent::Default;
-    let window = reader.text("capture.window", Default("90s"), parse::duration_in("5s"..="1h"));
-    let late = reader.text("capture.late", Default("90s"), parse::duration_in("0s"..="1h"));
+    let window = reader.value("capture.window", "90s", parse::duration_in("5s"..="1h"))?;
+    let late = reader.value("capture.late", "90s", parse::duration_in("0s"..="1h"))?;
     let words = parse::word(WITHOUT_TRIGGER);
-    let without = reader.text("capture.without_trigger", Default("process"), words);
-    let pattern = Default("^P?[0-9]{1,12}$");
+    let without_trigger = reader.value("capture.without_trigger", "process", words)?;
+    let pattern = Absent::Default("^P?[0-9]{1,12}$");
     let pattern = reader.text("patient.pattern", pattern, parse::patient_pattern);
-    let check = reader.text("patient.check_digit", Default("none"), parse::word(CHECK_DIGITS));
-    let sidecar = reader.text("patient.sidecar", Default(""), parse::or_none(parse::file_name));
-    let wait =
-        reader.text("patient.sidecar_wait", Default("30s"), parse::duration_in("0s"..="10m"));
-    let lasts = reader.text("patient.expires", Default("15m"), parse::duration_in("10s"..="24h"));
-    let capture = CaptureConfig {
-        window: window?.value,
-        late: late?.value,
-        without_trigger: without?.value,
-        name_lasts: lasts?.value,
-    };
+    let check_digit = reader.value("patient.check_digit", "none", parse::word(CHECK_DIGITS))?;
+    let sidecar = reader.value("patient.sidecar", "", parse::or_none(parse::file_name))?;
+    let sidecar_wait =
+        reader.value("patient.sidecar_wait", "30s", parse::duration_in("0s"..="10m"))?;
+    let name_lasts = reader.value("patient.expires", "15m", parse::duration_in("10s"..="24h"))?;
     let patient = PatientConfig {
         pattern: pattern?.value,
-        check_digit: check?.value,
-        sidecar: sidecar?.value,
-        sidecar_wait: wait?.value,
+        check_digit,
+        sidecar,
+        sidecar_wait,
         orders: None,
         #[cfg(feature = "dicom")]
         worklist: None,
     };
-    Some((capture, patient))
+    Some((CaptureConfig { window, late, without_trigger, name_lasts }, patient))
 }

@@ -72,32 +72,26 @@ const WHENS: Words<OrdersWhen> =
     &[("before-press", OrdersWhen::BeforePress), ("after-press", OrdersWhen::AfterPress)];
 
 /// The folder as written, and the settings of its section. Without a folder the section is off.
-type Section<T> = (Option<Found<PathBuf>>, Option<Option<T>>);
+type Section<T> = (Option<Found<PathBuf>>, Option<T>);
 
 /// Reads the keys of `[store.gdt]`. The practice software is known without a folder, too: it also writes
 /// orders.
-pub(super) fn store(reader: &mut Reader) -> (Option<Product>, Section<GdtStoreConfig>) {
+pub(super) fn store(reader: &mut Reader) -> Option<(Product, Section<GdtStoreConfig>)> {
     use Absent::Default;
     let path = reader.text("store.gdt.path", Default(""), parse::or_none(parse::full_path));
-    let profile = reader.text("store.gdt.profile", Default("default"), parse::word(PROFILES));
-    let product = profile.map(|profile| profile.value);
-    let receiver = reader.text("store.gdt.receiver", Default("PRAX_EDV"), short_name);
-    let sender = reader.text("store.gdt.sender", Default("LEGSCAN1"), short_name);
-    let procedure = reader.text("store.gdt.procedure", Default("ALLG00"), short_name);
+    let path = path.and_then(parse::if_set);
+    let product = reader.value("store.gdt.profile", "default", parse::word(PROFILES))?;
+    let receiver = reader.value("store.gdt.receiver", "PRAX_EDV", short_name)?;
+    let sender = reader.value("store.gdt.sender", "LEGSCAN1", short_name)?;
+    let procedure = reader.value("store.gdt.procedure", "ALLG00", short_name)?;
     let key = "store.gdt.file_name";
     let file_name = reader.text(key, Default(""), |text| Ok(text.to_owned()));
     let attach = reader.list("store.gdt.attach", Default(""), attached);
-    let attach_as = reader.text("store.gdt.attach_as", Default("full"), reference);
+    let (attach_as, attach_root) = reader.value("store.gdt.attach_as", "full", reference)?;
 
     let file_name = file_name.and_then(|found| {
-        // A fault in a short name is reported at its own key.
-        let short = |name: &Option<Found<String>>| {
-            name.as_ref().map_or("X".to_owned(), |name| name.value.clone())
-        };
-        let of_profile = product.unwrap_or(Product::Default);
         let text = Some(found.value.as_str()).filter(|text| !text.is_empty());
-        let text = text.unwrap_or(of_profile.file_name());
-        let name = FileName::new(text, &short(&receiver), &short(&sender));
+        let name = FileName::new(text.unwrap_or(product.file_name()), &receiver, &sender);
         if name.is_none() {
             let what = "a valid name of a file that GDT exchanges";
             let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";
@@ -105,56 +99,41 @@ pub(super) fn store(reader: &mut Reader) -> (Option<Product>, Section<GdtStoreCo
         }
         name
     });
-    let config = (|| {
-        let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
-        let (product, receiver, sender) = (product?, receiver?.value, sender?.value);
-        let file_name = file_name?;
-        let rules = GdtRules {
+    let config = path.as_ref().zip(file_name).map(|(path, file_name)| GdtStoreConfig {
+        path: path.value.clone(),
+        rules: GdtRules {
             receiver,
             sender,
             version: product.version().to_owned(),
             charset: product.charset(),
-            procedure: procedure?.value,
+            procedure,
             attachment_fields: product.attachment_fields(),
-        };
-        let (attach_as, attach_root) = attach_as?.value;
-        Some(Some(GdtStoreConfig {
-            path,
-            rules,
-            file_name,
-            attach: attach.into_iter().map(|found| found.value).collect(),
-            attach_as,
-            attach_root,
-        }))
-    })();
-    (product, (path.and_then(parse::if_set), config))
+        },
+        file_name,
+        attach: attach.into_iter().map(|found| found.value).collect(),
+        attach_as,
+        attach_root,
+    });
+    Some((product, (path, config)))
 }
 
 /// Reads the keys of `[patient.orders]`.
-pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
-    use Absent::Default;
-    let path = reader.text("patient.orders.path", Default(""), parse::or_none(parse::full_path));
-    let files = reader.text("patient.orders.files", Default("*.gdt"), mask);
-    let when = reader.text("patient.orders.when", Default("before-press"), parse::word(WHENS));
-    let after = reader.text("patient.orders.after", Default("delete"), parse::word(AFTERS));
+pub(super) fn orders(reader: &mut Reader) -> Option<Section<OrdersConfig>> {
+    let path = parse::or_none(parse::full_path);
+    let path = reader.text("patient.orders.path", Absent::Default(""), path);
+    let path = path.and_then(parse::if_set);
+    let files = reader.value("patient.orders.files", "*.gdt", mask)?;
+    let when = reader.value("patient.orders.when", "before-press", parse::word(WHENS))?;
+    let after = reader.value("patient.orders.after", "delete", parse::word(AFTERS))?;
     let lenient = reader.flag("patient.orders.lenient", "false");
-    let quiet =
-        reader.text("patient.orders.quiet", Default("1s"), parse::duration_in("50ms"..="1m"));
+    let quiet = reader.value("patient.orders.quiet", "1s", parse::duration_in("50ms"..="1m"))?;
     let max_age =
-        reader.text("patient.orders.max_age", Default("12h"), parse::duration_in("1m"..="168h"));
-    let config = (|| {
-        let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
-        Some(Some(OrdersConfig {
-            path,
-            files: files?.value,
-            when: when?.value,
-            after: after?.value,
-            lenient: lenient?.value,
-            quiet: quiet?.value,
-            max_age: max_age?.value,
-        }))
-    })();
-    (path.and_then(parse::if_set), config)
+        reader.value("patient.orders.max_age", "12h", parse::duration_in("1m"..="168h"))?;
+    let config = path.as_ref().map(|path| {
+        let path = path.value.clone();
+        OrdersConfig { path, files, when, after, lenient, quiet, max_age }
+    });
+    Some((path, config))
 }
 
 /// Short names of programs and examinations: only what every character set and file system accepts.

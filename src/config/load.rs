@@ -57,62 +57,62 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
 
-    let disk_floor =
-        reader.text("station.disk_floor", Default("1GB"), parse::size_in("0B"..="1000GB"));
+    let disk_floor_bytes =
+        reader.value("station.disk_floor", "1GB", parse::size_in("0B"..="1000GB"))?;
 
     let exports =
         reader.list("scanner.export_dirs", Required("/srv/scanner/export"), parse::full_path);
-    let quiet = reader.text("scanner.quiet", Default("2s"), parse::duration_in("50ms"..="10m"));
-    let rescan = reader.text("scanner.rescan", Default("10s"), parse::duration_in("50ms"..="1h"));
-    let short_wait =
-        reader.text("scanner.short_wait", Default("60s"), parse::duration_in("0s"..="24h"));
-    let max_scan = reader.text("scanner.max_scan", Default("200MB"), parse::size_in("1kB"..="4GB"));
-    let watch = watch::config(reader);
-    let scope = reader.text("scanner.scope", Default("body"), parse::word(SCOPES));
-    let unit = reader.text("scanner.unit", Default("auto"), parse::word(UNITS));
+    let quiet = reader.value("scanner.quiet", "2s", parse::duration_in("50ms"..="10m"))?;
+    let rescan = reader.value("scanner.rescan", "10s", parse::duration_in("50ms"..="1h"))?;
+    let short_wait = reader.value("scanner.short_wait", "60s", parse::duration_in("0s"..="24h"))?;
+    let max_scan_bytes =
+        reader.value("scanner.max_scan", "200MB", parse::size_in("1kB"..="4GB"))?;
+    let watch = watch::config(reader)?;
+    let scope = reader.value("scanner.scope", "body", parse::word(SCOPES))?;
+    let unit = reader.value("scanner.unit", "auto", parse::word(UNITS))?;
     let up = reader.text("scanner.up", Default("y"), parse::word(UPS));
     let facing = reader.text("scanner.facing", Default("auto"), parse::word(FACINGS));
-    let winding = reader.text("scanner.winding", Default("outward"), parse::word(WINDINGS));
-    let posture = reader.text("scanner.posture", Default("both-legs"), parse::word(POSTURES));
-    let girth_error =
-        reader.text("scanner.girth_error", Default("1mm"), parse::distance_in("0mm"..="20mm"));
+    let winding = reader.value("scanner.winding", "outward", parse::word(WINDINGS))?;
+    let posture = reader.value("scanner.posture", "both-legs", parse::word(POSTURES))?;
+    let girth_error_mm =
+        reader.value("scanner.girth_error", "1mm", parse::distance_in("0mm"..="20mm"))?;
     let example = Nothing("^(?<patient>P?[0-9]+)_");
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
     let whose = capture::config(reader);
-    let (orders_path, orders) = gdt::orders(reader);
+    let (orders_path, orders) = gdt::orders(reader)?;
     #[cfg(feature = "dicom")]
     let worklist = servers::worklist(reader);
     let trigger = trigger::config(reader);
     let patient = whose.as_ref().map(|(_, patient)| patient);
     let phantom = phantom::config(reader, patient);
-    let tape = reader.text("method.tape", Default("shank"), parse::word(TAPES));
+    let tape = reader.value("method.tape", "shank", parse::word(TAPES))?;
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
-    let levels = level_choices(reader);
-    let volume = reader.text("method.volume", Default("cones"), parse::word(VOLUMES));
+    let levels = level_choices(reader)?;
+    let volume = reader.value("method.volume", "cones", parse::word(VOLUMES))?;
     let output = output(reader);
-    let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
+    let language = reader.value("report.language", "en", parse::word(LANGUAGES))?;
     let mut files = FilesBeside { from: files, bytes: 0 };
     let garments = sizes::garments(reader, &mut files);
-    let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
-    let age_max = visits::age_max(reader);
+    let paper = reader.value("report.paper", "A4", parse::word(PAPERS))?;
+    let age_max = visits::age_max(reader)?;
     let tables = sizes::tables(reader, &mut files);
     let orders_of_records = sizes::orders(reader, &mut files);
     let visits = visits::config(reader);
-    let measure = measure(reader);
+    let measure = measure(reader)?;
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
-    let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
+    let access = reader.value("store.folder.mode", "private", parse::word(ACCESSES))?;
     let copy = reader.text("store.copy.path", Default(""), parse::or_none(parse::full_path));
     let copy = copy.and_then(parse::if_set);
-    let (gdt_product, (gdt_path, gdt)) = gdt::store(reader);
+    let (gdt_product, (gdt_path, gdt)) = gdt::store(reader)?;
     let fhir = servers::fhir(reader);
-    let (hl7_path, hl7) = servers::hl7(reader);
+    let (hl7_path, hl7) = servers::hl7(reader)?;
     #[cfg(feature = "dicom")]
     let dicom = servers::dicom(reader);
     let archive = servers::archive(reader);
-    let retention = retention(reader);
-    let status = observability::status(reader);
-    let page = page::config(reader);
+    let retention = retention(reader)?;
+    let status = observability::status(reader)?;
+    let page = page::config(reader)?;
 
     observability::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
@@ -137,79 +137,72 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     }
 
     let (capture, patient) = whose?;
-    let access = store_mode?.value;
     Some(Config {
-        station: StationConfig {
-            id: id?.value,
-            state_dir: state_dir?.value,
-            disk_floor_bytes: disk_floor?.value,
-        },
+        station: StationConfig { id: id?.value, state_dir: state_dir?.value, disk_floor_bytes },
         scanner: ScannerConfig {
             export_dirs: exports.into_iter().map(|folder| folder.value).collect(),
-            quiet: quiet?.value,
-            rescan: rescan?.value,
-            short_wait: short_wait?.value,
-            max_scan_bytes: max_scan?.value,
-            watch: watch?,
-            girth_error_mm: girth_error?.value,
+            quiet,
+            rescan,
+            short_wait,
+            max_scan_bytes,
+            watch,
+            girth_error_mm,
             file_name: file_name.map(|found| found.value),
         },
         capture,
         patient: PatientConfig {
-            orders: orders?,
+            orders,
             #[cfg(feature = "dicom")]
-            worklist: worklist?,
+            worklist,
             ..patient
         },
         trigger: trigger?,
         phantom,
         method: Method {
-            scope: scope?.value,
-            unit: unit?.value,
+            scope,
+            unit,
             up: up?.value,
             facing: facing?.value,
-            winding: winding?.value,
-            posture: posture?.value,
+            winding,
+            posture,
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
-            levels: levels?,
-            volume: volume?.value,
-            tape: tape?.value,
+            levels,
+            volume,
+            tape,
             ..Method::default()
         },
         output,
-        language: language?.value,
+        language,
         garment: garments.usual?,
         garments: garments.all,
         tables,
         orders: orders_of_records,
         visits,
-        age_max: age_max?,
-        print: Print { paper: paper?.value, ..Print::default() },
-        measure: measure?,
+        age_max,
+        print: Print { paper, ..Print::default() },
+        measure,
         store: StoreConfig {
             folder: FolderStoreConfig { path: store?.value, access },
             copy: copy.map(|found| FolderStoreConfig { path: found.value, access }),
-            gdt_product: gdt_product?,
-            gdt: gdt?,
-            fhir: fhir?,
-            hl7: hl7?,
+            gdt_product,
+            gdt,
+            fhir,
+            hl7,
             #[cfg(feature = "dicom")]
-            dicom: dicom?,
-            archive: archive?,
+            dicom,
+            archive,
         },
-        retention: retention?,
-        status: status?,
-        page: page?,
+        retention,
+        status,
+        page,
     })
 }
 
 /// The keys of `[method]` that define where levels are.
 fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
-    use Absent::Default;
-    let b1 = reader.text("method.b1", Default("steepest"), b1);
-    let below =
-        reader.text("method.g_below_crotch", Default("5cm"), parse::length_in("2cm"..="10cm"));
-    Some(LevelChoices { b1: b1?.value, g_below_crotch_mm: f64::from(below?.value) })
+    let b1 = reader.value("method.b1", "steepest", b1)?;
+    let below = reader.value("method.g_below_crotch", "5cm", parse::length_in("2cm"..="10cm"))?;
+    Some(LevelChoices { b1, g_below_crotch_mm: f64::from(below) })
 }
 
 /// `"steepest"`, or the distance of B1 above B.
@@ -236,21 +229,19 @@ fn output(reader: &mut Reader) -> Output {
 
 /// The keys of `[measure]`.
 fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
-    use Absent::Default;
-    let memory = reader.text("measure.memory", Default("2GB"), parse::size_in("256MB"..="64GB"));
-    let wall = reader.text("measure.wall", Default("120s"), parse::duration_in("1s"..="1h"));
-    let confine = reader.text("measure.confine", Default("where-possible"), parse::word(CONFINES));
-    Some(MeasureConfig { memory_bytes: memory?.value, wall: wall?.value, confine: confine?.value })
+    let memory_bytes = reader.value("measure.memory", "2GB", parse::size_in("256MB"..="64GB"))?;
+    let wall = reader.value("measure.wall", "120s", parse::duration_in("1s"..="1h"))?;
+    let confine = reader.value("measure.confine", "where-possible", parse::word(CONFINES))?;
+    Some(MeasureConfig { memory_bytes, wall, confine })
 }
 
 /// The keys of `[retention]`.
 fn retention(reader: &mut Reader) -> Option<Retention> {
-    use Absent::Default;
-    let spool = reader.text("retention.spool", Default("0s"), parse::duration_in("0s"..="87600h"));
+    let spool = reader.value("retention.spool", "0s", parse::duration_in("0s"..="87600h"))?;
     let kept = parse::duration_or_off("24h"..="876000h");
-    let quarantine = reader.text("retention.quarantine", Default("off"), &kept);
-    let journal = reader.text("retention.journal", Default("off"), &kept);
-    Some(Retention { spool: spool?.value, quarantine: quarantine?.value, journal: journal?.value })
+    let quarantine = reader.value("retention.quarantine", "off", &kept)?;
+    let journal = reader.value("retention.journal", "off", &kept)?;
+    Some(Retention { spool, quarantine, journal })
 }
 
 fn twice<T: PartialEq>(

@@ -18,10 +18,9 @@ const SOCKET_PATH_MOST: usize = 107;
 
 /// The keys of `[status]`.
 pub(super) fn status(reader: &mut Reader) -> Option<StatusConfig> {
-    use Absent::Default;
-    let overdue = reader.text("status.overdue", Default("10m"), parse::duration_in("1s"..="24h"));
-    let listen = reader.text("status.listen", Default("off"), loopback);
-    Some(StatusConfig { overdue: overdue?.value, listen: listen?.value })
+    let overdue = reader.value("status.overdue", "10m", parse::duration_in("1s"..="24h"))?;
+    let listen = reader.value("status.listen", "off", loopback)?;
+    Some(StatusConfig { overdue, listen })
 }
 
 /// Notes a state folder whose path is too long for the socket in it.

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use gaiter_flow::page::IdsShown;
 
-use super::parse::{self, Absent, Reader, What};
+use super::parse::{self, Reader, What};
 use super::words::IDS_SHOWN;
 
 /// `[page]`: who may read the operator's page, and what it shows.
@@ -18,10 +18,9 @@ pub struct PageConfig {
 
 /// Reads the keys.
 pub(super) fn config(reader: &mut Reader) -> Option<PageConfig> {
-    use Absent::Default;
-    let network = reader.text("page.network", Default("off"), reachable);
-    let ids = reader.text("page.patient_ids", Default("operator"), parse::word(IDS_SHOWN));
-    Some(PageConfig { network: network?.value, ids: ids?.value })
+    let network = reader.value("page.network", "off", reachable)?;
+    let ids = reader.value("page.patient_ids", "operator", parse::word(IDS_SHOWN))?;
+    Some(PageConfig { network, ids })
 }
 
 /// `"off"`, or an address that other machines can reach.

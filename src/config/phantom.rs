@@ -33,9 +33,9 @@ pub(super) fn config(
         text.parse::<Phantom>().map_err(|fault| What::own(fault.to_string(), hint))
     });
     let name = reader.text("phantom.name", Default("PHANTOM"), phantom_name);
-    let tolerance =
-        reader.text("phantom.tolerance", Default("2mm"), parse::distance_in("0.5mm"..="20mm"));
-    let every = reader.text("phantom.every", Default("24h"), parse::duration_in("1h"..="720h"));
+    let tolerance_mm =
+        reader.value("phantom.tolerance", "2mm", parse::distance_in("0.5mm"..="20mm"))?;
+    let every = reader.value("phantom.every", "24h", parse::duration_in("1h"..="720h"))?;
     if let (Some(_), Some(name), Some(patient)) = (&girths, &name, patient)
         && patient.pattern.is_match(&name.value)
     {
@@ -43,12 +43,7 @@ pub(super) fn config(
         let what = What::own(message, "choose a name that no patient's id can be");
         reader.note(name.at.clone(), "phantom.name", what);
     }
-    Some(PhantomConfig {
-        phantom: girths?.value,
-        name: name?.value,
-        tolerance_mm: tolerance?.value,
-        every: every?.value,
-    })
+    Some(PhantomConfig { phantom: girths?.value, name: name?.value, tolerance_mm, every })
 }
 
 /// Letters, digits, `-` and `_`: what a scanner's software lets a person type as a name.

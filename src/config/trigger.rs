@@ -100,41 +100,29 @@ const SAY: [&str; 7] = [
     "trigger.say.paused",
 ];
 
-/// A place that may be omitted.
-type Optional<T> = Option<Found<Option<T>>>;
-
 /// Reads the keys.
 pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
-    use Absent::Default;
-    let (ids, ids_at) = reader_config(reader);
-    let lock_out = reader.text("trigger.lock_out", Default("1s"), parse::duration_in("0s"..="1m"));
-    let settle = reader.text("trigger.settle", Default("500ms"), parse::duration_in("0s"..="10s"));
-    let say = say(reader);
-    let (serial, serial_at) = serial(reader);
-    let usb = usb(reader);
-    let (keys, keys_at) = keys(reader);
+    let (ids, ids_at) = reader_config(reader)?;
+    let lock_out = reader.value("trigger.lock_out", "1s", parse::duration_in("0s"..="1m"))?;
+    let settle = reader.value("trigger.settle", "500ms", parse::duration_in("0s"..="10s"))?;
+    let say = say(reader)?;
+    let (serial, serial_at) = serial(reader)?;
+    let usb = usb(reader)?;
+    let (keys, keys_at) = keys(reader)?;
     twice(reader, "trigger.serial.port", serial_at, ids_at.as_ref(), ReaderPort::Serial);
     twice(reader, "trigger.keys.device", keys_at, ids_at.as_ref(), ReaderPort::Keys);
-    Some(TriggerConfig {
-        lock_out: lock_out?.value,
-        settle: settle?.value,
-        say: say?,
-        serial: serial?,
-        usb: usb?,
-        keys: keys?,
-        reader: ids?,
-    })
+    Some(TriggerConfig { lock_out, settle, say, serial, usb, keys, reader: ids })
 }
 
 /// Notes a port of a trigger that is that of the reader, too.
 fn twice<T>(
     reader: &mut Reader,
     key: &'static str,
-    trigger: Optional<T>,
+    trigger: Option<Found<T>>,
     ids: Option<&ReaderPort>,
     port: impl FnOnce(T) -> ReaderPort,
 ) {
-    let Some(Found { value: Some(place), at }) = trigger else { return };
+    let Some(Found { value: place, at }) = trigger else { return };
     if ids == Some(&port(place)) {
         let hint = "a port can have only one use: remove one";
         reader.note(at, key, What::own("is also the port of patient.reader", hint));
@@ -142,79 +130,67 @@ fn twice<T>(
 }
 
 /// The reader of ids, and where it is.
-fn reader_config(reader: &mut Reader) -> (Option<Option<ReaderConfig>>, Option<ReaderPort>) {
-    use Absent::Default;
-    let port = reader.text("patient.reader.port", Default(""), or_none(port::reader_port));
-    let settings = reader.text("patient.reader.settings", Default("9600 8N1"), port::settings);
-    let codes = reader.text("patient.reader.code", Default("{id}"), port::code);
-    let place = port.as_ref().and_then(|found| found.value.clone());
-    let made = || {
-        let (settings, codes) = (settings?.value, codes?.value);
-        let at = port?.value.map(|port| match port {
-            ReaderPort::Serial(place) => {
-                ReaderPlace::Serial(SerialLine { place, settings, dtr: None, contact: None })
-            }
-            ReaderPort::Keys(place) => ReaderPlace::Keys(place),
-        });
-        Some(at.map(|at| ReaderConfig { at, codes }))
-    };
-    (made(), place)
+fn reader_config(reader: &mut Reader) -> Option<(Option<ReaderConfig>, Option<ReaderPort>)> {
+    let port = reader.value("patient.reader.port", "", or_none(port::reader_port))?;
+    let settings = reader.value("patient.reader.settings", "9600 8N1", port::settings)?;
+    let codes = reader.value("patient.reader.code", "{id}", port::code)?;
+    let at = port.clone().map(|port| match port {
+        ReaderPort::Serial(place) => {
+            ReaderPlace::Serial(SerialLine { place, settings, dtr: None, contact: None })
+        }
+        ReaderPort::Keys(place) => ReaderPlace::Keys(place),
+    });
+    Some((at.map(|at| ReaderConfig { at, codes }), port))
 }
 
-fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<SerialPlace>) {
+fn serial(reader: &mut Reader) -> Option<(Option<SerialTrigger>, Option<Found<SerialPlace>>)> {
     use Absent::Default;
     let key = "trigger.serial.port";
     let place = reader.text(key, Default(""), or_none(port::serial_place));
-    let settings = reader.text("trigger.serial.settings", Default("9600 8N1"), port::settings);
+    let place = place.and_then(parse::if_set);
+    let settings = reader.value("trigger.serial.settings", "9600 8N1", port::settings)?;
     let short = reader.list("trigger.serial.tokens", Default(""), port::token);
     let long = reader.list("trigger.serial.long_tokens", Default(""), port::token);
     let contact = reader.text("trigger.serial.contact", Default("none"), parse::word(CONTACTS));
-    let dtr = reader.text("trigger.serial.dtr", Default("leave"), parse::word(WIRES));
+    let dtr = reader.value("trigger.serial.dtr", "leave", parse::word(WIRES))?;
     let deaf = short.is_empty() && matches!(&contact, Some(Found { value: None, .. }));
-    if let Some(Found { value: Some(_), at }) = &place
+    if let Some(Found { at, .. }) = &place
         && deaf
     {
         let message = "has neither tokens nor a contact: no press could be detected";
         let what = What::own(message, r#"write tokens = ["PRESS"] or contact = "cts""#);
         reader.note(at.clone(), key, what);
     }
+    let contact = contact.and_then(|found| found.value);
     let texts = |tokens: Vec<Found<String>>| tokens.into_iter().map(|token| token.value).collect();
     let tokens = Tokens { short: texts(short), long: texts(long) };
-    let made = || {
-        let (settings, contact, dtr) = (settings?.value, contact?.value, dtr?.value);
-        let line = |place| SerialLine { place, settings, dtr, contact };
-        Some(place.clone()?.value.map(|place| SerialTrigger { line: line(place), tokens }))
-    };
-    let made = made();
-    (made, place)
+    let line = |place| SerialLine { place, settings, dtr, contact };
+    let serial = place.clone().map(|place| SerialTrigger { line: line(place.value), tokens });
+    Some((serial, place))
 }
 
 fn usb(reader: &mut Reader) -> Option<Option<UsbTrigger>> {
-    use Absent::Default;
-    let device = reader.text("trigger.usb.device", Default(""), or_none(port::usb_name));
-    let pattern = reader.text("trigger.usb.value", Default("01"), port::pattern);
-    let pattern = pattern?.value;
-    Some(device?.value.map(|device| UsbTrigger { device, pattern }))
+    let device = reader.value("trigger.usb.device", "", or_none(port::usb_name))?;
+    let pattern = reader.value("trigger.usb.value", "01", port::pattern)?;
+    Some(device.map(|device| UsbTrigger { device, pattern }))
 }
 
-fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlace>) {
-    use Absent::Default;
-    let device = reader.text("trigger.keys.device", Default(""), or_none(port::input_place));
-    let key = reader.text("trigger.keys.key", Default("KEY_B"), port::key);
-    let made = || {
-        let (device, key) = (device.clone()?.value, key?.value);
-        Some(device.map(|device| KeysTrigger { device, key }))
-    };
-    (made(), device)
+fn keys(reader: &mut Reader) -> Option<(Option<KeysTrigger>, Option<Found<InputPlace>>)> {
+    let device = or_none(port::input_place);
+    let device = reader.text("trigger.keys.device", Absent::Default(""), device);
+    let device = device.and_then(parse::if_set);
+    let key = reader.value("trigger.keys.key", "KEY_B", port::key)?;
+    let keys = device.clone().map(|device| KeysTrigger { device: device.value, key });
+    Some((keys, device))
 }
 
 /// What is sent for each signal; signals without a text are left out. A pause without a text is sent as
 /// attention: a light must not stay green through it.
 fn say(reader: &mut Reader) -> Option<Say> {
-    let texts = SAY.map(|key| reader.text(key, Absent::Default(""), port::bytes));
+    let texts = SAY.map(|key| reader.value(key, "", port::bytes));
     let mut say = Say::new();
     for (signal, text) in Signal::ALL.into_iter().zip(texts) {
-        let bytes = text?.value;
+        let bytes = text?;
         if !bytes.is_empty() {
             say.insert(signal, bytes);
         }

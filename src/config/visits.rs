@@ -16,9 +16,8 @@ pub struct VisitsConfig {
 /// Reads `report.max_age`: how old a scan may be for an order, whole days.
 pub(super) fn age_max(reader: &mut Reader) -> Option<AgeMax> {
     const DAY_S: u64 = 24 * 3600;
-    let default = Absent::Default("4320h");
-    let max_age = reader.text("report.max_age", default, parse::duration_in("24h"..="87600h"))?;
-    u32::try_from(max_age.value.as_secs() / DAY_S).ok().map(AgeMax)
+    let max_age = reader.value("report.max_age", "4320h", parse::duration_in("24h"..="87600h"))?;
+    u32::try_from(max_age.as_secs() / DAY_S).ok().map(AgeMax)
 }
 
 /// Reads the keys of the section.

@@ -2,7 +2,7 @@
 
 use gaiter_flow::DoneFile;
 
-use super::parse::{self, Absent, Reader, What};
+use super::parse::{self, Reader, What};
 
 /// How export folders are watched.
 #[derive(Debug, Clone)]
@@ -17,15 +17,10 @@ pub struct WatchConfig {
 
 /// Reads the keys.
 pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
-    use Absent::Default;
     let subfolders = reader.flag("scanner.subfolders", "false");
-    let done_file = reader.text("scanner.done_file", Default(""), parse::or_none(done_file));
-    let marker = reader.text("scanner.marker", Default(""), parse::or_none(marker));
-    Some(WatchConfig {
-        subfolders: subfolders?.value,
-        done_file: done_file?.value,
-        marker: marker?.value,
-    })
+    let done_file = reader.value("scanner.done_file", "", parse::or_none(done_file))?;
+    let marker = reader.value("scanner.marker", "", parse::or_none(marker))?;
+    Some(WatchConfig { subfolders, done_file, marker })
 }
 
 fn done_file(text: &str) -> Result<DoneFile, What> {

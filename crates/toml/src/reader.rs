@@ -139,6 +139,18 @@ impl<'t, W: Hint> Reader<'t, W> {
         }
     }
 
+    /// The value of a text that has a default. Where it is wrong, which is noted, its default stands in, so that the keys
+    /// below it are read, too; `None` only if the default is no value either.
+    pub fn value<T>(
+        &mut self,
+        path: &'static str,
+        default: &'static str,
+        parse: impl Fn(&str) -> Result<T, W>,
+    ) -> Option<T> {
+        let found = self.text(path, Absent::Default(default), &parse);
+        found.map(|found| found.value).or_else(|| parse(default).ok())
+    }
+
     /// A list of texts, parsed, without the wrong entries. A required list must have an entry; the
     /// default of any other list is one entry, or none if it is "".
     pub fn list<T>(
@@ -167,20 +179,17 @@ impl<'t, W: Hint> Reader<'t, W> {
         entries.iter().filter_map(|entry| self.entry(key, entry, &parse)).collect()
     }
 
-    /// A boolean; `None` if it is wrong.
-    pub fn flag(&mut self, path: &'static str, default: &'static str) -> Option<Found<bool>> {
+    /// A boolean. Where it is wrong, which is noted, its default stands in.
+    pub fn flag(&mut self, path: &'static str, default: &'static str) -> bool {
         let key = Key { path, absent: Absent::Default(default), list: false };
-        let (value, at) = match self.ask(key) {
-            Seen::Value(value) => (value, value.span()),
-            Seen::Absent(at) => return Some(Found { value: default == "true", at }),
-            Seen::Blocked => return None,
-        };
-        if let DeValue::Boolean(value) = value.get_ref() {
-            return Some(Found { value: *value, at });
+        if let Seen::Value(value) = self.ask(key) {
+            if let DeValue::Boolean(value) = value.get_ref() {
+                return *value;
+            }
+            let example = format!("{} = {default}", key.split().1);
+            self.wrong_kind(path, value, "true or false", example);
         }
-        let example = format!("{} = {default}", key.split().1);
-        self.wrong_kind(path, value, "true or false", example);
-        None
+        default == "true"
     }
 
     /// A list of numbers, parsed, without the wrong entries; empty if absent.

@@ -22,20 +22,19 @@ pub struct ArchiveStoreConfig {
 const CROPS: Words<CropChoice> = &[("legs", CropChoice::Legs), ("whole", CropChoice::Whole)];
 
 /// Reads the keys of `[store.archive]`. Without an address the section is off.
-pub(in crate::config) fn archive(reader: &mut Reader) -> Option<Option<ArchiveStoreConfig>> {
+pub(in crate::config) fn archive(reader: &mut Reader) -> Option<ArchiveStoreConfig> {
     use Absent::Default;
     let base = reader.text("store.archive.address", Default(""), or_none(bucket_address));
     let bucket = reader.text("store.archive.bucket", Default(""), or_none(bare));
-    let region = reader.text("store.archive.region", Default("us-east-1"), bare);
+    let region = reader.value("store.archive.region", "us-east-1", bare)?;
     let station = reader.text("store.archive.station", Default(""), or_none(station));
     let key_id = reader.text("store.archive.key_id", Default(""), or_none(bare));
     let key = reader.text("store.archive.key", Default(""), or_none(secret));
     let site_key = reader.text("store.archive.site_key", Default(""), or_none(secret));
-    let crop = reader.text("store.archive.crop", Default("legs"), parse::word(CROPS));
-    let authorities = "store.archive.authorities";
-    let authorities = reader.text(authorities, Default(""), or_none(parse::full_path));
-    let Found { value: base, at } = base?;
-    let Some(base) = base else { return Some(None) };
+    let crop = reader.value("store.archive.crop", "legs", parse::word(CROPS))?;
+    let authorities = or_none(parse::full_path);
+    let authorities = reader.value("store.archive.authorities", "", authorities)?;
+    let Found { value: address, at } = base.and_then(parse::if_set)?;
     let (bucket, station, key_id) = (bucket?.value, station?.value, key_id?.value);
     let (key, site_key) = (key?.value, site_key?.value);
     // All missing keys are reported at once.
@@ -50,18 +49,12 @@ pub(in crate::config) fn archive(reader: &mut Reader) -> Option<Option<ArchiveSt
         reader.note(at.clone(), "store.archive.address", set_without(missing));
     }
     let place = ArchivePlace {
-        bucket: BucketPlace {
-            address: base,
-            bucket: bucket?,
-            region: region?.value,
-            key_id: key_id?,
-            secret: key?,
-        },
-        tls: TlsFiles { authorities: authorities?.value, own: None },
+        bucket: BucketPlace { address, bucket: bucket?, region, key_id: key_id?, secret: key? },
+        tls: TlsFiles { authorities, own: None },
         station: station?,
         site_key: site_key?,
     };
-    Some(Some(ArchiveStoreConfig { place, crop: crop?.value }))
+    Some(ArchiveStoreConfig { place, crop })
 }
 
 /// The address of a store of objects. The bucket is its path.

@@ -58,31 +58,28 @@ const TLS: TlsKeys =
 const ISSUER_MOST: usize = 64;
 
 /// Reads the keys of `[store.dicom]`. Without an address the section is off.
-pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreConfig>> {
+pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<DicomStoreConfig> {
     use Absent::Default;
     let place = reader.text("store.dicom.address", Default(""), or_none(place));
-    let issuer = reader.text("store.dicom.issuer", Default(""), issuer);
+    let issuer = reader.value("store.dicom.issuer", "", issuer)?;
     let attach = reader.list("store.dicom.attach", Default("report.pdf"), attached);
     let names = reader.flag("store.dicom.names", "false");
     let kind = reader.text("store.dicom.access", Default("open"), parse::word(KINDS));
     let user = reader.text("store.dicom.user", Default(""), or_none(user));
     let secret = reader.text("store.dicom.secret", Default(""), or_none(secret));
     let called = reader.text("store.dicom.server_ae_title", Default(""), or_none(title));
-    let calling = reader.text("store.dicom.ae_title", Default(APPLICATION), title);
-    let encryption =
-        reader.text("store.dicom.encryption", Default("tls"), parse::word(ENCRYPTIONS));
+    let calling = reader.value("store.dicom.ae_title", APPLICATION, title)?;
+    let encryption = reader.value("store.dicom.encryption", "tls", parse::word(ENCRYPTIONS))?;
     let tls = tls(reader, TLS);
-    let limit =
-        reader.text("store.dicom.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
-    let Found { value: Some(place), at } = place? else { return Some(None) };
+    let limit = reader.value("store.dicom.timeout", "30s", parse::duration_in("1s"..="50s"))?;
+    let Found { value: place, at } = place.and_then(parse::if_set)?;
     let (kind, user, secret) = (kind?, user?.value, secret?.value);
-    let (called, calling, encryption, tls) =
-        (called?.value, calling?.value, encryption?.value, tls?);
+    let (called, tls) = (called?.value, tls?);
     let server = match place {
         Place::Web(base) => {
             reader.note_unread(&FOR_DIMSE, || no_effect("over DICOMweb"));
             let access = access(reader, kind, user, secret)?;
-            DicomServer::Web { base, access, tls, limit: limit?.value }
+            DicomServer::Web { base, access, tls, limit }
         }
         Place::Dimse(host, port) => {
             reader.note_unread(&FOR_WEB, || no_effect("by C-STORE"));
@@ -92,16 +89,12 @@ pub(in crate::config) fn dicom(reader: &mut Reader) -> Option<Option<DicomStoreC
             }
             let titles = Titles { calling, called: called? };
             let tls = tls_of_line(reader, TLS, tls, encryption);
-            let peer = Peer { host, port, tls, limit: limit?.value };
+            let peer = Peer { host, port, tls, limit };
             DicomServer::Dimse(DimseServer { peer, titles })
         }
     };
-    Some(Some(DicomStoreConfig {
-        server,
-        issuer: issuer?.value,
-        attach: attach.into_iter().map(|found| found.value).collect(),
-        names: names?.value,
-    }))
+    let attach = attach.into_iter().map(|found| found.value).collect();
+    Some(DicomStoreConfig { server, issuer, attach, names })
 }
 
 /// The base address of DICOMweb, or host and port of a server that takes associations.

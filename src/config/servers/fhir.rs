@@ -41,37 +41,27 @@ const TLS: TlsKeys =
     ["store.fhir.authorities", "store.fhir.certificate", "store.fhir.certificate_key"];
 
 /// Reads the keys of `[store.fhir]`. Without an address the section is off.
-pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<Option<FhirStoreConfig>> {
+pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<FhirStoreConfig> {
     use Absent::Default;
     let base = reader.text("store.fhir.address", Default(""), or_none(address));
     let patients = reader.text("store.fhir.patient_system", Default(""), or_none(system));
     let key = "store.fhir.identifier_system";
-    let identifiers = reader.text(key, Default("urn:gaiter:record"), system);
+    let identifiers = reader.value(key, "urn:gaiter:record", system)?;
     let attach = "report.pdf\", \"record.json\", \"left.step\", \"right.step";
     let attach = reader.list("store.fhir.attach", Default(attach), file_name);
     let access = access(reader);
     let tls = tls(reader, TLS);
     let proxy = proxy(reader);
-    let limit = reader.text("store.fhir.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
-    let Found { value: base, at } = base?;
-    let Some(base) = base else { return Some(None) };
+    let limit = reader.value("store.fhir.timeout", "30s", parse::duration_in("1s"..="50s"))?;
+    let Found { value: base, at } = base.and_then(parse::if_set)?;
     let patients = patients?.value;
     if patients.is_none() {
         reader.note(at, "store.fhir.address", set_without("store.fhir.patient_system"));
     }
-    let server = FhirServer {
-        base,
-        access: access?,
-        tls: tls?,
-        proxy: proxy?,
-        limit: limit?.value,
-        patients: patients?,
-    };
-    Some(Some(FhirStoreConfig {
-        server,
-        identifiers: identifiers?.value,
-        attach: attach.into_iter().map(|found| found.value).collect(),
-    }))
+    let (access, tls, proxy, patients) = (access?, tls?, proxy?, patients?);
+    let server = FhirServer { base, access, tls, proxy, limit, patients };
+    let attach = attach.into_iter().map(|found| found.value).collect();
+    Some(FhirStoreConfig { server, identifiers, attach })
 }
 
 /// How the station authenticates.
@@ -81,15 +71,13 @@ fn access(reader: &mut Reader) -> Option<FhirAccess> {
     let user = reader.text("store.fhir.user", Default(""), or_none(user));
     let secret = reader.text("store.fhir.secret", Default(""), or_none(secret));
     let client = reader.text("store.fhir.client", Default(""), or_none(line));
-    let key_id = reader.text("store.fhir.key_id", Default(""), line);
+    let key_id = reader.value("store.fhir.key_id", "", line)?;
     let scope = "system/Patient.rs system/Device.crs system/Observation.crus \
                  system/DiagnosticReport.crus system/DocumentReference.crus";
-    let scope = reader.text("store.fhir.scope", Default(scope), line);
-    let key = "store.fhir.token_address";
-    let token_address = reader.text(key, Default(""), or_none(address));
+    let scope = reader.value("store.fhir.scope", scope, line)?;
+    let token_address = reader.value("store.fhir.token_address", "", or_none(address))?;
     let Found { value: kind, at } = kind?;
     let (user, secret, client) = (user?.value, secret?.value, client?.value);
-    let (key_id, scope, token_address) = (key_id?.value, scope?.value, token_address?.value);
     // All missing keys are reported at once.
     let (has_user, has_client) = (user.is_some(), client.is_some());
     let of_secret = ("store.fhir.secret", secret.is_some());

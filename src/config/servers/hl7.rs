@@ -45,66 +45,58 @@ const CHARSETS: Words<Charset> = &[("utf-8", Charset::Utf8), ("8859-1", Charset:
 const TLS: TlsKeys =
     ["store.hl7.authorities", "store.hl7.certificate", "store.hl7.certificate_key"];
 
-/// The folder as written, and the settings of the section; `Some(None)` if it is off.
-type Section = (Option<Found<PathBuf>>, Option<Option<Hl7StoreConfig>>);
+/// The folder as written, and the settings of the section, if it is not off.
+type Section = (Option<Found<PathBuf>>, Option<Hl7StoreConfig>);
 
 /// Reads the keys of `[store.hl7]`. Without an address and a folder the section is off.
-pub(in crate::config) fn hl7(reader: &mut Reader) -> Section {
-    use Absent::Default;
-    let address = reader.text("store.hl7.address", Default(""), or_none(host_and_port));
-    let path = reader.text("store.hl7.path", Default(""), parse::or_none(parse::full_path));
-    let folder = path.clone().and_then(parse::if_set);
-    let way = way(reader, address, path);
-    (folder, settings(reader, way))
+pub(in crate::config) fn hl7(reader: &mut Reader) -> Option<Section> {
+    let address = reader.value("store.hl7.address", "", or_none(host_and_port))?;
+    let path = reader.text("store.hl7.path", Absent::Default(""), or_none(parse::full_path));
+    let path = path.and_then(parse::if_set);
+    let way = way(reader, address, path.as_ref());
+    let application = reader.value("store.hl7.application", APPLICATION, line)?;
+    let facility = reader.value("store.hl7.facility", "", line)?;
+    let to_application = reader.value("store.hl7.receiving_application", "", line)?;
+    let to_facility = reader.value("store.hl7.receiving_facility", "", line)?;
+    let processing =
+        reader.value("store.hl7.processing", "production", parse::word(PROCESSINGS))?;
+    let version = reader.value("store.hl7.version", "2.5", parse::word(VERSIONS))?;
+    let authority = reader.value("store.hl7.authority", "", line)?;
+    let pdf = reader.value("store.hl7.pdf", "media-type", parse::word(PDFS))?;
+    let charset = reader.value("store.hl7.charset", "utf-8", parse::word(CHARSETS))?;
+    let config = way.map(|way| Hl7StoreConfig {
+        way,
+        sender: [application, facility],
+        receiver: [to_application, to_facility],
+        processing,
+        version: version.to_owned(),
+        authority,
+        pdf,
+        charset,
+    });
+    Some((path, config))
 }
 
-/// The one way that is configured; `Some(None)` for none.
+/// The one way that is configured.
 fn way(
     reader: &mut Reader,
-    address: Option<Found<Option<(String, u16)>>>,
-    path: Option<Found<Option<PathBuf>>>,
-) -> Option<Option<Hl7Way>> {
-    use Absent::Default;
-    let encryption = reader.text("store.hl7.encryption", Default("tls"), parse::word(ENCRYPTIONS));
+    address: Option<(String, u16)>,
+    path: Option<&Found<PathBuf>>,
+) -> Option<Hl7Way> {
+    let encryption = reader.value("store.hl7.encryption", "tls", parse::word(ENCRYPTIONS))?;
     let tls = tls(reader, TLS);
-    let limit = reader.text("store.hl7.timeout", Default("30s"), parse::duration_in("1s"..="50s"));
-    let (path, is_encrypted, tls, limit) = (path?, encryption?.value, tls?, limit?.value);
-    match (address?.value, path.value) {
-        (None, None) => Some(None),
+    let limit = reader.value("store.hl7.timeout", "30s", parse::duration_in("1s"..="50s"))?;
+    match (address, path) {
+        (None, None) => None,
         (Some((host, port)), None) => {
-            let tls = tls_of_line(reader, TLS, tls, is_encrypted);
-            Some(Some(Hl7Way::Mllp(Peer { host, port, tls, limit })))
+            let tls = tls_of_line(reader, TLS, tls?, encryption);
+            Some(Hl7Way::Mllp(Peer { host, port, tls, limit }))
         }
-        (None, Some(folder)) => Some(Some(Hl7Way::Files(folder))),
-        (Some(_), Some(_)) => {
+        (None, Some(folder)) => Some(Hl7Way::Files(folder.value.clone())),
+        (Some(_), Some(Found { at, .. })) => {
             let what = What::own("is set together with store.hl7.address", "remove one of the two");
-            reader.note(path.at, "store.hl7.path", what);
+            reader.note(at.clone(), "store.hl7.path", what);
             None
         }
     }
-}
-
-fn settings(reader: &mut Reader, way: Option<Option<Hl7Way>>) -> Option<Option<Hl7StoreConfig>> {
-    use Absent::Default;
-    let application = reader.text("store.hl7.application", Default(APPLICATION), line);
-    let facility = reader.text("store.hl7.facility", Default(""), line);
-    let to_application = reader.text("store.hl7.receiving_application", Default(""), line);
-    let to_facility = reader.text("store.hl7.receiving_facility", Default(""), line);
-    let key = "store.hl7.processing";
-    let processing = reader.text(key, Default("production"), parse::word(PROCESSINGS));
-    let version = reader.text("store.hl7.version", Default("2.5"), parse::word(VERSIONS));
-    let authority = reader.text("store.hl7.authority", Default(""), line);
-    let pdf = reader.text("store.hl7.pdf", Default("media-type"), parse::word(PDFS));
-    let charset = reader.text("store.hl7.charset", Default("utf-8"), parse::word(CHARSETS));
-    let Some(way) = way? else { return Some(None) };
-    Some(Some(Hl7StoreConfig {
-        way,
-        sender: [application?.value, facility?.value],
-        receiver: [to_application?.value, to_facility?.value],
-        processing: processing?.value,
-        version: version?.value.to_owned(),
-        authority: authority?.value,
-        pdf: pdf?.value,
-        charset: charset?.value,
-    }))
 }

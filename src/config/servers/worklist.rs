@@ -32,34 +32,29 @@ const TLS: TlsKeys = [
 ];
 
 /// Reads the keys of `[patient.worklist]`. Without an address the section is off.
-pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<Option<WorklistConfig>> {
+pub(in crate::config) fn worklist(reader: &mut Reader) -> Option<WorklistConfig> {
     use Absent::Default;
     let key = "patient.worklist.address";
     let address = reader.text(key, Default(""), or_none(host_and_port));
-    let server = reader.text("patient.worklist.server_ae_title", Default(""), or_none(title));
-    let own = reader.text("patient.worklist.ae_title", Default(APPLICATION), title);
-    let modality = reader.text("patient.worklist.modality", Default(""), or_none(modality));
-    let every =
-        reader.text("patient.worklist.every", Default("1m"), parse::duration_in("10s"..="1h"));
+    let called = reader.text("patient.worklist.server_ae_title", Default(""), or_none(title));
+    let calling = reader.value("patient.worklist.ae_title", APPLICATION, title)?;
+    let modality = reader.value("patient.worklist.modality", "", or_none(modality))?;
+    let every = reader.value("patient.worklist.every", "1m", parse::duration_in("10s"..="1h"))?;
     let words = parse::word(ENCRYPTIONS);
-    let encryption = reader.text("patient.worklist.encryption", Default("tls"), words);
+    let encryption = reader.value("patient.worklist.encryption", "tls", words)?;
     let tls = tls(reader, TLS);
     let limit =
-        reader.text("patient.worklist.timeout", Default("10s"), parse::duration_in("1s"..="20s"));
-    let Found { value: Some((host, port)), at } = address? else { return Some(None) };
-    let called = server?.value;
+        reader.value("patient.worklist.timeout", "10s", parse::duration_in("1s"..="20s"))?;
+    let Found { value: (host, port), at } = address.and_then(parse::if_set)?;
+    let called = called?.value;
     if called.is_none() {
         reader.note(at, key, set_without("patient.worklist.server_ae_title"));
     }
-    let tls = tls_of_line(reader, TLS, tls?, encryption?.value);
-    let (calling, called) = (own?.value, called?);
-    let peer = Peer { host, port, tls, limit: limit?.value };
-    let filter = WorklistFilter { station: calling.as_str().to_owned(), modality: modality?.value };
-    Some(Some(WorklistConfig {
-        server: DimseServer { peer, titles: Titles { calling, called } },
-        filter,
-        every: every?.value,
-    }))
+    let tls = tls_of_line(reader, TLS, tls?, encryption);
+    let peer = Peer { host, port, tls, limit };
+    let filter = WorklistFilter { station: calling.as_str().to_owned(), modality };
+    let server = DimseServer { peer, titles: Titles { calling, called: called? } };
+    Some(WorklistConfig { server, filter, every })
 }
 
 /// A code string such as `OSS`.
