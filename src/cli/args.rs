@@ -67,8 +67,9 @@ const EXIT_CODES: &str = "Exit codes: 0 done, 64 wrong command line, 65 a scan c
 
 /// The whole command line, with examples and with its verbs in groups.
 pub fn command() -> Command {
-    let after = format!("{}\n\n{EXIT_CODES}", examples::of_gaiter());
-    groups::with_groups(examples::with_examples(Args::command().after_help(after)))
+    let command = examples::with_examples(Args::command());
+    let examples = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    groups::with_groups(command.after_help(format!("{examples}\n\n{EXIT_CODES}")))
 }
 
 impl Args {
