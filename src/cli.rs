@@ -147,19 +147,9 @@ where
     Exit::from(fault)
 }
 
-/// Text from outside, typically a file name, on one line. Control characters, line separators and marks
-/// that change the writing direction are escaped, so that no name can forge a line or move the
-/// cursor.
+/// Text from outside, typically a file name, on one line; see [`gaiter_toml::printable`].
 pub fn terminal_safe(text: impl Display) -> String {
-    let mut shown = String::new();
-    for c in text.to_string().chars() {
-        match c {
-            '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => shown.extend(c.escape_default()),
-            c if c.is_control() => shown.extend(c.escape_default()),
-            c => shown.push(c),
-        }
-    }
-    shown
+    gaiter_toml::printable(&text.to_string())
 }
 
 /// The configuration for a verb that needs it.

@@ -7,7 +7,7 @@ use gaiter_flow::{Mask, OrdersWhen};
 use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{GdtRules, Product, Reference};
 
-use super::parse::{self, Absent, Found, Reader, What, not_a};
+use super::parse::{self, Absent, Found, Reader, What, is_bare, not_a};
 use super::words::Words;
 use crate::store::gdt::Attached;
 
@@ -147,15 +147,11 @@ fn short_name(text: &str) -> Result<String, What> {
 
 /// The bare name of a file, or that of a folder before it.
 fn attached(text: &str) -> Result<Attached, What> {
-    let is_plain = |name: &str| {
-        let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
-        plain && !name.is_empty() && !name.starts_with('.')
-    };
     let (folder, name) = match text.split_once('/') {
         Some((folder, name)) => (Some(folder), name),
         None => (None, text),
     };
-    if is_plain(name) && folder.is_none_or(is_plain) {
+    if is_bare(name) && folder.is_none_or(is_bare) {
         return Ok(Attached { folder: folder.unwrap_or_default().into(), name: name.into() });
     }
     let hint = "letters, digits, -, _ and ., as in \"legs.svg\" or \"legs/legs.svg\"";

@@ -118,6 +118,12 @@ pub(super) fn height_mm(text: &str) -> Result<f64, What> {
     })
 }
 
+/// Whether a name is bare: letters, digits, `-`, `_` and `.`, and not hidden.
+pub(super) fn is_bare(name: &str) -> bool {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
+    !name.is_empty() && !name.starts_with('.') && name.bytes().all(is_plain)
+}
+
 /// A station's name: only the plainest characters, because it is part of file names.
 pub(super) fn station_id(text: &str) -> Result<String, What> {
     let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');

@@ -14,7 +14,7 @@ use std::net::Ipv6Addr;
 use gaiter_https::{Endpoint, EndpointFault, Secret, TlsFiles};
 use http::Uri;
 
-use super::parse::{self, Absent, Found, Reader, What, not_a, or_none};
+use super::parse::{self, Absent, Found, Reader, What, is_bare, not_a, or_none};
 use super::words::Words;
 pub use archive::ArchiveStoreConfig;
 pub(super) use archive::archive;
@@ -112,11 +112,6 @@ fn file_name(text: &str) -> Result<String, What> {
         return Ok(text.to_owned());
     }
     Err(not_a(text, "a valid bare name", "letters, digits, -, _ and ., as in \"report.pdf\""))
-}
-
-fn is_bare(name: &str) -> bool {
-    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
-    !name.is_empty() && !name.starts_with('.') && name.bytes().all(is_plain)
 }
 
 /// A text in a line, which may be empty.

@@ -195,8 +195,9 @@ impl<W: Hint> fmt::Display for Fault<W> {
 
 impl<W: Hint + fmt::Debug> std::error::Error for Fault<W> {}
 
-/// Escapes what would break or turn a line: values may contain it, and it must not reach a terminal.
-fn printable(text: &str) -> String {
+/// A text from outside on one line: what would break or turn the line is escaped, so that it can neither forge a line nor
+/// move the cursor of a terminal.
+pub fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
         if is_hidden(c) { shown.extend(c.escape_default()) } else { shown.push(c) }

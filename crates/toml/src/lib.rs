@@ -10,7 +10,7 @@ mod reader;
 mod section;
 mod value;
 
-pub use fault::{Fault, Hint, What};
+pub use fault::{Fault, Hint, What, printable};
 pub use faults::utf8;
 pub use notation::Guess;
 pub use reader::{Absent, Found, Key, Reader, Removed};

@@ -161,11 +161,9 @@ fn at_cells(at: Option<&AtFigures>) -> String {
 fn findings(findings: &[FindingNote]) -> Vec<String> {
     let mut groups: Vec<Vec<&FindingNote>> = Vec::new();
     for finding in findings {
-        let is_same = |group: &&mut Vec<&FindingNote>| {
-            let its = |of: &FindingNote| (of.code.clone(), of.severity.clone());
-            group.iter().any(|of| its(of) == its(finding))
-        };
-        match groups.iter_mut().find(is_same) {
+        let is_same =
+            |of: &&FindingNote| of.code == finding.code && of.severity == finding.severity;
+        match groups.iter_mut().find(|group| group.iter().any(is_same)) {
             Some(group) => group.push(finding),
             None => groups.push(vec![finding]),
         }

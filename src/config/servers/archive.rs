@@ -4,8 +4,8 @@ use gaiter_https::{BucketPlace, TlsFiles};
 use gaiter_record::archive::StationId;
 use http::Uri;
 
-use super::{address, is_bare, secret, set_without};
-use crate::config::parse::{self, Absent, Found, Reader, What, not_a, or_none};
+use super::{address, secret, set_without};
+use crate::config::parse::{self, Absent, Found, Reader, What, is_bare, not_a, or_none};
 use crate::config::words::Words;
 use crate::store::archive::{ArchivePlace, CropChoice};
 
