@@ -52,12 +52,10 @@ fn ports(config: &Config) -> Vec<Row> {
     ports
         .map(|(key, path)| match path.exists() {
             true => Row::ok("port", path, format!("is there ({key})")),
-            false => Row::new(
-                "port",
-                path,
-                Verdict::Warn,
-                format!("is not there: plug it in, or see {key}"),
-            ),
+            false => {
+                let detail = format!("is not there: plug it in, or see {key}");
+                Row::at("port", path.display(), Verdict::Warn, detail)
+            }
         })
         .collect()
 }

@@ -66,7 +66,9 @@ fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
     let check = "export mounted";
     Some(match MountGuard::default().check(seen) {
         Ok(()) => Row::ok(check, folder, format!("as configured, on {}", seen.file_system)),
-        Err(why) => Row::new(check, folder, Verdict::Fail, format!("the export folder {why}")),
+        Err(why) => {
+            Row::at(check, folder.display(), Verdict::Fail, format!("the export folder {why}"))
+        }
     })
 }
 
@@ -119,7 +121,7 @@ fn state_folder(folder: &Path) -> Row {
     let user = rustix::process::geteuid();
     if !user.is_root() && found.uid() != user.as_raw() {
         let detail = "belongs to another user; the station does not start in it";
-        return Row::new(check, folder, Verdict::Fail, detail);
+        return Row::at(check, folder.display(), Verdict::Fail, detail);
     }
     if found.mode() & OTHERS == 0 {
         return row;
@@ -130,7 +132,7 @@ fn state_folder(folder: &Path) -> Row {
         found.mode() & 0o7777,
         folder.display()
     );
-    Row::new(check, folder, Verdict::Warn, detail)
+    Row::at(check, folder.display(), Verdict::Warn, detail)
 }
 
 fn write_sync_rename(trial: &Path) -> io::Result<()> {
@@ -146,7 +148,7 @@ fn write_sync_rename(trial: &Path) -> io::Result<()> {
 fn room(folder: &Path, max_scan: u64) -> Row {
     let check = "free space";
     match footing(folder).and_then(file_system::free_bytes) {
-        Err(error) => Row::new(check, folder, Verdict::Fail, error.to_string()),
+        Err(error) => Row::at(check, folder.display(), Verdict::Fail, error.to_string()),
         Ok(free) => {
             let detail = format!("{} free; a scan may have up to {}", spelt(free), spelt(max_scan));
             let verdict = if free < max_scan {
@@ -156,7 +158,7 @@ fn room(folder: &Path, max_scan: u64) -> Row {
             } else {
                 Verdict::Ok
             };
-            Row::new(check, folder, verdict, detail)
+            Row::at(check, folder.display(), verdict, detail)
         }
     }
 }
@@ -176,11 +178,11 @@ fn local(state: &Path) -> Row {
     match network(state) {
         _ if file_system(state).is_some_and(FileSystem::is_memory) => {
             let detail = "held in memory; a power loss deletes everything that is not delivered";
-            Row::new("local disk", state, Verdict::Warn, detail)
+            Row::at("local disk", state.display(), Verdict::Warn, detail)
         }
         Some(kind) => {
             let detail = format!("on {kind}; the journal is only safe on a local disk");
-            Row::new("local disk", state, Verdict::Warn, detail)
+            Row::at("local disk", state.display(), Verdict::Warn, detail)
         }
         None => Row::ok("local disk", state, "not on a network share"),
     }
@@ -204,7 +206,7 @@ fn linked_into_one_another(exports: &[PathBuf], state: &Path, store: &Path) -> V
         .filter_map(|(a, b)| {
             nested(&real(a)?, &real(b)?)?;
             let detail = format!("is the same place as {}, through a link", b.display());
-            Some(Row::new("folders apart", a, Verdict::Fail, detail))
+            Some(Row::at("folders apart", a.display(), Verdict::Fail, detail))
         })
         .collect()
 }

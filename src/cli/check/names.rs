@@ -66,7 +66,7 @@ fn of_folder(folder: &Path, found: Found, identity: &Identity) -> Vec<Row> {
     taken.reverse();
     let findings = name_check::findings(&taken).into_iter().map(|finding| {
         let detail = format!("{finding} [{}]", finding.code());
-        Row::new(CHECK, folder, Verdict::Warn, detail)
+        Row::at(CHECK, folder.display(), Verdict::Warn, detail)
     });
     let counts = Row { examples, ..Row::ok(CHECK, folder, detail) };
     std::iter::once(counts).chain(findings).collect()

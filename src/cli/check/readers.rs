@@ -49,7 +49,7 @@ fn nobody(place: &Path) -> Row {
          chmod g+s {0}",
         place.display()
     );
-    Row::new(CHECK, place, Verdict::Warn, detail)
+    Row::at(CHECK, place.display(), Verdict::Warn, detail)
 }
 
 /// Whether the folder gives what is made in it an access list of its own.

@@ -45,20 +45,10 @@ pub(super) struct Example {
 impl Row {
     /// A check that passed.
     pub fn ok(check: &'static str, place: &Path, detail: impl Into<String>) -> Row {
-        Row::new(check, place, Verdict::Ok, detail)
+        Row::at(check, place.display(), Verdict::Ok, detail)
     }
 
-    /// A check of a folder or file, with its result.
-    pub fn new(
-        check: &'static str,
-        place: &Path,
-        verdict: Verdict,
-        detail: impl Into<String>,
-    ) -> Row {
-        Row::at(check, place.display(), verdict, detail)
-    }
-
-    /// A check of something without a path, such as a configuration key, with its result.
+    /// A check of a path, a configuration key or the like, with its result.
     pub fn at(
         check: &'static str,
         place: impl Display,
@@ -72,7 +62,7 @@ impl Row {
     pub fn from_attempt(check: &'static str, place: &Path, tried: io::Result<String>) -> Row {
         match tried {
             Ok(detail) => Row::ok(check, place, detail),
-            Err(error) => Row::new(check, place, Verdict::Fail, error.to_string()),
+            Err(error) => Row::at(check, place.display(), Verdict::Fail, error.to_string()),
         }
     }
 }

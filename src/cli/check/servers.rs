@@ -149,7 +149,7 @@ fn of_certificate(certificate: Option<&Path>, now: Timestamp) -> Option<Row> {
         }
         _ => (Verdict::Ok, format!("holds for {days} days")),
     };
-    Some(Row::new("certificate", path, verdict, detail))
+    Some(Row::at("certificate", path.display(), verdict, detail))
 }
 
 fn kept(check: &'static str, path: &Path) -> Row {
@@ -157,9 +157,9 @@ fn kept(check: &'static str, path: &Path) -> Row {
         Ok(0) => Row::ok(check, path, "can be read, by its owner only"),
         Ok(_) => {
             let detail = "others can read it too: chmod 600, for the user of the station";
-            Row::new(check, path, Verdict::Warn, detail)
+            Row::at(check, path.display(), Verdict::Warn, detail)
         }
-        Err(error) => Row::new(check, path, Verdict::Fail, error.to_string()),
+        Err(error) => Row::at(check, path.display(), Verdict::Fail, error.to_string()),
     }
 }
 

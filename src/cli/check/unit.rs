@@ -47,7 +47,7 @@ pub(super) fn rows(file: &Path, config: &Config) -> Vec<Row> {
     let written = written.into_iter().flatten().map(|folder| (folder, Need::Write));
     let refused = exports.chain(orders).chain(written).filter_map(|(folder, need)| {
         let why = unit.refuses(folder, need)?;
-        Some(Row::new("service", folder, Verdict::Fail, why))
+        Some(Row::at("service", folder.display(), Verdict::Fail, why))
     });
     // Credentials are not among the properties that systemctl prints.
     let files = systemctl(&["cat", SERVICE]).unwrap_or_default();
