@@ -151,7 +151,15 @@ impl Error for AskFault {
 /// # Errors
 /// See [`AskFault`].
 pub fn ask(config: &Path, request: &Request) -> Result<ControlAnswer, AskFault> {
-    let stream = connect(&state_dir(config).map_err(AskFault::Config)?, config)?;
+    let state_dir = state_dir(config).map_err(AskFault::Config)?;
+    let connected = UnixStream::connect(control_path(&state_dir));
+    let stream = connected.map_err(|error| match error.kind() {
+        io::ErrorKind::PermissionDenied => AskFault::Denied,
+        io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {
+            AskFault::NoStation { state_dir, config: config.to_owned() }
+        }
+        _ => AskFault::Io(error),
+    })?;
     let body = serde_json::to_vec(request).map_err(AskFault::Answer)?;
     let body = exchange(stream, &body).map_err(AskFault::Io)?;
     match serde_json::from_slice(&body).map_err(AskFault::Answer)? {
@@ -177,17 +185,6 @@ fn exchange(mut stream: UnixStream, body: &[u8]) -> io::Result<Vec<u8>> {
     }
     let status = String::from_utf8_lossy(&answer);
     Err(io::Error::other(status.lines().next().unwrap_or_default().to_owned()))
-}
-
-fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
-    let connected = UnixStream::connect(control_path(state_dir));
-    connected.map_err(|error| match error.kind() {
-        io::ErrorKind::PermissionDenied => AskFault::Denied,
-        io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {
-            AskFault::NoStation { state_dir: state_dir.to_owned(), config: config.to_owned() }
-        }
-        _ => AskFault::Io(error),
-    })
 }
 
 /// The state folder. A configuration with faults elsewhere may still name it.
