@@ -1,6 +1,6 @@
 //! The words for choices, shared by the configuration and the command line.
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 
 use gaiter_cad::{FileFormat, FileKind, Schema, Shape};
 use gaiter_flow::confinement::Confine;
@@ -165,14 +165,6 @@ pub const HEIGHTS_CM: Range<f64> = 0.0..200.0;
 pub fn height_mm(text: &str) -> Option<f64> {
     let cm = text.trim().parse::<f64>().ok()?;
     (cm > HEIGHTS_CM.start && cm < HEIGHTS_CM.end).then_some(cm * 10.0)
-}
-
-/// Tolerances of a check with a known body, mm: from the noise of a girth to what no scanner is off by.
-pub const TOLERANCES_MM: RangeInclusive<f64> = 0.5..=20.0;
-
-/// Parses a tolerance in mm; `None` for anything else, including one out of range.
-pub fn tolerance_mm(text: &str) -> Option<f64> {
-    text.trim().parse::<f64>().ok().filter(|mm| TOLERANCES_MM.contains(mm))
 }
 
 #[cfg(test)]

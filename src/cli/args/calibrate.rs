@@ -6,7 +6,7 @@ use gaiter_leg::method::{UnitChoice, Up};
 use gaiter_leg::phantom::Phantom;
 
 use super::of_words;
-use crate::config::words::{self, UNITS, UPS};
+use crate::config::words::{UNITS, UPS};
 
 /// `gaiter calibrate`
 #[derive(Debug, clap::Args)]
@@ -36,8 +36,8 @@ pub struct CalibrateArgs {
     pub config: Option<PathBuf>,
 }
 
-/// Parses a tolerance in mm.
+/// Parses a tolerance in mm: from the noise of a girth to what no scanner is off by, as `phantom.tolerance`.
 fn tolerance_mm(text: &str) -> Result<f64, String> {
-    words::tolerance_mm(text)
-        .ok_or_else(|| "a tolerance in mm is at least 0.5 and at most 20".to_owned())
+    let mm = text.trim().parse::<f64>().ok().filter(|mm| (0.5..=20.0).contains(mm));
+    mm.ok_or_else(|| "a tolerance in mm is at least 0.5 and at most 20".to_owned())
 }
