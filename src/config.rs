@@ -1,6 +1,6 @@
 //! `station.toml` → [`Config`], checked as a whole: all faults at once, each with its place.
 //!
-//! [`load`] is pure, text in; [`read`] is the thin layer that takes the text from a file.
+//! [`load`] takes a text, and reads the files that it names; [`read`] takes the text from a file.
 
 mod capture;
 mod gdt;
@@ -43,14 +43,13 @@ use gaiter_record::report::{AgeMax, Print};
 use gaiter_record::sizing::SizeChoice;
 use gaiter_sizes::{Garment, Mapping, SizeTable};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
-pub use load::{load, load_with, nested};
+pub use load::{load, nested};
 pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
 pub use phantom::PhantomConfig;
 pub use servers::{ArchiveStoreConfig, FhirStoreConfig, Hl7StoreConfig};
 #[cfg(feature = "dicom")]
 pub use servers::{DicomStoreConfig, WorklistConfig};
-pub use sizes::beside::Files;
 pub use trigger::TriggerConfig;
 pub use visits::VisitsConfig;
 pub use watch::WatchConfig;
@@ -237,7 +236,7 @@ pub fn read(path: &Path) -> Result<Config, ConfigError> {
     let bytes = std::fs::read(path)
         .map_err(|source| ConfigError::Unreadable { path: path.into(), source })?;
     let loaded = match gaiter_toml::utf8(&bytes) {
-        Ok(text) => load_with(text, Files::Disk),
+        Ok(text) => load(text),
         Err(fault) => Err(vec![fault]),
     };
     loaded.map_err(|mut faults| {

@@ -12,8 +12,6 @@ use toml::de::DeTable;
 
 use super::parse::{self, Absent, Found, Reader, What};
 use super::removed::REMOVED;
-use super::sizes::FilesBeside;
-use super::sizes::beside::Files;
 use super::visits;
 use super::words::{
     ACCESSES, CONFINES, FACINGS, FILES, LANGUAGES, PAPERS, POSTURES, SCOPES, TAPES, UNITS, UPS,
@@ -25,22 +23,14 @@ use super::{
     trigger, watch,
 };
 
-/// Reads the text of a configuration that names no other files.
-///
-/// # Errors
-/// Every fault of the text, in the order of its lines.
-pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
-    load_with(text, Files::None)
-}
-
 /// Reads the text of a configuration with the garments, size tables and mappings that it names.
 ///
 /// # Errors
 /// Every fault of the text and of these files, in the order of its lines.
-pub fn load_with(text: &str, files: Files) -> Result<Config, Vec<ConfigFault>> {
+pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
     let (root, errors) = DeTable::parse_recoverable(text);
     let mut reader = Reader::new(text, root.get_ref(), &errors, REMOVED);
-    let config = config(&mut reader, files);
+    let config = config(&mut reader);
     let mut faults = reader.finish();
     match config {
         Some(config) if faults.is_empty() => Ok(config),
@@ -52,7 +42,7 @@ pub fn load_with(text: &str, files: Files) -> Result<Config, Vec<ConfigFault>> {
 }
 
 /// Reads all keys, each with what applies if it is absent.
-pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
+pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     use Absent::{Default, Nothing, Required};
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
@@ -92,12 +82,12 @@ pub(super) fn config(reader: &mut Reader, files: Files) -> Option<Config> {
     let volume = reader.value("method.volume", "cones", parse::word(VOLUMES))?;
     let output = output(reader);
     let language = reader.value("report.language", "en", parse::word(LANGUAGES))?;
-    let mut files = FilesBeside { from: files, bytes: 0 };
-    let garments = sizes::garments(reader, &mut files);
+    let mut read_bytes = 0;
+    let garments = sizes::garments(reader, &mut read_bytes);
     let paper = reader.value("report.paper", "A4", parse::word(PAPERS))?;
     let age_max = visits::age_max(reader)?;
-    let tables = sizes::tables(reader, &mut files);
-    let orders_of_records = sizes::orders(reader, &mut files);
+    let tables = sizes::tables(reader, &mut read_bytes);
+    let orders_of_records = sizes::orders(reader, &mut read_bytes);
     let visits = visits::config(reader);
     let measure = measure(reader)?;
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);

@@ -5,7 +5,7 @@ pub mod beside;
 use gaiter_sizes::{DocumentFault, Garment, Mapping, SizeTable, mapping};
 use gaiter_toml::What::{self, NotAWord, Twice};
 
-use self::beside::{Files, TextFile};
+use self::beside::{TextFile, on_disk};
 use super::parse::{self, Absent, Found, Reader};
 
 /// The most bytes of all files together: every measuring process gets their content before its scan.
@@ -20,19 +20,11 @@ pub(super) struct Garments {
     pub usual: Option<Garment>,
 }
 
-/// The files that a configuration names.
-pub(super) struct FilesBeside {
-    /// Where they come from.
-    pub from: Files,
-    /// The bytes of those that have been read.
-    pub bytes: usize,
-}
-
-/// Reads `report.garment` and the garments of files.
-pub(super) fn garments(reader: &mut Reader, files: &mut FilesBeside) -> Garments {
+/// Reads `report.garment` and the garments of files. `read_bytes`: the bytes of all files that have been read.
+pub(super) fn garments(reader: &mut Reader, read_bytes: &mut usize) -> Garments {
     let name = reader.text("report.garment", Absent::Default("AD"), |name| Ok(name.to_owned()));
     let mut all = Garment::shipped().to_vec();
-    let own = read_files(reader, "report.garments", files, Garment::read, Garment::name);
+    let own = read_files(reader, "report.garments", read_bytes, Garment::read, Garment::name);
     own.into_iter().for_each(|garment| add(&mut all, garment));
     let usual = name.and_then(|Found { value: name, at }| {
         let usual = all.iter().find(|of| of.name() == name).cloned();
@@ -48,13 +40,13 @@ pub(super) fn garments(reader: &mut Reader, files: &mut FilesBeside) -> Garments
 }
 
 /// Reads `sizes.tables`: the size tables, in the order of the configuration.
-pub(super) fn tables(reader: &mut Reader, files: &mut FilesBeside) -> Vec<SizeTable> {
-    read_files(reader, "sizes.tables", files, gaiter_sizes::parse, |table| table.id.as_str())
+pub(super) fn tables(reader: &mut Reader, read_bytes: &mut usize) -> Vec<SizeTable> {
+    read_files(reader, "sizes.tables", read_bytes, gaiter_sizes::parse, |table| table.id.as_str())
 }
 
 /// Reads `orders.mappings`: the mappings by which each record gets its order.
-pub(super) fn orders(reader: &mut Reader, files: &mut FilesBeside) -> Vec<Mapping> {
-    read_files(reader, "orders.mappings", files, mapping::parse, |of| of.id.as_str())
+pub(super) fn orders(reader: &mut Reader, read_bytes: &mut usize) -> Vec<Mapping> {
+    read_files(reader, "orders.mappings", read_bytes, mapping::parse, |of| of.id.as_str())
 }
 
 /// Adds a garment: in the place of the shipped one of its name, or at the end.
@@ -70,7 +62,7 @@ pub fn add(garments: &mut Vec<Garment>, garment: Garment) {
 fn read_files<T>(
     reader: &mut Reader,
     key: &'static str,
-    files: &mut FilesBeside,
+    read_bytes: &mut usize,
     read: fn(&[u8]) -> Result<T, Vec<DocumentFault>>,
     name: fn(&T) -> &str,
 ) -> Vec<T> {
@@ -79,21 +71,21 @@ fn read_files<T>(
         let mut note = |what: What| reader.note(at.clone(), key, what);
         let of_file =
             |message| What::own(message, "gaiter sizes check FILE names every fault of a file");
-        let found = match files.from.at(&named) {
+        let found = match on_disk(&named) {
             Ok(found) => found,
             Err(why) => {
                 note(of_file(why.to_string()));
                 continue;
             }
         };
-        let bytes = files.bytes + found.iter().map(|file| file.text.len()).sum::<usize>();
+        let bytes = *read_bytes + found.iter().map(|file| file.text.len()).sum::<usize>();
         if bytes > BYTES_MOST {
             let message =
                 format!("garments, size tables and mappings have more than {BYTES_MOST} bytes");
             note(of_file(message));
             continue;
         }
-        files.bytes = bytes;
+        *read_bytes = bytes;
         for TextFile { path, text } in found {
             match read(text.as_bytes()) {
                 Err(faults) => {

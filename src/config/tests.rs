@@ -8,7 +8,6 @@ use super::Config;
 use super::load::{config, load};
 use super::parse::{Absent, Reader};
 use super::removed::REMOVED;
-use super::sizes::beside::Files;
 use super::words::TAPES;
 
 const SHIPPED: &str = include_str!("../../config/station.toml");
@@ -17,7 +16,7 @@ const SHIPPED: &str = include_str!("../../config/station.toml");
 fn keys() -> Vec<Key> {
     let empty = DeTable::parse("").unwrap();
     let mut reader = Reader::new("", empty.get_ref(), &[], REMOVED);
-    assert!(config(&mut reader, Files::None).is_none(), "an empty file lacks the required keys");
+    assert!(config(&mut reader).is_none(), "an empty file lacks the required keys");
     assert!(!reader.keys.is_empty());
     reader.keys
 }

@@ -18,15 +18,6 @@ pub struct TextFile {
     pub text: String,
 }
 
-/// Where the files come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Files {
-    /// They are read from the disk.
-    Disk,
-    /// A text alone has none.
-    None,
-}
-
 /// Why a path gave no files.
 #[derive(Debug, thiserror::Error)]
 pub enum NoFiles {
@@ -57,19 +48,6 @@ pub enum NoFiles {
     /// The folder holds too many of them.
     #[error("{} holds more than {FILES_MAX} files that end in .{ENDING}", .0.display())]
     TooMany(PathBuf),
-    /// A text alone has no files.
-    #[error("{} is not read", .0.display())]
-    NotRead(PathBuf),
-}
-
-impl Files {
-    /// The file at a path of the configuration, or the files of a folder there.
-    pub(super) fn at(self, named: &Path) -> Result<Vec<TextFile>, NoFiles> {
-        match self {
-            Files::Disk => on_disk(named),
-            Files::None => Err(NoFiles::NotRead(named.to_owned())),
-        }
-    }
 }
 
 /// The file at a path, or the files of a folder in the order of their names, from the disk.
