@@ -74,11 +74,7 @@ fn set_aside(path: &Path) -> io::Result<()> {
         let from = folder.join(name);
         let free = (0..).map(|n| folder.join(format!("journal.ruined-{time}-{n}-{name}")));
         let Some(to) = free.into_iter().find(|to| !to.exists()) else { continue };
-        match fs::rename(from, &to) {
-            Ok(()) => files += 1,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-            Err(error) => return Err(error),
-        }
+        files += usize::from(durable::if_there(fs::rename(from, &to))?.is_some());
     }
     durable::sync_folder(folder)?;
     info!(event = "journal-set-aside", files);

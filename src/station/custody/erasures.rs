@@ -52,15 +52,15 @@ impl Erasures {
     /// Any I/O error; `InvalidData` if a file cannot be understood: an erasure must not be forgotten.
     pub fn open(state_dir: &Path) -> io::Result<Erasures> {
         let folder = JsonFolder::open(state_dir, "erasures")?;
-        let key = match fs::read_to_string(folder.path().join(KEY)) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+        let key = match durable::if_there(fs::read_to_string(folder.path().join(KEY)))? {
+            Some(key) => key,
+            None => {
                 let mut bytes = [0; KEY_BYTES];
                 File::open("/dev/urandom")?.read_exact(&mut bytes)?;
                 let key = hex(&bytes);
                 durable::replace_file(folder.path(), KEY, key.as_bytes())?;
                 key
             }
-            read => read?,
         };
         let mut known = Vec::new();
         for whose in folder.names()? {

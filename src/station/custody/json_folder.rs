@@ -44,10 +44,7 @@ impl JsonFolder {
 
     /// The bytes of a file; `None` if there is none.
     pub fn bytes(&self, name: &str) -> io::Result<Option<Vec<u8>>> {
-        match fs::read(self.file(name)) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            read => read.map(Some),
-        }
+        durable::if_there(fs::read(self.file(name)))
     }
 
     /// What a file holds; `None` if there is none.
@@ -70,9 +67,9 @@ impl JsonFolder {
 
     /// Removes a file, if there is one.
     pub fn remove(&self, name: &str) -> io::Result<()> {
-        match fs::remove_file(self.file(name)) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-            removed => removed.and_then(|()| durable::sync_folder(&self.0)),
+        match durable::if_there(fs::remove_file(self.file(name)))? {
+            Some(()) => durable::sync_folder(&self.0),
+            None => Ok(()),
         }
     }
 }

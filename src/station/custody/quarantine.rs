@@ -128,9 +128,9 @@ impl Quarantine {
     fn remove_entry(&self, name: &str) -> io::Result<bool> {
         let gone = self.folder.join(format!(".gone-{name}"));
         durable::remove_folder(&gone)?;
-        match durable::rename_new(&self.folder.join(name), &gone) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
-            other => other?,
+        let renamed = durable::rename_new(&self.folder.join(name), &gone);
+        if durable::if_there(renamed)?.is_none() {
+            return Ok(false);
         }
         durable::sync_folder(&self.folder)?;
         durable::remove_folder(&gone)?;
@@ -164,11 +164,9 @@ impl Quarantine {
     /// Any I/O error; the scan then stays in the spool.
     pub fn take(&self, entry: &Path, scan: &ScanId, reason: &Reason) -> io::Result<()> {
         let path = entry.join(REASON);
-        match fs::remove_file(&path) {
-            // An attempt that failed before the move may have left its reason.
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => durable::write_new(&path, &text(reason)?)?,
-        }
+        // An attempt that failed before the move may have left its reason.
+        durable::remove_file(&path)?;
+        durable::write_new(&path, &text(reason)?)?;
         durable::sync_folder(entry)?;
         durable::rename_new(entry, &self.folder.join(scan.as_str()))?;
         durable::sync_folder(&self.folder)
@@ -198,11 +196,9 @@ pub fn unread(digits: &str) -> String {
 
 /// The reason in an entry; `None` if there is no entry or the reason cannot be read.
 fn read_reason(entry: &Path) -> io::Result<Option<Reason>> {
-    match fs::read(entry.join(REASON)) {
-        Ok(text) => Ok(serde_json::from_slice(&text).ok().map(|Versioned::V1(reason)| reason)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error),
-    }
+    let text = durable::if_there(fs::read(entry.join(REASON)))?;
+    let reason = text.and_then(|text| serde_json::from_slice(&text).ok());
+    Ok(reason.map(|Versioned::V1(reason)| reason))
 }
 
 fn text(reason: &Reason) -> io::Result<Vec<u8>> {

@@ -175,9 +175,8 @@ impl Spool {
     /// leaves no partial entry under its name.
     pub fn remove(&self, scan: &ScanId) -> io::Result<()> {
         let gone = self.folder.join(format!(".tmp-{:016x}", random_bits()));
-        match durable::rename_new(&self.entry(scan), &gone) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            other => other?,
+        if durable::if_there(durable::rename_new(&self.entry(scan), &gone))?.is_none() {
+            return Ok(());
         }
         durable::sync_folder(&self.folder)?;
         durable::remove_folder(&gone)

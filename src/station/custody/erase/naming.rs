@@ -44,12 +44,9 @@ pub(in crate::station) fn files_naming(
     files: Files,
     patient: &str,
 ) -> io::Result<Vec<PathBuf>> {
-    let entries = match fs::read_dir(state_dir.join(files.folder)) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries?,
-    };
+    let entries = durable::if_there(fs::read_dir(state_dir.join(files.folder)))?;
     let mut found = Vec::new();
-    for entry in entries {
+    for entry in entries.into_iter().flatten() {
         let path = entry?.path();
         let name = path.file_name().map(OsStr::as_bytes).unwrap_or_default();
         if name.starts_with(files.beginning.as_bytes()) && holds(&path, patient)? {
