@@ -128,7 +128,7 @@ pub(super) fn deliveries_in(
     let found = format!(
         "SELECT {} FROM deliveries JOIN scans USING (sha256)
          WHERE sha256 = ?1 AND deliveries.state = ?2 ORDER BY patient, store",
-        delivery_row::CELLS
+        delivery_row::cells()
     );
     let cells = [scan.as_str(), state.word()];
     all(connection, &found, cells, |row| delivery_row::due(row, Task::Deliver))

@@ -105,15 +105,13 @@ impl Journal {
 
     /// The captures whose exports have not come, in the order in which they were opened.
     pub fn captures_waiting(&self) -> Result<Vec<CaptureRow>, JournalError> {
-        let waiting =
-            format!("SELECT {CELLS} FROM captures WHERE state IN {WAITING} ORDER BY number");
+        let waiting = select(&format!("state IN {WAITING} ORDER BY number"));
         all(&self.connection(), &waiting, [], read)
     }
 
     /// The capture that a scan answered, also where it was opened again because the scan was refused.
     pub fn capture_answered_by(&self, scan: &ScanId) -> Result<Option<Capture>, JournalError> {
-        let answered =
-            format!("SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {NOT_ENDED}");
+        let answered = select(&format!("scan = ?1 AND state IN {NOT_ENDED}"));
         let found = first(&self.connection(), &answered, [scan.as_str()], read)?;
         Ok(found.map(|row| row.capture))
     }
@@ -121,11 +119,11 @@ impl Journal {
     /// The captures whose scans are to be measured, are held, or were refused without the capture being
     /// opened again.
     pub fn captures_taken(&self) -> Result<Vec<CaptureRow>, JournalError> {
-        let taken = format!(
-            "SELECT {CELLS} FROM captures WHERE state IN {TAKEN}
+        let taken = select(&format!(
+            "state IN {TAKEN}
              AND (state = '{HELD}' OR scan IN (SELECT sha256 FROM scans WHERE state IN (?1, ?2)))
              ORDER BY number"
-        );
+        ));
         let states = [ScanState::Spooled.word(), ScanState::Refused.word()];
         all(&self.connection(), &taken, states, read)
     }
@@ -210,41 +208,44 @@ fn doubt(
     number: i64,
     candidates: &[Named],
 ) -> Result<(), JournalError> {
-    let row = format!("SELECT {CELLS} FROM captures WHERE number = ?1 AND state IN {NOT_ENDED}");
+    let row = select(&format!("number = ?1 AND state IN {NOT_ENDED}"));
     let row = first(transaction, &row, [number], read)?;
     let Some(CaptureRow { mut capture, boot, .. }) = row else { return Ok(()) };
     candidates.iter().for_each(|named| capture.may_also_be(named));
     save(transaction, &capture, &boot)
 }
 
-/// The columns of a capture, as [`read`] takes them.
-const CELLS: &str = "number, boot, opened_ms, until_ms, opener, patient, source, state, candidates,
-                     refused, doubt, seal, at";
+/// SQL: the captures of a condition, as [`read`] takes them.
+fn select(which: &str) -> String {
+    format!(
+        "SELECT {}, boot, opened_ms, until_ms, opener, state, refused, doubt, at
+         FROM captures WHERE {which}",
+        seal::CAPTURES.cells
+    )
+}
 
 fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
+    seal::CAPTURES.check(row)?;
     let text = |at| row.get::<_, String>(at);
-    let (number, id, source): (i64, String, String) = (row.get(0)?, text(5)?, text(6)?);
-    if text(11)? != seal::of_capture(number, &id, &source, &text(8)?) {
-        return Err(JournalError::Seal { table: "captures" });
-    }
+    let id = text(2)?;
     let patient = match id.is_empty() {
         true => None,
-        false => Some(cell(row, 6, |source| of_source(id, source))?),
+        false => Some(cell(row, 3, |source| of_source(id, source))?),
     };
     let since_start =
         |at| Ok::<_, JournalError>(Duration::from_millis(row.get::<_, i64>(at)?.unsigned_abs()));
     let capture = Capture {
-        number,
-        opened: since_start(2)?,
-        until: since_start(3)?,
-        by: cell(row, 4, Opener::of_word)?,
+        number: row.get(1)?,
+        opened: since_start(7)?,
+        until: since_start(8)?,
+        by: cell(row, 9, Opener::of_word)?,
         patient,
-        others: json_cell(row, 8)?,
-        state: cell(row, 7, CaptureState::of_word)?,
-        is_refused: row.get(9)?,
-        doubt: if text(10)?.is_empty() { None } else { Some(cell(row, 10, of_word)?) },
+        others: json_cell(row, 4)?,
+        state: cell(row, 10, CaptureState::of_word)?,
+        is_refused: row.get(11)?,
+        doubt: if text(12)?.is_empty() { None } else { Some(cell(row, 12, of_word)?) },
     };
-    Ok(CaptureRow { capture, boot: text(1)?, at: time(row, 12)? })
+    Ok(CaptureRow { capture, boot: text(6)?, at: time(row, 13)? })
 }
 
 /// The source of a name with what the worklist had of the patient; without that the cell is the bare word.
@@ -285,7 +286,7 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
         Some(named) => (named.id.as_str(), source_of(named)?),
         None => ("", String::new()),
     };
-    let others = json_text(&capture.others)?;
+    let (number, others) = (capture.number.to_string(), json_text(&capture.others)?);
     let milliseconds = |time: Duration| i64::try_from(time.as_millis()).unwrap_or(i64::MAX);
     let doubt = capture.doubt.map(|doubt| json_text(&doubt)).transpose()?.unwrap_or_default();
     transaction.execute(
@@ -308,7 +309,7 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
             others,
             capture.is_refused,
             doubt.trim_matches('"'),
-            seal::of_capture(capture.number, id, &source, &others),
+            seal::of(&["capture", &number, id, &source, &others]),
         ],
     )?;
     let old = format!("DELETE FROM captures WHERE number < ?1 AND state NOT IN {WAITING}");

@@ -11,7 +11,6 @@ use rusqlite::{Connection, Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{self, Due, Task, count, detail, set_code, step};
-use super::integrity::seal;
 use super::row::{all, cell, json_cell, run, scan_id, value};
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
@@ -22,7 +21,7 @@ impl Journal {
     /// All deliveries to make or withdraw, newest scan first: an operator at the booth must not wait for
     /// a backlog.
     pub fn pending(&self) -> Result<Vec<Due>, JournalError> {
-        let cells = format!("SELECT {}, deliveries.state, deliveries.seal", delivery_row::CELLS);
+        let cells = format!("SELECT {}, deliveries.state", delivery_row::cells());
         let due = format!(
             "{cells}
              FROM deliveries JOIN scans USING (sha256)
@@ -38,12 +37,7 @@ impl Journal {
         let [pending, withdrawing, delivered] = states.map(DeliveryState::word);
         let states = [pending, withdrawing, amended::DUE, delivered];
         all(&self.connection(), &due, states, |row| {
-            let text = |at| row.get::<_, String>(at);
-            // Checked again although the start checked all rows: this decides whose folder it goes to.
-            if text(7)? != seal::of_delivery(&text(0)?, &text(1)?, &text(3)?, &text(2)?) {
-                return Err(JournalError::Seal { table: "deliveries" });
-            }
-            let task = match cell(row, 6, DeliveryState::of_word)? {
+            let task = match cell(row, 7, DeliveryState::of_word)? {
                 DeliveryState::Withdrawing => Task::Withdraw,
                 DeliveryState::Delivered => Task::HandOver,
                 _ => Task::Deliver,

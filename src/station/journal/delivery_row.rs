@@ -7,6 +7,7 @@ use rusqlite::{Connection, Row, Transaction, params};
 use serde_json::json;
 
 use super::JournalError;
+use super::integrity::seal;
 use super::row::{cell, first, json_cell, patient_id, run, scan_id, time, value};
 
 /// A delivery to make or withdraw.
@@ -41,19 +42,23 @@ impl Due {
     }
 }
 
-/// The columns of a delivery and its scan, as [`due`] takes them.
-pub(super) const CELLS: &str = "sha256, patient, sources, store, first_seen, attempts";
+/// SQL: the columns of a delivery and its scan, as [`due`] takes them.
+pub(super) fn cells() -> String {
+    format!("{}, first_seen, attempts", seal::DELIVERIES.cells)
+}
 
 /// A delivery and what to do with it.
 pub(super) fn due(row: &Row<'_>, task: Task) -> Result<Due, JournalError> {
-    let sources = json_cell(row, 2)?;
+    // Checked again although the start checked all rows: this decides whose folder it goes to.
+    seal::DELIVERIES.check(row)?;
+    let sources = json_cell(row, 3)?;
     Ok(Due {
         scan: scan_id(row, 0)?,
         patient: patient_id(row, 1)?.map(|id| Patient { id, sources }),
-        store: row.get(3)?,
+        store: row.get(2)?,
         task,
-        first_seen: time(row, 4)?,
-        attempts: row.get(5)?,
+        first_seen: time(row, 5)?,
+        attempts: row.get(6)?,
     })
 }
 

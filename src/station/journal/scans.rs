@@ -53,25 +53,18 @@ pub struct Entry<'a> {
 impl Journal {
     /// What is known about a scan; `None` if it was never seen.
     pub fn scan(&self, scan: &ScanId) -> Result<Option<ScanRow>, JournalError> {
-        let known = "SELECT format, size, first_seen, file_time, state, seal, pressed_at
-                     FROM scans WHERE sha256 = ?1";
-        first(&self.connection(), known, [scan.as_str()], |row| {
-            let (format, size, seal): (String, i64, String) =
-                (row.get(0)?, row.get(1)?, row.get(5)?);
-            let (first_seen, file_time): (String, Option<String>) = (row.get(2)?, row.get(3)?);
-            let due =
-                seal::of_scan(scan.as_str(), &format, size, &first_seen, file_time.as_deref());
-            if seal != due {
-                return Err(JournalError::Seal { table: "scans" });
-            }
+        let sealed = seal::SCANS.cells;
+        let known = format!("SELECT {sealed}, state, pressed_at FROM scans WHERE sha256 = ?1");
+        first(&self.connection(), &known, [scan.as_str()], |row| {
+            seal::SCANS.check(row)?;
             Ok(ScanRow {
                 scan: scan.clone(),
-                format,
-                size: size.cast_unsigned(),
-                first_seen: time(row, 2)?,
-                file_time: if_any(row, 3, time)?,
-                pressed_at: if_any(row, 6, time)?,
-                state: cell(row, 4, ScanState::of_word)?,
+                format: row.get(1)?,
+                size: count(row, 2)?,
+                first_seen: time(row, 3)?,
+                file_time: if_any(row, 4, time)?,
+                pressed_at: if_any(row, 7, time)?,
+                state: cell(row, 6, ScanState::of_word)?,
             })
         })
     }
@@ -185,7 +178,8 @@ pub(super) fn insert_scan(
     let (scan, size) = (row.scan.as_str(), row.size.cast_signed());
     let first_seen = row.first_seen.to_string();
     let file_time = row.file_time.map(|time| time.to_string());
-    let seal = seal::of_scan(scan, &row.format, size, &first_seen, file_time.as_deref());
+    let file_cell = file_time.as_deref().unwrap_or_default();
+    let seal = seal::of(&[scan, &row.format, &size.to_string(), &first_seen, file_cell]);
     run(
         transaction,
         "INSERT INTO scans (sha256, format, size, first_seen, file_time, state, changed_at, seal,
@@ -227,7 +221,7 @@ pub(super) fn insert_delivery(
     let sources = patient.map_or(&[][..], |patient| &patient.sources);
     let sources = json_text(sources)?;
     let id = patient.map_or("", |patient| &patient.id);
-    let seal = seal::of_delivery(scan.as_str(), id, store, &sources);
+    let seal = seal::of(&[scan.as_str(), id, store, &sources]);
     run(
         transaction,
         "INSERT INTO deliveries (sha256, patient, store, sources, state, code, changed_at, seal)
