@@ -9,11 +9,8 @@ use std::time::Duration;
 use gaiter_flow::orders::{ORDERS_MOST, OrderCame};
 use gaiter_flow::round::{Capture, CaptureMatch, CaptureState, Named, Opener, Rounds};
 use gaiter_flow::{ScanId, ScanState};
-use gaiter_record::{ImagingRequest, SourceKind};
 use jiff::Timestamp;
 use rusqlite::{Row, Transaction, params};
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::integrity::seal;
@@ -226,12 +223,6 @@ fn select(which: &str) -> String {
 
 fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
     seal::CAPTURES.check(row)?;
-    let text = |at| row.get::<_, String>(at);
-    let id = text(2)?;
-    let patient = match id.is_empty() {
-        true => None,
-        false => Some(cell(row, 3, |source| of_source(id, source))?),
-    };
     let since_start =
         |at| Ok::<_, JournalError>(Duration::from_millis(row.get::<_, i64>(at)?.unsigned_abs()));
     let capture = Capture {
@@ -239,56 +230,20 @@ fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
         opened: since_start(7)?,
         until: since_start(8)?,
         by: cell(row, 9, Opener::of_word)?,
-        patient,
+        patient: json_cell(row, 3)?,
         others: json_cell(row, 4)?,
         state: cell(row, 10, CaptureState::of_word)?,
         is_refused: row.get(11)?,
-        doubt: if text(12)?.is_empty() { None } else { Some(cell(row, 12, of_word)?) },
+        doubt: json_cell(row, 12)?,
     };
-    Ok(CaptureRow { capture, boot: text(6)?, at: time(row, 13)? })
-}
-
-/// The source of a name with what the worklist had of the patient; without that the cell is the bare word.
-#[derive(Serialize, Deserialize)]
-struct SourceCell {
-    by: SourceKind,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    request: Option<ImagingRequest>,
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    is_chosen: bool,
-}
-
-/// The patient of this id, by the cell of the source.
-fn of_source(id: String, source: &str) -> Option<Named> {
-    if !source.starts_with('{') {
-        return of_word(source).map(|by| Named::new(id, by));
-    }
-    let SourceCell { by, request, is_chosen } = serde_json::from_str(source).ok()?;
-    Some(Named { id, by, request, is_chosen })
-}
-
-/// The cell of the source.
-fn source_of(named: &Named) -> Result<String, JournalError> {
-    let Named { by, request, is_chosen, .. } = named.clone();
-    if request.is_none() && !is_chosen {
-        return Ok(json_text(&by)?.trim_matches('"').to_owned());
-    }
-    json_text(&SourceCell { by, request, is_chosen })
-}
-
-/// What a word stands for that serde writes.
-fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
-    serde_json::from_value(json!(word)).ok()
+    Ok(CaptureRow { capture, boot: row.get(6)?, at: time(row, 13)? })
 }
 
 fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<(), JournalError> {
-    let (id, source) = match &capture.patient {
-        Some(named) => (named.id.as_str(), source_of(named)?),
-        None => ("", String::new()),
-    };
-    let (number, others) = (capture.number.to_string(), json_text(&capture.others)?);
+    let id = capture.patient.as_ref().map_or("", |named| &named.id);
+    let (source, others) = (json_text(&capture.patient)?, json_text(&capture.others)?);
+    let number = capture.number.to_string();
     let milliseconds = |time: Duration| i64::try_from(time.as_millis()).unwrap_or(i64::MAX);
-    let doubt = capture.doubt.map(|doubt| json_text(&doubt)).transpose()?.unwrap_or_default();
     transaction.execute(
         "INSERT INTO captures (number, at, boot, opened_ms, until_ms, opener, patient, source, state,
                                candidates, refused, doubt, seal)
@@ -308,7 +263,7 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
             capture.state.word(),
             others,
             capture.is_refused,
-            doubt.trim_matches('"'),
+            json_text(&capture.doubt)?,
             seal::of(&["capture", &number, id, &source, &others]),
         ],
     )?;

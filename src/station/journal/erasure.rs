@@ -192,7 +192,7 @@ fn leave_captures(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jo
         }
         named.retain(|named| named.id != patient);
         let (id, source) =
-            if id == patient { (String::new(), String::new()) } else { (id, source) };
+            if id == patient { (String::new(), "null".to_owned()) } else { (id, source) };
         let others = json!(named).to_string();
         let seal = seal::of(&["capture", &number.to_string(), &id, &source, &others]);
         transaction.execute(

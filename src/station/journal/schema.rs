@@ -29,9 +29,9 @@ pub(super) const KNOWN: i64 = 1;
 /// `meta` holds what the station must remember about itself, one fact per row.
 ///
 /// Captures are the presses of the button, and without a button the names that were given. `boot` is the
-/// machine start that `opened_ms` and `until_ms` refer to. `patient` and `source` are '' if no patient was
-/// named; `source` is JSON if the worklist had a request of the patient, or its entry was chosen. `refused`: the export
-/// that answered it was refused, and another is awaited.
+/// machine start that `opened_ms` and `until_ms` refer to. `patient` is '' if no patient was
+/// named. `source`, how the patient was named, and `doubt` are JSON. `refused`: the export that answered it was
+/// refused, and another is awaited.
 ///
 /// `looks` holds what the looks at each folder know about files that are not taken in yet, as JSON; `boot` and
 /// `looked_ms` as in `captures`. `orders` are handled orders that are still in their folder.
