@@ -5,13 +5,14 @@ use std::collections::BTreeSet;
 use std::sync::PoisonError;
 
 use gaiter_flow::decision::{Decided, Ruling};
-use gaiter_flow::{DeliveryState, ScanId};
+use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
 use gaiter_record::{ImagingRequest, Patient};
+use serde_json::json;
 
 use super::decided::by_operator;
 use super::{Custody, CustodyFault, intake_of, io};
 use crate::station::custody::spool::Companion;
-use crate::station::journal::{Due, ScanRow};
+use crate::station::journal::{Due, Event, ScanRow};
 use crate::store::StoredScan;
 
 /// The outcome of an operator's decision.
@@ -43,9 +44,9 @@ impl Custody {
         let decisions = io("reading decisions", self.decisions.of(scan))?;
         match Ruling::from_decisions(&decisions).is_given_up {
             true => self.decide(scan, &[(Decided::Retried, None)], |journal, number| {
-                journal.retried(scan, &refused, Some(number))
+                journal.reopened(scan, &refused, DeliveryStep::Retry, Some(number))
             })?,
-            false => self.journal.retried(scan, &refused, None)?,
+            false => self.journal.reopened(scan, &refused, DeliveryStep::Retry, None)?,
         }
         Ok(Acted::Done(refused.len()))
     }
@@ -73,7 +74,7 @@ impl Custody {
             return Ok(Acted::NoBytes);
         }
         self.decide(scan, &[(Decided::Released, patient)], |journal, number| {
-            journal.released(scan, &theirs, number)
+            journal.reopened(scan, &theirs, DeliveryStep::Release, Some(number))
         })?;
         Ok(Acted::Done(theirs.len()))
     }
@@ -103,7 +104,8 @@ impl Custody {
         let kept = others.into_iter().map(|id| (Decided::Released, Some(id)));
         let decisions: Vec<_> = [taken].into_iter().chain(kept).collect();
         self.decide(&row.scan, &decisions, |journal, number| {
-            journal.unassigned(&row.scan, &stay, &stores, number)
+            let detail = json!({ "patients": [owner], "by": "operator", "decision": number });
+            journal.given_to(&row.scan, &stay, &stores, Event::Unassigned, &detail)
         })?;
         Ok(Acted::Done(stores.len()))
     }
@@ -140,14 +142,15 @@ impl Custody {
         if !self.journal.owners(&row.scan)?.is_empty() {
             return Ok(Acted::HasPatient);
         }
-        let patient = &self.answering(&row.scan, patient)?;
-        if !self.bring_back(row, Some(patient), stored)? {
+        let patients = [by_operator(&patient.id, self.request_of(&row.scan, &patient.id)?)];
+        if !self.bring_back(row, patients.first(), stored)? {
             return Ok(Acted::NoBytes);
         }
-        let stores = self.stores_for(Some(patient));
+        let stores = self.stores_for(patients.first());
         let decision = (Decided::Assigned, Some(patient.id.clone()));
         self.decide(&row.scan, &[decision], |journal, number| {
-            journal.assigned(&row.scan, patient, &stores, number)
+            let detail = json!({ "patient": patient.id, "by": "operator", "decision": number });
+            journal.given_to(&row.scan, &patients, &stores, Event::Assigned, &detail)
         })?;
         Ok(Acted::Done(stores.len()))
     }
@@ -164,14 +167,6 @@ impl Custody {
             Some(request) => Ok(Some(request)),
             None => Ok(self.journal.request_of(scan, patient)?),
         }
-    }
-
-    /// The patient to whom a person assigns a scan, with the request that it answers then.
-    fn answering(&self, scan: &ScanId, patient: &Patient) -> Result<Patient, CustodyFault> {
-        let request = self.request_of(scan, &patient.id)?;
-        let sources = patient.sources.iter().cloned();
-        let sources = sources.map(|source| source.with_request(request.clone())).collect();
-        Ok(Patient { id: patient.id.clone(), sources })
     }
 
     /// Closes a scan that was refused, is held, or is stored without a patient: it needs no further

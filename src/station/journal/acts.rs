@@ -7,7 +7,7 @@ use gaiter_record::Patient;
 use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
 
-use super::deliveries::{finish_if_done, has_served, owners};
+use super::deliveries::{finish_if_done, has_served};
 use super::delivery_row::{self, count, step};
 use super::row::{all, first, json_cell, run};
 use super::scans::{insert_delivery, needs_decision, set_state, state_of};
@@ -32,45 +32,44 @@ impl Journal {
         found.ok_or(JournalError::Unknown { what: "scan" })
     }
 
-    /// Applies an operator's retry of refused deliveries. `number` is set if it revokes an earlier
-    /// decision.
-    pub fn retried(
+    /// Applies an operator's retry of refused deliveries, or the release of a held scan to one patient: these
+    /// deliveries are made. A release drops the other held ones. `number` is set if there is a decision.
+    pub fn reopened(
         &self,
         scan: &ScanId,
         deliveries: &[Due],
+        by: DeliveryStep,
         number: Option<usize>,
     ) -> Result<(), JournalError> {
-        let by = DeliveryStep::Retry;
-        self.change(|transaction| reopened(transaction, scan, deliveries, by, number))
-    }
-
-    /// Applies an operator's release of a held scan to one patient: these deliveries are made, and the
-    /// other held ones are dropped.
-    pub fn released(
-        &self,
-        scan: &ScanId,
-        deliveries: &[Due],
-        number: usize,
-    ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            reopened(transaction, scan, deliveries, DeliveryStep::Release, Some(number))?;
-            drop_held(transaction, scan)
+            make_again(transaction, scan, deliveries, by)?;
+            let patients: Vec<&str> = deliveries.iter().map(Due::patient_cell).collect();
+            let mut detail = json!({ "patients": patients });
+            if let Some(number) = number {
+                detail["decision"] = Value::from(number);
+            }
+            if by != DeliveryStep::Release {
+                return history::append(transaction, Some(scan), Event::Retried, &detail);
+            }
+            drop_held(transaction, scan)?;
+            history::append(transaction, Some(scan), Event::Released, &detail)
         })
     }
 
-    /// Applies an operator's assignment of a scan to a patient. Deliveries to others become unwanted.
-    /// Those already made are withdrawn when the patient's own record is in the same store.
-    pub fn assigned(
+    /// Applies an operator's assignment of a scan to a patient, or that it is taken back from one: it then stays
+    /// with the others it belongs to, or is unassigned again. Deliveries to others become unwanted. Those
+    /// already made are withdrawn when a record that is wanted is in the same store.
+    pub fn given_to(
         &self,
         scan: &ScanId,
-        patient: &Patient,
+        patients: &[Patient],
         stores: &[&str],
-        number: usize,
+        event: Event,
+        detail: &Value,
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            belongs_to(transaction, scan, std::slice::from_ref(patient), stores)?;
-            let detail = json!({ "patient": patient.id, "by": "operator", "decision": number });
-            history::append(transaction, Some(scan), Event::Assigned, &detail)
+            belongs_to(transaction, scan, patients, stores)?;
+            history::append(transaction, Some(scan), event, detail)
         })
     }
 
@@ -82,25 +81,6 @@ impl Journal {
     ) -> Result<(), JournalError> {
         let detail = json!({ "patient": patient, "affected": affected });
         self.change(|transaction| history::append(transaction, None, Event::AffectedNamed, &detail))
-    }
-
-    /// Applies an operator's decision to take a scan back from a patient: it stays with the others it
-    /// belongs to, or is unassigned again. A delivered record is withdrawn when one that stays is in the
-    /// same store.
-    pub fn unassigned(
-        &self,
-        scan: &ScanId,
-        stay: &[Patient],
-        stores: &[&str],
-        number: usize,
-    ) -> Result<(), JournalError> {
-        self.change(|transaction| {
-            let mut taken = owners(transaction, scan)?;
-            taken.retain(|id| stay.iter().all(|stays| stays.id != *id));
-            belongs_to(transaction, scan, stay, stores)?;
-            let detail = json!({ "patients": taken, "by": "operator", "decision": number });
-            history::append(transaction, Some(scan), Event::Unassigned, &detail)
-        })
     }
 
     /// Applies an operator's decision to give a scan up: it needs no further decision.
@@ -132,24 +112,6 @@ pub(super) fn deliveries_in(
     );
     let cells = [scan.as_str(), state.word()];
     all(connection, &found, cells, |row| delivery_row::due(row, Task::Deliver))
-}
-
-/// Makes these deliveries pending after an operator's decision.
-fn reopened(
-    transaction: &Transaction<'_>,
-    scan: &ScanId,
-    deliveries: &[Due],
-    by: DeliveryStep,
-    number: Option<usize>,
-) -> Result<(), JournalError> {
-    make_again(transaction, scan, deliveries, by)?;
-    let patients: Vec<&str> = deliveries.iter().map(Due::patient_cell).collect();
-    let mut detail = json!({ "patients": patients });
-    if let Some(number) = number {
-        detail["decision"] = Value::from(number);
-    }
-    let event = if by == DeliveryStep::Release { Event::Released } else { Event::Retried };
-    history::append(transaction, Some(scan), event, &detail)
 }
 
 /// Restarts deliveries from the beginning, and their scan.

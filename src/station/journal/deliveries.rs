@@ -136,21 +136,13 @@ impl Journal {
 
     /// The patients the scan belongs to: neither those it is held for nor those it was withdrawn from.
     pub fn owners(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
-        owners(&self.connection(), scan)
+        let owners = format!(
+            "SELECT DISTINCT patient FROM deliveries
+             WHERE sha256 = ?1 AND patient <> '' AND state NOT IN ('held', 'withdrawing', 'withdrawn')
+                   AND coalesce(code, '') NOT IN {UNWANTED}"
+        );
+        all(&self.connection(), &owners, [scan.as_str()], |row| Ok(row.get(0)?))
     }
-}
-
-/// The patients the scan belongs to.
-pub(super) fn owners(connection: &Connection, scan: &ScanId) -> Result<Vec<String>, JournalError> {
-    let owners = format!(
-        "SELECT DISTINCT patient FROM deliveries
-         WHERE sha256 = ?1 AND patient <> '' AND state NOT IN (?2, ?3, ?4)
-               AND coalesce(code, '') NOT IN {UNWANTED}"
-    );
-    let [held, withdrawing, withdrawn] =
-        [DeliveryState::Held, DeliveryState::Withdrawing, DeliveryState::Withdrawn];
-    let cells = [scan.as_str(), held.word(), withdrawing.word(), withdrawn.word()];
-    all(connection, &owners, cells, |row| Ok(row.get(0)?))
 }
 
 /// Records why a scan is refused.

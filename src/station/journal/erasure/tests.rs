@@ -9,7 +9,7 @@ use gaiter_flow::patient::person::WhoseScan;
 use gaiter_flow::round::{
     Capture, CaptureMatch, CaptureState, Doubt, Names, Next, Opener, Rounds, Rules,
 };
-use gaiter_flow::{DeliveryState, OrderState, OrdersWhen, ScanState, Stamp};
+use gaiter_flow::{DeliveryState, DeliveryStep, OrderState, OrdersWhen, ScanState, Stamp};
 use gaiter_record::{Patient, Source, SourceKind};
 use serde_json::json;
 
@@ -109,12 +109,13 @@ fn journal_of(dir: &Path) -> Journal {
     deliver(&journal, 'b', OTHER);
     enter(&journal, 'b', ID, Some("same-scan-other-patient"), &[ID]);
     let held = journal.deliveries_in(&scan('b'), DeliveryState::Held).unwrap();
-    journal.released(&scan('b'), &held, 1).unwrap();
+    journal.reopened(&scan('b'), &held, DeliveryStep::Release, Some(1)).unwrap();
     deliver(&journal, 'b', ID);
     enter(&journal, 'c', ID, Some("patients-differ"), &[ID, OTHER]);
     enter(&journal, 'd', ID, None, &[]);
     deliver(&journal, 'd', ID);
-    journal.unassigned(&scan('d'), &[], &["folder"], 1).unwrap();
+    let taken = json!({ "patients": [ID], "decision": 1 });
+    journal.given_to(&scan('d'), &[], &["folder"], Event::Unassigned, &taken).unwrap();
     enter(&journal, 'e', OTHER, None, &[]);
     let stamp = Stamp { dev: 1, ino: 2, size: 3, mtime_ns: 4, ctime_ns: 5 };
     for (name, digit) in [(format!("{ID}_a.obj"), 'a'), (format!("{OTHER}_e.obj"), 'e')] {

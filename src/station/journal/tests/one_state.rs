@@ -7,13 +7,14 @@ use std::collections::BTreeSet;
 use gaiter_flow::account::{Filter, Search, SearchState, Whole, explain, in_words};
 use gaiter_flow::light::LastOutcome;
 use gaiter_flow::page::{ScanDetails, scan_shown};
-use gaiter_flow::{DeliveryState, Disposition, ScanState, Task};
+use gaiter_flow::{DeliveryState, DeliveryStep, Disposition, ScanState, Task};
 use gaiter_language::Language;
 use gaiter_record::{Patient, Source, SourceKind};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
+use serde_json::json;
 
-use crate::station::journal::{Entry, Journal, ScanRow, Task as At};
+use crate::station::journal::{Entry, Event, Journal, ScanRow, Task as At};
 use gaiter_flow::ScanId;
 use gaiter_flow::round::CaptureMatch;
 use jiff::Timestamp;
@@ -115,19 +116,23 @@ fn happens(journal: &Journal, n: usize, step: Step) {
         }
         (Step::LetGo, _) if is == Disposition::Refused => journal.let_go_of(&scan).unwrap(),
         (Step::Retried, _) if whole.summary.state == ScanState::Refused => {
-            journal.retried(&scan, &in_state(DeliveryState::Refused), None).unwrap();
+            let refused = in_state(DeliveryState::Refused);
+            journal.reopened(&scan, &refused, DeliveryStep::Retry, None).unwrap();
         }
         (Step::Released, _) if is == Disposition::Held && whole.owners().len() == 1 => {
-            journal.released(&scan, &in_state(DeliveryState::Held), number).unwrap();
+            let held = in_state(DeliveryState::Held);
+            journal.reopened(&scan, &held, DeliveryStep::Release, Some(number)).unwrap();
         }
         (Step::Assigned(id), _) if journal.owners(&scan).unwrap().is_empty() => {
             let is_there = whole.summary.state != ScanState::Refused;
             if is_there {
-                journal.assigned(&scan, &patient(id), &STORES, number).unwrap();
+                let (theirs, detail) = ([patient(id)], json!({ "decision": number }));
+                journal.given_to(&scan, &theirs, &STORES, Event::Assigned, &detail).unwrap();
             }
         }
         (Step::Unassigned, _) if journal.owners(&scan).unwrap().len() == 1 => {
-            journal.unassigned(&scan, &[], &STORES[..1], number).unwrap();
+            let detail = json!({ "decision": number });
+            journal.given_to(&scan, &[], &STORES[..1], Event::Unassigned, &detail).unwrap();
         }
         (Step::GivenUp, _) if is.needs_decision() => journal.given_up(&scan, number).unwrap(),
         _ => {}

@@ -151,7 +151,9 @@ impl World {
     fn assign(&mut self, id: &str) {
         if self.journal.owners(&scan()).unwrap().is_empty() {
             self.number += 1;
-            self.journal.assigned(&scan(), &patient(id), &takers(id), self.number).unwrap();
+            let (theirs, detail) = ([patient(id)], json!({ "decision": self.number }));
+            let stores = takers(id);
+            self.journal.given_to(&scan(), &theirs, &stores, Event::Assigned, &detail).unwrap();
             self.decided = id.to_owned();
         }
     }
@@ -159,7 +161,8 @@ impl World {
     fn unassign(&mut self) {
         if self.journal.owners(&scan()).unwrap().len() == 1 {
             self.number += 1;
-            self.journal.unassigned(&scan(), &[], &takers(""), self.number).unwrap();
+            let (stores, detail) = (takers(""), json!({ "decision": self.number }));
+            self.journal.given_to(&scan(), &[], &stores, Event::Unassigned, &detail).unwrap();
             self.decided.clear();
         }
     }
