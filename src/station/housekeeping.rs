@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::ComplaintFigures;
-use gaiter_flow::facts::Alarm;
 use gaiter_flow::retention::{WallClock, before};
 use jiff::Timestamp;
 use tokio::task::{JoinError, spawn_blocking};
@@ -114,11 +113,7 @@ fn check_journal(core: &Core) {
     match core.custody.journal().check() {
         Ok(()) => {
             error!(event = "journal-refuses", error = why);
-            let alarm = Alarm {
-                figures: ComplaintFigures::why(&Cause::verbatim(why)),
-                since: Timestamp::now(),
-            };
-            core.board.note(|facts| _ = facts.alarms.entry(REFUSES).or_insert(alarm));
+            core.board.raise(REFUSES, ComplaintFigures::why(&Cause::verbatim(why)));
         }
         Err(fault) => {
             warn!(event = "journal-failed", error = chain(&fault));

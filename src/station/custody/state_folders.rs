@@ -3,8 +3,6 @@
 
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::ComplaintFigures;
-use gaiter_flow::facts::Alarm;
-use jiff::Timestamp;
 use tracing::{error, warn};
 
 use super::Custody;
@@ -24,25 +22,17 @@ pub fn look_after(custody: &Custody, board: &Board) {
         return;
     }
     let names = missing.join(", ");
-    let raise = |code, figures: ComplaintFigures| {
-        let figures = figures.words("folders", &names);
-        let alarm = Alarm { figures, since: Timestamp::now() };
-        board.note(|facts| {
-            facts.alarms.entry(code).or_insert(alarm);
-        });
-    };
     // First, so that nobody finds the folders there and the alarm not yet.
-    raise(MADE_ANEW, ComplaintFigures::default());
+    board.raise(MADE_ANEW, ComplaintFigures::default().words("folders", &names));
     match custody.make_folders_anew() {
         Ok(()) => {
             error!(event = "custody-made-anew", folders = names);
-            board.note(|facts| {
-                facts.alarms.remove(MISSING);
-            });
+            board.clear(MISSING);
         }
         Err(error) => {
             warn!(event = "custody-missing", folders = names, %error);
-            raise(MISSING, ComplaintFigures::why(&Cause::of_system(&error)));
+            let why = ComplaintFigures::why(&Cause::of_system(&error));
+            board.raise(MISSING, why.words("folders", &names));
         }
     }
 }

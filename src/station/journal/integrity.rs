@@ -3,11 +3,9 @@
 
 pub(in crate::station::journal) mod seal;
 
-use std::sync::{Mutex, PoisonError};
-
 use rusqlite::Connection;
 use rusqlite::types::ValueRef;
-use tokio::sync::Notify;
+use tokio::sync::watch;
 
 use super::history::{self, HeadFile};
 use super::row::value;
@@ -61,25 +59,22 @@ pub(super) fn head(connection: &Connection, head: &HeadFile) -> Result<(), Journ
 /// triggers. An intact journal that refuses a statement is not given up: the cause is a bug in gaiter or a change made
 /// by another program.
 #[derive(Debug, Default)]
-pub struct Suspicion {
-    last: Mutex<Option<String>>,
-    news: Notify,
-}
+pub struct Suspicion(watch::Sender<Option<String>>);
 
 impl Suspicion {
     /// Reports such an error.
     pub fn raise(&self, error: String) {
-        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
-        self.news.notify_one();
+        self.0.send_replace(Some(error));
     }
 
     /// Completes when an error has been reported since the last check.
     pub async fn raised(&self) {
-        self.news.notified().await;
+        let mut news = self.0.subscribe();
+        _ = news.wait_for(Option::is_some).await;
     }
 
     /// Takes the last error.
     pub fn taken(&self) -> Option<String> {
-        self.last.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.0.send_replace(None)
     }
 }
