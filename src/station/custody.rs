@@ -16,6 +16,7 @@ mod lost;
 pub(in crate::station) mod phantom_series;
 pub mod quarantine;
 mod recover;
+mod scan_folder;
 pub mod spool;
 pub(in crate::station) mod state_folders;
 
@@ -37,8 +38,9 @@ use self::decisions::Decisions;
 use self::erasures::Erasures;
 use self::json_folder::JsonFolder;
 use self::phantom_series::PhantomSeries;
-use self::quarantine::{Quarantine, Reason, Stage};
-use self::spool::{Companion, Spool};
+use self::quarantine::{Reason, Stage};
+use self::scan_folder::ScanFolder;
+use self::spool::Companion;
 use super::journal::{Due, Entry, Journal, JournalError};
 use crate::store::durable;
 
@@ -46,8 +48,8 @@ use crate::store::durable;
 #[derive(Debug)]
 pub struct Custody {
     journal: Journal,
-    spool: Spool,
-    quarantine: Quarantine,
+    spool: ScanFolder,
+    quarantine: ScanFolder,
     decisions: Decisions,
     erasures: Erasures,
     affected: JsonFolder,
@@ -119,8 +121,8 @@ impl Custody {
     ) -> io::Result<Custody> {
         Ok(Custody {
             journal,
-            spool: Spool::open(state_dir)?,
-            quarantine: Quarantine::open(state_dir)?,
+            spool: ScanFolder::open(state_dir, "spool")?,
+            quarantine: ScanFolder::open(state_dir, "quarantine")?,
             decisions: Decisions::open(state_dir)?,
             erasures: Erasures::open(state_dir)?,
             affected: JsonFolder::open(state_dir, affected::FOLDER)?,
@@ -169,8 +171,8 @@ impl Custody {
 
     fn folders(&self) -> [(&'static str, &Path); 5] {
         [
-            ("spool", self.spool.folder()),
-            ("quarantine", self.quarantine.folder()),
+            ("spool", self.spool.path()),
+            ("quarantine", self.quarantine.path()),
             ("decisions", self.decisions.0.path()),
             ("erasures", self.erasures.folder.path()),
             ("affected", self.affected.path()),
@@ -188,7 +190,7 @@ impl Custody {
     }
 
     /// The spool, for reading.
-    pub fn spool(&self) -> &Spool {
+    pub fn spool(&self) -> &ScanFolder {
         &self.spool
     }
 
@@ -376,10 +378,9 @@ impl Custody {
     fn quarantined(&self, scan: &ScanId, reason: &Reason) -> Result<(), CustodyFault> {
         let quarantined = if self.quarantine.holds(scan) {
             // An earlier attempt may have failed to sync its name.
-            self.quarantine.sync().and_then(|()| self.spool.remove(scan))
+            self.quarantine.sync().and_then(|()| self.spool.remove(scan).map(drop))
         } else if self.spool.holds(scan) {
-            let taken = self.quarantine.take(&self.spool.entry(scan), scan, reason);
-            taken.and_then(|()| self.spool.sync())
+            self.spool.refuse(&self.quarantine, scan, reason)
         } else {
             self.quarantine.note(scan.as_str(), reason)
         };

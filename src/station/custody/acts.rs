@@ -195,11 +195,8 @@ impl Custody {
         if !self.quarantine.holds_bytes(scan) {
             return Ok(false);
         }
-        io(
-            "taking a scan out of quarantine",
-            self.quarantine.give_back(scan, &self.spool.entry(scan)),
-        )?;
-        io("syncing the spool", self.spool.sync())?;
+        let moved = self.quarantine.move_to(&self.spool, scan);
+        io("taking a scan out of quarantine", moved)?;
         Ok(true)
     }
 }

@@ -229,13 +229,12 @@ impl Custody {
 
     /// Takes a person from what is kept of scans that others have, too, or may have.
     fn leave_shared(&self, patient: &str) -> Result<(), CustodyFault> {
-        for folder in [self.spool.folder(), self.quarantine.folder()] {
-            for scan in io("listing kept scans", super::spool::entries(folder))? {
-                let entry = folder.join(scan.as_str());
-                let Ok(mut intake) = super::spool::read_intake(&entry) else { continue };
+        for folder in [&self.spool, &self.quarantine] {
+            for scan in io("listing kept scans", folder.entries())? {
+                let Ok(mut intake) = folder.intake(&scan) else { continue };
                 if intake_names(&intake, patient) {
                     leave(&mut intake, patient);
-                    io("erasing an id", super::spool::replace_intake(&entry, intake))?;
+                    io("erasing an id", folder.replace_intake(&scan, intake))?;
                 }
             }
         }

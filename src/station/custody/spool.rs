@@ -1,8 +1,7 @@
 //! The spool: the station's own copy of each scan until its deliveries are made.
 //!
 //! `spool/<sha256>/` holds `scan.<ending>`, companion files such as `scan.ord`, and `intake.json`, from
-//! which a lost journal can be rebuilt. A folder under its final name is complete and durable. Names
-//! that begin with a dot are left by a crash.
+//! which a lost journal can be rebuilt.
 
 use std::fs::{self, File};
 use std::io;
@@ -14,14 +13,9 @@ use gaiter_record::Patient;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::scan_folder::ScanFolder;
 use crate::station::runtime::random_bits;
 use crate::store::{Access, durable};
-
-/// The folder of the scans to be delivered.
-#[derive(Debug)]
-pub struct Spool {
-    folder: PathBuf,
-}
 
 /// `intake.json`: what was known when the bytes came in.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,35 +66,7 @@ enum Versioned {
 
 const INTAKE: &str = "intake.json";
 
-impl Spool {
-    /// Opens the spool, creates it if needed, and removes entries that a crash left half made.
-    pub fn open(state_dir: &Path) -> io::Result<Spool> {
-        Ok(Spool { folder: durable::open_folder(state_dir, "spool")? })
-    }
-
-    /// Reports whether the folder exists: another process may have removed it.
-    pub fn is_there(&self) -> bool {
-        self.folder.is_dir()
-    }
-
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
-    pub fn entries(&self) -> io::Result<Vec<ScanId>> {
-        entries(&self.folder)
-    }
-
-    /// The folder of a scan.
-    pub fn entry(&self, scan: &ScanId) -> PathBuf {
-        self.folder.join(scan.as_str())
-    }
-
-    /// Reports whether the spool holds the bytes of a scan.
-    pub fn holds(&self, scan: &ScanId) -> bool {
-        self.entry(scan).is_dir()
-    }
-
+impl ScanFolder {
     /// Keeps the bytes of a scan that is not here yet, and its companion files; durable on return.
     ///
     /// # Errors
@@ -112,7 +78,7 @@ impl Spool {
         bytes: &[u8],
         companions: &[Companion],
     ) -> io::Result<()> {
-        let staged = self.folder.join(format!(".tmp-{:016x}", random_bits()));
+        let staged = self.path().join(format!(".tmp-{:016x}", random_bits()));
         let kept = self.stage(&staged, scan, intake, bytes, companions);
         if kept.is_err() {
             // The likely cause is a full disk: free the space that was used.
@@ -141,7 +107,7 @@ impl Spool {
         written.iter().try_for_each(File::sync_all)?;
         durable::sync_folder(staged)?;
         durable::rename_new(staged, &self.entry(scan))?;
-        durable::sync_folder(&self.folder)
+        self.sync()
     }
 
     /// What was known when a scan came in.
@@ -149,7 +115,16 @@ impl Spool {
     /// # Errors
     /// Any I/O error; `InvalidData` if the file is not a valid intake.
     pub fn intake(&self, scan: &ScanId) -> io::Result<Intake> {
-        read_intake(&self.entry(scan))
+        let text = fs::read(self.entry(scan).join(INTAKE))?;
+        let Versioned::V1(intake) = serde_json::from_slice(&text)
+            .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+        Ok(intake)
+    }
+
+    /// Writes an intake in the place of a scan's own; durable on return.
+    pub fn replace_intake(&self, scan: &ScanId, intake: Intake) -> io::Result<()> {
+        let text = serde_json::to_vec_pretty(&Versioned::V1(intake))?;
+        durable::replace_file(&self.entry(scan), INTAKE, &text)
     }
 
     /// The file that holds the bytes of a scan.
@@ -170,51 +145,6 @@ impl Spool {
         files.sort();
         Ok(files)
     }
-
-    /// Removes a scan whose bytes are no longer needed. The entry is renamed first, so that a crash
-    /// leaves no partial entry under its name.
-    pub fn remove(&self, scan: &ScanId) -> io::Result<()> {
-        let gone = self.folder.join(format!(".tmp-{:016x}", random_bits()));
-        if durable::if_there(durable::rename_new(&self.entry(scan), &gone))?.is_none() {
-            return Ok(());
-        }
-        durable::sync_folder(&self.folder)?;
-        durable::remove_folder(&gone)
-    }
-
-    /// Removes entries that failed attempts left half made. No other change may run meanwhile.
-    pub fn clear(&self) -> io::Result<()> {
-        durable::clear_hidden(&self.folder)
-    }
-
-    /// Makes the spool's names durable after an entry was moved out.
-    pub fn sync(&self) -> io::Result<()> {
-        durable::sync_folder(&self.folder)
-    }
-}
-
-/// The scans that have a folder in this folder.
-pub(in crate::station) fn entries(folder: &Path) -> io::Result<Vec<ScanId>> {
-    let mut scans = Vec::new();
-    for entry in fs::read_dir(folder)? {
-        // Entries with other names do not belong to gaiter.
-        scans.extend(ScanId::parse(&entry?.file_name().to_string_lossy()));
-    }
-    scans.sort();
-    Ok(scans)
-}
-
-/// The intake in a scan's folder.
-pub(in crate::station) fn read_intake(entry: &Path) -> io::Result<Intake> {
-    let text = fs::read(entry.join(INTAKE))?;
-    let Versioned::V1(intake) = serde_json::from_slice(&text)
-        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
-    Ok(intake)
-}
-
-/// Writes an intake in the place of the one in a scan's folder; durable on return.
-pub(in crate::station) fn replace_intake(entry: &Path, intake: Intake) -> io::Result<()> {
-    durable::replace_file(entry, INTAKE, &serde_json::to_vec_pretty(&Versioned::V1(intake))?)
 }
 
 fn file_name(format: &str) -> String {
@@ -245,7 +175,7 @@ mod tests {
     #[test]
     fn what_is_kept_reads_back_and_is_gone_when_removed() {
         let dir = tempfile::tempdir().unwrap();
-        let spool = Spool::open(dir.path()).unwrap();
+        let spool = ScanFolder::open(dir.path(), "spool").unwrap();
         let scan = ScanId::of_digest([7; 32]);
         let ord = Companion { name_ending: "ord".into(), bytes: b"de".to_vec() };
         spool.keep(&scan, intake(&scan), b"abc", &[ord]).unwrap();
@@ -265,7 +195,7 @@ mod tests {
     #[test]
     fn a_second_keep_of_the_same_scan_leaves_the_first_and_no_rest() {
         let dir = tempfile::tempdir().unwrap();
-        let spool = Spool::open(dir.path()).unwrap();
+        let spool = ScanFolder::open(dir.path(), "spool").unwrap();
         let scan = ScanId::of_digest([7; 32]);
         spool.keep(&scan, intake(&scan), b"abc", &[]).unwrap();
         let later = Intake { size: 99, ..intake(&scan) };
@@ -279,7 +209,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         fs::create_dir_all(dir.path().join("spool/.tmp-1")).unwrap();
         fs::write(dir.path().join("spool/.tmp-1/scan.obj"), "v").unwrap();
-        Spool::open(dir.path()).unwrap();
+        ScanFolder::open(dir.path(), "spool").unwrap();
         assert_eq!(fs::read_dir(dir.path().join("spool")).unwrap().count(), 0);
     }
 }
