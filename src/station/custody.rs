@@ -40,8 +40,8 @@ use self::json_folder::JsonFolder;
 use self::phantom_series::PhantomSeries;
 use self::quarantine::{Reason, Stage};
 use self::scan_folder::ScanFolder;
-use self::spool::Companion;
-use super::journal::{Due, Entry, Journal, JournalError};
+use self::spool::{Companion, Intake};
+use super::journal::{Due, Entry, Journal, JournalError, ScanRow};
 use crate::store::durable;
 
 /// Spool, quarantine and journal of one state folder.
@@ -199,8 +199,7 @@ impl Custody {
     pub fn admit(&self, arrival: &Arrival<'_>) -> Result<Verdict, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scan = arrival.scan;
-        let patient = arrival.whose.patient.as_ref();
-        let named = patient.map(|patient| patient.id.as_str());
+        let named = arrival.whose.patient.as_ref().map(|patient| patient.id.as_str());
         if self.erasures.refuse(scan, named) {
             return Ok(Verdict::Already);
         }
@@ -221,26 +220,36 @@ impl Custody {
             Verdict::Held(code) => Some(code),
             Verdict::New | Verdict::Already => None,
         };
-        let candidates = candidates(arrival, held);
-        let intake = intake(arrival, row_known.as_ref(), held, candidates.clone());
-        let row = row(&intake, scan);
+        let intake = intake(arrival, row_known.as_ref(), held);
         // A held scan that was refused before has its bytes in quarantine already.
         let was_unentered = self.unentered.swap(true, Ordering::Relaxed);
         let kept = self.spool.holds(scan) || (held.is_some() && self.quarantine.holds(scan));
         if !kept {
             let (bytes, beside) = (arrival.bytes, arrival.companions);
-            let kept = self.spool.keep(scan, intake, bytes, beside);
+            let kept = self.spool.keep(scan, intake.clone(), bytes, beside);
             self.untidy.fetch_or(kept.is_err(), Ordering::Relaxed);
             io("keeping a scan", kept)?;
         }
-        let (claims, judged) = (arrival.whose.claims.as_slice(), &arrival.judged);
-        let (geometry, candidates) = (arrival.geometry, candidates.as_slice());
-        let entry = Entry { row: &row, patient, held, claims, judged, geometry, candidates };
-        self.journal.enter(&entry, &self.stores_for(patient))?;
+        self.enter(&intake, held, &arrival.whose.claims, &row(&intake, scan))?;
         self.unentered.store(was_unentered, Ordering::Relaxed);
         // A lost journal may not know earlier decisions about these bytes.
         self.carry_out_of(scan)?;
         Ok(verdict)
+    }
+
+    /// Enters a scan into the journal, with the capture that it answers. `claims` are the patients of its sources,
+    /// if they differ.
+    fn enter(
+        &self,
+        intake: &Intake,
+        held: Option<&'static str>,
+        claims: &[Patient],
+        row: &ScanRow,
+    ) -> Result<(), CustodyFault> {
+        let patient = intake.patient.as_ref();
+        let Intake { geometry, judged, candidates, .. } = intake;
+        let entry = Entry { row, patient, held, claims, judged, geometry, candidates };
+        Ok(self.journal.enter(&entry, &self.stores_for(patient))?)
     }
 
     /// Notes a file that was refused before it was read.
@@ -395,7 +404,7 @@ fn io<T>(what: &'static str, result: io::Result<T>) -> Result<T, CustodyFault> {
 
 pub use acts::Acted;
 pub(in crate::station) use erase::{OLD_JOURNALS, REFUSED_ORDERS, files_naming, whole_scans};
-use intake::{candidates, held_code, intake, intake_of, row};
+use intake::{held_code, intake, intake_of, row};
 
 #[cfg(test)]
 mod tests;

@@ -13,12 +13,7 @@ use crate::station::custody::spool::Intake;
 use crate::station::journal::ScanRow;
 
 /// The intake data of bytes that came in. The time of first sight never changes.
-pub(super) fn intake(
-    arrival: &Arrival<'_>,
-    known: Option<&ScanRow>,
-    held: Option<&str>,
-    candidates: Vec<String>,
-) -> Intake {
+pub(super) fn intake(arrival: &Arrival<'_>, known: Option<&ScanRow>, held: Option<&str>) -> Intake {
     let now = Timestamp::now();
     let now = Timestamp::from_second(now.as_second()).unwrap_or(now);
     let not_an_id = arrival.whose.not_an_id.then_some(ID_NOT_ALLOWED);
@@ -35,12 +30,12 @@ pub(super) fn intake(
         findings,
         geometry: arrival.geometry.to_owned(),
         judged: arrival.judged.clone(),
-        candidates,
+        candidates: candidates(arrival, held),
     }
 }
 
 /// The ids of the patients a held scan may belong to, each once, without those who already have it.
-pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<String> {
+fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<String> {
     if held.is_none() {
         return Vec::new();
     }

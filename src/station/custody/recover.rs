@@ -10,8 +10,7 @@ use jiff::Timestamp;
 
 use super::{Custody, CustodyFault, held_code, io, row};
 use crate::station::custody::quarantine::{Reason, Stage};
-use crate::station::custody::spool::Intake;
-use crate::station::journal::{Entry, ScanRow};
+use crate::station::journal::ScanRow;
 
 impl Custody {
     /// Makes spool, quarantine and journal agree after the last run, however it ended. Returns how many
@@ -73,19 +72,6 @@ impl Custody {
         Ok(self.journal.refused(scan, &reason.code, &reason.message)?)
     }
 
-    /// Enters the data of an intake, with the capture that it answered.
-    fn adopt_as(
-        &self,
-        intake: &Intake,
-        held: Option<&'static str>,
-        row: &ScanRow,
-    ) -> Result<(), CustodyFault> {
-        let patient = intake.patient.as_ref();
-        let Intake { geometry, judged, candidates, .. } = intake;
-        let entry = Entry { row, patient, held, claims: &[], judged, geometry, candidates };
-        Ok(self.journal.enter(&entry, &self.stores_for(patient))?)
-    }
-
     /// Enters a scan of the spool that the journal does not know. Refuses one with an unreadable intake: it must not
     /// block every start.
     pub(super) fn adopt_or_refuse(
@@ -101,7 +87,7 @@ impl Custody {
             }
             intake => io("reading an intake", intake)?,
         };
-        self.adopt_as(&intake, held_code(&intake), &row(&intake, scan))?;
+        self.enter(&intake, held_code(&intake), &[], &row(&intake, scan))?;
         Ok(Some(intake.judged))
     }
 
@@ -121,7 +107,7 @@ impl Custody {
             };
             let Some(reason) = reason else { continue };
             let row = ScanRow { state: ScanState::Spooled, ..row(&intake, &scan) };
-            self.adopt_as(&intake, None, &row)?;
+            self.enter(&intake, None, &[], &row)?;
             self.journal.refused(&scan, &reason.code, &reason.message)?;
             adopted += 1;
         }
