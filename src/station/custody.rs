@@ -23,7 +23,7 @@ pub(in crate::station) mod state_folders;
 use std::io;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use gaiter_flow::account::Whole;
@@ -194,10 +194,15 @@ impl Custody {
         &self.spool
     }
 
+    /// Held while spool, quarantine and journal change together.
+    fn changing(&self) -> MutexGuard<'_, ()> {
+        self.change.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Takes bytes in if they add anything new. Durable on return. If the journal fails after the bytes
     /// are kept, [`Custody::enter_kept`] continues.
     pub fn admit(&self, arrival: &Arrival<'_>) -> Result<Verdict, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let scan = arrival.scan;
         let named = arrival.whose.patient.as_ref().map(|patient| patient.id.as_str());
         if self.erasures.refuse(scan, named) {
@@ -254,7 +259,7 @@ impl Custody {
 
     /// Notes a file that was refused before it was read.
     pub fn refuse_unread(&self, name: &str, reason: &Reason) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         io("noting a refusal", self.quarantine.note(name, reason))
     }
 
@@ -264,7 +269,7 @@ impl Custody {
     /// # Errors
     /// See [`CustodyFault`]; the delivery is then still to be made.
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         if self.journal.delivered(due, folder)? && self.kept == Duration::ZERO {
             let gone = self.spool.remove(&due.scan);
             self.untidy.fetch_or(gone.is_err(), Ordering::Relaxed);
@@ -298,7 +303,7 @@ impl Custody {
         if !self.untidy.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         io("clearing the spool", self.spool.clear())?;
         io("clearing the quarantine", self.quarantine.clear())?;
         for scan in io("listing the spool", self.spool.entries())? {
@@ -310,7 +315,7 @@ impl Custody {
 
     /// Removes the spooled bytes of scans that were finished before a time. Returns how many.
     pub fn let_go_spooled(&self, before: Timestamp) -> Result<usize, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let mut gone = 0;
         // The spool is small; what the journal knows grows over the years.
         for scan in io("listing the spool", self.spool.entries())? {
@@ -326,7 +331,7 @@ impl Custody {
     /// Removes scans that were refused, or given up without a record, before a time. Returns how many. The
     /// journal still knows them, so that their exports are not taken in again.
     pub fn let_go_quarantined(&self, before: Timestamp) -> Result<usize, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let mut gone = io("giving up refused files", self.quarantine.remove_notes(before))?;
         for scan in io("listing the quarantine", self.quarantine.entries())? {
             if self.journal.rests_since(&scan, ScanState::Refused, before)? {
@@ -357,7 +362,7 @@ impl Custody {
         due: &Due,
         reason: Reason,
     ) -> Result<Option<Reason>, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         if !self.journal.is_to_be_made(due)? {
             return Ok(None);
         }
@@ -370,7 +375,7 @@ impl Custody {
 
     /// Refuses a scan for good; its bytes go to quarantine. Returns the reason that applies.
     pub fn refuse(&self, scan: &ScanId, reason: Reason) -> Result<Reason, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         self.refused(scan, reason)
     }
 

@@ -2,7 +2,6 @@
 //! The bytes are stored first, then the decision, then the journal changes.
 
 use std::collections::BTreeSet;
-use std::sync::PoisonError;
 
 use gaiter_flow::decision::{Decided, Ruling};
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
@@ -33,7 +32,7 @@ pub enum Acted {
 impl Custody {
     /// Makes the refused deliveries of a scan pending again.
     pub fn retry(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let refused = self.journal.deliveries_in(scan, DeliveryState::Refused)?;
         if refused.is_empty() {
             return Ok(Acted::Nothing);
@@ -54,7 +53,7 @@ impl Custody {
     /// Releases a held scan to the patient it is held for, who must be the only candidate. A scan that
     /// came in without a patient is released without one.
     pub fn release(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let held = self.journal.deliveries_in(scan, DeliveryState::Held)?;
         if held.is_empty() {
             return Ok(Acted::Nothing);
@@ -87,7 +86,7 @@ impl Custody {
         owner: &str,
         stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let mut others = self.journal.owners(&row.scan)?;
         let Some(place) = others.iter().position(|id| id == owner) else {
             // Another decision was made in the meantime.
@@ -137,7 +136,7 @@ impl Custody {
         patient: &Patient,
         stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         // Two concurrent assignments must not both succeed.
         if !self.journal.owners(&row.scan)?.is_empty() {
             return Ok(Acted::HasPatient);
@@ -172,7 +171,7 @@ impl Custody {
     /// Closes a scan that was refused, is held, or is stored without a patient: it needs no further
     /// decision. Its bytes are kept as long as other bytes that are no longer needed.
     pub fn give_up(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         if !self.journal.is_undecided(scan)? {
             return Ok(Acted::Nothing);
         }

@@ -5,7 +5,6 @@
 //! folder shows no id. The history of the journal has what was named when.
 
 use std::io;
-use std::sync::PoisonError;
 
 use gaiter_flow::patient::person::NamedLeg;
 use gaiter_record::Patient;
@@ -36,7 +35,7 @@ impl Custody {
         patient: &Patient,
         affected: Option<&str>,
     ) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let whose = self.erasures.hash(&patient.id);
         let what = "keeping the affected leg";
         let before = super::io(what, self.affected.bytes(&whose))?;

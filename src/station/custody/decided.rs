@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
-use std::sync::PoisonError;
 
 use gaiter_flow::decision::{Decided, Decision, Ruling};
 use gaiter_flow::{ScanId, ScanState};
@@ -91,7 +90,7 @@ impl Custody {
     /// Carries out the decisions that the journal does not know. Returns the scans whose decisions
     /// cannot be read.
     pub fn carry_out(&self) -> Result<Vec<ScanId>, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let (mut count, mut unreadable) = (0, Vec::new());
         for scan in io("listing decisions", self.decisions.scans())? {
             match self.carry_out_of(&scan)? {
@@ -147,7 +146,7 @@ impl Custody {
 
     /// Enters a record that a store holds, and removes spooled bytes that are no longer needed.
     pub fn found(&self, record: &FoundRecord, store: &str) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let known = self.state_known(&record.scan)?.unwrap_or(DecisionsOfScan::NOTHING);
         let (row, patient, folder) = parts(record, &known);
         let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
@@ -169,7 +168,7 @@ impl Custody {
         store: &str,
         stored: Option<StoredScan>,
     ) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let known = self.state_known(&record.scan)?.unwrap_or(DecisionsOfScan::NOTHING);
         let (row, patient, folder) = parts(record, &known);
         let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
@@ -198,7 +197,7 @@ impl Custody {
     /// Forgets scans that were finished before a time, and the decisions about them. Returns the number
     /// of scans.
     pub fn forget(&self, before: Timestamp) -> Result<usize, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let forgotten = self.journal.forget(before)?;
         for store in &self.stores {
             if self.journal.is_to_be_searched(store)? {

@@ -4,7 +4,6 @@
 mod naming;
 
 use std::path::Path;
-use std::sync::PoisonError;
 
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::erasure::{ERASED, ErasedScan, Erasure, Owed};
@@ -34,7 +33,7 @@ impl Custody {
         by: &str,
         leaves_owed: bool,
     ) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let whose = self.erasures.hash(patient);
         let at = Timestamp::now();
         // From a server nothing is removed.
@@ -60,7 +59,7 @@ impl Custody {
         erasure: &mut Erasure,
         patient: &str,
     ) -> Result<bool, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         if erasure.owes(self.owed_beside(erasure.owed.clone(), patient)?) {
             io("noting an erasure", self.erasures.keep(whose, erasure))?;
         }
@@ -89,7 +88,7 @@ impl Custody {
         if !self.erasures.pending().iter().any(waits) {
             return Ok(false);
         }
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let owed = self.journal.owed_to_servers()?;
         let mut is_struck = false;
         for (whose, mut erasure) in self.erasures.pending().into_iter().filter(waits) {
@@ -132,7 +131,7 @@ impl Custody {
         patient: &str,
         state_dir: &Path,
     ) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let scans = self.scans_to_erase(patient)?;
         // Before they are removed: afterwards only this shows which they were.
         erasure.add(scans);
@@ -167,7 +166,7 @@ impl Custody {
     /// # Errors
     /// See [`CustodyFault`]; the store is then cleared again.
     pub fn store_cleared(&self, whose: &str, store: &str) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let Some(mut erasure) = self.erasures.of(whose) else { return Ok(()) };
         erasure.store_cleared(store, Timestamp::now());
         self.keep_erasure(whose, &erasure)

@@ -2,7 +2,6 @@
 //! complete a scan that was cut short.
 
 use std::path::Path;
-use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -39,7 +38,7 @@ impl Custody {
         if !self.unentered.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         io("syncing the spool", self.spool.sync())?;
         for scan in io("listing the spool", self.spool.entries())? {
             if self.journal.scan(&scan)?.is_none()

@@ -1,7 +1,6 @@
 //! Makes spool, quarantine and journal agree after the last run, however it ended.
 
 use std::io::ErrorKind;
-use std::sync::PoisonError;
 use std::time::Duration;
 
 use gaiter_flow::round::CaptureMatch;
@@ -16,7 +15,7 @@ impl Custody {
     /// Makes spool, quarantine and journal agree after the last run, however it ended. Returns how many
     /// scans of the spool the journal did not know.
     pub fn recover(&self) -> Result<usize, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let mut adopted = 0;
         for scan in io("listing the spool", self.spool.entries())? {
             match self.journal.scan(&scan)?.map(|row| row.state) {
@@ -94,7 +93,7 @@ impl Custody {
     /// Enters the scans of the quarantine that the journal does not know, as refused. Returns how many.
     /// An entry that cannot be read stays as it is.
     pub fn adopt_quarantined(&self) -> Result<usize, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let _change = self.changing();
         let mut adopted = 0;
         for scan in io("listing the quarantine", self.quarantine.entries())? {
             if self.journal.scan(&scan)?.is_some() {
