@@ -316,11 +316,20 @@ impl Custody {
     /// Removes the spooled bytes of scans that were finished before a time. Returns how many.
     pub fn let_go_spooled(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.changing();
+        self.let_go_of_spool(before, true)
+    }
+
+    /// Removes the spooled bytes of scans that were finished before a time and have served; or those of scans that
+    /// were given up before they had a record, which have not. Returns how many.
+    fn let_go_of_spool(&self, before: Timestamp, served: bool) -> Result<usize, CustodyFault> {
         let mut gone = 0;
         // The spool is small; what the journal knows grows over the years.
         for scan in io("listing the spool", self.spool.entries())? {
             let rests = self.journal.rests_since(&scan, ScanState::Delivered, before)?;
-            if rests && self.journal.has_served(&scan)? {
+            if rests && self.journal.has_served(&scan)? == served {
+                if !served {
+                    self.journal.let_go_of(&scan)?;
+                }
                 io("giving up spooled bytes", self.spool.remove(&scan))?;
                 gone += 1;
             }
@@ -342,16 +351,7 @@ impl Custody {
                 gone += usize::from(removed);
             }
         }
-        // A held scan that was given up before it had a record.
-        for scan in io("listing the spool", self.spool.entries())? {
-            let rests = self.journal.rests_since(&scan, ScanState::Delivered, before)?;
-            if rests && !self.journal.has_served(&scan)? {
-                self.journal.let_go_of(&scan)?;
-                io("giving up spooled bytes", self.spool.remove(&scan))?;
-                gone += 1;
-            }
-        }
-        Ok(gone)
+        Ok(gone + self.let_go_of_spool(before, false)?)
     }
 
     /// Refuses a delivery for good. If only its store will never take the record and other deliveries of

@@ -99,7 +99,8 @@ impl Journal {
             }
             step(transaction, due, DeliveryStep::Refuse, None)?;
             set_code(transaction, due, code)?;
-            set_reason(transaction, &due.scan, Some(code), Some(message))?;
+            let reason = "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1";
+            run(transaction, reason, [due.scan.as_str(), code, message])?;
             let detail = json!({ "code": code, "store": due.store });
             history::append(transaction, Some(&due.scan), Event::Refused, &detail)?;
             Ok(true)
@@ -145,17 +146,6 @@ impl Journal {
     }
 }
 
-/// Records why a scan is refused.
-fn set_reason(
-    transaction: &Transaction<'_>,
-    scan: &ScanId,
-    code: Option<&str>,
-    message: Option<&str>,
-) -> Result<(), JournalError> {
-    let set = "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1";
-    run(transaction, set, params![scan.as_str(), code, message])
-}
-
 /// Marks a scan as delivered if none of its deliveries is pending; as refused if a store will never take its record:
 /// a person decides about it.
 pub(super) fn finish_if_done(
@@ -164,16 +154,11 @@ pub(super) fn finish_if_done(
 ) -> Result<(), JournalError> {
     let state = state_of(transaction, scan)?;
     if state == ScanState::Spooled && count(transaction, scan, DeliveryState::Pending)? == 0 {
-        if count(transaction, scan, DeliveryState::Refused)? == 0 {
-            return set_state(transaction, scan, state.after(ScanStep::Finish)?);
-        }
-        let why: [Option<String>; 2] = transaction.query_row(
-            "SELECT code, message FROM scans WHERE sha256 = ?1",
-            [scan.as_str()],
-            |row| Ok([row.get(0)?, row.get(1)?]),
-        )?;
-        set_state(transaction, scan, state.after(ScanStep::Refuse)?)?;
-        set_reason(transaction, scan, why[0].as_deref(), why[1].as_deref())?;
+        let step = match count(transaction, scan, DeliveryState::Refused)? {
+            0 => ScanStep::Finish,
+            _ => ScanStep::Refuse,
+        };
+        set_state(transaction, scan, state.after(step)?)?;
     }
     Ok(())
 }

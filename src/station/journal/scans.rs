@@ -243,7 +243,7 @@ pub(super) fn insert_delivery(
     )
 }
 
-/// Sets a scan's state and clears the reason for the previous one.
+/// Sets a scan's state. A reason that is known stays with a refusal only.
 pub(super) fn set_state(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -251,7 +251,8 @@ pub(super) fn set_state(
 ) -> Result<(), JournalError> {
     run(
         transaction,
-        "UPDATE scans SET state = ?2, code = NULL, message = NULL, changed_at = ?3
+        "UPDATE scans SET state = ?2, changed_at = ?3, code = iif(?2 = 'refused', code, NULL),
+                message = iif(?2 = 'refused', message, NULL)
          WHERE sha256 = ?1",
         params![scan.as_str(), state.word(), Timestamp::now().to_string()],
     )
