@@ -26,10 +26,7 @@ impl Journal {
 
     /// The ids of the patients a held scan may belong to, as far as known when it was held.
     pub fn candidates(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
-        let candidates = "SELECT candidates FROM scans WHERE sha256 = ?1";
-        let found =
-            first(&self.connection(), candidates, [scan.as_str()], |row| json_cell(row, 0))?;
-        found.ok_or(JournalError::Unknown { what: "scan" })
+        candidates(&self.connection(), scan)
     }
 
     /// Applies an operator's retry of refused deliveries, or the release of a held scan to one patient: these
@@ -97,6 +94,16 @@ impl Journal {
     pub fn has_served(&self, scan: &ScanId) -> Result<bool, JournalError> {
         has_served(&self.connection(), scan)
     }
+}
+
+/// The ids of the patients a held scan may belong to.
+pub(super) fn candidates(
+    connection: &Connection,
+    scan: &ScanId,
+) -> Result<Vec<String>, JournalError> {
+    let candidates = "SELECT candidates FROM scans WHERE sha256 = ?1";
+    let found = first(connection, candidates, [scan.as_str()], |row| json_cell(row, 0))?;
+    found.ok_or(JournalError::Unknown { what: "scan" })
 }
 
 /// All deliveries of a scan in this state.

@@ -12,7 +12,8 @@ use jiff::Timestamp;
 use rusqlite::Connection;
 use serde_json::Value;
 
-use crate::station::journal::row::{all, if_any, json_cell, scan_id, time, value};
+use crate::station::journal::acts::candidates;
+use crate::station::journal::row::{all, if_any, json_cell, scan_id, time};
 use crate::station::journal::withdrawal::UNWANTED;
 use crate::station::journal::{Journal, JournalError, captures};
 
@@ -163,35 +164,22 @@ impl Journal {
 
 /// Whether a scan is a person's.
 fn whose(connection: &Connection, scan: &ScanId, patient: &str) -> Result<WhoseScan, JournalError> {
-    let cells = [scan.as_str(), patient, DeliveryState::Held.word()];
-    let of = |condition: &str| -> Result<bool, JournalError> {
-        let found = format!(
-            "SELECT EXISTS (SELECT 1 FROM deliveries WHERE sha256 = ?1 AND {condition}
-                            AND state NOT IN ('withdrawing', 'withdrawn')
-                            AND coalesce(code, '') NOT IN {UNWANTED})"
-        );
-        value(connection, &found, cells)
-    };
-    let has = of("patient = ?2 AND state <> ?3")?;
-    let others_have = of("patient NOT IN ('', ?2) AND state <> ?3")?;
-    let is_held = of("state = ?3 AND ?2 <> ''")?;
-    let may_be_others: bool = value(
-        connection,
-        "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
-                        WHERE sha256 = ?1 AND value <> ?2)
-                OR EXISTS (SELECT 1 FROM deliveries
-                           WHERE sha256 = ?1 AND patient NOT IN ('', ?2) AND state = ?3)",
-        cells,
-    )?;
-    let is_candidate = is_held
-        && value(
-            connection,
-            "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
-                            WHERE sha256 = ?1 AND value = ?2)
-                    OR EXISTS (SELECT 1 FROM deliveries
-                               WHERE sha256 = ?1 AND patient = ?2 AND state = ?3)",
-            cells,
-        )?;
+    let deliveries = format!(
+        "SELECT patient, state = 'held' FROM deliveries
+         WHERE sha256 = ?1 AND state NOT IN ('withdrawing', 'withdrawn')
+               AND coalesce(code, '') NOT IN {UNWANTED}"
+    );
+    let deliveries: Vec<(String, bool)> =
+        all(connection, &deliveries, [scan.as_str()], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    let (held, made): (Vec<_>, Vec<_>) = deliveries.into_iter().partition(|(_, held)| *held);
+    let is_other = |id: &str| !id.is_empty() && id != patient;
+    let has = made.iter().any(|(id, _)| id == patient);
+    let others_have = made.iter().any(|(id, _)| is_other(id));
+    let is_held = !held.is_empty();
+    let mut candidates = candidates(connection, scan)?;
+    candidates.extend(held.into_iter().map(|(id, _)| id));
+    let may_be_others = candidates.iter().any(|id| is_other(id));
+    let is_candidate = is_held && candidates.iter().any(|id| id == patient);
     let is_open = is_held && may_be_others;
     Ok(match (has, is_candidate) {
         (true, _) if others_have || is_open => WhoseScan::Shared,
