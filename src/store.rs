@@ -37,9 +37,10 @@ pub use fhir::FhirStore;
 pub use folder::{FolderStore, PersonFolder};
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::naming::RecordName;
+use gaiter_flow::patient::person::HandedOver;
 use gaiter_flow::worklist::ListedPerson;
 use gaiter_record::{Acquired, ImagingRequest, RECORD, Record, RecordFile};
-pub use gdt::{GdtStore, Given};
+pub use gdt::GdtStore;
 pub use hl7::Hl7Store;
 pub use server::ServerFault;
 pub use web::HttpAccess;
@@ -252,7 +253,7 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// A transient fault if that cannot be read.
-    fn given(&self, _patient: &str) -> Result<Vec<Given>, StoreFault> {
+    fn given(&self, _patient: &str) -> Result<Vec<HandedOver>, StoreFault> {
         Ok(Vec::new())
     }
 }

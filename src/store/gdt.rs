@@ -31,6 +31,7 @@ use super::{
 };
 pub use attach::{Attach, Attached};
 use gaiter_flow::ScanId;
+use gaiter_flow::patient::person::HandedOver;
 use gaiter_record::gdt::rules::{COUNTER_MOST, FileName};
 use gaiter_record::gdt::{self, GdtRules};
 use gaiter_record::{FIRST_REVISION, hex};
@@ -228,7 +229,7 @@ impl RecordStore for GdtStore {
     }
 
     /// A folder that is out of reach is no fault: nothing is there then.
-    fn given(&self, patient: &str) -> Result<Vec<Given>, StoreFault> {
+    fn given(&self, patient: &str) -> Result<Vec<HandedOver>, StoreFault> {
         let mut given = Vec::new();
         for (key, entry) in self.register.entries()? {
             if entry.patient != patient || self.place.is_staged(&staged_name(&key)).unwrap_or(false)
@@ -236,9 +237,9 @@ impl RecordStore for GdtStore {
                 continue;
             }
             let file = self.place.folder().join(&entry.name);
-            given.push(Given {
+            given.push(HandedOver {
                 sha256: entry.scan,
-                is_there: file.exists(),
+                waits: file.exists(),
                 file,
                 at: entry.at,
                 attachments: self.attach.there(&key, self.place.folder()),
@@ -247,20 +248,6 @@ impl RecordStore for GdtStore {
         given.sort_by_key(|of| of.at);
         Ok(given)
     }
-}
-
-/// A result of a person.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Given {
-    /// The scan, 64 hexadecimal digits.
-    pub sha256: String,
-    /// The file under which it was handed over.
-    pub file: PathBuf,
-    pub at: Timestamp,
-    /// The file is there: it was not fetched, or another result has its name by now.
-    pub is_there: bool,
-    /// The files that belong to it and are there.
-    pub attachments: Vec<PathBuf>,
 }
 
 /// The ending of staged results; no practice software looks for it.

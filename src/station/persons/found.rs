@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::patient::naming::RecordName;
 use gaiter_flow::patient::person::{
-    HandedOver, KnownVisits, NamedLeg, OnServer, Person, PersonAmendment, PersonDelivery,
-    PersonRecord, PersonScan, PersonStore, WhoseScan,
+    KnownVisits, NamedLeg, OnServer, Person, PersonAmendment, PersonDelivery, PersonRecord,
+    PersonScan, PersonStore, WhoseScan,
 };
 use gaiter_flow::{DeliveryState, Identity, ScanId, StatedPatient};
 use gaiter_record::RECORD;
@@ -79,7 +79,11 @@ pub(in crate::station) fn person(
         at: now(),
         scans,
         stores: stores.iter().filter_map(|store| in_folders(store, patient)).collect(),
-        handed_over: stores.iter().flat_map(|store| given(store, patient)).collect(),
+        // Nothing of a store that cannot list it.
+        handed_over: stores
+            .iter()
+            .flat_map(|store| store.given(patient).unwrap_or_default())
+            .collect(),
         on_servers,
         owed: custody.owed_to_servers(patient)?,
         captures: journal.captures_of_person(patient)?,
@@ -194,19 +198,6 @@ fn record(folder: PathBuf, brief: Option<Brief>) -> PersonRecord {
         revision: Some(brief.revision),
         amendments: amendments.collect(),
     }
-}
-
-/// What a store handed over; nothing for a store that cannot list it.
-fn given(store: &dyn RecordStore, patient: &str) -> Vec<HandedOver> {
-    let given = store.given(patient).unwrap_or_default().into_iter();
-    let handed_over = given.map(|of| HandedOver {
-        sha256: of.sha256,
-        file: of.file,
-        at: of.at,
-        waits: of.is_there,
-        attachments: of.attachments,
-    });
-    handed_over.collect()
 }
 
 /// What a server was given, or may have been. The journal knows it by its receipts. It has none of what is still to
