@@ -8,7 +8,7 @@ use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
 
 use super::deliveries::{finish_if_done, has_served};
-use super::delivery_row::{self, count, step};
+use super::delivery_row::{self, count, step, update};
 use super::row::{all, first, json_cell, run};
 use super::scans::{insert_delivery, needs_decision, set_state, state_of};
 use super::withdrawal::UNWANTED;
@@ -130,10 +130,7 @@ pub(super) fn make_again(
 ) -> Result<(), JournalError> {
     for due in deliveries {
         step(transaction, due, by, None)?;
-        transaction.execute(
-            "UPDATE deliveries SET attempts = 0 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-            [due.scan.as_str(), due.patient_cell(), &due.store],
-        )?;
+        update(transaction, due, "attempts = 0", &[])?;
     }
     transaction.execute(
         "UPDATE scans SET crashes = 0, closed = NULL WHERE sha256 = ?1",

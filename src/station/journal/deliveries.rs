@@ -10,7 +10,7 @@ use jiff::Timestamp;
 use rusqlite::{Connection, Transaction, params};
 use serde_json::json;
 
-use super::delivery_row::{self, Due, Task, count, detail, set_code, step};
+use super::delivery_row::{self, Due, Task, count, detail, step, update};
 use super::row::{all, cell, json_cell, run, scan_id, value};
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
@@ -98,7 +98,7 @@ impl Journal {
                 return Ok(false);
             }
             step(transaction, due, DeliveryStep::Refuse, None)?;
-            set_code(transaction, due, code)?;
+            update(transaction, due, "code = ?4", &[&code])?;
             let reason = "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1";
             run(transaction, reason, [due.scan.as_str(), code, message])?;
             let detail = json!({ "code": code, "store": due.store });

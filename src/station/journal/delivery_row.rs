@@ -3,7 +3,7 @@
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId};
 use gaiter_record::Patient;
 use jiff::Timestamp;
-use rusqlite::{Connection, Row, Transaction, params};
+use rusqlite::{Connection, Row, ToSql, Transaction, params_from_iter};
 use serde_json::json;
 
 use super::JournalError;
@@ -62,17 +62,17 @@ pub(super) fn due(row: &Row<'_>, task: Task) -> Result<Due, JournalError> {
     })
 }
 
-/// Sets the reason for a delivery's state.
-pub(super) fn set_code(
-    transaction: &Transaction<'_>,
+/// Updates the row of a delivery. `set` is SQL; its parameters from `?4` on are these cells.
+pub(super) fn update(
+    connection: &Connection,
     due: &Due,
-    code: &str,
+    set: &str,
+    cells: &[&dyn ToSql],
 ) -> Result<(), JournalError> {
-    run(
-        transaction,
-        "UPDATE deliveries SET code = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        [due.scan.as_str(), due.patient_cell(), &due.store, code],
-    )
+    let key: [&dyn ToSql; 3] = [&due.scan.as_str(), &due.patient_cell(), &due.store];
+    let update =
+        format!("UPDATE deliveries SET {set} WHERE sha256 = ?1 AND patient = ?2 AND store = ?3");
+    run(connection, &update, params_from_iter(key.iter().chain(cells)))
 }
 
 /// The details of a delivery for the history.
@@ -112,18 +112,7 @@ pub(super) fn step(
 ) -> Result<(), JournalError> {
     let state = delivery_state(transaction, due)?;
     let state = state.ok_or(JournalError::Unknown { what: "delivery" })?.after(step)?;
-    run(
-        transaction,
-        "UPDATE deliveries SET state = ?4, code = NULL, next_at = NULL, changed_at = ?5,
-                folder = coalesce(?6, folder)
-         WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        params![
-            due.scan.as_str(),
-            due.patient_cell(),
-            due.store,
-            state.word(),
-            Timestamp::now().to_string(),
-            folder
-        ],
-    )
+    let set =
+        "state = ?4, code = NULL, next_at = NULL, changed_at = ?5, folder = coalesce(?6, folder)";
+    update(transaction, due, set, &[&state.word(), &Timestamp::now().to_string(), &folder])
 }

@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 
 use super::acts::belongs_to;
 use super::deliveries::{close_superseded, finish_if_done};
-use super::delivery_row::{delivery_state, detail};
-use super::row::{all, run};
+use super::delivery_row::{delivery_state, detail, update};
+use super::row::all;
 use super::scans::{insert_delivery, insert_scan};
 use super::withdrawal::{self, UNWANTED};
 use super::{Due, Event, Journal, JournalError, ScanRow, Task, history};
@@ -117,17 +117,12 @@ fn enter_made(
     code: Option<&str>,
 ) -> Result<(), JournalError> {
     let (due, delivered) = (found.due(), DeliveryState::Delivered);
-    let cells = [due.scan.as_str(), due.patient_cell(), &due.store];
     transaction.execute(
         "DELETE FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        cells,
+        [due.scan.as_str(), due.patient_cell(), &due.store],
     )?;
     insert_delivery(transaction, &due.scan, found.patient, found.store, delivered, code)?;
-    run(
-        transaction,
-        "UPDATE deliveries SET folder = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        [cells[0], cells[1], cells[2], found.folder],
-    )
+    update(transaction, &due, "folder = ?4", &[&found.folder])
 }
 
 /// Corrects deliveries that were entered without knowing of a record: those to other patients are held,

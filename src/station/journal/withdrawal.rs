@@ -19,7 +19,7 @@ use jiff::Timestamp;
 use rusqlite::{Transaction, params};
 use serde_json::json;
 
-use super::delivery_row::{delivery_state, detail, set_code, step};
+use super::delivery_row::{delivery_state, detail, step, update};
 use super::row::{all, cell, first, patient_id, run, scan_id, time, value};
 use super::scans::insert_delivery;
 use super::{Due, Event, Journal, JournalError, history};
@@ -109,19 +109,8 @@ pub(super) fn made_in_vain(
 ) -> Result<(), JournalError> {
     let (scan, patient, delivered) = (&due.scan, due.patient.as_ref(), DeliveryState::Delivered);
     insert_delivery(transaction, scan, patient, &due.store, delivered, Some(UNASSIGNED))?;
-    run(
-        transaction,
-        "UPDATE deliveries SET state = ?5, code = ?4, next_at = NULL, folder = ?6
-         WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        params![
-            scan.as_str(),
-            due.patient_cell(),
-            due.store,
-            UNASSIGNED,
-            delivered.word(),
-            folder.to_string_lossy()
-        ],
-    )
+    let set = "state = ?4, code = ?5, next_at = NULL, folder = ?6";
+    update(transaction, due, set, &[&delivered.word(), &UNASSIGNED, &folder.to_string_lossy()])
 }
 
 impl Journal {
@@ -203,7 +192,7 @@ impl Journal {
             step(transaction, due, by, None)?;
             let mut detail = detail(due);
             if let Some(code) = code {
-                set_code(transaction, due, code)?;
+                update(transaction, due, "code = ?4", &[&code])?;
                 detail["code"] = json!(code);
             }
             history::append(transaction, Some(&due.scan), Event::Withdrawn, &detail)

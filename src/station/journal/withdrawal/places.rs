@@ -7,8 +7,9 @@ use std::path::Path;
 use gaiter_flow::{DeliveryState, ScanId};
 use rusqlite::Connection;
 
+use crate::station::journal::delivery_row::update;
 use crate::station::journal::meta::BEGUN;
-use crate::station::journal::row::{all, count, first, json_cell, json_text, run};
+use crate::station::journal::row::{all, count, first, json_cell, json_text};
 use crate::station::journal::{Due, Event, Journal, JournalError, history};
 
 impl Journal {
@@ -29,7 +30,7 @@ impl Journal {
             if places == before {
                 return Ok(());
             }
-            set_places(transaction, due, &places)
+            update(transaction, due, "places = ?4", &[&json_text(&places)?])
         })
     }
 
@@ -44,7 +45,7 @@ impl Journal {
         self.change(|transaction| {
             let mut places = places(transaction, due)?;
             if places.remove(place).is_some() {
-                set_places(transaction, due, &places)?;
+                update(transaction, due, "places = ?4", &[&json_text(&places)?])?;
             }
             Ok(!places.is_empty())
         })
@@ -78,18 +79,6 @@ fn places(connection: &Connection, due: &Due) -> Result<BTreeMap<String, String>
     let places = "SELECT places FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3";
     let cells = [due.scan.as_str(), due.patient_cell(), &due.store];
     Ok(first(connection, places, cells, |row| json_cell(row, 0))?.unwrap_or_default())
-}
-
-fn set_places(
-    connection: &Connection,
-    due: &Due,
-    places: &BTreeMap<String, String>,
-) -> Result<(), JournalError> {
-    run(
-        connection,
-        "UPDATE deliveries SET places = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        [due.scan.as_str(), due.patient_cell(), &due.store, &json_text(places)?],
-    )
 }
 
 /// By store, how many records are to be withdrawn that are not where it is now.
