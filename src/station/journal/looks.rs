@@ -6,7 +6,6 @@
 
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
-use std::time::Duration;
 
 use gaiter_flow::settle::Memory;
 use rusqlite::params;
@@ -17,27 +16,21 @@ use super::{Journal, JournalError};
 impl Journal {
     /// What the last run since this machine start knew about a folder; empty if there was none.
     pub fn look(&self, folder: &Path, boot: &str) -> Result<Memory, JournalError> {
-        let found = "SELECT looked_ms, files FROM looks WHERE folder = ?1 AND boot = ?2";
+        let found = "SELECT memory FROM looks WHERE folder = ?1 AND boot = ?2";
         let cells = params![folder.as_os_str().as_bytes(), boot];
-        let found = first(&self.connection(), found, cells, |row| {
-            let looked_ms: Option<i64> = row.get(0)?;
-            let looked = looked_ms.map(|looked_ms| Duration::from_millis(looked_ms.unsigned_abs()));
-            Ok(Memory { looked, files: json_cell(row, 1)? })
-        })?;
+        let found = first(&self.connection(), found, cells, |row| json_cell(row, 0))?;
         Ok(found.unwrap_or_default())
     }
 
     /// Saves what is known about a folder.
     pub fn looked(&self, folder: &Path, boot: &str, memory: &Memory) -> Result<(), JournalError> {
-        let files = json_text(&memory.files)?;
-        // Rounded down, so that the stored time is never later than the look.
-        let looked_ms = memory.looked.map(|at| i64::try_from(at.as_millis()).unwrap_or(i64::MAX));
+        let memory = json_text(memory)?;
         let connection = self.connection();
         connection.pragma_update(None, "synchronous", "NORMAL")?;
         let written = connection.execute(
-            "INSERT INTO looks (folder, boot, looked_ms, files) VALUES (?1, ?2, ?3, ?4)
-             ON CONFLICT (folder) DO UPDATE SET boot = ?2, looked_ms = ?3, files = ?4",
-            params![folder.as_os_str().as_bytes(), boot, looked_ms, files],
+            "INSERT INTO looks (folder, boot, memory) VALUES (?1, ?2, ?3)
+             ON CONFLICT (folder) DO UPDATE SET boot = ?2, memory = ?3",
+            params![folder.as_os_str().as_bytes(), boot, memory],
         );
         connection.pragma_update(None, "synchronous", "FULL")?;
         written?;

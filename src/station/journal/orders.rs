@@ -10,7 +10,7 @@ use gaiter_flow::orders::FolderId;
 use rusqlite::{Row, params};
 
 use super::meta::{fact, set_fact};
-use super::row::{all, cell, first, run};
+use super::row::{all, first, json_cell, json_text, of_json, run};
 use super::{Journal, JournalError};
 
 /// The name of the fact: the folder in which the known orders were seen.
@@ -19,20 +19,17 @@ const FOLDER: &str = "orders-folder";
 impl Journal {
     /// The order that was handled under this name; `None` if there was none or it is gone.
     pub fn order_known(&self, path: &Path) -> Result<Option<OrderState>, JournalError> {
-        let known = "SELECT size, mtime_ns, digest FROM orders WHERE path = ?1";
+        let known = "SELECT state FROM orders WHERE path = ?1";
         first(&self.connection(), known, [key(path)], state)
     }
 
     /// Records that an order is about to be handled or was skipped: it is not handled again.
     pub fn order_handled(&self, path: &Path, state: &OrderState) -> Result<(), JournalError> {
         let OrderState { size, mtime_ns, digest } = state;
-        let size = i64::try_from(*size).unwrap_or(i64::MAX);
-        run(
-            &self.connection(),
-            "INSERT INTO orders (path, size, mtime_ns, digest) VALUES (?1, ?2, ?3, ?4)
-             ON CONFLICT (path) DO UPDATE SET size = ?2, mtime_ns = ?3, digest = ?4",
-            params![key(path), size, mtime_ns.to_string(), digest],
-        )
+        let handled = "INSERT INTO orders (path, state) VALUES (?1, ?2)
+                       ON CONFLICT (path) DO UPDATE SET state = ?2";
+        let state = json_text(&(size, mtime_ns, digest))?;
+        run(&self.connection(), handled, params![key(path), state])
     }
 
     /// The known orders of a folder.
@@ -40,9 +37,9 @@ impl Journal {
         &self,
         folder: &Path,
     ) -> Result<BTreeMap<PathBuf, OrderState>, JournalError> {
-        let known = "SELECT size, mtime_ns, digest, path FROM orders";
+        let known = "SELECT state, path FROM orders";
         let known = all(&self.connection(), known, [], |row| {
-            let path: Vec<u8> = row.get(3)?;
+            let path: Vec<u8> = row.get(1)?;
             Ok((PathBuf::from(OsStr::from_bytes(&path)), state(row)?))
         })?;
         Ok(known.into_iter().filter(|(path, _)| path.parent() == Some(folder)).collect())
@@ -63,23 +60,19 @@ impl Journal {
 
     /// The folder in which the known orders were seen.
     pub fn orders_folder(&self) -> Result<Option<FolderId>, JournalError> {
-        fact(&self.connection(), FOLDER, |text| {
-            let (device, inode) = text.split_once(':')?;
-            Some((device.parse().ok()?, inode.parse().ok()?))
-        })
+        fact(&self.connection(), FOLDER, of_json)
     }
 
     /// Records the folder in which the known orders were seen.
-    pub fn orders_seen_in(&self, (device, inode): FolderId) -> Result<(), JournalError> {
-        set_fact(&self.connection(), FOLDER, &format!("{device}:{inode}"))
+    pub fn orders_seen_in(&self, folder: FolderId) -> Result<(), JournalError> {
+        set_fact(&self.connection(), FOLDER, &json_text(&folder)?)
     }
 }
 
-/// An order's state in the first three columns of a row.
+/// An order's state in the first column of a row.
 fn state(row: &Row<'_>) -> Result<OrderState, JournalError> {
-    let size: i64 = row.get(0)?;
-    let mtime_ns = cell(row, 1, |text| text.parse().ok())?;
-    Ok(OrderState { size: size.unsigned_abs(), mtime_ns, digest: row.get(2)? })
+    let (size, mtime_ns, digest) = json_cell(row, 0)?;
+    Ok(OrderState { size, mtime_ns, digest })
 }
 
 fn key(path: &Path) -> &[u8] {

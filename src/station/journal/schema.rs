@@ -24,7 +24,7 @@ pub(super) const KNOWN: i64 = 1;
 /// whether a later revision is to be handed over; '' if not. `places` are those where a server has the record, or
 /// may have it, each with its receipt, as JSON.
 ///
-/// Sightings: `same_as` is the earlier scan whose points and triangles the file has in other bytes.
+/// Sightings: `stamp` is JSON. `same_as` is the earlier scan whose points and triangles the file has in other bytes.
 ///
 /// `meta` holds what the station must remember about itself, one fact per row.
 ///
@@ -33,8 +33,8 @@ pub(super) const KNOWN: i64 = 1;
 /// named. `source`, how the patient was named, and `doubt` are JSON. `refused`: the export that answered it was
 /// refused, and another is awaited.
 ///
-/// `looks` holds what the looks at each folder know about files that are not taken in yet, as JSON; `boot` and
-/// `looked_ms` as in `captures`. `orders` are handled orders that are still in their folder.
+/// `looks` holds what the looks at each folder know about files that are not taken in yet, as JSON; `boot` as in
+/// `captures`. `orders` are handled orders that are still in their folder, each with its size, time and digest as JSON.
 ///
 /// A `seal` protects the cells that hold whose scan it is and where its record goes.
 const TABLES_SQL: &str = "
@@ -117,16 +117,13 @@ CREATE TABLE captures (
 ) STRICT;
 CREATE INDEX captures_by_state ON captures (state);
 CREATE TABLE looks (
-    folder    BLOB PRIMARY KEY,
-    boot      TEXT NOT NULL,
-    looked_ms INTEGER,
-    files     TEXT NOT NULL
+    folder BLOB PRIMARY KEY,
+    boot   TEXT NOT NULL,
+    memory TEXT NOT NULL
 ) STRICT;
 CREATE TABLE orders (
-    path     BLOB PRIMARY KEY,
-    size     INTEGER NOT NULL,
-    mtime_ns TEXT NOT NULL,
-    digest   TEXT NOT NULL
+    path  BLOB PRIMARY KEY,
+    state TEXT NOT NULL
 ) STRICT;
 ";
 

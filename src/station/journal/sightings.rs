@@ -7,7 +7,7 @@ use std::path::Path;
 use gaiter_flow::{ScanId, Stamp};
 use rusqlite::params;
 
-use super::row::{cell, first, if_any, run, scan_id};
+use super::row::{first, if_any, json_cell, json_text, run, scan_id};
 use super::{Journal, JournalError};
 
 impl Journal {
@@ -26,7 +26,7 @@ impl Journal {
     pub fn sighted_as(&self, path: &Path) -> Result<Option<(Stamp, Option<ScanId>)>, JournalError> {
         let found = "SELECT stamp, sha256 FROM sightings WHERE path = ?1";
         first(&self.connection(), found, [path.as_os_str().as_bytes()], |row| {
-            Ok((cell(row, 0, of_text)?, if_any(row, 1, scan_id)?))
+            Ok((json_cell(row, 0)?, if_any(row, 1, scan_id)?))
         })
     }
 
@@ -42,7 +42,7 @@ impl Journal {
             "INSERT INTO sightings (path, stamp, sha256) VALUES (?1, ?2, ?3)
              ON CONFLICT (path) DO UPDATE
              SET stamp = excluded.stamp, sha256 = excluded.sha256, same_as = NULL",
-            params![path.as_os_str().as_bytes(), text(stamp), scan.map(ScanId::as_str)],
+            params![path.as_os_str().as_bytes(), json_text(&stamp)?, scan.map(ScanId::as_str)],
         )
     }
 
@@ -58,21 +58,4 @@ impl Journal {
         let path = [path.as_os_str().as_bytes()];
         Ok(first(&self.connection(), found, path, |row| if_any(row, 0, scan_id))?.flatten())
     }
-}
-
-fn text(stamp: Stamp) -> String {
-    let Stamp { dev, ino, size, mtime_ns, ctime_ns } = stamp;
-    format!("{dev}:{ino}:{size}:{mtime_ns}:{ctime_ns}")
-}
-
-fn of_text(text: &str) -> Option<Stamp> {
-    let mut parts = text.split(':');
-    let stamp = Stamp {
-        dev: parts.next()?.parse().ok()?,
-        ino: parts.next()?.parse().ok()?,
-        size: parts.next()?.parse().ok()?,
-        mtime_ns: parts.next()?.parse().ok()?,
-        ctime_ns: parts.next()?.parse().ok()?,
-    };
-    parts.next().is_none().then_some(stamp)
 }

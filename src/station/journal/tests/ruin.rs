@@ -19,7 +19,7 @@ fn a_table_or_index_that_is_not_as_it_was_made_is_ruin_and_one_that_somebody_add
     for sql in [
         "DROP INDEX scans_by_state",
         "DROP TRIGGER history_is_not_cut",
-        "ALTER TABLE looks RENAME COLUMN files TO filex",
+        "ALTER TABLE looks RENAME COLUMN memory TO memorx",
         "DROP TABLE orders",
         "PRAGMA user_version = 0",
     ] {
