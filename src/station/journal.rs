@@ -29,7 +29,7 @@ mod schema;
 mod sightings;
 mod withdrawal;
 
-use std::fs::{OpenOptions, Permissions};
+use std::fs::{File, OpenOptions, Permissions};
 use std::io;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
@@ -74,15 +74,19 @@ pub struct Journal {
 /// The mode of a file that only this user may use.
 const PRIVATE: u32 = 0o600;
 
+/// Opens a file that only this user may use, or creates it.
+fn open_private(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false).mode(PRIVATE).open(path)
+}
+
 /// Makes the journal a file that only this user may read, whatever the folder allows, because it holds
 /// patients' ids. SQLite gives its write-ahead log the same mode.
 ///
 /// # Errors
 /// If others may still read it. A file that cannot be opened is no error here: SQLite reports it next.
 fn make_private(path: &Path) -> io::Result<()> {
-    let mut options = OpenOptions::new();
-    options.write(true).create(true).truncate(false).mode(PRIVATE);
-    let Ok(file) = options.open(path) else { return Ok(()) };
+    let Ok(file) = open_private(path) else { return Ok(()) };
     let mode = file.metadata()?.permissions().mode();
     let is_open = mode & 0o077 != 0;
     if is_open { file.set_permissions(Permissions::from_mode(PRIVATE)) } else { Ok(()) }

@@ -6,9 +6,9 @@
 //! older copy that was put back. Each record folder keeps such a head too, in case the whole state folder
 //! is an older copy.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io;
-use std::os::unix::fs::{FileExt, OpenOptionsExt};
+use std::os::unix::fs::FileExt;
 use std::path::Path;
 
 use gaiter_flow::ScanId;
@@ -19,7 +19,7 @@ use rusqlite::{Connection, Transaction, params};
 use serde_json::Value;
 
 use super::row::{all, first, run};
-use super::{Journal, JournalError};
+use super::{Journal, JournalError, open_private};
 
 gaiter_leg::word_enum! {
     /// The events of the history.
@@ -202,9 +202,7 @@ pub(super) struct HeadFile(File);
 impl HeadFile {
     /// Opens the file beside a journal, or creates it.
     pub fn open(journal: &Path) -> io::Result<HeadFile> {
-        let mut options = OpenOptions::new();
-        options.read(true).write(true).create(true).truncate(false).mode(0o600);
-        Ok(HeadFile(options.open(journal.with_file_name("history.head"))?))
+        Ok(HeadFile(open_private(&journal.with_file_name("history.head"))?))
     }
 
     /// The content; `None` if it is not a valid head.
@@ -226,12 +224,14 @@ impl HeadFile {
     }
 }
 
-/// Reports whether the journal lacks a row that was committed by its head.
-pub(super) fn is_behind(connection: &Connection, head: &Head) -> Result<bool, JournalError> {
+/// Checks that the journal holds the row of a head, which was committed; without a head, nothing.
+pub(super) fn holds(connection: &Connection, head: Option<Head>) -> Result<(), JournalError> {
+    let Some(head) = head else { return Ok(()) };
     let found = hash_of(connection, head.seq)?;
     let newest = newest(connection)?.map_or(0, |newest| newest.seq);
     // A pruned row is older than the oldest one, not newer than the newest.
-    Ok(found.map_or(newest < head.seq, |found| found != head.hash))
+    let is_behind = found.map_or(newest < head.seq, |found| found != head.hash);
+    if is_behind { Err(JournalError::Behind { head: head.seq }) } else { Ok(()) }
 }
 
 impl Journal {
@@ -246,12 +246,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Behind`] if it does not.
     pub fn holds_head(&self, line: &str) -> Result<(), JournalError> {
-        match Head::read(line) {
-            Some(head) if is_behind(&self.connection(), &head)? => {
-                Err(JournalError::Behind { head: head.seq })
-            }
-            _ => Ok(()),
-        }
+        holds(&self.connection(), Head::read(line))
     }
 
     /// What happened to a scan, oldest first.

@@ -47,12 +47,7 @@ fn texts(connection: &Connection, table: &'static str) -> Result<(), JournalErro
 
 /// Checks that the journal holds the last entry that its head file names.
 pub(super) fn head(connection: &Connection, head: &HeadFile) -> Result<(), JournalError> {
-    match head.read().map_err(JournalError::Head)? {
-        Some(head) if history::is_behind(connection, &head)? => {
-            Err(JournalError::Behind { head: head.seq })
-        }
-        _ => Ok(()),
-    }
+    history::holds(connection, head.read().map_err(JournalError::Head)?)
 }
 
 /// Journal errors that may or may not mean damage; the last one is kept until the journal is checked, which it

@@ -1,11 +1,11 @@
 //! One process per state folder: two would take each other's scans for their own.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, Write};
-use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use super::open_private;
 use crate::store::polling::poll;
 
 /// How long another process may take to release the folder. If a station is killed while it starts a
@@ -56,14 +56,7 @@ impl StateLock {
     fn take_now(state_dir: &Path) -> Result<StateLock, LockError> {
         let path = state_dir.join("lock");
         let io = |source| LockError::Io { path: path.clone(), source };
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .mode(0o600)
-            .open(&path)
-            .map_err(io)?;
+        let mut file = open_private(&path).map_err(io)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {

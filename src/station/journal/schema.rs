@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rusqlite::{Connection, TransactionBehavior};
 
+use super::row::all;
 use super::{JournalError, disposition, history, meta};
 
 /// The schema this gaiter reads and writes, in `PRAGMA user_version`. An empty file has none: 0.
@@ -183,11 +184,10 @@ pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
 
 /// What a schema consists of: the SQL that creates each object, by its name, without blanks.
 fn objects(connection: &Connection) -> Result<BTreeMap<String, String>, JournalError> {
-    let mut query =
-        connection.prepare("SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL")?;
-    let rows = query.query_map([], |row| {
+    let objects = "SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL";
+    let objects: Vec<(String, String)> = all(connection, objects, [], |row| {
         let sql: String = row.get(1)?;
         Ok((row.get(0)?, sql.split_whitespace().collect()))
     })?;
-    Ok(rows.collect::<rusqlite::Result<_>>()?)
+    Ok(objects.into_iter().collect())
 }
