@@ -17,22 +17,17 @@ use super::json_folder::JsonFolder;
 #[derive(Debug)]
 pub(super) struct Decisions(pub(super) JsonFolder);
 
-/// The content of a scan's file.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Book {
-    /// The scan, 64 hexadecimal digits.
-    sha256: String,
-    /// The decisions about it, oldest first.
-    decisions: Vec<Decision>,
-}
-
-/// The versions of the file's schema.
+/// The versions of the schema of a scan's file.
 #[derive(Serialize, Deserialize)]
-#[serde(tag = "schema")]
+#[serde(tag = "schema", deny_unknown_fields)]
 enum Versioned {
     #[serde(rename = "gaiter.decisions/1")]
-    V1(Book),
+    V1 {
+        /// The scan, 64 hexadecimal digits.
+        sha256: String,
+        /// The decisions about it, oldest first.
+        decisions: Vec<Decision>,
+    },
 }
 
 impl Decisions {
@@ -46,14 +41,14 @@ impl Decisions {
     /// # Errors
     /// Any I/O error; `InvalidData` if the file does not hold decisions about this scan.
     pub fn of(&self, scan: &ScanId) -> io::Result<Vec<Decision>> {
-        let Some(Versioned::V1(book)) = self.0.read(scan.as_str())? else {
+        let Some(Versioned::V1 { sha256, decisions }) = self.0.read(scan.as_str())? else {
             return Ok(Vec::new());
         };
-        if book.sha256 != scan.as_str() {
+        if sha256 != scan.as_str() {
             let message = "the file holds decisions about another scan";
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
-        Ok(book.decisions)
+        Ok(decisions)
     }
 
     /// Stores all decisions about a scan; durable on return.
@@ -64,9 +59,8 @@ impl Decisions {
         if decisions.is_empty() {
             return self.0.remove(scan.as_str());
         }
-        let book = Book { sha256: scan.to_string(), decisions: decisions.to_vec() };
-        let bytes = serde_json::to_vec_pretty(&Versioned::V1(book))?;
-        self.0.keep(scan.as_str(), &bytes)
+        let book = Versioned::V1 { sha256: scan.to_string(), decisions: decisions.to_vec() };
+        self.0.keep(scan.as_str(), &serde_json::to_vec_pretty(&book)?)
     }
 
     pub fn scans(&self) -> io::Result<Vec<ScanId>> {
