@@ -4,7 +4,7 @@
 //! `erasures/<hash>.json` holds the erasures of one person. The hash is that of the patient's id with a
 //! secret of this station, `erasures/key`: without it, a short id could be found by trying.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
@@ -32,8 +32,8 @@ const DIGITS: usize = 16;
 pub struct Erasures {
     pub(super) folder: JsonFolder,
     key: String,
-    /// By the person's hash, in its order.
-    known: Mutex<Vec<(String, Erasure)>>,
+    /// By the person's hash.
+    known: Mutex<BTreeMap<String, Erasure>>,
 }
 
 /// The versions of a file's schema.
@@ -62,10 +62,10 @@ impl Erasures {
                 key
             }
         };
-        let mut known = Vec::new();
+        let mut known = BTreeMap::new();
         for whose in folder.names()? {
             if let Some(Versioned::V1(erasure)) = folder.read(&whose)? {
-                known.push((whose, erasure));
+                known.insert(whose, erasure);
             }
         }
         Ok(Erasures { folder, key, known: Mutex::new(known) })
@@ -80,7 +80,7 @@ impl Erasures {
 
     /// The erasure of a person; `None` if none was ever asked for.
     pub fn of(&self, whose: &str) -> Option<Erasure> {
-        self.known().iter().find(|(known, _)| known == whose).map(|(_, erasure)| erasure.clone())
+        self.known().get(whose).cloned()
     }
 
     /// Keeps an erasure; durable on return.
@@ -90,9 +90,7 @@ impl Erasures {
     pub fn keep(&self, whose: &str, erasure: &Erasure) -> io::Result<()> {
         let bytes = serde_json::to_vec_pretty(&Versioned::V1(erasure.clone()))?;
         self.folder.keep(whose, &bytes)?;
-        let mut known = self.known();
-        known.retain(|(other, _)| other != whose);
-        known.push((whose.to_owned(), erasure.clone()));
+        self.known().insert(whose.to_owned(), erasure.clone());
         Ok(())
     }
 
@@ -100,12 +98,12 @@ impl Erasures {
     pub fn pending(&self) -> Vec<(String, Erasure)> {
         let known = self.known();
         let pending = known.iter().filter(|(_, erasure)| erasure.next() != Next::Nothing);
-        pending.cloned().collect()
+        pending.map(|(whose, erasure)| (whose.clone(), erasure.clone())).collect()
     }
 
     /// The stores that erasures wait for, by their names.
     pub fn awaited_stores(&self) -> BTreeSet<String> {
-        self.known().iter().flat_map(|(_, erasure)| erasure.stores.iter().cloned()).collect()
+        self.known().values().flat_map(|erasure| erasure.stores.iter().cloned()).collect()
     }
 
     /// Whether a scan is not to be taken in, for this patient or for no one by name, because it was erased.
@@ -120,7 +118,7 @@ impl Erasures {
         })
     }
 
-    fn known(&self) -> MutexGuard<'_, Vec<(String, Erasure)>> {
+    fn known(&self) -> MutexGuard<'_, BTreeMap<String, Erasure>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
