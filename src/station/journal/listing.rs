@@ -65,13 +65,14 @@ impl Journal {
         )?;
         let dispositions = dispositions(&connection)?;
         let held = dispositions.get(Disposition::Held.word()).copied().unwrap_or_default();
-        let closed = "SELECT count(*) FROM scans WHERE closed IS NOT NULL";
+        let count_of = |sql: &str| value(&connection, sql, []).map(i64::cast_unsigned);
         let withdrawing =
             format!("SELECT count(DISTINCT sha256) FROM deliveries WHERE {}", to_be_taken_back());
         // The index holds the few that were amended.
-        let revisions_refused =
+        let revisions_refused = format!(
             "SELECT count(DISTINCT sha256) FROM deliveries INDEXED BY deliveries_amended
-             WHERE amended <> '' AND state = 'delivered' AND code = ?1";
+             WHERE amended <> '' AND state = 'delivered' AND code = '{REVISION_REFUSED}'"
+        );
         let oldest = "SELECT sha256, min(first_seen), scans.state, store FROM deliveries
                       JOIN scans USING (sha256) WHERE deliveries.state = ?1 GROUP BY store";
         let pending = [DeliveryState::Pending.word()];
@@ -82,13 +83,9 @@ impl Journal {
             scans,
             dispositions,
             held,
-            closed: i64::cast_unsigned(value(&connection, closed, [])?),
-            withdrawing: i64::cast_unsigned(value(&connection, &withdrawing, [])?),
-            revisions_refused: i64::cast_unsigned(value(
-                &connection,
-                revisions_refused,
-                [REVISION_REFUSED],
-            )?),
+            closed: count_of("SELECT count(*) FROM scans WHERE closed IS NOT NULL")?,
+            withdrawing: count_of(&withdrawing)?,
+            revisions_refused: count_of(&revisions_refused)?,
             moved: elsewhere(&connection)?,
             deliveries: deliveries.into_iter().collect(),
             oldest: oldest.into_iter().collect(),
@@ -98,14 +95,8 @@ impl Journal {
 
     /// The latest scans, newest first, at most `limit`.
     pub fn list(&self, filter: Option<Filter>, limit: u32) -> Result<Vec<Listed>, JournalError> {
-        let viewer = self.viewer();
-        let connection = viewer.unchecked_transaction()?;
-        let latest = format!(
-            "SELECT sha256 FROM scans WHERE {} ORDER BY first_seen DESC, rowid DESC LIMIT ?1",
-            of_filter(filter)
-        );
-        let found =
-            all(&connection, &latest, [limit], |row| whole(&connection, &scan_id(row, 0)?))?;
+        let latest = self.scans_by(&of_filter(filter), "", limit)?;
+        let found = latest.iter().map(|scan| self.whole(scan)).collect::<Result<Vec<_>, _>>()?;
         Ok(found.iter().flatten().map(Listed::from_whole).collect())
     }
 

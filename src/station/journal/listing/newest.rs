@@ -53,7 +53,12 @@ impl Journal {
     }
 
     /// `first`: SQL of what counts before the newest.
-    fn scans_by(&self, which: &str, first: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
+    pub(super) fn scans_by(
+        &self,
+        which: &str,
+        first: &str,
+        limit: u32,
+    ) -> Result<Vec<ScanId>, JournalError> {
         let found = format!(
             "SELECT sha256 FROM scans WHERE {which} ORDER BY {first}first_seen DESC, rowid DESC LIMIT ?1"
         );
