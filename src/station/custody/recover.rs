@@ -30,8 +30,13 @@ impl Custody {
             }
         }
         for scan in self.journal.scans_in(ScanState::Spooled)? {
-            if !self.spool.holds(&scan) {
-                self.settle_missing(&scan)?;
+            // Its bytes are already in quarantine, or another process removed them.
+            if !self.spool.holds(&scan)
+                && let Some(row) = self.journal.scan(&scan)?
+            {
+                let message = "its bytes were removed from the spool by another program".to_owned();
+                let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
+                self.refused(&scan, reason)?;
             }
         }
         self.journal.take_back_unwanted()?;
@@ -52,23 +57,6 @@ impl Custody {
             io("giving up spooled bytes", self.spool.remove(scan))?;
         }
         Ok(())
-    }
-
-    /// Settles a scan that is to be delivered but has no bytes in the spool: they are already in
-    /// quarantine, or another process removed them.
-    fn settle_missing(&self, scan: &ScanId) -> Result<(), CustodyFault> {
-        let known = io("reading a reason", self.quarantine.reason(scan))?;
-        let reason = match (known, self.journal.scan(scan)?) {
-            (Some(reason), _) => reason,
-            (None, Some(row)) => {
-                let message = "its bytes were removed from the spool by another program".to_owned();
-                let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
-                io("noting a refusal", self.quarantine.note(scan.as_str(), &reason))?;
-                reason
-            }
-            (None, None) => return Ok(()),
-        };
-        Ok(self.journal.refused(scan, &reason.code, &reason.message)?)
     }
 
     /// Enters a scan of the spool that the journal does not know. Refuses one with an unreadable intake: it must not
