@@ -180,19 +180,15 @@ fn leave_captures(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jo
     type Row = (i64, String, String, Vec<Named>);
     let rows: Vec<Row> = all(
         transaction,
-        "SELECT number, patient, source, candidates FROM captures
-         WHERE patient = ?1 OR instr(candidates, ?1) > 0",
+        "SELECT number, iif(patient = ?1, '', patient), iif(patient = ?1, 'null', source), candidates
+         FROM captures
+         WHERE patient = ?1 OR EXISTS (SELECT 1 FROM json_each(candidates)
+                                       WHERE json_extract(value, '$.id') = ?1)",
         [patient],
         |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, json_cell(row, 3)?)),
     )?;
     for (number, id, source, mut named) in rows {
-        let is_theirs = id == patient || named.iter().any(|named| named.id == patient);
-        if !is_theirs {
-            continue;
-        }
         named.retain(|named| named.id != patient);
-        let (id, source) =
-            if id == patient { (String::new(), "null".to_owned()) } else { (id, source) };
         let others = json!(named).to_string();
         let seal = seal::of(&["capture", &number.to_string(), &id, &source, &others]);
         transaction.execute(
