@@ -36,9 +36,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::orders::FolderId;
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 use tracing::warn;
 
+use super::share::file_system::folder_id;
 use crate::store::durable;
 pub use captures::{BoothChange, CaptureRow};
 pub use deliveries::GivenRevision;
@@ -68,7 +70,7 @@ pub struct Journal {
     head: HeadFile,
     path: PathBuf,
     /// The file that was opened: a journal that is removed stays usable, unseen, while it is open.
-    file: durable::FileId,
+    file: FolderId,
 }
 
 /// The mode of a file that only this user may use.
@@ -130,7 +132,7 @@ impl Journal {
         // Syncs the names of the journal and of its write-ahead log, which exists since the first read.
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };
         durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
-        let file = durable::FileId::from_path(path).map_err(folder)?;
+        let file = folder_id(path).map_err(folder)?;
         let viewer = Mutex::new(open_viewer(path)?);
         let path = path.to_owned();
         Ok(Journal { viewer, connection: Mutex::new(connection), head, path, file })
@@ -153,7 +155,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Gone`] if it does not.
     pub fn is_in_place(&self) -> Result<(), JournalError> {
-        let found = durable::FileId::from_path(&self.path).ok();
+        let found = folder_id(&self.path).ok();
         if found == Some(self.file) { Ok(()) } else { Err(JournalError::Gone) }
     }
 

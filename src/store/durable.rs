@@ -2,7 +2,7 @@
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Read, Write};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{CWD, Mode, RenameFlags, renameat_with};
@@ -98,21 +98,6 @@ impl Access {
 
 /// How much of a file is in memory while it is copied.
 const PIECE_BYTES: usize = 256 * 1024;
-
-/// Identifies the file or folder a path leads to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FileId {
-    dev: u64,
-    ino: u64,
-}
-
-impl FileId {
-    /// The id of the file a path leads to now.
-    pub fn from_path(path: &Path) -> io::Result<FileId> {
-        let metadata = fs::metadata(path)?;
-        Ok(FileId { dev: metadata.dev(), ino: metadata.ino() })
-    }
-}
 
 /// Writes a new file for the owner only; see [`Access::write_new`].
 pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
@@ -231,6 +216,8 @@ pub fn if_there<T>(done: io::Result<T>) -> io::Result<Option<T>> {
 
 #[cfg(test)]
 mod tests {
+    use std::os::unix::fs::MetadataExt;
+
     use super::*;
 
     #[test]

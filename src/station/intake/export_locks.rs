@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use gaiter_flow::orders::FolderId;
 use gaiter_record::sha256;
 use tracing::info;
 
 use crate::station::share::file_system;
-use crate::store::durable::FileId;
 use crate::store::polling::poll;
 
 /// Where locks for shares are: a folder in which every user of the machine may create files.
@@ -32,7 +32,7 @@ pub struct ExportLocks(Mutex<BTreeMap<PathBuf, LockedFolder>>);
 #[derive(Debug)]
 struct LockedFolder {
     /// Which folder it was: another may have taken its place.
-    id: FileId,
+    id: FolderId,
     /// `None` if the file system has no locks.
     _file: Option<File>,
 }
@@ -43,7 +43,7 @@ impl ExportLocks {
     /// # Errors
     /// If the folder cannot be examined.
     pub fn hold(&self, folder: &Path) -> io::Result<bool> {
-        let id = FileId::from_path(folder)?;
+        let id = file_system::folder_id(folder)?;
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if all.get(folder).is_some_and(|held| held.id == id) {
             return Ok(true);

@@ -26,7 +26,7 @@ pub fn free_bytes(folder: &Path) -> io::Result<u64> {
     Ok(disk.f_bavail.saturating_mul(disk.f_frsize))
 }
 
-/// Which folder a path leads to: device and inode.
+/// Which folder, or file, a path leads to: device and inode.
 ///
 /// # Errors
 /// If it leads nowhere.
