@@ -68,13 +68,12 @@ pub async fn patiently<T: Send + 'static>(
     stop: &mut Stop,
     work: impl FnOnce(&StepCounter) -> T + Send + 'static,
     beat: impl Fn(),
-    stalled: impl FnOnce(),
+    stalled: impl Fn(),
 ) -> Result<Option<T>, JoinError> {
     let (counter, began) = (StepCounter::default(), Instant::now());
     let mut stall = Stall::new(deadline, began.elapsed());
     let theirs = counter.clone();
     let mut thread = spawn_blocking(move || work(&theirs));
-    let mut stalled = Some(stalled);
     loop {
         tokio::select! {
             biased;
@@ -83,9 +82,7 @@ pub async fn patiently<T: Send + 'static>(
             () = sleep(LOOK_UP.min(deadline)) => {}
         }
         beat();
-        if stall.observe(counter.count(), began.elapsed())
-            && let Some(stalled) = stalled.take()
-        {
+        if stall.observe(counter.count(), began.elapsed()) {
             stalled();
         }
     }
