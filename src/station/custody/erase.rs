@@ -214,16 +214,14 @@ impl Custody {
     pub fn goes_whole(&self, of: &ScanOfPerson, patient: &str) -> Result<bool, CustodyFault> {
         match of.whose {
             WhoseScan::Theirs => Ok(true),
-            WhoseScan::Uncertain => self.is_of_none_else(&of.scan, patient),
+            // It can belong to this person and to those who were erased before, and to no one else.
+            WhoseScan::Uncertain => {
+                let held_for = self.journal.patients(&of.scan)?.into_iter().flatten();
+                let mut all = held_for.chain(self.journal.candidates(&of.scan)?);
+                Ok(all.all(|id| id == patient || id == ERASED))
+            }
             WhoseScan::Shared | WhoseScan::TakenBack => Ok(false),
         }
-    }
-
-    /// Whether a held scan can belong to this person and to those who were erased before, and to no one else.
-    fn is_of_none_else(&self, scan: &ScanId, patient: &str) -> Result<bool, CustodyFault> {
-        let held_for = self.journal.patients(scan)?.into_iter().flatten();
-        let mut all = held_for.chain(self.journal.candidates(scan)?);
-        Ok(all.all(|id| id == patient || id == ERASED))
     }
 
     /// Takes a person from what is kept of scans that others have, too, or may have.
