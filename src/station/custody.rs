@@ -270,10 +270,9 @@ impl Custody {
     /// See [`CustodyFault`]; the delivery is then still to be made.
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<(), CustodyFault> {
         let _change = self.changing();
-        if self.journal.delivered(due, folder)? && self.kept == Duration::ZERO {
-            let gone = self.spool.remove(&due.scan);
-            self.untidy.fetch_or(gone.is_err(), Ordering::Relaxed);
-        }
+        self.journal.delivered(due, folder)?;
+        let given_up = self.give_up_served(&due.scan);
+        self.untidy.fetch_or(given_up.is_err(), Ordering::Relaxed);
         self.quarantine_refused(&due.scan)
     }
 

@@ -7,7 +7,7 @@ use gaiter_record::Patient;
 use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
 
-use super::deliveries::{finish_if_done, has_served};
+use super::deliveries::finish_if_done;
 use super::delivery_row::{self, count, step, update};
 use super::row::{all, first, json_cell, run};
 use super::scans::{insert_delivery, needs_decision, set_state, state_of};
@@ -87,12 +87,6 @@ impl Journal {
             let detail = json!({ "by": "operator", "decision": number });
             history::append(transaction, Some(scan), Event::GivenUp, &detail)
         })
-    }
-
-    /// Reports whether the spooled bytes of a scan are no longer needed: nothing is pending, and nothing
-    /// waits for a decision.
-    pub fn has_served(&self, scan: &ScanId) -> Result<bool, JournalError> {
-        has_served(&self.connection(), scan)
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use gaiter_flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use gaiter_record::{ImagingRequest, Source};
 use jiff::Timestamp;
-use rusqlite::{Connection, Transaction, params};
+use rusqlite::{Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{self, Due, Task, count, detail, step, update};
@@ -48,9 +48,8 @@ impl Journal {
 
     /// Records a store's receipt. The last pending delivery makes the scan delivered. Earlier refused
     /// scans of the same patient need no further decision. Records that can be withdrawn now are marked,
-    /// see `journal::withdrawal`. Returns whether the spooled bytes are no longer needed: nothing is
-    /// pending, held or refused.
-    pub fn delivered(&self, due: &Due, folder: &Path) -> Result<bool, JournalError> {
+    /// see `journal::withdrawal`.
+    pub fn delivered(&self, due: &Due, folder: &Path) -> Result<(), JournalError> {
         let scan = &due.scan;
         self.change(|transaction| {
             match withdrawal::overtaken(transaction, due)? {
@@ -66,8 +65,7 @@ impl Journal {
                 }
             }
             withdrawal::apply(transaction, scan)?;
-            finish_if_done(transaction, scan)?;
-            has_served(transaction, scan)
+            finish_if_done(transaction, scan)
         })
     }
 
@@ -135,6 +133,18 @@ impl Journal {
         Ok(sources.into_iter().flatten().find_map(|source| source.request))
     }
 
+    /// Reports whether the spooled bytes of a scan are no longer needed: none of its deliveries is pending,
+    /// refused, or held for a decision that is still open.
+    pub fn has_served(&self, scan: &ScanId) -> Result<bool, JournalError> {
+        let served = format!(
+            "SELECT NOT EXISTS (
+                 SELECT 1 FROM deliveries JOIN scans USING (sha256)
+                 WHERE sha256 = ?1 AND (deliveries.state IN ('pending', 'refused')
+                                        OR deliveries.state = 'held' AND {IS_NEEDED}))"
+        );
+        value(&self.connection(), &served, [scan.as_str()])
+    }
+
     /// The patients the scan belongs to: neither those it is held for nor those it was withdrawn from.
     pub fn owners(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
         let owners = format!(
@@ -168,18 +178,6 @@ pub(super) fn finish_if_done(
 pub(super) const IS_NEEDED: &str = "(scans.closed IS NULL OR NOT EXISTS (
     SELECT 1 FROM deliveries AS made
     WHERE made.sha256 = scans.sha256 AND made.state = 'delivered'))";
-
-/// Reports whether the spooled bytes of a scan are no longer needed: none of its deliveries is pending,
-/// refused, or held for a decision that is still open.
-pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool, JournalError> {
-    let served = format!(
-        "SELECT NOT EXISTS (
-             SELECT 1 FROM deliveries JOIN scans USING (sha256)
-             WHERE sha256 = ?1 AND (deliveries.state IN ('pending', 'refused')
-                                    OR deliveries.state = 'held' AND {IS_NEEDED}))"
-    );
-    value(connection, &served, [scan.as_str()])
-}
 
 /// Closes earlier refused scans of this patient and no other, because a later scan could be measured.
 pub(super) fn close_superseded(

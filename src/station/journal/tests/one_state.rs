@@ -99,7 +99,7 @@ fn happens(journal: &Journal, n: usize, step: Step) {
             comes(journal, &scan, Some(id), true);
         }
         (Step::Served, Some(due)) => match due.task {
-            At::Deliver => drop(journal.delivered(&due, "/r/x".as_ref()).unwrap()),
+            At::Deliver => journal.delivered(&due, "/r/x".as_ref()).unwrap(),
             At::Withdraw => journal.withdrawn(&due).unwrap(),
             At::HandOver => {}
         },
