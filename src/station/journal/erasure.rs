@@ -232,7 +232,7 @@ fn rewrite(transaction: &Transaction<'_>, patient: &str) -> Result<bool, Journal
             continue;
         }
         let detail = if is_named { details.to_string() } else { detail };
-        let hash = history::hash(&before, seq, &at, &scan, &event, &detail);
+        let hash = history::hash([&before, &seq.to_string(), &at, &scan, &event, &detail]);
         let written = "UPDATE history SET detail = ?2, hash = ?3 WHERE seq = ?1";
         run(transaction, written, params![seq, detail, hash])?;
         before = hash;

@@ -121,7 +121,7 @@ pub(super) fn append(
     let (before, seq) = head.map_or((String::new(), 1), |head| (head.hash, head.seq + 1));
     let (at, scan) = (Timestamp::now().to_string(), scan.map_or("", ScanId::as_str));
     let (event, detail) = (event.word(), detail.to_string());
-    let hash = hash(&before, seq, &at, scan, event, &detail);
+    let hash = hash([&before, &seq.to_string(), &at, scan, event, &detail]);
     run(
         transaction,
         "INSERT INTO history (seq, at, scan, event, detail, hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
@@ -174,7 +174,7 @@ pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
             None => (seq == 1).then_some(""),
         };
         if let Some(before) = link
-            && found != hash(before, seq, &cell(1)?, &cell(2)?, &cell(3)?, &cell(4)?)
+            && found != hash([before, &seq.to_string(), &cell(1)?, &cell(2)?, &cell(3)?, &cell(4)?])
         {
             return Err(JournalError::Chain { seq });
         }
@@ -183,16 +183,9 @@ pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
     Ok(())
 }
 
-/// The hash of a row.
-pub(super) fn hash(
-    before: &str,
-    seq: i64,
-    at: &str,
-    scan: &str,
-    event: &str,
-    detail: &str,
-) -> String {
-    sha256(format!("{before}\n{seq}\n{at}\n{scan}\n{event}\n{detail}").as_bytes())
+/// The hash of a row: of the hash before it, its number, time, scan, event and details.
+pub(super) fn hash(row: [&str; 6]) -> String {
+    sha256(row.join("\n").as_bytes())
 }
 
 /// `history.head`.
