@@ -31,39 +31,20 @@ pub struct Taken<'a> {
     pub patient: &'a str,
 }
 
-/// What an id seems to be if it is not a patient's.
+/// What an id seems to be if it is not a patient's, and what that would mean, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NameFinding {
     /// Ids read as dates.
-    Date {
-        /// The latest of them.
-        patient: String,
-        reads: Reading,
-        /// How many names have such an id.
-        count: usize,
-        /// Out of how many.
-        of: usize,
-    },
+    Date(String),
     /// The ids count the exports.
-    Counter {
-        /// The first id.
-        first: String,
-        /// The last one.
-        last: String,
-    },
+    Counter(String),
     /// Most names have the same id.
-    OneForMany {
-        patient: String,
-        /// How many names have it.
-        count: usize,
-        /// Out of how many.
-        of: usize,
-    },
+    OneForMany(String),
 }
 
 /// What an id reads as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reading {
+enum Reading {
     /// A day, with four digits for the year.
     Day(Date),
     /// A day and a time of day.
@@ -76,44 +57,19 @@ impl NameFinding {
     /// Its stable code.
     pub fn code(&self) -> &'static str {
         match self {
-            NameFinding::Date { .. } => "looks-like-a-date",
-            NameFinding::Counter { .. } => "looks-like-a-counter",
-            NameFinding::OneForMany { .. } => "one-id-for-many",
+            NameFinding::Date(_) => "looks-like-a-date",
+            NameFinding::Counter(_) => "looks-like-a-counter",
+            NameFinding::OneForMany(_) => "one-id-for-many",
         }
     }
 }
 
 impl fmt::Display for NameFinding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            NameFinding::Date { patient, reads: Reading::Day(day), count, of } => {
-                let day = day.strftime("%-d %B %Y");
-                write!(f, "every scan of {day} would go to a patient {patient}")?;
-                write!(f, "; {count} of {of} ids read as a date")
-            }
-            NameFinding::Date { patient, reads: Reading::Moment(day), count, of } => {
-                let day = day.strftime("%-d %B %Y");
-                write!(
-                    f,
-                    "every scan of {day} would go to a patient of its own, such as {patient}"
-                )?;
-                write!(f, "; {count} of {of} ids read as a date and a time")
-            }
-            NameFinding::Date { patient, reads: Reading::ShortDay, count, of } => {
-                write!(f, "every scan of one day would go to one patient, such as {patient}")?;
-                write!(f, "; {count} of {of} ids read as a date")
-            }
-            NameFinding::Counter { first, last } => {
-                write!(
-                    f,
-                    "the ids go up by one from file to file, from {first} to {last}: if they "
-                )?;
-                write!(f, "count the scans, each would go to the patient with that number")
-            }
-            NameFinding::OneForMany { patient, count, of } => {
-                write!(f, "{count} of {of} names would go to the one patient {patient}")
-            }
-        }
+        let (NameFinding::Date(words)
+        | NameFinding::Counter(words)
+        | NameFinding::OneForMany(words)) = self;
+        f.write_str(words)
     }
 }
 
@@ -123,33 +79,46 @@ pub fn findings(taken: &[Taken<'_>]) -> Vec<NameFinding> {
     // Dates of consecutive days count up, too.
     let counter = if date.is_none() { counter(taken) } else { None };
     let is_date = |patient: &str| date.is_some() && reading(patient).is_some();
-    let one = one_for_many(taken).filter(
-        |finding| !matches!(finding, NameFinding::OneForMany { patient, .. } if is_date(patient)),
-    );
+    let one = one_for_many(taken, is_date);
     date.into_iter().chain(counter).chain(one).collect()
 }
 
-/// Ids that read as dates, if that is not by chance.
+/// Ids that read as dates, if that is not by chance; named is the latest of them.
 fn dates(taken: &[Taken<'_>]) -> Option<NameFinding> {
     let read = taken.iter().filter_map(|taken| Some((taken.patient, reading(taken.patient)?)));
     let (short, full): (Vec<_>, Vec<_>) =
         read.partition(|(_, reading)| *reading == Reading::ShortDay);
     let of = taken.len();
-    if let Some((patient, reads)) = full.last() {
+    let is_chance = |(patient, _): &&(&str, Reading)| {
         let as_long = taken.iter().filter(|taken| taken.patient.len() == patient.len()).count();
-        if full.len() * DATES_PER >= as_long {
-            let (patient, count) = ((*patient).to_owned(), full.len());
-            return Some(NameFinding::Date { patient, reads: *reads, count, of });
+        full.len() * DATES_PER < as_long
+    };
+    let are_dates = short.len() >= SHORT_DATES_LEAST && short.len() * 10 >= of * 9;
+    let (patient, reads, count) = match full.last().filter(|last| !is_chance(last)) {
+        Some((patient, reads)) => (patient, reads, full.len()),
+        None => short.last().filter(|_| are_dates).map(|(id, reads)| (id, reads, short.len()))?,
+    };
+    let words = match reads {
+        Reading::Day(day) => {
+            let day = day.strftime("%-d %B %Y");
+            format!(
+                "every scan of {day} would go to a patient {patient}; \
+                 {count} of {of} ids read as a date"
+            )
         }
-    }
-    let (patient, reads) = short.last()?;
-    let count = short.len();
-    (count >= SHORT_DATES_LEAST && count * 10 >= of * 9).then(|| NameFinding::Date {
-        patient: (*patient).to_owned(),
-        reads: *reads,
-        count,
-        of,
-    })
+        Reading::Moment(day) => {
+            let day = day.strftime("%-d %B %Y");
+            format!(
+                "every scan of {day} would go to a patient of its own, such as {patient}; \
+                 {count} of {of} ids read as a date and a time"
+            )
+        }
+        Reading::ShortDay => format!(
+            "every scan of one day would go to one patient, such as {patient}; \
+             {count} of {of} ids read as a date"
+        ),
+    };
+    Some(NameFinding::Date(words))
 }
 
 /// The date that an id reads as, if any.
@@ -201,8 +170,13 @@ fn counter(taken: &[Taken<'_>]) -> Option<NameFinding> {
         _ => false,
     };
     let is_counted = ids.len() >= COUNTED_LEAST && numbers.windows(2).all(goes_up);
-    let (first, last) = ((*ids.first()?).to_owned(), (*ids.last()?).to_owned());
-    is_counted.then_some(NameFinding::Counter { first, last })
+    let (first, last) = (ids.first()?, ids.last()?);
+    is_counted.then(|| {
+        NameFinding::Counter(format!(
+            "the ids go up by one from file to file, from {first} to {last}: if they count the \
+             scans, each would go to the patient with that number"
+        ))
+    })
 }
 
 /// The part of an id before its last digits, and the value of those digits.
@@ -211,8 +185,8 @@ fn number(id: &str) -> Option<(&str, u64)> {
     Some((front, id[front.len()..].parse().ok()?))
 }
 
-/// The id that most of many different names share.
-fn one_for_many(taken: &[Taken<'_>]) -> Option<NameFinding> {
+/// The id that most of many different names share, unless `is_date` has told it already.
+fn one_for_many(taken: &[Taken<'_>], is_date: impl Fn(&str) -> bool) -> Option<NameFinding> {
     let names: BTreeMap<&str, &str> =
         taken.iter().map(|taken| (taken.name, taken.patient)).collect();
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
@@ -220,10 +194,9 @@ fn one_for_many(taken: &[Taken<'_>]) -> Option<NameFinding> {
         *counts.entry(patient).or_default() += 1;
     }
     let (of, (patient, count)) = (names.len(), counts.into_iter().max_by_key(|(_, count)| *count)?);
-    (of >= MANY_NAMES && count * 2 > of).then(|| NameFinding::OneForMany {
-        patient: patient.to_owned(),
-        count,
-        of,
+    (of >= MANY_NAMES && count * 2 > of && !is_date(patient)).then(|| {
+        let words = format!("{count} of {of} names would go to the one patient {patient}");
+        NameFinding::OneForMany(words)
     })
 }
 
