@@ -239,9 +239,8 @@ impl Rounds {
                     || (sights.iter().all(was_looked_at) && !files.any(may_come)))
         };
         let over: Vec<Capture> = self.open.extract_if(.., is_over).collect();
-        for capture in &over {
-            self.miss(capture);
-        }
+        // Their patients may still be there.
+        self.note_missed(over.iter().flat_map(Capture::named).cloned());
         passed.over = over.iter().filter(|of| of.is_waiting()).map(|of| of.number).collect();
         passed
     }

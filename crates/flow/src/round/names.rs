@@ -75,14 +75,6 @@ impl Rounds {
         }
     }
 
-    /// A capture came to nothing: its patients may still be there.
-    pub(super) fn miss(&mut self, capture: &Capture) {
-        if capture.is_unnamed() {
-            return;
-        }
-        self.note_missed(capture.named().cloned());
-    }
-
     /// These patients were named and not scanned: they may be there, even if another is ordered now (R2).
     pub(super) fn note_missed(&mut self, patients: impl IntoIterator<Item = Named>) {
         for named in patients {
