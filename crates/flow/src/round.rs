@@ -64,7 +64,8 @@ pub struct Rounds {
     missed: Vec<Named>,
     /// Patients to whom a person assigned a scan since then: their orders are used.
     decided: Vec<String>,
-    reception: Reception,
+    /// Since when every port of a button has been open; `None` while one is away.
+    heard_since: Option<Duration>,
 }
 
 /// How many patients may wait, named or pressed for: more than any waiting room holds, and a program
@@ -74,22 +75,13 @@ const NAMES_MOST: usize = 100;
 /// How many of the latest unsure presses, and of the patients of captures that came to nothing, are kept.
 const DOUBTS_MOST: usize = 64;
 
-/// Whether presses are received.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reception {
-    /// A port is away.
-    Deaf,
-    /// Every port has been open since then.
-    Since(Duration),
-}
-
 impl Rounds {
     /// The state from the journal after a start, before any port is open: presses and names may have been
     /// lost since the previous run.
     pub fn new(rules: Rules, open: Vec<Capture>, names: Names) -> Rounds {
         let (missed, decided) = (Vec::new(), Vec::new());
-        let (uncertain, reception) = (None, Reception::Deaf);
-        let mut rounds = Rounds { rules, open, names, uncertain, missed, decided, reception };
+        let (uncertain, heard_since) = (None, None);
+        let mut rounds = Rounds { rules, open, names, uncertain, missed, decided, heard_since };
         rounds.lose_certainty(|_| true);
         rounds
     }
@@ -104,15 +96,13 @@ impl Rounds {
 
     /// The port of a button is away: the exports of missed presses may be taken for those of others.
     pub fn deaf(&mut self) {
-        self.reception = Reception::Deaf;
+        self.heard_since = None;
         self.lose_certainty(|capture| capture.by == Opener::Press);
     }
 
     /// A press was received but could not be kept: its export may be taken for that of another press.
     pub fn missed_press(&mut self, now: Duration) {
-        if self.reception != Reception::Deaf {
-            self.reception = Reception::Since(now);
-        }
+        self.heard_since = self.heard_since.map(|_| now);
         self.lose_certainty(|capture| capture.by == Opener::Press);
     }
 
@@ -125,8 +115,8 @@ impl Rounds {
     /// Every port of a button is open. A press that was missed until now may have been that of a patient who
     /// was named meanwhile.
     pub fn receives(&mut self, now: Duration) {
-        if self.reception == Reception::Deaf {
-            self.reception = Reception::Since(now);
+        if self.heard_since.is_none() {
+            self.heard_since = Some(now);
             if let Some(next) = &mut self.names.next {
                 next.doubt.get_or_insert(Doubt::Unheard);
             }
@@ -178,11 +168,8 @@ impl Rounds {
 
     /// How long presses are in doubt from now on, if the button can be read; `None` while it cannot.
     pub fn doubt_left(&self, now: Duration) -> Option<Duration> {
-        match self.reception {
-            // The export of a missed press may arrive as late as any other.
-            Reception::Since(at) => Some((at + self.rules.awaited()).saturating_sub(now)),
-            Reception::Deaf => None,
-        }
+        // The export of a missed press may arrive as late as any other.
+        self.heard_since.map(|since| (since + self.rules.awaited()).saturating_sub(now))
     }
 
     /// The button was pressed: opens a capture with this number, for the patient whose name waited.
