@@ -14,7 +14,7 @@ use std::time::Duration;
 use gaiter_flow::account::Whole;
 use gaiter_flow::booth::Signal;
 use gaiter_flow::light::{self, Last, LastOutcome, Light, Progress, Scene};
-use gaiter_flow::orders::{OrderCame, OrdersComeLate, orders_come_late};
+use gaiter_flow::orders::{OrdersComeLate, orders_come_late};
 use gaiter_flow::page::Situation;
 use gaiter_flow::round::{Capture, CaptureMatch, ExportContent, Rounds, Rules};
 use gaiter_flow::settle::Sights;
@@ -69,8 +69,8 @@ struct Inner {
     away: BTreeSet<&'static str>,
     /// Scans that came in and whose records are not all delivered, with what to do with the patient.
     in_work: BTreeMap<ScanId, Vec<String>>,
-    /// Whether the last orders came before or after the press.
-    orders: Vec<OrderCame>,
+    /// Whether each of the last orders came after the press.
+    late_orders: Vec<bool>,
     missed: bool,
     last: Option<(Last, Duration)>,
 }
@@ -127,7 +127,7 @@ impl Inner {
             next_number,
             away: buttons,
             in_work,
-            orders: journal.orders_came()?,
+            late_orders: journal.orders_came_late()?,
             missed: !others.is_empty(),
             last: last_before(journal, next_number)?.map(|last| (last, now)),
         })
@@ -342,7 +342,7 @@ impl Booth {
             is_in_doubt: inner.captures.is_in_doubt(now),
             doubt_left: inner.captures.doubt_left(now).map(stepped),
             orders_come_late: match inner.captures.orders_when() {
-                OrdersWhen::BeforePress => orders_come_late(&inner.orders),
+                OrdersWhen::BeforePress => orders_come_late(&inner.late_orders),
                 OrdersWhen::AfterPress => None,
             },
         }

@@ -26,15 +26,6 @@ pub const ORDERS_MOST: usize = 50;
 /// Fewer orders do not make a habit.
 const ORDERS_LEAST: usize = 5;
 
-/// When an order arrived.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OrderCame {
-    /// Before the press of its patient.
-    BeforePress,
-    /// While a press without a name was open.
-    AfterPress,
-}
-
 /// Most orders arrive after the press: the practice should set this in its configuration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OrdersComeLate {
@@ -52,10 +43,11 @@ impl OrdersComeLate {
     }
 }
 
-/// Whether most of the latest orders arrived after the press; the newest order comes last.
-pub fn orders_come_late(orders: &[OrderCame]) -> Option<OrdersComeLate> {
-    let last = &orders[orders.len().saturating_sub(ORDERS_MOST)..];
-    let after = last.iter().filter(|came| **came == OrderCame::AfterPress).count();
+/// Whether most of the latest orders arrived after the press. `are_late`: of each, whether it arrived while a press
+/// without a name was open; the newest order comes last.
+pub fn orders_come_late(are_late: &[bool]) -> Option<OrdersComeLate> {
+    let last = &are_late[are_late.len().saturating_sub(ORDERS_MOST)..];
+    let after = last.iter().filter(|is_late| **is_late).count();
     let is_habit = last.len() >= ORDERS_LEAST && after * 2 > last.len();
     is_habit.then_some(OrdersComeLate { after, of: last.len() })
 }
@@ -135,8 +127,7 @@ mod tests {
     use super::*;
 
     fn late(before: usize, after: usize) -> Option<OrdersComeLate> {
-        let before = vec![OrderCame::BeforePress; before];
-        orders_come_late(&[before, vec![OrderCame::AfterPress; after]].concat())
+        orders_come_late(&[vec![false; before], vec![true; after]].concat())
     }
 
     #[test]

@@ -7,7 +7,7 @@ use gaiter_flow::booth::{PortEvent, Press};
 use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::health::EXPORT_PASSED_OVER;
 use gaiter_flow::light::{Last, NO_EXPORT};
-use gaiter_flow::orders::{ORDERS_MOST, OrderCame};
+use gaiter_flow::orders::ORDERS_MOST;
 use gaiter_flow::patient::identity::ID_NOT_ALLOWED;
 use gaiter_flow::round::{Capture, CaptureMatch, Doubt, Named, NamedNext, Rounds};
 use gaiter_flow::{Appeared, ScanId};
@@ -172,11 +172,7 @@ impl Booth {
         let number = inner.next_number;
         let coming: Vec<Appeared> = self.sights().iter().flat_map(|at| at.coming.clone()).collect();
         let mut after = inner.captures.clone();
-        let came = match after.has_unnamed_press(now) {
-            true => OrderCame::AfterPress,
-            false => OrderCame::BeforePress,
-        };
-        let late = came == OrderCame::AfterPress;
+        let late = after.has_unnamed_press(now);
         let is_overtaken = by == SourceKind::Order && after.overtaken(&named, absent);
         let doubt = doubt.or(is_overtaken.then_some(Doubt::Crossed));
         let mut detail = json!({ "patient": named.id, "by": by, "after_press": late });
@@ -192,9 +188,9 @@ impl Booth {
             inner.next_number += 1;
         }
         if by == SourceKind::Order {
-            inner.orders.push(came);
-            let spare = inner.orders.len().saturating_sub(ORDERS_MOST);
-            inner.orders.drain(..spare);
+            inner.late_orders.push(late);
+            let spare = inner.late_orders.len().saturating_sub(ORDERS_MOST);
+            inner.late_orders.drain(..spare);
         }
         if !matches!(next, NamedNext::Waits { .. }) {
             self.look_at_folders();

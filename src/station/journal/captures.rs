@@ -6,7 +6,7 @@ mod next;
 
 use std::time::Duration;
 
-use gaiter_flow::orders::{ORDERS_MOST, OrderCame};
+use gaiter_flow::orders::ORDERS_MOST;
 use gaiter_flow::round::{Capture, CaptureMatch, CaptureState, Named, Opener, Rounds};
 use gaiter_flow::{ScanId, ScanState};
 use jiff::Timestamp;
@@ -125,17 +125,14 @@ impl Journal {
         all(&self.connection(), &taken, states, read)
     }
 
-    /// Whether the last orders came before or after the press, newest last.
-    pub fn orders_came(&self) -> Result<Vec<OrderCame>, JournalError> {
+    /// Whether each of the last orders came after the press, newest last.
+    pub fn orders_came_late(&self) -> Result<Vec<bool>, JournalError> {
         let came = "SELECT json_extract(detail, '$.after_press') = 1 FROM history
                     WHERE event = ?1 AND json_extract(detail, '$.by') = 'order'
                     ORDER BY seq DESC LIMIT ?2";
         let cells = params![Event::Named.word(), ORDERS_MOST as i64];
         let mut came = all(&self.connection(), came, cells, |row| {
-            Ok(match row.get::<_, Option<bool>>(0)? {
-                Some(true) => OrderCame::AfterPress,
-                Some(false) | None => OrderCame::BeforePress,
-            })
+            Ok(row.get::<_, Option<bool>>(0)? == Some(true))
         })?;
         came.reverse();
         Ok(came)
