@@ -232,7 +232,7 @@ impl TriggerFacts {
 }
 
 /// The state of the worklist of a hospital system, without its patients.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct WorklistFacts {
     /// Why the server gave no answer at the last attempt; `None` if it did, or was not asked yet.
     pub fault: Option<Cause>,
@@ -253,15 +253,7 @@ pub struct WorklistFacts {
 impl WorklistFacts {
     /// A server that was not asked yet.
     pub fn new(now: Timestamp) -> WorklistFacts {
-        WorklistFacts {
-            fault: None,
-            since: now,
-            answered: None,
-            entries: 0,
-            left_out: 0,
-            edition: 0,
-            numbers: None,
-        }
+        WorklistFacts { since: now, ..WorklistFacts::default() }
     }
 
     /// Notes how an attempt ended.
