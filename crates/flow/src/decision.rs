@@ -75,10 +75,8 @@ impl Ruling {
 
     /// How often decisions gave a scan to this patient after they had taken it away.
     pub fn turn(decisions: &[Decision], patient: &str) -> u32 {
-        let allows = |number: usize| {
-            let until = decisions.iter().take(number).cloned().collect::<Vec<_>>();
-            Ruling::from_decisions(&until).allows(Some(patient))
-        };
+        let allows =
+            |number: usize| Ruling::from_decisions(&decisions[..number]).allows(Some(patient));
         let again = (1..=decisions.len()).filter(|&number| allows(number) && !allows(number - 1));
         u32::try_from(again.count()).unwrap_or(u32::MAX)
     }
