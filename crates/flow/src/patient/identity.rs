@@ -96,13 +96,10 @@ impl Identity {
 
     /// What the scanner's own measures beside a scan state, by the first line that matches.
     pub fn of_sidecar(&self, text: &str) -> StatedPatient {
-        let found = text.lines().map(|line| {
+        let mut stated = text.lines().map(|line| {
             self.patient_in(self.sidecar.as_ref(), line.trim_end(), SourceKind::Sidecar)
         });
-        found
-            .into_iter()
-            .find(|stated| *stated != StatedPatient::Nothing)
-            .unwrap_or(StatedPatient::Nothing)
+        stated.find(|of| *of != StatedPatient::Nothing).unwrap_or(StatedPatient::Nothing)
     }
 
     fn patient_in(
