@@ -31,20 +31,12 @@ pub fn patient_of_folder(name: &str) -> Option<Option<String>> {
     if name == UNASSIGNED {
         return Some(None);
     }
-    let (mut id, mut rest) = (Vec::with_capacity(name.len()), name.as_bytes());
-    while let [first, more @ ..] = rest {
-        rest = match (first, more) {
-            (b'%', [high, low, more @ ..]) => {
-                let digits = [*high, *low];
-                let digits = std::str::from_utf8(&digits).ok()?;
-                id.push(u8::from_str_radix(digits, 16).ok()?);
-                more
-            }
-            (byte, more) => {
-                id.push(*byte);
-                more
-            }
-        };
+    let mut parts = name.split('%');
+    let mut id = parts.next()?.as_bytes().to_vec();
+    for part in parts {
+        let (digits, rest) = part.split_at_checked(2)?;
+        id.push(u8::from_str_radix(digits, 16).ok()?);
+        id.extend_from_slice(rest.as_bytes());
     }
     let id = String::from_utf8(id).ok()?;
     (!id.is_empty() && patient_folder(Some(&id)) == name).then_some(Some(id))
