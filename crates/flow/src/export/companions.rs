@@ -6,6 +6,7 @@ use std::ffi::{OsStr, OsString};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
+use gaiter_language::{Piece, pieces};
 use gaiter_scan::{Format, ord};
 
 use crate::export::stamp::Stamp;
@@ -188,16 +189,12 @@ impl DoneFile {
     pub fn of(&self, scan: &Path) -> PathBuf {
         let name = scan.file_name().unwrap_or_default();
         let stem = scan.file_stem().unwrap_or_default();
-        let mut done = OsString::new();
-        let mut rest = self.0.as_str();
-        while let Some(open) = rest.find('{') {
-            done.push(&rest[..open]);
-            let end = rest[open..].find('}').map_or(rest.len(), |close| open + close + 1);
-            done.push(if &rest[open..end] == "{stem}" { stem } else { name });
-            rest = &rest[end..];
-        }
-        done.push(rest);
-        scan.with_file_name(done)
+        let parts = pieces(&self.0).map(|piece| match piece {
+            Piece::Words(words) => OsStr::new(words),
+            Piece::Place { name: "stem", .. } => stem,
+            Piece::Place { .. } => name,
+        });
+        scan.with_file_name(parts.collect::<OsString>())
     }
 }
 
