@@ -1,8 +1,8 @@
 //! Whether there is room to take in another file: intake stops before the disk is full, and resumes once
 //! there is clearly room again, so that it does not stop and resume at every scan.
 
-/// What must be free before intake resumes: a quarter more than the floor.
-const RESUME_PER_FLOOR: (u64, u64) = (5, 4);
+/// Before intake resumes, this part of the floor must be free above it: a quarter.
+const RESUME_ABOVE: u64 = 4;
 
 /// The disk of the state folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,12 +19,8 @@ impl Space {
 
     /// Whether a file of `size_bytes` may be taken in while `free_bytes` are free.
     pub fn admits(&mut self, free_bytes: u64, size_bytes: u64) -> bool {
-        let (most, per) = RESUME_PER_FLOOR;
-        let stays = if self.is_low {
-            (self.floor_bytes / per).saturating_mul(most)
-        } else {
-            self.floor_bytes
-        };
+        let above = if self.is_low { self.floor_bytes / RESUME_ABOVE } else { 0 };
+        let stays = self.floor_bytes.saturating_add(above);
         self.is_low = free_bytes < stays.saturating_add(size_bytes);
         !self.is_low
     }
