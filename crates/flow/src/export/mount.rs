@@ -45,11 +45,15 @@ impl MountGuard {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::file_system::KINDS;
+    use crate::export::file_system::Medium;
 
-    fn on(name: &str) -> Mount {
-        let kind = KINDS.iter().find(|kind| kind.name == name).unwrap();
-        Mount { file_system: FileSystem::Known(kind), lacks_marker: false }
+    fn on(name: &'static str) -> Mount {
+        let medium = match name {
+            "ext4" => Medium::Disk,
+            "tmpfs" => Medium::Memory,
+            _ => Medium::Network,
+        };
+        Mount { file_system: FileSystem::Known(name, medium), lacks_marker: false }
     }
 
     #[test]
