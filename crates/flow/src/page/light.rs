@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::distinct;
 use super::reasons::{OF_PORT, of_button_away, of_complaint, of_held, of_refused};
 use super::scans::ScanShown;
-use super::sentence::{Sentence, Text};
+use super::sentence::Sentence;
 use crate::Task;
 use crate::booth::Signal;
 use crate::complaint::Complaint;
@@ -75,19 +75,19 @@ pub(super) fn light_shown(
     let complete = is_any_incomplete.then(|| language.text("page.complete"));
     let away = of_button_away(language);
     let also_away = booth.is_button_away.then_some(away.as_str());
-    let step = || Words::new(language.text(next_step(booth)));
+    let step = || Sentence::new(language.text(next_step(booth)));
     let said = match booth.signal {
         Signal::Attention => {
             let is_of_port = fault.is_some_and(|fault| fault.code.starts_with(OF_PORT));
-            let fault = fault.map(|fault| Words::new(&of_complaint(fault, language).in_a_row()));
+            let fault = fault.map(|fault| Sentence::new(&of_complaint(fault, language).in_a_row()));
             // The patient waits, a decision can wait.
             let last = of_last(booth, undecided, language);
-            let away = also_away.filter(|_| !is_of_port).map(Words::new);
-            let said = [fault, last, away].into_iter().flatten().reduce(Words::then);
-            said.unwrap_or_else(|| decide.map_or_else(step, Words::new))
+            let away = also_away.filter(|_| !is_of_port).map(Sentence::new);
+            let said = [fault, last, away].into_iter().flatten().reduce(Sentence::then);
+            said.unwrap_or_else(|| decide.map_or_else(step, Sentence::new))
         }
         Signal::Done if booth.last == Some(&LastOutcome::Delivered) => {
-            Words::of_last(booth, DONE, language).and(also_away).and(decide).and(complete)
+            on_last(booth, DONE, language).and(also_away).and(decide).and(complete)
         }
         Signal::Armed => {
             step().and(booth.held_next.map(|_| language.text("page.hold.armed"))).and(also_away)
@@ -95,7 +95,7 @@ pub(super) fn light_shown(
         // Another scan may have ended since the light was lit.
         Signal::Ready | Signal::Done | Signal::NoExport => {
             match (booth.is_button_away, first_to_do(booth, is_any_undecided, language)) {
-                (true, _) => Words::new(&away),
+                (true, _) => Sentence::new(&away),
                 (false, Some(words)) if booth.signal == Signal::NoExport => step().then(words),
                 (false, Some(words)) => words.then(step()),
                 (false, None) => step(),
@@ -111,7 +111,6 @@ pub(super) fn light_shown(
         (Signal::Receiving, Some(Progress::Stopped)) => "stopped",
         _ => signal,
     };
-    let said = Sentence::new(said.text, said.anonymous);
     LightShown { signal, word: language.word("page.light", word), said }
 }
 
@@ -124,73 +123,46 @@ const REFUSED: Keys = ["page.step.refused", "page.step.refused_of"];
 const LACKS: Keys = ["page.step.lacks", "page.step.lacks_of"];
 const KNOWN: Keys = ["page.step.known", "page.step.known_of"];
 
-/// Sentences that may name patients, and the same without ids.
-struct Words {
-    text: Text,
-    anonymous: String,
+/// A sentence that names these patients, if there are any.
+fn naming(
+    ids: &[String],
+    [without, with]: Keys,
+    before_last: &'static str,
+    language: Language,
+) -> Sentence {
+    let unnamed = Sentence::new(language.text(without));
+    match distinct(ids).as_slice() {
+        [] => unnamed,
+        patients => {
+            let named = Sentence::naming(language.text(with), patients, language.text(before_last));
+            Sentence { anonymous: unnamed.anonymous, ..named }
+        }
+    }
 }
 
-impl Words {
-    fn new(words: &str) -> Words {
-        Words { text: Text::new().words(words), anonymous: words.to_owned() }
-    }
+/// A sentence on the last scan.
+fn on_last(booth: &Situation<'_>, keys: Keys, language: Language) -> Sentence {
+    let is_held = matches!(booth.last, Some(LastOutcome::Held { .. }));
+    let before_last = if is_held { "page.next.or" } else { "page.next.and" };
+    naming(booth.last_of, keys, before_last, language)
+}
 
-    /// A sentence that names these patients, if there are any.
-    fn naming(
-        ids: &[String],
-        [without, with]: Keys,
-        before_last: &'static str,
-        language: Language,
-    ) -> Words {
-        let words = Words::new(language.text(without));
-        match distinct(ids).as_slice() {
-            [] => words,
-            patients => {
-                let text =
-                    Text::new().sentence(language.text(with), patients, language.text(before_last));
-                Words { text, ..words }
-            }
-        }
-    }
-
-    /// A sentence on the last scan.
-    fn of_last(booth: &Situation<'_>, keys: Keys, language: Language) -> Words {
-        let is_held = matches!(booth.last, Some(LastOutcome::Held { .. }));
-        let before_last = if is_held { "page.next.or" } else { "page.next.and" };
-        Words::naming(booth.last_of, keys, before_last, language)
-    }
-
-    /// Followed by these.
-    fn then(self, more: Words) -> Words {
-        Words {
-            text: self.text.words(" ").text(more.text),
-            anonymous: format!("{} {}", self.anonymous, more.anonymous),
-        }
-    }
-
-    /// Followed by what happens until then, and how long at the most.
-    fn then_until(self, held: &HeldNext, language: Language) -> Words {
-        let until = held
-            .left
-            .map(|left| language.filled("page.hold.until", &[("time", &at_most(left, language))]));
-        self.and(until.as_deref())
-    }
-
-    /// Followed by more sentences that name nobody.
-    fn and<'a>(self, more: impl IntoIterator<Item = &'a str>) -> Words {
-        more.into_iter().fold(self, |Words { text, anonymous }, more| Words {
-            text: text.words(" ").words(more),
-            anonymous: format!("{anonymous} {more}"),
-        })
-    }
+/// What happens until the next scan is not held any more, and how long at the most.
+fn until(held: &HeldNext, language: Language) -> Option<String> {
+    let time = at_most(held.left?, language);
+    Some(language.filled("page.hold.until", &[("time", &time)]))
 }
 
 /// What must be done before the next scan, or it is held; `None` if it would not be, or the light asks already.
-fn first_to_do(booth: &Situation<'_>, is_any_undecided: bool, language: Language) -> Option<Words> {
+fn first_to_do(
+    booth: &Situation<'_>,
+    is_any_undecided: bool,
+    language: Language,
+) -> Option<Sentence> {
     let held = booth.held_next?;
     let keys = match held.why {
         HoldReason::Unheard => {
-            return Some(Words::new(&in_doubt(held.left, language)));
+            return Some(Sentence::new(&in_doubt(held.left, language)));
         }
         HoldReason::Uncertain if booth.is_asked => return None,
         HoldReason::Uncertain if booth.signal == Signal::NoExport => return None,
@@ -204,8 +176,8 @@ fn first_to_do(booth: &Situation<'_>, is_any_undecided: bool, language: Language
             ["page.hold.not_come", "page.hold.not_come_of"]
         }
     };
-    let words = Words::naming(&held.of, keys, "page.next.and", language);
-    Some(words.then_until(held, language))
+    let words = naming(&held.of, keys, "page.next.and", language);
+    Some(words.and(until(held, language).as_deref()))
 }
 
 /// A press may have been missed, and how much longer that matters.
@@ -219,21 +191,23 @@ pub(super) fn in_doubt(left: Option<Duration>, language: Language) -> String {
 }
 
 /// What the last scan needs from a person at the booth; `None` if nothing.
-fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -> Option<Words> {
+fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -> Option<Sentence> {
     let unusable = undecided
         .iter()
         .find(|scan| Some(scan.scan.as_str()) == booth.last_scan && scan.unmeasured.is_some());
     let unusable = unusable.and_then(|scan| scan.advice.as_ref());
     let text = |key| language.text(key);
-    let of = |keys| Words::of_last(booth, keys, language);
-    let also_held = |words: Words| match booth.held_next {
+    let of = |keys| on_last(booth, keys, language);
+    let also_held = |words: Sentence| match booth.held_next {
         Some(held) if held.why == HoldReason::MayComeAgain => {
             let is_it = booth.last_of.iter().all(|id| held.of.contains(id));
             let or =
                 if is_it { text("page.hold.or_give_up") } else { text("page.hold.first_other") };
-            words.and([or]).then_until(held, language)
+            words.and([or]).and(until(held, language).as_deref())
         }
-        Some(held) if held.why == HoldReason::Undecided => words.then_until(held, language),
+        Some(held) if held.why == HoldReason::Undecided => {
+            words.and(until(held, language).as_deref())
+        }
         _ => words,
     };
     Some(match booth.last? {
@@ -242,8 +216,8 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
             let named = of(LACKS).and(to_do.iter().map(String::as_str));
             match (to_do.as_slice(), booth.last_of) {
                 ([], _) => named,
-                (_, []) => Words::new(&to_do.join(" ")),
-                _ => Words { anonymous: to_do.join(" "), ..named },
+                (_, []) => Sentence::new(&to_do.join(" ")),
+                _ => Sentence { anonymous: to_do.join(" "), ..named },
             }
         }
         LastOutcome::Held { code } => {
@@ -256,12 +230,12 @@ fn of_last(booth: &Situation<'_>, undecided: &[ScanShown], language: Language) -
         }
         LastOutcome::Unassigned { to_do } => {
             let to_do = to_do.iter().map(String::as_str);
-            Words::new(text("page.step.unassigned")).and(to_do)
+            Sentence::new(text("page.step.unassigned")).and(to_do)
         }
         LastOutcome::Refused { code } => {
             also_held(of(REFUSED).and([of_refused(code, language).in_a_row().as_str()]))
         }
-        LastOutcome::NameUnread => Words::new(text("page.step.name_unread")),
+        LastOutcome::NameUnread => Sentence::new(text("page.step.name_unread")),
         LastOutcome::Known => of(KNOWN).and([text("page.step.export_new")]),
     })
 }

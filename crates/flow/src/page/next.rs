@@ -4,7 +4,7 @@ use gaiter_language::Language;
 use serde::Serialize;
 
 use super::light::{Situation, in_doubt};
-use super::sentence::{Sentence, Text};
+use super::sentence::Sentence;
 use super::{PatientShown, distinct};
 use crate::booth::Signal;
 
@@ -37,10 +37,10 @@ impl NextShown {
 pub fn next_shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let who = next(booth);
     NextShown {
-        said: Sentence::new(
-            sentence_on_next(booth, &who, language),
-            anonymous(booth, &who, language),
-        ),
+        said: Sentence {
+            anonymous: anonymous(booth, &who, language),
+            ..sentence_on_next(booth, &who, language)
+        },
         can_be_called_off: !who.is_empty() || booth.awaited > 0,
         who,
         is_asked: booth.is_asked && !is_asked_later(booth),
@@ -63,37 +63,33 @@ fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
 }
 
 /// Who is next and whose exports are expected.
-fn sentence_on_next(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text {
+fn sentence_on_next(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Sentence {
     let [or, and] = ["page.next.or", "page.next.and"].map(|key| language.text(key));
-    let text = match who {
-        [_, ..] if is_asked_later(booth) => {
-            Text::new().sentence(language.text("page.next.next"), who, or)
-        }
-        [_, _, ..] => Text::new().sentence(language.text("page.next.who"), who, or),
-        [_] if booth.is_asked => Text::new().sentence(language.text("page.next.is_it"), who, or),
-        [_] if booth.has_button => Text::new().sentence(language.text("page.next.next"), who, or),
-        _ => Text::new(),
+    let next = match who {
+        [_, ..] if is_asked_later(booth) => Some("page.next.next"),
+        [_, _, ..] => Some("page.next.who"),
+        [_] if booth.is_asked => Some("page.next.is_it"),
+        [_] if booth.has_button => Some("page.next.next"),
+        _ => None,
     };
+    let next = next.map(|key| Sentence::naming(language.text(key), who, or));
     let is_stated = !booth.has_button && (who.len() > 1 || booth.is_asked);
     let awaited_for = if is_stated { Vec::new() } else { distinct(booth.awaited_for) };
-    let text = match awaited_for.len() {
-        0 => text,
-        1 => text.sentence(language.text("page.next.export_of"), &awaited_for, and),
+    let awaited = |key, before_last| {
+        let words = language.filled(key, &[("count", &booth.awaited)]);
+        Sentence::naming(&words, &awaited_for, before_last)
+    };
+    let awaited = match (awaited_for.len(), booth.awaited) {
+        (0, _) => None,
+        (1, _) => Some(awaited("page.next.export_of", and)),
         // Of each it is not certain that theirs is still to come.
-        patients if patients > booth.awaited => match booth.awaited {
-            1 => text.sentence(language.text("page.next.export_of"), &awaited_for, or),
-            count => {
-                let words = language.filled("page.next.exports_of_some", &[("count", &count)]);
-                text.sentence(&words, &awaited_for, or)
-            }
-        },
-        _ => text.sentence(language.text("page.next.exports_of"), &awaited_for, and),
+        (2.., 1) => Some(awaited("page.next.export_of", or)),
+        (patients, count) if patients > count => Some(awaited("page.next.exports_of_some", or)),
+        _ => Some(awaited("page.next.exports_of", and)),
     };
-    let text = match counted(unnamed(booth), language) {
-        Some(count) => text.sentence(&count, &[], and),
-        None => text,
-    };
-    if text.is_empty() { text.words(language.text("page.next.nobody")) } else { text }
+    let count = counted(unnamed(booth), language).map(|count| Sentence::new(&count));
+    let said = [next, awaited, count].into_iter().flatten().reduce(Sentence::then);
+    said.unwrap_or_else(|| Sentence::new(language.text("page.next.nobody")))
 }
 
 /// The same without ids.

@@ -11,82 +11,62 @@ pub struct Sentence {
     /// The whole.
     #[serde(rename = "sentence")]
     pub text: String,
-    /// The same in pieces, words and ids in turn, so that an id is set apart from the words.
+    /// The same in pieces, words and ids in turn, starting and ending with words, so that an id is set apart from
+    /// the words.
     pub pieces: Vec<String>,
     /// The same without ids.
     #[serde(skip)]
-    anonymous: String,
+    pub(super) anonymous: String,
 }
 
 impl Sentence {
-    /// A text, and the same without ids.
-    pub(super) fn new(Text(pieces): Text, anonymous: String) -> Sentence {
-        Sentence { text: pieces.concat(), pieces, anonymous }
+    /// One that names nobody.
+    pub(super) fn new(words: &str) -> Sentence {
+        let [text, piece, anonymous] = [words; 3].map(str::to_owned);
+        Sentence { text, pieces: vec![piece], anonymous }
+    }
+
+    /// One with the ids of these patients in its place, separated by commas, with this word before the last. What it
+    /// is without ids is not known here.
+    pub(super) fn naming(words: &str, patients: &[PatientShown], before_last: &str) -> Sentence {
+        let last = patients.len().saturating_sub(1);
+        let ids = patients.iter().map(|patient| patient.shown.as_str()).enumerate();
+        let ids = ids.flat_map(|(at, id)| match at {
+            0 => vec![id],
+            at if at == last => vec![before_last, id],
+            _ => vec![", ", id],
+        });
+        let parts = pieces(words).flat_map(|piece| match piece {
+            Piece::Words(words) => vec![words],
+            Piece::Place { .. } => ids.clone().collect(),
+        });
+        let mut pieces: Vec<String> = parts.map(str::to_owned).collect();
+        if pieces.len() % 2 == 0 {
+            pieces.push(String::new());
+        }
+        Sentence { text: pieces.concat(), pieces, anonymous: String::new() }
+    }
+
+    /// Followed by another.
+    pub(super) fn then(mut self, more: Sentence) -> Sentence {
+        let mut pieces = more.pieces.into_iter();
+        if let (Some(last), Some(first)) = (self.pieces.last_mut(), pieces.next()) {
+            *last = format!("{last} {first}");
+        }
+        self.pieces.extend(pieces);
+        self.text = format!("{} {}", self.text, more.text);
+        self.anonymous = format!("{} {}", self.anonymous, more.anonymous);
+        self
+    }
+
+    /// Followed by more that name nobody.
+    pub(super) fn and<'a>(self, more: impl IntoIterator<Item = &'a str>) -> Sentence {
+        more.into_iter().map(Sentence::new).fold(self, Sentence::then)
     }
 
     /// Removes the ids.
     pub(super) fn hide_ids(&mut self) {
         self.text.clone_from(&self.anonymous);
         self.pieces = vec![self.anonymous.clone()];
-    }
-}
-
-/// Words and ids in turn, starting and ending with words.
-pub(super) struct Text(Vec<String>);
-
-impl Text {
-    /// Nothing yet.
-    pub(super) fn new() -> Text {
-        Text(vec![String::new()])
-    }
-
-    /// Followed by these words.
-    pub(super) fn words(mut self, words: &str) -> Text {
-        if let Some(last) = self.0.last_mut() {
-            last.push_str(words);
-        }
-        self
-    }
-
-    /// Followed by this text.
-    pub(super) fn text(self, Text(more): Text) -> Text {
-        let mut more = more.into_iter();
-        let mut text = self.words(&more.next().unwrap_or_default());
-        text.0.extend(more);
-        text
-    }
-
-    fn id(mut self, patient: &PatientShown) -> Text {
-        self.0.extend([patient.shown.clone(), String::new()]);
-        self
-    }
-
-    /// Ids separated by commas, with this word before the last.
-    fn ids(self, patients: &[PatientShown], before_last: &str) -> Text {
-        let last = patients.len().saturating_sub(1);
-        patients.iter().enumerate().fold(self, |text, (at, patient)| match at {
-            0 => text.id(patient),
-            at if at == last => text.words(before_last).id(patient),
-            _ => text.words(", ").id(patient),
-        })
-    }
-
-    /// A sentence with the ids in its place, after a space if there is a sentence before.
-    pub(super) fn sentence(
-        self,
-        words: &str,
-        patients: &[PatientShown],
-        before_last: &str,
-    ) -> Text {
-        let text = if self.is_empty() { self } else { self.words(" ") };
-        pieces(words).fold(text, |text, piece| match piece {
-            Piece::Words(words) => text.words(words),
-            Piece::Place { .. } => text.ids(patients, before_last),
-        })
-    }
-
-    /// Whether it has no text.
-    pub(super) fn is_empty(&self) -> bool {
-        self.0.iter().all(String::is_empty)
     }
 }
