@@ -226,12 +226,9 @@ impl Settling {
         let is_news = |(path, group): &(&PathBuf, &Group)| {
             self.files.get(*path).is_none_or(|known| known.group.stamp != group.stamp)
         };
-        let mut news = seen.iter().filter(is_news).peekable();
-        if news.peek().is_none() {
-            return BTreeMap::new();
-        }
         let lineages = self.lineages();
         let appeared = Appeared { absent: self.last_look, seen: when.ended };
+        let news = seen.iter().filter(is_news);
         let news =
             news.map(|(path, group)| (path.clone(), lineages.writing(path, group.stamp, appeared)));
         news.collect()
