@@ -235,7 +235,8 @@ impl Settling {
     }
 
     fn due(&self, now: Duration) -> Vec<Settled> {
-        let due = self.files.iter().filter(|(_, file)| self.is_due(file, now));
+        let is_due = |file: &Watched| self.due_at(file).is_some_and(|at| at <= now);
+        let due = self.files.iter().filter(|(_, file)| is_due(file));
         let settled = due.map(|(path, file)| {
             let settled = Settled {
                 path: path.clone(),
@@ -247,10 +248,6 @@ impl Settling {
             (file.unchanged_since, settled)
         });
         turns::in_turn(settled.collect(), self.turns)
-    }
-
-    fn is_due(&self, file: &Watched, now: Duration) -> bool {
-        self.due_at(file).is_some_and(|at| at <= now)
     }
 
     /// How long to wait for what a file lacks.
