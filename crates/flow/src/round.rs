@@ -146,9 +146,7 @@ impl Rounds {
     /// Whether the station waits for the export of a press and has not seen it yet. A refused export may
     /// be followed by another, but nobody pressed the button for that one.
     pub fn is_armed(&self) -> bool {
-        let is_armed =
-            |capture: &Capture| capture.state == CaptureState::Open && !capture.is_refused;
-        self.open.iter().any(is_armed)
+        self.open.iter().any(|capture| capture.is_open() && !capture.is_refused)
     }
 
     /// Whether a press without a name waits for its export, and an order may be for it.
@@ -189,7 +187,7 @@ impl Rounds {
         if is_unsure {
             self.press_is_unsure(now, is_unnamed);
         }
-        let opened = self.opened(number, now, self.rules.window, Opener::Press, patient);
+        let opened = self.opened(number, now, Opener::Press, patient);
         let mut opened = Capture { others, doubt, ..opened };
         self.at_rest(&mut opened);
         self.open.push(opened.clone());
@@ -211,15 +209,8 @@ impl Rounds {
         }
     }
 
-    fn opened(
-        &self,
-        number: i64,
-        now: Duration,
-        lasts: Duration,
-        by: Opener,
-        patient: Option<Named>,
-    ) -> Capture {
-        let (until, others, doubt) = (now + lasts, Vec::new(), None);
+    fn opened(&self, number: i64, now: Duration, by: Opener, patient: Option<Named>) -> Capture {
+        let (until, others, doubt) = (now + self.rules.lasts(by), Vec::new(), None);
         let (state, is_refused) = (CaptureState::Open, false);
         Capture { number, opened: now, until, by, patient, others, state, is_refused, doubt }
     }

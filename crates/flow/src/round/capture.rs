@@ -29,6 +29,14 @@ impl Rules {
     pub(super) fn awaited(&self) -> Duration {
         self.window + self.late
     }
+
+    /// How long to wait for the export of a capture that was opened so.
+    pub(super) fn lasts(&self, by: Opener) -> Duration {
+        match by {
+            Opener::Press => self.window,
+            Opener::Name => self.name_lasts,
+        }
+    }
 }
 
 /// The patient named for the next scan.

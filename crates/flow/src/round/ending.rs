@@ -117,17 +117,13 @@ impl Rounds {
     /// The export that answered the capture with this number was refused: another is expected, for the
     /// same time again. `None` if the capture was given up, or its scan was taken too long ago.
     pub fn refused(&mut self, number: i64, now: Duration) -> Option<&Capture> {
-        let lasts = (self.rules.window, self.rules.name_lasts);
+        let rules = self.rules;
         let is_in_doubt = self.is_in_doubt(now);
         let is_it = |capture: &&mut Capture| capture.number == number && !capture.is_waiting();
         let capture = self.open.iter_mut().find(is_it)?;
-        let (lasts, is_unheard) = match capture.by {
-            Opener::Press => (lasts.0, is_in_doubt),
-            Opener::Name => (lasts.1, false),
-        };
-        (capture.state, capture.until, capture.is_refused) =
-            (CaptureState::Open, now + lasts, true);
-        if is_unheard {
+        let until = now + rules.lasts(capture.by);
+        (capture.state, capture.until, capture.is_refused) = (CaptureState::Open, until, true);
+        if is_in_doubt && capture.by == Opener::Press {
             // A press that may have been missed since then puts it in doubt, like the waiting captures.
             capture.doubt.get_or_insert(Doubt::Unheard);
         }

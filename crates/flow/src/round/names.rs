@@ -243,7 +243,6 @@ impl Rounds {
         now: Duration,
         coming: &[Appeared],
     ) -> NamedNext {
-        let lasts = self.rules.name_lasts;
         let given_up = self.give_up(&named, coming);
         let ordered: Vec<Named> = given_up
             .iter()
@@ -261,7 +260,7 @@ impl Rounds {
             is_open && capture.is_of(&named.id)
         };
         if let Some(capture) = self.open.last_mut().filter(joins) {
-            capture.until = now + lasts;
+            capture.until = now + self.rules.lasts(Opener::Name);
             if let (Some(patient), Some(request)) = (&mut capture.patient, &named.request) {
                 patient.request = Some(request.clone());
             }
@@ -269,7 +268,7 @@ impl Rounds {
             self.note_missed(ordered);
             return prolonged;
         }
-        let mut opened = self.opened(number, now, lasts, Opener::Name, Some(named));
+        let mut opened = self.opened(number, now, Opener::Name, Some(named));
         opened.doubt = self.uncertain;
         self.at_rest(&mut opened);
         self.missed.iter().for_each(|missed| opened.may_also_be(missed));
