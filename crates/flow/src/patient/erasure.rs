@@ -48,7 +48,7 @@ pub enum OwedStep {
     Correct,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Erasure {
     /// When it was asked for.
@@ -105,18 +105,8 @@ impl Erasure {
     ) -> Erasure {
         let (scans, left) =
             earlier.map(|earlier| (earlier.scans, earlier.left)).unwrap_or_default();
-        Erasure {
-            at,
-            by,
-            patient: Some(patient.to_owned()),
-            scans,
-            owed: Vec::new(),
-            leaves_owed: false,
-            left,
-            cleared: None,
-            stores,
-            ended: None,
-        }
+        let patient = Some(patient.to_owned());
+        Erasure { at, by, patient, scans, left, stores, ..Erasure::default() }
     }
 
     /// Notes what servers are owed now. Returns whether that is news.
