@@ -96,7 +96,7 @@ pub enum Want {
     Listen,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct PortLifecycle {
     settle: Duration,
     state: PortState,
@@ -113,16 +113,8 @@ pub struct PortLifecycle {
 impl PortLifecycle {
     /// A port that is to be looked for from `now` on, and that settles for `settle` once it is open.
     pub fn new(settle: Duration, now: Duration) -> PortLifecycle {
-        PortLifecycle {
-            settle,
-            state: PortState::NotLooked,
-            why: None,
-            failures: 0,
-            next_try: now,
-            opened: now,
-            unsound_since: Some(now),
-            logged: None,
-        }
+        let (next_try, opened, unsound_since) = (now, now, Some(now));
+        PortLifecycle { settle, next_try, opened, unsound_since, ..PortLifecycle::default() }
     }
 
     pub fn state(&self) -> PortState {
