@@ -350,9 +350,7 @@ pub fn explain(
         Disposition::Held | Disposition::Refused => {
             let code = whole.held_for().unwrap_or(SAME_SCAN_OTHER_PATIENT);
             let why = why_held(whole.held_as().unwrap_or(code), language);
-            let words: [(&str, &dyn Display); 3] =
-                [("scan", &scan), ("code", &code), ("why", &why)];
-            language.filled("explain.scan.held", &words)
+            language.filled("explain.scan.held", &[("scan", &scan), ("code", &code), ("why", &why)])
         }
         Disposition::Spooled => {
             let waited = ago(summary.first_seen, now, language);

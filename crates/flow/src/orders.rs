@@ -4,7 +4,6 @@
 //! its file: a virus scanner, a backup, an administrator who sets permissions. None of that names a patient
 //! again.
 
-use std::fmt::Display;
 use std::time::Duration;
 
 use gaiter_language::Language;
@@ -38,8 +37,7 @@ pub struct OrdersComeLate {
 impl OrdersComeLate {
     /// What was seen, and the key to set.
     pub fn in_words(self, language: Language) -> String {
-        let words: [(&str, &dyn Display); 2] = [("after", &self.after), ("count", &self.of)];
-        language.filled("terminal.orders_late", &words)
+        language.filled("terminal.orders_late", &[("after", &self.after), ("count", &self.of)])
     }
 }
 

@@ -56,10 +56,8 @@ pub(super) fn parts_shown(facts: &Facts, now: Timestamp, language: Language) -> 
         PartShown { name, word, health, why }
     });
     let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
-    let phantom = facts
-        .phantom
-        .iter()
-        .map(|phantom| phantom_shown(phantom, facts.is_phantom_due(now), language));
+    let is_due = facts.is_phantom_due(now);
+    let phantom = facts.phantom.iter().map(|phantom| phantom_shown(phantom, is_due, language));
     let worklist = facts.worklist.iter().map(|worklist| worklist_shown(worklist, language));
     sources.chain(ports).chain(worklist).chain(stores).chain(phantom).collect()
 }
