@@ -54,17 +54,6 @@ pub struct Ignored {
 }
 
 impl PassedOver {
-    /// Those that may be exports or hold some.
-    pub const UNREAD: [PassedOver; 7] = [
-        PassedOver::SubFolder,
-        PassedOver::TooDeep,
-        PassedOver::NoAccess,
-        PassedOver::Link,
-        PassedOver::Packed,
-        PassedOver::Hidden,
-        PassedOver::Unfinished,
-    ];
-
     /// Why a file of this name is passed over whatever it contains.
     pub fn by_name(name: &str) -> Option<PassedOver> {
         if name.starts_with('.') {
@@ -102,7 +91,10 @@ impl PassedOver {
 
     /// Whether it may be an export or hold one.
     pub fn is_unread(self) -> bool {
-        PassedOver::UNREAD.contains(&self)
+        !matches!(
+            self,
+            PassedOver::NoScan | PassedOver::Pipe | PassedOver::Socket | PassedOver::Device
+        )
     }
 
     /// Whether its name alone shows that it is passed over.
