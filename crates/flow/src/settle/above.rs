@@ -29,23 +29,6 @@ pub(super) struct Above {
 }
 
 impl Above {
-    fn found(&mut self, folders: Folders) {
-        (self.is_export_replaced, self.replaced) = match &self.folders {
-            Some(before) => {
-                // A folder that an exporter makes for each scan has the same device, and a renamed one shows
-                // it by its change time.
-                let is_other = |(path, folder): &(&PathBuf, &Stamp)| {
-                    before.below.get(*path).is_some_and(|known| known.dev != folder.dev)
-                };
-                let replaced = folders.below.iter().filter(is_other);
-                let replaced = replaced.map(|(path, _)| path.clone()).collect();
-                (before.export != folders.export, replaced)
-            }
-            None => (false, BTreeSet::new()),
-        };
-        self.folders = Some(folders);
-    }
-
     /// When a file appeared, if it did in the last look: where its folder took the place of another, it may
     /// have been in it for long.
     pub(super) fn appeared(&self, path: &Path, appeared: Appeared) -> Appeared {
@@ -72,6 +55,20 @@ impl Settling {
     /// Takes in the folders of a look, before [`Settling::pass_over`] and [`Settling::observe`] take in its
     /// files.
     pub fn found_in(&mut self, folders: Folders) {
-        self.above.found(folders);
+        let above = &mut self.above;
+        (above.is_export_replaced, above.replaced) = match &above.folders {
+            Some(before) => {
+                // A folder that an exporter makes for each scan has the same device, and a renamed one shows
+                // it by its change time.
+                let is_other = |(path, folder): &(&PathBuf, &Stamp)| {
+                    before.below.get(*path).is_some_and(|known| known.dev != folder.dev)
+                };
+                let replaced = folders.below.iter().filter(is_other);
+                let replaced = replaced.map(|(path, _)| path.clone()).collect();
+                (before.export != folders.export, replaced)
+            }
+            None => (false, BTreeSet::new()),
+        };
+        above.folders = Some(folders);
     }
 }
