@@ -194,7 +194,12 @@ impl Outbox {
             store.reach = Reach::Unknown;
         }
         if has_failed {
-            store.has_failed(&key.scan, now, chance);
+            if !store.is_failing() {
+                store.failed.insert(key.scan.clone());
+            }
+            if store.is_failing() {
+                store.rest(now, chance);
+            }
         }
         if ended == Ended::ForGood {
             (store.failures, store.failed) = (0, BTreeSet::new());
@@ -246,15 +251,6 @@ impl Store {
 
     fn is_failing(&self) -> bool {
         self.failed.len() >= SEVERAL
-    }
-
-    fn has_failed(&mut self, scan: &ScanId, now: Duration, chance: f64) {
-        if !self.is_failing() {
-            self.failed.insert(scan.clone());
-        }
-        if self.is_failing() {
-            self.rest(now, chance);
-        }
     }
 
     fn rest(&mut self, now: Duration, chance: f64) {
