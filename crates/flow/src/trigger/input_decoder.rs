@@ -117,23 +117,15 @@ impl InputDecoder {
 
     /// Processes what arrived from the port by `now`.
     pub fn decode(&mut self, input: &Input, now: Duration) -> Vec<PortEvent> {
-        match &mut self.sense {
+        let (shows, lines, contact, button) = match &mut self.sense {
             Sense::Reader { codes, lines, typed } => {
                 let (events, garbage) = read(codes, lines, typed, input, now);
                 self.garbage += garbage;
-                events
+                return events;
             }
-            Sense::Button { .. } => {
-                self.presses(input, now).into_iter().map(PortEvent::Press).collect()
-            }
-        }
-    }
-
-    fn presses(&mut self, input: &Input, now: Duration) -> Vec<Press> {
-        let Sense::Button { shows, lines, contact, button, .. } = &mut self.sense else {
-            return Vec::new();
+            Sense::Button { shows, lines, contact, button } => (shows, lines, contact, button),
         };
-        let mut presses = Vec::new();
+        let mut presses: Vec<Press> = Vec::new();
         // A port that reports changes kept its last reported state until this input.
         if !matches!(input, Input::Closed(_))
             && !matches!(shows, Shows::Serial { .. })
@@ -178,7 +170,7 @@ impl InputDecoder {
         // Input that is not a press has no patient: it is only counted.
         let _ = lines.tick(now);
         self.garbage += lines.dropped();
-        presses
+        presses.into_iter().map(PortEvent::Press).collect()
     }
 
     /// The latest time at which the port must be read again, if anything was started.
