@@ -22,7 +22,7 @@ use crate::rules::{collect, packages, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 65] = [
+const BY_CODE: [(&str, &str); 66] = [
     ("act.affected", "`Affected::word`, and that none is named"),
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
@@ -33,6 +33,7 @@ const BY_CODE: [(&str, &str); 65] = [
     ("completeness.check", "`Check::key`"),
     ("explain.closed", "`Closed::word`"),
     ("explain.passed_over", "`PassedOver::word`"),
+    ("explain.within", "`PassedOver::word`"),
     ("finding", "the findings and doubts of a record"),
     ("heading.measurements", "the columns of `measurements.csv`"),
     ("heading.order", "the columns of `order.csv`"),

@@ -109,14 +109,8 @@ impl PassedOver {
 
     /// Why a file within it is not read, in words that follow that file.
     pub fn words_within(self, language: Language) -> &'static str {
-        let key = match self {
-            PassedOver::SubFolder => "explain.within.sub_folder",
-            PassedOver::TooDeep => "explain.within.too_deep",
-            PassedOver::NoAccess => "explain.within.no_access",
-            PassedOver::Link => "explain.within.link",
-            _ => "explain.within.other",
-        };
-        language.text(key)
+        let own = language.find(&format!("explain.within.{}", self.word()));
+        own.unwrap_or_else(|| language.text("explain.within.other"))
     }
 }
 
