@@ -133,15 +133,13 @@ fn reading(patient: &str) -> Option<Reading> {
             let year = format!("20{}", &digits[..2]);
             date(&year, &digits[2..4], &digits[4..]).map(|_| Reading::ShortDay)
         }
-        8 => day(&digits).map(Reading::Day),
+        8 => {
+            let day_first = || date(&digits[4..], &digits[2..4], &digits[..2]);
+            year_first(&digits).or_else(day_first).map(Reading::Day)
+        }
         10 | 12 | 14 if is_time(&digits[8..]) => year_first(&digits[..8]).map(Reading::Moment),
         _ => None,
     }
-}
-
-fn day(digits: &str) -> Option<Date> {
-    let last = || date(&digits[4..], &digits[2..4], &digits[..2]);
-    year_first(digits).or_else(last)
 }
 
 fn year_first(digits: &str) -> Option<Date> {
