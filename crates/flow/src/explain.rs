@@ -87,11 +87,8 @@ fn known_file(known: &FileHistory, asked: Asked<'_>) -> String {
     let language = asked.language;
     let state = match known.at {
         None => known.state.clone(),
-        Some(at) => {
-            let words: [(&str, &dyn Display); 2] =
-                [("state", &known.state), ("at", &local(at, asked.zone))];
-            language.filled("explain.state_at", &words)
-        }
+        Some(at) => language
+            .filled("explain.state_at", &[("state", &known.state), ("at", &local(at, asked.zone))]),
     };
     let sentence = match (&known.scan, known.again_since) {
         (None, _) => language.filled("explain.file", &[("state", &state)]),
@@ -112,10 +109,9 @@ fn known_file(known: &FileHistory, asked: Asked<'_>) -> String {
 
 fn not_seen(source: &SourceFacts, path: &Path, asked: Asked<'_>) -> String {
     let language = asked.language;
-    let ignored = path.ancestors().find_map(|place| Some((place, *source.ignored.get(place)?)));
-    if let Some((place, why)) = ignored.map(|(place, ignored)| (place, ignored.why)) {
-        let is_itself = place == path;
-        let words = if is_itself { why.words(language) } else { why.words_within(language) };
+    let ignored = path.ancestors().find_map(|place| Some((place, source.ignored.get(place)?.why)));
+    if let Some((place, why)) = ignored {
+        let words = if place == path { why.words(language) } else { why.words_within(language) };
         let sentence = language.filled("explain.file", &[("state", &words)]);
         return match why.is_of_name() {
             true => format!("{sentence} {}", language.text("explain.name_stays")),
