@@ -61,7 +61,6 @@ impl Listed {
     /// A scan in a list.
     pub fn from_whole(whole: &Whole) -> Listed {
         let Whole { scan, summary, deliveries, .. } = whole;
-        let is_any = |state| deliveries.iter().any(|of| of.state == state);
         let codes = deliveries.iter().filter_map(|of| of.code.as_ref());
         let pending = deliveries.iter().filter(|of| of.state == DeliveryState::Pending);
         Listed {
@@ -69,7 +68,7 @@ impl Listed {
             first_seen: summary.first_seen,
             state: summary.state,
             disposition: whole.disposition(),
-            held: is_any(DeliveryState::Held),
+            held: deliveries.iter().any(|of| of.state == DeliveryState::Held),
             format: summary.format.clone(),
             size: summary.size,
             code: summary.code.clone().or_else(|| codes.max().cloned()),
@@ -223,8 +222,7 @@ impl Whole {
     /// Why it is held, as a code, if it is.
     pub fn held_for(&self) -> Option<&str> {
         let is_held = self.disposition() == Disposition::Held;
-        let mut held = self.deliveries.iter().filter(|of| of.state == DeliveryState::Held);
-        let held = held.next().filter(|_| is_held)?;
+        let held = self.deliveries.iter().find(|of| is_held && of.state == DeliveryState::Held)?;
         Some(held.code.as_deref().unwrap_or(SAME_SCAN_OTHER_PATIENT))
     }
 

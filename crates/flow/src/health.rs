@@ -173,8 +173,7 @@ fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Comp
         PortState::Hung => "trigger-hung",
         PortState::NotLooked | PortState::Settling | PortState::Open => "trigger-unsteady",
     };
-    let figures =
-        trigger.why.as_ref().map_or_else(ComplaintFigures::default, ComplaintFigures::why);
+    let figures = trigger.why.as_ref().map(ComplaintFigures::why).unwrap_or_default();
     let figures = figures.seconds("since_s", age(since, now));
     Some(Complaint::new(code, figures).about(port))
 }

@@ -51,8 +51,7 @@ impl Advice {
 /// Why a scan is held.
 pub fn of_held(code: &str, language: Language) -> Advice {
     Advice::find("page.held", code, language).unwrap_or_else(|| {
-        let [what, next] = ["page.held.other.what", "page.held.other.next"];
-        Advice::new(language.text(what), language.text(next))
+        Advice::new(language.text("page.held.other.what"), language.text("page.held.other.next"))
     })
 }
 
