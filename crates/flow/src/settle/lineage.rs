@@ -47,7 +47,7 @@ pub(super) struct VanishedFile {
 /// What was known about inodes before a look.
 pub(super) struct Lineages<'a> {
     known: BTreeMap<(u64, u64), (Stamp, &'a Writing)>,
-    by_path: BTreeMap<&'a Path, (Stamp, &'a Writing)>,
+    files: &'a BTreeMap<PathBuf, Watched>,
     above: &'a Above,
 }
 
@@ -56,18 +56,17 @@ impl Lineages<'_> {
     pub(super) fn writing(&self, path: &Path, stamp: Stamp, appeared: Appeared) -> Writing {
         let written = written_elsewhere(appeared.seen, self.above.moved(path, stamp));
         let appeared = self.above.appeared(path, appeared);
-        let same_inode = |(before, _): &&(Stamp, &Writing)| before.inode() == stamp.inode();
+        let same_inode = |file: &&Watched| file.group.stamp.inode() == stamp.inode();
         // Two names of one inode may have been examined with a change in between: the state under the
         // file's own name is more reliable.
-        let own = self.by_path.get(path).filter(same_inode);
-        let Some((before, writing)) = own.or_else(|| self.known.get(&stamp.inode())) else {
+        let own = self.files.get(path).filter(same_inode);
+        let own = own.map(|file| (file.group.stamp, &file.writing));
+        let known = own.or_else(|| self.known.get(&stamp.inode()).copied());
+        let Some((before, writing)) = known.filter(|(before, _)| stamp.size >= before.size) else {
             return Writing::found(appeared, written);
         };
-        let mut writing = (*writing).clone();
-        if stamp.size < before.size {
-            return Writing::found(appeared, written);
-        }
-        if !stamp.has_content_of(before) {
+        let mut writing = writing.clone();
+        if !stamp.has_content_of(&before) {
             writing.change(appeared.seen);
             writing.date(written);
         }
@@ -107,12 +106,10 @@ impl Settling {
         let unread = departed.filter(|file| !file.writing.is_marked());
         let remembered = unread.chain(&self.remembered).map(|file| (file.stamp, &file.writing));
         let unrelated = self.unrelated.values().map(|file| (file.stamp, &file.writing));
-        let files = self.files.iter();
-        let files = files.map(|(path, file)| (path.as_path(), (file.group.stamp, &file.writing)));
-        let by_path: BTreeMap<&Path, (Stamp, &Writing)> = files.collect();
-        let all = remembered.chain(unrelated).chain(by_path.values().copied());
+        let files = self.files.values().map(|file| (file.group.stamp, &file.writing));
+        let all = remembered.chain(unrelated).chain(files);
         let known = all.map(|of| (of.0.inode(), of)).collect();
-        Lineages { known, by_path, above: &self.above }
+        Lineages { known, files: &self.files, above: &self.above }
     }
 
     /// These files were not found by a look that ended now, nor were those that are still remembered.
