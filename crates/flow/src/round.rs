@@ -82,34 +82,34 @@ impl Rounds {
         let (missed, decided) = (Vec::new(), Vec::new());
         let (uncertain, heard_since) = (None, None);
         let mut rounds = Rounds { rules, open, names, uncertain, missed, decided, heard_since };
-        rounds.lose_certainty(|_| true);
+        rounds.lose_certainty(Doubt::Unheard, |_| true);
         rounds
     }
 
     /// Something was missed: names and these captures are no longer certain.
-    fn lose_certainty(&mut self, of: impl Fn(&Capture) -> bool) {
-        self.doubt_names(Doubt::Unheard);
+    fn lose_certainty(&mut self, doubt: Doubt, of: impl Fn(&Capture) -> bool) {
+        self.doubt_names(doubt);
         for capture in self.open.iter_mut().filter(|capture| of(capture)) {
-            capture.doubt.get_or_insert(Doubt::Unheard);
+            capture.doubt.get_or_insert(doubt);
         }
     }
 
     /// The port of a button is away: the exports of missed presses may be taken for those of others.
     pub fn deaf(&mut self) {
         self.heard_since = None;
-        self.lose_certainty(|capture| capture.by == Opener::Press);
+        self.lose_certainty(Doubt::Unheard, |capture| capture.by == Opener::Press);
     }
 
     /// A press was received but could not be kept: its export may be taken for that of another press.
     pub fn missed_press(&mut self, now: Duration) {
         self.heard_since = self.heard_since.map(|_| now);
-        self.lose_certainty(|capture| capture.by == Opener::Press);
+        self.lose_certainty(Doubt::Unheard, |capture| capture.by == Opener::Press);
     }
 
     /// A source of names is away, or was: call it at the beginning of the gap and at its end. A press before
     /// that has its name already.
     pub fn missed_name(&mut self) {
-        self.lose_certainty(|capture| capture.by == Opener::Name);
+        self.lose_certainty(Doubt::Unheard, |capture| capture.by == Opener::Name);
     }
 
     /// Every port of a button is open. A press that was missed until now may have been that of a patient who

@@ -225,13 +225,9 @@ impl Rounds {
     /// A name could not be read that had not arrived at `absent` (`None`: not known): the patient named
     /// before may have left, and each press since then may belong to the one in the unreadable name.
     pub fn unread(&mut self, absent: Option<Duration>) {
-        self.doubt_names(Doubt::Unread);
-        let may_be_theirs = |capture: &&mut Capture| {
+        self.lose_certainty(Doubt::Unread, |capture| {
             capture.by == Opener::Name || absent.is_none_or(|absent| capture.opened > absent)
-        };
-        for capture in self.open.iter_mut().filter(may_be_theirs) {
-            capture.doubt.get_or_insert(Doubt::Unread);
-        }
+        });
     }
 
     /// Without a button, a name opens a capture. A name from the page or the terminal ends the captures of
