@@ -110,13 +110,12 @@ impl Erasure {
     }
 
     /// Notes what servers are owed now. Returns whether that is news.
-    pub fn owes(&mut self, owed: Vec<Owed>) -> bool {
+    pub fn owes(&mut self, mut owed: Vec<Owed>) -> bool {
         if self.leaves_owed {
-            let before = self.left.len();
-            let new = owed.into_iter().filter(|owed| !self.left.contains(owed));
-            let new: Vec<Owed> = new.collect();
-            self.left.extend(new);
-            return self.left.len() > before;
+            owed.retain(|owed| !self.left.contains(owed));
+            let is_news = !owed.is_empty();
+            self.left.extend(owed);
+            return is_news;
         }
         let is_news = self.owed != owed;
         self.owed = owed;
