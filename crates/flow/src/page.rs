@@ -142,7 +142,7 @@ pub struct StationView<'a> {
 /// Assembles the page.
 pub fn assemble(
     known: &StationView<'_>,
-    undecided: Vec<ScanShown>,
+    mut undecided: Vec<ScanShown>,
     more_undecided: u64,
     scans: Vec<ScanShown>,
     language: Language,
@@ -152,8 +152,8 @@ pub fn assemble(
         severity: complaint.severity,
         advice: of_complaint(complaint, language),
     });
-    let mut undecided = undecided;
     offer_named(&known.booth, &mut undecided);
+    let fault = first_fault(known.complaints);
     let mut next = next::next_shown(&known.booth, language);
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
@@ -161,12 +161,7 @@ pub fn assemble(
         schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
-        light: light::light_shown(
-            &known.booth,
-            first_fault(known.complaints),
-            &undecided,
-            language,
-        ),
+        light: light::light_shown(&known.booth, fault, &undecided, language),
         next,
         paused: known.facts.intake == IntakeState::Paused,
         complaints: complaints.collect(),
