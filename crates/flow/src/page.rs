@@ -31,9 +31,6 @@ pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
 pub use scans::{ScanDetails, ScanShown, record_folder, record_patient, row_key, scan_shown};
 pub use sentence::Sentence;
 
-/// Name and number of the snapshot's schema.
-pub const SCHEMA: &str = "gaiter.page/1";
-
 /// Who sees patients' ids on the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IdsShown {
@@ -58,8 +55,6 @@ impl IdsShown {
 /// The station as the page shows it at one moment. Every text is ready to be displayed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
-    /// [`SCHEMA`].
-    pub schema: &'static str,
     /// The version of the page's files: a page loaded from another version reloads itself.
     pub page: String,
     /// The station's name.
@@ -158,7 +153,6 @@ pub fn assemble(
     // That ends the complaint.
     next.can_be_called_off |= known.facts.gone() > 0;
     Shown {
-        schema: SCHEMA,
         page: known.page.to_owned(),
         station: known.station.to_owned(),
         light: light::light_shown(&known.booth, fault, &undecided, language),
