@@ -104,12 +104,9 @@ fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) ->
     let named = named.map(|key| language.text(key).to_owned());
     // Without a button, the expected export is that of the named patient.
     let awaited = if booth.has_button { booth.awaited } else { unnamed(booth) };
-    let sentences: Vec<String> = named.into_iter().chain(counted(awaited, language)).collect();
-    if sentences.is_empty() {
-        language.text("page.next.nobody").to_owned()
-    } else {
-        sentences.join(" ")
-    }
+    let sentences = named.into_iter().chain(counted(awaited, language));
+    let said = sentences.reduce(|said, more| format!("{said} {more}"));
+    said.unwrap_or_else(|| language.text("page.next.nobody").to_owned())
 }
 
 /// How many exports are expected without a known patient.
