@@ -148,7 +148,7 @@ fn spooled_bytes_that_the_journal_does_not_know_are_adopted_with_their_first_sig
     let scan = sums::scan_id(BYTES);
     let arrival = arrival(&scan, says("4711"));
     let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
-    let kept = Intake { first_seen, ..intake(&arrival, None, None, Vec::new()) };
+    let kept = Intake { first_seen, ..intake(&arrival, None, None) };
     custody.spool.keep(&scan, kept, BYTES, &[]).unwrap();
     custody.unentered.store(true, Ordering::Relaxed);
     // The journal failed here. Either a start adopts it, or the file is seen again first.
@@ -166,7 +166,7 @@ fn every_scan_that_was_kept_and_not_entered_is_entered_before_the_next_and_told_
     for bytes in both {
         let scan = sums::scan_id(bytes);
         let arrival = Arrival { bytes, ..arrival(&scan, says("4711")) };
-        let kept = intake(&arrival, None, None, Vec::new());
+        let kept = intake(&arrival, None, None);
         custody.spool.keep(&scan, kept, bytes, &[]).unwrap();
     }
     custody.unentered.store(true, Ordering::Relaxed);

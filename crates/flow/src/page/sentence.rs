@@ -41,7 +41,7 @@ impl Sentence {
             Piece::Place { .. } => ids.clone().collect(),
         });
         let mut pieces: Vec<String> = parts.map(str::to_owned).collect();
-        if pieces.len() % 2 == 0 {
+        if pieces.len().is_multiple_of(2) {
             pieces.push(String::new());
         }
         Sentence { text: pieces.concat(), pieces, anonymous: String::new() }
