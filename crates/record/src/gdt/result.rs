@@ -5,7 +5,7 @@
 //! tape and vertical heights above the floor in centimetres with one decimal.
 
 use gaiter_language::Language;
-use gaiter_leg::{Level, Side};
+use gaiter_leg::Side;
 use gaiter_sizes::Garment;
 use jiff::civil::DateTime;
 
@@ -13,9 +13,9 @@ use super::line::{WriteFault, message};
 use super::rules::{AttachmentFields, GdtRules};
 use super::{table, words};
 use crate::completeness::Completeness;
-use crate::measure::Measure;
-use crate::report::{Reliability, ReportContent, title};
-use crate::rounding::cm_words;
+use crate::export::{ExportFigure, What, export_figures};
+use crate::report::{ReportContent, title};
+use crate::rounding::number;
 use crate::schema::{FindingNote, Record};
 
 /// The kind of message for the result of an examination.
@@ -67,13 +67,8 @@ pub fn result(
     let mut fields = header(rules, record);
     fields.push((3000, patient.id.clone()));
     fields.extend([(6200, date.clone()), (6201, time.clone()), (8402, rules.procedure.clone())]);
-    for side in record.sides() {
-        for level in Level::ALL.into_iter().rev() {
-            let Ok(measure) = Measure::find(record, side, level) else { continue };
-            let block = Block { level, side, measure, date: &date, time: &time, rules };
-            block.write(&mut fields);
-        }
-    }
+    let figures = export_figures(record);
+    fields.extend(figures.iter().flat_map(|figure| test_block(figure, &date, &time, rules)));
     fields.extend(verdict(record, garment, rules).into_iter().map(|line| (6228, line)));
     let table = table::lines(record).into_iter();
     fields.extend(table.map(|line| (6228, words::written(&line, rules.charset))));
@@ -95,46 +90,30 @@ fn header(rules: &GdtRules, record: &Record) -> Fields {
     fields
 }
 
-/// The test blocks of a level: its girth and, unless it is on the foot, its height above the floor.
-struct Block<'a> {
-    level: Level,
-    side: Side,
-    measure: Measure<'a>,
-    date: &'a str,
-    time: &'a str,
-    rules: &'a GdtRules,
-}
-
-impl Block<'_> {
-    fn write(&self, fields: &mut Fields) {
-        let Measure { girth, height, doubts, .. } = &self.measure;
-        let figures = [("L", "Umfang", Some(girth)), ("H", "Höhe", height.as_ref())];
-        let letter = match self.side {
-            Side::Left => "L",
-            Side::Right => "R",
-        };
-        let (level, side) = (self.level.name(), words::side(self.side));
-        for (kind, name, figure) in figures {
-            // A number without its mark would be taken for a measured one, so estimates are only in the table.
-            let measured = figure.filter(|of| self.measure.mark_of(**of) != Reliability::Estimated);
-            let Some(figure) = measured else { continue };
-            let name = words::written(&format!("{name} {level} {side}"), self.rules.charset);
-            fields.extend([
-                (8410, format!("{kind}{level}_{letter}")),
-                (8411, name),
-                (8420, cm_words(figure.mm, Language::En)),
-                (8421, "cm".to_owned()),
-                (8432, self.date.to_owned()),
-                (8439, self.time.to_owned()),
-            ]);
-            let remarks: Vec<&str> = match figure.is_by_hand {
-                true => vec![words::BY_HAND],
-                false => doubts.iter().map(|code| title(code, Language::De)).collect(),
-            };
-            let written = |text: &str| words::written(text, self.rules.charset);
-            fields.extend(remarks.into_iter().map(|text| (8470, written(text))));
-        }
-    }
+/// The test block of a girth or a height.
+fn test_block(figure: &ExportFigure, date: &str, time: &str, rules: &GdtRules) -> Fields {
+    let (kind, name) = match figure.what {
+        What::Girth => ("L", "Umfang"),
+        What::Height => ("H", "Höhe"),
+    };
+    let letter = match figure.side {
+        Side::Left => "L",
+        Side::Right => "R",
+    };
+    let (level, side) = (figure.level.name(), words::side(figure.side));
+    let written = |text: &str| words::written(text, rules.charset);
+    let mut fields = vec![
+        (8410, format!("{kind}{level}_{letter}")),
+        (8411, written(&format!("{name} {level} {side}"))),
+        (8420, number(figure.cm, 1, Language::En)),
+        (8421, "cm".to_owned()),
+        (8432, date.to_owned()),
+        (8439, time.to_owned()),
+    ];
+    let by_hand = figure.is_by_hand.then_some(words::BY_HAND);
+    let doubts = figure.doubts.iter().map(|code| title(code, Language::De));
+    fields.extend(by_hand.into_iter().chain(doubts).map(|text| (8470, written(text))));
+    fields
 }
 
 /// What to do for an order of this garment, in lines.
