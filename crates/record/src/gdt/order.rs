@@ -1,9 +1,6 @@
 //! An order for an examination (6302), which names the patient of the next scan. Names and birth dates
 //! are skipped and not kept.
 
-use std::error::Error;
-use std::fmt;
-
 use gaiter_language::{Language, fill};
 
 use super::charset::{Charset, Unreadable};
@@ -37,7 +34,8 @@ pub struct Order {
 }
 
 /// Why bytes are not an order. No text quotes their content except digits of GDT itself.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.in_words(Language::En))]
 pub enum OrderFault {
     /// It is too large for an order.
     TooLarge {
@@ -147,14 +145,6 @@ impl OrderFault {
         text.and_then(|text| fill(text, word)).unwrap_or_else(|| is.to_owned())
     }
 }
-
-impl fmt::Display for OrderFault {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.in_words(Language::En))
-    }
-}
-
-impl Error for OrderFault {}
 
 /// Reads an order. `charset` is used for orders that name no character set. An order with the byte order
 /// mark of UTF-8 is written in it, whatever it names. A lenient reader ignores lengths, for programs that

@@ -1,6 +1,6 @@
 //! Why a measure is not set, in words.
 
-use std::fmt;
+use std::fmt::Display;
 
 use gaiter_language::Language;
 use gaiter_leg::Side;
@@ -9,7 +9,8 @@ use super::{Subject, WORDS_MOST};
 use crate::rounding::cm_words;
 
 /// Why an amendment is not accepted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.in_words(Language::En))]
 pub enum AmendFault {
     /// No such leg.
     Leg(String),
@@ -121,7 +122,7 @@ impl What {
                 language.filled("amend.no_such", &[("value", &value(of))])
             }
             What::Range { value: of, found_mm, range_mm: [low, high] } => {
-                let words: [(&str, &dyn fmt::Display); 4] = [
+                let words: [(&str, &dyn Display); 4] = [
                     ("value", &value(of)),
                     ("found", &cm(found_mm)),
                     ("low", &cm(low)),
@@ -132,7 +133,7 @@ impl What {
             What::Half { value: of } => language.filled("amend.half", &[("value", &value(of))]),
             What::Order { height_mm, is_above, other, other_mm } => {
                 let key = if is_above { "amend.not_above" } else { "amend.not_below" };
-                let words: [(&str, &dyn fmt::Display); 3] = [
+                let words: [(&str, &dyn Display); 3] = [
                     ("height", &cm(height_mm)),
                     ("other", &other),
                     ("other_height", &cm(other_mm)),
@@ -147,11 +148,3 @@ impl What {
         }
     }
 }
-
-impl fmt::Display for AmendFault {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.in_words(Language::En))
-    }
-}
-
-impl std::error::Error for AmendFault {}
