@@ -11,7 +11,7 @@ pub const SHORT: usize = 8;
 
 /// The SHA-256 of a scan's bytes, 64 lower-case hexadecimal digits; safe as a file name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[serde(try_from = "String")]
 pub struct ScanId(String);
 
 impl ScanId {
@@ -53,12 +53,6 @@ impl TryFrom<String> for ScanId {
 
     fn try_from(text: String) -> Result<ScanId, NoScanId> {
         ScanId::parse(&text).ok_or(NoScanId)
-    }
-}
-
-impl From<ScanId> for String {
-    fn from(id: ScanId) -> String {
-        id.0
     }
 }
 

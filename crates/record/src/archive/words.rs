@@ -58,7 +58,7 @@ macro_rules! word {
     ($(#[$of_word:meta])* $name:ident, $fault:ident, $is_one:expr) => {
         $(#[$of_word])*
         #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-        #[serde(try_from = "String", into = "String")]
+        #[serde(try_from = "String")]
         pub struct $name(String);
 
         impl $name {
@@ -91,12 +91,6 @@ macro_rules! word {
 
             fn try_from(text: String) -> Result<$name, WordFault> {
                 $name::parse(&text)
-            }
-        }
-
-        impl From<$name> for String {
-            fn from(word: $name) -> String {
-                word.0
             }
         }
     };
