@@ -6,6 +6,7 @@ use gaiter_leg::{Extraction, Method, Side};
 use gaiter_scan::Format;
 use sha2::{Digest, Sha256};
 
+use super::cells::Notation;
 use super::file::{RecordFile, file, json};
 use super::measure::csv;
 use super::order::{Order, is_order_file, order_files};
@@ -131,9 +132,10 @@ fn tables(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, ser
     let order =
         Order::from_record(record, garment, None, sizes.scanner_girth_mm).on(sizes.today, *age_max);
     let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
+    let measures = |notation| csv::table(record, garment, *language, notation).into_bytes();
     let mut files = vec![
-        file(MEASUREMENTS, csv::measurements(record, garment, *language).into_bytes()),
-        file(SPREADSHEET, csv::spreadsheet(record, garment, *language).into_bytes()),
+        file(MEASUREMENTS, measures(Notation::exact(','))),
+        file(SPREADSHEET, measures(Notation::spreadsheet(*language))),
     ];
     files.extend(order_files(&order, orders, *language, patient)?);
     Ok(files)

@@ -52,18 +52,13 @@ const NOT_MEASURABLE: &str = "not measurable";
 /// The state of a level or requested height without figures.
 const NOT_FOUND: &str = "not found";
 
-/// The verdict for an order of this garment, in words of this language, and all levels of the measured legs, as
-/// the exact table for programs: its figures are the same in every language.
-pub fn measurements(record: &Record, garment: &Garment, language: Language) -> String {
-    table(record, garment, language, Notation::exact(','))
-}
-
-/// The same table for a spreadsheet that is set to this language, with its headings.
-pub fn spreadsheet(record: &Record, garment: &Garment, language: Language) -> String {
-    table(record, garment, language, Notation::spreadsheet(language))
-}
-
-fn table(record: &Record, garment: &Garment, language: Language, notation: Notation) -> String {
+/// The verdict for an order of this garment, in words of this language, and all levels of the measured legs.
+pub(crate) fn table(
+    record: &Record,
+    garment: &Garment,
+    language: Language,
+    notation: Notation,
+) -> String {
     let names = COLUMNS.map(|name| notation.heading(HEADINGS, name));
     let mut text = notation.begin.to_owned() + &line(&names, notation.separator, false, LINE_END);
     text += &verdict(record, garment, language).text(notation);
