@@ -3,7 +3,7 @@
 use pdf_writer::types::StructRole;
 
 use super::layout::{BODY_TYPE, BOLD_TYPE, COLUMN, Flow, SMALL_TYPE, WIDTH};
-use super::parts::{fact, figure};
+use super::parts::{facts_table, figure};
 use super::table::{Cell, PADDING, Row, Table};
 use super::wrap::Type;
 use crate::picture::{Anchor, Ink};
@@ -24,8 +24,7 @@ const DRAWING_MIN: f64 = 120.0;
 
 /// Writes the sheet. With many doubts it continues to a second page.
 pub(super) fn write(flow: &mut Flow<'_>, of: &Sheet) {
-    let rows = of.facts.iter().map(fact).collect();
-    Table { heads: Vec::new(), rows, is_ruled: false, padding: PADDING, follows: 0.0 }.write(flow);
+    facts_table(&of.facts).write(flow);
     flow.space(4.0);
     levels(flow, of);
     if let Some(legs) = &of.legs {

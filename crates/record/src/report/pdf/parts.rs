@@ -124,26 +124,22 @@ pub(super) fn picture(
 
 /// A heading with facts.
 pub(super) fn facts(flow: &mut Flow<'_>, of: &Section<Fact>) {
-    let table = Table {
-        heads: Vec::new(),
-        rows: of.entries.iter().map(fact).collect(),
-        is_ruled: false,
-        padding: PADDING,
-        follows: 0.0,
-    };
+    let table = facts_table(&of.entries);
     flow.heading(&of.title, table.first_height());
     table.write(flow);
 }
 
-/// A fact, with its name before it.
-pub(super) fn fact(fact: &Fact) -> Row {
-    Row {
+/// Facts, each with its name before it.
+pub(super) fn facts_table(facts: &[Fact]) -> Table {
+    let row = |fact: &Fact| Row {
         cells: vec![
             Cell::new(&fact.name, SMALL_TYPE, Anchor::Start).inked(Ink::Muted),
             Cell::new(&fact.value, SMALL_TYPE, Anchor::Start),
         ],
         is_joined: true,
-    }
+    };
+    let rows = facts.iter().map(row).collect();
+    Table { heads: Vec::new(), rows, is_ruled: false, padding: PADDING, follows: 0.0 }
 }
 
 /// A figure with its uncertainty and the mark that shows how to read it.
