@@ -2,20 +2,19 @@
 
 mod profile;
 
-use std::fmt;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use gaiter_leg::Level;
 use serde::{Deserialize, Serialize};
 
 use super::fault::DocumentFault;
 use super::point::Point;
-pub use profile::{FORMAT, FormBox, FormUnit, Profile};
+use profile::Profile;
+pub use profile::{FORMAT, FormBox, FormUnit};
 
 /// A compression garment, by the levels at which it begins and ends (RAL-GZ 387) or by a name of its own.
-#[derive(Clone, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Profile", into = "Profile")]
-pub struct Garment(Arc<Profile>);
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Garment(Profile);
 
 /// The files of the garments that are shipped, the shortest first.
 const SHIPPED: [&str; 4] = [
@@ -32,7 +31,7 @@ impl Garment {
         // A test reads every file; one with a fault would be missing here.
         ALL.get_or_init(|| {
             let read = |text: &&str| profile::parse(text.as_bytes()).ok();
-            SHIPPED.iter().filter_map(read).map(Garment::from).collect()
+            SHIPPED.iter().filter_map(read).map(Garment).collect()
         })
     }
 
@@ -46,7 +45,7 @@ impl Garment {
     /// # Errors
     /// Every fault of the file, in the order of its lines; at least one.
     pub fn read(bytes: &[u8]) -> Result<Garment, Vec<DocumentFault>> {
-        profile::parse(bytes).map(Garment::from)
+        profile::parse(bytes).map(Garment)
     }
 
     /// The name on order forms and in the configuration.
@@ -127,26 +126,8 @@ impl Garment {
 
 impl Default for Garment {
     fn default() -> Garment {
-        let nothing = || Garment(Arc::new(Profile::default()));
+        let nothing = || Garment(Profile::default());
         Garment::shipped().first().cloned().unwrap_or_else(nothing)
-    }
-}
-
-impl From<Profile> for Garment {
-    fn from(profile: Profile) -> Garment {
-        Garment(Arc::new(profile))
-    }
-}
-
-impl From<Garment> for Profile {
-    fn from(garment: Garment) -> Profile {
-        Arc::unwrap_or_clone(garment.0)
-    }
-}
-
-impl fmt::Debug for Garment {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Garment({})", self.name())
     }
 }
 
