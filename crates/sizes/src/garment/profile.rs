@@ -56,14 +56,16 @@ pub struct FormBox {
     pub is_optional: bool,
 }
 
-/// The unit of an order form.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum FormUnit {
-    /// Centimetres.
-    #[default]
-    Cm,
-    /// Millimetres.
-    Mm,
+gaiter_leg::word_enum! {
+    /// The unit of an order form.
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum FormUnit {
+        /// Centimetres.
+        #[default]
+        Cm => "cm",
+        /// Millimetres.
+        Mm => "mm",
+    }
 }
 
 /// The names of the boxes.
@@ -82,8 +84,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<DocumentFault>> {
 fn profile(whole: Section<'_, '_>) -> Option<Profile> {
     SectionKeys::here(KEYS).only(whole);
     let name = whole.required_text("name", "name = \"AD\"");
-    let units = [("cm", FormUnit::Cm), ("mm", FormUnit::Mm)];
-    let unit = whole.choice("unit", &units).unwrap_or_default();
+    let unit = whole.choice("unit", &FormUnit::WORDS).unwrap_or_default();
     let roundings = ["round_girths_mm", "round_lengths_mm"].map(|key| rounding(whole, key));
     let notation = notation(whole);
     let boxes = boxes(whole, &notation);

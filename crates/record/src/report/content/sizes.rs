@@ -169,13 +169,7 @@ impl Report<'_> {
         let garment = self.garment;
         let step = |point: Point| shortest(garment.step_mm(point), self.language);
         let words: [(&str, &dyn Display); 3] = [
-            (
-                "unit",
-                &match garment.unit() {
-                    FormUnit::Cm => "cm",
-                    FormUnit::Mm => "mm",
-                },
-            ),
+            ("unit", &garment.unit().word()),
             ("girth", &step(Point::Girth(gaiter_leg::Level::B))),
             ("length", &step(Point::Foot)),
         ];
