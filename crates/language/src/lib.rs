@@ -87,11 +87,12 @@ impl Language {
 
     /// The text of a key with words in its places. A place without words stays as it is.
     pub fn filled(self, key: &'static str, words: &[(&str, &dyn Display)]) -> String {
-        let words = |place: &str, _: &str| {
-            let word = words.iter().find(|(name, _)| *name == place);
-            Some(word.map_or_else(|| format!("{{{place}}}"), |(_, word)| word.to_string()))
-        };
-        fill(self.text(key), words).unwrap_or_default()
+        filled(self.text(key), words)
+    }
+
+    /// The text of a code in a table with words in its places, or the code itself if there is none.
+    pub fn filled_word(self, table: &str, code: &str, words: &[(&str, &dyn Display)]) -> String {
+        filled(self.word(table, code), words)
     }
 
     /// All texts of a table by their keys in it.
@@ -107,6 +108,15 @@ impl Language {
             [const { OnceLock::new() }; Language::ALL.len()];
         ALL[self as usize].get_or_init(|| read(self.row().file))
     }
+}
+
+/// A text with words in its places.
+fn filled(text: &str, words: &[(&str, &dyn Display)]) -> String {
+    let words = |place: &str, _: &str| {
+        let word = words.iter().find(|(name, _)| *name == place);
+        Some(word.map_or_else(|| format!("{{{place}}}"), |(_, word)| word.to_string()))
+    };
+    fill(text, words).unwrap_or_default()
 }
 
 /// The texts of a file. A file with faults has none, and its keys are shown.

@@ -1,7 +1,9 @@
 //! An order for an examination (6302), which names the patient of the next scan. Names and birth dates
 //! are skipped and not kept.
 
-use gaiter_language::{Language, fill};
+use std::fmt::Display;
+
+use gaiter_language::Language;
 
 use super::charset::{Charset, Unreadable};
 use super::line::{self, KIND, Line, LineFault, TOTAL};
@@ -137,12 +139,9 @@ impl OrderFault {
     /// The fault in words that follow a colon.
     pub fn in_words(&self, language: Language) -> String {
         let (is, names) = self.says();
-        let word = |name: &str, _: &str| {
-            let word = names.iter().find(|(known, _)| *known == name);
-            word.map(|(_, word)| word.clone())
-        };
-        let text = language.find(&format!("cause.{is}"));
-        text.and_then(|text| fill(text, word)).unwrap_or_else(|| is.to_owned())
+        let words: Vec<(&str, &dyn Display)> =
+            names.iter().map(|(name, word)| (*name, word as &dyn Display)).collect();
+        language.filled_word("cause", is, &words)
     }
 }
 

@@ -65,12 +65,7 @@ impl Words<'_> {
         code: &str,
         words: &[(&str, &dyn Display)],
     ) -> String {
-        let text = self.language.word(table, code);
-        let words = |place: &str, _: &str| {
-            let word = words.iter().find(|(name, _)| *name == place);
-            Some(word.map_or_else(|| format!("{{{place}}}"), |(_, word)| word.to_string()))
-        };
-        gaiter_language::fill(text, words).unwrap_or_default()
+        self.language.filled_word(table, code, words)
     }
 
     /// Both legs, the affected one first; without one as a person who faces the patient sees them.
