@@ -4,7 +4,7 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 
-use super::plot::{LINE, SMALL, Scale, TEXT, about_zero, heading, lines, shape, text_mark};
+use super::plot::{Frame, LINE, SMALL, Scale, TEXT, about_zero, heading, lines, shape, text_mark};
 use crate::Record;
 use crate::chart::{AtFigures, girth_difference, same_heights};
 use crate::picture::{Anchor, Ink, Mark, Picture};
@@ -107,17 +107,13 @@ fn bar_scale(rows: &[Row]) -> (Scale, f64) {
 
 /// The lines of the scale, zero and the floor, with the amounts below.
 fn grid(scale: &Scale, step_mm: f64, floor: f64, language: Language) -> Vec<Mark> {
-    let above = TOP - ROW / 2.0;
-    let upright = |mm: f64| vec![[scale.at(mm), above], [scale.at(mm), floor]];
-    let mut marks = vec![
-        lines(scale.steps(step_mm).map(upright).collect(), Ink::Grid, 1.0),
-        lines(vec![upright(0.0), vec![[4.0, floor], [WIDTH - 4.0, floor]]], Ink::Muted, 1.0),
-    ];
-    marks.extend(scale.steps(step_mm).map(|mm| {
-        let places = usize::from(step_mm < 10.0);
-        let amount = number(mm.abs() / 10.0, places, language);
-        text_mark([scale.at(mm), floor + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
-    }));
+    let y = Scale { range: [0.0, 1.0], px: [floor, TOP - ROW / 2.0] };
+    let places = usize::from(step_mm < 10.0);
+    let amount = |mm: f64| number(mm.abs() / 10.0, places, language);
+    let mut marks = Frame { x: *scale, y }.columns(step_mm, amount);
+    let zero = y.px.map(|y| [scale.at(0.0), y]).to_vec();
+    let across = vec![[4.0, floor], [WIDTH - 4.0, floor]];
+    marks.push(lines(vec![zero, across], Ink::Muted, 1.0));
     let name = language.text("picture.floor");
     marks.push(text_mark([4.0, floor + LINE], Anchor::Start, SMALL, Ink::Muted, name));
     marks

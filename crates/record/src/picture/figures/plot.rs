@@ -89,13 +89,8 @@ impl Frame {
         let mut marks = vec![lines(self.y.steps(step).map(line).collect(), Ink::Grid, 1.0)];
         let before = a.min(b) - 6.0;
         marks.extend(self.y.steps(step).map(|y| {
-            text_mark(
-                [before, self.y.at(y) + SMALL / 3.0],
-                Anchor::End,
-                SMALL,
-                Ink::Muted,
-                label(y),
-            )
+            let at = [before, self.y.at(y) + SMALL / 3.0];
+            text_mark(at, Anchor::End, SMALL, Ink::Muted, label(y))
         }));
         marks
     }

@@ -3,7 +3,7 @@
 use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::picture::figures::plot::{
-    LINE, SMALL, Scale, about_zero, area, heading, lines, text_mark,
+    Frame, SMALL, Scale, about_zero, area, heading, lines, text_mark,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture};
 use gaiter_record::rounding::{number, signed};
@@ -11,7 +11,7 @@ use gaiter_record::rounding::{number, signed};
 use super::super::words::Words;
 use crate::comparison::{Comparison, PlaceChange};
 use crate::course::Group;
-use crate::place::{Step, along_mm};
+use crate::place::along_mm;
 use crate::quantity::Shown;
 use crate::report::summary::between;
 
@@ -70,22 +70,14 @@ pub(super) fn picture(words: &Words, group: &Group, of: &Comparison) -> Option<P
 }
 
 fn grid(words: &Words, side: Side, scale: &Scale, step: f64, rows: &Scale) -> Vec<Mark> {
+    let frame = Frame { x: *scale, y: *rows };
+    let mut marks = frame.columns(step, |ml| signed(ml, &number(ml, 0, words.language)));
     let [bottom, top] = rows.px;
-    let upright = |ml: f64| vec![[scale.at(ml), top], [scale.at(ml), bottom]];
-    let middle = [scale.at(0.0), top - 12.0];
+    let middle = scale.at(0.0);
+    marks.push(lines(vec![vec![[middle, top], [middle, bottom]]], Ink::Muted, 1.0));
     let name = words.filled("visits.picture.change_ml", &[("leg", &words.leg(side))]);
-    let mut marks = vec![
-        heading(middle, Anchor::Middle, Ink::for_side(side), name),
-        lines(scale.steps(step).map(upright).collect(), Ink::Grid, 1.0),
-        lines(vec![upright(0.0)], Ink::Muted, 1.0),
-    ];
-    marks.extend(scale.steps(step).map(|ml| {
-        let amount = signed(ml, &number(ml, 0, words.language));
-        text_mark([scale.at(ml), bottom + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
-    }));
-    let places =
-        rows.steps(PROFILE_STEP_MM).filter(|mm| ((mm / PROFILE_STEP_MM) as Step).is_multiple_of(2));
-    marks.extend(places.map(|mm| {
+    marks.push(heading([middle, top - 12.0], Anchor::Middle, Ink::for_side(side), name));
+    marks.extend(rows.steps(2.0 * PROFILE_STEP_MM).map(|mm| {
         let at = [scale.px[0] - 6.0, rows.at(mm) + SMALL / 3.0];
         text_mark(at, Anchor::End, SMALL, Ink::Muted, number(mm / 10.0, 0, words.language))
     }));
