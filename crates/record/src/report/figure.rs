@@ -65,7 +65,7 @@ impl ReportFigure {
     }
 
     /// A volume, mL.
-    pub(super) fn ml(value_ml: f64, sd_ml: Option<f64>, language: Language) -> ReportFigure {
+    pub fn ml(value_ml: f64, sd_ml: Option<f64>, language: Language) -> ReportFigure {
         let margin = sd_ml.map_or_else(unknown, |sd_ml| number(ml_margin(sd_ml), 0, language));
         ReportFigure {
             value: number(whole_ml(value_ml), 0, language),

@@ -7,7 +7,7 @@ use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_leg::{Level, Side};
 use gaiter_record::report::content::{Table, TableRow};
 use gaiter_record::report::{Reliability, ReportFigure};
-use gaiter_record::rounding::{cm_words, ml_margin, number, signed, tenths_words};
+use gaiter_record::rounding::{cm_words, number, signed, tenths_words};
 
 use super::summary::{between, cancelling};
 use super::words::Words;
@@ -352,11 +352,7 @@ fn is_doubtful(of: &ReportFigure) -> bool {
 }
 
 fn ml(words: &Words, of: &Quantity) -> ReportFigure {
-    ReportFigure {
-        value: number(of.value, 0, words.language),
-        margin: Some(number(ml_margin(of.sd), 0, words.language)),
-        mark: Reliability::Sure,
-    }
+    ReportFigure::ml(of.value, Some(of.sd), words.language)
 }
 
 /// A volume by which the legs differ, with its sign.
