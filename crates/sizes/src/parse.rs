@@ -46,7 +46,7 @@ const UNITS: [(&str, Unit); 2] =
 /// Every fault of the file, in the order of its lines; at least one.
 pub fn parse(bytes: &[u8]) -> Result<SizeTable, Vec<DocumentFault>> {
     let example = "format = \"gaiter-size-table/1\"";
-    read(bytes, FORMAT, example, |whole| table(whole, hex(&Sha256::digest(bytes))))
+    read(bytes, FORMAT, example, |whole| table(whole, format!("{:x}", Sha256::digest(bytes))))
 }
 
 /// The table of a file. What is wrong is noted, and the rest is read all the same.
@@ -278,9 +278,4 @@ fn own_name<'a>(
         section.note(&value.span(), section.key("name"), Twice(name.clone()));
     }
     Some(name)
-}
-
-/// Bytes as lower-case hexadecimal digits.
-pub(super) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
