@@ -82,7 +82,8 @@ impl Charset {
         Ok(bytes)
     }
 
-    fn push(self, character: char, bytes: &mut Vec<u8>) -> bool {
+    /// Adds a character; `false` if the set lacks it.
+    pub(crate) fn push(self, character: char, bytes: &mut Vec<u8>) -> bool {
         let mut utf8 = [0; 4];
         let text = character.encode_utf8(&mut utf8);
         match self {

@@ -1,6 +1,5 @@
 //! An order as a file for a maker or a shop system, by its mapping.
 
-use encoding_rs::WINDOWS_1252;
 use gaiter_sizes::Point;
 use gaiter_sizes::mapping::{
     BodyPart, Cell, Column, Csv, Dated, Encoding, Fact, Layout, Mapping, Named, Of, Rounding, Rows,
@@ -11,6 +10,7 @@ use jiff::civil::DateTime;
 use super::place::{Part, place};
 use super::{LastFigure, Order, OrderFigure, OrderSide, OrderedScan, Row, SCAN_AGE, State};
 use crate::cells::{BYTE_ORDER_MARK, guarded, kept, line};
+use crate::gdt::Charset;
 
 /// The file of an order. The patient's id is only in it if the mapping asks for it.
 pub fn mapped(order: &Order, mapping: &Mapping, patient: Option<&str>) -> Vec<u8> {
@@ -340,11 +340,8 @@ fn quoted(text: &str) -> String {
 fn in_cp1252(text: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(text.len());
     for letter in text.chars() {
-        let mut utf8 = [0; 4];
-        let (encoded, _, lacks) = WINDOWS_1252.encode(letter.encode_utf8(&mut utf8));
-        match lacks {
-            false => bytes.extend(encoded.iter()),
-            true => bytes.extend(format!("[U+{:04X}]", u32::from(letter)).bytes()),
+        if !Charset::Cp1252.push(letter, &mut bytes) {
+            bytes.extend(format!("[U+{:04X}]", u32::from(letter)).bytes());
         }
     }
     bytes
