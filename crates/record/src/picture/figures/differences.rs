@@ -4,7 +4,9 @@
 use gaiter_language::Language;
 use gaiter_leg::Side;
 
-use super::plot::{Frame, LINE, SMALL, Scale, TEXT, about_zero, heading, lines, shape, text_mark};
+use super::plot::{
+    Frame, LINE, SMALL, Scale, TEXT, about_zero, heading, lines, shape, small_text, text_mark,
+};
 use crate::Record;
 use crate::chart::{AtFigures, girth_difference, same_heights};
 use crate::picture::{Anchor, Ink, Mark, Picture};
@@ -115,7 +117,7 @@ fn grid(scale: &Scale, step_mm: f64, floor: f64, language: Language) -> Vec<Mark
     let across = vec![[4.0, floor], [WIDTH - 4.0, floor]];
     marks.push(lines(vec![zero, across], Ink::Muted, 1.0));
     let name = language.text("picture.floor");
-    marks.push(text_mark([4.0, floor + LINE], Anchor::Start, SMALL, Ink::Muted, name));
+    marks.push(small_text([4.0, floor + LINE], Anchor::Start, name));
     marks
 }
 
@@ -125,7 +127,7 @@ fn titles(language: Language) -> Vec<Mark> {
     let middle = f64::midpoint(BARS_X[0], BARS_X[1]);
     let difference = text("picture.difference_cm");
     let mut marks = vec![
-        text_mark([4.0, second], Anchor::Start, SMALL, Ink::Muted, text("picture.height_cm")),
+        small_text([4.0, second], Anchor::Start, text("picture.height_cm")),
         text_mark([middle, first], Anchor::Middle, SMALL, Ink::Text, difference),
     ];
     for (side, x) in Side::FROM_FRONT.into_iter().zip([GIRTH_X[0], WIDTH - 8.0]) {
@@ -145,7 +147,7 @@ fn titles(language: Language) -> Vec<Mark> {
 fn girths(row: &Row, y: f64, language: Language) -> Vec<Mark> {
     let y = y + TEXT / 3.0;
     let height = number(row.height_mm / 10.0, 0, language);
-    let mut marks = vec![text_mark([HEIGHT_X, y], Anchor::End, SMALL, Ink::Muted, height)];
+    let mut marks = vec![small_text([HEIGHT_X, y], Anchor::End, height)];
     for ((side, x), girth) in Side::FROM_FRONT.into_iter().zip(GIRTH_X).zip(row.girths) {
         let label = girth.girth_tape_mm.map(|mm| cm_words(mm, language)).unwrap_or_default();
         marks.push(text_mark([x, y], Anchor::End, TEXT, Ink::for_side(side), label));

@@ -9,7 +9,8 @@ use gaiter_leg::Side;
 
 use super::LEVELS;
 use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, stroked, text_mark,
+    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, small_text, stroked,
+    text_mark,
 };
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::schema::LegFigures;
@@ -89,7 +90,7 @@ pub fn map_of(
         marks.extend(legend(px[0], scale, language));
     }
     let height = language.text("picture.height_cm");
-    marks.push(text_mark([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, height));
+    marks.push(small_text([4.0, 32.0], Anchor::Start, height));
     Some(Picture { title: title.to_owned(), size: SIZE, cuts: vec![CUT_PX], marks })
 }
 
@@ -104,7 +105,7 @@ fn around(frame: &Frame, language: Language) -> Vec<Mark> {
     ];
     let name = |(angle, name): (f64, &str)| {
         let at = [frame.x.at(angle), ROWS_PX[1] + LINE];
-        text_mark(at, Anchor::Middle, SMALL, Ink::Muted, name)
+        small_text(at, Anchor::Middle, name)
     };
     names.into_iter().map(name).collect()
 }
@@ -262,7 +263,7 @@ fn legend(left: f64, scale: MapScale, language: Language) -> Vec<Mark> {
         if step % 2 == 0 {
             let mm = rounding::number(mm, 1, language);
             let at = [middle, top + BOX[1] + LINE];
-            marks.push(text_mark(at, Anchor::Middle, SMALL, Ink::Muted, mm));
+            marks.push(small_text(at, Anchor::Middle, mm));
         }
     }
     let end = left + (2.0 * STEPS + 1.0) * BOX[0];

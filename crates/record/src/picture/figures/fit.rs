@@ -5,7 +5,7 @@ use gaiter_language::Language;
 use gaiter_leg::{Level, Side};
 
 use super::LEVELS;
-use super::plot::{Frame, SMALL, Scale, TEXT, heading, lines, range, text_mark};
+use super::plot::{Frame, Scale, TEXT, heading, lines, range, small_text, text_mark};
 use crate::picture::{Anchor, Ink, Mark, Picture};
 use crate::schema::SectionFigures;
 use crate::shape::OutlineFigures;
@@ -36,7 +36,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
         let title = [left + CHART_X[0], 18.0];
         marks.push(heading(title, Anchor::Start, ink, language.word("leg", side.word())));
         let radius = language.text("picture.radius_mm");
-        marks.push(text_mark([left + 4.0, 36.0], Anchor::Start, SMALL, Ink::Muted, radius));
+        marks.push(small_text([left + 4.0, 36.0], Anchor::Start, radius));
         for (row, level) in LEVELS.into_iter().enumerate() {
             let section = record
                 .leg(side)
@@ -50,13 +50,8 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let points = language.text("picture.points");
     marks.push(text_mark([CHART_X[0] + 10.0, y], Anchor::Start, TEXT, Ink::Text, points));
     marks.push(lines(vec![vec![[200.0, y - 4.0], [226.0, y - 4.0]]], Ink::Text, 1.5));
-    marks.push(text_mark(
-        [234.0, y],
-        Anchor::Start,
-        TEXT,
-        Ink::Text,
-        language.text("picture.fitted"),
-    ));
+    let fitted = language.text("picture.fitted");
+    marks.push(text_mark([234.0, y], Anchor::Start, TEXT, Ink::Text, fitted));
     Some(Picture {
         title: language.text("picture.fit").to_owned(),
         size: [WIDTH, y + 14.0],
@@ -76,18 +71,13 @@ fn cell(
     let mut marks = vec![heading(title, Anchor::Start, Ink::Text, level.name())];
     let Some(section) = section else {
         let at = [left + f64::midpoint(CHART_X[0], CHART_X[1]), top + ROW / 2.0];
-        marks.push(text_mark(
-            at,
-            Anchor::Middle,
-            TEXT,
-            Ink::Muted,
-            language.text("picture.absent"),
-        ));
+        let absent = language.text("picture.absent");
+        marks.push(text_mark(at, Anchor::Middle, TEXT, Ink::Muted, absent));
         return marks;
     };
     let rms = format!("rms {} mm", rounding::number(section.rms_mm, 2, language));
     let end = [left + CHART_X[1], top + 12.0];
-    marks.push(text_mark(end, Anchor::End, SMALL, Ink::Muted, rms));
+    marks.push(small_text(end, Anchor::End, rms));
     marks.extend(chart(&section.outline, side, [left, top], language));
     marks
 }

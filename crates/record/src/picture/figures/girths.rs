@@ -5,7 +5,8 @@ use gaiter_leg::{Level, Side};
 
 use super::curves::{ROWS_PX, beside, diamond, is_outer_right, left_first, line, short};
 use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, text_mark,
+    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, small_text,
+    text_mark,
 };
 use super::slopes;
 use crate::measure::Measure;
@@ -63,7 +64,7 @@ fn titles(language: Language) -> Vec<Mark> {
     let height = language.text("picture.height_cm");
     vec![
         heading([GIRTHS_PX[0], above], Anchor::Start, Ink::Text, girth),
-        text_mark([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, height),
+        small_text([4.0, above - 18.0], Anchor::Start, height),
     ]
 }
 

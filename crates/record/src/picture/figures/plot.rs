@@ -76,9 +76,9 @@ impl Frame {
         let line = |x: f64| vec![[self.x.at(x), a], [self.x.at(x), b]];
         let mut marks = vec![lines(self.x.steps(step).map(line).collect(), Ink::Grid, 1.0)];
         let below = a.max(b) + LINE;
-        marks.extend(self.x.steps(step).map(|x| {
-            text_mark([self.x.at(x), below], Anchor::Middle, SMALL, Ink::Muted, label(x))
-        }));
+        marks.extend(
+            self.x.steps(step).map(|x| small_text([self.x.at(x), below], Anchor::Middle, label(x))),
+        );
         marks
     }
 
@@ -90,7 +90,7 @@ impl Frame {
         let before = a.min(b) - 6.0;
         marks.extend(self.y.steps(step).map(|y| {
             let at = [before, self.y.at(y) + SMALL / 3.0];
-            text_mark(at, Anchor::End, SMALL, Ink::Muted, label(y))
+            small_text(at, Anchor::End, label(y))
         }));
         marks
     }
@@ -126,6 +126,11 @@ pub fn text_mark(
     words: impl Into<String>,
 ) -> Mark {
     Mark::Words { at, anchor, size, is_bold: false, ink, words: words.into() }
+}
+
+/// Text at a scale, or beside what is drawn: small and muted.
+pub fn small_text(at: [f64; 2], anchor: Anchor, words: impl Into<String>) -> Mark {
+    text_mark(at, anchor, SMALL, Ink::Muted, words)
 }
 
 /// Bold text.

@@ -7,7 +7,8 @@ use gaiter_leg::{Level, Side};
 
 use super::LEVELS;
 use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, text_mark,
+    Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, shape, small_text,
+    text_mark,
 };
 use crate::Record;
 use crate::picture::{Anchor, Ink, Mark, Picture, Stroke};
@@ -64,7 +65,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
         let leg = language.word("leg", side.word());
         marks.push(heading([left + OUTLINE_X, 20.0], Anchor::Middle, ink, leg));
         let from_feet = language.text("picture.from_feet");
-        marks.push(text_mark([left + 8.0, 36.0], Anchor::Start, SMALL, Ink::Muted, from_feet));
+        marks.push(small_text([left + 8.0, 36.0], Anchor::Start, from_feet));
         let middle = f64::midpoint(CHART_X[0], CHART_X[1]);
         let curvature = language.text("picture.curvature");
         marks.push(heading([left + middle, 20.0], Anchor::Middle, Ink::Text, curvature));
@@ -130,7 +131,7 @@ impl Sheet {
         let length = format!("{:.0} cm", BAR_MM / 10.0);
         [
             lines(vec![vec![[x, y], [end, y]], tick(x), tick(end)], Ink::Muted, 1.0),
-            text_mark(words_at, Anchor::Start, SMALL, Ink::Muted, length),
+            small_text(words_at, Anchor::Start, length),
         ]
     }
 
@@ -169,13 +170,7 @@ impl Sheet {
                 marks.push(lines(vec![vec![dot_at, tip]], Ink::Muted, 0.6));
             }
             marks.push(dot(dot_at, feature));
-            marks.push(text_mark(
-                [x, y + SMALL / 3.0],
-                Anchor::Middle,
-                SMALL,
-                Ink::Text,
-                feature.label.as_str(),
-            ));
+            marks.push(feature_name([x, y + SMALL / 3.0], feature));
         }
         marks
     }
@@ -197,9 +192,9 @@ impl Sheet {
         let below = frame.y.px[0] + LINE + SMALL;
         let names = ["picture.medial", "picture.front", "picture.lateral"];
         let names = [-90.0, 0.0, 90.0].into_iter().zip(names.map(|key| self.language.text(key)));
-        marks.extend(names.map(|(angle, name)| {
-            text_mark([frame.x.at(angle), below], Anchor::Middle, SMALL, Ink::Muted, name)
-        }));
+        marks.extend(
+            names.map(|(angle, name)| small_text([frame.x.at(angle), below], Anchor::Middle, name)),
+        );
         let count = outline.curvature_per_mm.len().max(1);
         let place = |index: usize| {
             let angle = -180.0 + 360.0 * index as f64 / count as f64;
@@ -219,13 +214,7 @@ impl Sheet {
                 let [dot_x, y] = at(feature);
                 marks.push(dot([dot_x, y], feature));
                 let y = if is_peak { y - 6.0 } else { y + 6.0 + SMALL * 0.75 };
-                marks.push(text_mark(
-                    [x, y],
-                    Anchor::Middle,
-                    SMALL,
-                    Ink::Text,
-                    feature.label.as_str(),
-                ));
+                marks.push(feature_name([x, y], feature));
             }
         }
         marks
@@ -257,4 +246,9 @@ fn dot(at: [f64; 2], feature: &FeatureFigures) -> Mark {
         fill: Some(fill),
         stroke: Stroke::solid(Ink::Text, 1.25),
     }
+}
+
+/// The name of a feature point.
+fn feature_name(at: [f64; 2], feature: &FeatureFigures) -> Mark {
+    text_mark(at, Anchor::Middle, SMALL, Ink::Text, feature.label.as_str())
 }

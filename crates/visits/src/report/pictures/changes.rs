@@ -3,7 +3,7 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, about_zero, heading, lines, range, stroked, text_mark,
+    Frame, LINE, Scale, about_zero, heading, lines, range, small_text, stroked,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::{cm_words, number, signed};
@@ -71,7 +71,7 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
         }
     }
     let length = words.text("visits.picture.length_cm");
-    marks.push(text_mark([4.0, ROWS_PX[1] - 8.0], Anchor::Start, SMALL, Ink::Muted, length));
+    marks.push(small_text([4.0, ROWS_PX[1] - 8.0], Anchor::Start, length));
     let height = below(compared.len());
     let title = words.text("visits.picture.changes");
     Some(Picture { title, size: [WIDTH, height], cuts: vec![CUT_PX], marks })

@@ -2,7 +2,7 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, heading, range, stroked, text_mark,
+    Frame, LINE, Scale, heading, range, small_text, stroked,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::number;
@@ -54,10 +54,10 @@ pub(super) fn picture(words: &Words, shown: &[usize]) -> Option<Picture> {
         }
     }
     let length = words.text("visits.picture.length_cm");
-    marks.push(text_mark([4.0, 34.0], Anchor::Start, SMALL, Ink::Muted, length));
+    marks.push(small_text([4.0, 34.0], Anchor::Start, length));
     let below = ROWS_PX[0] + 2.0 * LINE;
     let girth = words.text("picture.girth_cm");
-    marks.push(text_mark([WIDTH - 4.0, below], Anchor::End, SMALL, Ink::Muted, girth));
+    marks.push(small_text([WIDTH - 4.0, below], Anchor::End, girth));
     let height = ROWS_PX[0] + BELOW + LINE * shown.len() as f64;
     let title = words.text("visits.picture.profiles");
     Some(Picture { title, size: [WIDTH, height], cuts: Vec::new(), marks })

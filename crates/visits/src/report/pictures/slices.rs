@@ -3,7 +3,7 @@
 use gaiter_leg::Side;
 use gaiter_leg::levels::at_height::PROFILE_STEP_MM;
 use gaiter_record::picture::figures::plot::{
-    Frame, SMALL, Scale, about_zero, area, heading, lines, text_mark,
+    Frame, SMALL, Scale, about_zero, area, heading, lines, small_text,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture};
 use gaiter_record::rounding::{number, signed};
@@ -79,7 +79,7 @@ fn grid(words: &Words, side: Side, scale: &Scale, step: f64, rows: &Scale) -> Ve
     marks.push(heading([middle, top - 12.0], Anchor::Middle, Ink::for_side(side), name));
     marks.extend(rows.steps(2.0 * PROFILE_STEP_MM).map(|mm| {
         let at = [scale.px[0] - 6.0, rows.at(mm) + SMALL / 3.0];
-        text_mark(at, Anchor::End, SMALL, Ink::Muted, number(mm / 10.0, 0, words.language))
+        small_text(at, Anchor::End, number(mm / 10.0, 0, words.language))
     }));
     marks
 }

@@ -3,7 +3,7 @@
 
 use gaiter_leg::Side;
 use gaiter_record::picture::figures::plot::{
-    Frame, LINE, SMALL, Scale, heading, lines, range, stroked, text_mark,
+    Frame, LINE, SMALL, Scale, heading, lines, range, small_text, stroked, text_mark,
 };
 use gaiter_record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use gaiter_record::rounding::{number, signed};
@@ -292,13 +292,7 @@ fn days(words: &Words, places: &[f64], dates: &Scale) -> Vec<Mark> {
             _ if visit == last => Anchor::End,
             _ => Anchor::Middle,
         };
-        marks.push(text_mark(
-            [x, bottom + LINE + 4.0],
-            anchor,
-            SMALL,
-            Ink::Muted,
-            words.day(visit),
-        ));
+        marks.push(small_text([x, bottom + LINE + 4.0], anchor, words.day(visit)));
     }
     marks
 }
