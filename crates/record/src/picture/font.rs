@@ -45,17 +45,8 @@ impl Font {
 
     /// Width of a text at a letter size, in the unit of that size.
     pub fn width(&self, words: &str, size: f64) -> f64 {
-        Font::of_units(self.units(words), size)
-    }
-
-    /// Width of a text, 1/[`UNITS_PER_EM`]. It is the sum of those of its parts.
-    pub fn units(&self, words: &str) -> u32 {
         let glyphs = words.chars().map(|letter| self.glyph(letter).unwrap_or(0));
-        glyphs.map(|glyph| u32::from(self.advance(glyph))).sum()
-    }
-
-    /// The width of this many units at a letter size, in the unit of that size.
-    pub fn of_units(units: u32, size: f64) -> f64 {
+        let units: u32 = glyphs.map(|glyph| u32::from(self.advance(glyph))).sum();
         f64::from(units) / UNITS_PER_EM * size
     }
 

@@ -29,34 +29,26 @@ const ROUNDING: f64 = 1e-6;
 /// Breaks writable text into lines at blanks, if it can be not between a figure and its unit. A word that is wider than a
 /// line, such as a long id, is broken between letters.
 pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
-    let font = Font::with_weight(letters.is_bold);
-    let blank = font.units(" ");
-    let mut lines = vec![String::new()];
-    // Width of the last line, units of the font.
-    let mut filled = 0;
-    let parts = held::parts(words).into_iter().flat_map(|part| {
-        let is_whole = Font::of_units(font.units(part), letters.size) <= width + ROUNDING;
-        if is_whole { vec![part] } else { part.split(' ').collect() }
+    let fits = |words: &str| letters.width(words) <= width + ROUNDING;
+    let parts = held::parts(words).into_iter().flat_map(|part| match fits(part) {
+        true => vec![part],
+        false => part.split(' ').collect(),
     });
+    let mut lines: Vec<String> = Vec::new();
     for word in parts.filter(|word| !word.is_empty()) {
-        let own = font.units(word);
-        let is_first = lines.last().is_none_or(String::is_empty);
-        let longer = if is_first { own } else { filled + blank + own };
-        if Font::of_units(longer, letters.size) <= width + ROUNDING {
-            if let Some(line) = lines.last_mut() {
-                line.push_str(if is_first { "" } else { " " });
-                line.push_str(word);
-            }
-            filled = longer;
-        } else {
-            if is_first {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match longer.filter(|line| fits(line)) {
+            Some(longer) => {
                 lines.pop();
+                lines.push(longer);
             }
-            lines.extend(pieces(word, width, letters));
-            filled = lines.last().map_or(0, |piece| font.units(piece));
+            None => lines.extend(pieces(word, width, letters)),
         }
     }
-    lines
+    match lines.is_empty() {
+        true => vec![String::new()],
+        false => lines,
+    }
 }
 
 /// Pieces of a word, each as long as fits and at least one letter.
