@@ -25,8 +25,6 @@ pub struct LegAtVisit {
 /// The girth at a fixed place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GirthAtPlace {
-    /// Vertical height above the floor, mm; `None` if it is not known.
-    pub height_mm: Option<f64>,
     /// Tape girth, mm.
     pub girth_mm: f64,
     /// Standard error of the girth at this place alone, mm.
@@ -119,7 +117,6 @@ impl LegAtVisit {
 
 fn place(at: &AlongFigures) -> Option<(Step, GirthAtPlace)> {
     let place = GirthAtPlace {
-        height_mm: at.height_mm,
         girth_mm: at.girth_tape_mm?,
         girth_sd_mm: at.girth_sd_mm?,
         is_doubtful: !at.doubts.is_empty(),
@@ -136,7 +133,7 @@ mod tests {
     fn cone(slope: f64, girth_sd_mm: f64) -> LegAtVisit {
         let place = |step: Step| {
             let girth_mm = 200.0 + slope * along_mm(step);
-            (step, GirthAtPlace { height_mm: None, girth_mm, girth_sd_mm, is_doubtful: false })
+            (step, GirthAtPlace { girth_mm, girth_sd_mm, is_doubtful: false })
         };
         LegAtVisit { places: (2..=16).map(place).collect(), volume_sd_ml: None, stance: None }
     }
