@@ -120,6 +120,21 @@ impl Course {
 }
 
 impl Comparison {
+    /// The change of the volume of a leg.
+    pub(crate) fn volume(&self, side: Side) -> Option<Change> {
+        self.legs.get(side).as_ref()?.volume
+    }
+
+    /// The changes of the girths of a leg; none where they are not compared.
+    pub(crate) fn girths(&self, side: Side) -> &[PlaceChange] {
+        self.legs.get(side).as_ref().map(|leg| leg.girths.as_slice()).unwrap_or_default()
+    }
+
+    /// The changes of the pieces of a leg; none where they are not compared.
+    pub(crate) fn pieces(&self, side: Side) -> &[PlaceChange] {
+        self.legs.get(side).as_ref().map(|leg| leg.pieces.as_slice()).unwrap_or_default()
+    }
+
     /// Whether the posture that was declared is another, so that nothing of the legs is compared.
     pub fn is_of_other_posture(&self) -> bool {
         self.cautions.contains(&Caution::Posture)

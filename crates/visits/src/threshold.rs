@@ -103,11 +103,11 @@ pub(crate) fn verdicts<'a>(
 fn figure(limited: Limited, of: &Comparison, side: Side) -> Option<[f64; 2]> {
     match limited {
         Limited::LegChange => {
-            let volume = of.legs.get(side).as_ref()?.volume?;
+            let volume = of.volume(side)?;
             Some([volume.percent, volume.detectable_percent()])
         }
         Limited::GirthChange => {
-            let changes = of.legs.get(side).as_ref()?.girths.iter().map(|place| place.change);
+            let changes = of.girths(side).iter().map(|place| place.change);
             let largest = changes.max_by(|one, other| one.by.abs().total_cmp(&other.by.abs()))?;
             Some([largest.by, largest.detectable()])
         }

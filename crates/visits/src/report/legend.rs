@@ -14,9 +14,9 @@ use crate::place::along_mm;
 
 /// How to read the comparisons of a group of visits.
 pub(super) fn legend(words: &Words, group: &Group, compared: &[Comparison]) -> Vec<String> {
-    let legs = || compared.iter().flat_map(|of| Side::BOTH.map(|side| of.legs.get(side).as_ref()));
-    let is_of_girths = legs().flatten().any(|leg| !leg.girths.is_empty());
-    let is_of_volumes = legs().flatten().any(|leg| leg.volume.is_some());
+    let legs = || compared.iter().flat_map(|of| Side::BOTH.map(|side| (of, side)));
+    let is_of_girths = legs().any(|(of, side)| !of.girths(side).is_empty());
+    let is_of_volumes = legs().any(|(of, side)| of.volume(side).is_some());
     let mut sentences: Vec<String> = Vec::new();
     sentences.extend(is_of_girths.then(|| words.text("visits.legend_girths")));
     sentences.extend(volumes(words, group));

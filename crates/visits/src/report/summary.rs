@@ -160,14 +160,14 @@ pub(super) fn between(words: &Words, of: &Comparison) -> String {
 
 /// Why the legs' difference is reported where no change of either leg is shown.
 pub(super) fn cancelling(words: &Words, of: &Comparison) -> Option<String> {
-    let volumes = Side::BOTH.map(|side| of.legs.get(side).as_ref().and_then(|leg| leg.volume));
+    let volumes = Side::BOTH.map(|side| of.volume(side));
     let is_shown = volumes.into_iter().flatten().any(|of| of.shown() != Shown::NoChange);
     let is_reported = of.excess.is_some() || of.left_minus_right.is_some();
     (is_reported && !is_shown).then(|| words.text("visits.cancels"))
 }
 
 fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
-    let change = of.legs.get(side).as_ref()?.volume?;
+    let change = of.volume(side)?;
     let [printed, _] = words.printed(&change);
     let [percent, detectable] = words.printed_percent(&change);
     let values: [(&str, &dyn Display); 4] = [

@@ -102,7 +102,7 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
         columns.iter().map(|key| words.of_code("visits.column", key, &[])).collect();
     [columns[1], columns[2]] = words.days(of);
     let leg = |side: Side| {
-        let change = of.legs.get(side).as_ref()?.volume?;
+        let change = of.volume(side)?;
         let at = |visit: usize| words.course.volume(group, visit, side);
         let ends = [at(of.earlier)?, at(of.later)?].map(|of| ml(words, &of));
         let [percent, percent_detectable] = words.printed_percent(&change);
@@ -180,10 +180,8 @@ pub(super) fn girths(
         ReportFigure::marked(value, mark(change.shown()))
     };
     let place = |step: Step| number(along_mm(step) / 10.0, 0, words.language);
-    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.girths.clone());
-    let changes: Vec<Vec<PlaceChange>> =
-        compared.iter().map(|comparison| of(comparison).unwrap_or_default()).collect();
-    let steps: BTreeSet<Step> = changes.iter().flatten().map(|of| of.step).collect();
+    let changes: Vec<&[PlaceChange]> = compared.iter().map(|of| of.girths(side)).collect();
+    let steps: BTreeSet<Step> = changes.iter().copied().flatten().map(|of| of.step).collect();
     let rows = places(words, &steps, shown, &changes, (&cell, &change, &place));
     let title = words.filled("visits.girths", &[("leg", &words.leg(side))]);
     (!steps.is_empty()).then(|| table_of_places(words, title, shown, compared, rows))
@@ -212,9 +210,7 @@ pub(super) fn slices(
         let cm = |mm: f64| number(mm / 10.0, 0, words.language);
         format!("{}–{}", cm(along_mm(step)), cm(along_mm(step) + PROFILE_STEP_MM))
     };
-    let of = |of: &Comparison| of.legs.get(side).as_ref().map(|leg| leg.pieces.clone());
-    let changes: Vec<Vec<PlaceChange>> =
-        compared.iter().map(|comparison| of(comparison).unwrap_or_default()).collect();
+    let changes: Vec<&[PlaceChange]> = compared.iter().map(|of| of.pieces(side)).collect();
     let steps = group.pieces.get(side);
     let mut rows = places(words, steps, shown, &changes, (&cell, &change, &place));
     rows.push(sums(words, group, side, shown, compared));
@@ -235,7 +231,7 @@ fn sums(
         Some(volume) => ReportFigure::plain(number(volume.value, 0, words.language)),
         None => missing(words),
     };
-    let of_change = |of: &Comparison| match of.legs.get(side).as_ref().and_then(|leg| leg.volume) {
+    let of_change = |of: &Comparison| match of.volume(side) {
         Some(change) => {
             let [printed, _] = words.printed(&change);
             ReportFigure::marked(printed, mark(change.shown()))
@@ -258,7 +254,7 @@ fn places(
     words: &Words,
     steps: &BTreeSet<Step>,
     shown: &[usize],
-    changes: &[Vec<PlaceChange>],
+    changes: &[&[PlaceChange]],
     (cell, change, place): Cells<'_>,
 ) -> Vec<TableRow> {
     let row = |step: &Step| {

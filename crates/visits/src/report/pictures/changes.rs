@@ -47,10 +47,7 @@ const DOT: f64 = 3.0;
 pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture> {
     let compared: Vec<&Comparison> =
         compared.iter().filter(|of| !of.is_of_other_posture()).collect();
-    let all = || {
-        let legs = compared.iter().flat_map(|of| Side::BOTH.map(|side| girths(of, side)));
-        legs.flatten()
-    };
+    let all = || compared.iter().flat_map(|of| Side::BOTH.map(|side| of.girths(side))).flatten();
     let lengths = range(all().map(|of| along_mm(of.step)), STEP_MM)?;
     let figures = all().flat_map(|of| [of.change.by.abs(), of.change.detectable()]);
     let reach = figures.filter(|mm| mm.is_finite()).fold(SCALE_MIN_MM, f64::max);
@@ -62,9 +59,9 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
         marks.extend(leg(words, side, &frame, step));
         // The last one first, so that the first comparison lies above it.
         for (place, of) in compared.iter().enumerate().rev() {
-            marks.extend(curve(girths(of, side), &frame, look(place, side)));
+            marks.extend(curve(of.girths(side), &frame, look(place, side)));
         }
-        let drawn = compared.iter().enumerate().filter(|(_, of)| !girths(of, side).is_empty());
+        let drawn = compared.iter().enumerate().filter(|(_, of)| !of.girths(side).is_empty());
         for (place, of) in drawn {
             let pen = Some(look(place, side));
             marks.extend(key([px[0], below(place)], pen, between(words, of)));
@@ -79,18 +76,13 @@ pub(super) fn picture(words: &Words, compared: &[Comparison]) -> Option<Picture>
 
 /// How to read it: what occurs in it.
 pub(super) fn caption(words: &Words, compared: &[Comparison]) -> String {
-    let legs = compared.iter().flat_map(|of| Side::BOTH.map(|side| girths(of, side)));
+    let legs = compared.iter().flat_map(|of| Side::BOTH.map(|side| of.girths(side)));
     let is_shown = legs.flatten().any(|of| of.change.shown() != Shown::NoChange);
     words.joined(&[
         (true, "visits.caption.changes"),
         (is_shown, "visits.caption.dot"),
         (true, "visits.caption.dotted"),
     ])
-}
-
-/// The changes of the girths of a leg.
-fn girths(of: &Comparison, side: Side) -> &[PlaceChange] {
-    of.legs.get(side).as_ref().map(|leg| leg.girths.as_slice()).unwrap_or_default()
 }
 
 /// The grid of a leg, with its name and the line of no change.

@@ -49,8 +49,7 @@ pub(super) fn picture(words: &Words, group: &Group, of: &Comparison) -> Option<P
     }
     let steps = &group.pieces.left | &group.pieces.right;
     let (low, high) = (*steps.first()?, *steps.last()?);
-    let slices = |side: Side| of.legs.get(side).as_ref().map(|leg| leg.pieces.as_slice());
-    let legs = Side::FROM_FRONT.map(|side| slices(side).unwrap_or_default());
+    let legs = Side::FROM_FRONT.map(|side| of.pieces(side));
     let reach = legs.into_iter().flatten();
     let reach = reach.map(|of| of.change.by.abs() + of.change.detectable());
     let reach = reach.filter(|ml| ml.is_finite()).fold(SCALE_MIN_ML, f64::max);
