@@ -257,6 +257,16 @@ pub struct GirthColumns {
     pub rms_mm: f64,
 }
 
+impl GirthColumns {
+    /// Each figure of one of these columns with the height of its section; `None` where either is missing.
+    pub(crate) fn over_height(
+        &self,
+        column: &[Option<f64>],
+    ) -> impl Iterator<Item = Option<[f64; 2]>> {
+        column.iter().zip(&self.height_mm).map(|(figure, height)| Some([(*figure)?, (*height)?]))
+    }
+}
+
 /// Figures of the section at a level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

@@ -70,12 +70,7 @@ fn titles(language: Language) -> Vec<Mark> {
 
 /// Girth and height of each measured section; `None` if a section is open.
 fn curve(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
-    let columns = &leg.girth_curve;
-    columns
-        .tape_mm
-        .iter()
-        .zip(&columns.height_mm)
-        .map(|(tape, height)| Some([(*tape)?, (*height)?]))
+    leg.girth_curve.over_height(&leg.girth_curve.tape_mm)
 }
 
 fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures> + Clone) -> Option<Frame> {

@@ -50,12 +50,7 @@ fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures>, girths: &Frame) -> Opti
 }
 
 fn slope_rows(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
-    let columns = &leg.girth_curve;
-    columns
-        .slope
-        .iter()
-        .zip(&columns.height_mm)
-        .map(|(slope, height)| Some([(*slope)?, (*height)?]))
+    leg.girth_curve.over_height(&leg.girth_curve.slope)
 }
 
 /// The line of the slope, as far as it is within its chart.
