@@ -52,7 +52,8 @@ pub(super) fn slices(words: &Words, group: &Group, compared: &[Comparison]) -> V
 }
 
 fn block(words: &Words, name: &'static str, title: &'static str, picture: Picture) -> Block {
-    captioned(name, words.text(title), picture, words.of_code("visits.caption", name, &[]))
+    let caption = words.language.word("visits.caption", name).to_owned();
+    captioned(name, words.text(title), picture, caption)
 }
 
 fn captioned(name: &'static str, title: String, picture: Picture, caption: String) -> Block {

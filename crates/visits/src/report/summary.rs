@@ -176,7 +176,7 @@ fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
         ("percent", &percent),
         ("detectable", &detectable),
     ];
-    Some(words.of_code("visits.volume", change.shown().word(), &values))
+    Some(words.language.filled_word("visits.volume", change.shown().word(), &values))
 }
 
 fn excess(words: &Words, change: &ExcessChange) -> String {
@@ -195,7 +195,7 @@ fn excess(words: &Words, change: &ExcessChange) -> String {
     if change.reduction == Err(NoReduction::SmallerLeg) {
         return words.filled("visits.smaller_leg", &values);
     }
-    let shown = words.of_code("visits.excess", change.change.shown().word(), &values);
+    let shown = words.language.filled_word("visits.excess", change.change.shown().word(), &values);
     let reduction = match &change.reduction {
         Ok(reduction) => {
             let [percent, margin] = words.reduction(reduction);
@@ -203,7 +203,7 @@ fn excess(words: &Words, change: &ExcessChange) -> String {
         }
         // The sentence before it states that already.
         Err(NoReduction::NoChange) => return shown,
-        Err(why) => words.of_code("visits.no_reduction", why.word(), &[]),
+        Err(why) => words.language.word("visits.no_reduction", why.word()).to_owned(),
     };
     format!("{shown} {reduction}")
 }

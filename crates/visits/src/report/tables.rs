@@ -99,7 +99,7 @@ fn apart(words: &Words, group: &Group, visit: usize) -> Option<ReportFigure> {
 pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
     let columns = ["subject", "earlier", "later", "change", "percent", "detectable", "shown"];
     let mut columns: Vec<String> =
-        columns.iter().map(|key| words.of_code("visits.column", key, &[])).collect();
+        columns.iter().map(|key| words.language.word("visits.column", key).to_owned()).collect();
     [columns[1], columns[2]] = words.days(of);
     let leg = |side: Side| {
         let change = of.volume(side)?;

@@ -58,16 +58,6 @@ impl Words<'_> {
         self.language.filled(key, words)
     }
 
-    /// A text with the key of a code, with words in its places; the code itself if it has none.
-    pub(super) fn of_code(
-        &self,
-        table: &str,
-        code: &str,
-        words: &[(&str, &dyn Display)],
-    ) -> String {
-        self.language.filled_word(table, code, words)
-    }
-
     /// Both legs, the affected one first; without one as a person who faces the patient sees them.
     pub(super) fn affected_first(&self) -> [Side; 2] {
         match self.course.choice.affected {
@@ -174,7 +164,9 @@ impl Words<'_> {
         let whole = |value: f64| number(value, 0, self.language);
         let tenths = |value: f64| tenths_words(value, self.language);
         let code = caution.code();
-        let with = |words: &[(&str, &dyn Display)]| self.of_code("visits.caution", code, words);
+        let with = |words: &[(&str, &dyn Display)]| {
+            self.language.filled_word("visits.caution", code, words)
+        };
         match caution {
             Caution::TimeOfDay { hours } => with(&[("hours", &whole(*hours))]),
             Caution::Posture => {
