@@ -168,10 +168,9 @@ impl Ordered<'_> {
             };
             let from = boxes.iter().find_map(|of| length_from(of.point)).map(str::to_owned);
             let point = boxes.first().map(|of| of.point);
-            let edit = point.filter(|_| counts && is_edited).and_then(|point| {
-                let edit = edited(self.record, leg?, point)?;
-                Some((edit, point))
-            });
+            let edit = point
+                .filter(|_| counts && is_edited)
+                .and_then(|point| edited(self.record, leg?, point));
             let words = |text: &str| without_id(text, self.record);
             Row {
                 side: point.and_then(|of| side_of(of, leg)).unwrap_or(OrderSide::Body),
@@ -180,9 +179,9 @@ impl Ordered<'_> {
                 girth: part(Part::Girth),
                 length: part(Part::Length),
                 length_from: from,
-                edited_by: edit.and_then(|(edit, _)| words(&edit.by)),
-                edited_at: edit.map(|(edit, _)| edit.at),
-                reason: edit.and_then(|(edit, _)| words(&edit.reason)),
+                edited_by: edit.and_then(|edit| words(&edit.by)),
+                edited_at: edit.map(|edit| edit.at),
+                reason: edit.and_then(|edit| words(&edit.reason)),
                 last: None,
             }
         };
