@@ -7,12 +7,12 @@
 
 use nalgebra::DMatrix;
 
+use super::Scatter;
 use super::circle::Circle;
 use super::equations::Equations;
 use super::function::Tensor;
 use super::kronecker::{Around, Direction, best_by_gcv};
 use super::neighbours::Neighbours;
-use super::{Scatter, place};
 use crate::basis::{Basis, DEGREE, Row};
 use crate::fit::FitFault;
 use crate::robust::biweights;
@@ -108,7 +108,6 @@ pub fn fit_scatter(
     let rows: Vec<(Row, Row)> =
         data.u.iter().zip(data.v).map(|(u, v)| (along.row(*u), circle.basis.row(*v))).collect();
     let neighbours = Neighbours::new(data, &grid.along, &grid.around);
-    let cell_of: Vec<usize> = data.u.iter().zip(data.v).map(|(u, v)| grid.cell(*u, *v)).collect();
     let mut weights = vec![1.0; found];
     let mut lambdas = [direction.unit(), around.unit()].map(|unit| FIRST_SMOOTHING * unit);
     let mut equations = Equations::new(&rows, data.value, &weights, &direction, &circle);
@@ -118,7 +117,7 @@ pub fn fit_scatter(
     for round in 1..=ROUNDS {
         let residuals = residuals(&rows, data.value, &coefficients);
         weights = biweights(&neighbours.beside(&residuals, least_scale), least_scale);
-        let (cells, seen) = grid.cells(&cell_of, &residuals, &weights, &coefficients);
+        let (cells, seen) = grid.cells(&neighbours.cells, &residuals, &weights, &coefficients);
         (lambdas, edf) = best_by_gcv(&direction, &around, &circle, &cells, seen);
         equations = Equations::new(&rows, data.value, &weights, &direction, &circle);
         let off = if round < ROUNDS { ROUGHLY } else { FINALLY };
@@ -166,14 +165,6 @@ impl Grid {
             along: cells_along,
             around: around.breakpoints().to_vec(),
         }
-    }
-
-    /// The index of the cell of a datum: cells around, rows of them along.
-    fn cell(&self, u: f64, v: f64) -> usize {
-        let start = self.around[0];
-        let period = self.around[self.around.len() - 1] - start;
-        let home = start + (v - start).rem_euclid(period);
-        place(&self.along, u) * self.rows_around.len() + place(&self.around, home)
     }
 
     /// Cell averages (around × along), and the number of cells with data. An average is the fit at the

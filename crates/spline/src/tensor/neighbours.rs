@@ -25,7 +25,9 @@ pub struct Neighbours<'a> {
     /// Breakpoints of the cells along, and around.
     along: &'a [f64],
     around: &'a [f64],
-    /// Indices of the data, by cells, cells by rows along.
+    /// The cell of each datum: cells around, rows of them along.
+    pub cells: Vec<usize>,
+    /// Indices of the data, by cells.
     members: Vec<usize>,
     /// Where the members of each cell begin, and the end of the last.
     starts: Vec<usize>,
@@ -34,23 +36,22 @@ pub struct Neighbours<'a> {
 impl<'a> Neighbours<'a> {
     /// Puts the data into the cells between these breakpoints; those around are a whole period.
     pub fn new(data: &'a Scatter, along: &'a [f64], around: &'a [f64]) -> Neighbours<'a> {
-        let count = (along.len() - 1) * (around.len() - 1);
-        let (members, starts) = (vec![0; data.value.len()], vec![0; count + 1]);
-        let mut all = Neighbours { data, along, around, members, starts };
-        let homes: Vec<usize> = (0..data.value.len())
-            .map(|index| {
-                let (row, column) = all.home(index);
-                row * (around.len() - 1) + column
-            })
-            .collect();
-        homes.iter().for_each(|home| all.starts[home + 1] += 1);
-        (0..count).for_each(|cell| all.starts[cell + 1] += all.starts[cell]);
-        let mut next = all.starts.clone();
-        for (index, home) in homes.into_iter().enumerate() {
-            all.members[next[home]] = index;
-            next[home] += 1;
+        let (start, end) = ends(around);
+        let [rows, columns] = [along, around].map(|points| points.len() - 1);
+        let cell = |(u, v): (&f64, &f64)| {
+            let turned = start + (v - start).rem_euclid(end - start);
+            place(along, *u) * columns + place(around, turned)
+        };
+        let cells: Vec<usize> = data.u.iter().zip(data.v).map(cell).collect();
+        let mut starts = vec![0_usize; rows * columns + 1];
+        cells.iter().for_each(|cell| starts[cell + 1] += 1);
+        (0..rows * columns).for_each(|cell| starts[cell + 1] += starts[cell]);
+        let (mut members, mut next) = (vec![0; cells.len()], starts.clone());
+        for (index, cell) in cells.iter().enumerate() {
+            members[next[*cell]] = index;
+            next[*cell] += 1;
         }
-        all
+        Neighbours { data, along, around, cells, members, starts }
     }
 
     /// The residuals without what their neighbours share. Residuals of `least_scale` are no outliers.
@@ -68,7 +69,7 @@ impl<'a> Neighbours<'a> {
         let [(bottom, top), (start, end)] = [self.along, self.around].map(ends);
         let [rows, columns] = [self.along, self.around].map(|points| points.len() - 1);
         let (long, wide) = ((top - bottom) / rows as f64, (end - start) / columns as f64);
-        let (row, column) = self.home(index);
+        let (row, column) = (self.cells[index] / columns, self.cells[index] % columns);
         let rows = row.saturating_sub(1)..(row + 2).min(rows);
         let cells = rows.flat_map(|row| {
             [columns - 1, 0, 1].map(|turn| {
@@ -90,13 +91,6 @@ impl<'a> Neighbours<'a> {
         let middle = near.len() / 2;
         let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
         median.clamp(-SHARED_MAX, SHARED_MAX)
-    }
-
-    /// The cell of a datum: row along, column around.
-    fn home(&self, index: usize) -> (usize, usize) {
-        let (start, end) = ends(self.around);
-        let turned = start + (self.data.v[index] - start).rem_euclid(end - start);
-        (place(self.along, self.data.u[index]), place(self.around, turned))
     }
 }
 
