@@ -52,22 +52,6 @@ impl TensorFit {
     }
 }
 
-/// For each eigenvector along, its contribution to the variance of the mean over one turn, if the
-/// data, of this weight per cell and of variance 1, were spread evenly. Of all waves only the constant has
-/// a mean.
-fn mean_variances(
-    along: &Direction,
-    around: &Around,
-    pieces: usize,
-    lambdas: [f64; 2],
-    density: f64,
-) -> Vec<f64> {
-    let share = 1.0 / (pieces as f64 * around.gram[0]);
-    let base = 1.0 + lambdas[1] * around.eigenvalues[0];
-    let one = |rough: &f64| share / (base + lambdas[0] * rough) / density;
-    along.eigenvalues.iter().map(one).collect()
-}
-
 /// Rounds of reweighting and choosing the smoothing; both converge to 1 % after three.
 const ROUNDS: usize = 3;
 
@@ -127,8 +111,12 @@ pub fn fit_scatter(
     let rss: f64 = residuals.iter().zip(&weights).map(|(r, w)| w * r * r).sum();
     let freedom = weights.iter().sum::<f64>() - edf;
     let sigma = (rss / freedom.max(1.0)).sqrt() / WEIGHTED_NORMAL_SD;
-    let mean_variances =
-        mean_variances(&direction, &around, pieces_around, lambdas, equations.density());
+    // If the data were spread evenly. Of all waves around only the constant has a mean.
+    let share = 1.0 / (pieces_around as f64 * around.gram[0]);
+    let base = 1.0 + lambdas[1] * around.eigenvalues[0];
+    let density = equations.density();
+    let variance = |rough: &f64| share / (base + lambdas[0] * rough) / density;
+    let mean_variances = direction.eigenvalues.iter().map(variance).collect();
     drop(equations);
     let function = Tensor::new(along, circle.basis, coefficients.as_slice().to_vec());
     Ok(TensorFit { function, weights, residuals, sigma, edf, direction, mean_variances })

@@ -108,34 +108,24 @@ fn unit(eigenvalues: impl Iterator<Item = f64> + Clone) -> f64 {
     positive.get(positive.len() / 2).map_or(1.0, |median| 1.0 / median)
 }
 
-/// Values on the grid's cells, as far as a fit with any lambdas depends on them.
-struct Projected {
-    /// For each wave number, and each eigenvector along, the square of its part in the values.
-    squares: Vec<Vec<f64>>,
-    /// The square of what no function of the basis has.
-    outside: f64,
-}
-
-impl Projected {
-    /// The parts of cells, around × along.
-    fn from_cells(
-        cells: &DMatrix<f64>,
-        along: &Direction,
-        around: &Around,
-        circle: &Circle,
-    ) -> Projected {
-        let waves = circle.waves(&(cells * &along.at_cells));
-        let (half, frequencies) = (circle.count() / 2, around.seen.len());
-        let mut squares = vec![vec![0.0; waves.ncols()]; frequencies];
-        for (place, wave) in waves.column_iter().enumerate() {
-            for (row, value) in wave.iter().enumerate() {
-                let frequency = if row < frequencies { row } else { row - half };
-                squares[frequency][place] += around.seen[frequency] * value * value;
-            }
+/// What a fit with any lambdas depends on of values on the grid's cells, around × along: for each wave number, and
+/// each eigenvector along, the square of its part in them.
+fn squared_parts(
+    cells: &DMatrix<f64>,
+    along: &Direction,
+    around: &Around,
+    circle: &Circle,
+) -> Vec<Vec<f64>> {
+    let waves = circle.waves(&(cells * &along.at_cells));
+    let (half, frequencies) = (circle.count() / 2, around.seen.len());
+    let mut squares = vec![vec![0.0; waves.ncols()]; frequencies];
+    for (place, wave) in waves.column_iter().enumerate() {
+        for (row, value) in wave.iter().enumerate() {
+            let frequency = if row < frequencies { row } else { row - half };
+            squares[frequency][place] += around.seen[frequency] * value * value;
         }
-        let inside: f64 = squares.iter().flatten().sum();
-        Projected { squares, outside: (cells.norm_squared() - inside).max(0.0) }
     }
+    squares
 }
 
 /// The pair of lambdas with the smallest generalised cross-validation score for values on the
@@ -148,7 +138,9 @@ pub fn best_by_gcv(
     cells: &DMatrix<f64>,
     seen: usize,
 ) -> ([f64; 2], f64) {
-    let Projected { squares, outside } = Projected::from_cells(cells, along, around, circle);
+    let squares = squared_parts(cells, along, around, circle);
+    // The square of what no function of the basis has.
+    let outside = (cells.norm_squared() - squares.iter().flatten().sum::<f64>()).max(0.0);
     let height = along.eigenvalues.len();
     let fitted = |lambdas: [f64; 2]| {
         // Several sums in parallel, because a single one would wait for itself at every term.
