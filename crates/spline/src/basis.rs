@@ -80,6 +80,17 @@ impl Row {
         let [a, b, c, d] = self.values;
         a * i + b * j + c * k + d * l
     }
+
+    /// Adds the value of these functions with each column of `coefficients`, of which each function has a row as long
+    /// as `sums`.
+    #[inline]
+    pub(super) fn add_to(&self, sums: &mut [f64], coefficients: &[f64]) {
+        let width = sums.len();
+        for (index, share) in self.indices.into_iter().zip(self.values) {
+            let own = &coefficients[index * width..(index + 1) * width];
+            sums.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
+        }
+    }
 }
 
 impl Basis {

@@ -62,12 +62,8 @@ fn jumps(profiles: &Profiles, domain: &Domain, fine: &[f64]) -> Result<Vec<f64>,
     let coefficients = fit.coefficients(&profiles.values);
     let width = coefficients.len() / basis.count();
     let third = |pair: &[f64]| {
-        let row = basis.rows(0.5 * (pair[0] + pair[1]))[3];
         let mut sums = vec![0.0; width];
-        for (index, weight) in row.indices.into_iter().zip(row.values) {
-            let terms = &coefficients[index * width..(index + 1) * width];
-            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
-        }
+        basis.rows(0.5 * (pair[0] + pair[1]))[3].add_to(&mut sums, &coefficients);
         sums
     };
     let thirds: Vec<Vec<f64>> = fine.windows(2).map(third).collect();

@@ -183,14 +183,10 @@ impl Grid {
 
     /// The values of a function in the middles of the cells; both around × along.
     fn values(&self, coefficients: &DMatrix<f64>) -> DMatrix<f64> {
-        let width = coefficients.nrows();
         let mut values = Vec::with_capacity(self.rows_along.len() * self.rows_around.len());
         for along in &self.rows_along {
-            let mut ring = vec![0.0; width];
-            for (i, share) in along.indices.into_iter().zip(along.values) {
-                let own = &coefficients.as_slice()[i * width..(i + 1) * width];
-                ring.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
-            }
+            let mut ring = vec![0.0; coefficients.nrows()];
+            along.add_to(&mut ring, coefficients.as_slice());
             values.extend(self.rows_around.iter().map(|around| around.dot(&ring)));
         }
         DMatrix::from_vec(self.rows_around.len(), self.rows_along.len(), values)

@@ -45,11 +45,6 @@ impl Tensor {
 
     /// Adds the coefficients of the periodic function of v at one u to as many values.
     pub fn add_around_at(&self, u: f64, coefficients: &mut [f64]) {
-        let row = self.along.row(u);
-        let width = self.around.count();
-        for (i, share) in row.indices.into_iter().zip(row.values) {
-            let own = &self.coefficients[i * width..(i + 1) * width];
-            coefficients.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
-        }
+        self.along.row(u).add_to(coefficients, &self.coefficients);
     }
 }
