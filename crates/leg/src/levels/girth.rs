@@ -113,11 +113,6 @@ impl GirthCurve {
         self.tape.derivatives(along_mm)
     }
 
-    /// Contour girth, mm.
-    pub fn contour_mm(&self, along_mm: f64) -> f64 {
-        self.contour.value(along_mm)
-    }
-
     /// Tape and contour girth at a fixed place, mm. Sections that know their own standard errors are smooth
     /// already: there the girth goes through them, also where the curve cuts a fold off.
     pub fn girth(&self, along_mm: f64) -> Girth {
