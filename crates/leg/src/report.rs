@@ -15,7 +15,7 @@ use crate::features::feature::features;
 use crate::levels::at_height::{AtHeight, at_heights, at_lengths, profile_heights_mm};
 use crate::levels::foot::{Foot, foot};
 use crate::levels::girth::GirthCurve;
-use crate::levels::landmark::{Estimate, Landmark};
+use crate::levels::landmark::{Estimate, Landmark, is_plausible};
 use crate::levels::level_reading::Ruler;
 use crate::levels::search::{Levels, levels};
 use crate::levels::thigh::{KNEE_STATURE_SHARE, g, knee_and_thigh};
@@ -83,7 +83,8 @@ pub fn leg_report(
     }
     findings.about_levels(&measures.levels);
     let found = measures.levels.found.into_iter();
-    let landmarks: Vec<Landmark> = found.filter(Landmark::is_plausible).collect();
+    let landmarks: Vec<Landmark> =
+        found.filter(|landmark| is_plausible(landmark.girth_tape_mm)).collect();
     let wanted_mm = surface_heights_mm(&landmarks, scale_mm);
     let found = landmarks.iter().map(|landmark| (landmark.level, landmark.along_mm));
     let estimated = measures.estimates.iter().map(|estimate| (estimate.level, estimate.along_mm));
@@ -234,7 +235,7 @@ fn measures(
     let (figures, a, y) = foot.map_or((None, None, None), |foot| (Some(foot.foot), foot.a, foot.y));
     levels.found.extend(y);
     estimates.extend(a);
-    estimates.retain(Estimate::is_plausible);
+    estimates.retain(|estimate| is_plausible(estimate.girth_tape_mm));
     levels.found.sort_by_key(|landmark| landmark.level);
     estimates.sort_by_key(|estimate| estimate.level);
     Measures { levels, estimates, foot: figures }
@@ -269,7 +270,7 @@ impl Findings {
                 self.add(Some(level), What::LevelAbsent { why: *absence });
             }
             match levels.found.iter().find(|landmark| landmark.level == level) {
-                Some(landmark) if !landmark.is_plausible() => {
+                Some(landmark) if !is_plausible(landmark.girth_tape_mm) => {
                     let girth_mm = landmark.girth_tape_mm;
                     self.add(Some(level), What::LevelImplausible { girth_mm });
                 }

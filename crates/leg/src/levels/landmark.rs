@@ -38,21 +38,8 @@ pub struct Landmark {
     pub doubts: Vec<Doubt>,
 }
 
-impl Landmark {
-    /// Whether a leg can have this girth.
-    pub fn is_plausible(&self) -> bool {
-        is_plausible(self.girth_tape_mm)
-    }
-}
-
-impl Estimate {
-    /// Whether a leg can have this girth.
-    pub fn is_plausible(&self) -> bool {
-        is_plausible(self.girth_tape_mm)
-    }
-}
-
-fn is_plausible(girth_mm: f64) -> bool {
+/// Whether a leg can have this girth.
+pub(crate) fn is_plausible(girth_mm: f64) -> bool {
     (GIRTH_MM[0]..=GIRTH_MM[1]).contains(&girth_mm)
 }
 
