@@ -32,7 +32,7 @@ pub fn edges(points: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
             edges.push(*next);
             others = rest;
         }
-        insertion_sort(&mut edges[start..]);
+        edges[start..].sort_unstable_by_key(|[_, to]| *to);
     }
     edges
 }
@@ -50,17 +50,6 @@ fn put(rows: &mut [[u32; PLACES]], others: &mut Vec<[u32; 2]>, a: u32, b: u32) {
         }
     }
     others.push([from, to]);
-}
-
-/// Sorts a list of a few entries, for which the library's own way prepares too much.
-fn insertion_sort(list: &mut [[u32; 2]]) {
-    for sorted in 1..list.len() {
-        let mut place = sorted;
-        while place > 0 && list[place - 1] > list[place] {
-            list.swap(place - 1, place);
-            place -= 1;
-        }
-    }
 }
 
 #[cfg(test)]
