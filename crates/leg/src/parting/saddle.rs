@@ -22,9 +22,6 @@ const BAND_SHARE: [f64; 2] = [0.33, 0.35];
 /// legs are not connected because points are spread unevenly.
 const CLOUD_REACHES: [f64; 2] = [2.5, 4.0];
 
-/// Edges are put in order in this many pieces.
-const PIECES: usize = 8;
-
 /// The saddle between two legs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Saddle {
@@ -103,27 +100,15 @@ struct Legs {
 }
 
 impl Legs {
-    /// The higher end of the edge that connects the legs, if edges are added from below. They are put in
-    /// order piece by piece, because those above the crotch are not needed.
+    /// The higher end of the edge that connects the legs, if edges are added from below.
     fn first_joined(mut self, points: &[Point3<f64>], mut edges: Vec<Edge>) -> Option<u32> {
         let [left, right] = self.ends;
-        let piece = edges.len().div_ceil(PIECES).max(1);
-        let mut rest = edges.as_mut_slice();
-        while !rest.is_empty() {
-            let count = piece.min(rest.len());
-            rest.select_nth_unstable(count - 1);
-            let (next, after) = rest.split_at_mut(count);
-            next.sort_unstable();
-            for edge in next {
-                let [a, b] = edge.ends;
-                self.sets.join(a, b);
-                if self.sets.root(left) == self.sets.root(right) {
-                    return Some(if points[a as usize].z > points[b as usize].z { a } else { b });
-                }
-            }
-            rest = after;
-        }
-        None
+        edges.sort_unstable();
+        edges.into_iter().find_map(|Edge { ends: [a, b], .. }| {
+            self.sets.join(a, b);
+            let is_joined = self.sets.root(left) == self.sets.root(right);
+            is_joined.then(|| if points[a as usize].z > points[b as usize].z { a } else { b })
+        })
     }
 }
 
