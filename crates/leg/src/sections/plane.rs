@@ -103,56 +103,23 @@ pub(crate) fn section(
         return None;
     }
     let centre = outline_centroid(points)?;
-    let found = fitted(points, centre, fit)?;
-    let counts = found.angles.iter().zip(&found.weights).filter(|(_, weight)| **weight > 0.0);
-    let largest_gap_deg = largest_gap_deg(&counts.map(|(angle, _)| *angle).collect::<Vec<_>>());
-    if largest_gap_deg > gap_max_deg(fit) {
-        return None;
-    }
-    Some(Section {
-        along_mm,
-        height_mm: axis.at(along_mm, &centre).z,
-        centre,
-        girth: girth(&found.curve)?,
-        girth_sd: None,
-        wave_sd_mm: None,
-        points: points.len(),
-        r2: found.r2,
-        rms_mm: found.rms_mm,
-        largest_gap_deg,
-        curve: found.curve,
-    })
-}
-
-/// The widest gap that a curve bridges, degrees.
-fn gap_max_deg(fit: PlaneFit) -> f64 {
-    match fit {
-        PlaneFit::Periodic { .. } => GAP_MAX_DEG,
-        PlaneFit::Polynomial => POLYNOMIAL_GAP_MAX_DEG,
-    }
-}
-
-/// A curve and the data it was fitted to.
-struct Fitted {
-    curve: Curve,
-    angles: Vec<f64>,
-    weights: Vec<f64>,
-    r2: f64,
-    rms_mm: f64,
-}
-
-fn fitted(points: &[Point2<f64>], centre: Point2<f64>, fit: PlaneFit) -> Option<Fitted> {
     let (angles, radii) = polar(points, centre);
-    let (curve, weights) = match fit {
+    let (curve, weights, gap_max_deg) = match fit {
         PlaneFit::Periodic { lambda } => {
             let fit = robust_fit(&basis()?, &angles, &radii, lambda, SCALE_MIN_MM).ok()?;
             let Spline { basis, coefficients, .. } = fit.spline;
-            (Curve::Periodic { basis, coefficients }, fit.weights)
+            (Curve::Periodic { basis, coefficients }, fit.weights, GAP_MAX_DEG)
         }
         PlaneFit::Polynomial => {
-            (Curve::Polynomial(polynomial::fit(&angles, &radii)?), vec![1.0; radii.len()])
+            let curve = Curve::Polynomial(polynomial::fit(&angles, &radii)?);
+            (curve, vec![1.0; radii.len()], POLYNOMIAL_GAP_MAX_DEG)
         }
     };
+    let counts = angles.iter().zip(&weights).filter(|(_, weight)| **weight > 0.0);
+    let largest_gap_deg = largest_gap_deg(&counts.map(|(angle, _)| *angle).collect::<Vec<_>>());
+    if largest_gap_deg > gap_max_deg {
+        return None;
+    }
     let total: f64 = weights.iter().sum();
     let mean = radii.iter().sum::<f64>() / radii.len() as f64;
     let (mut rss, mut spread, mut weighted) = (0.0, 0.0, 0.0);
@@ -162,6 +129,17 @@ fn fitted(points: &[Point2<f64>], centre: Point2<f64>, fit: PlaneFit) -> Option<
         weighted += weight * residual * residual;
         spread += (radius - mean).powi(2);
     }
-    let r2 = r2(rss, spread, mean * mean * radii.len() as f64);
-    Some(Fitted { curve, angles, weights, r2, rms_mm: (weighted / total).sqrt() })
+    Some(Section {
+        along_mm,
+        height_mm: axis.at(along_mm, &centre).z,
+        centre,
+        girth: girth(&curve)?,
+        girth_sd: None,
+        wave_sd_mm: None,
+        points: points.len(),
+        r2: r2(rss, spread, mean * mean * radii.len() as f64),
+        rms_mm: (weighted / total).sqrt(),
+        largest_gap_deg,
+        curve,
+    })
 }
