@@ -13,53 +13,18 @@ const EXCERPT_CHARS: usize = 40;
 /// The measures taken by the scanner's own program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ord {
-    /// The unit that the file declares.
-    pub unit: OrdUnit,
     /// Names as written and values in mm, in the order of the file. The file does not mark angles
     /// and counts, so they are converted too and are meaningless.
     pub measures: Vec<(String, f64)>,
 }
 
-/// A unit of a measurement file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OrdUnit {
-    /// Millimetre.
-    Mm,
-    /// Centimetre.
-    Cm,
-    /// Inch, 25.4 mm.
-    In,
-}
-
-impl OrdUnit {
-    /// The unit of a word; upper and lower case are equal.
-    fn of_word(word: &str) -> Option<OrdUnit> {
-        match word.to_ascii_lowercase().as_str() {
-            "mm" | "millimeter" | "millimeters" => Some(OrdUnit::Mm),
-            "cm" | "centimeter" | "centimeters" => Some(OrdUnit::Cm),
-            "in" | "inch" | "inches" => Some(OrdUnit::In),
-            _ => None,
-        }
-    }
-
-    /// Millimetres in one of this unit.
-    pub fn in_mm(self) -> f64 {
-        match self {
-            OrdUnit::Mm => 1.0,
-            OrdUnit::Cm => 10.0,
-            OrdUnit::In => 25.4,
-        }
-    }
-
-    /// The word used in messages.
-    pub fn word(self) -> &'static str {
-        match self {
-            OrdUnit::Mm => "mm",
-            OrdUnit::Cm => "cm",
-            OrdUnit::In => "in",
-        }
-    }
-}
+/// The units of measurement files: their words, of which messages use the first, and the millimetres in one. Upper and
+/// lower case are equal.
+const UNITS: [([&str; 3], f64); 3] = [
+    (["mm", "millimeter", "millimeters"], 1.0),
+    (["cm", "centimeter", "centimeters"], 10.0),
+    (["in", "inch", "inches"], 25.4),
+];
 
 /// Why bytes are not a measurement file. Lines count from 1.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -98,14 +63,14 @@ pub enum OrdFault {
         found: String,
     },
     /// A different unit than declared before.
-    #[error("line {line}: the unit is {}, but was {} before", now.word(), before.word())]
+    #[error("line {line}: the unit is {now}, but was {before} before")]
     TwoUnits {
         /// The line of the second.
         line: usize,
         /// The first.
-        before: OrdUnit,
+        before: &'static str,
         /// The second.
-        now: OrdUnit,
+        now: &'static str,
     },
     /// No line declares the unit.
     #[error("none of its {lines} lines states the unit (OPTION UNITS=cm)")]
@@ -134,7 +99,7 @@ pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
         return Err(OrdFault::Binary { line });
     }
     let text = decoded(bytes);
-    let mut unit: Option<OrdUnit> = None;
+    let mut unit: Option<(&'static str, f64)> = None;
     let mut written: Vec<(String, f64)> = Vec::new();
     let mut lines = 0;
     for (line, text) in (1..).zip(text.lines()) {
@@ -143,13 +108,16 @@ pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
         match keyword.to_ascii_uppercase().as_str() {
             "OPTION" => {
                 let Some(found) = units(rest) else { continue };
+                let is_it = |(words, _): &([&str; 3], f64)| {
+                    words.iter().any(|word| word.eq_ignore_ascii_case(found))
+                };
                 let unknown = || OrdFault::UnknownUnit { line, found: excerpt(found) };
-                let now = OrdUnit::of_word(found).ok_or_else(unknown)?;
+                let ([now, ..], mm) = UNITS.into_iter().find(is_it).ok_or_else(unknown)?;
                 match unit {
-                    Some(before) if before != now => {
+                    Some((before, _)) if before != now => {
                         return Err(OrdFault::TwoUnits { line, before, now });
                     }
-                    _ => unit = Some(now),
+                    _ => unit = Some((now, mm)),
                 }
             }
             "MEASURE" => written.extend(measure(rest.trim(), line)?),
@@ -159,9 +127,9 @@ pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
     if written.is_empty() {
         return Err(OrdFault::NoMeasures { lines });
     }
-    let unit = unit.ok_or(OrdFault::NoUnit { lines })?;
-    let in_mm = |(name, value): (String, f64)| (name, value * unit.in_mm());
-    Ok(Ord { unit, measures: written.into_iter().map(in_mm).collect() })
+    let (_, unit_mm) = unit.ok_or(OrdFault::NoUnit { lines })?;
+    let in_mm = |(name, value): (String, f64)| (name, value * unit_mm);
+    Ok(Ord { measures: written.into_iter().map(in_mm).collect() })
 }
 
 /// Whether a file of this name is the measurement file of a scan of that name: the ending is `.ord`

@@ -9,7 +9,7 @@ use gaiter_leg::comparison::second_opinion::compare;
 use gaiter_leg::finding::Severity;
 use gaiter_leg::{Extraction, Finding, Level, Method, Side, What, extract};
 use gaiter_scan::Format;
-use gaiter_scan::ord::{Ord, OrdUnit};
+use gaiter_scan::ord::Ord;
 use support::recorded::export;
 
 /// A body whose left calf is 46 mm larger than the right.
@@ -27,7 +27,7 @@ fn told(measures: &[(&str, f64)]) -> Vec<Finding> {
 
 fn told_of(body: &Extraction, measures: &[(&str, f64)]) -> Vec<Finding> {
     let measures = measures.iter().map(|(name, mm)| ((*name).to_owned(), *mm)).collect();
-    compare(body, &Ord { unit: OrdUnit::Cm, measures })
+    compare(body, &Ord { measures })
 }
 
 fn codes(findings: &[Finding]) -> Vec<&'static str> {
