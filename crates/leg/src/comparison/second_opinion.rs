@@ -55,94 +55,85 @@ const SIDES_MM: f64 = 10.0;
 /// Compares the scanner's measures with an extraction's. Measures that either side lacks are
 /// skipped; after a unit mismatch nothing else is compared.
 pub fn compare(extraction: &Extraction, ord: &Ord) -> Vec<Finding> {
-    let theirs = OrdMeasures { ord };
-    let stature = extraction.body.stature_mm.and_then(|ours_mm| theirs.stature(ours_mm));
+    let stature = extraction.body.stature_mm.and_then(|ours_mm| stature(ord, ours_mm));
     let girths = match stature {
         Some(SecondOpinion::Unit { .. }) => Vec::new(),
-        _ => theirs.legs(&extraction.legs),
+        _ => legs(ord, &extraction.legs),
     };
     stature.map(Finding::from).into_iter().chain(girths).collect()
 }
 
-/// The scanner's measures, by meaning.
-struct OrdMeasures<'a> {
-    ord: &'a Ord,
+/// The first measure of this meaning and side, mm; a value of zero means that it was not taken.
+fn mm(ord: &Ord, measure: Measure, side: Option<Side>) -> Option<f64> {
+    let is = |(name, mm): &&(String, f64)| meaning(name) == Some((measure, side)) && *mm > 0.0;
+    ord.measures.iter().find(is).map(|(_, mm)| *mm)
 }
 
-impl OrdMeasures<'_> {
-    /// The first measure of this meaning and side, mm; a value of zero means that it was not taken.
-    fn mm(&self, measure: Measure, side: Option<Side>) -> Option<f64> {
-        let is = |(name, mm): &&(String, f64)| meaning(name) == Some((measure, side)) && *mm > 0.0;
-        self.ord.measures.iter().find(is).map(|(_, mm)| *mm)
+fn stature(ord: &Ord, ours_mm: f64) -> Option<SecondOpinion> {
+    let theirs_mm = mm(ord, Measure::Stature, None)?;
+    let ratio = (theirs_mm / ours_mm).max(ours_mm / theirs_mm);
+    let near = |factor: f64| (ratio / factor - 1.0).abs() <= STATURE_SHARE;
+    if near(1.0) {
+        return None;
     }
+    Some(match UNIT_RATIOS.into_iter().find(|&factor| near(factor)) {
+        Some(factor) => SecondOpinion::Unit { theirs_mm, ours_mm, factor },
+        None => SecondOpinion::Disagrees { measure: Measure::Stature, theirs_mm, ours_mm },
+    })
+}
 
-    fn stature(&self, ours_mm: f64) -> Option<SecondOpinion> {
-        let theirs_mm = self.mm(Measure::Stature, None)?;
-        let ratio = (theirs_mm / ours_mm).max(ours_mm / theirs_mm);
-        let near = |factor: f64| (ratio / factor - 1.0).abs() <= STATURE_SHARE;
-        if near(1.0) {
+fn legs(ord: &Ord, legs: &[LegReport]) -> Vec<Finding> {
+    let calves = match sides(ord, legs) {
+        // This finding covers the disagreement on each calf.
+        Some(sides) => vec![Finding::from(sides)],
+        None => girths(ord, legs, Measure::Calf, Level::C, |theirs_mm, ours_mm| {
+            (theirs_mm - ours_mm).abs() <= CALF_MM
+        }),
+    };
+    let ankles = girths(ord, legs, Measure::Ankle, Level::B, |theirs_mm, ours_mm| {
+        (ours_mm - ANKLE_BELOW_B_MM..=ours_mm * ANKLE_MAX_SHARE).contains(&theirs_mm)
+    });
+    [calves, ankles].concat()
+}
+
+/// Whether each of the two calves fits the other leg clearly better.
+fn sides(ord: &Ord, legs: &[LegReport]) -> Option<SecondOpinion> {
+    let [left_mm, right_mm] = {
+        let theirs = |side| mm(ord, Measure::Calf, Some(side));
+        [theirs(Side::Left)?, theirs(Side::Right)?]
+    };
+    let ours = |side| Some(level_of(legs, side, Level::C)?.girth_tape_mm);
+    let (left, right) = (ours(Side::Left)?, ours(Side::Right)?);
+    let fits_better = |theirs: f64, other: f64, own: f64| {
+        (theirs - own).abs() - (theirs - other).abs() >= SIDES_MM
+    };
+    let is_swapped = fits_better(left_mm, right, left) && fits_better(right_mm, left, right);
+    is_swapped.then_some(SecondOpinion::Sides { left_mm, right_mm })
+}
+
+/// The disagreements about one girth: on each side, and for a measure without a side, which may
+/// belong to either leg.
+fn girths(
+    ord: &Ord,
+    legs: &[LegReport],
+    measure: Measure,
+    level: Level,
+    agrees: impl Fn(f64, f64) -> bool,
+) -> Vec<Finding> {
+    let disagrees = |side: Option<Side>| {
+        let theirs_mm = mm(ord, measure, side)?;
+        let sides = side.map_or(Side::BOTH.to_vec(), |side| vec![side]);
+        let ours = sides.into_iter().filter_map(|side| level_of(legs, side, level));
+        let ours: Vec<f64> = ours.map(|landmark| landmark.girth_tape_mm).collect();
+        if ours.iter().any(|&ours_mm| agrees(theirs_mm, ours_mm)) {
             return None;
         }
-        Some(match UNIT_RATIOS.into_iter().find(|&factor| near(factor)) {
-            Some(factor) => SecondOpinion::Unit { theirs_mm, ours_mm, factor },
-            None => SecondOpinion::Disagrees { measure: Measure::Stature, theirs_mm, ours_mm },
-        })
-    }
-
-    fn legs(&self, legs: &[LegReport]) -> Vec<Finding> {
-        let calves = match self.sides(legs) {
-            // This finding covers the disagreement on each calf.
-            Some(sides) => vec![Finding::from(sides)],
-            None => self.girths(legs, Measure::Calf, Level::C, |theirs_mm, ours_mm| {
-                (theirs_mm - ours_mm).abs() <= CALF_MM
-            }),
-        };
-        let ankles = self.girths(legs, Measure::Ankle, Level::B, |theirs_mm, ours_mm| {
-            (ours_mm - ANKLE_BELOW_B_MM..=ours_mm * ANKLE_MAX_SHARE).contains(&theirs_mm)
-        });
-        [calves, ankles].concat()
-    }
-
-    /// Whether each of the two calves fits the other leg clearly better.
-    fn sides(&self, legs: &[LegReport]) -> Option<SecondOpinion> {
-        let [left_mm, right_mm] = {
-            let theirs = |side| self.mm(Measure::Calf, Some(side));
-            [theirs(Side::Left)?, theirs(Side::Right)?]
-        };
-        let ours = |side| Some(level_of(legs, side, Level::C)?.girth_tape_mm);
-        let (left, right) = (ours(Side::Left)?, ours(Side::Right)?);
-        let fits_better = |theirs: f64, other: f64, own: f64| {
-            (theirs - own).abs() - (theirs - other).abs() >= SIDES_MM
-        };
-        let is_swapped = fits_better(left_mm, right, left) && fits_better(right_mm, left, right);
-        is_swapped.then_some(SecondOpinion::Sides { left_mm, right_mm })
-    }
-
-    /// The disagreements about one girth: on each side, and for a measure without a side, which may
-    /// belong to either leg.
-    fn girths(
-        &self,
-        legs: &[LegReport],
-        measure: Measure,
-        level: Level,
-        agrees: impl Fn(f64, f64) -> bool,
-    ) -> Vec<Finding> {
-        let disagrees = |side: Option<Side>| {
-            let theirs_mm = self.mm(measure, side)?;
-            let sides = side.map_or(Side::BOTH.to_vec(), |side| vec![side]);
-            let ours = sides.into_iter().filter_map(|side| level_of(legs, side, level));
-            let ours: Vec<f64> = ours.map(|landmark| landmark.girth_tape_mm).collect();
-            if ours.iter().any(|&ours_mm| agrees(theirs_mm, ours_mm)) {
-                return None;
-            }
-            let far = |a: &&f64| (**a - theirs_mm).abs();
-            let ours_mm = *ours.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
-            let what =
-                What::SecondOpinion(SecondOpinion::Disagrees { measure, theirs_mm, ours_mm });
-            Some(Finding { side, level: Some(level), what })
-        };
-        [Some(Side::Left), Some(Side::Right), None].into_iter().filter_map(disagrees).collect()
-    }
+        let far = |a: &&f64| (**a - theirs_mm).abs();
+        let ours_mm = *ours.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        let what = What::SecondOpinion(SecondOpinion::Disagrees { measure, theirs_mm, ours_mm });
+        Some(Finding { side, level: Some(level), what })
+    };
+    [Some(Side::Left), Some(Side::Right), None].into_iter().filter_map(disagrees).collect()
 }
 
 fn level_of(legs: &[LegReport], side: Side, level: Level) -> Option<&Landmark> {
