@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use crate::comparison::seams::Seams;
-use crate::comparison::smoothed::Smoothed;
 use crate::doubt::Doubt;
 use crate::levels::at_height::HeightGirth;
 use crate::levels::landmark::{Estimate, Landmark};
@@ -50,8 +49,8 @@ pub struct Disturbance {
 pub struct Common {
     /// Cameras whose views do not meet.
     pub seams: Option<Seams>,
-    /// Smoothing by the scanner's software.
-    pub smoothed: Option<Smoothed>,
+    /// Standard error of girths by the scanner's software, which smoothed the meshes, mm.
+    pub smoothing_sd_mm: Option<f64>,
     /// How far apart the points are, mm, if they are coarse.
     pub coarse_mm: Option<f64>,
 }
@@ -59,16 +58,21 @@ pub struct Common {
 impl Common {
     /// The causes that are known, each as a disturbance of all girths.
     pub fn known_causes(&self) -> Vec<Disturbance> {
-        let seams = self.seams.map(Disturbance::of_seams);
-        let smoothed = self.smoothed.map(Disturbance::of_smoothing);
+        let seams = self.seams.map(|seams| {
+            let doubt = (seams.girth_sd_mm > DOUBT_SD_MM).then(|| doubt_of_seams(seams));
+            Disturbance::everywhere(seams.girth_sd_mm, doubt)
+        });
+        let smoothing = self
+            .smoothing_sd_mm
+            .map(|sd_mm| Disturbance::everywhere(sd_mm, doubt_of_smoothing(sd_mm)));
         let coarse = self.coarse_mm.map(Disturbance::of_coarse);
-        seams.into_iter().chain(smoothed).chain(coarse).collect()
+        seams.into_iter().chain(smoothing).chain(coarse).collect()
     }
 
     /// The doubts that concern the whole scan.
     pub fn doubts(&self) -> Vec<Doubt> {
         let seams = self.seams.map(doubt_of_seams);
-        seams.into_iter().chain(self.smoothed.and_then(doubt_of_smoothing)).collect()
+        seams.into_iter().chain(self.smoothing_sd_mm.and_then(doubt_of_smoothing)).collect()
     }
 }
 
@@ -77,7 +81,7 @@ fn doubt_of_seams(Seams { step_mm, girth_sd_mm }: Seams) -> Doubt {
 }
 
 /// Smoothing that costs girths more than what they usually are off by.
-fn doubt_of_smoothing(Smoothed { girth_sd_mm }: Smoothed) -> Option<Doubt> {
+fn doubt_of_smoothing(girth_sd_mm: f64) -> Option<Doubt> {
     let girth_off_mm = MARGIN_SDS * girth_sd_mm;
     (girth_sd_mm > DOUBT_SD_MM).then_some(Doubt::Smoothed { girth_off_mm })
 }
@@ -98,17 +102,6 @@ impl Disturbance {
             sd_times_girth_mm2: 0.0,
             doubt: cover.is_sure.then_some(doubt),
         }
-    }
-
-    /// Of cameras whose views do not meet.
-    fn of_seams(seams: Seams) -> Disturbance {
-        let doubt = (seams.girth_sd_mm > DOUBT_SD_MM).then(|| doubt_of_seams(seams));
-        Disturbance::everywhere(seams.girth_sd_mm, doubt)
-    }
-
-    /// Of a mesh that was smoothed.
-    fn of_smoothing(smoothed: Smoothed) -> Disturbance {
-        Disturbance::everywhere(smoothed.girth_sd_mm, doubt_of_smoothing(smoothed))
     }
 
     /// All along a leg.

@@ -49,7 +49,7 @@ use rayon::prelude::*;
 
 pub use comparison::difference::Differences;
 use comparison::seams::{Traces, seams};
-use comparison::smoothed::smoothed;
+use comparison::smoothed::smoothing_sd_mm;
 pub use crop::{Export, WholeBody, extract_crop};
 use disturbance::{Common, Disturbance, MARGIN_SDS, coarse_spacing_mm};
 use doubt::Doubt;
@@ -210,19 +210,15 @@ fn reports(
     let mut sectioned: Vec<_> = sectioned.collect();
     compare_cloth(&mut sectioned);
     let legs: Vec<&SectionedLeg> = sectioned.iter().flatten().collect();
-    let common = Common { coarse_mm, ..common(&legs, body) };
+    let traces: Vec<&Traces> = legs.iter().filter_map(|leg| leg.traces.as_ref()).collect();
+    let meshes: Vec<_> = legs.iter().map(|leg| &leg.leg.mesh).collect();
+    let smoothing_sd_mm = smoothing_sd_mm(&meshes, body.scale_mm);
+    let common = Common { seams: seams(&traces), smoothing_sd_mm, coarse_mm };
     let reports = sectioned.into_par_iter().map(|leg| {
         let leg = leg?;
         Ok(report::leg_report(leg, body, crotch, &common, method))
     });
     (reports.collect(), common)
-}
-
-/// What disturbs both legs alike.
-fn common(legs: &[&SectionedLeg], body: &Body) -> Common {
-    let traces: Vec<&Traces> = legs.iter().filter_map(|leg| leg.traces.as_ref()).collect();
-    let meshes: Vec<_> = legs.iter().map(|leg| &leg.leg.mesh).collect();
-    Common { seams: seams(&traces), smoothed: smoothed(&meshes, body.scale_mm), coarse_mm: None }
 }
 
 /// Usual crotch heights of standing people as shares of stature: ANSUR II, mean 0.48, first to last

@@ -40,13 +40,6 @@ const IRREGULAR_SHARE: [f64; 2] = [0.02, 0.8];
 /// This many points give the ratio to one or two hundredths.
 const POINTS_MIN: f64 = 300.0;
 
-/// A mesh that was smoothed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Smoothed {
-    /// Standard error that girths have by it, mm: all are too small.
-    pub girth_sd_mm: f64,
-}
-
 /// Sums over the points of the legs.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
@@ -60,9 +53,9 @@ struct Sums {
     across_mm: f64,
 }
 
-/// Whether the meshes of the legs were smoothed; `None` if not, or if that cannot be determined: for point clouds and
-/// grids.
-pub fn smoothed(legs: &[&Mesh], stature_mm: f64) -> Option<Smoothed> {
+/// The standard error that girths have because the meshes of the legs were smoothed, mm: all are too small. `None` if they
+/// were not, or if that cannot be determined: for point clouds and grids.
+pub fn smoothing_sd_mm(legs: &[&Mesh], stature_mm: f64) -> Option<f64> {
     let span_mm = SPAN_SHARE.map(|share| share * stature_mm);
     let mut sums = Sums::default();
     legs.iter().for_each(|mesh| sums.add(mesh, span_mm));
@@ -73,7 +66,7 @@ pub fn smoothed(legs: &[&Mesh], stature_mm: f64) -> Option<Smoothed> {
     let ratio = (sums.change_mm2 / sums.aside_mm2).sqrt();
     let rounds = (ROUNDS / ratio).min(ROUNDS_MAX);
     let lost_mm = TAU * WAY * rounds * sums.across_mm / sums.points;
-    (ratio < SMOOTHED_MAX).then_some(Smoothed { girth_sd_mm: SD_SHARE * lost_mm })
+    (ratio < SMOOTHED_MAX).then_some(SD_SHARE * lost_mm)
 }
 
 impl Sums {
