@@ -18,7 +18,7 @@ use nalgebra::{Point3, Vector3};
 
 mod curvature;
 
-use curvature::{by_usual, cross, mean_curvature, median, sides};
+use curvature::{by_usual, mean_curvature, median, sides};
 
 use crate::frame::union_find::DisjointSets;
 use crate::sections::slice::Mesh;
@@ -178,7 +178,8 @@ impl Skin<'_> {
             .iter()
             .map(|sides| sides.iter().any(|side| lengths_mm[*side as usize] > long_mm))
             .collect();
-        let across: Vec<Vector3<f64>> = mesh.triangles().iter().map(|t| cross(points, t)).collect();
+        let across: Vec<Vector3<f64>> =
+            mesh.triangles().iter().map(|t| mesh.facet(t).across()).collect();
         let mut normals = vec![Vector3::zeros(); points.len()];
         let usual = mesh.triangles().iter().zip(&across).zip(&is_long).filter(|(_, long)| !**long);
         for ((triangle, normal), _) in usual {
@@ -413,10 +414,7 @@ impl Skin<'_> {
     }
 
     fn middle(&self, triangle: usize) -> Point3<f64> {
-        let corners = self.mesh.triangles()[triangle];
-        let sum: Vector3<f64> =
-            corners.iter().map(|corner| self.mesh.points()[*corner as usize].coords).sum();
-        (sum / 3.0).into()
+        self.mesh.facet(&self.mesh.triangles()[triangle]).middle()
     }
 
     /// The middle of a part, by area.

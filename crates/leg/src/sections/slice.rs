@@ -54,6 +54,12 @@ impl Facet {
         ((a + b + c) / 3.0).into()
     }
 
+    /// Twice its area along its normal.
+    pub(crate) fn across(&self) -> Vector3<f64> {
+        let [a, b, c] = self.0;
+        (b - a).cross(&(c - a))
+    }
+
     /// Whether it reaches into a range of heights, mm.
     pub fn reaches(&self, [low, high]: [f64; 2]) -> bool {
         let [a, b, c] = self.0.map(|corner| corner.z);
@@ -144,12 +150,8 @@ impl Mesh {
         if self.triangles.is_empty() {
             return self.slab_half_mm;
         }
-        let doubled = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|corner| self.points[corner as usize]);
-            (b - a).cross(&(c - a)).norm()
-        };
-        let sum: f64 = self.triangles.iter().map(doubled).sum();
-        (sum / self.triangles.len() as f64).sqrt()
+        let doubled = self.triangles.iter().map(|triangle| self.facet(triangle).across().norm());
+        (doubled.sum::<f64>() / self.triangles.len() as f64).sqrt()
     }
 
     /// The share of edges that are longer than this, mm, by as many of them as for [`Mesh::edge_mm`].

@@ -17,12 +17,6 @@ const SAMPLE_MAX: usize = 5000;
 /// A median needs at least this many triangles.
 const USUAL_MIN: usize = 20;
 
-/// Twice the area of a triangle along its normal.
-pub(super) fn cross(points: &[Point3<f64>], triangle: &[u32; 3]) -> Vector3<f64> {
-    let [a, b, c] = triangle.map(|corner| points[corner as usize]);
-    (b - a).cross(&(c - a))
-}
-
 /// Half the divergence of the normals over a triangle, 1/mm; infinite if they are not known.
 pub(super) fn mean_curvature(
     points: &[Point3<f64>],
