@@ -42,14 +42,14 @@ const PYLON_SLICES_MIN: usize = 2;
 const SHANK_SECTORS_MIN: usize = 5;
 
 /// Points below this share of stature belong to the feet: under the malleoli.
-const FOOT_SHARE: f64 = 0.035;
+pub(crate) const FOOT_SHARE: f64 = 0.035;
 
 /// A foot has at least this many points.
-const FOOT_POINTS_MIN: usize = 50;
+pub(crate) const FOOT_POINTS_MIN: usize = 50;
 
 /// Minimum and maximum length of a foot as a share of stature. ANSUR II: 0.139 to 0.169 from first to
 /// last percentile; a foot whose skin ends above the sole is a little shorter, a swollen foot longer.
-const FOOT_LENGTH_SHARE: [f64; 2] = [0.115, 0.19];
+pub(crate) const FOOT_LENGTH_SHARE: [f64; 2] = [0.115, 0.19];
 
 /// Maximum width of a foot as a share of stature. ANSUR II: 0.066 at the last percentile; swollen
 /// feet are wider, and a plate or platform under the feet is far wider.

@@ -11,6 +11,7 @@ use nalgebra::{Point2, Point3, Unit, Vector2, Vector3};
 use super::landmark::{Estimate, Landmark};
 use super::level_reading::{GAP_DOUBT_DEG, section_doubts};
 use crate::doubt::Doubt;
+use crate::frame::stance::{FOOT_LENGTH_SHARE, FOOT_POINTS_MIN, FOOT_SHARE};
 use crate::level::{By, Level};
 use crate::method::SectionFit;
 use crate::parting::segment::Leg;
@@ -21,13 +22,6 @@ use crate::sections::plane_frame::PlaneFrame;
 use crate::sections::section::Section;
 use crate::statistics::{GAP_MAX_DEG, largest_gap_deg, range};
 
-/// The foot's outline is taken below this height, as a share of stature: under the malleoli.
-const TOP_STATURE_SHARE: f64 = 0.035;
-
-/// Minimum and maximum length of a foot as a share of stature. ANSUR II: 0.139 to 0.169 from first
-/// to last percentile; short and swollen feet need some room.
-const LENGTH_STATURE_SHARE: [f64; 2] = [0.115, 0.19];
-
 /// Both ends of a foot are round: a slice of this length at the end …
 const END_MM: f64 = 5.0;
 
@@ -36,9 +30,6 @@ const END_BREADTH_SHARE: f64 = 0.75;
 
 /// The foot ends where only this many points lie beyond, because one or two noisy points are not a toe.
 const BEYOND: usize = 2;
-
-/// Fewer points than this are not a foot.
-const POINTS_MIN: usize = 50;
 
 /// Y's plane passes through the line where the vertical behind the heel meets the floor. Both are
 /// uncertain by this, mm; the floor depends on how much of the soles was seen.
@@ -119,9 +110,9 @@ struct Frame {
 
 impl Frame {
     fn new(leg: &Leg, stature_mm: f64) -> Option<Frame> {
-        let low = leg.mesh.points().iter().filter(|p| p.z < TOP_STATURE_SHARE * stature_mm);
+        let low = leg.mesh.points().iter().filter(|p| p.z < FOOT_SHARE * stature_mm);
         let points: Vec<Point2<f64>> = low.map(|p| p.xy()).collect();
-        if points.len() < POINTS_MIN {
+        if points.len() < FOOT_POINTS_MIN {
             return None;
         }
         let hull = Hull::from_points(&points)?;
@@ -136,7 +127,7 @@ impl Frame {
         let own = points.iter().map(|p| p - heel);
         let points = own.map(|p| Point2::new(p.dot(&ahead), p.dot(&lateral))).collect();
         let frame = Frame { heel, ahead, lateral, length_mm, breadth_mm, points };
-        let [shortest, longest] = LENGTH_STATURE_SHARE;
+        let [shortest, longest] = FOOT_LENGTH_SHARE;
         let is_foot = (shortest..=longest).contains(&(length_mm / stature_mm));
         (is_foot && frame.has_round_ends()).then_some(frame)
     }
