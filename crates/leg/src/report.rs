@@ -30,6 +30,7 @@ use crate::sections::axis_length::AxisLength;
 use crate::sections::cloth::{Cloth, Cover};
 use crate::sections::equidistant::Sections;
 use crate::sections::section::Section;
+use crate::surface::hole::Hole;
 use crate::surface::nurbs::{LegSurface, Wanted, surface};
 use crate::surface::shape::{Shape, on_planes};
 
@@ -160,10 +161,10 @@ fn covers(cloth: &Cloth, axis: &LegAxis) -> Vec<Disturbance> {
 /// The axes that a leg would have if the stature were smaller or larger by its standard error; none where
 /// they do not depend on it.
 fn other_axes(leg: &Leg, axis: &LegAxis, body: &Body, end_mm: f64, tape: Tape) -> Vec<LegAxis> {
-    let shares = match tape {
-        Tape::Shank => vec![1.0 - body.scale_sd_share, 1.0 + body.scale_sd_share],
-        Tape::Leg(_) | Tape::Horizontal => Vec::new(),
-    };
+    if tape != Tape::Shank {
+        return Vec::new();
+    }
+    let shares = [1.0 - body.scale_sd_share, 1.0 + body.scale_sd_share];
     let other = |share: f64| axis_fit::for_stature(leg, axis, share * body.scale_mm, end_mm);
     shares.into_iter().filter_map(other).collect()
 }
@@ -306,30 +307,21 @@ impl Findings {
         let Some(largest) = filled.iter().max_by(|a, b| area(a).total_cmp(&area(b))) else {
             return;
         };
-        self.add(
-            None,
-            What::HolesFilled {
-                count: filled.len(),
-                length_mm: largest.height_mm[1] - largest.height_mm[0],
-                width_mm: largest.width_mm,
-                height_mm: largest.middle.z,
-            },
-        );
+        let what = What::HolesFilled {
+            count: filled.len(),
+            length_mm: largest.height_mm[1] - largest.height_mm[0],
+            width_mm: largest.width_mm,
+            height_mm: largest.middle.z,
+        };
+        self.add(None, what);
     }
 
     /// A finding if the surface bridges holes.
     fn about_holes(&mut self, surface: &LegSurface) {
         let Some(largest) = surface.holes().first() else { return };
         let (height_mm, angle_deg) = surface.middle_of(largest);
-        self.add(
-            None,
-            What::SurfaceHoles {
-                count: surface.holes().len(),
-                length_mm: largest.length_mm,
-                width_mm: largest.width_mm,
-                height_mm,
-                angle_deg,
-            },
-        );
+        let Hole { length_mm, width_mm, .. } = *largest;
+        let count = surface.holes().len();
+        self.add(None, What::SurfaceHoles { count, length_mm, width_mm, height_mm, angle_deg });
     }
 }

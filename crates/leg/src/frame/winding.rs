@@ -23,7 +23,9 @@ pub fn check(mesh: &Mesh, declared: Winding) -> Result<bool, BodyFault> {
     if mesh.triangles().is_empty() {
         return Ok(false);
     }
-    if (declared == Winding::Outward) == seem_outward(mesh) {
+    // The sum over all triangles is quick, and right where all are wound alike.
+    let seem_outward = volume(mesh.points(), mesh.triangles().iter()) > 0.0;
+    if (declared == Winding::Outward) == seem_outward {
         return Ok(true);
     }
     let outward = outward_share(mesh);
@@ -79,12 +81,6 @@ fn pieces(triangles: &[[u32; 3]]) -> Vec<u32> {
         }
     }
     (0..triangles.len() as u32).map(|triangle| sets.root(triangle)).collect()
-}
-
-/// Whether the triangles turn inwards or outwards about the middle of the body, by the sum over all of them:
-/// quick, and right where all are wound alike.
-fn seem_outward(mesh: &Mesh) -> bool {
-    volume(mesh.points(), mesh.triangles().iter()) > 0.0
 }
 
 /// Six times the volume that triangles enclose with their own middle; negative if they turn inwards.
