@@ -94,7 +94,7 @@ const METRES: f64 = 1e-3;
 /// The triangles as a binary glTF 2.0 file, the format for web pages, tablets and office programs. Metres with y up and
 /// the front towards +z, as the format demands: a body that stands on its floor and faces the viewer.
 pub fn glb(facets: &Facets, header: &FileHeader) -> Vec<u8> {
-    let Vertices { corners, indices } = Vertices::from_facets(facets);
+    let (corners, indices) = vertices(facets);
     let point = |corner: &Corner| {
         turned(facets.points[corner.point as usize].coords.into()).map(|mm| (mm * METRES) as f32)
     };
@@ -116,27 +116,19 @@ fn turned([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, z, -y]
 }
 
-/// glTF has one index for point and normal together.
-struct Vertices {
-    /// Each pair once, in the order of first use.
-    corners: Vec<Corner>,
-    /// Three indices into `corners` for each triangle.
-    indices: Vec<u32>,
-}
-
-impl Vertices {
-    fn from_facets(facets: &Facets) -> Vertices {
-        let mut known = BTreeMap::new();
-        let mut corners = Vec::new();
-        let place = |corner: &Corner| {
-            *known.entry(*corner).or_insert_with(|| {
-                corners.push(*corner);
-                corners.len() as u32 - 1
-            })
-        };
-        let indices = facets.triangles.iter().flatten().map(place).collect();
-        Vertices { corners, indices }
-    }
+/// The corners of all triangles, each once, in the order of first use, and three indices into them for each triangle: glTF
+/// has one index for point and normal together.
+fn vertices(facets: &Facets) -> (Vec<Corner>, Vec<u32>) {
+    let mut known = BTreeMap::new();
+    let mut corners = Vec::new();
+    let place = |corner: &Corner| {
+        *known.entry(*corner).or_insert_with(|| {
+            corners.push(*corner);
+            corners.len() as u32 - 1
+        })
+    };
+    let indices = facets.triangles.iter().flatten().map(place).collect();
+    (corners, indices)
 }
 
 /// The JSON for the buffer: one mesh of one part, lit from both sides because a tube shows its inside.
