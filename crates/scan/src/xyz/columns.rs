@@ -23,8 +23,26 @@ impl Separator {
     }
 
     /// The columns of a trimmed line. A separator at its end does not begin another column.
-    pub(super) fn columns(self, line: &[u8]) -> Columns<'_> {
-        Columns { separator: self, rest: Some(line) }
+    pub(super) fn columns(self, line: &[u8]) -> impl Iterator<Item = &[u8]> {
+        // `None` after the last column.
+        let mut rest = Some(line);
+        std::iter::from_fn(move || {
+            let line = rest.take().filter(|rest| !rest.is_empty())?;
+            let is_end = |byte: &u8| match self {
+                Separator::Semicolon => *byte == b';',
+                Separator::WhiteSpace => byte.is_ascii_whitespace(),
+                Separator::Comma => *byte == b',',
+            };
+            let Some(end) = line.iter().position(is_end) else {
+                return Some(line);
+            };
+            rest = Some(line[end + 1..].trim_ascii_start());
+            let column = line[..end].trim_ascii_end();
+            match self {
+                Separator::WhiteSpace => Some(column.strip_suffix(b",").unwrap_or(column)),
+                _ => Some(column),
+            }
+        })
     }
 
     /// The columns of x, y and z: by their names if given, otherwise the first three.
@@ -52,34 +70,4 @@ fn bare(name: &[u8]) -> &[u8] {
     let name = name.strip_prefix(b"\"").unwrap_or(name);
     let name = name.strip_suffix(b"\"").unwrap_or(name);
     name.split(|byte| matches!(byte, b'[' | b'(')).next().unwrap_or_default().trim_ascii_end()
-}
-
-/// The columns of a line, one after the other.
-#[derive(Debug, Clone)]
-pub(super) struct Columns<'a> {
-    separator: Separator,
-    /// The remaining part; `None` after the last column.
-    rest: Option<&'a [u8]>,
-}
-
-impl<'a> Iterator for Columns<'a> {
-    type Item = &'a [u8];
-
-    fn next(&mut self) -> Option<&'a [u8]> {
-        let rest = self.rest.take().filter(|rest| !rest.is_empty())?;
-        let is_end = |byte: &u8| match self.separator {
-            Separator::Semicolon => *byte == b';',
-            Separator::WhiteSpace => byte.is_ascii_whitespace(),
-            Separator::Comma => *byte == b',',
-        };
-        let Some(end) = rest.iter().position(is_end) else {
-            return Some(rest);
-        };
-        self.rest = Some(rest[end + 1..].trim_ascii_start());
-        let column = rest[..end].trim_ascii_end();
-        match self.separator {
-            Separator::WhiteSpace => Some(column.strip_suffix(b",").unwrap_or(column)),
-            _ => Some(column),
-        }
-    }
 }
