@@ -11,8 +11,8 @@ pub(super) fn line_count(bytes: &[u8], header: &Header) -> usize {
 }
 
 /// The records of a text.
-pub(super) struct Lines<'a, L> {
-    lines: L,
+pub(super) struct Lines<'a> {
+    lines: text::Lines<'a>,
     /// The rest of the current line.
     rest: &'a [u8],
     /// Its 1-based number.
@@ -22,23 +22,18 @@ pub(super) struct Lines<'a, L> {
     decimals: Decimals,
 }
 
-impl<'a> Lines<'a, ()> {
+impl<'a> Lines<'a> {
     /// The records after a header.
-    pub(super) fn after_header(
-        bytes: &'a [u8],
-        header: &Header,
-    ) -> Lines<'a, impl Iterator<Item = (usize, &'a [u8])>> {
+    pub(super) fn after_header(bytes: &'a [u8], header: &Header) -> Lines<'a> {
         Lines {
-            lines: text::numbered(&bytes[header.end..]),
+            lines: text::lines(&bytes[header.end..]),
             rest: b"",
             line: 0,
             header_lines: header.line_count,
             decimals: Decimals::default(),
         }
     }
-}
 
-impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Lines<'a, L> {
     fn word(&mut self) -> Result<&'a [u8], ScanFault> {
         let end = self.rest.iter().position(u8::is_ascii_whitespace).unwrap_or(self.rest.len());
         let (word, rest) = self.rest.split_at(end);
@@ -50,13 +45,11 @@ impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Lines<'a, L> {
     }
 }
 
-impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Values for Lines<'a, L> {
+impl Values for Lines<'_> {
     fn begin(&mut self, record: Record) -> Result<(), ScanFault> {
-        let Some((line, rest)) = self.lines.next() else {
-            return Err(record.element.missing(record.number - 1));
-        };
-        self.line = self.header_lines + line;
-        self.rest = rest;
+        let next = self.lines.by_ref().map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
+        self.rest = next.ok_or_else(|| record.element.missing(record.number - 1))?;
+        self.line = self.header_lines + self.lines.passed();
         Ok(())
     }
 
