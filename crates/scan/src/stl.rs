@@ -150,9 +150,6 @@ const HEAD_BYTES: usize = 84;
 /// Bytes per triangle: its normal, its corners, and an attribute.
 const TRIANGLE_BYTES: usize = 50;
 
-/// Bytes of the normal before the first corner.
-const NORMAL_BYTES: usize = 12;
-
 /// Whether the length is exactly that of a binary file with its triangle count, which must be at least
 /// one. This never holds for text, because four characters as a triangle count mean gigabytes.
 pub(super) fn is_binary_by_length(bytes: &[u8]) -> bool {
@@ -205,26 +202,22 @@ fn read_binary(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let mut points = Vec::with_capacity(3 * records.len());
     let mut triangles = Vec::with_capacity(records.len());
     for (index, record) in records.enumerate() {
+        let (reals, _) = record.as_chunks::<4>();
+        let real = |place: usize| {
+            let value = f32::from_le_bytes(reals[place]);
+            if value.is_finite() {
+                return Ok(f64::from(value));
+            }
+            let byte = HEAD_BYTES + TRIANGLE_BYTES * index + 4 * place;
+            let place = SourcePosition::Record { name: "triangle", number: index + 1, byte };
+            Err(ScanFault::NotFinite { place, found: text::spelled(f64::from(value)) })
+        };
         let first = points.len() as u32;
-        for corner in 0..3 {
-            let at = NORMAL_BYTES + NORMAL_BYTES * corner;
-            points.push(point(&record[at..at + NORMAL_BYTES]).map_err(|(axis, value)| {
-                let byte = HEAD_BYTES + TRIANGLE_BYTES * index + at + 4 * axis;
-                let place = SourcePosition::Record { name: "triangle", number: index + 1, byte };
-                ScanFault::NotFinite { place, found: text::spelled(f64::from(value)) }
-            })?);
+        // Three numbers for each corner, after those of the normal.
+        for x in [3, 6, 9] {
+            points.push(Point3::new(real(x)?, real(x + 1)?, real(x + 2)?));
         }
         triangles.push([first, first + 1, first + 2]);
     }
     Ok(welded((points, triangles)))
-}
-
-/// Three little-endian numbers; otherwise the axis and value of the first number that is not finite.
-fn point(bytes: &[u8]) -> Result<Point3<f64>, (usize, f32)> {
-    let value = |axis: usize| {
-        let part = [0, 1, 2, 3].map(|i| bytes[4 * axis + i]);
-        let value = f32::from_le_bytes(part);
-        if value.is_finite() { Ok(f64::from(value)) } else { Err((axis, value)) }
-    };
-    Ok(Point3::new(value(0)?, value(1)?, value(2)?))
 }
