@@ -34,8 +34,7 @@ enum Version {
 pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let bytes = text::without_mark(bytes);
     let version = version(bytes)?;
-    let scene = scene::Scene::read(bytes, version)?;
-    Ok(welded(walk::geometry(scene)?))
+    Ok(welded(walk::geometry(&reader::nodes(bytes, version)?)?))
 }
 
 /// Checks that every bracket is closed and that the scene ends after one.

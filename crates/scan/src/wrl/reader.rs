@@ -3,13 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Point3;
+use nalgebra::{Matrix4, Point3};
 
 use super::super::fault::{CutSign, ScanFault, cut_short, malformed};
 use super::super::text::{Decimals, excerpt, whole};
 use super::Version;
 use super::placement::{self, Fields};
-use super::scene::{DEPTH_MAX, Node, NodeId, Scene};
+use super::scene::{DEPTH_MAX, Node, NodeId};
 use super::words::{Token, Words};
 
 /// Maximum number of nodes in a scene, and of uses of nodes. A scan has a dozen, an assembly of
@@ -34,29 +34,23 @@ const FIELDS: [&str; 11] = [
 /// Maximum number of values in such a field: those of a matrix.
 const FIELD_NUMBERS_MAX: usize = 16;
 
-impl Scene {
-    /// Reads the nodes of a text.
-    ///
-    /// # Errors
-    /// The first fault, with its line.
-    pub(super) fn read(bytes: &[u8], version: Version) -> Result<Scene, ScanFault> {
-        let mut reader = Reader {
-            words: Words::new(bytes),
-            version,
-            nodes: Vec::new(),
-            links: 0,
-            carries: Vec::new(),
-            names: BTreeMap::new(),
-        };
-        let root = reader.body(b"", 0)?;
-        reader.keep(Node::Group {
-            children: root.children,
-            matrix: None,
-            is_closed: true,
-            choice: None,
-        })?;
-        Ok(Scene { nodes: reader.nodes })
-    }
+/// Reads the nodes of a text. The last one contains the others.
+///
+/// # Errors
+/// The first fault, with its line.
+pub(super) fn nodes(bytes: &[u8], version: Version) -> Result<Vec<Node>, ScanFault> {
+    let mut reader = Reader {
+        words: Words::new(bytes),
+        version,
+        nodes: Vec::new(),
+        links: 0,
+        carries: Vec::new(),
+        names: BTreeMap::new(),
+    };
+    let Body { children, .. } = reader.body(b"", 0)?;
+    let matrix = Box::new(Matrix4::identity());
+    reader.keep(Node::Group { children, matrix, is_closed: true, choice: None })?;
+    Ok(reader.nodes)
 }
 
 /// The contents between the brackets of a node.
@@ -300,7 +294,7 @@ impl<'a> Reader<'a> {
         let (corners, is_clockwise) = (body.corners, body.is_clockwise);
         let children = body.children;
         let group = |is_closed: bool, choice: Option<i64>| -> Result<Node, &'static str> {
-            let matrix = Some(Box::new(placement::matrix(&fields)?));
+            let matrix = Box::new(placement::matrix(&fields)?);
             Ok(Node::Group { children, matrix, is_closed, choice })
         };
         match kind {

@@ -14,7 +14,7 @@ pub(super) enum Node {
     Group {
         children: Vec<NodeId>,
         /// The placement of its children.
-        matrix: Option<Box<Matrix4<f64>>>,
+        matrix: Box<Matrix4<f64>>,
         /// Whether state changes inside it end with it.
         is_closed: bool,
         /// The only child that is used; `None` if all are.
@@ -32,10 +32,4 @@ pub(super) enum Node {
     Points { coordinates: Option<NodeId>, start: i64, count: i64, line: usize },
     /// Neither carries nor places points.
     Other,
-}
-
-/// All nodes; the last one contains the others.
-#[derive(Debug)]
-pub(super) struct Scene {
-    pub nodes: Vec<Node>,
 }

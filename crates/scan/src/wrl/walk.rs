@@ -6,7 +6,7 @@ use nalgebra::{Matrix4, Point3};
 
 use super::super::fault::{ScanFault, SourcePosition, malformed};
 use super::super::weld::Unwelded;
-use super::scene::{DEPTH_MAX, Node, NodeId, Scene};
+use super::scene::{DEPTH_MAX, Node, NodeId};
 
 /// How often the points and corners of a file may be repeated through `USE`, on average. No scan
 /// contains a leg eight times, but a scene made to exhaust the memory doubles with every level.
@@ -15,13 +15,14 @@ const EXPANSION_MAX: usize = 8;
 /// Maximum number of visited nodes, counting those of repeated groups each time.
 const VISITS_MAX: usize = 100_000;
 
-/// The geometry of a scene. If the scene has faces, points without faces are removed later.
+/// The geometry of a scene's nodes, of which the last contains the others. If the scene has faces, points without faces are
+/// removed later.
 ///
 /// # Errors
 /// [`ScanFault::Malformed`] with the line of the node whose indices are wrong, or for a scene that
 /// repeats itself too often.
-pub(super) fn geometry(scene: Scene) -> Result<Unwelded, ScanFault> {
-    let count = |of: fn(&Node) -> usize| scene.nodes.iter().map(of).sum::<usize>();
+pub(super) fn geometry(nodes: &[Node]) -> Result<Unwelded, ScanFault> {
+    let count = |of: fn(&Node) -> usize| nodes.iter().map(of).sum::<usize>();
     let written_points = count(|node| match node {
         Node::Coordinates(points) => points.len(),
         _ => 0,
@@ -31,7 +32,7 @@ pub(super) fn geometry(scene: Scene) -> Result<Unwelded, ScanFault> {
         _ => 0,
     });
     let mut walk = Walk {
-        nodes: &scene.nodes,
+        nodes,
         points: Vec::new(),
         triangles: Vec::new(),
         placed: None,
@@ -40,7 +41,7 @@ pub(super) fn geometry(scene: Scene) -> Result<Unwelded, ScanFault> {
         corners_left: EXPANSION_MAX.saturating_mul(written_corners),
     };
     let mut state = State { matrix: Matrix4::identity(), coordinates: None, is_clockwise: false };
-    walk.visit(scene.nodes.len() - 1, &mut state, 0)?;
+    walk.visit(nodes.len() - 1, &mut state, 0)?;
     Ok((walk.points, walk.triangles))
 }
 
@@ -75,9 +76,7 @@ impl Walk<'_> {
         match &self.nodes[id] {
             Node::Group { children, matrix, is_closed, choice } => {
                 let outer = *state;
-                if let Some(matrix) = matrix {
-                    state.matrix *= **matrix;
-                }
+                state.matrix *= **matrix;
                 let counts = |index: usize| choice.is_none_or(|chosen| chosen == index as i64);
                 let counting = children.iter().enumerate().filter(|(index, _)| counts(*index));
                 for (_, &child) in counting {
