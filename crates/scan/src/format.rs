@@ -16,38 +16,31 @@ pub enum Format {
 }
 
 impl Format {
+    /// The usual ending of files of this format, its name, and what such a file is called in a question.
+    fn words(self) -> [&'static str; 3] {
+        match self {
+            Format::Obj => ["obj", "OBJ", "a Wavefront OBJ"],
+            Format::Ply => ["ply", "PLY", "a PLY"],
+            Format::Stl => ["stl", "STL", "an STL"],
+            Format::Wrl => ["wrl", "VRML", "a VRML scene"],
+            Format::Xyz => ["xyz", "XYZ", "a list of points"],
+        }
+    }
+
     /// The usual ending of files of this format, without the dot.
     pub fn ending(self) -> &'static str {
-        match self {
-            Format::Obj => "obj",
-            Format::Ply => "ply",
-            Format::Stl => "stl",
-            Format::Wrl => "wrl",
-            Format::Xyz => "xyz",
-        }
+        self.words()[0]
     }
 
     /// The format's name with its article, for use in a question.
     pub(super) fn in_full(self) -> &'static str {
-        match self {
-            Format::Obj => "a Wavefront OBJ",
-            Format::Ply => "a PLY",
-            Format::Stl => "an STL",
-            Format::Wrl => "a VRML scene",
-            Format::Xyz => "a list of points",
-        }
+        self.words()[2]
     }
 }
 
 impl std::fmt::Display for Format {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        out.write_str(match self {
-            Format::Obj => "OBJ",
-            Format::Ply => "PLY",
-            Format::Stl => "STL",
-            Format::Wrl => "VRML",
-            Format::Xyz => "XYZ",
-        })
+        out.write_str(self.words()[1])
     }
 }
 
