@@ -155,6 +155,7 @@ impl Values for Bytes<'_> {
 
     fn place(&self, record: Record) -> SourcePosition {
         let Record { element, number } = record;
-        SourcePosition::Record { name: element.kind.name(), number, byte: self.last }
+        let [name, _] = element.kind.names();
+        SourcePosition::Record { name, number, byte: self.last }
     }
 }

@@ -98,23 +98,13 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// The name of one such element.
-    pub(super) fn name(self) -> &'static str {
+    /// The name of one such element, and of several.
+    pub(super) fn names(self) -> [&'static str; 2] {
         match self {
-            Kind::Vertex => "vertex",
-            Kind::Face => "face",
-            Kind::Strip => "strip",
-            Kind::Other => "element",
-        }
-    }
-
-    /// The name of several such elements.
-    fn plural(self) -> &'static str {
-        match self {
-            Kind::Vertex => "vertices",
-            Kind::Face => "faces",
-            Kind::Strip => "strips",
-            Kind::Other => "elements",
+            Kind::Vertex => ["vertex", "vertices"],
+            Kind::Face => ["face", "faces"],
+            Kind::Strip => ["strip", "strips"],
+            Kind::Other => ["element", "elements"],
         }
     }
 
@@ -151,7 +141,8 @@ pub(super) struct Element {
 impl Element {
     /// The fault of a file that has only this many of its records.
     pub(super) fn missing(&self, has: usize) -> ScanFault {
-        cut_short(CutSign::Missing { what: self.kind.plural(), has, of: self.count })
+        let [_, what] = self.kind.names();
+        cut_short(CutSign::Missing { what, has, of: self.count })
     }
 }
 
