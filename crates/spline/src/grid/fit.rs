@@ -2,7 +2,7 @@
 
 use super::bridge::Bridged;
 use super::distinct::check_lines;
-use super::given::{GridData, SurfaceFit, check, solver, surface, with_statistics};
+use super::given::{GridData, SurfaceFit, check, surface, with_statistics};
 use crate::fit::FitFault;
 use crate::knots::choice::{check_gaps, chosen};
 use crate::knots::request::{GridDomain, Knots, requests};
@@ -44,7 +44,6 @@ pub fn fit_grid_by(
     let grid = whole.data();
     let along = chosen(&grid.profiles_along(), &requests[0])?;
     let around = chosen(&grid.profiles_around(), &requests[1])?;
-    let solver = solver(&grid, [&along.basis, &around.basis])?;
-    let surface = surface(&solver, grid.points, along.basis, around.basis)?;
+    let surface = surface(&grid, along.basis, around.basis)?;
     Ok(with_statistics(surface, data, [along.used, around.used]))
 }

@@ -8,8 +8,7 @@ use crate::knots::choice::KnotsUsed;
 use crate::knots::profiles::Profiles;
 use crate::least_squares::LeastSquares;
 use crate::normal::RIDGE;
-use crate::solve::Singular;
-use crate::surface::{Surface, SurfaceFault};
+use crate::surface::Surface;
 
 /// Points on a grid of parameters.
 #[derive(Debug, Clone, Copy)]
@@ -64,29 +63,18 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check(data)?;
     check_places(&along, data.along, data.along)?;
     check_places(&around, data.around, data.around)?;
-    let solver = solver(data, [&along, &around])?;
-    let surface = surface(&solver, data.points, along, around)?;
+    let surface = surface(data, along, around)?;
     Ok(with_statistics(surface, data, [KnotsUsed::Given; 2]))
 }
 
-/// The equations along and around.
-pub fn solver(data: &GridData, bases: [&Basis; 2]) -> Result<[LeastSquares; 2], Singular> {
-    let along = LeastSquares::new(bases[0], data.along, RIDGE)?;
-    Ok([along, LeastSquares::new(bases[1], data.around, RIDGE)?])
-}
-
-/// The surface of the points, using the equations along and around.
-pub fn surface(
-    [along, around]: &[LeastSquares; 2],
-    points: &[Point3<f64>],
-    basis_along: Basis,
-    basis_around: Basis,
-) -> Result<Surface, SurfaceFault> {
-    let (rows, columns) = (basis_along.count(), basis_around.count());
-    let by_row = along.coefficients(&flat(points));
-    let by_column = around.coefficients(&transposed(&by_row, rows, by_row.len() / (3 * rows)));
-    let control = transposed(&by_column, columns, rows);
-    Surface::new(basis_along, basis_around, self::points(&control))
+/// The surface of data that were checked.
+pub fn surface(data: &GridData, along: Basis, around: Basis) -> Result<Surface, FitFault> {
+    let lengthwise = LeastSquares::new(&along, data.along, RIDGE)?;
+    let crosswise = LeastSquares::new(&around, data.around, RIDGE)?;
+    let (rows, columns) = (along.count(), around.count());
+    let by_row = lengthwise.coefficients(&flat(data.points));
+    let by_column = crosswise.coefficients(&transposed(&by_row, rows, data.around.len()));
+    Ok(Surface::new(along, around, points(&transposed(&by_column, columns, rows)))?)
 }
 
 /// The statistics of a surface fit for the data.
