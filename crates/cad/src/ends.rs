@@ -62,16 +62,11 @@ pub struct EndPlane {
 /// # Errors
 /// [`EndNotPlane`]: a point of an end's curve may lie further than [`PLANE_MM`] from its plane.
 pub(crate) fn planes(surface: &Surface) -> Result<[EndPlane; 2], EndNotPlane> {
-    let [first, last] = rings(surface);
+    // The first and the last row of control points, because the surface is clamped along.
+    let (points, columns) = (surface.control_points(), surface.around().count());
+    let (first, last) = (&points[..columns], &points[points.len() - columns..]);
     let (low, high) = (middle(first), middle(last));
     Ok([plane(first, high - low, End::First)?, plane(last, low - high, End::Last)?])
-}
-
-/// The control points of the curves at both ends, around: the first and the last row, because the
-/// surface is clamped along.
-fn rings(surface: &Surface) -> [&[Point3<f64>]; 2] {
-    let (points, columns) = (surface.control_points(), surface.around().count());
-    [&points[..columns], &points[points.len() - columns..]]
 }
 
 /// The plane of a ring of control points; `inward` points into the tube. The curve lies within the

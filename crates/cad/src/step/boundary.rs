@@ -2,6 +2,7 @@
 
 use gaiter_spline::Surface;
 use gaiter_spline::basis::DEGREE;
+use nalgebra::Point3;
 
 use super::exchange::{Id, Instances, lines, list, logical, real};
 use crate::ends::EndPlane;
@@ -18,16 +19,21 @@ pub struct Boundary {
 impl Boundary {
     /// Adds the surface with its control points and its edges.
     pub fn new(file: &mut Instances, surface: &Surface) -> Boundary {
-        let net = Net::new(file, surface);
-        let Net { points, columns, along, around } = &net;
-        let rows = lines(points.chunks_exact(*columns).map(list));
+        let (around, points) = surface.clamped_around();
+        let columns = around.len() - DEGREE - 1;
+        let [along, around] = [surface.along().knots(), &around].map(Knots::new);
+        // The last of a row repeats the first one's position under its own number.
+        let point =
+            |point: &Point3<f64>| file.add_numbers("CARTESIAN_POINT", point.coords.as_slice());
+        let points: Vec<Id> = points.iter().map(point).collect();
+        let rows = lines(points.chunks_exact(columns).map(list));
         let surface = file.add(&format!(
             "B_SPLINE_SURFACE_WITH_KNOTS('',{DEGREE},{DEGREE},{rows},.UNSPECIFIED.,.F.,.T.,.F.,\n\
              {},{},\n{},\n{},.UNSPECIFIED.)",
             along.multiplicities, around.multiplicities, along.values, around.values
         ));
 
-        let (low, high) = (&points[..*columns], &points[points.len() - columns..]);
+        let (low, high) = (&points[..columns], &points[points.len() - columns..]);
         let mut vertex = |point: Id| file.add(&format!("VERTEX_POINT('',{point})"));
         let (foot, head) = (vertex(low[0]), vertex(high[0]));
         let mut curve = |points: String, closed: bool, knots: &Knots| {
@@ -37,9 +43,9 @@ impl Boundary {
                  {multiplicities},{values},.UNSPECIFIED.)"
             ))
         };
-        let bottom = curve(list(low), true, around);
-        let top = curve(list(high), true, around);
-        let seam = curve(list(points.iter().step_by(*columns)), false, along);
+        let bottom = curve(list(low), true, &around);
+        let top = curve(list(high), true, &around);
+        let seam = curve(list(points.iter().step_by(columns)), false, &along);
 
         let mut edge = |from: Id, to: Id, curve: Id| {
             file.add(&format!("EDGE_CURVE('',{from},{to},{curve},.T.)"))
@@ -93,28 +99,6 @@ fn plane(file: &mut Instances, plane: &EndPlane) -> Id {
     let across = file.add_numbers("DIRECTION", plane.across.as_slice());
     let axes = file.add(&format!("AXIS2_PLACEMENT_3D('',{place},{outward},{across})"));
     file.add(&format!("PLANE('',{axes})"))
-}
-
-/// The control points in the file, with the data that every curve and surface on them needs.
-struct Net {
-    /// Row-major; the last column repeats the first one's positions under its own numbers.
-    points: Vec<Id>,
-    columns: usize,
-    along: Knots,
-    around: Knots,
-}
-
-impl Net {
-    fn new(file: &mut Instances, surface: &Surface) -> Net {
-        let (around, points) = surface.clamped_around();
-        let mut point = |xyz: &[f64]| file.add_numbers("CARTESIAN_POINT", xyz);
-        Net {
-            points: points.iter().map(|p| point(p.coords.as_slice())).collect(),
-            columns: around.len() - DEGREE - 1,
-            along: Knots::new(surface.along().knots()),
-            around: Knots::new(&around),
-        }
-    }
 }
 
 /// A knot vector in STEP's form: distinct values and their multiplicities.
