@@ -8,7 +8,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::basis::Basis;
 use super::surface::Surface;
-use steps::Steps;
+use steps::steps;
 
 /// Maximum number of triangles in a useful mesh of a leg: 100 MB of STL. A tolerance that needs
 /// more is a mistake.
@@ -88,7 +88,7 @@ pub fn facets(
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         return Err(TessellationFault::NoTolerance { tolerance_mm });
     }
-    let Steps { along, around } = Steps::new(surface, tolerance_mm);
+    let [along, around] = steps(surface, tolerance_mm);
     let triangles = 2.0 * along.iter().sum::<f64>() * around.iter().sum::<f64>();
     // Written this way to refuse NaN too.
     let bounded = triangles <= TRIANGLES_MAX as f64;

@@ -11,32 +11,23 @@ use nalgebra::Vector3;
 use crate::basis::Basis;
 use crate::surface::Surface;
 
-/// The number of steps for each span between knots: integers of at least 1, stored as floats, so
+/// The number of steps for each span between knots, along and around: integers of at least 1, stored as floats, so
 /// that an absurd count does not overflow before it is refused.
-pub struct Steps {
-    /// A count for each span along.
-    pub along: Vec<f64>,
-    /// A count for each span around.
-    pub around: Vec<f64>,
-}
-
-impl Steps {
-    /// Because 2W/(nm) ≤ W/n² + W/m², the bound splits into one term along and one around. Half of
-    /// the tolerance for each gives the fewest triangles.
-    pub fn new(surface: &Surface, tolerance_mm: f64) -> Steps {
-        let spans = |basis: &Basis| basis.breakpoints().len() - 1;
-        let mut along = vec![1.0_f64; spans(surface.along())];
-        let mut around = vec![1.0_f64; spans(surface.around())];
-        let steps = |bend_mm: f64| (bend_mm / 8.0 / (0.5 * tolerance_mm)).sqrt().ceil();
-        for (i, along) in along.iter_mut().enumerate() {
-            for (j, around) in around.iter_mut().enumerate() {
-                let [uu, uv, vv] = bends(&bezier(surface, i, j));
-                *along = along.max(steps(uu + uv));
-                *around = around.max(steps(vv + uv));
-            }
+///
+/// Because 2W/(nm) ≤ W/n² + W/m², the bound splits into one term along and one around. Half of
+/// the tolerance for each gives the fewest triangles.
+pub fn steps(surface: &Surface, tolerance_mm: f64) -> [Vec<f64>; 2] {
+    let ones = |basis: &Basis| vec![1.0_f64; basis.breakpoints().len() - 1];
+    let [mut along, mut around] = [surface.along(), surface.around()].map(ones);
+    let steps = |bend_mm: f64| (bend_mm / 8.0 / (0.5 * tolerance_mm)).sqrt().ceil();
+    for (i, along) in along.iter_mut().enumerate() {
+        for (j, around) in around.iter_mut().enumerate() {
+            let [uu, uv, vv] = bends(&bezier(surface, i, j));
+            *along = along.max(steps(uu + uv));
+            *around = around.max(steps(vv + uv));
         }
-        Steps { along, around }
     }
+    [along, around]
 }
 
 /// The Bézier points of the patch on span `i` along and `j` around, mm, rows along.
