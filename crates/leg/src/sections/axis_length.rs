@@ -42,23 +42,22 @@ impl AxisLength {
     /// The distance along the axis at a coordinate, mm; linear between sections, and with slope 1 beyond
     /// them.
     pub fn at(&self, along_mm: f64) -> f64 {
-        let above = self.knots.partition_point(|[along, _]| *along < along_mm);
-        let (Some([low, from_mm]), high) = (self.knots[..above].last(), self.knots.get(above))
-        else {
-            return along_mm;
-        };
-        let slope = high.map_or(1.0, |[high, to_mm]| (to_mm - from_mm) / (high - low));
-        from_mm + (along_mm - low) * slope
+        self.turned(along_mm, [0, 1])
     }
 
     /// The coordinate at a distance along the axis, mm: the inverse of [`AxisLength::at`].
     pub fn along_at(&self, length_mm: f64) -> f64 {
-        let above = self.knots.partition_point(|[_, length]| *length < length_mm);
-        let (Some([low, from_mm]), high) = (self.knots[..above].last(), self.knots.get(above))
-        else {
-            return length_mm;
+        self.turned(length_mm, [1, 0])
+    }
+
+    /// What one of the two is, given the other.
+    fn turned(&self, mm: f64, [given, wanted]: [usize; 2]) -> f64 {
+        let above = self.knots.partition_point(|knot| knot[given] < mm);
+        let (Some(low), high) = (self.knots[..above].last(), self.knots.get(above)) else {
+            return mm;
         };
-        let slope = high.map_or(1.0, |[high, to_mm]| (high - low) / (to_mm - from_mm));
-        low + (length_mm - from_mm) * slope
+        let slope =
+            high.map_or(1.0, |high| (high[wanted] - low[wanted]) / (high[given] - low[given]));
+        low[wanted] + (mm - low[given]) * slope
     }
 }
