@@ -98,60 +98,55 @@ coded_enum! {
 /// Distances along the axis at which a level usually lies, mm.
 type Range = RangeInclusive<f64>;
 
-/// The extrema of B, C and D.
-pub(crate) struct Extrema {
-    pub b: Result<Peak, Absence>,
-    pub c: Result<Peak, Absence>,
-    pub d: Result<Peak, Absence>,
-}
-
-impl Extrema {
-    /// Finds the extrema of a leg of a body with this stature between two distances along the axis.
-    ///
-    /// Extrema where people have the level go before others: folds and swellings have extrema too.
-    pub fn find(curve: &GirthCurve, stature_mm: f64, [from_mm, to_mm]: [f64; 2]) -> Extrema {
-        let turns = turns(curve, from_mm, to_mm);
-        let clear = standing_out(&turns, |_| CLEAR_MM);
-        let faint = standing_out(&turns, |turn| turn.gate_mm);
-        let usual = |[low, high]: [f64; 2]| low * stature_mm..=high * stature_mm;
-        let [b_usual, c_usual, d_usual] = [B_SHARE, C_SHARE, D_SHARE].map(usual);
-        // If the curve starts even lower, the lowest minimum is outside the range.
-        let lowest = |b: &Peak| turns.iter().take(1).all(|turn| b.at.tape_mm < turn.tape_mm);
-        let b_below = |c: Option<Peak>, usual: &Range| {
-            let c_mm = c.map_or(to_mm, |c| c.at.along_mm);
-            let range = *usual.start()..=usual.end().min(c_mm);
-            let of = |turns: &[Extremum]| first(turns, false, &range).filter(lowest);
-            of(&clear).or_else(|| of(&faint))
-        };
-        let c = first(&clear, true, &c_usual).or_else(|| largest(&faint, &c_usual));
-        let anywhere = from_mm..=to_mm;
-        let b = b_below(c, &b_usual).or_else(|| Some(b_below(c, &anywhere)?.unusual()));
-        let above_b = b.map_or(from_mm, |b| b.at.along_mm);
-        let beyond = |turns, is_maximum, above_mm| {
-            Some(first(turns, is_maximum, &(above_mm..=to_mm))?.unusual())
-        };
-        let c = c.or_else(|| b.and_then(|b| beyond(&clear, true, b.at.along_mm)));
-        let above_c = c.map_or(f64::INFINITY, |c| c.at.along_mm);
-        let d = first(&clear, false, &(d_usual.start().max(above_c)..=*d_usual.end()));
-        let d = d.or_else(|| beyond(&clear, false, above_c));
-        // Each level's rivals lie between its neighbours.
+/// The extrema of B, C and D on a leg of a body with this stature between two distances along the axis.
+///
+/// Extrema where people have the level go before others: folds and swellings have extrema too.
+pub(super) fn extrema(
+    curve: &GirthCurve,
+    stature_mm: f64,
+    [from_mm, to_mm]: [f64; 2],
+) -> [Result<Peak, Absence>; 3] {
+    let turns = turns(curve, from_mm, to_mm);
+    let clear = standing_out(&turns, |_| CLEAR_MM);
+    let faint = standing_out(&turns, |turn| turn.gate_mm);
+    let usual = |[low, high]: [f64; 2]| low * stature_mm..=high * stature_mm;
+    let [b_usual, c_usual, d_usual] = [B_SHARE, C_SHARE, D_SHARE].map(usual);
+    // If the curve starts even lower, the lowest minimum is outside the range.
+    let lowest = |b: &Peak| turns.iter().take(1).all(|turn| b.at.tape_mm < turn.tape_mm);
+    let b_below = |c: Option<Peak>, usual: &Range| {
         let c_mm = c.map_or(to_mm, |c| c.at.along_mm);
-        let d_mm = d.map_or(to_mm, |d| d.at.along_mm);
-        let rival = |peak: Peak, low_mm: f64, high_mm: f64| Peak {
-            rival_mm: rival_mm(&turns, &peak.at, low_mm, high_mm),
-            ..peak
-        };
-        let begins_low = turns.first().is_some_and(|turn| !turn.is_maximum);
-        let no_b =
-            if begins_low { Absence::BelowSearch { along_mm: from_mm } } else { Absence::NoTurn };
-        let ends = Absence::AboveSearch { along_mm: to_mm };
-        let no_d = if c.is_none() { Absence::Needs { level: Level::C } } else { ends };
-        Extrema {
-            b: b.map(|b| rival(b, from_mm, c_mm)).ok_or(no_b),
-            c: c.map(|c| rival(c, above_b, d_mm)).ok_or(ends),
-            d: d.map(|d| rival(d, above_c, to_mm)).ok_or(no_d),
-        }
-    }
+        let range = *usual.start()..=usual.end().min(c_mm);
+        let of = |turns: &[Extremum]| first(turns, false, &range).filter(lowest);
+        of(&clear).or_else(|| of(&faint))
+    };
+    let c = first(&clear, true, &c_usual).or_else(|| largest(&faint, &c_usual));
+    let anywhere = from_mm..=to_mm;
+    let b = b_below(c, &b_usual).or_else(|| Some(b_below(c, &anywhere)?.unusual()));
+    let above_b = b.map_or(from_mm, |b| b.at.along_mm);
+    let beyond = |turns, is_maximum, above_mm| {
+        Some(first(turns, is_maximum, &(above_mm..=to_mm))?.unusual())
+    };
+    let c = c.or_else(|| b.and_then(|b| beyond(&clear, true, b.at.along_mm)));
+    let above_c = c.map_or(f64::INFINITY, |c| c.at.along_mm);
+    let d = first(&clear, false, &(d_usual.start().max(above_c)..=*d_usual.end()));
+    let d = d.or_else(|| beyond(&clear, false, above_c));
+    // Each level's rivals lie between its neighbours.
+    let c_mm = c.map_or(to_mm, |c| c.at.along_mm);
+    let d_mm = d.map_or(to_mm, |d| d.at.along_mm);
+    let rival = |peak: Peak, low_mm: f64, high_mm: f64| Peak {
+        rival_mm: rival_mm(&turns, &peak.at, low_mm, high_mm),
+        ..peak
+    };
+    let begins_low = turns.first().is_some_and(|turn| !turn.is_maximum);
+    let no_b =
+        if begins_low { Absence::BelowSearch { along_mm: from_mm } } else { Absence::NoTurn };
+    let ends = Absence::AboveSearch { along_mm: to_mm };
+    let no_d = if c.is_none() { Absence::Needs { level: Level::C } } else { ends };
+    [
+        b.map(|b| rival(b, from_mm, c_mm)).ok_or(no_b),
+        c.map(|c| rival(c, above_b, d_mm)).ok_or(ends),
+        d.map(|d| rival(d, above_c, to_mm)).ok_or(no_d),
+    ]
 }
 
 /// The inner turning points of one kind in a range.

@@ -4,7 +4,7 @@
 //! The shape of the curve decides. Where it has several turning points, those count where people have
 //! the level; one elsewhere is taken with a doubt. A missing level is reported as absent.
 
-use super::extremum::{Absence, CLEAR_MM, Extrema, Peak};
+use super::extremum::{Absence, CLEAR_MM, Peak, extrema};
 use super::girth::GirthCurve;
 use super::landmark::Landmark;
 use super::level_reading::Ruler;
@@ -63,7 +63,7 @@ pub fn levels<'a>(
     let from_mm = from.max(FROM_STATURE_SHARE * stature_mm);
     let to_mm = to.min(TO_CROTCH_SHARE * crotch_height_mm);
     let ends_mm = [from_mm, to_mm];
-    let Extrema { b, c, d } = Extrema::find(curve, stature_mm, ends_mm);
+    let [b, c, d] = extrema(curve, stature_mm, ends_mm);
     let search = Search { ruler: Ruler { curve, near: &near }, ends_mm, stature_mm };
     let turn = |level: Level, peak: Result<Peak, Absence>| {
         peak.and_then(|peak| search.extremum(level, &peak).ok_or(Absence::NoTurn))
