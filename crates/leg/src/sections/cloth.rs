@@ -49,16 +49,6 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// What one edge bounds, with the other edge if there is one.
-    pub(super) fn from_edge(edge: Edge, other: Option<Edge>) -> Cover {
-        let is_sure = edge.is_sharp || other.is_some();
-        if edge.step_mm > 0.0 {
-            Cover { lower: Some(edge), upper: other, is_sure }
-        } else {
-            Cover { lower: other, upper: Some(edge), is_sure }
-        }
-    }
-
     pub(super) fn is_sharp(&self) -> bool {
         [self.lower, self.upper].iter().flatten().any(|edge| edge.is_sharp)
     }

@@ -58,7 +58,11 @@ pub(super) fn covers(readings: &[Reading]) -> Vec<Cover> {
             _ => {
                 let partner = if first.is_sharp() { None } else { first.partner(readings) };
                 let partner = partner.map(|reading| reading.edge(false));
-                covers.push(Cover::from_edge(edge(first), partner));
+                let edge = edge(first);
+                let is_sure = edge.is_sharp || partner.is_some();
+                let [lower, upper] =
+                    if edge.step_mm > 0.0 { [Some(edge), partner] } else { [partner, Some(edge)] };
+                covers.push(Cover { lower, upper, is_sure });
             }
         }
     }
