@@ -6,7 +6,6 @@ use nalgebra::{Point2, Vector3};
 use super::components::connected;
 use super::stance::{Ring, SHANK_LINK_MM, ring};
 use crate::parting::cluster::clusters;
-use crate::sections::hull::Hull;
 use crate::sections::slice::Mesh;
 
 /// The legs are looked at up to this share of the stature, below every crotch …
@@ -22,13 +21,6 @@ const THICKER: f64 = 1.25;
 /// it.
 const SLICES_MIN: usize = 4;
 const SLICES_SHARE: f64 = 0.7;
-
-/// The closed outline of one shell in a slice.
-struct ShellRing {
-    shell: u32,
-    ring: Ring,
-    hull: Hull,
-}
 
 /// In how many slices a shell is seen, and in how many it stands beside the legs.
 #[derive(Clone, Copy, Default)]
@@ -62,24 +54,22 @@ pub(crate) fn without_bystanders(mesh: Mesh, stature_mm: f64) -> Mesh {
 
 /// Looks at a slice, whose points are sorted by their shells.
 fn look(points: &[(u32, Point2<f64>)], seen: &mut [Seen]) {
-    let mut rings: Vec<ShellRing> = Vec::new();
+    // The closed outlines, each with its shell.
+    let mut rings: Vec<(u32, Ring)> = Vec::new();
     for shell_points in points.chunk_by(|a, b| a.0 == b.0) {
         let shell = shell_points[0].0;
         seen[shell as usize].slices += 1;
         let places: Vec<Point2<f64>> = shell_points.iter().map(|(_, place)| *place).collect();
         let outlines = clusters(&places, SHANK_LINK_MM);
-        rings.extend(outlines.iter().filter_map(|outline| {
-            Some(ShellRing { shell, ring: ring(outline)?, hull: Hull::from_points(outline)? })
-        }));
+        rings.extend(outlines.iter().filter_map(|outline| Some((shell, ring(outline)?))));
     }
-    for own in &rings {
-        let is_thicker = |other: &&ShellRing| {
-            other.shell != own.shell && other.ring.size_mm > THICKER * own.ring.size_mm
-        };
+    for (shell, own) in &rings {
+        let is_thicker =
+            |(of, other): &&(u32, Ring)| of != shell && other.size_mm > THICKER * own.size_mm;
         let thicker = rings.iter().filter(is_thicker);
-        let is_outside = thicker.clone().all(|other| !other.hull.contains(&own.ring.middle));
+        let is_outside = thicker.clone().all(|(_, other)| !other.hull.contains(&own.middle));
         if is_outside && thicker.count() >= 2 {
-            seen[own.shell as usize].beside += 1;
+            seen[*shell as usize].beside += 1;
         }
     }
 }

@@ -243,6 +243,7 @@ pub(crate) struct Ring {
     pub(crate) size_mm: f64,
     /// In how many of eight equal sectors around the middle there are points.
     pub(crate) sectors: usize,
+    pub(super) hull: Hull,
 }
 
 impl Ring {
@@ -271,14 +272,15 @@ pub(crate) fn ring(ring: &[Point2<f64>]) -> Option<Ring> {
     let first = *ring.first()?;
     let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
     let size_mm = (high - low).max();
-    let middle = Hull::from_points(ring)?.centroid();
+    let hull = Hull::from_points(ring)?;
+    let middle = hull.centroid();
     let mut sectors = [false; 8];
     for point in ring {
         let turn = (point.y - middle.y).atan2(point.x - middle.x) / std::f64::consts::TAU + 0.5;
         sectors[((turn * 8.0) as usize).min(7)] = true;
     }
     let sectors = sectors.iter().filter(|seen| **seen).count();
-    (sectors >= SHANK_SECTORS_MIN).then_some(Ring { middle, size_mm, sectors })
+    (sectors >= SHANK_SECTORS_MIN).then_some(Ring { middle, size_mm, sectors, hull })
 }
 
 /// Points of each foot: those below `top_mm`, each assigned to the nearer shank; beside a single shank only those that
