@@ -36,8 +36,7 @@ pub struct Hole {
 /// The seen and unseen parts of a surface.
 #[derive(Debug, Clone)]
 pub struct Coverage {
-    from_mm: f64,
-    cell_mm: f64,
+    raster: Raster,
     /// For each cell, by rows from below, whether it lies in a hole.
     in_hole: Vec<bool>,
     /// The holes, largest first.
@@ -64,18 +63,17 @@ impl Coverage {
             raster.set_within(&mut in_hole, raster.middle(cell), reach_mm);
         }
         let holes = raster.holes(&in_hole);
-        Coverage { from_mm, cell_mm: raster.cell_mm, in_hole, holes }
+        Coverage { raster, in_hole, holes }
     }
 
     /// Whether a point of the surface lies in a hole.
     pub fn is_in_hole(&self, along_mm: f64, column: f64) -> bool {
-        let rows = self.in_hole.len() / CELLS_AROUND;
-        let row = (((along_mm - self.from_mm) / self.cell_mm).max(0.0) as usize).min(rows - 1);
-        self.in_hole[row * CELLS_AROUND + column_cell(column)]
+        self.in_hole[self.raster.row(along_mm) * CELLS_AROUND + column_cell(column)]
     }
 }
 
 /// The cells of a surface.
+#[derive(Debug, Clone)]
 struct Raster {
     from_mm: f64,
     cell_mm: f64,
@@ -96,6 +94,11 @@ impl Raster {
         self.radii_mm.iter().map(|radius| TAU * radius * self.cell_mm).sum()
     }
 
+    /// The row at a distance along the axis, or the one next to it.
+    fn row(&self, along_mm: f64) -> usize {
+        (((along_mm - self.from_mm) / self.cell_mm) as usize).min(self.radii_mm.len() - 1)
+    }
+
     fn middle(&self, cell: usize) -> (f64, f64) {
         let (row, column) = (cell / CELLS_AROUND, cell % CELLS_AROUND);
         let along_mm = self.from_mm + self.cell_mm * (row as f64 + 0.5);
@@ -104,12 +107,9 @@ impl Raster {
 
     /// Sets every cell whose middle is within reach of a position.
     fn set_within(&self, cells: &mut [bool], (along_mm, column): (f64, f64), reach_mm: f64) {
-        let row =
-            |along_mm: f64| ((along_mm - self.from_mm) / self.cell_mm).floor().max(0.0) as usize;
-        let last = (row(along_mm + reach_mm) + 1).min(self.radii_mm.len());
         // In units of cells, relative to the middle of the first one.
         let home = (column + PI) / TAU * CELLS_AROUND as f64 - 0.5;
-        for row in row(along_mm - reach_mm)..last {
+        for row in self.row(along_mm - reach_mm)..=self.row(along_mm + reach_mm) {
             let up_mm = self.from_mm + self.cell_mm * (row as f64 + 0.5) - along_mm;
             let aside_mm2 = reach_mm * reach_mm - up_mm * up_mm;
             if aside_mm2 < 0.0 {
@@ -171,14 +171,12 @@ impl Raster {
             rows = [rows[0].min(row), rows[1].max(row)];
         }
         let along_mm = moment_mm / area_mm2;
-        let middle =
-            (((along_mm - self.from_mm) / self.cell_mm) as usize).min(self.radii_mm.len() - 1);
         let share = columns.iter().filter(|column| **column).count() as f64 / CELLS_AROUND as f64;
         Hole {
             along_mm,
             column: arrow.y.atan2(arrow.x),
             length_mm: self.cell_mm * (rows[1] - rows[0] + 1) as f64,
-            width_mm: share * TAU * self.radii_mm[middle],
+            width_mm: share * TAU * self.radii_mm[self.row(along_mm)],
             area_mm2,
         }
     }
