@@ -55,7 +55,6 @@ pub fn leg_report(
     let SectionedLeg { ref leg, ref filled, ref sections, ref curve, ref cloth, .. } = of;
     let scale_mm = body.scale_mm;
     let end_mm = leg.cut_mm.unwrap_or(crotch.height_mm);
-    let near = |along_mm: f64| sections.nearest(along_mm);
     let mut measures = measures(leg, sections, curve, crotch, body, method);
     let bent = Some(Doubt::KneeBent { bend_deg: of.bend_deg() });
     let bent = bent.filter(|_| of.bend_deg() > BEND_DOUBT_DEG);
@@ -109,10 +108,10 @@ pub fn leg_report(
         findings.about_holes(surface);
     }
     let volume = leg_volume(sections, curve, &landmarks);
-    let mut at = at_heights(curve, &method.at_heights_mm, near);
-    let mut profile = at_heights(curve, &profile_heights_mm(curve), near);
+    let mut at = at_heights(curve, &method.at_heights_mm, sections);
+    let mut profile = at_heights(curve, &profile_heights_mm(curve), sections);
     let lengths = AxisLength::new(sections, scale_mm, method.tape);
-    let mut along = at_lengths(curve, &lengths, near);
+    let mut along = at_lengths(curve, &lengths, sections);
     let at_heights = at.iter_mut().chain(&mut profile).map(|at| &mut at.found);
     for girth in at_heights.chain(along.iter_mut().map(|at| &mut at.found)).flatten() {
         let all = covers.iter().chain(&causes);
@@ -219,10 +218,9 @@ fn measures(
     method: &Method,
 ) -> Measures {
     let scale_mm = body.scale_mm;
-    let near = |along_mm: f64| sections.nearest(along_mm);
     let choices = method.levels;
-    let mut levels = levels(curve, scale_mm, crotch.height_mm, choices.b1, near);
-    let ruler = Ruler { curve, near };
+    let mut levels = levels(curve, scale_mm, crotch.height_mm, choices.b1, sections);
+    let ruler = Ruler { curve, sections };
     let g = g(&ruler, crotch, choices.g_below_crotch_mm);
     levels.found.extend(g.clone().filter(|_| crotch.is_seen()));
     for landmark in &mut levels.found {

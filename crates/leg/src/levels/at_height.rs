@@ -6,7 +6,8 @@ use super::girth::GirthCurve;
 use super::level_reading::doubts;
 use crate::doubt::Doubt;
 use crate::sections::axis_length::AxisLength;
-use crate::sections::section::{Girth, SPACING_MM, Section};
+use crate::sections::equidistant::Sections;
+use crate::sections::section::{Girth, SPACING_MM};
 use crate::statistics::range;
 
 /// The result at a requested height.
@@ -73,26 +74,21 @@ pub(crate) fn profile_heights_mm(curve: &GirthCurve) -> Vec<f64> {
     (first..=last).map(|step| PROFILE_STEP_MM * f64::from(step)).collect()
 }
 
-/// The girths at heights above the floor, mm, in the order of the request. `near` gives the section
-/// nearest to a distance along the axis, if it could be measured.
-pub fn at_heights<'a>(
-    curve: &GirthCurve,
-    heights_mm: &[f64],
-    near: impl Fn(f64) -> Option<&'a Section>,
-) -> Vec<AtHeight> {
+/// The girths at heights above the floor, mm, in the order of the request.
+pub fn at_heights(curve: &GirthCurve, heights_mm: &[f64], sections: &Sections) -> Vec<AtHeight> {
     let one = |&height_mm: &f64| {
         let along_mm = along_mm(curve, height_mm);
-        let found = along_mm.and_then(|along_mm| girth_at(curve, along_mm, near(along_mm)));
+        let found = along_mm.and_then(|along_mm| girth_at(curve, along_mm, sections));
         AtHeight { height_mm, found }
     };
     heights_mm.iter().map(one).collect()
 }
 
 /// The girths at multiples of [`PROFILE_STEP_MM`] along the leg's axis, over the range of the curve.
-pub(crate) fn at_lengths<'a>(
+pub(crate) fn at_lengths(
     curve: &GirthCurve,
     lengths: &AxisLength,
-    near: impl Fn(f64) -> Option<&'a Section>,
+    sections: &Sections,
 ) -> Vec<AtLength> {
     let (from_mm, to_mm) = curve.domain();
     let steps = |along_mm: f64| lengths.at(along_mm) / PROFILE_STEP_MM;
@@ -100,20 +96,20 @@ pub(crate) fn at_lengths<'a>(
     let one = |step: u32| {
         let length_mm = PROFILE_STEP_MM * f64::from(step);
         let along_mm = lengths.along_at(length_mm);
-        let found = girth_at(curve, along_mm, near(along_mm));
+        let found = girth_at(curve, along_mm, sections);
         let height_mm = found.as_ref().ok().and_then(|_| curve.height_mm(along_mm));
         AtLength { length_mm, height_mm, found }
     };
     (first..=last).map(one).collect()
 }
 
-/// The girth at a distance along the axis, of which `near` is the nearest section.
+/// The girth at a distance along the axis.
 fn girth_at(
     curve: &GirthCurve,
     along_mm: f64,
-    near: Option<&Section>,
+    sections: &Sections,
 ) -> Result<HeightGirth, NoGirth> {
-    let doubts = doubts(curve, along_mm, near);
+    let doubts = doubts(curve, along_mm, sections);
     // The curve bridges such gaps; a level there may be reported with a doubt, a charted girth may not.
     if doubts.contains(&Doubt::NotSeen) {
         return Err(NoGirth::NotSeen);

@@ -6,6 +6,7 @@ use super::girth::GirthCurve;
 use super::landmark::Landmark;
 use crate::doubt::Doubt;
 use crate::level::{By, Level};
+use crate::sections::equidistant::Sections;
 use crate::sections::section::Section;
 
 /// A gap in the skin wider than this is reported as a doubt, degrees.
@@ -19,13 +20,12 @@ const SCATTER_DOUBT_MM: f64 = 2.0;
 const FOLDS_DOUBT_SHARE: f64 = 0.01;
 
 /// Reads levels off a girth curve.
-pub(crate) struct Ruler<'c, F> {
+pub(crate) struct Ruler<'c> {
     pub curve: &'c GirthCurve,
-    /// The section nearest to a distance along the axis, if it could be measured.
-    pub near: F,
+    pub sections: &'c Sections,
 }
 
-impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
+impl Ruler<'_> {
     /// A level at a distance along the axis, with the standard errors of its height and of the girth as that of the
     /// level; `None` outside the measured sections.
     pub fn landmark(
@@ -48,7 +48,7 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
             girth_sd_mm: self.curve.tape_sd(along_mm, 0),
             girth_of_level_sd_mm,
             girth_per_deg_mm: None,
-            doubts: doubts(self.curve, along_mm, (self.near)(along_mm)),
+            doubts: doubts(self.curve, along_mm, self.sections),
         })
     }
 
@@ -77,9 +77,9 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
     }
 }
 
-/// The doubts about the skin at a distance along the axis; `section` is the nearest one.
-pub(crate) fn doubts(curve: &GirthCurve, along_mm: f64, section: Option<&Section>) -> Vec<Doubt> {
-    let section = section.filter(|_| curve.is_seen(along_mm));
+/// The doubts about the skin at a distance along the axis, from the nearest section.
+pub(crate) fn doubts(curve: &GirthCurve, along_mm: f64, sections: &Sections) -> Vec<Doubt> {
+    let section = sections.nearest(along_mm).filter(|_| curve.is_seen(along_mm));
     section.map_or_else(|| vec![Doubt::NotSeen], section_doubts)
 }
 

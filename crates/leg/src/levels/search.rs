@@ -11,7 +11,7 @@ use super::level_reading::Ruler;
 use crate::doubt::Doubt;
 use crate::level::{By, Level};
 use crate::method::B1;
-use crate::sections::section::Section;
+use crate::sections::equidistant::Sections;
 
 /// An extremum with a prominence below this many standard errors is not clear.
 const CLEAR_SDS: f64 = 3.0;
@@ -50,21 +50,20 @@ pub struct Levels {
     pub absent: Vec<(Level, Absence)>,
 }
 
-/// Finds the levels. `near` gives the section nearest to a distance along the axis, if it could be
-/// measured.
-pub fn levels<'a>(
+/// Finds the levels.
+pub fn levels(
     curve: &GirthCurve,
     stature_mm: f64,
     crotch_height_mm: f64,
     b1: B1,
-    near: impl Fn(f64) -> Option<&'a Section>,
+    sections: &Sections,
 ) -> Levels {
     let (from, to) = curve.domain();
     let from_mm = from.max(FROM_STATURE_SHARE * stature_mm);
     let to_mm = to.min(TO_CROTCH_SHARE * crotch_height_mm);
     let ends_mm = [from_mm, to_mm];
     let [b, c, d] = extrema(curve, stature_mm, ends_mm);
-    let search = Search { ruler: Ruler { curve, near: &near }, ends_mm, stature_mm };
+    let search = Search { ruler: Ruler { curve, sections }, ends_mm, stature_mm };
     let turn = |level: Level, peak: Result<Peak, Absence>| {
         peak.and_then(|peak| search.extremum(level, &peak).ok_or(Absence::NoTurn))
     };
@@ -85,14 +84,14 @@ pub fn levels<'a>(
 }
 
 /// Turns positions on the girth curve into landmarks.
-struct Search<'c, F> {
-    ruler: Ruler<'c, F>,
+struct Search<'c> {
+    ruler: Ruler<'c>,
     /// Start and end of the search, mm along the axis.
     ends_mm: [f64; 2],
     stature_mm: f64,
 }
 
-impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
+impl Search<'_> {
     /// A level at an extremum.
     fn extremum(&self, level: Level, peak: &Peak) -> Option<Landmark> {
         let (curve, along_mm) = (self.ruler.curve, peak.at.along_mm);

@@ -9,7 +9,6 @@ use super::level_reading::Ruler;
 use crate::doubt::Doubt;
 use crate::level::{By, Level};
 use crate::parting::crotch::Crotch;
-use crate::sections::section::Section;
 
 /// Height of the mid-patella as a share of stature, among people.
 pub const KNEE_STATURE_SHARE: f64 = 0.277;
@@ -26,11 +25,7 @@ const KNEE_BY_STATURE_SD_MM: f64 = 25.0;
 
 /// G, a vertical distance below the crotch; `None` if the leg was not measured that high, or if the crotch is too
 /// uncertain: then it is measured by hand.
-pub(crate) fn g<'a>(
-    ruler: &Ruler<impl Fn(f64) -> Option<&'a Section>>,
-    crotch: &Crotch,
-    distance_mm: f64,
-) -> Option<Landmark> {
+pub(crate) fn g(ruler: &Ruler, crotch: &Crotch, distance_mm: f64) -> Option<Landmark> {
     if !crotch.carries_levels() {
         return None;
     }
@@ -54,8 +49,8 @@ fn knee(d: Option<&Landmark>, stature_mm: f64, stature_sd_mm: f64) -> (f64, f64,
 
 /// E, and F halfway from there to G, if the leg was measured that high and the crotch is certain enough; lowest
 /// first.
-pub(crate) fn knee_and_thigh<'a>(
-    ruler: &Ruler<impl Fn(f64) -> Option<&'a Section>>,
+pub(crate) fn knee_and_thigh(
+    ruler: &Ruler,
     crotch: &Crotch,
     distance_mm: f64,
     d: Option<&Landmark>,

@@ -16,7 +16,7 @@ use crate::found::extraction_of;
 
 fn at(tube: &Tube, heights_mm: &[f64]) -> Vec<AtHeight> {
     let sections = tube.sections(SectionFit::Skin);
-    at_heights(&curve_of(&sections), heights_mm, |along_mm| sections.nearest(along_mm))
+    at_heights(&curve_of(&sections), heights_mm, &sections)
 }
 
 #[track_caller]

@@ -95,9 +95,8 @@ proptest! {
             ..Tube::upright(&radius)
         };
         let sections = tube.sections(SectionFit::default());
-        let near = |along: f64| sections.nearest(along);
         let curve = curve_of(&sections);
-        let found = search::levels(&curve, STATURE_MM, CROTCH_MM, B1::Steepest, near).found;
+        let found = search::levels(&curve, STATURE_MM, CROTCH_MM, B1::Steepest, &sections).found;
         for (level, knot) in [(Level::B, 1), (Level::C, 2), (Level::D, 3)] {
             let along = shape.knots[knot][0];
             let at = found.iter().find(|landmark| landmark.level == level);

@@ -21,8 +21,7 @@ const TALL_MM: f64 = 1600.0;
 const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Paper];
 
 fn search(sections: &Sections, b1: B1) -> Levels {
-    let near = |along_mm: f64| sections.nearest(along_mm);
-    search::levels(&curve_of(sections), TALL_MM, CROTCH_MM, b1, near)
+    search::levels(&curve_of(sections), TALL_MM, CROTCH_MM, b1, sections)
 }
 
 fn levels(sections: &Sections) -> Vec<Landmark> {

@@ -61,8 +61,7 @@ fn curve(leg: &Leg, fit: SectionFit) -> GirthCurve {
 fn levels(leg: &Leg, fit: SectionFit) -> Vec<Landmark> {
     let sections = horizontal(leg, fit);
     let curve = girth_curve(&sections, STATURE_MM).unwrap();
-    let near = |along_mm: f64| sections.nearest(along_mm);
-    search::levels(&curve, STATURE_MM, test_leg::HEIGHT_MM, B1::Steepest, near).found
+    search::levels(&curve, STATURE_MM, test_leg::HEIGHT_MM, B1::Steepest, &sections).found
 }
 
 #[track_caller]
