@@ -17,7 +17,7 @@ use super::layers::unlinked_share;
 use super::point_cloud;
 use super::soles::FloorDoubt;
 use super::stance::{FeetUnclear, Stance, longest_foot_mm, stance};
-use super::unit_inference::{FOOT_LENGTH_MEAN_SHARE, Size, extent, lone_leg, whole_body};
+use super::unit_inference::{FOOT_LENGTH_MEAN_SHARE, extent, lone_leg, whole_body};
 use super::winding;
 use crate::method::{Axis, FacingChoice, Method, Scope, Unit, UnitChoice, Up};
 use crate::parting::cluster::clusters;
@@ -124,54 +124,51 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         return Err(BodyFault::OnlyFragments);
     }
     let upright = upright(method.up);
-    let above = match method.scope {
-        Scope::Body => above_floor(&all.0, &upright),
-        Scope::Leg(_) => None,
-    };
+    let is_whole = method.scope == Scope::Body;
+    let above = if is_whole { above_floor(&all.0, &upright) } else { None };
     let (above, floor) = above.unzip();
     let above = above.map(|above| without_fragments(&above));
     let (scan, shells) = above.as_ref().unwrap_or(&all);
     let (low, high) = extent(scan.points.iter().map(|point| upright * point));
-    let mut size = match method.scope {
+    let (unit, mut scale_mm) = match method.scope {
         Scope::Body => whole_body(method, &upright, high - low, || {
             let raised = Translation3::new(0.0, 0.0, -low.z).to_homogeneous();
             crown::is_child(&moved(scan, &(raised * upright.to_homogeneous()), Unit::Mm))
         })?,
         Scope::Leg(_) => lone_leg(scan, method, &upright, [low.z, high.z])?,
     };
-    let unit = size.unit;
     let to_mm = Translation3::new(0.0, 0.0, -low.z * unit.in_mm()).to_homogeneous()
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
     let mut standing = moved(scan, &to_mm, unit);
-    if size.is_whole && *shells > 1 {
-        standing = without_bystanders(standing, size.scale_mm);
+    if is_whole && *shells > 1 {
+        standing = without_bystanders(standing, scale_mm);
     }
-    let is_crown_seen = size.is_whole && crown::is_seen(&standing);
-    if size.is_whole && !is_crown_seen {
-        size.scale_mm = by_feet(&standing, size.scale_mm);
+    let is_crown_seen = is_whole && crown::is_seen(&standing);
+    if is_whole && !is_crown_seen {
+        scale_mm = by_feet(&standing, scale_mm);
     }
     let (stance, (wound, unlinked_share)) = rayon::join(
-        || stance(&standing, size.scale_mm, floor.map(|floor| (floor - low.z) * unit.in_mm())),
-        || (winding::check(&standing, method.winding), unlinked_share(&standing, size.scale_mm)),
+        || stance(&standing, scale_mm, floor.map(|floor| (floor - low.z) * unit.in_mm())),
+        || (winding::check(&standing, method.winding), unlinked_share(&standing, scale_mm)),
     );
     let stance = stance?;
     let is_mirror_checked = wound?;
     if unlinked_share > UNLINKED_MAX_SHARE {
         return Err(BodyFault::Layers { percent: 100.0 * unlinked_share });
     }
-    let by_calves = || calves::front(&standing, &stance.shanks, size.scale_mm);
+    let by_calves = || calves::front(&standing, &stance.shanks, scale_mm);
     let (toes, facing_from) = facing(&stance, by_calves, method.facing, &upright)?;
     let facing = toes.x.atan2(-toes.y);
-    let (sides, origin) = sides(&standing, &stance, toes, &size, method.scope)?;
+    let (sides, origin) = sides(&standing, &stance, toes, scale_mm, method.scope)?;
     let to_body = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -facing)
         * Translation3::new(-origin.x, -origin.y, -stance.floor.height_mm);
     let in_body = |p: Point2<f64>| (to_body * Point3::new(p.x, p.y, 0.0)).xy();
     let stature_mm = is_crown_seen.then(|| standing.highest_mm() - stance.floor.height_mm);
-    let scale_mm = stature_mm.unwrap_or(size.scale_mm);
+    let scale_mm = stature_mm.unwrap_or(scale_mm);
     Ok(Body {
         mesh: standing.moved(&to_body),
-        is_whole: size.is_whole,
+        is_whole,
         stature_mm,
         scale_mm,
         tracking_scale_mm: scale_mm,
@@ -205,7 +202,7 @@ fn sides(
     standing: &Mesh,
     stance: &Stance,
     toes: Vector2<f64>,
-    size: &Size,
+    scale_mm: f64,
     scope: Scope,
 ) -> Result<(Shanks, Point2<f64>), BodyFault> {
     let left = Vector2::new(-toes.y, toes.x);
@@ -216,7 +213,7 @@ fn sides(
             Ok((both, nalgebra::center(&foot_a, &foot_b)))
         }
         (Scope::Body, &[shank], &[foot]) => {
-            let trunk = trunk_middle(standing, size.scale_mm).unwrap_or(shank);
+            let trunk = trunk_middle(standing, scale_mm).unwrap_or(shank);
             let off_mm = (shank - trunk).dot(&left);
             if off_mm.abs() < BESIDE_TRUNK_MIN_MM {
                 return Err(BodyFault::SideUnclear { off_mm: off_mm.abs() });

@@ -21,29 +21,20 @@ const LONE_LEG_MM: [f64; 2] = [200.0, 1150.0];
 /// Length of the foot as a share of stature (ANSUR II, mean of men and women).
 pub(super) const FOOT_LENGTH_MEAN_SHARE: f64 = 0.152;
 
-/// The size of what was scanned.
-pub(crate) struct Size {
-    /// The unit of the export.
-    pub unit: Unit,
-    /// The stature that search heights are relative to, mm.
-    pub scale_mm: f64,
-    /// Whether `scale_mm` is the height of the scan.
-    pub is_whole: bool,
-}
-
 /// Lowest and highest corner of the points.
 pub(crate) fn extent(points: impl Iterator<Item = Point3<f64>>) -> (Point3<f64>, Point3<f64>) {
     let none = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
     points.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
-/// The size of a standing body with this extent, upright, in export units. `is_child`: whether its head is a child's.
+/// The unit of a standing body with this extent, upright, in export units, and its stature, mm. `is_child`: whether its
+/// head is a child's.
 pub(crate) fn whole_body(
     method: &Method,
     upright: &Rotation3<f64>,
     extent: Vector3<f64>,
     is_child: impl Fn() -> bool,
-) -> Result<Size, BodyFault> {
+) -> Result<(Unit, f64), BodyFault> {
     let [least, most] = STATURE_MM;
     let plausible = |unit: &Unit| (least..=most).contains(&(extent.z * unit.in_mm()));
     let unit = match method.unit {
@@ -66,17 +57,17 @@ pub(crate) fn whole_body(
             }
         }
     };
-    Ok(Size { unit, scale_mm: extent.z * unit.in_mm(), is_whole: true })
+    Ok((unit, extent.z * unit.in_mm()))
 }
 
-/// The size of a lone leg between two heights, export units: inferred from its foot, because a leg
-/// may be cut anywhere.
+/// The unit of a lone leg between two heights, export units, and the stature that search heights are relative to, mm:
+/// inferred from its foot, because a leg may be cut anywhere.
 pub(crate) fn lone_leg(
     scan: &Scan,
     method: &Method,
     upright: &Rotation3<f64>,
     [low, high]: [f64; 2],
-) -> Result<Size, BodyFault> {
+) -> Result<(Unit, f64), BodyFault> {
     let foot_length = |unit: Unit| {
         let top = low + LONE_FOOT_MM / unit.in_mm();
         let points = scan.points.iter().map(|point| upright * point);
@@ -97,6 +88,5 @@ pub(crate) fn lone_leg(
         let foot = units.first().map_or(0.0, |unit| foot_length(*unit));
         return Err(BodyFault::NoPlausibleLeg { height: high - low, foot });
     };
-    let scale_mm = foot_length(unit) * unit.in_mm() / FOOT_LENGTH_MEAN_SHARE;
-    Ok(Size { unit, scale_mm, is_whole: false })
+    Ok((unit, foot_length(unit) * unit.in_mm() / FOOT_LENGTH_MEAN_SHARE))
 }
