@@ -2,8 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::Point3;
 
+use super::unit_inference::extent;
 use crate::sections::slice::Mesh;
 use crate::statistics::quantile;
 
@@ -65,11 +66,8 @@ fn reaches<const N: usize>(mesh: &Mesh, top: f64, depths: [[f64; 2]; N]) -> [[f6
     let deepest = depths.iter().fold(0.0, |deepest: f64, [_, to]| deepest.max(*to));
     let high: Vec<&Point3<f64>> =
         mesh.points().iter().filter(|point| top - point.z <= deepest).collect();
-    let [low, far] = high.iter().fold(
-        [Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY)],
-        |[low, far], point| [low.inf(&point.coords.xy()), far.sup(&point.coords.xy())],
-    );
-    let middle = (low + far) / 2.0;
+    let (low, far) = extent(high.iter().map(|point| **point));
+    let middle = (low.coords + far.coords).xy() / 2.0;
     let mut reaches = [[f64::NEG_INFINITY; DIRECTIONS]; N];
     for point in high {
         let arm = point.coords.xy() - middle;
