@@ -1,7 +1,7 @@
 //! Smoothing fit of a scalar function: penalised weighted least squares, with standard errors.
 
 use super::basis::{Basis, DEGREE};
-use super::normal::{Design, NormalEquations, RIDGE};
+use super::normal::{Design, NormalEquations, RIDGE, Solution};
 use super::solve::{Singular, Skyline};
 
 /// The smoothing of a fit.
@@ -41,8 +41,11 @@ pub struct Spline {
     /// Weighted root mean square of the residuals.
     pub rms: f64,
     /// The inverse of the normal matrix, for overlapping functions.
-    pub(super) inverse: Skyline,
+    inverse: Skyline,
 }
+
+/// Residuals with fewer degrees of freedom than this give no information about the data's errors.
+const LEAST_FREEDOM: f64 = 0.5;
 
 /// Why data cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -182,11 +185,12 @@ pub fn fit(
     check(basis, x, y, weights)?;
     let design = Design::new(basis, x);
     let equations = NormalEquations::new(&design, y, weights);
-    Ok(match smoothing {
-        Smoothing::None => equations.spline(RIDGE)?,
-        Smoothing::Fixed(lambda) => equations.spline(ridged(lambda)?)?,
+    let solution = match smoothing {
+        Smoothing::None => equations.solution(RIDGE)?,
+        Smoothing::Fixed(lambda) => equations.solution(ridged(lambda)?)?,
         Smoothing::Gcv => equations.best_by_gcv()?,
-    })
+    };
+    Ok(with_statistics(basis, y, weights, solution))
 }
 
 /// Raises a given lambda to at least the ridge.
@@ -226,6 +230,27 @@ impl Spline {
 pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
     const ROUNDING: f64 = 1e-18;
     if deviations > ROUNDING * values { 1.0 - residuals / deviations } else { 1.0 }
+}
+
+/// The spline of a solution, with its quality statistics.
+pub(super) fn with_statistics(
+    basis: &Basis,
+    y: &[f64],
+    weights: &[f64],
+    solution: Solution,
+) -> Spline {
+    let Solution { lambda, coefficients, inverse, edf, rss } = solution;
+    let total: f64 = weights.iter().sum();
+    let data = weights.iter().filter(|weight| **weight > 0.0).count() as f64;
+    let mean = y.iter().zip(weights).map(|(y, weight)| weight * y).sum::<f64>() / total;
+    let spread: f64 = y.iter().zip(weights).map(|(y, weight)| weight * (y - mean).powi(2)).sum();
+    // For an interpolation, m − edf consists only of rounding errors and the effect of the ridge.
+    let freedom = data - edf;
+    let sigma = if freedom > LEAST_FREEDOM { (rss / freedom).sqrt() } else { f64::INFINITY };
+    // Values that differ only by rounding count as constant.
+    let r2 = r2(rss, spread, mean * mean * total);
+    let rms = (rss / total).sqrt();
+    Spline { basis: basis.clone(), coefficients, lambda, edf, sigma, r2, rms, inverse }
 }
 
 pub(super) fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), FitFault> {

@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 
 use super::basis::{Basis, Row};
-use super::fit::{Spline, r2};
 use super::integrals::roughness;
 use super::solve::trial::Trials;
 use super::solve::{Cholesky, Singular, Skyline};
@@ -26,23 +25,18 @@ const SEARCH_HALVINGS: i32 = 3;
 /// remain as degrees of freedom.
 const LEAST_FREEDOM: f64 = 0.1;
 
-/// Residuals with fewer degrees of freedom than this give no information about the data's errors.
-const FREEDOM_MIN: f64 = 0.5;
-
 /// The data's positions in terms of a basis; usable for any values and weights there.
-pub struct Design<'a> {
-    basis: &'a Basis,
+pub struct Design {
     rows: Vec<Row>,
     /// The zero matrix of the basis.
     zero: Skyline,
     roughness: Skyline,
 }
 
-impl<'a> Design<'a> {
+impl Design {
     /// The design for data at `x`, all of them finite.
-    pub fn new(basis: &'a Basis, x: &[f64]) -> Design<'a> {
+    pub fn new(basis: &Basis, x: &[f64]) -> Design {
         Design {
-            basis,
             rows: x.iter().map(|x| basis.row(*x)).collect(),
             zero: Skyline::zero(basis),
             roughness: roughness(basis, PENALISED),
@@ -57,7 +51,7 @@ impl<'a> Design<'a> {
 
 /// Weighted data in terms of a basis.
 pub struct NormalEquations<'a> {
-    design: &'a Design<'a>,
+    design: &'a Design,
     y: &'a [f64],
     weights: &'a [f64],
     /// BᵀWB.
@@ -68,10 +62,24 @@ pub struct NormalEquations<'a> {
     penalty: Skyline,
 }
 
+/// The fit at one lambda.
+pub struct Solution {
+    /// The relative lambda.
+    pub lambda: f64,
+    /// The coefficients.
+    pub coefficients: Vec<f64>,
+    /// The inverse of the normal matrix, for overlapping functions.
+    pub inverse: Skyline,
+    /// Effective degrees of freedom.
+    pub edf: f64,
+    /// Weighted sum of the squared residuals.
+    pub rss: f64,
+}
+
 impl<'a> NormalEquations<'a> {
     /// The equations for one of `y` and `weights` per position of the design. All must be finite,
     /// and at least one weight positive.
-    pub fn new(design: &'a Design<'a>, y: &'a [f64], weights: &'a [f64]) -> Self {
+    pub fn new(design: &'a Design, y: &'a [f64], weights: &'a [f64]) -> Self {
         let mut gram = design.zero.clone();
         let mut moments = vec![0.0; gram.size()];
         for ((row, y), weight) in design.rows.iter().zip(y).zip(weights) {
@@ -93,30 +101,13 @@ impl<'a> NormalEquations<'a> {
         Ok((factor, coefficients))
     }
 
-    /// The fit at `lambda`, with its quality statistics.
-    pub fn spline(&self, lambda: f64) -> Result<Spline, Singular> {
-        let NormalEquations { design, y, weights, .. } = *self;
+    /// The fit at `lambda`.
+    pub fn solution(&self, lambda: f64) -> Result<Solution, Singular> {
         let (factor, coefficients) = self.solved(lambda)?;
         let inverse = factor.into_inverse();
         let edf = inverse.trace_of_product(&self.gram);
         let rss = self.rss(&coefficients);
-        let total: f64 = weights.iter().sum();
-        let mean = y.iter().zip(weights).map(|(y, weight)| weight * y).sum::<f64>() / total;
-        let spread: f64 =
-            y.iter().zip(weights).map(|(y, weight)| weight * (y - mean).powi(2)).sum();
-        // For an interpolation, m − edf consists only of rounding errors and the effect of the ridge.
-        let freedom = self.data() - edf;
-        let sigma = if freedom > FREEDOM_MIN { (rss / freedom).sqrt() } else { f64::INFINITY };
-        // Values that differ only by rounding count as constant.
-        let r2 = r2(rss, spread, mean * mean * total);
-        let rms = (rss / total).sqrt();
-        let basis = design.basis.clone();
-        Ok(Spline { basis, coefficients, lambda, edf, sigma, r2, rms, inverse })
-    }
-
-    /// How many data have a weight.
-    fn data(&self) -> f64 {
-        self.weights.iter().filter(|weight| **weight > 0.0).count() as f64
+        Ok(Solution { lambda, coefficients, inverse, edf, rss })
     }
 
     /// The weighted sum of the squared residuals. Summed over the data: the quadratic form of the normal
@@ -128,23 +119,20 @@ impl<'a> NormalEquations<'a> {
     }
 
     /// The fit with the smallest score RSS / (m − edf)² (Craven, Wahba 1979).
-    pub fn best_by_gcv(&self) -> Result<Spline, Singular> {
-        let data = self.data();
+    pub fn best_by_gcv(&self) -> Result<Solution, Singular> {
+        let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
         let mut trials = Trials::new(&self.gram, &self.penalty, &self.moments);
         let mut tried = |exponent: f64| {
             let lambda = 10.0_f64.powf(exponent);
             let (rss, edf) = match &mut trials {
                 Some(trials) => trials.at(lambda).map(|(at, edf)| (self.rss(at), edf))?,
-                None => {
-                    let (factor, at) = self.solved(lambda).ok()?;
-                    (self.rss(&at), factor.into_inverse().trace_of_product(&self.gram))
-                }
+                None => self.solution(lambda).map(|solution| (solution.rss, solution.edf)).ok()?,
             };
             Some(Tried { exponent, rss, edf, score: score(rss, edf, data) })
         };
         let Some(mut best) = best_of_halves(&mut tried, data) else {
             // Every lambda leaves too few degrees of freedom, so the smoothest fit is used.
-            return self.spline(10.0_f64.powf(0.5 * f64::from(*SEARCH_HALF_DECADES.end())));
+            return self.solution(10.0_f64.powf(0.5 * f64::from(*SEARCH_HALF_DECADES.end())));
         };
         for halving in 1..=SEARCH_HALVINGS {
             let step = 0.5 * 0.5_f64.powi(halving);
@@ -155,7 +143,7 @@ impl<'a> NormalEquations<'a> {
                 best = found;
             }
         }
-        self.spline(10.0_f64.powf(best.exponent))
+        self.solution(10.0_f64.powf(best.exponent))
     }
 }
 

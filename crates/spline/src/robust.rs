@@ -1,7 +1,7 @@
 //! Robust smoothing fit: data far from the curve lose their weight.
 
 use super::basis::Basis;
-use super::fit::{FitFault, Spline, check, ridged};
+use super::fit::{FitFault, Spline, check, ridged, with_statistics};
 use super::normal::{Design, NormalEquations};
 
 /// Tukey's constant: residuals beyond this many standard deviations have no weight. 95 % efficiency
@@ -55,8 +55,8 @@ pub fn robust_fit(
         }
     }
     check(basis, x, y, &weights)?;
-    let spline = NormalEquations::new(&design, y, &weights).spline(lambda)?;
-    Ok(Robust { spline, weights })
+    let solution = NormalEquations::new(&design, y, &weights).solution(lambda)?;
+    Ok(Robust { spline: with_statistics(basis, y, &weights, solution), weights })
 }
 
 /// The standard deviation of normal errors whose absolute values have the same median as the
