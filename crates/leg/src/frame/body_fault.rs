@@ -1,6 +1,6 @@
 //! Reasons why a scan is not a measurable standing body.
 
-use super::stance::FeetUnclear;
+use super::stance::{FeetUnclear, NoLegs};
 use crate::method::{Unit, Up};
 
 /// Plausible statures, mm: from a child of two years on. Figures of 80 to 90.5 are a child's in cm and a tall man's in
@@ -44,21 +44,8 @@ pub enum BodyFault {
         stature_mm: f64,
     },
     /// Neither two legs on the floor nor a single one.
-    #[error(
-        "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
-         stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
-         hidden, do the legs touch, or is another person or an object beside the patient?"
-    )]
-    NotTwoLegs {
-        /// Heights at which exactly two shanks were seen.
-        pairs: usize,
-        /// Heights at which exactly one was seen.
-        singles: usize,
-        /// Heights that were examined.
-        heights: usize,
-        /// The largest number seen at one height.
-        most: usize,
-    },
+    #[error(transparent)]
+    NotTwoLegs(#[from] NoLegs),
     /// The feet do not show the facing, and none was declared.
     #[error(
         "left and right cannot be determined: {0}; both feet must be fully visible, with nothing else on \
@@ -133,7 +120,7 @@ impl BodyFault {
             BodyFault::OnlyFragments => "body-only-fragments",
             BodyFault::NoPlausibleUnit { .. } => "body-no-plausible-unit",
             BodyFault::UnitImplausible { .. } => "body-unit-implausible",
-            BodyFault::NotTwoLegs { .. } => "body-not-two-legs",
+            BodyFault::NotTwoLegs(_) => "body-not-two-legs",
             BodyFault::FacingUnclear(_) => "body-facing-unclear",
             BodyFault::FacingContradicted { .. } => "body-facing-contradicted",
             BodyFault::FacingVertical => "body-facing-vertical",

@@ -3,7 +3,6 @@
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::body_fault::BodyFault;
 use super::floor::{Floor, floor};
 use super::soles::{LongAxis, long_axis};
 use crate::parting::cluster::clusters;
@@ -136,15 +135,33 @@ impl FeetUnclear {
     }
 }
 
+/// What was seen where two shanks, or a single one, were expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
+     stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
+     hidden, do the legs touch, or is another person or an object beside the patient?"
+)]
+pub struct NoLegs {
+    /// Heights at which exactly two were seen.
+    pub pairs: usize,
+    /// Heights at which exactly one was seen.
+    pub singles: usize,
+    /// Heights that were examined.
+    pub heights: usize,
+    /// The largest number seen at one height.
+    pub most: usize,
+}
+
 /// Finds the stance of a body with this stature, mm; `floor_mm` is the height of its floor if that was scanned.
 ///
 /// # Errors
-/// [`BodyFault::NotTwoLegs`] if too few heights show exactly two shanks, or one and nothing else.
+/// [`NoLegs`] if too few heights show exactly two shanks, or one and nothing else.
 pub(crate) fn stance(
     mesh: &Mesh,
     stature_mm: f64,
     floor_mm: Option<f64>,
-) -> Result<Stance, BodyFault> {
+) -> Result<Stance, NoLegs> {
     let shanks = found_shanks(mesh, stature_mm)?;
     let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
     let stands = shanks.iter().zip(&feet_points);
@@ -177,7 +194,7 @@ pub(crate) fn longest_foot_mm(mesh: &Mesh, stature_mm: f64) -> Option<f64> {
 }
 
 /// The shanks of a body of about this stature.
-fn found_shanks(mesh: &Mesh, stature_mm: f64) -> Result<Vec<Point2<f64>>, BodyFault> {
+fn found_shanks(mesh: &Mesh, stature_mm: f64) -> Result<Vec<Point2<f64>>, NoLegs> {
     let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
     // Only a tenth of the body is sliced.
     let [low, high] = [heights[0], heights[heights.len() - 1]];
@@ -187,7 +204,7 @@ fn found_shanks(mesh: &Mesh, stature_mm: f64) -> Result<Vec<Point2<f64>>, BodyFa
 }
 
 /// The shanks at the lowest height that shows the full number.
-fn shanks(rings: Vec<Vec<Ring>>) -> Result<Vec<Point2<f64>>, BodyFault> {
+fn shanks(rings: Vec<Vec<Ring>>) -> Result<Vec<Point2<f64>>, NoLegs> {
     let pylons: Vec<bool> = rings.iter().map(|rings| rings.iter().any(Ring::is_pylon)).collect();
     let rings: Vec<Vec<Point2<f64>>> = rings.into_iter().map(only_shanks).collect();
     let of_count = |count: usize| rings.iter().filter(|found| found.len() == count).count();
@@ -200,7 +217,7 @@ fn shanks(rings: Vec<Vec<Ring>>) -> Result<Vec<Point2<f64>>, BodyFault> {
     } else if has_prosthesis || singles >= LONE_SLICES_MIN && is_one_leg(&rings) {
         1
     } else {
-        return Err(BodyFault::NotTwoLegs { pairs, singles, heights: rings.len(), most });
+        return Err(NoLegs { pairs, singles, heights: rings.len(), most });
     };
     Ok(rings.into_iter().find(|found| found.len() == legs).unwrap_or_default())
 }
