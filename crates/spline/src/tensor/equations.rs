@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 use super::circle::Circle;
 use super::kronecker::Direction;
-use super::preconditioner::Preconditioner;
+use super::preconditioner::{Evenly, Preconditioner};
 use super::stencil::{REACH, System};
 use crate::basis::{DEGREE, Row};
 
@@ -17,14 +17,14 @@ type HalfStencil = [f64; (DEGREE + 1) * REACH];
 
 /// (BᵀWB + penalty) c = BᵀWy.
 pub struct Equations<'a> {
-    pub(super) along: &'a Direction,
-    pub(super) circle: &'a Circle,
+    along: &'a Direction,
+    circle: &'a Circle,
     /// For each coefficient, along by along, the entries of itself and of its neighbours ahead; the others
     /// follow by symmetry.
     gram: Vec<HalfStencil>,
     moments: DMatrix<f64>,
     /// Gram matrix of the data along, for each function itself and the three after it.
-    pub(super) data_along: Vec<[f64; DEGREE + 1]>,
+    data_along: Vec<[f64; DEGREE + 1]>,
     /// Weight of all data.
     weight: f64,
 }
@@ -95,7 +95,16 @@ impl<'a> Equations<'a> {
     /// function is off by no more than `off`, root mean square over the data, as the preconditioner sees it.
     pub fn solved(&self, lambdas: [f64; 2], guess: DMatrix<f64>, off: f64) -> DMatrix<f64> {
         let system = self.penalised(lambdas);
-        let preconditioner = Preconditioner::new(self, lambdas, &system.diagonal());
+        let pieces = self.circle.count() as f64;
+        let data = self.data_along.iter().map(|own| own.map(|entry| entry / pieces));
+        let evenly = Evenly {
+            along: self.along,
+            circle: self.circle,
+            data: data.collect(),
+            density: self.density(),
+            lambdas,
+        };
+        let preconditioner = Preconditioner::new(evenly, &system.diagonal());
         let mut solution = guess;
         let mut residual = &self.moments - system.product(&solution);
         let mut smoothed = preconditioner.solved(&residual);

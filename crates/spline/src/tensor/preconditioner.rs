@@ -6,7 +6,7 @@
 use nalgebra::DMatrix;
 
 use super::circle::Circle;
-use super::equations::Equations;
+use super::kronecker::Direction;
 use crate::basis::DEGREE;
 
 /// Added to the equations of each wave, as a share of the Gram matrix of even data, so that a range without
@@ -23,18 +23,31 @@ pub struct Preconditioner<'a> {
     scale: DMatrix<f64>,
 }
 
+/// The equations to be approximated.
+pub struct Evenly<'a> {
+    /// The direction along.
+    pub along: &'a Direction,
+    /// The direction around.
+    pub circle: &'a Circle,
+    /// Gram matrix of the data along, for each function itself and the three after it, divided by the number
+    /// of pieces around.
+    pub data: Vec<[f64; DEGREE + 1]>,
+    /// Weight of the data per cell.
+    pub density: f64,
+    /// Smoothing along and around.
+    pub lambdas: [f64; 2],
+}
+
 impl<'a> Preconditioner<'a> {
-    /// The Cholesky factors of each wave's equations with this smoothing along and around; `diagonal` is that of the
-    /// true equations, around × along.
-    pub fn new(of: &Equations<'a>, lambdas: [f64; 2], diagonal: &DMatrix<f64>) -> Self {
-        let (along, circle, density) = (of.along, of.circle, of.density());
-        let pieces = circle.count() as f64;
+    /// The Cholesky factors of the equations of each wave; `diagonal` is that of the true equations,
+    /// around × along.
+    pub fn new(of: Evenly<'a>, diagonal: &DMatrix<f64>) -> Preconditioner<'a> {
+        let Evenly { along, circle, data, density, lambdas } = of;
         let (mass, gram) = (circle.mass(), circle.eigenvalues(&circle.gram));
         let rough = circle.eigenvalues(&circle.roughness);
-        let mut factors: Vec<[Vec<f64>; DEGREE + 1]> = Vec::with_capacity(of.data_along.len());
+        let mut factors: Vec<[Vec<f64>; DEGREE + 1]> = Vec::with_capacity(data.len());
         let mut scale = diagonal.clone();
-        for (i, own) in of.data_along.iter().enumerate() {
-            let own = own.map(|entry| entry / pieces);
+        for (i, own) in data.iter().enumerate() {
             let mut row: [Vec<f64>; DEGREE + 1] = std::array::from_fn(|ahead| {
                 let Some(rough_along) = along.roughness.get((i + ahead, i)) else {
                     return vec![0.0; mass.len()];
