@@ -1,5 +1,6 @@
 //! The index and the jobs in PostgreSQL. Every statement is a transaction of its own, and may come twice.
 
+use std::io;
 use std::time::Duration;
 
 use gaiter_flow::disposition::Disposition;
@@ -7,7 +8,9 @@ use gaiter_https::{secret, tls};
 use gaiter_record::ScanId;
 use gaiter_record::archive::{Announcement, Heartbeat, MethodId, ScanResult, Withdrawal};
 use postgres::config::SslMode;
-use postgres::{Client, Config, NoTls};
+use postgres::types::ToSql;
+use postgres::{Client, Config, GenericClient, NoTls};
+use serde::de::DeserializeOwned;
 use tokio_postgres_rustls::MakeRustlsConnect;
 
 use crate::config::DatabasePlace;
@@ -107,6 +110,20 @@ pub fn make_schema(client: &mut Client) -> Result<(), ArchiveFault> {
     }
     transaction.commit()?;
     check_schema(client)
+}
+
+/// The rows that a statement gives, each by the names of its columns.
+///
+/// # Errors
+/// Those of the database; of a row that lacks a column.
+pub fn rows<T: DeserializeOwned>(
+    client: &mut impl GenericClient,
+    statement: &str,
+    params: &[&(dyn ToSql + Sync)],
+) -> Result<Vec<T>, ArchiveFault> {
+    let all = format!("select coalesce(json_agg(answer), '[]')::text from ({statement}) answer");
+    let all: String = client.query_one(all.as_str(), params)?.get(0);
+    Ok(serde_json::from_str(&all).map_err(io::Error::from)?)
 }
 
 /// Enters a method. The first one is the current one.
@@ -289,7 +306,7 @@ pub fn claim(
                 order by due desc limit $5 for update skip locked)
             returning scan)
         select encode(scan, 'hex'), bytes, whole::text from claimed join scan using (scan)";
-    let params: [&(dyn postgres::types::ToSql + Sync); 5] =
+    let params: [&(dyn ToSql + Sync); 5] =
         [&worker, &LEASE.as_secs_f64(), &method.as_str(), &ATTEMPTS_MOST, &most];
     let rows = client.query(statement, &params)?;
     let claimed = rows.into_iter().filter_map(|row| {
@@ -318,7 +335,7 @@ pub fn begin(
         where method = $2 and worker = $3 and scan in (select decode(hex, 'hex') from unnest($4::text[]) hex)
         returning scan = decode($5, 'hex')";
     let Some(first) = scans.first() else { return Ok(false) };
-    let params: [&(dyn postgres::types::ToSql + Sync); 5] =
+    let params: [&(dyn ToSql + Sync); 5] =
         [&LEASE.as_secs_f64(), &method.as_str(), &worker, &scans, first];
     let rows = client.query(statement, &params)?;
     Ok(rows.iter().any(|row| row.get(0)))

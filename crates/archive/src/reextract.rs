@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use gaiter_leg::Method;
 use gaiter_record::archive::MethodId;
 use postgres::Client;
+use serde::Deserialize;
 
 use crate::config::ArchiveConfig;
 use crate::fault::ArchiveFault;
@@ -32,7 +33,7 @@ pub struct Choice {
 }
 
 /// What changes at a level of a leg.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 struct Change {
     side: String,
     level: String,
@@ -160,20 +161,10 @@ fn changes(client: &mut Client, old: &str, new: &MethodId) -> Result<Vec<Change>
         c as (select coalesce(o.side, n.side) side, coalesce(o.level, n.level) level, coalesce(o.scan, n.scan) scan,
                 o.girth_mm is null came, n.girth_mm is null went, abs(n.girth_mm - o.girth_mm)::float8 moved
             from o full join n on (o.scan, o.side, o.level) = (n.scan, n.side, n.level))
-        select side, level, count(moved), count(*) filter (where came), count(*) filter (where went),
-            coalesce(avg(moved), 0), coalesce(max(moved), 0),
-            coalesce(encode((array_agg(scan order by moved desc nulls last))[1], 'hex'), '')
+        select side, level, count(moved) as both, count(*) filter (where came) as came,
+            count(*) filter (where went) as went,
+            coalesce(avg(moved), 0) as mean_mm, coalesce(max(moved), 0) as largest_mm,
+            coalesce(encode((array_agg(scan order by moved desc nulls last))[1], 'hex'), '') as largest_scan
         from c group by side, level order by side, level";
-    let rows = client.query(statement, &[&old, &new.as_str()])?;
-    let changes = rows.into_iter().map(|row| Change {
-        side: row.get(0),
-        level: row.get(1),
-        both: row.get(2),
-        came: row.get(3),
-        went: row.get(4),
-        mean_mm: row.get(5),
-        largest_mm: row.get(6),
-        largest_scan: row.get(7),
-    });
-    Ok(changes.collect())
+    database::rows(client, statement, &[&old, &new.as_str()])
 }

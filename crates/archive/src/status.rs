@@ -6,11 +6,11 @@ pub mod serve;
 
 use std::fmt::Write;
 
-use postgres::{IsolationLevel, Row, Transaction};
-use serde::Serialize;
+use postgres::{IsolationLevel, Transaction};
+use serde::{Deserialize, Serialize};
 
 use crate::config::ArchiveConfig;
-use crate::database::{self, ATTEMPTS_MOST};
+use crate::database::{self, ATTEMPTS_MOST, rows};
 use crate::fault::ArchiveFault;
 
 /// How many dead letters are shown; all are in the view `dead_letter`.
@@ -29,7 +29,7 @@ struct Status {
     stations: Vec<StationRow>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct MethodRow {
     method: String,
     is_current: bool,
@@ -41,21 +41,21 @@ struct MethodRow {
 }
 
 /// A worker that has claimed jobs.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct WorkerRow {
     worker: String,
     claimed: i64,
 }
 
 /// A scan that could not be measured.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct LetterRow {
     scan: String,
     method: String,
     reason: String,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct StationRow {
     station: String,
     /// How long ago it was heard, seconds; none if it has only announced.
@@ -96,8 +96,8 @@ impl Status {
     fn of(client: &mut Transaction<'_>) -> Result<Status, ArchiveFault> {
         let scans = client.query_one("select count(*) from scan", &[])?.get(0);
         let methods = "\
-            select m.method, m.is_current, coalesce(r.results, 0), coalesce(r.refused, 0),
-                coalesce(j.waiting, 0), coalesce(j.claimed, 0), coalesce(j.dead, 0)
+            select m.method, m.is_current, coalesce(r.results, 0) as results, coalesce(r.refused, 0) as refused,
+                coalesce(j.waiting, 0) as waiting, coalesce(j.claimed, 0) as claimed, coalesce(j.dead, 0) as dead
             from method m
             left join (select method, count(*) results, count(*) filter (where outcome <> 'measured') refused
                 from result group by method) r using (method)
@@ -107,26 +107,23 @@ impl Status {
                 count(*) filter (where due <= now() and attempts >= $1) dead
                 from job group by method) j using (method)
             order by m.number";
-        let workers = "select worker, count(*) from job where due > now() and worker is not null \
-                       group by worker order by worker";
-        let letters =
-            "select encode(scan, 'hex'), method, reason from dead_letter order by scan limit $1";
+        let workers = "\
+            select worker, count(*) as claimed from job where due > now() and worker is not null
+            group by worker order by worker";
+        let letters = "\
+            select encode(scan, 'hex') as scan, method, reason from dead_letter order by scan limit $1";
         let stations = "\
-            select station, extract(epoch from now() - heard)::bigint, gaiter, is_ready,
-                extract(epoch from now() - oldest_undelivered)::bigint, scans_today, refused_today, refused_share,
-                phantom_bias_mm::float8, phantom_drift_mm, archived
+            select station, extract(epoch from now() - heard)::bigint as silent_s, gaiter, is_ready,
+                extract(epoch from now() - oldest_undelivered)::bigint as oldest_undelivered_s,
+                scans_today, refused_today, refused_share,
+                phantom_bias_mm::float8 as phantom_bias_mm, phantom_drift_mm, archived as scans
             from station_status order by station";
-        let rows = |rows: Vec<Row>| rows.into_iter();
         Ok(Status {
             scans,
-            methods: rows(client.query(methods, &[&ATTEMPTS_MOST])?).map(MethodRow::of).collect(),
-            workers: rows(client.query(workers, &[])?)
-                .map(|row| WorkerRow { worker: row.get(0), claimed: row.get(1) })
-                .collect(),
-            dead_letters: rows(client.query(letters, &[&LETTERS_MOST])?)
-                .map(|row| LetterRow { scan: row.get(0), method: row.get(1), reason: row.get(2) })
-                .collect(),
-            stations: rows(client.query(stations, &[])?).map(StationRow::of).collect(),
+            methods: rows(client, methods, &[&ATTEMPTS_MOST])?,
+            workers: rows(client, workers, &[])?,
+            dead_letters: rows(client, letters, &[&LETTERS_MOST])?,
+            stations: rows(client, stations, &[])?,
         })
     }
 
@@ -156,37 +153,7 @@ impl Status {
     }
 }
 
-impl MethodRow {
-    fn of(row: Row) -> MethodRow {
-        MethodRow {
-            method: row.get(0),
-            is_current: row.get(1),
-            results: row.get(2),
-            refused: row.get(3),
-            waiting: row.get(4),
-            claimed: row.get(5),
-            dead: row.get(6),
-        }
-    }
-}
-
 impl StationRow {
-    fn of(row: Row) -> StationRow {
-        StationRow {
-            station: row.get(0),
-            silent_s: row.get(1),
-            gaiter: row.get(2),
-            is_ready: row.get(3),
-            oldest_undelivered_s: row.get(4),
-            scans_today: row.get(5),
-            refused_today: row.get(6),
-            refused_share: row.get(7),
-            phantom_bias_mm: row.get(8),
-            phantom_drift_mm: row.get(9),
-            scans: row.get(10),
-        }
-    }
-
     /// Whether it is ready and was heard of lately.
     fn is_well(&self) -> bool {
         self.is_ready == Some(true) && self.silent_s.is_some_and(|s| s <= SILENT_MOST_S)
