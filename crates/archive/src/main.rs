@@ -79,20 +79,7 @@ enum Verb {
     /// Tries out configuration, database, bucket and confinement.
     Check,
     /// Measures all scans by the method of this version: a sample first, then, with --go, all others.
-    Reextract {
-        /// How many scans are the sample.
-        #[arg(long, default_value_t = 200)]
-        sample: u32,
-        /// How far girths of B, C or D may move on average before a person must agree, mm.
-        #[arg(long, default_value_t = 0.5)]
-        limit_mm: f64,
-        /// Measure all others, and take the method as the current one when all are measured.
-        #[arg(long)]
-        go: bool,
-        /// With --go: also if the sample moved further than the limit.
-        #[arg(long, requires = "go")]
-        over_limit: bool,
-    },
+    Reextract(reextract::Choice),
     /// Writes the manual to a folder, a page for each verb.
     Man { folder: PathBuf },
     /// The worker's measuring process.
@@ -118,32 +105,19 @@ fn main() -> ExitCode {
 }
 
 fn run(args: Args) -> Result<ExitCode, ArchiveFault> {
-    let verb = match args.verb {
+    let config = || config::read(&args.config);
+    match args.verb {
         // It gets no configuration, and reads no file.
-        Verb::Measure => {
-            measure::serve(io::stdin().lock(), io::stdout().lock())?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        Verb::Man { folder } => {
-            clap_mangen::generate_to(Args::command(), folder)?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        verb => verb,
-    };
-    let config = config::read(&args.config)?;
-    match verb {
-        Verb::Index { reconcile, once } => index::index(&config, reconcile, once)?,
-        Verb::Work { until_empty } => return work::work(&config, until_empty),
-        Verb::Status { listen: Some(address), .. } => status::serve::serve(&config, address)?,
-        Verb::Status { json, listen: None } => print(status::status(&config, json)?)?,
-        Verb::Query { question, json } => query::query(&config, &question, json)?,
-        Verb::Export { folder } => export::export(&config, &folder)?,
-        Verb::Check => return check::check(&config),
-        Verb::Reextract { sample, limit_mm, go, over_limit } => {
-            let choice = reextract::Choice { sample, limit_mm, go, over_limit };
-            return reextract::reextract(&config, &choice);
-        }
-        Verb::Man { .. } | Verb::Measure => {}
+        Verb::Measure => measure::serve(io::stdin().lock(), io::stdout().lock())?,
+        Verb::Man { folder } => clap_mangen::generate_to(Args::command(), folder)?,
+        Verb::Index { reconcile, once } => index::index(&config()?, reconcile, once)?,
+        Verb::Work { until_empty } => return work::work(&config()?, until_empty),
+        Verb::Status { listen: Some(address), .. } => status::serve::serve(&config()?, address)?,
+        Verb::Status { json, listen: None } => print(status::status(&config()?, json)?)?,
+        Verb::Query { question, json } => query::query(&config()?, &question, json)?,
+        Verb::Export { folder } => export::export(&config()?, &folder)?,
+        Verb::Check => return check::check(&config()?),
+        Verb::Reextract(choice) => return reextract::reextract(&config()?, &choice),
     }
     Ok(ExitCode::SUCCESS)
 }

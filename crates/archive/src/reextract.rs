@@ -20,15 +20,19 @@ const EXIT_OVER_LIMIT: u8 = 65;
 const REFUSED_SHARE: f64 = 0.001;
 
 /// What a person chose.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, clap::Args)]
 pub struct Choice {
     /// How many scans are the sample.
+    #[arg(long, default_value_t = 200)]
     pub sample: u32,
-    /// How far girths of B, C or D may move on average, mm.
+    /// How far girths of B, C or D may move on average before a person must agree, mm.
+    #[arg(long, default_value_t = 0.5)]
     pub limit_mm: f64,
-    /// Measure all others.
+    /// Measure all others, and take the method as the current one when all are measured.
+    #[arg(long)]
     pub go: bool,
-    /// Also beyond the limit.
+    /// With --go: also if the sample moved further than the limit.
+    #[arg(long, requires = "go")]
     pub over_limit: bool,
 }
 
