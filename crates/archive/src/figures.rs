@@ -9,7 +9,7 @@ use gaiter_record::schema::LandmarkFigures;
 pub const MEASURED: &str = "measured";
 
 /// A row of the table `result`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figures {
     /// [`MEASURED`], or the code of a refusal.
     pub outcome: String,
@@ -30,15 +30,9 @@ impl Figures {
     pub fn of(result: &ScanResult) -> Figures {
         match &result.outcome {
             Outcome::Measured(record) => Figures::of_record(record),
-            Outcome::Refused { code, .. } => Figures {
-                outcome: code.clone(),
-                stature_mm: None,
-                crotch_height_mm: None,
-                findings: Vec::new(),
-                height_mm: Vec::new(),
-                girth_mm: Vec::new(),
-                girth_sd_mm: Vec::new(),
-            },
+            Outcome::Refused { code, .. } => {
+                Figures { outcome: code.clone(), ..Figures::default() }
+            }
         }
     }
 

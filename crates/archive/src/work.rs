@@ -51,14 +51,6 @@ struct Worker<'a> {
     asked_to_end: &'a AtomicBool,
 }
 
-/// What became of a job.
-enum Done {
-    /// It has a result, which is in the store.
-    Result(Box<ScanResult>),
-    /// It has none.
-    Not { reason: String },
-}
-
 /// Measures what is to be measured. It waits for servers that are away. Asked to end by SIGTERM it hands back what it
 /// has claimed and not measured.
 ///
@@ -145,8 +137,8 @@ impl Worker<'_> {
                 continue;
             }
             match self.done(bucket, job) {
-                Ok(Done::Result(result)) => database::enter_result(client, &result)?,
-                Ok(Done::Not { reason }) => {
+                Ok(Ok(result)) => database::enter_result(client, &result)?,
+                Ok(Err(reason)) => {
                     note(format_args!("work: {}: {reason}", job.scan));
                     database::put_off(client, &self.name, &self.id, scans[at], &reason)?;
                 }
@@ -159,12 +151,16 @@ impl Worker<'_> {
         Ok(())
     }
 
-    /// Fetches a scan, measures it, and writes its result.
-    fn done(&self, bucket: &Bucket, job: &Claimed) -> Result<Done, ArchiveFault> {
+    /// Fetches a scan, measures it, and writes its result. Within: why there is none.
+    fn done(
+        &self,
+        bucket: &Bucket,
+        job: &Claimed,
+    ) -> Result<Result<ScanResult, String>, ArchiveFault> {
         if self.is_asked_to_end() {
             return Err(ArchiveFault::AskedToEnd);
         }
-        let not = |reason: String| Ok(Done::Not { reason });
+        let not = |reason: String| Ok(Err(reason));
         let Some(object) = bucket.get(&ObjectKey::Scan(job.scan.clone()).to_string())? else {
             return not("the scan is not in the store".to_owned());
         };
@@ -192,10 +188,10 @@ impl Worker<'_> {
         };
         let key = result.key().to_string();
         match bucket.put_new(&key, compress(&result.json()?, PACKING_LEVEL)?)? {
-            PutNew::Stored => Ok(Done::Result(Box::new(result))),
+            PutNew::Stored => Ok(Ok(result)),
             // Somebody measured it before and was ended before saying so: what is in the store counts.
             PutNew::AlreadyThere => match result_at(bucket, &key)? {
-                Ok(result) => Ok(Done::Result(Box::new(result))),
+                Ok(result) => Ok(Ok(result)),
                 Err(why) => not(format!("the result in the store: {}", chain(&why))),
             },
         }
