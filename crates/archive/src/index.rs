@@ -99,20 +99,6 @@ fn pass(
     each_page(&bucket, ObjectKey::FLEET, |listed| heartbeats(&bucket, &mut client, listed, indexed))
 }
 
-/// What a station says in the inbox.
-enum Said {
-    Announced(Box<Announcement>),
-    Withdrawn(Withdrawal),
-}
-
-fn said(key: &str, bytes: &[u8]) -> Result<Said, Unread> {
-    let key: ObjectKey = key.parse()?;
-    Ok(match key {
-        ObjectKey::Withdrawal { .. } => Said::Withdrawn(Withdrawal::read_at(&key, bytes)?),
-        _ => Said::Announced(Box::new(Announcement::read_at(&key, bytes)?)),
-    })
-}
-
 /// Enters what stations announced or took back. Returns the keys and bytes of what was entered.
 fn announcements(
     bucket: &Bucket,
@@ -126,11 +112,14 @@ fn announcements(
         let Some(bytes) = bucket.get(key)? else { continue };
         // Wherever it lies, it is what was in the inbox.
         let own = key.replacen(ObjectKey::ANNOUNCED, ObjectKey::INBOX, 1);
-        match said(&own, &bytes) {
-            Ok(Said::Announced(announced)) => {
-                database::enter_announcement(client, &announced, method, then)?;
-            }
-            Ok(Said::Withdrawn(withdrawn)) => database::enter_withdrawal(client, &withdrawn)?,
+        let done = match own.parse::<ObjectKey>() {
+            Ok(ObjectKey::Withdrawal { .. }) => read::<Withdrawal>(&own, &bytes)
+                .map(|said| database::enter_withdrawal(client, &said)),
+            _ => read::<Announcement>(&own, &bytes)
+                .map(|said| database::enter_announcement(client, &said, method, then)),
+        };
+        match done {
+            Ok(done) => done?,
             Err(why) => {
                 passed_over(key, &why);
                 continue;
