@@ -182,21 +182,14 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
-    /// `keeper` has it. Files that a person added to it move to the keeper's record. A repeated call does
-    /// nothing.
+    /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans. Files that a person
+    /// added to it move to the keeper's record. A repeated call does nothing.
     ///
     /// # Errors
     /// See [`StoreFault`]; a permanent one if the store gives nothing back, or if the record was changed
     /// by hand and is therefore left alone; [`ServerFault::NotShown`] if the server does not show all that it has
     /// confirmed or may still take in: what it shows is withdrawn.
-    fn withdraw(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        keeper: Option<&str>,
-        past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault>;
+    fn withdraw(&self, record: &TakeBack<'_>) -> Result<(), StoreFault>;
 
     /// The head of the station's history, as [`RecordStore::keep_head`] left it; `None` if there is none.
     ///
@@ -258,9 +251,14 @@ pub trait RecordStore: fmt::Debug + Send + Sync {
     }
 }
 
-/// What is known of the delivery of a record that is withdrawn, for servers.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct PastDelivery<'a> {
+/// A record that is withdrawn, and what is known of its delivery, for servers.
+#[derive(Debug, Clone, Copy)]
+pub struct TakeBack<'a> {
+    pub scan: &'a ScanId,
+    /// The patient whose record it was; `None` if it was no patient's.
+    pub from: Option<&'a str>,
+    /// The patient who has it now; `None` if it is no patient's.
+    pub keeper: Option<&'a str>,
     /// What the server has confirmed the record by, '' if it was sent and not confirmed; `None` if it is not known
     /// whether it was sent.
     pub receipt: Option<&'a str>,
@@ -270,6 +268,13 @@ pub struct PastDelivery<'a> {
     pub turn: u32,
     /// When the scan was taken, by the clock at the scanner; `None` if it is not known.
     pub taken: Option<&'a Zoned>,
+}
+
+impl<'a> TakeBack<'a> {
+    /// A record of whose delivery nothing is known.
+    pub fn new(scan: &'a ScanId, from: Option<&'a str>) -> TakeBack<'a> {
+        TakeBack { scan, from, keeper: None, receipt: None, request: None, turn: 0, taken: None }
+    }
 }
 
 /// One record on its way to a store.

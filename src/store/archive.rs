@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use self::clock::MonotonicClock;
 use super::server::ServerFault;
-use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault, TakeBack};
 
 /// For a whole exchange: a crop has one or two million bytes, and a clinic's line may be slow.
 const EXCHANGE_MOST: Duration = Duration::from_secs(60);
@@ -243,19 +243,13 @@ impl RecordStore for ArchiveStore {
     }
 
     /// Says that the scan is no longer this patient's. Nothing is removed.
-    fn withdraw(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        _keeper: Option<&str>,
-        _past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault> {
-        let Some(patient) = from else { return Ok(()) };
+    fn withdraw(&self, record: &TakeBack<'_>) -> Result<(), StoreFault> {
+        let Some(patient) = record.from else { return Ok(()) };
         let site = self.site_key()?;
         self.say(&Withdrawal {
             schema: Withdrawal::SCHEMA.to_owned(),
             station: self.place.station.clone(),
-            export: scan.clone(),
+            export: record.scan.clone(),
             patient: Some(Pseudonym::of(&site, patient)),
             at: self.clock.tick()?,
         })

@@ -21,13 +21,12 @@ use std::time::Duration;
 use gaiter_dicom::{
     DicomObject, DicomRules, EncodeFault, Listed, Person, Sent, Study, objects, withdrawal,
 };
-use gaiter_flow::ScanId;
 use gaiter_record::Patient;
 use gaiter_record::export::taken;
 use jiff::Timestamp;
 
 use super::server::ServerFault;
-use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault, TakeBack};
 use server::END_MOST;
 pub use server::{DicomServer, DimseServer};
 use web::WebArchive;
@@ -199,28 +198,22 @@ impl RecordStore for DicomStore {
 
     /// Marks what is there as made for the wrong patient. Nothing is deleted; some archives hide it then, and the mark
     /// with it.
-    fn withdraw(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        _keeper: Option<&str>,
-        past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault> {
+    fn withdraw(&self, record: &TakeBack<'_>) -> Result<(), StoreFault> {
         // Of a patient whose id cannot be written nothing was sent.
-        let study = from.and_then(|from| Study::new(scan.as_str(), from).ok());
+        let study = record.from.and_then(|from| Study::new(record.scan.as_str(), from).ok());
         let Some(study) = study else { return Ok(()) };
-        let mut study = study.answering(past.request);
-        if let Some(taken) = past.taken {
+        let mut study = study.answering(record.request);
+        if let Some(taken) = record.taken {
             study = study.taken_at(taken.clone());
         }
-        let study = match past.receipt {
+        let study = match record.receipt {
             Some(uid) if !uid.is_empty() => study.confirmed(uid),
             _ => study,
         };
-        let (turns, listed) = (past.turn + 1, self.listed(&study, past.turn)?);
+        let (turns, listed) = (record.turn + 1, self.listed(&study, record.turn)?);
         let is_there = study.shows_withdrawal(&listed) || !study.shown(turns, &listed).is_empty();
-        self.marked(&study, past.turn, turns, listed)?;
-        match past.receipt {
+        self.marked(&study, record.turn, turns, listed)?;
+        match record.receipt {
             // If nothing is there it is hidden by the mark of a run that ended, or not shown yet.
             Some(receipt) if receipt.is_empty() || !is_there => Err(ServerFault::NotShown.into()),
             _ => Ok(()),

@@ -18,7 +18,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
-use gaiter_flow::ScanId;
 use gaiter_https::{HttpAnswer, HttpsClient};
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
 use http::Method;
@@ -30,7 +29,7 @@ use self::answers::{Asked, of_replacing, outcome_of};
 use self::existing::REPORT;
 use super::server::ServerFault;
 use super::web::{asked, secret_words};
-use super::{Delivery, PastDelivery, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, Receipt, RecordStore, Rejection, StoreFault, TakeBack};
 pub use server::{FhirAccess, FhirServer, SmartAccess};
 
 /// The media type of FHIR as JSON.
@@ -209,18 +208,12 @@ impl RecordStore for FhirStore {
     }
 
     /// Marks what was made of the scan for the patient as entered in error, by this station. Nothing is deleted.
-    fn withdraw(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        _keeper: Option<&str>,
-        past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault> {
-        let Some(patient) = from else { return Ok(()) };
-        let key = FhirKey::new(scan.as_str(), patient);
+    fn withdraw(&self, record: &TakeBack<'_>) -> Result<(), StoreFault> {
+        let Some(patient) = record.from else { return Ok(()) };
+        let key = FhirKey::new(record.scan.as_str(), patient);
         let mark = self.identifier(key.withdrawal(&self.station));
         let there = self.of_record(&key, patient)?;
         self.replace(&FhirStore::in_error(&there, Some(&mark))?, &[], patient)?;
-        self.all_found(&there, past.receipt, patient)
+        self.all_found(&there, record.receipt, patient)
     }
 }

@@ -26,7 +26,7 @@ use self::search::{KEEPS_IT, find};
 use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{
-    Delivery, FoundRecord, PastDelivery, Receipt, RecordStore, Rejection, StoreFault, StoredScan,
+    Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault, StoredScan, TakeBack,
     durable, folders, tried,
 };
 use crate::store::Access;
@@ -219,15 +219,9 @@ impl RecordStore for FolderStore {
         erased.map_err(|fault| self.of_record(fault, &KEEPS_IT))
     }
 
-    fn withdraw(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        keeper: Option<&str>,
-        _past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault> {
+    fn withdraw(&self, record: &TakeBack<'_>) -> Result<(), StoreFault> {
         self.reach()?;
-        let withdrawn = self.withdraw_in_reach(scan, from, keeper);
+        let withdrawn = self.withdraw_in_reach(record);
         withdrawn.map_err(|fault| self.of_record(fault, &KEEPS_IT))
     }
 

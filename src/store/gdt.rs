@@ -26,8 +26,7 @@ use sha2::{Digest, Sha256};
 
 use super::exchange::ExchangeFolder;
 use super::{
-    Delivery, FoundRecord, PastDelivery, Receipt, RecordStore, Rejection, StoreFault, durable,
-    tried,
+    Delivery, FoundRecord, Receipt, RecordStore, Rejection, StoreFault, TakeBack, durable, tried,
 };
 pub use attach::{Attach, Attached};
 use gaiter_flow::ScanId;
@@ -218,13 +217,7 @@ impl RecordStore for GdtStore {
         self.place.sync()
     }
 
-    fn withdraw(
-        &self,
-        _scan: &ScanId,
-        _from: Option<&str>,
-        _keeper: Option<&str>,
-        _past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault> {
+    fn withdraw(&self, _record: &TakeBack<'_>) -> Result<(), StoreFault> {
         Err(StoreFault::Permanent(Rejection::HandedOver))
     }
 

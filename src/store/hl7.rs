@@ -20,7 +20,7 @@ use jiff::Timestamp;
 use self::sent::{Sent, SentMessages};
 use super::exchange::ExchangeFolder;
 use super::server::ServerFault;
-use super::{Delivery, PastDelivery, Peer, Receipt, RecordStore, Rejection, StoreFault};
+use super::{Delivery, Peer, Receipt, RecordStore, Rejection, StoreFault, TakeBack};
 
 /// Digits of the hash that stands for a scan of a patient.
 const KEY_DIGITS: usize = 32;
@@ -208,14 +208,8 @@ impl RecordStore for Hl7Store {
     }
 
     /// All that results held is marked as wrong.
-    fn withdraw(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        _keeper: Option<&str>,
-        _past: PastDelivery<'_>,
-    ) -> Result<(), StoreFault> {
-        let Some(patient) = from else { return Ok(()) };
+    fn withdraw(&self, record: &TakeBack<'_>) -> Result<(), StoreFault> {
+        let (scan, Some(patient)) = (record.scan, record.from) else { return Ok(()) };
         let key = key(scan, patient);
         let Some(sent) = self.sent.of(&key)? else { return Ok(()) };
         let place = self.place();

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use gaiter::store::{Delivery, PastDelivery};
+use gaiter::store::{Delivery, TakeBack};
 use gaiter_dicom::{DicomObject, DicomRules, Person, Sent, SopClass, Study, objects};
 use gaiter_https::TlsFiles;
 use gaiter_language::Language;
@@ -134,8 +134,8 @@ fn orthanc_keeps_what_was_taken_back_with_its_mark_and_takes_it_again() {
     let store = orthanc.store();
     let receipt = put(&store, &SMALL).folder;
     for _ in 0..2 {
-        let past = PastDelivery { receipt: receipt.to_str(), ..PastDelivery::default() };
-        store.withdraw(&SMALL.id, Some(PATIENT), None, past).unwrap();
+        let taken_back = TakeBack::new(&SMALL.id, Some(PATIENT));
+        store.withdraw(&TakeBack { receipt: receipt.to_str(), ..taken_back }).unwrap();
         assert_eq!(orthanc.count(), 2);
     }
     let again = Delivery { turn: 1, ..SMALL.delivery() };
@@ -158,8 +158,8 @@ fn orthanc_has_two_scans_in_the_study_of_a_request_and_gives_back_one() {
         assert!(put(store, &first).already_there && put(store, &second).already_there);
     }
     assert_eq!(orthanc.count(), 2);
-    let past = PastDelivery { request: request.as_ref(), ..PastDelivery::default() };
-    web.withdraw(&first.id, Some(PATIENT), None, past).unwrap();
+    let taken_back = TakeBack::new(&first.id, Some(PATIENT));
+    web.withdraw(&TakeBack { request: request.as_ref(), ..taken_back }).unwrap();
     assert_eq!(orthanc.count(), 3);
     assert!(put(&dimse, &second).already_there);
     let again = Delivery { turn: 1, ..first.delivery() };
@@ -194,8 +194,8 @@ fn orthanc_over_associations_has_the_same_objects_once_and_takes_them_back() {
     // Over DICOMweb, too, it is there already.
     assert!(put(&orthanc.store(), &scan).already_there);
     assert_eq!(orthanc.count(), 3);
-    let past = PastDelivery { receipt: receipt.folder.to_str(), ..PastDelivery::default() };
-    store.withdraw(&scan.id, Some(PATIENT), None, past).unwrap();
+    let taken_back = TakeBack::new(&scan.id, Some(PATIENT));
+    store.withdraw(&TakeBack { receipt: receipt.folder.to_str(), ..taken_back }).unwrap();
     assert_eq!(orthanc.count(), 4);
 }
 

@@ -7,7 +7,7 @@ use std::net::TcpListener;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use gaiter::store::{PastDelivery, Rejection, StoreFault};
+use gaiter::store::{Rejection, StoreFault, TakeBack};
 
 use crate::dicom_house::{Way, dimse_server, plain_peer, store_at, with_mesh};
 use crate::fhir_house::{Deed, put, setback};
@@ -42,7 +42,7 @@ fn tasks() -> [Task; 3] {
         Task { before, deed: &|store| store.put(&LATER.delivery()).map(drop), objects: 4 },
         Task {
             before,
-            deed: &|store| store.withdraw(&TWO.id, Some(PATIENT), None, PastDelivery::default()),
+            deed: &|store| store.withdraw(&TakeBack::new(&TWO.id, Some(PATIENT))),
             objects: 3,
         },
     ]

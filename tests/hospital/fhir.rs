@@ -7,7 +7,7 @@ use std::fs;
 use std::process::Command;
 
 use gaiter::store::fhir::FhirStore;
-use gaiter::store::{Delivery, PastDelivery, Rejection, StoreFault};
+use gaiter::store::{Delivery, Rejection, StoreFault, TakeBack};
 use gaiter_flow::ScanId;
 use gaiter_language::Language;
 use gaiter_leg::Side;
@@ -129,7 +129,9 @@ fn what_was_sent_for_the_wrong_patient_is_entered_in_error_and_can_come_back() {
     put(&store, &SMALL.of_patient("4712"));
     assert_eq!(house.counts(), [1, 4, 2, 2]);
     for _ in 0..2 {
-        store.withdraw(&SMALL.id, Some(PATIENT), Some("4712"), PastDelivery::default()).unwrap();
+        store
+            .withdraw(&TakeBack { keeper: Some("4712"), ..TakeBack::new(&SMALL.id, Some(PATIENT)) })
+            .unwrap();
     }
     for kind in ["Observation", "DiagnosticReport", "DocumentReference"] {
         let (wrong, right) = (house.statuses(kind, PATIENT), house.statuses(kind, "4712"));
@@ -142,7 +144,7 @@ fn what_was_sent_for_the_wrong_patient_is_entered_in_error_and_can_come_back() {
     assert_eq!(house.counts(), [1, 4, 2, 2], "nothing is deleted, and nothing is there twice");
     // Nothing is there of a scan that was never sent.
     let never = ScanId::parse(&"1".repeat(64)).unwrap();
-    store.withdraw(&never, Some(PATIENT), None, PastDelivery::default()).unwrap();
+    store.withdraw(&TakeBack::new(&never, Some(PATIENT))).unwrap();
 }
 
 #[test]
@@ -155,8 +157,8 @@ fn what_one_station_took_back_another_brings_back_only_after_a_decision_of_its_o
     });
     let receipt = put(&first, &SMALL).folder;
     let withdraw = |store: &Store| {
-        let past = PastDelivery { receipt: receipt.to_str(), ..PastDelivery::default() };
-        store.withdraw(&SMALL.id, Some(PATIENT), None, past).unwrap();
+        let taken_back = TakeBack::new(&SMALL.id, Some(PATIENT));
+        store.withdraw(&TakeBack { receipt: receipt.to_str(), ..taken_back }).unwrap();
     };
     withdraw(&first);
     let later = SMALL.amended(391.0);

@@ -7,7 +7,7 @@ use std::fs;
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use gaiter::store::{PastDelivery, Rejection, StoreFault};
+use gaiter::store::{Rejection, StoreFault, TakeBack};
 
 use crate::fhir_house::{Deed, LONG, ONE, Store, put, server_at, setback, store_of};
 use crate::records::{PATIENT, SMALL, Scan};
@@ -103,8 +103,7 @@ fn every_deed_survives(faults: &[&str], struck: Struck<'_>, least: [usize; 3]) {
         let amended = has("DiagnosticReport", "amended");
         let correction =
             struck_everywhere((fault, struck), &[&SMALL], &|store| sent(store, &later), amended);
-        let withdrawn =
-            |store: &Store| store.withdraw(&SMALL.id, Some(PATIENT), None, PastDelivery::default());
+        let withdrawn = |store: &Store| store.withdraw(&TakeBack::new(&SMALL.id, Some(PATIENT)));
         let in_error = has("DocumentReference", "entered-in-error");
         let take_back = struck_everywhere((fault, struck), &[&SMALL], &withdrawn, in_error);
         let requests = [delivery, correction, take_back];

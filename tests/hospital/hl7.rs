@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gaiter::store::PastDelivery;
+use gaiter::store::TakeBack;
 use gaiter::store::hl7::Hl7Way;
 use gaiter_flow::ScanId;
 use gaiter_leg::Side;
@@ -98,7 +98,7 @@ fn a_correction_is_one_and_a_take_back_marks_all_that_was_sent_as_wrong() {
     assert!(put(store, &SMALL).already_there, "an older revision is not sent again");
     let never = ScanId::parse(&"1".repeat(64)).unwrap();
     for scan in [&SMALL.id, &SMALL.id, &never] {
-        store.withdraw(scan, Some(PATIENT), None, PastDelivery::default()).unwrap();
+        store.withdraw(&TakeBack::new(scan, Some(PATIENT))).unwrap();
     }
     let all = house.messages();
     let [first, correction, withdrawn] = &all[..] else { panic!("{}", all.len()) };

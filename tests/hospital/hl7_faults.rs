@@ -7,7 +7,7 @@ use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
 use gaiter::store::hl7::Hl7Way;
-use gaiter::store::{PastDelivery, Peer, Rejection, StoreFault};
+use gaiter::store::{Peer, Rejection, StoreFault, TakeBack};
 use gaiter_https::{Secret, TlsFiles};
 
 use crate::fhir_house::{Deed, put, setback};
@@ -64,8 +64,7 @@ fn a_take_back_whose_answer_is_lost_is_sent_again_with_the_same_control_id() {
     let house = House::of_hl7();
     let sender = house.sender(LONG);
     put(&sender.store, &SMALL);
-    let withdraw =
-        || sender.store.withdraw(&SMALL.id, Some(PATIENT), None, PastDelivery::default());
+    let withdraw = || sender.store.withdraw(&TakeBack::new(&SMALL.id, Some(PATIENT)));
     for fault in ["cut-after", "half", "full"] {
         house.becomes(fault);
         assert!(matches!(withdraw(), Err(StoreFault::Server(_))), "{fault}");
@@ -81,8 +80,7 @@ fn a_take_back_whose_answer_is_lost_is_sent_again_with_the_same_control_id() {
 fn a_receiver_that_is_killed_gets_the_message_again_with_the_same_control_id() {
     let server = own_hl7();
     let sent: Deed<'_> = &|store| store.put(&SMALL.delivery()).map(drop);
-    let withdrawn: Deed<'_> =
-        &|store| store.withdraw(&SMALL.id, Some(PATIENT), None, PastDelivery::default());
+    let withdrawn: Deed<'_> = &|store| store.withdraw(&TakeBack::new(&SMALL.id, Some(PATIENT)));
     for (fault, taken) in [("kill-before", 0), ("kill-after", 1), ("kill-half", 1)] {
         let house = House::new(server);
         let mut sender = house.sender(LONG);

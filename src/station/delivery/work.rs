@@ -22,7 +22,7 @@ use crate::station::custody::quarantine::{Reason, Stage};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::{Due, JournalError, KEPT, ScanRow};
 use crate::station::runtime::chain;
-use crate::store::{Delivery, PastDelivery, RecordStore, Rejection, ServerFault, StoreFault};
+use crate::store::{Delivery, RecordStore, Rejection, ServerFault, StoreFault, TakeBack};
 
 /// The code of a delivery that a server does not take now, while it may take others.
 pub const NOT_TAKEN: &str = "not-taken-now";
@@ -247,13 +247,16 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         let scan = short(&due.scan);
         let turn = turn(core, due, store)?;
         let taken = measuring::acquired_at(&row).local();
-        let past = PastDelivery {
+        let record = TakeBack {
+            scan: &due.scan,
+            from,
+            keeper: keeper.as_deref(),
             receipt: receipt.as_deref(),
             request: request.as_ref(),
             turn,
             taken: Some(&taken),
         };
-        match store.withdraw(&due.scan, from, keeper.as_deref(), past) {
+        match store.withdraw(&record) {
             Err(StoreFault::Permanent(Rejection::HandedOver)) => {
                 warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);
                 journal.left_there(due)?;

@@ -215,7 +215,7 @@ fn a_store_of_objects_that_does_not_take_it_is_asked_again_whatever_it_says() {
 fn a_scan_that_is_taken_back_is_said_to_be_this_patients_no_longer() {
     let station = Station::new(&["200 OK"], Ok(cropped()));
     let scan = ScanId::of_bytes(b"scan");
-    station.store.withdraw(&scan, Some(PATIENT), None, PastDelivery::default()).unwrap();
+    station.store.withdraw(&TakeBack::new(&scan, Some(PATIENT))).unwrap();
     let withdrawal: Withdrawal = document(&station.requests.try_iter().next().unwrap());
     assert_eq!((withdrawal.export, withdrawal.patient), (scan, Some(pseudonym())));
 }
@@ -225,7 +225,7 @@ fn what_is_said_later_is_later_also_after_the_clock_was_set_back() {
     let station = Station::new(&["200 OK"; 8], Ok(cropped()));
     let withdraw = || {
         let scan = ScanId::of_bytes(b"scan");
-        station.store.withdraw(&scan, Some(PATIENT), None, PastDelivery::default()).unwrap();
+        station.store.withdraw(&TakeBack::new(&scan, Some(PATIENT))).unwrap();
     };
     let before = Timestamp::now();
     withdraw();

@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use gaiter_dicom::SopClass;
 use gaiter_dicom::dimse::{AeTitle, DimseFault, Titles};
+use gaiter_flow::ScanId;
 use gaiter_https::{HttpFault, TlsFiles};
 use gaiter_record::{ImagingRequest, RecordFile};
 use serde_json::{Value, json};
@@ -272,8 +273,7 @@ fn put_record(
 }
 
 fn withdraw(store: &DicomStore, receipt: Option<&str>, turn: u32) -> Result<(), StoreFault> {
-    let past = PastDelivery { receipt, turn, ..PastDelivery::default() };
-    store.withdraw(&scan(), Some("4711"), None, past)
+    store.withdraw(&TakeBack { receipt, turn, ..TakeBack::new(&scan(), Some("4711")) })
 }
 
 fn is_not_shown(done: &Result<(), StoreFault>) -> bool {
@@ -407,9 +407,10 @@ fn a_record_in_the_study_of_a_request_is_stored_once_and_withdrawn_where_it_is()
     let known = [(None, request.as_ref()), (Some(THEIRS), None)];
     for (turn, (receipt, request)) in (0..).zip(known) {
         let before = archive.stored();
-        let past = PastDelivery { receipt, request, turn, taken: None };
+        let scan = scan();
+        let taken_back = TakeBack { receipt, request, turn, ..TakeBack::new(&scan, Some("4711")) };
         for _ in 0..2 {
-            store.withdraw(&scan(), Some("4711"), None, past).unwrap();
+            store.withdraw(&taken_back).unwrap();
             assert_eq!(archive.stored(), before + 1);
         }
         assert!(!put_answering(&store, THEIRS, turn + 1).unwrap().already_there);

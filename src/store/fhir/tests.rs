@@ -15,7 +15,7 @@ use support::http_server::{answer, serve_answers};
 use super::answers::Asked;
 use super::{FhirAccess, FhirServer, FhirStore, SmartAccess};
 use crate::store::server::ServerFault;
-use crate::store::{HttpAccess, PastDelivery, RecordStore, Rejection, StoreFault};
+use crate::store::{HttpAccess, RecordStore, Rejection, StoreFault, TakeBack};
 
 const PATIENTS: &str = "urn:oid:1.2.276.0.76.3.1.999.1";
 const RECORDS: &str = "urn:gaiter:record";
@@ -264,7 +264,7 @@ fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
     let holds = found(&[observation(&key, "final")]);
     let done = answer("200 OK", &replaced.to_string());
     let (store, requests) = answered(vec![holds.clone(), found(&[]), found(&[]), done]);
-    store.withdraw(&scan, Some("4711"), None, PastDelivery::default()).unwrap();
+    store.withdraw(&TakeBack::new(&scan, Some("4711"))).unwrap();
     let request = requests.try_iter().last().unwrap();
     let (_, body) = request.split_once("\r\n\r\n").unwrap();
     let sent: Value = serde_json::from_str(body).unwrap();
@@ -280,13 +280,13 @@ fn a_withdrawal_marks_what_holds_and_asks_nothing_of_what_is_marked() {
     marked["identifier"].as_array_mut().unwrap().push(mark);
     let marked = found(&[marked]);
     let (store, requests) = answered(vec![marked, found(&[]), found(&[])]);
-    store.withdraw(&scan, Some("4711"), None, PastDelivery::default()).unwrap();
+    store.withdraw(&TakeBack::new(&scan, Some("4711"))).unwrap();
     assert_eq!(requests.try_iter().count(), 3);
 
     // Another changed it between the search and the transaction: the next try reads it again.
     let changed = outcome("412 Precondition Failed", "version");
     let (store, _requests) = answered(vec![holds, found(&[]), found(&[]), changed]);
-    let fault = store.withdraw(&scan, Some("4711"), None, PastDelivery::default()).unwrap_err();
+    let fault = store.withdraw(&TakeBack::new(&scan, Some("4711"))).unwrap_err();
     assert_eq!(fault.code(), "store-unavailable");
 }
 
@@ -306,8 +306,8 @@ fn a_take_back_that_does_not_find_what_the_server_has_confirmed_is_not_done() {
     let take_back = |leg: &[Value], report: &[Value], read: Option<String>| {
         let searches = [found(leg), found(report), found(&[])];
         let (store, requests) = answered(searches.into_iter().chain(read).collect());
-        let past = PastDelivery { receipt: Some("DiagnosticReport/5"), ..PastDelivery::default() };
-        let done = store.withdraw(&scan, Some("4711"), None, past);
+        let receipt = Some("DiagnosticReport/5");
+        let done = store.withdraw(&TakeBack { receipt, ..TakeBack::new(&scan, Some("4711")) });
         (done, requests.try_iter().count())
     };
     let (all, none): ([Value; 2], &[Value]) = ([leg, report], &[]);
@@ -341,8 +341,7 @@ fn a_take_back_of_what_was_not_confirmed_waits_until_it_is_found_or_cannot_be_th
         let searches = [found(&[]), found(reports), found(&[])];
         let (store, _requests) =
             answered(searches.into_iter().chain(patients.map(found)).collect());
-        let past = PastDelivery { receipt: Some(""), ..PastDelivery::default() };
-        store.withdraw(&scan, Some("4711"), None, past)
+        store.withdraw(&TakeBack { receipt: Some(""), ..TakeBack::new(&scan, Some("4711")) })
     };
     take_back(&[report], None).unwrap();
     take_back(&[], Some(&[])).unwrap();
@@ -381,7 +380,7 @@ fn what_another_took_back_is_not_brought_back_by_a_later_revision() {
 fn a_step_that_makes_several_requests_has_not_stalled_while_each_is_answered_in_time() {
     let (store, requests) = answered(vec![found(&[]), found(&[]), found(&[])]);
     let scan: ScanId = ScanId::parse(&"ab".repeat(32)).unwrap();
-    store.withdraw(&scan, Some("4711"), None, PastDelivery::default()).unwrap();
+    store.withdraw(&TakeBack::new(&scan, Some("4711"))).unwrap();
     let requests = u32::try_from(requests.try_iter().count()).unwrap();
     assert!(requests > 2 && store.step_most() > Duration::from_secs(30) * requests);
 }

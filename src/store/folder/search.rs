@@ -13,7 +13,7 @@ use gaiter_record::{Acquired, ORD, Patient, RECORD};
 use super::FolderStore;
 use crate::store::sums::{self, SUMS};
 use crate::store::{
-    FoundRecord, Rejection, StoreFault, StoredScan, durable, folders, records_in, tried,
+    FoundRecord, Rejection, StoreFault, StoredScan, TakeBack, durable, folders, records_in, tried,
 };
 
 /// The beginning of the name of a file with measures that people set in a record that was withdrawn.
@@ -101,12 +101,8 @@ impl FolderStore {
     ///
     /// # Errors
     /// See [`StoreFault`]: a permanent one if a revision was changed by hand, then all stay.
-    pub(super) fn withdraw_in_reach(
-        &self,
-        scan: &ScanId,
-        from: Option<&str>,
-        keeper: Option<&str>,
-    ) -> Result<(), StoreFault> {
+    pub(super) fn withdraw_in_reach(&self, record: &TakeBack<'_>) -> Result<(), StoreFault> {
+        let TakeBack { scan, from, keeper, .. } = *record;
         let Some(from) = self.own_folder(from)? else { return Ok(()) };
         let nowhere = StoreFault::Permanent(Rejection::Occupied(sums::SumsFault::NoSums));
         let theirs = self.own_folder(keeper)?;

@@ -288,12 +288,16 @@ fn a_record_for_nobody_is_taken_back_with_its_notes_once_the_patient_has_it() {
     fs::write(old.join("note.txt"), "left leg in a cast").unwrap();
     let stored = case.store().stored_scan(&case.scan, None).unwrap().unwrap();
     assert_eq!(stored, StoredScan { bytes: b"v 0 0 0\n".to_vec(), ord: None });
-    let early = case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default());
+    let early = case
+        .store()
+        .withdraw(&TakeBack { keeper: Some("4711"), ..TakeBack::new(&case.scan, None) });
     assert!(early.is_err() && old.exists(), "nobody has it yet");
 
     let new = case.store().put(&case.delivery()).unwrap().folder;
     for _ in 0..2 {
-        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap();
+        case.store()
+            .withdraw(&TakeBack { keeper: Some("4711"), ..TakeBack::new(&case.scan, None) })
+            .unwrap();
         assert!(!old.exists());
         assert_eq!(fs::read_to_string(new.join("note.txt")).unwrap(), "left leg in a cast");
     }
@@ -306,8 +310,10 @@ fn a_record_for_nobody_that_somebody_changed_is_left_as_it_is() {
     let old = case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap().folder;
     case.store().put(&case.delivery()).unwrap();
     fs::write(old.join("record.json"), "changed by hand").unwrap();
-    let fault =
-        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap_err();
+    let fault = case
+        .store()
+        .withdraw(&TakeBack { keeper: Some("4711"), ..TakeBack::new(&case.scan, None) })
+        .unwrap_err();
     assert_eq!(fault.code(), "store-place-occupied");
     assert_eq!(fs::read(old.join("record.json")).unwrap(), b"changed by hand");
 }
@@ -359,7 +365,7 @@ fn a_record_is_taken_back_with_all_its_revisions_and_their_notes() {
     for place in [&first, &second, &revised(&case, 3)] {
         fs::write(place.join("note.txt"), place.to_string_lossy().as_bytes()).unwrap();
     }
-    case.store().withdraw(&case.scan, Some("4711"), None, PastDelivery::default()).unwrap();
+    case.store().withdraw(&TakeBack::new(&case.scan, Some("4711"))).unwrap();
     assert_eq!(names(&case.dir.path().join("records/4711")), [""; 0]);
     let notes: Vec<String> =
         names(&keeper).into_iter().filter(|name| name.contains("note")).collect();
@@ -378,9 +384,11 @@ fn notes_of_one_name_go_from_record_to_record_and_none_is_lost_or_doubled() {
     for round in 0..7 {
         let unassigned = case.store().put(&nobodys).unwrap().folder;
         fs::write(unassigned.join("note.txt"), format!("{}", round % 3)).unwrap();
-        case.store().withdraw(&case.scan, Some("4711"), None, PastDelivery::default()).unwrap();
+        case.store().withdraw(&TakeBack::new(&case.scan, Some("4711"))).unwrap();
         folder = case.store().put(&theirs).unwrap().folder;
-        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap();
+        case.store()
+            .withdraw(&TakeBack { keeper: Some("4711"), ..TakeBack::new(&case.scan, None) })
+            .unwrap();
     }
     let record = folder.file_name().unwrap().to_str().unwrap();
     let named = |number: &str| format!("{record}{number}.note.txt");
@@ -406,12 +414,16 @@ fn what_is_in_the_way_of_one_record_is_no_fault_of_the_store() {
     let stone = format!(".staging.booth-1.withdrawn_{}", case.scan.short());
     let stone = records.join("_unassigned").join(stone);
     fs::write(&stone, "a file").unwrap();
-    let fault =
-        case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap_err();
+    let fault = case
+        .store()
+        .withdraw(&TakeBack { keeper: Some("4711"), ..TakeBack::new(&case.scan, None) })
+        .unwrap_err();
     assert!(matches!(fault, StoreFault::Permanent(Rejection::InTheWay { .. })), "{fault:?}");
     assert!(kept.exists());
     fs::remove_file(stone).unwrap();
-    case.store().withdraw(&case.scan, None, Some("4711"), PastDelivery::default()).unwrap();
+    case.store()
+        .withdraw(&TakeBack { keeper: Some("4711"), ..TakeBack::new(&case.scan, None) })
+        .unwrap();
     assert!(!kept.exists());
 
     // The store itself is another matter.
@@ -429,8 +441,7 @@ fn where_one_revision_was_changed_by_hand_none_is_taken_back() {
     let first = case.store().put(&case.delivery()).unwrap().folder;
     let second = revised(&case, 2);
     fs::write(second.join("record.json"), "changed by hand").unwrap();
-    let fault =
-        case.store().withdraw(&case.scan, Some("4711"), None, PastDelivery::default()).unwrap_err();
+    let fault = case.store().withdraw(&TakeBack::new(&case.scan, Some("4711"))).unwrap_err();
     assert_eq!(fault.code(), "store-place-occupied");
     assert!(first.exists() && second.exists());
 }
@@ -448,7 +459,7 @@ fn a_patients_folder_that_is_a_link_takes_and_gives_nothing() {
     let theirs = case.store().put(&Delivery { patient: Some("0815"), ..case.delivery() }).unwrap();
     let fault = case
         .store()
-        .withdraw(&case.scan, Some("4711"), Some("0815"), PastDelivery::default())
+        .withdraw(&TakeBack { keeper: Some("0815"), ..TakeBack::new(&case.scan, Some("4711")) })
         .unwrap_err();
     assert_eq!(fault.code(), "patient-folder-is-a-link");
     assert!(theirs.folder.exists());

@@ -236,7 +236,7 @@ fn what_names_nobody_or_somebody_else_is_not_sent() {
 fn a_correction_a_withdrawal_and_a_result_after_it_are_messages_of_their_own() {
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
-    let withdraw = || store.withdraw(&scan(), Some("4711"), None, PastDelivery::default()).unwrap();
+    let withdraw = || store.withdraw(&TakeBack::new(&scan(), Some("4711"))).unwrap();
     withdraw();
     assert!(receiver.controls().is_empty(), "nothing was sent that could be withdrawn");
     assert!(is_new(&store, 1) && is_new(&store, 2));
@@ -259,8 +259,7 @@ fn a_result_whose_answer_was_lost_is_taken_back_and_one_that_was_refused_is_not(
     let (receiver, state) = (Receiving::new(), TempDir::new().unwrap());
     let store = receiver.store(state.path());
     let hasty = receiver.store_that_waits(SHORT, state.path());
-    let withdraw =
-        |store: &Hl7Store| store.withdraw(&scan(), Some("4711"), None, PastDelivery::default());
+    let withdraw = |store: &Hl7Store| store.withdraw(&TakeBack::new(&scan(), Some("4711")));
     receiver.becomes(Mode::Refuse);
     assert!(put(&store, Some("4711"), 1).is_err());
     receiver.becomes(Mode::Accept);
@@ -291,7 +290,7 @@ fn what_a_correction_no_longer_holds_is_wrong_there_and_is_taken_back_with_it() 
     without.rules.pdf = PdfForm::None;
     assert!(is_new(&without, 2));
     assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "C"), ("PDF", "W")]));
-    without.withdraw(&scan(), Some("4711"), None, PastDelivery::default()).unwrap();
+    without.withdraw(&TakeBack::new(&scan(), Some("4711"))).unwrap();
     assert_eq!(observations(&receiver.last()), pairs(&[("VERDICT", "W"), ("PDF", "W")]));
 }
 
@@ -299,9 +298,8 @@ fn what_a_correction_no_longer_holds_is_wrong_there_and_is_taken_back_with_it() 
 fn another_receiver_has_neither_the_result_nor_its_withdrawal() {
     let (first, second, state) = (Receiving::new(), Receiving::new(), TempDir::new().unwrap());
     let stores = [&first, &second].map(|receiver| receiver.store(state.path()));
-    let withdraw = |store: &Hl7Store| {
-        store.withdraw(&scan(), Some("4711"), None, PastDelivery::default()).unwrap()
-    };
+    let withdraw =
+        |store: &Hl7Store| store.withdraw(&TakeBack::new(&scan(), Some("4711"))).unwrap();
     assert!(stores.iter().all(|store| is_new(store, 1)));
     assert_eq!(first.controls(), second.controls(), "it is the same message");
     stores.iter().for_each(withdraw);
