@@ -1,15 +1,14 @@
 //! Measures a crop in its own process: whatever its bytes make the measurement do, only that one process is affected.
 //! They are unpacked and checked there, too.
 
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::io::{self, BufReader, Read, Write};
 use std::time::Duration;
 
-use gaiter_confined::{Ended, Limits, RunFault, confine, run};
+use gaiter_confined::{Ended, Limits, RunFault, confine, read_line, run, write_line};
 use gaiter_flow::confinement::Confine;
 use gaiter_leg::{Method, WholeBody, extract_crop};
 use gaiter_record::archive::{Outcome, unpacked};
 use gaiter_record::{Provenance, ScanId, record};
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::chain;
@@ -57,7 +56,7 @@ pub fn measure(job: &Job, packed: &[u8]) -> Result<Ended<Answer>, RunFault> {
             write_line(&mut input, job)?;
             input.write_all(packed)
         },
-        read_line,
+        |output| read_line(output, LINE_MOST),
     )
 }
 
@@ -67,7 +66,7 @@ pub fn measure(job: &Job, packed: &[u8]) -> Result<Ended<Answer>, RunFault> {
 /// If no answer could be given; the worker takes that as a crash.
 pub fn serve(input: impl Read, mut output: impl Write) -> io::Result<()> {
     let mut input = BufReader::new(input);
-    let job: Job = read_line(&mut input)?;
+    let job: Job = read_line(&mut input, LINE_MOST)?;
     confine(&LIMITS, Confine::WherePossible).map_err(|fault| io::Error::other(chain(&fault)))?;
     // After the confinement, so that its thread is confined too.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(io::Error::other)?;
@@ -95,19 +94,4 @@ fn answer(job: &Job, packed: &[u8]) -> Answer {
             Outcome::Refused { code: refusal.code().to_owned(), message: refusal.to_string() }
         }
     })
-}
-
-fn write_line(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
-    let mut line = serde_json::to_vec(value)?;
-    line.push(b'\n');
-    to.write_all(&line)
-}
-
-fn read_line<T: DeserializeOwned>(from: &mut impl BufRead) -> io::Result<T> {
-    let mut line = Vec::new();
-    from.take(LINE_MOST).read_until(b'\n', &mut line)?;
-    if line.last() != Some(&b'\n') {
-        return Err(io::ErrorKind::UnexpectedEof.into());
-    }
-    serde_json::from_slice(&line).map_err(|why| io::Error::new(io::ErrorKind::InvalidData, why))
 }

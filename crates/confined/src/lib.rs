@@ -3,6 +3,7 @@
 #![doc = include_str!("../README.md")]
 
 mod confine;
+mod line;
 mod run;
 mod trouble;
 
@@ -11,6 +12,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 pub use confine::{ConfineFault, confine, enough, tried};
+pub use line::{read_line, write_line};
 pub use run::{Ended, RunFault, run};
 pub use trouble::{Blame, Trouble};
 

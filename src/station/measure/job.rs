@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, Read, Write};
 
 use gaiter_cad::Output;
-use gaiter_confined::Limits;
+use gaiter_confined::{Limits, read_line, write_line};
 use gaiter_flow::confinement::Confine;
 use gaiter_leg::Method;
 use gaiter_leg::phantom::Phantom;
@@ -189,7 +189,9 @@ impl JobAnswer {
             while let Some((name, length)) = read_line::<Option<(String, u64)>>(from, LINE_MAX)? {
                 // With the line end: files without name and bytes would never end.
                 let taken = length.saturating_add(name.len() as u64 + 1);
-                left = left.checked_sub(taken).ok_or_else(|| invalid("the answer is too long"))?;
+                let too_long =
+                    || io::Error::new(io::ErrorKind::InvalidData, "the answer is too long");
+                left = left.checked_sub(taken).ok_or_else(too_long)?;
                 let reserved = length.min(RESERVED_MAX_BYTES);
                 let mut bytes = Vec::with_capacity(usize::try_from(reserved).unwrap_or(0));
                 if from.take(length).read_to_end(&mut bytes)? as u64 != length {
@@ -200,25 +202,6 @@ impl JobAnswer {
         }
         Ok(answer)
     }
-}
-
-fn write_line(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
-    let mut line = serde_json::to_vec(value)?;
-    line.push(b'\n');
-    to.write_all(&line)
-}
-
-fn read_line<T: serde::de::DeserializeOwned>(from: &mut impl BufRead, most: u64) -> io::Result<T> {
-    let mut line = Vec::new();
-    from.take(most).read_until(b'\n', &mut line)?;
-    if line.last() != Some(&b'\n') {
-        return Err(io::ErrorKind::UnexpectedEof.into());
-    }
-    serde_json::from_slice(&line).map_err(invalid)
-}
-
-fn invalid(why: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, why)
 }
 
 #[cfg(test)]
