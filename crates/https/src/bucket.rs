@@ -1,5 +1,6 @@
 //! A bucket of an S3-compatible store of objects.
 
+use gaiter_record::sha256;
 use http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, HeaderName, HeaderValue, IF_NONE_MATCH};
 use http::{Method, Uri};
 use jiff::Timestamp;
@@ -7,7 +8,7 @@ use jiff::Timestamp;
 use super::endpoint::{Endpoint, Secret};
 use super::fault::HttpFault;
 use super::secret::{self, SecretFault};
-use super::signature::{Signer, escaped, sha256};
+use super::signature::{Signer, escaped};
 use super::{HttpAnswer, HttpRequest, HttpsClient};
 
 /// How many keys a store is asked for at a time; none gives more.

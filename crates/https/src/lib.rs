@@ -23,6 +23,7 @@ pub use bucket::{Bucket, BucketFault, BucketPlace, Listed, Page, PutNew};
 pub use endpoint::{Endpoint, EndpointFault, Proxy, Secret, TlsFiles, is_this_machine};
 pub use fault::HttpFault;
 pub use secret::SecretFault;
+pub use signature::escaped;
 
 /// The longest answer, bytes, unless said otherwise: a capability statement has one or two million.
 const ANSWER_MOST: u64 = 16 << 20;

@@ -1,9 +1,9 @@
 //! AWS Signature Version 4 in the header of a request, as all S3-compatible stores check it.
 
-use gaiter_record::hex;
+use gaiter_record::{hex, sha256};
 use http::Method;
 use jiff::Timestamp;
-use ring::{digest, hmac};
+use ring::hmac;
 
 /// The algorithm, by its name in the header.
 const ALGORITHM: &str = "AWS4-HMAC-SHA256";
@@ -60,18 +60,13 @@ impl Signer<'_> {
     }
 }
 
-/// SHA-256, lower-case hexadecimal.
-pub(crate) fn sha256(bytes: &[u8]) -> String {
-    hex(digest::digest(&digest::SHA256, bytes).as_ref())
-}
-
 fn hmac_sha256(key: &[u8], text: &str) -> Vec<u8> {
     let key = hmac::Key::new(hmac::HMAC_SHA256, key);
     hmac::sign(&key, text.as_bytes()).as_ref().to_vec()
 }
 
-/// A part of a path or of a query with every byte escaped that is not plain (RFC 3986); `/` stays in paths.
-pub(crate) fn escaped(text: &str, is_path: bool) -> String {
+/// A part of a path, of a query or of a form with every byte escaped that is not plain (RFC 3986); `/` stays in paths.
+pub fn escaped(text: &str, is_path: bool) -> String {
     let mut escaped = String::with_capacity(text.len());
     for byte in text.bytes() {
         let is_plain = byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use gaiter_https::{EndpointFault, HttpRequest, HttpsClient, secret};
+use gaiter_https::{EndpointFault, HttpRequest, HttpsClient, escaped, secret};
 use gaiter_record::fhir::outcome::in_a_line;
 use gaiter_record::hex;
 use http::header::{ACCEPT, CONTENT_TYPE, HeaderValue};
@@ -163,16 +163,7 @@ impl SigningKey {
 
 /// Fields as a form (application/x-www-form-urlencoded).
 fn form(fields: &[(&str, &str)]) -> String {
-    let escaped = |text: &str| {
-        let byte = |byte: u8| match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'*' => {
-                char::from(byte).to_string()
-            }
-            byte => format!("%{byte:02X}"),
-        };
-        text.bytes().map(byte).collect::<String>()
-    };
-    let field = |(name, text): &(&str, &str)| format!("{name}={}", escaped(text));
+    let field = |(name, text): &(&str, &str)| format!("{name}={}", escaped(text, false));
     fields.iter().map(field).collect::<Vec<_>>().join("&")
 }
 
