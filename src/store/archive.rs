@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use gaiter_flow::ScanId;
 use gaiter_https::{
-    Bucket, BucketFault, BucketPlace, HttpsClient, PutNew, Secret, TlsFiles, secret,
+    Bucket, BucketFault, BucketPlace, HttpFault, HttpsClient, PutNew, Secret, TlsFiles, secret,
 };
 use gaiter_leg::{Method, WholeBody};
 use gaiter_record::archive::{
@@ -128,7 +128,7 @@ impl ArchiveStore {
     }
 
     fn site_key(&self) -> Result<SiteKey, ServerFault> {
-        let text = secret::read(&self.place.site_key)?;
+        let text = secret::read(&self.place.site_key).map_err(HttpFault::from)?;
         SiteKey::parse(&text).map_err(ServerFault::SiteKey)
     }
 
@@ -171,7 +171,6 @@ impl ArchiveStore {
 fn fault(fault: BucketFault) -> StoreFault {
     let fault: ServerFault = match fault {
         BucketFault::Http(fault) => fault.into(),
-        BucketFault::Secret(fault) => fault.into(),
         BucketFault::Words => ServerFault::Answer(BucketFault::Words.to_string()),
         BucketFault::Status { status: status @ (401 | 403), said } => {
             ServerFault::Forbidden { status, why: said }

@@ -2,7 +2,7 @@
 
 use gaiter_flow::cause::Cause;
 
-use gaiter_https::{EndpointFault, HttpFault, SecretFault};
+use gaiter_https::{EndpointFault, HttpFault};
 use gaiter_record::archive::WordFault;
 
 /// Why a server does not take a record now. It may later, so it is asked again.
@@ -10,12 +10,9 @@ use gaiter_record::archive::WordFault;
 /// A server's message is reported in one line, without the patient's id and the station's credentials.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerFault {
-    /// It gave no answer.
+    /// It gave no answer, or could not be asked.
     #[error(transparent)]
     Http(#[from] HttpFault),
-    /// A secret cannot be read.
-    #[error(transparent)]
-    Secret(#[from] SecretFault),
     /// The key of the site is none.
     #[error("the secret for the server cannot be read: {0}")]
     SiteKey(WordFault),
@@ -93,10 +90,9 @@ impl ServerFault {
             ServerFault::Busy { status, .. } => matches!(status, 409 | 412 | 423),
             #[cfg(feature = "dicom")]
             ServerFault::Dimse(fault) => fault.is_of_an_answer(),
-            ServerFault::Secret(_)
-            | ServerFault::SiteKey(_)
-            | ServerFault::Forbidden { .. }
-            | ServerFault::NoToken(_) => false,
+            ServerFault::SiteKey(_) | ServerFault::Forbidden { .. } | ServerFault::NoToken(_) => {
+                false
+            }
         }
     }
 
@@ -106,9 +102,6 @@ impl ServerFault {
             |status: u16, why: &str| [("status", status.to_string()), ("why", why.to_owned())];
         match self {
             ServerFault::Http(fault) => fault.cause(),
-            ServerFault::Secret(fault) => {
-                Cause::known("server-secret", [("why", fault.to_string())])
-            }
             ServerFault::SiteKey(fault) => {
                 Cause::known("server-secret", [("why", fault.to_string())])
             }

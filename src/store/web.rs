@@ -37,13 +37,14 @@ impl HttpAccess {
 
     /// What the header `Authorization` holds; `None` if none is needed.
     pub(super) fn authorization(&self) -> Result<Option<HeaderValue>, ServerFault> {
+        let read = |secret: &Secret| secret::read(secret).map_err(HttpFault::from);
         let text = match self {
             HttpAccess::Open => return Ok(None),
             HttpAccess::Basic { user, password } => {
-                let both = format!("{user}:{}", secret::read(password)?);
+                let both = format!("{user}:{}", read(password)?);
                 format!("Basic {}", STANDARD.encode(both))
             }
-            HttpAccess::Bearer { token } => format!("Bearer {}", secret::read(token)?),
+            HttpAccess::Bearer { token } => format!("Bearer {}", read(token)?),
         };
         Ok(Some(header(&text)?))
     }

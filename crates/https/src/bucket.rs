@@ -7,7 +7,7 @@ use jiff::Timestamp;
 
 use super::endpoint::{Endpoint, Secret};
 use super::fault::HttpFault;
-use super::secret::{self, SecretFault};
+use super::secret;
 use super::signature::{Signer, escaped};
 use super::{HttpAnswer, HttpRequest, HttpsClient};
 
@@ -69,12 +69,9 @@ pub struct Page {
 /// Why a store does not do what was asked.
 #[derive(Debug, thiserror::Error)]
 pub enum BucketFault {
-    /// It gave no answer.
+    /// It gave no answer, or could not be asked.
     #[error(transparent)]
     Http(#[from] HttpFault),
-    /// The access key cannot be read.
-    #[error(transparent)]
-    Secret(#[from] SecretFault),
     /// The words of the access cannot be sent.
     #[error("the address, the bucket or the key's id hold what cannot be sent")]
     Words,
@@ -188,7 +185,7 @@ impl Bucket {
         let uri: Uri =
             format!("{address}{path}{mark}{query}").parse().map_err(|_| BucketFault::Words)?;
         let host = Endpoint::from_uri(&uri).map_err(HttpFault::Address)?.authority();
-        let secret = secret::read(secret)?;
+        let secret = secret::read(secret).map_err(HttpFault::from)?;
         let signer = Signer { key_id, secret: &secret, region, at: Timestamp::now() };
         let (date, content) = (signer.date(), sha256(&body));
         let signed = [("host", &*host), (CONTENT_SHA256, &*content), (DATE, &*date)];

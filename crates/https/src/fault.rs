@@ -20,7 +20,7 @@ pub enum HttpFault {
     /// The address cannot be asked.
     #[error(transparent)]
     Address(#[from] EndpointFault),
-    /// The password of the proxy cannot be read.
+    /// A password, token or key cannot be read.
     #[error(transparent)]
     Secret(#[from] SecretFault),
     /// The certificates cannot be used.

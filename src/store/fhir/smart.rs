@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use gaiter_https::{EndpointFault, HttpRequest, HttpsClient, escaped, secret};
+use gaiter_https::{EndpointFault, HttpFault, HttpRequest, HttpsClient, escaped, secret};
 use gaiter_record::fhir::outcome::in_a_line;
 use gaiter_record::hex;
 use http::header::{ACCEPT, CONTENT_TYPE, HeaderValue};
@@ -44,7 +44,8 @@ pub(super) fn token(
         Some(address) => address.clone(),
         None => discovered(client, base)?,
     };
-    let statement = statement(smart, &secret::read(&smart.key)?, &address, Timestamp::now())?;
+    let key = secret::read(&smart.key).map_err(HttpFault::from)?;
+    let statement = statement(smart, &key, &address, Timestamp::now())?;
     let fields = [
         ("grant_type", "client_credentials"),
         ("scope", &smart.scope),
