@@ -8,7 +8,7 @@ use gaiter_record::{Acquired, Patient};
 use jiff::Timestamp;
 use serde::Deserialize;
 
-use super::{StoreFault, durable, tried};
+use super::{StoreFault, sums, tried};
 
 /// The longest `record.json` that is read, bytes; one with shapes has under one million.
 const RECORD_MOST: u64 = 16_000_000;
@@ -21,16 +21,8 @@ pub struct Brief {
     pub patient: Option<Patient>,
     /// When the scan was taken.
     pub acquired: Option<Acquired>,
-    pub scan: BriefScan,
     #[serde(default)]
     pub amendments: Vec<BriefAmendment>,
-}
-
-/// The scan of a record.
-#[derive(Debug, Clone, Deserialize)]
-pub struct BriefScan {
-    /// The hash of its bytes, 64 hexadecimal digits.
-    pub sha256: String,
 }
 
 /// A measure that a person set.
@@ -56,7 +48,7 @@ impl Brief {
     pub fn read(path: &Path) -> Result<Option<Brief>, StoreFault> {
         let mut bytes = Vec::new();
         let read = File::open(path).and_then(|file| file.take(RECORD_MOST).read_to_end(&mut bytes));
-        let length = tried("reading", path, durable::if_there(read))?;
-        Ok(length.and_then(|_| serde_json::from_slice(&bytes).ok()))
+        let there = tried("reading", path, sums::readable(read))?;
+        Ok(there.and_then(|_| serde_json::from_slice(&bytes).ok()))
     }
 }

@@ -164,10 +164,10 @@ fn read(folder: &Path) -> io::Result<Result<Vec<(ScanId, String)>, SumsFault>> {
 
 /// `None` for a missing file, or a folder in its place, which is a finding about the record; any other error
 /// is not.
-pub fn readable(read: io::Result<Vec<u8>>) -> io::Result<Option<Vec<u8>>> {
+pub fn readable<T>(read: io::Result<T>) -> io::Result<Option<T>> {
     use io::ErrorKind::{IsADirectory, NotADirectory, NotFound};
     match read {
-        Ok(bytes) => Ok(Some(bytes)),
+        Ok(read) => Ok(Some(read)),
         Err(error) if matches!(error.kind(), NotFound | IsADirectory | NotADirectory) => Ok(None),
         Err(error) => Err(error),
     }

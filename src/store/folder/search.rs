@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use gaiter_flow::ScanId;
 use gaiter_flow::patient::naming::{self, RecordName};
-use gaiter_record::{Acquired, ORD, Patient, RECORD};
+use gaiter_record::{ORD, RECORD};
 
 use super::FolderStore;
+use crate::store::brief::Brief;
 use crate::store::sums::{self, SUMS};
 use crate::store::{
     FoundRecord, Rejection, StoreFault, StoredScan, TakeBack, durable, folders, records_in, tried,
@@ -251,22 +252,11 @@ fn record(
     let size = fs::metadata(folder.join(&file)).map_or(0, |metadata| metadata.len());
     let format = file.rsplit('.').next().unwrap_or_default().to_owned();
     let (patient, first_seen) = (patient.map(str::to_owned), name.first_seen);
-    let Origin { patient: named, acquired } = origin(&folder)?;
-    let named = named.filter(|named| Some(&named.id) == patient.as_ref());
+    // Nothing if it was changed so that it cannot be read.
+    let brief = Brief::read(&folder.join(RECORD))?;
+    let (named, acquired) = brief.map(|brief| (brief.patient, brief.acquired)).unzip();
+    let named = named.flatten().filter(|named| Some(&named.id) == patient.as_ref());
     let request = named.and_then(|named| named.request().cloned());
+    let acquired = acquired.flatten();
     Ok(Some(FoundRecord { scan, patient, request, acquired, first_seen, format, size, folder }))
-}
-
-/// What a record says of where it comes from.
-#[derive(Default, serde::Deserialize)]
-struct Origin {
-    patient: Option<Patient>,
-    acquired: Option<Acquired>,
-}
-
-/// What the record in a folder says of where it comes from; nothing if it was changed so that it cannot be read.
-fn origin(folder: &Path) -> Result<Origin, StoreFault> {
-    let file = folder.join(RECORD);
-    let bytes = tried("reading", &file, sums::readable(fs::read(&file)))?;
-    Ok(bytes.and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default())
 }

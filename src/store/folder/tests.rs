@@ -256,7 +256,7 @@ fn every_record_in_the_store_is_found_and_nothing_else() {
 fn a_record_tells_when_its_scan_was_taken_and_which_request_it_answers_for_its_own_patient() {
     let mut case = Case::new();
     let record = br#"{"patient": {"id": "4711", "sources": [{"kind": "reader", "request":
-        {"study_instance_uid": "1.2.276.4711", "accession_number": "A1"}}]},
+        {"study_instance_uid": "1.2.276.4711", "accession_number": "A1"}}]}, "revision": 1,
         "acquired": {"at": "2026-11-21T09:14:00Z", "from": "press"}, "legs": []}"#;
     let listing = format!("{}  record.json\n{}  scan.obj\n", sums::scan_id(record), case.scan);
     let file = |name: &str, bytes| RecordFile { name: name.to_owned(), bytes };
