@@ -81,22 +81,14 @@ pub struct Cropped {
     pub whole: WholeBody,
 }
 
-/// Why nothing of a scan can leave the house.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum NoCrop {
-    /// On the crop other numbers are measured than on the whole body, or none.
-    Never(String),
-    /// It could not be made now.
-    NotNow(String),
-}
-
 /// Crops scans, and measures the crop again: all numbers are those of the whole body. Calls block.
 pub trait CropScan: fmt::Debug + Send + Sync {
     /// What leaves the house of the scan in this file.
     ///
     /// # Errors
-    /// See [`NoCrop`].
-    fn crop(&self, scan: &ScanId, file: &Path, ending: &str) -> Result<Cropped, NoCrop>;
+    /// [`Rejection::CropDiffers`] if on the crop other numbers are measured than on the whole body, or none;
+    /// [`StoreFault::NoCrop`] if it could not be made now.
+    fn crop(&self, scan: &ScanId, file: &Path, ending: &str) -> Result<Cropped, StoreFault>;
 
     /// The longest that this takes.
     fn longest(&self) -> Duration;
@@ -209,11 +201,8 @@ impl RecordStore for ArchiveStore {
         let method = MethodId::of(&self.method).map_err(unwritten)?;
         let (record, patient) = pseudonymous(record, &self.site_key()?);
         let json = serde_json::to_vec(&record).map_err(unwritten)?;
-        let cropped = self.crops.crop(delivery.scan, delivery.scan_file, delivery.ending);
-        let Cropped { ply, whole } = cropped.map_err(|no_crop| match no_crop {
-            NoCrop::Never(why) => StoreFault::Permanent(Rejection::CropDiffers { why }),
-            NoCrop::NotNow(why) => StoreFault::NoCrop(why),
-        })?;
+        let Cropped { ply, whole } =
+            self.crops.crop(delivery.scan, delivery.scan_file, delivery.ending)?;
         let (scan, record) = (ScanId::of_bytes(&ply), RecordHash::of_bytes(&json));
         self.put_scan(&scan, &ply)?;
         let station = self.place.station.clone();

@@ -12,7 +12,8 @@ use super::job::{CropJob, Job, JobAnswer, Purpose};
 use super::parent::measure;
 use crate::config::MeasureConfig;
 use crate::station::runtime::chain;
-use crate::store::archive::{CropScan, Cropped, NoCrop};
+use crate::store::archive::{CropScan, Cropped};
+use crate::store::{Rejection, StoreFault};
 
 /// The files of the answer: the crop, and what the whole body told.
 pub(super) const CROP: &str = "crop.ply";
@@ -27,19 +28,20 @@ pub struct ConfinedCrop {
 }
 
 impl CropScan for ConfinedCrop {
-    fn crop(&self, scan: &ScanId, file: &Path, ending: &str) -> Result<Cropped, NoCrop> {
-        let length = fs::metadata(file).map_err(|error| NoCrop::NotNow(error.to_string()))?.len();
+    fn crop(&self, scan: &ScanId, file: &Path, ending: &str) -> Result<Cropped, StoreFault> {
+        let never = |why| StoreFault::Permanent(Rejection::CropDiffers { why });
+        let metadata = fs::metadata(file).map_err(|error| StoreFault::NoCrop(error.to_string()))?;
         let purpose = Purpose::Crop(Box::new(self.job.clone()));
-        let job = Job::new(&self.limits, purpose, ending, length);
+        let job = Job::new(&self.limits, purpose, ending, metadata.len());
         let ended = measure(scan, &job, file, None);
-        match ended.map_err(|fault| NoCrop::NotNow(chain(&fault)))? {
+        match ended.map_err(|fault| StoreFault::NoCrop(chain(&fault)))? {
             Ended::Answered(JobAnswer::Files { files, .. }) => cropped(files),
-            Ended::Answered(JobAnswer::Refused { message, .. }) => Err(NoCrop::Never(message)),
+            Ended::Answered(JobAnswer::Refused { message, .. }) => Err(never(message)),
             Ended::Answered(JobAnswer::Inspected(_)) => Err(no_answer()),
             Ended::Trouble(trouble) if trouble.blame() == Blame::Scan => {
-                Err(NoCrop::Never(trouble.to_string()))
+                Err(never(trouble.to_string()))
             }
-            Ended::Trouble(trouble) => Err(NoCrop::NotNow(trouble.to_string())),
+            Ended::Trouble(trouble) => Err(StoreFault::NoCrop(trouble.to_string())),
         }
     }
 
@@ -48,7 +50,7 @@ impl CropScan for ConfinedCrop {
     }
 }
 
-fn cropped(files: Vec<RecordFile>) -> Result<Cropped, NoCrop> {
+fn cropped(files: Vec<RecordFile>) -> Result<Cropped, StoreFault> {
     let (mut ply, mut whole) = (None, None);
     for RecordFile { name, bytes } in files {
         match name.as_str() {
@@ -61,6 +63,6 @@ fn cropped(files: Vec<RecordFile>) -> Result<Cropped, NoCrop> {
     Ok(Cropped { ply, whole })
 }
 
-fn no_answer() -> NoCrop {
-    NoCrop::NotNow("the measuring process gave no crop".to_owned())
+fn no_answer() -> StoreFault {
+    StoreFault::NoCrop("the measuring process gave no crop".to_owned())
 }

@@ -21,13 +21,15 @@ const PATIENT: &str = "P-4711";
 /// The key of the site.
 const SITE: &str = "0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b0b";
 
+type Crop = fn() -> Result<Cropped, StoreFault>;
+
 /// What a cropper says, whatever it is given.
 #[derive(Debug)]
-struct Says(Result<Cropped, NoCrop>);
+struct Says(Crop);
 
 impl CropScan for Says {
-    fn crop(&self, _: &ScanId, _: &Path, _: &str) -> Result<Cropped, NoCrop> {
-        self.0.clone()
+    fn crop(&self, _: &ScanId, _: &Path, _: &str) -> Result<Cropped, StoreFault> {
+        (self.0)()
     }
 
     fn longest(&self) -> Duration {
@@ -53,13 +55,13 @@ struct Station {
 }
 
 impl Station {
-    fn new(answers: &[&str], crop: Result<Cropped, NoCrop>) -> Station {
+    fn new(answers: &[&str], crop: Crop) -> Station {
         let (port, requests) =
             serve_answers(answers.iter().map(|status| answer(status, "")).collect());
         Station::at(port, requests, crop)
     }
 
-    fn at(port: u16, requests: Receiver<String>, crop: Result<Cropped, NoCrop>) -> Station {
+    fn at(port: u16, requests: Receiver<String>, crop: Crop) -> Station {
         let folder = tempfile::tempdir().unwrap();
         let secret = |name: &str, text: &str| {
             let path = folder.path().join(name);
@@ -126,7 +128,7 @@ fn pseudonym() -> Pseudonym {
 
 #[test]
 fn a_record_is_announced_after_scan_and_record_and_only_with_a_pseudonym() {
-    let station = Station::new(&["200 OK"; 3], Ok(cropped()));
+    let station = Station::new(&["200 OK"; 3], || Ok(cropped()));
     let receipt = station.put().unwrap();
     let requests: Vec<String> = station.requests.try_iter().collect();
     let [scan, record, announced] = &requests[..] else { panic!("{}", requests.len()) };
@@ -152,7 +154,7 @@ fn a_record_is_announced_after_scan_and_record_and_only_with_a_pseudonym() {
 
 #[test]
 fn a_record_of_another_patient_or_of_nobody_is_not_sent() {
-    let station = Station::new(&[], Ok(cropped()));
+    let station = Station::new(&[], || Ok(cropped()));
     for (patient, rejection) in
         [(None, Rejection::Unassigned), (Some("P-4712"), Rejection::OtherPatient)]
     {
@@ -172,7 +174,7 @@ fn a_scan_that_is_there_is_a_receipt_if_its_length_is_right_or_nobody_may_ask() 
     let done = || answer("200 OK", "");
     for head in [length(own), answer("403 Forbidden", "")] {
         let (port, requests) = serve_answers(vec![there.clone(), head, done(), there.clone()]);
-        let station = Station::at(port, requests, Ok(cropped()));
+        let station = Station::at(port, requests, || Ok(cropped()));
         let put = station.put();
         // The last answer is about the announcement, which is told again.
         let Err(StoreFault::Server(fault)) = put else { panic!("{put:?}") };
@@ -182,7 +184,7 @@ fn a_scan_that_is_there_is_a_receipt_if_its_length_is_right_or_nobody_may_ask() 
         assert!(asked[1].starts_with("HEAD /chain/scan/"), "{asked:?}");
     }
     let (port, requests) = serve_answers(vec![there, length(own + 1)]);
-    let station = Station::at(port, requests, Ok(cropped()));
+    let station = Station::at(port, requests, || Ok(cropped()));
     let fault = station.put().unwrap_err();
     assert_eq!(fault.code(), "store-place-occupied");
     assert_eq!(station.asked().len(), 2, "nothing is announced");
@@ -190,12 +192,14 @@ fn a_scan_that_is_there_is_a_receipt_if_its_length_is_right_or_nobody_may_ask() 
 
 #[test]
 fn a_scan_whose_crop_measures_otherwise_stays_in_the_house_and_waits_for_a_person() {
-    let differs = NoCrop::Never(".legs[0].at[1].girth_mm: 367.1 → 366.9".to_owned());
-    let station = Station::new(&[], Err(differs));
+    let station = Station::new(&[], || {
+        let why = ".legs[0].at[1].girth_mm: 367.1 → 366.9".to_owned();
+        Err(StoreFault::Permanent(Rejection::CropDiffers { why }))
+    });
     let fault = station.put().unwrap_err();
     assert_eq!(fault.code(), "crop-differs");
     assert!(matches!(fault, StoreFault::Permanent(_)), "{fault}");
-    let later = Station::new(&[], Err(NoCrop::NotNow("killed".to_owned())));
+    let later = Station::new(&[], || Err(StoreFault::NoCrop("killed".to_owned())));
     assert!(matches!(later.put(), Err(StoreFault::NoCrop(_))));
     assert_eq!((station.asked(), later.asked()), (vec![], vec![]));
 }
@@ -203,7 +207,7 @@ fn a_scan_whose_crop_measures_otherwise_stays_in_the_house_and_waits_for_a_perso
 #[test]
 fn a_store_of_objects_that_does_not_take_it_is_asked_again_whatever_it_says() {
     for status in ["503 Slow Down", "404 Not Found", "400 Bad Request", "403 Forbidden"] {
-        let station = Station::new(&[status], Ok(cropped()));
+        let station = Station::new(&[status], || Ok(cropped()));
         let fault = station.put().unwrap_err();
         assert_eq!(fault.code(), "store-unavailable", "{status}");
         let StoreFault::Server(fault) = fault else { panic!("{status}") };
@@ -213,7 +217,7 @@ fn a_store_of_objects_that_does_not_take_it_is_asked_again_whatever_it_says() {
 
 #[test]
 fn a_scan_that_is_taken_back_is_said_to_be_this_patients_no_longer() {
-    let station = Station::new(&["200 OK"], Ok(cropped()));
+    let station = Station::new(&["200 OK"], || Ok(cropped()));
     let scan = ScanId::of_bytes(b"scan");
     station.store.withdraw(&TakeBack::new(&scan, Some(PATIENT))).unwrap();
     let withdrawal: Withdrawal = document(&station.requests.try_iter().next().unwrap());
@@ -222,7 +226,7 @@ fn a_scan_that_is_taken_back_is_said_to_be_this_patients_no_longer() {
 
 #[test]
 fn what_is_said_later_is_later_also_after_the_clock_was_set_back() {
-    let station = Station::new(&["200 OK"; 8], Ok(cropped()));
+    let station = Station::new(&["200 OK"; 8], || Ok(cropped()));
     let withdraw = || {
         let scan = ScanId::of_bytes(b"scan");
         station.store.withdraw(&TakeBack::new(&scan, Some(PATIENT))).unwrap();
@@ -248,7 +252,7 @@ fn what_is_said_later_is_later_also_after_the_clock_was_set_back() {
 
 #[test]
 fn nothing_is_announced_that_cannot_be_ordered() {
-    let station = Station::new(&["200 OK"; 3], Ok(cropped()));
+    let station = Station::new(&["200 OK"; 3], || Ok(cropped()));
     fs::write(station.folder.path().join("archive-clock.json"), "{}").unwrap();
     let fault = station.put().unwrap_err();
     assert!(matches!(fault, StoreFault::Transient { .. }), "{fault}");
@@ -257,7 +261,7 @@ fn nothing_is_announced_that_cannot_be_ordered() {
 
 #[test]
 fn a_store_is_in_reach_if_it_takes_the_empty_scan_and_pseudonyms_can_be_made() {
-    let station = Station::new(&["200 OK"], Ok(cropped()));
+    let station = Station::new(&["200 OK"], || Ok(cropped()));
     station.store.reach().unwrap();
     let empty = ScanId::of_bytes(b"");
     assert_eq!(station.asked(), [format!("PUT /chain/{}", ObjectKey::Scan(empty))]);
