@@ -13,7 +13,7 @@ use gaiter_record::{FilesFault, RECORD, Record, RecordFile, ReportChoice, amende
 use serde_json::Value;
 
 use super::stored::{Stored, StoredFault};
-use super::{Added, Family, add, families};
+use super::{Added, add, families};
 use crate::store::StoreFault;
 
 /// What precedes the number in the folder name of a later revision.
@@ -84,17 +84,6 @@ fn other_version(version: &str) -> Cause {
     Cause::known("other-version", [("version", version.to_owned())])
 }
 
-/// The revisions of a record.
-enum Revisions {
-    Stored(Family),
-    /// In a folder of its own that `gaiter extract` wrote: the latest revision, and its name without the
-    /// number.
-    Alone {
-        latest: PathBuf,
-        name: String,
-    },
-}
-
 /// Sets measures of a record, in this order: writes a further revision beside the latest one. Values that are
 /// far off the scan's are only set if `is_sure`. `folder` is the folder of any of its revisions.
 ///
@@ -110,20 +99,37 @@ pub fn amend_record(
         io::ErrorKind::NotFound => AmendRecordFault::NoRecord,
         _ => AmendRecordFault::Io(error),
     })?;
-    let revisions = Revisions::in_folder(&whole)?;
-    let stored = revisions.read()?;
+    let family = families(&whole)?
+        .into_iter()
+        .find(|family| family.revisions.iter().any(|(_, place)| *place == whole));
+    let name = whole.file_name().and_then(OsStr::to_str).ok_or(AmendRecordFault::NoRecord)?;
+    let name = numbered(name).map_or(name, |(name, _)| name);
+    let within = whole.parent().ok_or(AmendRecordFault::NoRecord)?;
+    let (number, latest, stored) = match family {
+        Some(family) => {
+            let (name, latest) = family.latest();
+            (name.revision, latest.clone(), Stored::read(&family)?)
+        }
+        // In a folder of its own that `gaiter extract` wrote.
+        None => {
+            let latest = latest_alone(within, name)?;
+            let (number, latest) = latest.ok_or(AmendRecordFault::NoRecord)?;
+            let stored = Stored::in_folder(&latest)?;
+            (number, latest, stored)
+        }
+    };
     if !is_kept_whole(&stored) {
         return Err(AmendRecordFault::OtherVersion(stored.record.made_by.gaiter));
     }
     let mut record = stored.record.amended(amendments, is_sure)?;
-    record.revision = revisions.number().max(record.revision).saturating_add(1);
+    record.revision = number.max(record.revision).saturating_add(1);
     let before = stored.listed.iter().map(|name| {
         let bytes = stored.listed_file(name)?;
         Ok(RecordFile { name: name.clone(), bytes })
     });
     let before = before.collect::<io::Result<Vec<RecordFile>>>()?;
     let files = amended_files(&record, choice, before)?;
-    match revisions.add(record.revision, &files) {
+    match add(within, &latest, &format!("{name}{REVISION}{}", record.revision), &files) {
         Ok(Added::There(folder)) => Ok(Amended { folder, record }),
         Ok(Added::Withdrawn) => Err(AmendRecordFault::Withdrawn),
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
@@ -133,59 +139,14 @@ pub fn amend_record(
     }
 }
 
-impl Revisions {
-    fn in_folder(folder: &Path) -> Result<Revisions, AmendRecordFault> {
-        let family = families(folder)?.into_iter().find(|family| {
-            let mut all = family.revisions.iter();
-            all.any(|(_, place)| place == folder)
-        });
-        if let Some(family) = family {
-            return Ok(Revisions::Stored(family));
-        }
-        let name = folder.file_name().and_then(OsStr::to_str).ok_or(AmendRecordFault::NoRecord)?;
-        let name = numbered(name).map_or(name, |(name, _)| name).to_owned();
-        let within = folder.parent().ok_or(AmendRecordFault::NoRecord)?;
-        let latest = latest_alone(within, &name)?.ok_or(AmendRecordFault::NoRecord)?;
-        Ok(Revisions::Alone { latest, name })
-    }
-
-    fn read(&self) -> Result<Stored, StoredFault> {
-        match self {
-            Revisions::Stored(family) => Stored::read(family),
-            Revisions::Alone { latest, .. } => Stored::in_folder(latest),
-        }
-    }
-
-    /// The number in the name of the latest one.
-    fn number(&self) -> u32 {
-        match self {
-            Revisions::Stored(family) => family.latest().0.revision,
-            Revisions::Alone { latest, .. } => {
-                let name = latest.file_name().and_then(OsStr::to_str).unwrap_or_default();
-                numbered(name).map_or(1, |(_, number)| number)
-            }
-        }
-    }
-
-    fn add(&self, revision: u32, files: &[RecordFile]) -> io::Result<Added> {
-        match self {
-            Revisions::Stored(family) => family.add(revision, files),
-            Revisions::Alone { latest, name } => {
-                let within = latest.parent().unwrap_or(Path::new("/"));
-                add(within, latest, &format!("{name}{REVISION}{revision}"), files)
-            }
-        }
-    }
-}
-
 /// The name of a folder without the number of its revision, and the number; `None` if it has none.
 fn numbered(name: &str) -> Option<(&str, u32)> {
     let (name, number) = name.rsplit_once(REVISION)?;
     Some((name, number.parse().ok().filter(|number| *number > 1)?))
 }
 
-/// The latest revision of the record of this name in a folder; `None` if there is none.
-fn latest_alone(within: &Path, name: &str) -> io::Result<Option<PathBuf>> {
+/// The number and the folder of the latest revision of the record of this name in a folder; `None` if there is none.
+fn latest_alone(within: &Path, name: &str) -> io::Result<Option<(u32, PathBuf)>> {
     let mut found = Vec::new();
     for entry in fs::read_dir(within)? {
         let path = entry?.path();
@@ -198,7 +159,7 @@ fn latest_alone(within: &Path, name: &str) -> io::Result<Option<PathBuf>> {
         let is_record = path.join(RECORD).is_file();
         found.extend(number.filter(|_| is_record).map(|number| (number, path)));
     }
-    Ok(found.into_iter().max().map(|(_, path)| path))
+    Ok(found.into_iter().max())
 }
 
 /// Whether this version writes everything that the record holds.
