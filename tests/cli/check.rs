@@ -513,4 +513,7 @@ fn a_receiver_takes_a_connection_or_fails_and_a_folder_of_messages_is_written_in
     let [(place, verdict, _)] = &rows(&output, "message folder")[..] else { panic!() };
     assert_eq!((Path::new(place), verdict.as_str()), (messages.as_path(), "ok"));
     assert!(fs::read_dir(&messages).unwrap().next().is_none());
+    let way = store(&format!("path = \"{}\"\ntimeout = \"1s\"", messages.display()));
+    let output = check(&station(root.path(), &way), &["--json"]);
+    assert_eq!(code(&output), Some(78), "files have no timeout: {}", stdout(&output));
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use gaiter_record::hl7::{Charset, PdfForm};
 
-use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, line, tls, tls_of_line};
+use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, line, no_effect, tls, tls_of_line};
 use crate::config::parse::{self, Absent, Found, Reader, What, or_none};
 use crate::config::words::Words;
 use crate::store::Peer;
@@ -44,6 +44,9 @@ const CHARSETS: Words<Charset> = &[("utf-8", Charset::Utf8), ("8859-1", Charset:
 
 const TLS: TlsKeys =
     ["store.hl7.authorities", "store.hl7.certificate", "store.hl7.certificate_key"];
+
+/// Keys that have an effect over a connection only.
+const FOR_MLLP: [&str; 5] = ["store.hl7.encryption", TLS[0], TLS[1], TLS[2], "store.hl7.timeout"];
 
 /// The folder as written, and the settings of the section, if it is not off.
 type Section = (Option<Found<PathBuf>>, Option<Hl7StoreConfig>);
@@ -92,7 +95,10 @@ fn way(
             let tls = tls_of_line(reader, TLS, tls?, encryption);
             Some(Hl7Way::Mllp(Peer { host, port, tls, limit }))
         }
-        (None, Some(folder)) => Some(Hl7Way::Files(folder.value.clone())),
+        (None, Some(folder)) => {
+            reader.note_unread(&FOR_MLLP, || no_effect("with files in a folder"));
+            Some(Hl7Way::Files(folder.value.clone()))
+        }
         (Some(_), Some(Found { at, .. })) => {
             let what = What::own("is set together with store.hl7.address", "remove one of the two");
             reader.note(at.clone(), "store.hl7.path", what);
