@@ -2,11 +2,9 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gaiter_https::{
-    EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient, Secret, secret,
-};
-use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderName, HeaderValue};
-use http::{Method, Uri};
+use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpsClient, Secret, secret};
+use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderValue};
+use http::{Method, Request};
 
 use super::server::{ServerFault, TokenFault};
 
@@ -59,17 +57,20 @@ pub(super) fn asked(
     body: Option<(String, Vec<u8>)>,
     shown: Option<HeaderValue>,
 ) -> Result<HttpAnswer, ServerFault> {
-    let not_sent = || HttpFault::from(EndpointFault::Address);
-    let uri: Uri = address.parse().map_err(|_| not_sent())?;
-    let mut headers: Vec<(HeaderName, HeaderValue)> =
-        vec![(ACCEPT, HeaderValue::from_static(accept)), (CACHE_CONTROL, NO_CACHE)];
-    headers.extend(shown.map(|shown| (AUTHORIZATION, shown)));
+    let mut request = Request::builder()
+        .method(method)
+        .uri(address)
+        .header(ACCEPT, accept)
+        .header(CACHE_CONTROL, NO_CACHE);
+    if let Some(shown) = shown {
+        request = request.header(AUTHORIZATION, shown);
+    }
     let (media_type, body) = body.unzip();
     if let Some(media_type) = media_type {
-        headers.push((CONTENT_TYPE, HeaderValue::from_str(&media_type).map_err(|_| not_sent())?));
+        request = request.header(CONTENT_TYPE, media_type);
     }
-    let body = body.unwrap_or_default();
-    Ok(client.send(HttpRequest { method, uri, headers, body })?)
+    let request = request.body(body.unwrap_or_default());
+    Ok(client.send(request.map_err(|_| HttpFault::from(EndpointFault::Address))?)?)
 }
 
 /// A text as the header. Its `Debug` hides the value.

@@ -1,15 +1,15 @@
 //! A bucket of an S3-compatible store of objects.
 
 use gaiter_record::sha256;
-use http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, HeaderName, HeaderValue, IF_NONE_MATCH};
-use http::{Method, Uri};
+use http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, IF_NONE_MATCH};
+use http::{Method, Request, Uri};
 use jiff::Timestamp;
 
 use super::endpoint::{Endpoint, Secret};
 use super::fault::HttpFault;
 use super::secret;
 use super::signature::{Signer, escaped};
-use super::{HttpAnswer, HttpRequest, HttpsClient};
+use super::{HttpAnswer, HttpsClient};
 
 /// How many keys a store is asked for at a time; none gives more.
 const PAGE_KEYS: &str = "1000";
@@ -95,7 +95,7 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn put(&self, key: &str, bytes: Vec<u8>) -> Result<(), BucketFault> {
-        let answer = self.ask(Method::PUT, key, "", Vec::new(), bytes)?;
+        let answer = self.ask(Method::PUT, key, "", None, bytes)?;
         if answer.is_success() { Ok(()) } else { Err(refused(&answer)) }
     }
 
@@ -104,8 +104,7 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn put_new(&self, key: &str, bytes: Vec<u8>) -> Result<PutNew, BucketFault> {
-        let only_new = vec![(IF_NONE_MATCH, HeaderValue::from_static("*"))];
-        let answer = self.ask(Method::PUT, key, "", only_new, bytes)?;
+        let answer = self.ask(Method::PUT, key, "", Some("*"), bytes)?;
         match answer.status {
             412 => Ok(PutNew::AlreadyThere),
             _ if answer.is_success() => Ok(PutNew::Stored),
@@ -118,7 +117,7 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn get(&self, key: &str) -> Result<Option<Vec<u8>>, BucketFault> {
-        let answer = self.ask(Method::GET, key, "", Vec::new(), Vec::new())?;
+        let answer = self.ask(Method::GET, key, "", None, Vec::new())?;
         match answer.status {
             404 => Ok(None),
             _ if answer.is_success() => Ok(Some(answer.body)),
@@ -131,7 +130,7 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn length(&self, key: &str) -> Result<Option<u64>, BucketFault> {
-        let answer = self.ask(Method::HEAD, key, "", Vec::new(), Vec::new())?;
+        let answer = self.ask(Method::HEAD, key, "", None, Vec::new())?;
         let length = answer.headers.get(CONTENT_LENGTH).and_then(|length| length.to_str().ok());
         match (answer.status, length.and_then(|length| length.parse().ok())) {
             (404, _) => Ok(None),
@@ -145,7 +144,7 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn remove(&self, key: &str) -> Result<(), BucketFault> {
-        let answer = self.ask(Method::DELETE, key, "", Vec::new(), Vec::new())?;
+        let answer = self.ask(Method::DELETE, key, "", None, Vec::new())?;
         if answer.is_success() || answer.status == 404 { Ok(()) } else { Err(refused(&answer)) }
     }
 
@@ -159,7 +158,7 @@ impl Bucket {
         if !after.is_empty() {
             query.push_str(&format!("&start-after={}", escaped(after, false)));
         }
-        let answer = self.ask(Method::GET, "", &query, Vec::new(), Vec::new())?;
+        let answer = self.ask(Method::GET, "", &query, None, Vec::new())?;
         let text = String::from_utf8_lossy(&answer.body);
         if !answer.is_success() || !text.contains("<ListBucketResult") {
             return Err(refused(&answer));
@@ -173,7 +172,7 @@ impl Bucket {
         method: Method,
         key: &str,
         query: &str,
-        mut headers: Vec<(HeaderName, HeaderValue)>,
+        if_none_match: Option<&str>,
         body: Vec<u8>,
     ) -> Result<HttpAnswer, BucketFault> {
         let BucketPlace { address, bucket, region, key_id, secret } = &self.place;
@@ -190,17 +189,17 @@ impl Bucket {
         let (date, content) = (signer.date(), sha256(&body));
         let signed = [("host", &*host), (CONTENT_SHA256, &*content), (DATE, &*date)];
         let authorization = signer.authorization(&method, &path, query, &signed, &content);
-        let (content_sha256, of_date) =
-            (HeaderName::from_static(CONTENT_SHA256), HeaderName::from_static(DATE));
-        for (name, value) in [
-            (HOST, host),
-            (content_sha256, content),
-            (of_date, date),
-            (AUTHORIZATION, authorization),
-        ] {
-            headers.push((name, HeaderValue::try_from(value).map_err(|_| BucketFault::Words)?));
+        let mut request = Request::builder()
+            .method(method)
+            .uri(uri)
+            .header(HOST, host)
+            .header(CONTENT_SHA256, content)
+            .header(DATE, date)
+            .header(AUTHORIZATION, authorization);
+        if let Some(tag) = if_none_match {
+            request = request.header(IF_NONE_MATCH, tag);
         }
-        Ok(self.client.send(HttpRequest { method, uri, headers, body })?)
+        Ok(self.client.send(request.body(body).map_err(|_| BucketFault::Words)?)?)
     }
 }
 

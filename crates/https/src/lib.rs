@@ -15,8 +15,8 @@ mod validity;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use http::header::{HeaderMap, HeaderName, HeaderValue};
-use http::{Method, Request, Uri};
+use http::Request;
+use http::header::HeaderMap;
 use ureq::{Agent, ProxyProtocol};
 
 pub use bucket::{Bucket, BucketFault, BucketPlace, Listed, Page, PutNew};
@@ -66,16 +66,6 @@ struct Kept {
     since: Instant,
 }
 
-#[derive(Debug)]
-pub struct HttpRequest {
-    pub method: Method,
-    pub uri: Uri,
-    /// Headers besides those that every request has.
-    pub headers: Vec<(HeaderName, HeaderValue)>,
-    /// The body; may be empty.
-    pub body: Vec<u8>,
-}
-
 /// An answer, read to its end.
 #[derive(Debug, Clone)]
 pub struct HttpAnswer {
@@ -104,12 +94,12 @@ impl HttpsClient {
         HttpsClient { answer_most, ..self }
     }
 
-    /// Sends a request and reads the answer, whatever its status is.
+    /// Sends a request, whose body may be empty, and reads the answer, whatever its status is.
     ///
     /// # Errors
     /// See [`HttpFault`]; whether the server has carried the request out is then not known.
-    pub fn send(&self, request: HttpRequest) -> Result<HttpAnswer, HttpFault> {
-        let endpoint = Endpoint::from_uri(&request.uri)?;
+    pub fn send(&self, request: Request<Vec<u8>>) -> Result<HttpAnswer, HttpFault> {
+        let endpoint = Endpoint::from_uri(request.uri())?;
         let agent = self.agent(endpoint.is_encrypted)?;
         let answer = exchange(&agent, request, self.answer_most)
             .map_err(|error| {
@@ -178,17 +168,12 @@ impl HttpsClient {
 
 fn exchange(
     agent: &Agent,
-    request: HttpRequest,
+    request: Request<Vec<u8>>,
     answer_most: u64,
 ) -> Result<HttpAnswer, ureq::Error> {
-    let HttpRequest { method, uri, headers, body } = request;
-    let mut head = Request::new(());
-    *head.method_mut() = method;
-    *head.uri_mut() = uri;
-    head.headers_mut().extend(headers);
-    let answer = match body.is_empty() {
-        true => agent.run(head)?,
-        false => agent.run(head.map(|()| body))?,
+    let answer = match request.body().is_empty() {
+        true => agent.run(request.map(drop))?,
+        false => agent.run(request)?,
     };
     let (head, mut body) = answer.into_parts();
     let body = body.with_config().limit(answer_most).read_to_vec()?;

@@ -8,8 +8,8 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use http::Method;
-use http::header::{ACCEPT, HeaderValue};
+use http::header::ACCEPT;
+use http::{Method, Request};
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::server::WebPkiClientVerifier;
@@ -18,8 +18,8 @@ use support::http_server::{answer, request_of, serve, serve_answers};
 
 use super::tls::{TlsFault, trust};
 use super::{
-    ANSWER_MOST, Endpoint, EndpointFault, HttpAnswer, HttpFault, HttpRequest, HttpsClient, Proxy,
-    Secret, TlsFiles,
+    ANSWER_MOST, Endpoint, EndpointFault, HttpAnswer, HttpFault, HttpsClient, Proxy, Secret,
+    TlsFiles,
 };
 
 /// Far more than any of these exchanges takes.
@@ -29,9 +29,8 @@ fn client(limit: Duration) -> HttpsClient {
     HttpsClient::new(TlsFiles::default(), None, limit)
 }
 
-fn get(address: &str) -> HttpRequest {
-    let headers = vec![(ACCEPT, HeaderValue::from_static("application/fhir+json"))];
-    HttpRequest { method: Method::GET, uri: address.parse().unwrap(), headers, body: Vec::new() }
+fn get(address: &str) -> Request<Vec<u8>> {
+    Request::get(address).header(ACCEPT, "application/fhir+json").body(Vec::new()).unwrap()
 }
 
 /// What the client makes of a server that sends these bytes and ends the connection.
@@ -44,7 +43,8 @@ fn asked(sent: &str) -> Result<HttpAnswer, HttpFault> {
 fn a_request_is_sent_whole_and_an_answer_is_read_whatever_its_status_is() {
     let (port, requests) = serve_answers(vec![answer("422 Unprocessable", "{\"a\":1}")]);
     let mut request = get(&format!("http://127.0.0.1:{port}/r4"));
-    (request.method, request.body) = (Method::POST, b"{}".to_vec());
+    *request.method_mut() = Method::POST;
+    *request.body_mut() = b"{}".to_vec();
     let told = client(LONG).send(request).unwrap();
     assert_eq!((told.status, told.body.as_slice()), (422, &b"{\"a\":1}"[..]));
     assert!(!told.is_success());

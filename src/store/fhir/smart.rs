@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use gaiter_https::{EndpointFault, HttpFault, HttpRequest, HttpsClient, escaped, secret};
+use gaiter_https::{EndpointFault, HttpFault, HttpsClient, escaped, secret};
 use gaiter_record::fhir::outcome::in_a_line;
 use gaiter_record::hex;
-use http::header::{ACCEPT, CONTENT_TYPE, HeaderValue};
-use http::{Method, Uri};
+use http::header::{ACCEPT, CONTENT_TYPE};
+use http::{Method, Request};
 use jiff::Timestamp;
 use ring::rand::{SecureRandom, SystemRandom};
 use ring::signature::{
@@ -75,13 +75,13 @@ fn asked(
     form: String,
     secret: &[&str],
 ) -> Result<Value, ServerFault> {
-    let uri: Uri = address.parse().map_err(|_| TokenFault::Place(EndpointFault::Address))?;
-    let mut headers = vec![(ACCEPT, HeaderValue::from_static("application/json"))];
+    let mut request =
+        Request::builder().method(method).uri(address).header(ACCEPT, "application/json");
     if !form.is_empty() {
-        let kind = HeaderValue::from_static("application/x-www-form-urlencoded");
-        headers.push((CONTENT_TYPE, kind));
+        request = request.header(CONTENT_TYPE, "application/x-www-form-urlencoded");
     }
-    let answer = client.send(HttpRequest { method, uri, headers, body: form.into_bytes() })?;
+    let request = request.body(form.into_bytes());
+    let answer = client.send(request.map_err(|_| TokenFault::Place(EndpointFault::Address))?)?;
     let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
     if answer.is_success() {
         return Ok(json);
