@@ -48,17 +48,10 @@ pub enum TlsFault {
 }
 
 /// What the files hold.
-struct Certificates<'a> {
+struct Certificates {
     roots: Vec<CertificateDer<'static>>,
-    own: Option<Own<'a>>,
-}
-
-/// The station's certificate, those between it and the authority, and its key.
-struct Own<'a> {
-    path: &'a Path,
-    chain: Vec<CertificateDer<'static>>,
-    secret: &'a Secret,
-    pem: String,
+    /// The station's certificate, those between it and the authority, and its key (PEM).
+    own: Option<(Vec<CertificateDer<'static>>, String)>,
 }
 
 /// What a connection trusts, and how the station shows who it is.
@@ -85,10 +78,10 @@ pub(super) fn of_client(files: &TlsFiles) -> Result<TlsConfig, TlsFault> {
     config(files, &read)?;
     let roots: Vec<Certificate<'static>> = read.roots.iter().map(of_der).collect();
     let mut own = None;
-    if let Some(Own { chain, secret, pem, .. }) = &read.own {
+    if let (Some((_, secret)), Some((chain, pem))) = (&files.own, &read.own) {
         let chain: Vec<Certificate<'static>> = chain.iter().map(of_der).collect();
         let key = PrivateKey::from_pem(pem.as_bytes());
-        let key = key.map_err(|_| TlsFault::NoKey((*secret).clone()))?;
+        let key = key.map_err(|_| TlsFault::NoKey(secret.clone()))?;
         own = Some(ClientCert::new_with_certs(&chain, key));
     }
     let config = TlsConfig::builder().root_certs(RootCerts::new_with_certs(&roots));
@@ -103,15 +96,14 @@ fn provider() -> Arc<CryptoProvider> {
     Arc::new(rustls::crypto::ring::default_provider())
 }
 
-fn read(files: &TlsFiles) -> Result<Certificates<'_>, TlsFault> {
+fn read(files: &TlsFiles) -> Result<Certificates, TlsFault> {
     let roots = match &files.authorities {
         Some(path) => certificates(path)?,
         None => rustls_native_certs::load_native_certs().certs,
     };
     let mut own = None;
     if let Some((path, secret)) = &files.own {
-        let (chain, pem) = (certificates(path)?, secret::read(secret)?);
-        own = Some(Own { path, chain, secret, pem });
+        own = Some((certificates(path)?, secret::read(secret)?));
     }
     Ok(Certificates { roots, own })
 }
@@ -127,7 +119,7 @@ fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, TlsFault> {
     }
 }
 
-fn config(files: &TlsFiles, read: &Certificates<'_>) -> Result<ClientConfig, TlsFault> {
+fn config(files: &TlsFiles, read: &Certificates) -> Result<ClientConfig, TlsFault> {
     let mut roots = RootCertStore::empty();
     let (added, ignored) = roots.add_parsable_certificates(read.roots.iter().cloned());
     match &files.authorities {
@@ -142,11 +134,11 @@ fn config(files: &TlsFiles, read: &Certificates<'_>) -> Result<ClientConfig, Tls
         .with_safe_default_protocol_versions()
         .map_err(TlsFault::Protocol)?
         .with_root_certificates(roots);
-    let Some(Own { path, chain, secret, pem }) = &read.own else {
+    let (Some((path, secret)), Some((chain, pem))) = (&files.own, &read.own) else {
         return Ok(builder.with_no_client_auth());
     };
     let key = PrivateKeyDer::from_pem_slice(pem.as_bytes());
-    let key = key.map_err(|_| TlsFault::NoKey((*secret).clone()))?;
-    let own = |source| TlsFault::Own { path: path.to_path_buf(), source };
+    let key = key.map_err(|_| TlsFault::NoKey(secret.clone()))?;
+    let own = |source| TlsFault::Own { path: path.clone(), source };
     builder.with_client_auth_cert(chain.clone(), key).map_err(own)
 }
