@@ -1,6 +1,6 @@
 //! What the answers of an archive of images mean.
 
-use gaiter_dicom::{Listed, NotStored, web};
+use gaiter_dicom::{NotStored, web};
 use gaiter_https::HttpAnswer;
 use gaiter_record::shown::in_a_line;
 
@@ -13,21 +13,8 @@ const NO_CONTENT: u16 = 204;
 /// The object was not stored; the body tells why.
 const CONFLICT: u16 = 409;
 
-/// What the server has of a study.
-pub(super) fn listed(
-    answer: &HttpAnswer,
-    secret: Option<&[&str]>,
-) -> Result<Vec<Listed>, StoreFault> {
-    found(answer, secret, web::listed, "objects with class, series and UID")
-}
-
-/// Whether the answer is one to a search for studies.
-pub(super) fn is_archive(answer: &HttpAnswer, secret: Option<&[&str]>) -> Result<(), StoreFault> {
-    found(answer, secret, |body| web::is_list(body).then_some(()), "studies")
-}
-
 /// What a search has found, which may be nothing, or that the answer lists nothing of the kind.
-fn found<T: Default>(
+pub(super) fn found<T: Default>(
     answer: &HttpAnswer,
     secret: Option<&[&str]>,
     read: impl Fn(&[u8]) -> Option<T>,

@@ -35,7 +35,8 @@ impl WebArchive {
     /// Whether it lets the station search. Whether it lets it store, the first record tells.
     pub fn reach(&self) -> Result<(), StoreFault> {
         let (answer, secret) = self.ask(Method::GET, TRIAL_SEARCH, None)?;
-        answers::is_archive(&answer, Some(&without(&secret, "")))
+        let is_list = |body: &[u8]| web::is_list(body).then_some(());
+        answers::found(&answer, Some(&without(&secret, "")), is_list, "studies")
     }
 
     /// What the server has of a study. With `repeats` a fault repeats what it says.
@@ -46,7 +47,8 @@ impl WebArchive {
             return self.reach().map(|()| Vec::new());
         }
         let secret = without(&secret, study.patient());
-        answers::listed(&answer, repeats.then_some(&secret[..]))
+        let kind = "objects with class, series and UID";
+        answers::found(&answer, repeats.then_some(&secret[..]), web::listed, kind)
     }
 
     /// Sends an object. Whether the server has it, only a search tells. With `repeats` a fault repeats what it says.
