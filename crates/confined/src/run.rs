@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{self, BufReader, Read};
-use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
@@ -57,7 +57,11 @@ pub fn run<A>(
     feed: impl Fn(&ChildStdin) -> io::Result<()>,
     read: impl FnOnce(&mut BufReader<ChildStdout>) -> io::Result<A>,
 ) -> Result<Ended<A>, RunFault> {
-    let (child, pipes) = start(arguments).map_err(RunFault::NotStarted)?;
+    let mut child = start(arguments).map_err(RunFault::NotStarted)?;
+    let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+    let (Some(input), Some(output), Some(complaints)) = pipes else {
+        return Err(RunFault::NotStarted(io::Error::other("a pipe to the process is missing")));
+    };
     let child = Mutex::new(child);
     let shared = &child;
     let (done, ended) = mpsc::channel::<()>();
@@ -72,10 +76,10 @@ pub fn run<A>(
             let _ = child.kill();
             Some(cpu)
         });
-        let fed = feed(&pipes.input);
+        let fed = feed(&input);
         // It may wait for more than the job announces.
-        drop(pipes.input);
-        let answer = read(&mut BufReader::new(pipes.output));
+        drop(input);
+        let answer = read(&mut BufReader::new(output));
         drop(done);
         (fed, answer, killer.join().unwrap_or(None))
     });
@@ -100,34 +104,19 @@ pub fn run<A>(
         end(&mut child).map_err(RunFault::NotStarted)?;
     }
     let status = child.wait().map_err(RunFault::NotStarted)?;
-    let complaint = complaint(pipes.complaints);
+    let complaint = complaint(complaints);
     Ok(Ended::Trouble(Trouble::from_exit(status, too_late, limits, &complaint)))
 }
 
-struct Pipes {
-    input: ChildStdin,
-    output: ChildStdout,
-    complaints: ChildStderr,
-}
-
-fn start(arguments: &[&str]) -> io::Result<(Child, Pipes)> {
-    let mut child = Command::new(SELF)
+fn start(arguments: &[&str]) -> io::Result<Child> {
+    Command::new(SELF)
         .args(arguments)
         .env_clear()
         .env(ALLOCATOR.0, ALLOCATOR.1)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
-        .spawn()?;
-    match (child.stdin.take(), child.stdout.take(), child.stderr.take()) {
-        (Some(input), Some(output), Some(complaints)) => {
-            Ok((child, Pipes { input, output, complaints }))
-        }
-        _ => {
-            end(&mut child)?;
-            Err(io::Error::other("a pipe to the process is missing"))
-        }
-    }
+        .spawn()
 }
 
 /// The processor time of a running process, all its threads together; `None` if unknown.
