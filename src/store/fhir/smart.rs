@@ -107,59 +107,39 @@ fn statement(
     let random = SystemRandom::new();
     let mut number = [0; 16];
     random.fill(&mut number).map_err(|_| TokenFault::NotSigned)?;
-    let key = SigningKey::from_pkcs8(key.secret_pkcs8_der(), &random)?;
-    let mut head = json!({ "alg": key.algorithm(), "typ": "JWT" });
-    if !smart.key_id.is_empty() {
-        head["kid"] = smart.key_id.clone().into();
-    }
     let claims = json!({
         "iss": smart.client, "sub": smart.client, "aud": address, "jti": hex(&number),
         "iat": now.as_second(), "exp": now.as_second() + STATEMENT_S,
     });
     let part = |json: &Value| URL_SAFE_NO_PAD.encode(json.to_string());
-    let signed = format!("{}.{}", part(&head), part(&claims));
-    let signature = key.sign(signed.as_bytes(), &random)?;
-    Ok(format!("{signed}.{}", URL_SAFE_NO_PAD.encode(signature)))
+    let by = |algorithm: &str| {
+        let mut head = json!({ "alg": algorithm, "typ": "JWT" });
+        if !smart.key_id.is_empty() {
+            head["kid"] = smart.key_id.clone().into();
+        }
+        format!("{}.{}", part(&head), part(&claims))
+    };
+    let (text, signature) = signed(key.secret_pkcs8_der(), &random, by)?;
+    Ok(format!("{text}.{}", URL_SAFE_NO_PAD.encode(signature)))
 }
 
-/// A private key of the station.
-enum SigningKey {
-    P384(Box<EcdsaKeyPair>),
-    Rsa(Box<RsaKeyPair>),
-}
-
-impl SigningKey {
-    /// The key of PKCS#8.
-    fn from_pkcs8(der: &[u8], random: &SystemRandom) -> Result<SigningKey, TokenFault> {
-        if let Ok(key) = EcdsaKeyPair::from_pkcs8(&ECDSA_P384_SHA384_FIXED_SIGNING, der, random) {
-            return Ok(SigningKey::P384(Box::new(key)));
-        }
-        let key = RsaKeyPair::from_pkcs8(der).map_err(|_| TokenFault::Key)?;
-        Ok(SigningKey::Rsa(Box::new(key)))
+/// Signs with a private key of PKCS#8 what `by` makes of the name of the algorithm (RFC 7518, 3.1). Returns both.
+fn signed(
+    key: &[u8],
+    random: &SystemRandom,
+    by: impl Fn(&str) -> String,
+) -> Result<(String, Vec<u8>), TokenFault> {
+    let not_signed = |_| TokenFault::NotSigned;
+    if let Ok(key) = EcdsaKeyPair::from_pkcs8(&ECDSA_P384_SHA384_FIXED_SIGNING, key, random) {
+        let text = by("ES384");
+        let signature = key.sign(random, text.as_bytes()).map_err(not_signed)?;
+        return Ok((text, signature.as_ref().to_vec()));
     }
-
-    /// The name of what it signs by (RFC 7518, 3.1).
-    fn algorithm(&self) -> &'static str {
-        match self {
-            SigningKey::P384(_) => "ES384",
-            SigningKey::Rsa(_) => "RS384",
-        }
-    }
-
-    fn sign(&self, text: &[u8], random: &SystemRandom) -> Result<Vec<u8>, TokenFault> {
-        match self {
-            SigningKey::P384(key) => {
-                let signature = key.sign(random, text).map_err(|_| TokenFault::NotSigned)?;
-                Ok(signature.as_ref().to_vec())
-            }
-            SigningKey::Rsa(key) => {
-                let mut signature = vec![0; key.public().modulus_len()];
-                key.sign(&RSA_PKCS1_SHA384, random, text, &mut signature)
-                    .map_err(|_| TokenFault::NotSigned)?;
-                Ok(signature)
-            }
-        }
-    }
+    let key = RsaKeyPair::from_pkcs8(key).map_err(|_| TokenFault::Key)?;
+    let text = by("RS384");
+    let mut signature = vec![0; key.public().modulus_len()];
+    key.sign(&RSA_PKCS1_SHA384, random, text.as_bytes(), &mut signature).map_err(not_signed)?;
+    Ok((text, signature))
 }
 
 /// Fields as a form (application/x-www-form-urlencoded).
