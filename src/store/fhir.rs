@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
-use gaiter_https::{HttpAnswer, HttpsClient};
+use gaiter_https::HttpsClient;
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
 use http::Method;
 use http::header::HeaderValue;
@@ -100,12 +100,19 @@ impl FhirStore {
         body: Option<&Value>,
         secret: &[&str],
     ) -> Result<Value, StoreFault> {
-        let body = body.map(Value::to_string).unwrap_or_default().into_bytes();
+        let address = match path.is_empty() {
+            true => self.server.base.clone(),
+            false => format!("{}/{path}", self.server.base),
+        };
+        let body = body.map(|body| (JSON.to_owned(), body.to_string().into_bytes()));
         let mut shown = self.authorization()?;
-        let mut answer = self.send(&method, path, &body, shown.as_ref())?;
+        let send = |shown: &Option<HeaderValue>| {
+            asked(&self.client, method.clone(), &address, JSON, body.clone(), shown.clone())
+        };
+        let mut answer = send(&shown)?;
         if answer.status == 401 && self.forget_token() {
             shown = self.authorization()?;
-            answer = self.send(&method, path, &body, shown.as_ref())?;
+            answer = send(&shown)?;
         }
         // What is no JSON is nothing that is looked for in it.
         let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
@@ -115,21 +122,6 @@ impl FhirStore {
         let words = shown.as_ref().map(secret_words).unwrap_or_default();
         let secret = secret.iter().copied().chain(words.iter().map(String::as_str));
         Err(outcome_of(answer.status, &json, &secret.collect::<Vec<_>>()))
-    }
-
-    fn send(
-        &self,
-        method: &Method,
-        path: &str,
-        body: &[u8],
-        shown: Option<&HeaderValue>,
-    ) -> Result<HttpAnswer, ServerFault> {
-        let address = match path.is_empty() {
-            true => self.server.base.clone(),
-            false => format!("{}/{path}", self.server.base),
-        };
-        let body = (!body.is_empty()).then(|| (JSON.to_owned(), body.to_vec()));
-        asked(&self.client, method.clone(), &address, JSON, body, shown.cloned())
     }
 }
 
