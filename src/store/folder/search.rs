@@ -108,9 +108,7 @@ impl FolderStore {
         let nowhere = StoreFault::Permanent(Rejection::Occupied(sums::SumsFault::NoSums));
         let theirs = self.own_folder(keeper)?;
         let gone = from.join(format!("{}withdrawn_{}", self.staging, scan.short()));
-        if tried("examining", &gone, fs::exists(&gone))? {
-            tried("removing", &gone, durable::remove_folder(&gone))?;
-        }
+        tried("removing", &gone, durable::remove_folder(&gone))?;
         // Repeated until none is found: a re-extraction may add a revision meanwhile. A later one finds
         // the record gone and removes its revision itself.
         loop {
