@@ -9,7 +9,7 @@ use gaiter_record::ScanId;
 use gaiter_record::archive::{Announcement, Heartbeat, MethodId, ScanResult, Withdrawal};
 use postgres::config::SslMode;
 use postgres::types::ToSql;
-use postgres::{Client, Config, GenericClient, NoTls};
+use postgres::{Client, Config, GenericClient, IsolationLevel, NoTls, Transaction};
 use serde::de::DeserializeOwned;
 use tokio_postgres_rustls::MakeRustlsConnect;
 
@@ -95,6 +95,16 @@ pub fn check_schema(client: &mut Client) -> Result<(), ArchiveFault> {
         true => Ok(()),
         false => Err(ArchiveFault::OtherSchema { found, own: SCHEMA_NUMBER }),
     }
+}
+
+/// A transaction that reads the tables as they are at one moment.
+///
+/// # Errors
+/// As [`check_schema`].
+pub fn moment(client: &mut Client) -> Result<Transaction<'_>, ArchiveFault> {
+    check_schema(client)?;
+    let begun = client.build_transaction().isolation_level(IsolationLevel::RepeatableRead);
+    Ok(begun.read_only(true).start()?)
 }
 
 /// Makes the tables where there are none.

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use postgres::{Client, IsolationLevel, Transaction};
+use postgres::{Client, Transaction};
 
 use crate::config::ArchiveConfig;
 use crate::database;
@@ -50,9 +50,7 @@ pub fn query(config: &ArchiveConfig, question: &str, json: bool) -> Result<(), A
 /// # Errors
 /// Those of the database.
 pub fn as_reader(client: &mut Client) -> Result<Transaction<'_>, ArchiveFault> {
-    database::check_schema(client)?;
-    let begun = client.build_transaction().isolation_level(IsolationLevel::RepeatableRead);
-    let mut transaction = begun.read_only(true).start()?;
+    let mut transaction = database::moment(client)?;
     transaction.batch_execute(AS_READER)?;
     Ok(transaction)
 }

@@ -6,7 +6,6 @@ pub mod serve;
 
 use std::fmt::Write;
 
-use postgres::{IsolationLevel, Transaction};
 use serde::{Deserialize, Serialize};
 
 use crate::config::ArchiveConfig;
@@ -88,13 +87,8 @@ impl Status {
     /// All of one moment; nothing is written.
     fn read(config: &ArchiveConfig) -> Result<Status, ArchiveFault> {
         let mut client = database::connect(&config.database)?;
-        database::check_schema(&mut client)?;
-        let moment = client.build_transaction().isolation_level(IsolationLevel::RepeatableRead);
-        Status::of(&mut moment.read_only(true).start()?)
-    }
-
-    fn of(client: &mut Transaction<'_>) -> Result<Status, ArchiveFault> {
-        let scans = client.query_one("select count(*) from scan", &[])?.get(0);
+        let mut moment = database::moment(&mut client)?;
+        let scans = moment.query_one("select count(*) from scan", &[])?.get(0);
         let methods = "\
             select m.method, m.is_current, coalesce(r.results, 0) as results, coalesce(r.refused, 0) as refused,
                 coalesce(j.waiting, 0) as waiting, coalesce(j.claimed, 0) as claimed, coalesce(j.dead, 0) as dead
@@ -120,10 +114,10 @@ impl Status {
             from station_status order by station";
         Ok(Status {
             scans,
-            methods: rows(client, methods, &[&ATTEMPTS_MOST])?,
-            workers: rows(client, workers, &[])?,
-            dead_letters: rows(client, letters, &[&LETTERS_MOST])?,
-            stations: rows(client, stations, &[])?,
+            methods: rows(&mut moment, methods, &[&ATTEMPTS_MOST])?,
+            workers: rows(&mut moment, workers, &[])?,
+            dead_letters: rows(&mut moment, letters, &[&LETTERS_MOST])?,
+            stations: rows(&mut moment, stations, &[])?,
         })
     }
 
