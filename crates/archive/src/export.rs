@@ -69,17 +69,14 @@ fn write(
 ) -> Result<bool, ArchiveFault> {
     let first = format!("{month}-01 00:00:00Z");
     let mut rows = transaction.query_raw(ROWS, [method, first.as_str()])?;
-    let mut part = None;
+    let Some(first) = rows.next()? else { return Ok(false) };
+    let mut part = Part::create(path)?;
+    part.push(&first)?;
     while let Some(row) = rows.next()? {
-        let part = match &mut part {
-            Some(part) => part,
-            none => none.insert(Part::create(path)?),
-        };
         part.push(&row)?;
     }
-    let is_there = part.is_some();
-    part.map_or(Ok(()), Part::finish)?;
-    Ok(is_there)
+    part.finish()?;
+    Ok(true)
 }
 
 /// The files of an export that is there.

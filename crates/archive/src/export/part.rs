@@ -39,6 +39,8 @@ pub struct Part {
     new: PathBuf,
     writer: SerializedFileWriter<File>,
     columns: Vec<Column>,
+    /// How many rows are collected.
+    rows: usize,
 }
 
 /// The collected cells of a column.
@@ -67,7 +69,7 @@ impl Part {
         let columns = schema.get_fields().iter().map(|field| Column::of(field.get_physical_type()));
         let columns = columns.collect();
         let writer = SerializedFileWriter::new(File::create(&new)?, schema, Arc::new(properties))?;
-        Ok(Part { path: path.to_owned(), new, writer, columns })
+        Ok(Part { path: path.to_owned(), new, writer, columns, rows: 0 })
     }
 
     /// Adds a row.
@@ -85,7 +87,8 @@ impl Part {
                 Column::Time(cells) => cells.push(row.get(number)),
             }
         }
-        if self.rows() >= GROUP {
+        self.rows += 1;
+        if self.rows >= GROUP {
             self.write_group()?;
         }
         Ok(())
@@ -102,13 +105,8 @@ impl Part {
         Ok(())
     }
 
-    /// How many rows are collected.
-    fn rows(&self) -> usize {
-        self.columns.first().map_or(0, Column::rows)
-    }
-
     fn write_group(&mut self) -> Result<(), ParquetError> {
-        if self.rows() == 0 {
+        if self.rows == 0 {
             return Ok(());
         }
         let mut group = self.writer.next_row_group()?;
@@ -122,6 +120,7 @@ impl Part {
             writer.close()?;
         }
         group.close()?;
+        self.rows = 0;
         Ok(())
     }
 }
@@ -132,14 +131,6 @@ impl Column {
             Type::FLOAT => Column::Figure(Cells::new()),
             Type::INT64 => Column::Time(Cells::new()),
             _ => Column::Text(Cells::new()),
-        }
-    }
-
-    fn rows(&self) -> usize {
-        match self {
-            Column::Text(cells) => cells.present.len(),
-            Column::Figure(cells) => cells.present.len(),
-            Column::Time(cells) => cells.present.len(),
         }
     }
 }
