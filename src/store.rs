@@ -21,7 +21,7 @@ mod web;
 
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs;
+use std::fs::{self, DirEntry};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -379,15 +379,16 @@ fn records_in(patient: &Path) -> Result<Vec<(RecordName, PathBuf)>, StoreFault> 
 
 /// The folders in a folder; links are not followed.
 fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
-    let list = || -> io::Result<Vec<PathBuf>> {
-        let mut folders = Vec::new();
-        for entry in fs::read_dir(within)? {
-            let entry = entry?;
-            if entry.file_type()?.is_dir() {
-                folders.push(entry.path());
-            }
+    let mut folders = Vec::new();
+    for entry in listed(within)? {
+        if tried("listing", within, entry.file_type())?.is_dir() {
+            folders.push(entry.path());
         }
-        Ok(folders)
-    };
-    tried("listing", within, list())
+    }
+    Ok(folders)
+}
+
+/// What is in a folder.
+fn listed(within: &Path) -> Result<Vec<DirEntry>, StoreFault> {
+    tried("listing", within, fs::read_dir(within).and_then(Iterator::collect))
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{AtFlags, Mode, OFlags, statat};
 use rustix::io::Errno;
 
-use super::{StoreFault, durable, tried};
+use super::{StoreFault, durable, listed, tried};
 
 /// The file that marks the folder of staged files.
 const MARK: &str = ".gaiter-store";
@@ -83,15 +83,9 @@ impl ExchangeFolder {
 
     /// The names of staged files, complete or not.
     pub fn staged(&self) -> Result<Vec<String>, StoreFault> {
-        let list = || -> io::Result<Vec<String>> {
-            let mut names = Vec::new();
-            for entry in fs::read_dir(&self.staging)? {
-                names.push(entry?.file_name().to_string_lossy().into_owned());
-            }
-            names.retain(|name| !name.starts_with('.'));
-            Ok(names)
-        };
-        tried("listing", &self.staging, list())
+        let entries = listed(&self.staging)?.into_iter();
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        Ok(names.filter(|name| !name.starts_with('.')).collect())
     }
 
     /// Removes a staged file, if there is one.

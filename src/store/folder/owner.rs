@@ -3,13 +3,12 @@
 //! them. Both are refused: records of two people must never be merged.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use gaiter_flow::patient::naming;
 
 use super::FolderStore;
-use crate::store::{Rejection, StoreFault, durable, tried};
+use crate::store::{Rejection, StoreFault, durable, listed, tried};
 
 impl FolderStore {
     /// The patient's folder, made durable under the root.
@@ -46,13 +45,8 @@ impl FolderStore {
 
     /// The names in the store that are UTF-8, as all of ours are.
     fn listed(&self) -> Result<Vec<String>, StoreFault> {
-        let list = || -> io::Result<Vec<String>> {
-            let names = fs::read_dir(&self.root)?.map(|entry| Ok(entry?.file_name()));
-            let names =
-                names.filter_map(|name| name.map(|name| name.into_string().ok()).transpose());
-            names.collect()
-        };
-        tried("listing", &self.root, list())
+        let entries = listed(&self.root)?.into_iter();
+        Ok(entries.filter_map(|entry| entry.file_name().into_string().ok()).collect())
     }
 }
 

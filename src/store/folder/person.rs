@@ -13,7 +13,7 @@ use jiff::Timestamp;
 
 use super::FolderStore;
 use crate::store::brief::Brief;
-use crate::store::{RecordStore, StoreFault, durable, records_in, sums, tried};
+use crate::store::{RecordStore, StoreFault, durable, listed, records_in, sums, tried};
 
 /// What lies in a person's folder.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -169,6 +169,5 @@ fn is_hidden(place: &Path) -> bool {
 }
 
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, StoreFault> {
-    let list = || fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect();
-    tried("listing", folder, list())
+    Ok(listed(folder)?.into_iter().map(|entry| entry.path()).collect())
 }
