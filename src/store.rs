@@ -13,6 +13,7 @@ pub mod fhir;
 pub mod folder;
 pub mod gdt;
 pub mod hl7;
+pub mod json_folder;
 pub mod polling;
 pub mod revision;
 pub mod server;

@@ -10,7 +10,6 @@ mod decisions;
 mod erase;
 pub mod erasures;
 mod intake;
-mod json_folder;
 mod known;
 mod lost;
 pub(in crate::station) mod phantom_series;
@@ -36,13 +35,13 @@ use jiff::Timestamp;
 
 use self::decisions::Decisions;
 use self::erasures::Erasures;
-use self::json_folder::JsonFolder;
 use self::phantom_series::PhantomSeries;
 use self::quarantine::{Reason, Stage};
 use self::scan_folder::ScanFolder;
 use self::spool::{Companion, Intake};
 use super::journal::{Due, Entry, Journal, JournalError, ScanRow};
 use crate::store::durable;
+use crate::store::json_folder::JsonFolder;
 
 /// Spool, quarantine and journal of one state folder.
 #[derive(Debug)]

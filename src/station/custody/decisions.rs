@@ -12,7 +12,7 @@ use gaiter_flow::ScanId;
 use gaiter_flow::decision::Decision;
 use serde::{Deserialize, Serialize};
 
-use super::json_folder::JsonFolder;
+use crate::store::json_folder::JsonFolder;
 
 #[derive(Debug)]
 pub(super) struct Decisions(pub(super) JsonFolder);

@@ -15,8 +15,8 @@ use gaiter_flow::patient::erasure::{Erasure, Next};
 use gaiter_record::{hex, sha256};
 use serde::{Deserialize, Serialize};
 
-use super::json_folder::JsonFolder;
 use crate::store::durable;
+use crate::store::json_folder::JsonFolder;
 
 /// The file with the station's secret.
 const KEY: &str = "key";

@@ -9,7 +9,7 @@ use gaiter_flow::ScanId;
 use gaiter_record::phantom::{CheckRecord, LastCheck, PHANTOM_SCHEMA};
 use jiff::Timestamp;
 
-use super::json_folder::JsonFolder;
+use crate::store::json_folder::JsonFolder;
 
 /// The checks of a station.
 #[derive(Debug)]

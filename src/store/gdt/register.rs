@@ -1,7 +1,6 @@
 //! The register: which results were handed over or are about to be, one file each in the station's state
 //! folder. It outlasts the journal.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,10 +10,8 @@ use gaiter_flow::ScanId;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::super::json_folder::JsonFolder;
 use super::super::{FoundRecord, StoreFault, durable, tried};
-
-/// The file-name ending of an entry.
-const ENDING: &str = ".json";
 
 /// The versions of an entry's schema.
 #[derive(Serialize, Deserialize)]
@@ -63,7 +60,7 @@ impl Entry {
 /// The entries of a station.
 #[derive(Debug, Clone)]
 pub(super) struct Register {
-    folder: PathBuf,
+    folder: JsonFolder,
     /// The number used last; needed only so that files are fetched in their order.
     last_number: Arc<AtomicU16>,
 }
@@ -71,17 +68,15 @@ pub(super) struct Register {
 impl Register {
     /// The register in a folder.
     pub fn new(folder: PathBuf) -> Register {
-        Register { folder, last_number: Arc::default() }
+        Register { folder: JsonFolder::new(folder), last_number: Arc::default() }
     }
 
     /// Makes the folder if there is none, and finds the number used last.
     pub fn open(&self) -> Result<(), StoreFault> {
-        if self.folder.is_dir() && self.last_number() != 0 {
+        if self.folder.path().is_dir() && self.last_number() != 0 {
             return Ok(());
         }
-        let within = self.folder.parent().unwrap_or(Path::new("/"));
-        tried("making", &self.folder, durable::make_folder_once(&self.folder))?;
-        tried("syncing", within, durable::sync_folder(within))?;
+        tried("making", self.folder.path(), self.folder.make())?;
         let last = self.entries()?.into_iter().max_by_key(|(_, entry)| entry.at);
         let number = last.map_or(0, |(_, entry)| entry.number);
         self.last_number.store(number, Ordering::Relaxed);
@@ -95,28 +90,14 @@ impl Register {
 
     /// An entry; `None` if the result was never registered.
     pub fn entry(&self, key: &str) -> Result<Option<Entry>, StoreFault> {
-        let path = self.path(key);
-        let read = || -> io::Result<Option<Entry>> {
-            let Some(bytes) = durable::if_there(fs::read(&path))? else { return Ok(None) };
-            let Versioned::V1(entry) = serde_json::from_slice(&bytes)?;
-            Ok(Some(entry))
-        };
-        tried("reading", &path, read())
+        let read = tried("reading", &self.folder.file(key), self.folder.read(key))?;
+        Ok(read.map(|Versioned::V1(entry)| entry))
     }
 
     /// All entries by key.
     pub fn entries(&self) -> Result<Vec<(String, Entry)>, StoreFault> {
-        let keys = || -> io::Result<Vec<String>> {
-            let mut keys = Vec::new();
-            for entry in fs::read_dir(&self.folder)? {
-                let name = entry?.file_name();
-                let name = name.to_string_lossy();
-                let key = name.strip_suffix(ENDING).filter(|key| !key.starts_with('.'));
-                keys.extend(key.map(str::to_owned));
-            }
-            Ok(keys)
-        };
-        let keys = tried("listing", &self.folder, durable::if_there(keys()))?;
+        let keys = durable::if_there(self.folder.names());
+        let keys = tried("listing", self.folder.path(), keys)?;
         let mut entries = Vec::new();
         for key in keys.unwrap_or_default() {
             entries.extend(self.entry(&key)?.map(|entry| (key, entry)));
@@ -128,22 +109,15 @@ impl Register {
     /// entry's name.
     pub fn enter(&self, key: &str, entry: &Entry) -> Result<(), StoreFault> {
         let write = || -> io::Result<()> {
-            let text = serde_json::to_vec_pretty(&Versioned::V1(entry.clone()))?;
-            durable::replace_file(&self.folder, &format!("{key}{ENDING}"), &text)
+            self.folder.keep(key, &serde_json::to_vec_pretty(&Versioned::V1(entry.clone()))?)
         };
-        tried("registering", &self.path(key), write())?;
+        tried("registering", &self.folder.file(key), write())?;
         self.last_number.store(entry.number, Ordering::Relaxed);
         Ok(())
     }
 
     /// Removes the entry of a result, if there is one; durable on return.
     pub fn forget(&self, key: &str) -> Result<(), StoreFault> {
-        let path = self.path(key);
-        tried("forgetting", &path, durable::remove_file(&path))?;
-        tried("syncing", &self.folder, durable::sync_folder(&self.folder))
-    }
-
-    fn path(&self, key: &str) -> PathBuf {
-        self.folder.join(format!("{key}{ENDING}"))
+        tried("forgetting", &self.folder.file(key), self.folder.remove(key))
     }
 }

@@ -1,12 +1,12 @@
 //! The notes of what a receiver has accepted, one file for each scan of a patient. They name neither.
 
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::store::{StoreFault, durable, tried};
+use crate::store::json_folder::JsonFolder;
+use crate::store::{StoreFault, tried};
 
 /// What a receiver has of a scan of a patient, or may have.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,35 +39,27 @@ enum Versioned {
 /// The notes of a station.
 #[derive(Debug, Clone)]
 pub(super) struct SentMessages {
-    folder: PathBuf,
+    folder: JsonFolder,
 }
 
 impl SentMessages {
     pub fn in_state(state_dir: &Path) -> SentMessages {
-        SentMessages { folder: state_dir.join("hl7-sent") }
+        SentMessages { folder: JsonFolder::new(state_dir.join("hl7-sent")) }
     }
 
     /// What the receiver has; `None` if it can have nothing.
     pub fn of(&self, key: &str) -> Result<Option<Sent>, StoreFault> {
-        let path = self.path(key);
-        let read = || -> io::Result<Option<Sent>> {
-            let Some(bytes) = durable::if_there(fs::read(&path))? else { return Ok(None) };
-            let Versioned::V1(sent) = serde_json::from_slice(&bytes)?;
-            Ok(Some(sent))
-        };
-        tried("reading", &path, read())
+        let read = tried("reading", &self.folder.file(key), self.folder.read(key))?;
+        Ok(read.map(|Versioned::V1(sent)| sent))
     }
 
     /// Notes what the receiver has; durable on return.
     pub fn note(&self, key: &str, sent: &Sent) -> Result<(), StoreFault> {
-        let within = self.folder.parent().unwrap_or(Path::new("/"));
         let write = || -> io::Result<()> {
-            durable::make_folder_once(&self.folder)?;
-            durable::sync_folder(within)?;
-            let bytes = serde_json::to_vec(&Versioned::V1(sent.clone()))?;
-            durable::replace_file(&self.folder, &file_name(key), &bytes)
+            self.folder.make()?;
+            self.folder.keep(key, &serde_json::to_vec(&Versioned::V1(sent.clone()))?)
         };
-        tried("noting what was sent", &self.folder, write())
+        tried("noting what was sent", self.folder.path(), write())
     }
 
     /// Notes what was known before a message that the receiver did not take; durable on return.
@@ -77,19 +69,7 @@ impl SentMessages {
 
     /// Removes a note; durable on return.
     pub fn forget(&self, key: &str) -> Result<(), StoreFault> {
-        let path = self.path(key);
-        let removed = durable::if_there(fs::remove_file(&path));
-        match tried("forgetting what was sent", &path, removed)? {
-            Some(()) => tried("syncing", &self.folder, durable::sync_folder(&self.folder)),
-            None => Ok(()),
-        }
+        let removed = self.folder.remove(key);
+        tried("forgetting what was sent", &self.folder.file(key), removed)
     }
-
-    fn path(&self, key: &str) -> PathBuf {
-        self.folder.join(file_name(key))
-    }
-}
-
-fn file_name(key: &str) -> String {
-    format!("{key}.json")
 }

@@ -7,16 +7,27 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use crate::store::durable;
+use super::durable;
 
 /// The file-name ending.
 const ENDING: &str = ".json";
 
 /// The folder. A file is named without its ending.
-#[derive(Debug)]
-pub(super) struct JsonFolder(PathBuf);
+#[derive(Debug, Clone)]
+pub struct JsonFolder(PathBuf);
 
 impl JsonFolder {
+    /// The folder at this path, which may not be there yet.
+    pub fn new(path: PathBuf) -> JsonFolder {
+        JsonFolder(path)
+    }
+
+    /// Makes the folder if there is none.
+    pub fn make(&self) -> io::Result<()> {
+        durable::make_folder_once(&self.0)?;
+        durable::sync_folder(self.0.parent().unwrap_or(Path::new("/")))
+    }
+
     /// Opens a folder of this name, creates it if needed, and removes files that a crash left half written.
     pub fn open(state_dir: &Path, name: &str) -> io::Result<JsonFolder> {
         Ok(JsonFolder(durable::open_folder(state_dir, name)?))
@@ -38,6 +49,7 @@ impl JsonFolder {
             let name = entry?.file_name();
             names.extend(name.to_string_lossy().strip_suffix(ENDING).map(str::to_owned));
         }
+        names.retain(|name| !name.starts_with('.'));
         names.sort();
         Ok(names)
     }
