@@ -20,8 +20,8 @@ use std::time::Duration;
 
 use gaiter_https::HttpsClient;
 use gaiter_record::fhir::{self, Entry, FhirKey, FhirRules, Replacement, Sent};
-use http::Method;
 use http::header::HeaderValue;
+use http::{Method, StatusCode};
 use serde_json::Value;
 
 use self::access::Token;
@@ -110,18 +110,18 @@ impl FhirStore {
             asked(&self.client, method.clone(), &address, JSON, body.clone(), shown.clone())
         };
         let mut answer = send(&shown)?;
-        if answer.status == 401 && self.forget_token() {
+        if answer.status() == StatusCode::UNAUTHORIZED && self.forget_token() {
             shown = self.authorization()?;
             answer = send(&shown)?;
         }
         // What is no JSON is nothing that is looked for in it.
-        let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
-        if answer.is_success() {
+        let json: Value = serde_json::from_slice(answer.body()).unwrap_or_default();
+        if answer.status().is_success() {
             return Ok(json);
         }
         let words = shown.as_ref().map(secret_words).unwrap_or_default();
         let secret = secret.iter().copied().chain(words.iter().map(String::as_str));
-        Err(outcome_of(answer.status, &json, &secret.collect::<Vec<_>>()))
+        Err(outcome_of(answer.status().as_u16(), &json, &secret.collect::<Vec<_>>()))
     }
 }
 

@@ -2,9 +2,9 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gaiter_https::{EndpointFault, HttpAnswer, HttpFault, HttpsClient, Secret, secret};
+use gaiter_https::{EndpointFault, HttpFault, HttpsClient, Secret, secret};
 use http::header::{ACCEPT, AUTHORIZATION, CACHE_CONTROL, CONTENT_TYPE, HeaderValue};
-use http::{Method, Request};
+use http::{Method, Request, Response};
 
 use super::server::{ServerFault, TokenFault};
 
@@ -56,7 +56,7 @@ pub(super) fn asked(
     accept: &'static str,
     body: Option<(String, Vec<u8>)>,
     shown: Option<HeaderValue>,
-) -> Result<HttpAnswer, ServerFault> {
+) -> Result<Response<Vec<u8>>, ServerFault> {
     let mut request = Request::builder()
         .method(method)
         .uri(address)

@@ -2,14 +2,14 @@
 
 use gaiter_record::sha256;
 use http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, IF_NONE_MATCH};
-use http::{Method, Request, Uri};
+use http::{Method, Request, Response, StatusCode, Uri};
 use jiff::Timestamp;
 
+use super::HttpsClient;
 use super::endpoint::{Endpoint, Secret};
 use super::fault::HttpFault;
 use super::secret;
 use super::signature::{Signer, escaped};
-use super::{HttpAnswer, HttpsClient};
 
 /// How many keys a store is asked for at a time; none gives more.
 const PAGE_KEYS: &str = "1000";
@@ -96,7 +96,7 @@ impl Bucket {
     /// See [`BucketFault`].
     pub fn put(&self, key: &str, bytes: Vec<u8>) -> Result<(), BucketFault> {
         let answer = self.ask(Method::PUT, key, "", None, bytes)?;
-        if answer.is_success() { Ok(()) } else { Err(refused(&answer)) }
+        if answer.status().is_success() { Ok(()) } else { Err(refused(&answer)) }
     }
 
     /// Puts an object where none is. A store that does not know the condition puts it in any case.
@@ -105,9 +105,9 @@ impl Bucket {
     /// See [`BucketFault`].
     pub fn put_new(&self, key: &str, bytes: Vec<u8>) -> Result<PutNew, BucketFault> {
         let answer = self.ask(Method::PUT, key, "", Some("*"), bytes)?;
-        match answer.status {
-            412 => Ok(PutNew::AlreadyThere),
-            _ if answer.is_success() => Ok(PutNew::Stored),
+        match answer.status() {
+            StatusCode::PRECONDITION_FAILED => Ok(PutNew::AlreadyThere),
+            status if status.is_success() => Ok(PutNew::Stored),
             _ => Err(refused(&answer)),
         }
     }
@@ -117,12 +117,7 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn get(&self, key: &str) -> Result<Option<Vec<u8>>, BucketFault> {
-        let answer = self.ask(Method::GET, key, "", None, Vec::new())?;
-        match answer.status {
-            404 => Ok(None),
-            _ if answer.is_success() => Ok(Some(answer.body)),
-            _ => Err(refused(&answer)),
-        }
+        Ok(self.found(Method::GET, key)?.map(Response::into_body))
     }
 
     /// The length of an object, bytes; `None` if there is none.
@@ -130,13 +125,10 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn length(&self, key: &str) -> Result<Option<u64>, BucketFault> {
-        let answer = self.ask(Method::HEAD, key, "", None, Vec::new())?;
-        let length = answer.headers.get(CONTENT_LENGTH).and_then(|length| length.to_str().ok());
-        match (answer.status, length.and_then(|length| length.parse().ok())) {
-            (404, _) => Ok(None),
-            (_, Some(length)) if answer.is_success() => Ok(Some(length)),
-            _ => Err(refused(&answer)),
-        }
+        let Some(answer) = self.found(Method::HEAD, key)? else { return Ok(None) };
+        let length = answer.headers().get(CONTENT_LENGTH).and_then(|length| length.to_str().ok());
+        let length = length.and_then(|length| length.parse().ok());
+        length.map(Some).ok_or_else(|| refused(&answer))
     }
 
     /// Removes an object, if it is there.
@@ -144,8 +136,7 @@ impl Bucket {
     /// # Errors
     /// See [`BucketFault`].
     pub fn remove(&self, key: &str) -> Result<(), BucketFault> {
-        let answer = self.ask(Method::DELETE, key, "", None, Vec::new())?;
-        if answer.is_success() || answer.status == 404 { Ok(()) } else { Err(refused(&answer)) }
+        self.found(Method::DELETE, key).map(drop)
     }
 
     /// The objects whose keys have this beginning and come after another; after none if that is empty.
@@ -159,11 +150,21 @@ impl Bucket {
             query.push_str(&format!("&start-after={}", escaped(after, false)));
         }
         let answer = self.ask(Method::GET, "", &query, None, Vec::new())?;
-        let text = String::from_utf8_lossy(&answer.body);
-        if !answer.is_success() || !text.contains("<ListBucketResult") {
+        let text = String::from_utf8_lossy(answer.body());
+        if !answer.status().is_success() || !text.contains("<ListBucketResult") {
             return Err(refused(&answer));
         }
         Ok(page(&text))
+    }
+
+    /// The answer about an object; `None` if there is none.
+    fn found(&self, method: Method, key: &str) -> Result<Option<Response<Vec<u8>>>, BucketFault> {
+        let answer = self.ask(method, key, "", None, Vec::new())?;
+        match answer.status() {
+            StatusCode::NOT_FOUND => Ok(None),
+            status if status.is_success() => Ok(Some(answer)),
+            _ => Err(refused(&answer)),
+        }
     }
 
     /// Sends a signed request; `query` is as it is sent, with its keys in their order.
@@ -174,7 +175,7 @@ impl Bucket {
         query: &str,
         if_none_match: Option<&str>,
         body: Vec<u8>,
-    ) -> Result<HttpAnswer, BucketFault> {
+    ) -> Result<Response<Vec<u8>>, BucketFault> {
         let BucketPlace { address, bucket, region, key_id, secret } = &self.place;
         let path = match key {
             "" => format!("/{bucket}"),
@@ -220,13 +221,13 @@ fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
 }
 
 /// What a store says of a fault: its code and its message, in a line.
-fn refused(answer: &HttpAnswer) -> BucketFault {
-    let text = String::from_utf8_lossy(&answer.body);
+fn refused(answer: &Response<Vec<u8>>) -> BucketFault {
+    let text = String::from_utf8_lossy(answer.body());
     let said: Vec<&str> =
         ["Code", "Message"].into_iter().filter_map(|name| element(&text, name)).collect();
     let is_plain = |c: &char| !c.is_control();
     let said = said.join(": ").chars().filter(is_plain).take(SAID_MOST).collect();
-    BucketFault::Status { status: answer.status, said }
+    BucketFault::Status { status: answer.status().as_u16(), said }
 }
 
 #[cfg(test)]

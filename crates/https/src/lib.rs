@@ -15,8 +15,7 @@ mod validity;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use http::Request;
-use http::header::HeaderMap;
+use http::{Request, Response};
 use ureq::{Agent, ProxyProtocol};
 
 pub use bucket::{Bucket, BucketFault, BucketPlace, Listed, Page, PutNew};
@@ -66,22 +65,6 @@ struct Kept {
     since: Instant,
 }
 
-/// An answer, read to its end.
-#[derive(Debug, Clone)]
-pub struct HttpAnswer {
-    /// Its status, such as 201.
-    pub status: u16,
-    pub headers: HeaderMap,
-    pub body: Vec<u8>,
-}
-
-impl HttpAnswer {
-    /// Whether it did what was asked.
-    pub fn is_success(&self) -> bool {
-        (200..300).contains(&self.status)
-    }
-}
-
 impl HttpsClient {
     /// A client that trusts by `tls`; `limit` is for a whole exchange.
     pub fn new(tls: TlsFiles, proxy: Option<Proxy>, limit: Duration) -> HttpsClient {
@@ -94,11 +77,11 @@ impl HttpsClient {
         HttpsClient { answer_most, ..self }
     }
 
-    /// Sends a request, whose body may be empty, and reads the answer, whatever its status is.
+    /// Sends a request, whose body may be empty, and reads the answer to its end, whatever its status is.
     ///
     /// # Errors
     /// See [`HttpFault`]; whether the server has carried the request out is then not known.
-    pub fn send(&self, request: Request<Vec<u8>>) -> Result<HttpAnswer, HttpFault> {
+    pub fn send(&self, request: Request<Vec<u8>>) -> Result<Response<Vec<u8>>, HttpFault> {
         let endpoint = Endpoint::from_uri(request.uri())?;
         let agent = self.agent(endpoint.is_encrypted)?;
         let answer = exchange(&agent, request, self.answer_most)
@@ -106,9 +89,9 @@ impl HttpsClient {
                 HttpFault::from_client_error(error, self.way_to(&endpoint), self.limit)
             })
             .inspect_err(|_| *self.kept() = None)?;
-        match answer.status {
-            300..400 => Err(HttpFault::Redirect),
-            _ => Ok(answer),
+        match answer.status().is_redirection() {
+            true => Err(HttpFault::Redirect),
+            false => Ok(answer),
         }
     }
 
@@ -170,14 +153,14 @@ fn exchange(
     agent: &Agent,
     request: Request<Vec<u8>>,
     answer_most: u64,
-) -> Result<HttpAnswer, ureq::Error> {
+) -> Result<Response<Vec<u8>>, ureq::Error> {
     let answer = match request.body().is_empty() {
         true => agent.run(request.map(drop))?,
         false => agent.run(request)?,
     };
     let (head, mut body) = answer.into_parts();
     let body = body.with_config().limit(answer_most).read_to_vec()?;
-    Ok(HttpAnswer { status: head.status.as_u16(), headers: head.headers, body })
+    Ok(Response::from_parts(head, body))
 }
 
 fn of_client(proxy: &Proxy) -> Result<ureq::Proxy, HttpFault> {

@@ -9,7 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use http::header::ACCEPT;
-use http::{Method, Request};
+use http::{Method, Request, Response};
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::server::WebPkiClientVerifier;
@@ -18,8 +18,7 @@ use support::http_server::{answer, request_of, serve, serve_answers};
 
 use super::tls::{TlsFault, trust};
 use super::{
-    ANSWER_MOST, Endpoint, EndpointFault, HttpAnswer, HttpFault, HttpsClient, Proxy, Secret,
-    TlsFiles,
+    ANSWER_MOST, Endpoint, EndpointFault, HttpFault, HttpsClient, Proxy, Secret, TlsFiles,
 };
 
 /// Far more than any of these exchanges takes.
@@ -34,7 +33,7 @@ fn get(address: &str) -> Request<Vec<u8>> {
 }
 
 /// What the client makes of a server that sends these bytes and ends the connection.
-fn asked(sent: &str) -> Result<HttpAnswer, HttpFault> {
+fn asked(sent: &str) -> Result<Response<Vec<u8>>, HttpFault> {
     let (port, _requests) = serve_answers(vec![sent.to_owned()]);
     client(LONG).send(get(&format!("http://127.0.0.1:{port}/r4/Patient?identifier=4711")))
 }
@@ -46,8 +45,7 @@ fn a_request_is_sent_whole_and_an_answer_is_read_whatever_its_status_is() {
     *request.method_mut() = Method::POST;
     *request.body_mut() = b"{}".to_vec();
     let told = client(LONG).send(request).unwrap();
-    assert_eq!((told.status, told.body.as_slice()), (422, &b"{\"a\":1}"[..]));
-    assert!(!told.is_success());
+    assert_eq!((told.status().as_u16(), told.body().as_slice()), (422, &b"{\"a\":1}"[..]));
     let request = requests.try_iter().next().unwrap().to_ascii_lowercase();
     assert!(request.starts_with("post /r4 http/1.1\r\n"), "{request}");
     assert!(request.ends_with("\r\n\r\n{}"), "{request}");
@@ -199,14 +197,14 @@ fn serve_encrypted(name: &str, client: Option<&str>) -> u16 {
     })
 }
 
-fn asked_encrypted(port: u16, tls: TlsFiles) -> Result<HttpAnswer, HttpFault> {
+fn asked_encrypted(port: u16, tls: TlsFiles) -> Result<Response<Vec<u8>>, HttpFault> {
     HttpsClient::new(tls, None, LONG).send(get(&format!("https://127.0.0.1:{port}/")))
 }
 
 #[test]
 fn only_a_server_with_a_certificate_of_the_own_authority_and_name_is_trusted() {
     let told = asked_encrypted(serve_encrypted("localhost.pem", None), trusting("localhost.pem"));
-    assert_eq!(told.unwrap().body, b"{}");
+    assert_eq!(told.unwrap().into_body(), b"{}");
     for (server, trusted, cause) in [
         ("localhost.pem", "other.pem", "is not from an authority that is trusted here"),
         ("other.pem", "other.pem", "is another host's"),
@@ -225,7 +223,7 @@ fn the_station_shows_its_own_certificate() {
         ..trusting("localhost.pem")
     };
     let port = serve_encrypted("localhost.pem", Some("other.pem"));
-    assert_eq!(asked_encrypted(port, own("other")).unwrap().status, 200);
+    assert_eq!(asked_encrypted(port, own("other")).unwrap().status(), 200);
     let port = serve_encrypted("localhost.pem", Some("other.pem"));
     assert!(asked_encrypted(port, own("localhost")).is_err());
     let port = serve_encrypted("localhost.pem", Some("other.pem"));
@@ -284,7 +282,7 @@ fn what_goes_through_a_proxy_is_encrypted_for_it() {
         client.send(get("https://localhost:8443/r4"))
     };
     let user = Some(("station".to_owned(), Secret::File(password)));
-    assert_eq!(asked(user).unwrap().body, b"{}");
+    assert_eq!(asked(user).unwrap().into_body(), b"{}");
     assert!(requests.try_iter().next().unwrap().starts_with("CONNECT localhost:8443 HTTP/1.1\r\n"));
     assert!(matches!(asked(None), Err(HttpFault::Proxy(_))));
 }

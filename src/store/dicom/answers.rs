@@ -1,32 +1,27 @@
 //! What the answers of an archive of images mean.
 
 use gaiter_dicom::{NotStored, web};
-use gaiter_https::HttpAnswer;
 use gaiter_record::shown::in_a_line;
+use http::{Response, StatusCode};
 
 use crate::store::server::ServerFault;
 use crate::store::{Rejection, StoreFault};
 
-/// There is nothing that a search found.
-const NO_CONTENT: u16 = 204;
-
-/// The object was not stored; the body tells why.
-const CONFLICT: u16 = 409;
-
 /// What a search has found, which may be nothing, or that the answer lists nothing of the kind.
 pub(super) fn found<T: Default>(
-    answer: &HttpAnswer,
+    answer: &Response<Vec<u8>>,
     secret: Option<&[&str]>,
     read: impl Fn(&[u8]) -> Option<T>,
     kind: &str,
 ) -> Result<T, StoreFault> {
-    if answer.status == NO_CONTENT {
+    if answer.status() == StatusCode::NO_CONTENT {
         return Ok(T::default());
     }
-    if !answer.is_success() {
+    if !answer.status().is_success() {
         return Err(refusal(answer, secret));
     }
-    read(&answer.body).ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
+    read(answer.body())
+        .ok_or_else(|| ServerFault::Answer(format!("it does not list {kind}")).into())
 }
 
 /// An object that the archive did not store.
@@ -40,17 +35,18 @@ pub(super) struct Failed {
 /// Whether the object of a request was stored, as far as the answer tells. Without the words that must get into no log,
 /// nothing that it says is repeated.
 pub(super) fn stored(
-    answer: &HttpAnswer,
+    answer: &Response<Vec<u8>>,
     secret: Option<&[&str]>,
 ) -> Result<Option<Failed>, StoreFault> {
-    let status = answer.status;
-    if !answer.is_success() && status != CONFLICT {
+    let status = answer.status();
+    // With a conflict the body tells why the object was not stored.
+    if !status.is_success() && status != StatusCode::CONFLICT {
         return Err(refusal(answer, secret));
     }
-    match web::stored(&answer.body) {
-        Some(Err(why)) => Ok(Some(Failed { status, why })),
+    match web::stored(answer.body()) {
+        Some(Err(why)) => Ok(Some(Failed { status: status.as_u16(), why })),
         Some(Ok(())) => Ok(None),
-        None if answer.is_success() => Ok(None),
+        None if status.is_success() => Ok(None),
         None => Err(refusal(answer, secret)),
     }
 }
@@ -68,12 +64,12 @@ pub(super) fn judged(failed: &[Failed], count: usize) -> Result<(), StoreFault> 
 }
 
 /// The fault of an answer that is none of success.
-fn refusal(answer: &HttpAnswer, secret: Option<&[&str]>) -> StoreFault {
-    let text = String::from_utf8_lossy(&answer.body);
+fn refusal(answer: &Response<Vec<u8>>, secret: Option<&[&str]>) -> StoreFault {
+    let text = String::from_utf8_lossy(answer.body());
     let why = match (text.trim(), secret) {
         ("", _) => "it does not say why".to_owned(),
         (_, None) => "what it says may name the patient".to_owned(),
         (text, Some(secret)) => in_a_line(text, secret),
     };
-    StoreFault::of_status(answer.status, why)
+    StoreFault::of_status(answer.status().as_u16(), why)
 }

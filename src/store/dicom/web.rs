@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use gaiter_dicom::{DicomObject, Listed, Study, web};
-use gaiter_https::{HttpAnswer, HttpsClient, TlsFiles};
-use http::Method;
+use gaiter_https::{HttpsClient, TlsFiles};
+use http::{Method, Response, StatusCode};
 
 use super::answers::{self, Failed};
 use super::unwritable;
@@ -14,9 +14,6 @@ use crate::store::{HttpAccess, StoreFault};
 
 /// The search for studies of a patient whom no archive knows.
 const TRIAL_SEARCH: &str = "studies?PatientID=gaiter-check&limit=1";
-
-/// Some archives answer so to the search within a study that they do not have.
-const NOT_FOUND: u16 = 404;
 
 /// An archive with DICOMweb.
 #[derive(Debug)]
@@ -42,8 +39,9 @@ impl WebArchive {
     /// What the server has of a study. With `repeats` a fault repeats what it says.
     pub fn listed(&self, study: &Study, repeats: bool) -> Result<Vec<Listed>, StoreFault> {
         let (answer, secret) = self.ask(Method::GET, &web::search(study), None)?;
-        if answer.status == NOT_FOUND {
-            // A server that is no archive, or one that is not up yet, says so, too.
+        if answer.status() == StatusCode::NOT_FOUND {
+            // Some archives answer so if they do not have the study. A server that is no archive, or one that is not
+            // up yet, does so, too.
             return self.reach().map(|()| Vec::new());
         }
         let secret = without(&secret, study.patient());
@@ -71,7 +69,7 @@ impl WebArchive {
         method: Method,
         path: &str,
         body: Option<(String, Vec<u8>)>,
-    ) -> Result<(HttpAnswer, Vec<String>), ServerFault> {
+    ) -> Result<(Response<Vec<u8>>, Vec<String>), ServerFault> {
         let address = format!("{}/{path}", self.base);
         let shown = self.access.authorization()?;
         let secret = shown.as_ref().map(secret_words).unwrap_or_default();

@@ -82,8 +82,8 @@ fn asked(
     }
     let request = request.body(form.into_bytes());
     let answer = client.send(request.map_err(|_| TokenFault::Place(EndpointFault::Address))?)?;
-    let json: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
-    if answer.is_success() {
+    let json: Value = serde_json::from_slice(answer.body()).unwrap_or_default();
+    if answer.status().is_success() {
         return Ok(json);
     }
     // OAuth reports an error as a code and a sentence (RFC 6749, 5.2).
@@ -93,7 +93,7 @@ fn asked(
         true => "it does not say why".to_owned(),
         false => in_a_line(&parts.join(", "), secret),
     };
-    Err(TokenFault::Refused { status: answer.status, why }.into())
+    Err(TokenFault::Refused { status: answer.status().as_u16(), why }.into())
 }
 
 /// The statement (RFC 7523) for an address at this time, signed with a key (PKCS#8 as PEM).
