@@ -7,7 +7,7 @@ use gaiter_flow::{Mask, OrdersWhen};
 use gaiter_record::gdt::rules::FileName;
 use gaiter_record::gdt::{GdtRules, Product, Reference};
 
-use super::parse::{self, Absent, Found, Reader, What, is_bare, not_a};
+use super::parse::{self, Absent, Found, Reader, What, is_bare};
 use super::words::Words;
 use crate::store::gdt::Attached;
 
@@ -95,7 +95,7 @@ pub(super) fn store(reader: &mut Reader) -> Option<(Product, Section<GdtStoreCon
         if name.is_none() {
             let what = "a valid name of a file that GDT exchanges";
             let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";
-            reader.note(found.at, key, not_a(&found.value, what, hint));
+            reader.note(found.at, key, What::not_a(&found.value, what, hint));
         }
         name
     });
@@ -142,7 +142,11 @@ fn short_name(text: &str) -> Result<String, What> {
     if plain && (1..=8).contains(&text.len()) {
         return Ok(text.into());
     }
-    Err(not_a(text, "a valid short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
+    Err(What::not_a(
+        text,
+        "a valid short name of GDT",
+        "1 to 8 letters (a-z, A-Z), digits, - and _",
+    ))
 }
 
 /// The bare name of a file, or that of a folder before it.
@@ -155,7 +159,7 @@ fn attached(text: &str) -> Result<Attached, What> {
         return Ok(Attached { folder: folder.unwrap_or_default().into(), name: name.into() });
     }
     let hint = "letters, digits, -, _ and ., as in \"legs.svg\" or \"legs/legs.svg\"";
-    Err(not_a(text, "a valid name of a file", hint))
+    Err(What::not_a(text, "a valid name of a file", hint))
 }
 
 /// A word of [`REFERENCES`], or the path of the exchange folder as the practice software sees it.
@@ -171,5 +175,5 @@ fn reference(text: &str) -> Result<(Reference, String), What> {
 
 fn mask(text: &str) -> Result<Mask, What> {
     let hint = "a file name in which * stands for anything and ? for one character: \"*.gdt\"";
-    Mask::new(text).ok_or_else(|| not_a(text, "a valid mask of file names", hint))
+    Mask::new(text).ok_or_else(|| What::not_a(text, "a valid mask of file names", hint))
 }

@@ -201,7 +201,7 @@ fn b1(text: &str) -> Result<B1, What> {
         return Ok(B1::Steepest);
     }
     let hint = "write \"steepest\", or how far B1 is above B: \"8cm\"";
-    parse::length(text).map_err(|_| parse::not_a(text, "a valid place of B1", hint))?;
+    parse::length(text).map_err(|_| What::not_a(text, "a valid place of B1", hint))?;
     let distance_mm = parse::length_in("2cm"..="20cm")(text)?;
     Ok(B1::AboveB { distance_mm: f64::from(distance_mm) })
 }

@@ -21,11 +21,6 @@ fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
     number.parse::<u64>().ok()?.checked_mul(*factor)
 }
 
-/// The fault of a text that is nothing of this kind.
-pub(super) fn not_a(text: &str, what: &'static str, hint: &'static str) -> What {
-    What::own(format!("\"{text}\" is not {what}"), hint)
-}
-
 /// The smallest and the largest allowed value, as written in the file.
 type Bounds = RangeInclusive<&'static str>;
 
@@ -50,7 +45,7 @@ pub(super) fn duration(text: &str) -> Result<Duration, What> {
     quantity(text, &[("ms", 1), ("s", 1000), ("m", 60_000), ("h", 3_600_000)])
         .map(Duration::from_millis)
         .ok_or_else(|| {
-            not_a(text, "a duration", r#"write a number and a unit: "2s", "500ms", "10m""#)
+            What::not_a(text, "a duration", r#"write a number and a unit: "2s", "500ms", "10m""#)
         })
 }
 
@@ -69,7 +64,7 @@ pub(super) fn duration_or_off(bounds: Bounds) -> impl Fn(&str) -> Result<Option<
 pub(super) fn size(text: &str) -> Result<u64, What> {
     let units = [("B", 1), ("kB", 1000), ("KB", 1000), ("MB", 1_000_000), ("GB", 1_000_000_000)];
     let hint = r#"write a number and a unit: "200MB", "1GB""#;
-    quantity(text, &units).ok_or_else(|| not_a(text, "a size", hint))
+    quantity(text, &units).ok_or_else(|| What::not_a(text, "a size", hint))
 }
 
 /// A size within bounds, in bytes.
@@ -82,7 +77,7 @@ pub(super) fn length(text: &str) -> Result<u32, What> {
     let millimetres = quantity(text, &[("mm", 1), ("cm", 10)]);
     millimetres
         .and_then(|length| length.try_into().ok())
-        .ok_or_else(|| not_a(text, "a length", r#"write a number and a unit: "5cm", "80mm""#))
+        .ok_or_else(|| What::not_a(text, "a length", r#"write a number and a unit: "5cm", "80mm""#))
 }
 
 /// A length within bounds, in millimetres.
@@ -93,7 +88,7 @@ pub(super) fn length_in(bounds: Bounds) -> impl Fn(&str) -> Result<u32, What> {
 /// `"0.05mm"`, in millimetres: a length that may be a fraction of one.
 pub(super) fn distance(text: &str) -> Result<f64, What> {
     let hint = r#"write a number and mm: "0.05mm", "1mm""#;
-    decimal(text, "mm").ok_or_else(|| not_a(text, "a distance", hint))
+    decimal(text, "mm").ok_or_else(|| What::not_a(text, "a distance", hint))
 }
 
 /// A number in digits, with a decimal point or without, and this unit.
@@ -189,7 +184,7 @@ pub(super) fn address_or_off(text: &str, hint: &'static str) -> Result<Option<So
     if text == "off" {
         return Ok(None);
     }
-    text.parse::<SocketAddr>().map(Some).map_err(|_| not_a(text, "an address and port", hint))
+    text.parse::<SocketAddr>().map(Some).map_err(|_| What::not_a(text, "an address and port", hint))
 }
 
 /// A regular expression for file names that marks the part that is the patient's id.

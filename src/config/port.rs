@@ -7,7 +7,7 @@ use gaiter_flow::trigger::code::Codes;
 use gaiter_flow::trigger::lines::LINE_MOST;
 use gaiter_flow::trigger::report::Pattern;
 
-use super::parse::{self, What, not_a};
+use super::parse::{self, What};
 use super::words::Words;
 
 /// Where Linux has keyboards: a path in this folder is no serial port.
@@ -125,7 +125,7 @@ pub(super) fn usb_name(text: &str) -> Result<UsbName, What> {
     let hint = r#"write "0403:6001" or "0403:6001:A50285BI""#;
     ids.filter(|_| plain)
         .map(|(vendor, product)| UsbName { vendor, product, serial })
-        .ok_or_else(|| not_a(text, "a valid name of a USB device", hint))
+        .ok_or_else(|| What::not_a(text, "a valid name of a USB device", hint))
 }
 
 /// A full path, or `"usb:…"`.
@@ -140,7 +140,7 @@ pub(super) fn serial_place(text: &str) -> Result<SerialPlace, What> {
 pub(super) fn input_place(text: &str) -> Result<InputPlace, What> {
     let hint = r#"write "name:PCsensor FootSwitch""#;
     match text.strip_prefix("name:") {
-        Some("") => Err(not_a(text, "a valid name of an input device", hint)),
+        Some("") => Err(What::not_a(text, "a valid name of an input device", hint)),
         Some(name) => Ok(InputPlace::Name(name.to_owned())),
         None => parse::full_path(text).map(InputPlace::Path),
     }
@@ -157,7 +157,7 @@ pub(super) fn reader_port(text: &str) -> Result<ReaderPort, What> {
 /// `"9600 8N1"`.
 pub(super) fn settings(text: &str) -> Result<Settings, What> {
     let hint = r#"write "9600 8N1", "115200 7E2""#;
-    let wrong = || not_a(text, "a valid setting of a serial line", hint);
+    let wrong = || What::not_a(text, "a valid setting of a serial line", hint);
     let (baud, frame) = text.split_once(' ').ok_or_else(wrong)?;
     let baud: u32 = baud.parse().ok().filter(|baud| BAUDS.contains(baud)).ok_or_else(wrong)?;
     let &[data, parity, stop] = frame.as_bytes() else { return Err(wrong()) };
@@ -182,7 +182,7 @@ pub(super) fn token(text: &str) -> Result<String, What> {
         Ok(text.to_owned())
     } else {
         let hint = r#"write 1 to 64 plain characters, without the line end: "PRESS""#;
-        Err(not_a(text, "a valid line of a button", hint))
+        Err(What::not_a(text, "a valid line of a button", hint))
     }
 }
 
@@ -192,7 +192,7 @@ pub(super) fn code(text: &str) -> Result<Codes, What> {
     let codes = around
         .and_then(|(before, after)| Some(Codes { prefix: affix(before)?, suffix: affix(after)? }));
     let hint = r#"write {id} and around it at most 64 plain characters and control signs, without the line end: "]C1{id}", '\x02{id}\x03'"#;
-    codes.ok_or_else(|| not_a(text, "a valid code of a reader", hint))
+    codes.ok_or_else(|| What::not_a(text, "a valid code of a reader", hint))
 }
 
 /// The characters and control signs before or after an id, with the escapes of [`bytes`]. A carriage
@@ -207,7 +207,7 @@ fn affix(text: &str) -> Option<String> {
 pub(super) fn bytes(text: &str) -> Result<Vec<u8>, What> {
     let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST);
     let hint = r#"write 'OK\r\n'; \xNN is the byte NN"#;
-    bytes.ok_or_else(|| not_a(text, "a valid text for a port", hint))
+    bytes.ok_or_else(|| What::not_a(text, "a valid text for a port", hint))
 }
 
 /// The bytes of a text with escapes; `None` if an escape is invalid.
@@ -246,7 +246,9 @@ pub(super) fn pattern(text: &str) -> Result<Pattern, What> {
             && value.iter().zip(mask).all(|(value, mask)| value & !mask == 0)
     };
     let hint = r#"write bytes with two hexadecimal digits each: "00 01", or "00 01/00 0f" with the bits that count"#;
-    pattern.filter(shows_a_button).ok_or_else(|| not_a(text, "a valid value of a report", hint))
+    pattern
+        .filter(shows_a_button)
+        .ok_or_else(|| What::not_a(text, "a valid value of a report", hint))
 }
 
 fn hex_byte(digits: &str) -> Option<u8> {
@@ -258,7 +260,7 @@ fn hex_byte(digits: &str) -> Option<u8> {
 pub(super) fn key(text: &str) -> Result<u16, What> {
     let number = text.parse::<evdev::KeyCode>().map(|key| key.0).or_else(|_| text.parse());
     let hint = r#"write "KEY_B" or "BTN_LEFT", as evtest shows it"#;
-    number.map_err(|_| not_a(text, "a valid key", hint))
+    number.map_err(|_| What::not_a(text, "a valid key", hint))
 }
 
 #[cfg(test)]

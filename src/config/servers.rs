@@ -14,7 +14,7 @@ use std::net::Ipv6Addr;
 use gaiter_https::{Endpoint, EndpointFault, Secret, TlsFiles};
 use http::Uri;
 
-use super::parse::{self, Absent, Found, Reader, What, is_bare, not_a, or_none};
+use super::parse::{self, Absent, Found, Reader, What, is_bare, or_none};
 use super::words::Words;
 pub use archive::ArchiveStoreConfig;
 pub(super) use archive::archive;
@@ -43,7 +43,7 @@ const LINE_MOST: usize = 200;
 
 /// The address of a server, without a slash at its end.
 fn address(text: &str) -> Result<String, What> {
-    let no_address = |hint| not_a(text, "a valid address of a server", hint);
+    let no_address = |hint| What::not_a(text, "a valid address of a server", hint);
     let base = text.trim_end_matches('/');
     let example = "write \"https://fhir.clinic.example/r4\"";
     let uri: Uri = base.parse().map_err(|_| no_address(example))?;
@@ -70,7 +70,7 @@ fn host_and_port(text: &str) -> Result<(String, u16), What> {
         is_host(host).then(|| (host.to_owned(), port))
     });
     let hint = "write host and port: \"kis.clinic.example:2575\"";
-    found.ok_or_else(|| not_a(text, "a valid host and port", hint))
+    found.ok_or_else(|| What::not_a(text, "a valid host and port", hint))
 }
 
 /// A name, an address of IPv4, or one of IPv6 in brackets.
@@ -96,14 +96,14 @@ fn system(text: &str) -> Result<String, What> {
         return Ok(text.to_owned());
     }
     let hint = "write a URI: \"urn:oid:1.2.276.0.76.3.1.999\" or \"https://clinic.example/id\"";
-    Err(not_a(text, "a valid URI of a system", hint))
+    Err(What::not_a(text, "a valid URI of a system", hint))
 }
 
 /// Where a secret is: a full path, or `credential:NAME`.
 fn secret(text: &str) -> Result<Secret, What> {
     let hint =
         "write the full path of a file, or \"credential:NAME\" with letters, digits, -, _ and .";
-    Secret::at(text).ok_or_else(|| not_a(text, "a valid place of a secret", hint))
+    Secret::at(text).ok_or_else(|| What::not_a(text, "a valid place of a secret", hint))
 }
 
 /// The bare name of a file of a record.
@@ -111,13 +111,17 @@ fn file_name(text: &str) -> Result<String, What> {
     if is_bare(text) {
         return Ok(text.to_owned());
     }
-    Err(not_a(text, "a valid bare name", "letters, digits, -, _ and ., as in \"report.pdf\""))
+    Err(What::not_a(text, "a valid bare name", "letters, digits, -, _ and ., as in \"report.pdf\""))
 }
 
 /// A text in a line, which may be empty.
 fn line(text: &str) -> Result<String, What> {
     if text.chars().any(char::is_control) || text.chars().count() > LINE_MOST {
-        return Err(not_a(text, "a valid text in a line", "write up to 200 characters in a line"));
+        return Err(What::not_a(
+            text,
+            "a valid text in a line",
+            "write up to 200 characters in a line",
+        ));
     }
     Ok(text.to_owned())
 }
@@ -126,7 +130,7 @@ fn line(text: &str) -> Result<String, What> {
 fn user(text: &str) -> Result<String, What> {
     if text.contains(':') {
         let hint = "write a name without a colon, which the password follows";
-        return Err(not_a(text, "a valid user", hint));
+        return Err(What::not_a(text, "a valid user", hint));
     }
     line(text)
 }

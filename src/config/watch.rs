@@ -25,7 +25,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
 
 fn done_file(text: &str) -> Result<DoneFile, What> {
     let hint = "use {name} or {stem}, no folder, and no ending of a scan: \"{name}.done\"";
-    DoneFile::new(text).ok_or_else(|| parse::not_a(text, "a valid name for done files", hint))
+    DoneFile::new(text).ok_or_else(|| What::not_a(text, "a valid name for done files", hint))
 }
 
 fn marker(text: &str) -> Result<String, What> {
@@ -33,6 +33,6 @@ fn marker(text: &str) -> Result<String, What> {
     if is_a_name && text != "." && text != ".." {
         Ok(text.into())
     } else {
-        Err(parse::not_a(text, "the name of a file", "a bare name, without a folder: \".mounted\""))
+        Err(What::not_a(text, "the name of a file", "a bare name, without a folder: \".mounted\""))
     }
 }

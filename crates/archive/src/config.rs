@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use gaiter_https::{BucketPlace, Endpoint, EndpointFault, Secret, TlsFiles, is_this_machine};
-use gaiter_toml::{Absent, Hint, Reader, or_none, utf8};
+use gaiter_toml::{Absent, Reader, What, or_none, utf8};
 use http::Uri;
 use toml::de::DeTable;
 
@@ -41,33 +41,6 @@ impl DatabasePlace {
     /// Whether the connection must be encrypted: all but those that stay on this machine.
     pub fn is_encrypted(&self) -> bool {
         !self.host.starts_with('/') && !is_this_machine(&self.host)
-    }
-}
-
-/// What is wrong with a value.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum What {
-    /// What can be wrong with any file.
-    #[error(transparent)]
-    Toml(#[from] gaiter_toml::What),
-    /// A text that is not what it should be.
-    #[error("\"{text}\" is not {what}")]
-    NotA {
-        /// As written.
-        text: String,
-        /// What it should be.
-        what: &'static str,
-        /// What to write.
-        hint: &'static str,
-    },
-}
-
-impl Hint for What {
-    fn hint(&self) -> Option<String> {
-        match self {
-            What::Toml(what) => what.hint(),
-            What::NotA { hint, .. } => Some((*hint).to_owned()),
-        }
     }
 }
 
@@ -113,44 +86,40 @@ fn load(text: &str) -> Result<ArchiveConfig, Vec<FileFault>> {
 }
 
 fn keys(reader: &mut Reader<'_, What>) -> Option<ArchiveConfig> {
-    use Absent::{Default, Required};
-    let host = reader.text("database.host", Default("/run/postgresql"), word);
-    let port = reader.text("database.port", Default("5432"), port);
-    let name = reader.text("database.name", Default("gaiter_archive"), word);
-    let user = reader.text("database.user", Default("gaiter-archive"), word);
-    let password = reader.text("database.password", Default(""), or_none(secret));
-    let authorities = reader.text("database.authorities", Default(""), or_none(full_path));
+    use Absent::Required;
+    let host = reader.value("database.host", "/run/postgresql", word);
+    let port = reader.value("database.port", "5432", port);
+    let name = reader.value("database.name", "gaiter_archive", word);
+    let user = reader.value("database.user", "gaiter-archive", word);
+    let password = reader.value("database.password", "", or_none(secret));
+    let authorities = reader.value("database.authorities", "", or_none(full_path));
     let address = reader.text("objects.address", Required("https://s3.clinic.example"), address);
     let bucket = reader.text("objects.bucket", Required("gaiter-archive"), word);
-    let region = reader.text("objects.region", Default("us-east-1"), word);
+    let region = reader.value("objects.region", "us-east-1", word);
     let key_id = reader.text("objects.key_id", Required("GK31c2f2"), word);
     let key = reader.text("objects.key", Required("credential:archive-key"), secret);
-    let trusted = reader.text("objects.authorities", Default(""), or_none(full_path));
-    let processes = reader.text("work.processes", Default("cores"), processes);
+    let trusted = reader.value("objects.authorities", "", or_none(full_path));
+    let processes = reader.value("work.processes", "cores", processes);
     let tls = |authorities| TlsFiles { authorities, own: None };
     Some(ArchiveConfig {
         database: DatabasePlace {
-            host: host?.value,
-            port: port?.value,
-            name: name?.value,
-            user: user?.value,
-            password: password?.value,
-            tls: tls(authorities?.value),
+            host: host?,
+            port: port?,
+            name: name?,
+            user: user?,
+            password: password?,
+            tls: tls(authorities?),
         },
         objects: BucketPlace {
             address: address?.value,
             bucket: bucket?.value,
-            region: region?.value,
+            region: region?,
             key_id: key_id?.value,
             secret: key?.value,
         },
-        objects_tls: tls(trusted?.value),
-        processes: processes?.value,
+        objects_tls: tls(trusted?),
+        processes: processes?,
     })
-}
-
-fn not_a(text: &str, what: &'static str, hint: &'static str) -> What {
-    What::NotA { text: text.to_owned(), what, hint }
 }
 
 /// A text that goes into addresses and connections as it is.
@@ -158,31 +127,33 @@ fn word(text: &str) -> Result<String, What> {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_./:".contains(&byte);
     match !text.is_empty() && text.bytes().all(is_plain) {
         true => Ok(text.to_owned()),
-        false => Err(not_a(text, "a name", "write letters, digits, -, _, ., / and :")),
+        false => Err(What::not_a(text, "a name", "write letters, digits, -, _, ., / and :")),
     }
 }
 
 fn port(text: &str) -> Result<u16, What> {
     let port = text.parse().ok().filter(|port| *port > 0);
-    port.ok_or_else(|| not_a(text, "a port", "write a number from 1 to 65535 in quotes: \"5432\""))
+    port.ok_or_else(|| {
+        What::not_a(text, "a port", "write a number from 1 to 65535 in quotes: \"5432\"")
+    })
 }
 
 fn secret(text: &str) -> Result<Secret, What> {
     let hint = "write the full path of a file, or \"credential:NAME\"";
-    Secret::at(text).ok_or_else(|| not_a(text, "the place of a secret", hint))
+    Secret::at(text).ok_or_else(|| What::not_a(text, "the place of a secret", hint))
 }
 
 fn full_path(text: &str) -> Result<PathBuf, What> {
     let path = Path::new(text);
     match path.is_absolute() {
         true => Ok(path.to_owned()),
-        false => Err(not_a(text, "a full path", "begin with /")),
+        false => Err(What::not_a(text, "a full path", "begin with /")),
     }
 }
 
 fn address(text: &str) -> Result<String, What> {
     let base = text.trim_end_matches('/');
-    let of = |hint| not_a(text, "the address of a server", hint);
+    let of = |hint| What::not_a(text, "the address of a server", hint);
     let uri: Uri = base.parse().map_err(|_| of("write \"https://s3.clinic.example\""))?;
     if uri.path().len() > 1 || uri.query().is_some() {
         return Err(of("write it without a path: the bucket has a key of its own"));
@@ -201,7 +172,7 @@ fn processes(text: &str) -> Result<usize, What> {
         "cores" => Some(thread::available_parallelism().map_or(1, NonZero::get)),
         text => text.parse().ok().filter(|count| (1..=1024).contains(count)),
     };
-    count.ok_or_else(|| not_a(text, "a number of processes", "write \"cores\" or 1 to 1024"))
+    count.ok_or_else(|| What::not_a(text, "a number of processes", "write \"cores\" or 1 to 1024"))
 }
 
 #[cfg(test)]

@@ -123,6 +123,11 @@ impl What {
     pub fn own(message: impl Into<String>, hint: impl Into<String>) -> What {
         What::Own { message: message.into(), hint: hint.into() }
     }
+
+    /// The fault of a text that is not what it should be, and what to write.
+    pub fn not_a(text: &str, what: &str, hint: impl Into<String>) -> What {
+        What::own(format!("\"{text}\" is not {what}"), hint)
+    }
 }
 
 impl Hint for What {

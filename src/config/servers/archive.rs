@@ -5,7 +5,7 @@ use gaiter_record::archive::StationId;
 use http::Uri;
 
 use super::{address, secret, set_without};
-use crate::config::parse::{self, Absent, Found, Reader, What, is_bare, not_a, or_none};
+use crate::config::parse::{self, Absent, Found, Reader, What, is_bare, or_none};
 use crate::config::words::Words;
 use crate::store::archive::{ArchivePlace, CropChoice};
 
@@ -64,7 +64,7 @@ fn bucket_address(text: &str) -> Result<String, What> {
         true => Ok(base),
         false => {
             let hint = "write it without a path: the bucket has a key of its own";
-            Err(not_a(text, "a valid address of a store of objects", hint))
+            Err(What::not_a(text, "a valid address of a store of objects", hint))
         }
     }
 }
@@ -75,7 +75,7 @@ fn bare(text: &str) -> Result<String, What> {
         true => Ok(text.to_owned()),
         false => {
             let hint = "letters, digits, -, _ and ., as in \"gaiter-archive\"";
-            Err(not_a(text, "a valid bare name", hint))
+            Err(What::not_a(text, "a valid bare name", hint))
         }
     }
 }

@@ -8,7 +8,7 @@ use super::{
     APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, no_effect, secret,
     set_without, tls, tls_of_line, user,
 };
-use crate::config::parse::{self, Absent, Found, Reader, What, not_a, or_none};
+use crate::config::parse::{self, Absent, Found, Reader, What, or_none};
 use crate::config::words::Words;
 use crate::store::dicom::{DicomServer, DimseServer};
 use crate::store::{HttpAccess, Peer};
@@ -133,14 +133,14 @@ fn access(
 /// The title of an application.
 pub(super) fn title(text: &str) -> Result<AeTitle, What> {
     let hint = "write 1 to 16 letters, digits and signs of ASCII, as in \"ORTHANC\"";
-    AeTitle::new(text).map_err(|_| not_a(text, "a valid AE title", hint))
+    AeTitle::new(text).map_err(|_| What::not_a(text, "a valid AE title", hint))
 }
 
 /// Who assigns ids, as DICOM can write it.
 fn issuer(text: &str) -> Result<String, What> {
     if text.contains('\\') || text.chars().count() > ISSUER_MOST {
         let hint = "write up to 64 characters without a backslash";
-        return Err(not_a(text, "a valid name of who assigns ids", hint));
+        return Err(What::not_a(text, "a valid name of who assigns ids", hint));
     }
     line(text)
 }
@@ -152,7 +152,7 @@ fn attached(text: &str) -> Result<String, What> {
         true => Ok(name),
         false => {
             let hint = "write files that end in .pdf, .stl or .obj, as in \"report.pdf\"";
-            Err(not_a(text, "a file that DICOM has an object for", hint))
+            Err(What::not_a(text, "a file that DICOM has an object for", hint))
         }
     }
 }

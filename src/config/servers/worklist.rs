@@ -7,7 +7,7 @@ use gaiter_flow::worklist::WorklistFilter;
 
 use super::dicom::title;
 use super::{APPLICATION, ENCRYPTIONS, TlsKeys, host_and_port, set_without, tls, tls_of_line};
-use crate::config::parse::{self, Absent, Found, Reader, What, not_a, or_none};
+use crate::config::parse::{self, Absent, Found, Reader, What, or_none};
 use crate::store::Peer;
 use crate::store::dicom::DimseServer;
 
@@ -63,5 +63,5 @@ fn modality(text: &str) -> Result<String, What> {
     if text.len() <= MODALITY_MOST && text.bytes().all(is_plain) {
         return Ok(text.to_owned());
     }
-    Err(not_a(text, "a valid modality", "capitals, digits and _: \"OSS\""))
+    Err(What::not_a(text, "a valid modality", "capitals, digits and _: \"OSS\""))
 }
