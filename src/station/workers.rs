@@ -1,12 +1,10 @@
 //! The workers of one generation, and their names.
 
-use std::collections::BTreeMap;
-use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::sync::mpsc;
-use tokio::task::{Id, JoinError, JoinSet};
+use tokio::task::{JoinError, JoinSet};
 
 use super::assembly::Station;
 use super::booth::{self, orders, trigger};
@@ -30,16 +28,18 @@ pub struct ProcessResources {
     pub export_locks: Arc<ExportLocks>,
 }
 
-/// The workers, their names and their heartbeats.
+/// Workers that run. Each ends with its name, however it ends.
+type Tasks = JoinSet<Result<Worker, StationError>>;
+
+/// The workers and their heartbeats.
 pub struct Workers {
-    tasks: JoinSet<Result<(), JoinError>>,
+    tasks: Tasks,
     /// The delivery: it may be ended while the others continue.
-    delivery: JoinSet<Result<(), JoinError>>,
+    delivery: Tasks,
     delivery_stopper: Stopper,
     /// The workers that answer people and monitors: they continue until the others have ended.
-    endpoints: JoinSet<Result<(), JoinError>>,
+    endpoints: Tasks,
     endpoints_stopper: Stopper,
-    names: BTreeMap<Id, Worker>,
     beats: Vec<(Worker, Heartbeat)>,
 }
 
@@ -58,17 +58,14 @@ impl Workers {
             delivery_stopper,
             endpoints: JoinSet::new(),
             endpoints_stopper,
-            names: BTreeMap::new(),
             beats: Vec::new(),
         };
         let first_looks = workers.start_intakes(station, resources, stop);
         workers.start_booth(station, stop);
         let Station { core, booth, previews, .. } = station;
-        let beat = Heartbeat::default();
-        workers.beats.push((Worker::Delivery, beat.clone()));
+        let beat = workers.beat_of(Worker::Delivery);
         let task = delivery::worker(Arc::clone(booth), beat, delivery_stop);
-        let id = workers.delivery.spawn(task).id();
-        workers.names.insert(id, Worker::Delivery);
+        spawn(&mut workers.delivery, Worker::Delivery, task);
         let task =
             |beat| preview::worker(Arc::clone(booth), Arc::clone(previews), beat, stop.clone());
         workers.start_one(Worker::Preview, task);
@@ -81,8 +78,8 @@ impl Workers {
         }
         // They wait for people and monitors and have no heartbeat: nothing depends on them.
         let (desk, listeners) = (Arc::clone(&station.desk), Arc::clone(&resources.listeners));
-        let id = workers.endpoints.spawn(http::worker(desk, listeners, endpoints_stop)).id();
-        workers.names.insert(id, Worker::Http);
+        let task = http::worker(desk, listeners, endpoints_stop);
+        spawn(&mut workers.endpoints, Worker::Http, task);
         (workers, first_looks)
     }
 
@@ -129,10 +126,14 @@ impl Workers {
     where
         T: Future<Output = Result<(), JoinError>> + Send + 'static,
     {
+        let beat = self.beat_of(worker);
+        spawn(&mut self.tasks, worker, task(beat));
+    }
+
+    fn beat_of(&mut self, worker: Worker) -> Heartbeat {
         let beat = Heartbeat::default();
         self.beats.push((worker, beat.clone()));
-        let id = self.tasks.spawn(task(beat)).id();
-        self.names.insert(id, worker);
+        beat
     }
 
     /// The worker whose last heartbeat is older than `most`, if any.
@@ -144,17 +145,14 @@ impl Workers {
     /// Completes when a worker ends without being asked to.
     pub async fn one_ended(&mut self) -> StationError {
         let ended = tokio::select! {
-            Some(ended) = self.tasks.join_next_with_id() => Some(ended),
-            Some(ended) = self.delivery.join_next_with_id() => Some(ended),
-            Some(ended) = self.endpoints.join_next_with_id() => Some(ended),
-            else => None,
+            Some(ended) = next_end(&mut self.tasks) => ended,
+            Some(ended) = next_end(&mut self.delivery) => ended,
+            Some(ended) = next_end(&mut self.endpoints) => ended,
+            else => Ok(Worker::Delivery),
         };
         match ended {
-            Some(ended) => {
-                let worker = who(&self.names, &ended);
-                with_worker(worker, ended).err().unwrap_or(StationError::WorkerStopped { worker })
-            }
-            None => StationError::WorkerStopped { worker: Worker::Delivery },
+            Ok(worker) => StationError::WorkerStopped { worker },
+            Err(error) => error,
         }
     }
 
@@ -164,7 +162,7 @@ impl Workers {
     /// Its failure.
     pub async fn end_delivery(&mut self) -> Result<(), StationError> {
         self.delivery_stopper.request();
-        all_ended(&mut self.delivery, &self.names).await
+        all_ended(&mut self.delivery).await
     }
 
     /// Completes when all workers except the endpoints have ended, as requested.
@@ -173,7 +171,7 @@ impl Workers {
     /// The first failure among them.
     pub async fn rest(&mut self) -> Result<(), StationError> {
         let delivery = self.end_delivery().await;
-        let others = all_ended(&mut self.tasks, &self.names).await;
+        let others = all_ended(&mut self.tasks).await;
         delivery.and(others)
     }
 
@@ -183,37 +181,32 @@ impl Workers {
     /// The first failure among them.
     pub async fn close_endpoints(&mut self) -> Result<(), StationError> {
         self.endpoints_stopper.request();
-        all_ended(&mut self.endpoints, &self.names).await
+        all_ended(&mut self.endpoints).await
     }
 }
 
-/// How a worker ended.
-type HasEnded = Result<(Id, Result<(), JoinError>), JoinError>;
+/// Starts a worker. It is a task within the task, which outlives its panic and names it.
+fn spawn(
+    tasks: &mut Tasks,
+    worker: Worker,
+    task: impl Future<Output = Result<(), JoinError>> + Send + 'static,
+) {
+    tasks.spawn(async move {
+        let ended = tokio::spawn(task).await.flatten();
+        ended.map(|()| worker).map_err(|source| StationError::WorkerPanicked { worker, source })
+    });
+}
+
+/// How the next of these workers has ended; `None` once all have.
+async fn next_end(tasks: &mut Tasks) -> Option<Result<Worker, StationError>> {
+    tasks.join_next().await.and_then(Result::ok)
+}
 
 /// Completes when all of these have ended.
-async fn all_ended(
-    tasks: &mut JoinSet<Result<(), JoinError>>,
-    names: &BTreeMap<Id, Worker>,
-) -> Result<(), StationError> {
+async fn all_ended(tasks: &mut Tasks) -> Result<(), StationError> {
     let mut all = Ok(());
-    while let Some(ended) = tasks.join_next_with_id().await {
-        all = all.and(with_worker(who(names, &ended), ended));
+    while let Some(ended) = next_end(tasks).await {
+        all = all.and(ended.map(|_| ()));
     }
     all
-}
-
-fn who(names: &BTreeMap<Id, Worker>, ended: &HasEnded) -> Worker {
-    let id = match ended {
-        Ok((id, _)) => *id,
-        Err(panic) => panic.id(),
-    };
-    names.get(&id).copied().unwrap_or(Worker::Delivery)
-}
-
-/// Adds the worker's name to the way it ended.
-fn with_worker(worker: Worker, ended: HasEnded) -> Result<(), StationError> {
-    match ended {
-        Err(source) | Ok((_, Err(source))) => Err(StationError::WorkerPanicked { worker, source }),
-        Ok((_, Ok(()))) => Ok(()),
-    }
 }
