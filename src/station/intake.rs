@@ -85,7 +85,7 @@ struct Round {
 }
 
 /// Runs the intake of one export folder until asked to stop. After the first look, in reach or not, it
-/// signals on `looked`.
+/// drops `looked`.
 ///
 /// # Errors
 /// If a step of its own panicked.
@@ -120,10 +120,7 @@ pub async fn worker(
     while !stop.is_requested() {
         let Some(round) = intake.round(watch, &mut stop).await? else { break };
         watch = round.watch;
-        if let Some(looked) = looked.take() {
-            // The receiver is gone if readiness did not wait for a folder out of reach.
-            let _ = looked.send(()).await;
-        }
+        drop(looked.take());
         let (rested, planned) = (core.now(), round.rest + round.pause);
         let rest = intake.beat.during(sleep(round.rest));
         tokio::select! {

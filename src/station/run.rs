@@ -1,7 +1,6 @@
 //! Runs the station: generations of workers over one state folder, and the loop that handles every
 //! reason for which a generation ends.
 
-use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -121,7 +120,9 @@ pub async fn run(
                     warn!(event = "journal-failed", error = chain(&error));
                 }
                 ruins = if station.core.now() - began >= SOUND { 1 } else { ruins + 1 };
-                if pause(backoff::pause(ruins, random_unit()), &mut stop).await {
+                let length = backoff::pause(ruins, random_unit());
+                info!(event = "journal-rebuild-waits", seconds = length.as_secs());
+                if unless_stopped(sleep(length), &mut stop).await.is_none() {
                     break Ok(());
                 }
             }
@@ -153,17 +154,18 @@ async fn take_exports(
     }
 }
 
-/// Waits before the journal is rebuilt. Returns whether the station is to stop instead.
-async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) -> bool {
-    info!(event = "journal-rebuild-waits", seconds = length.as_secs());
-    let length = sleep(length);
-    tokio::pin!(length);
+/// The result of a wait that has an end; `None` if the station is to stop instead. The watchdog is fed meanwhile:
+/// nothing that is waited for could hang.
+async fn unless_stopped<T>(
+    wait: impl Future<Output = T>,
+    stop: &mut (impl Future<Output = ()> + Unpin),
+) -> Option<T> {
+    tokio::pin!(wait);
     let mut watchdog = interval(watchdog_interval());
     loop {
         tokio::select! {
-            () = &mut *stop => return true,
-            () = &mut length => return false,
-            // Nothing is running that could hang.
+            () = &mut *stop => return None,
+            done = &mut wait => return Some(done),
             _ = watchdog.tick() => service::notify_alive(),
         }
     }
@@ -186,9 +188,9 @@ async fn generation(
 ) -> Result<GenerationEnd, StationError> {
     warn_of_expired_tables(&station.core.config);
     let (stopper, asked) = Stopper::new();
-    let (mut workers, looked) = Workers::start(station, resources, &asked);
+    let (mut workers, mut looked) = Workers::start(station, resources, &asked);
     let ready = async {
-        if timeout(FIRST_LOOKS, first_looks(looked)).await.is_err() {
+        if timeout(FIRST_LOOKS, looked.recv()).await.is_err() {
             warn!(event = "first-look-outstanding");
         }
         info!(event = "station-ready");
@@ -278,23 +280,11 @@ async fn deliveries_over(
 ) -> Result<bool, StationError> {
     let servers = station.core.stores.iter().filter(|store| store.is_server());
     let longest = servers.map(|store| store.step_most()).max().unwrap_or_default();
-    let ended = timeout(longest, workers.end_delivery());
-    tokio::pin!(ended);
-    let mut watchdog = interval(watchdog_interval());
-    loop {
-        tokio::select! {
-            () = &mut *stop => return Ok(true),
-            // What is not over by then has the grace of all work.
-            ended = &mut ended => return ended.unwrap_or(Ok(())).map(|()| false),
-            // The wait has an end.
-            _ = watchdog.tick() => service::notify_alive(),
-        }
+    match unless_stopped(timeout(longest, workers.end_delivery()), stop).await {
+        // What is not over by then has the grace of all work.
+        Some(ended) => ended.unwrap_or(Ok(())).map(|()| false),
+        None => Ok(true),
     }
-}
-
-/// Completes when every intake has looked once: each drops its sender after its first look.
-async fn first_looks(mut looked: mpsc::Receiver<()>) {
-    while looked.recv().await.is_some() {}
 }
 
 /// The configuration to continue with, accepted as a whole; `None` if the present one stays.
