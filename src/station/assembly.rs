@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::ComplaintFigures;
-use gaiter_flow::facts::{Alarm, IntakeState};
-use gaiter_flow::phantom::PHANTOM_ALARM;
+use gaiter_flow::facts::IntakeState;
 use gaiter_flow::{Facts, Identity};
 use jiff::Timestamp;
 use tracing::{error, info};
 
+use super::board::Board;
 use super::booth::Booth;
 use super::core::{Core, journal_file};
 use super::custody::phantom_series::PhantomSeries;
 use super::custody::{Custody, CustodyFault};
-use super::delivery::measuring::{self, IMPAIRED};
+use super::delivery::measuring;
 use super::delivery::preview::Previews;
 use super::error::StationError;
 use super::event::Observer;
@@ -51,11 +51,8 @@ impl Station {
         observer: Observer,
         first_start: bool,
     ) -> Result<Station, StationError> {
-        let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
-        match measuring::confined(config.measure.confine).map_err(StationError::Unconfined)? {
-            Ok(found) => facts.confinement = Some(found),
-            Err(why) => _ = facts.alarms.insert(IMPAIRED, why),
-        }
+        let board = Board::new(Facts::new(Timestamp::now(), config.scanner.export_dirs.len()));
+        measuring::confined(config.measure.confine, &board).map_err(StationError::Unconfined)?;
         let (scanner, patient) = (&config.scanner, &config.patient);
         let identity = Identity::new(
             scanner.file_name.clone(),
@@ -69,16 +66,14 @@ impl Station {
         let begun = stores.iter().filter(|_| !first_start);
         // First: what is to be erased must not be taken over.
         erase::clear_own(&custody, &stores, &config.station.state_dir);
-        erase::note(&custody, &mut facts);
-        let recovered = recover(&custody, rebuilt, begun, &mut facts);
+        board.note(|facts| erase::note(&custody, facts));
+        let recovered = recover(&custody, rebuilt, begun, &board);
         let adopted = recovered.map_err(|fault| failed(fault, &config, &custody))?;
         if let (Some(phantom), Some(series)) = (&config.phantom, custody.phantom_series()) {
-            let known = phantom::facts(phantom, series);
-            facts.alarms.extend(known.alarm().map(|alarm| (PHANTOM_ALARM, alarm)));
-            facts.phantom = Some(known);
+            phantom::note(&board, phantom, series);
         }
         let previews = Arc::new(Previews::new(&config.station.state_dir));
-        let core = Arc::new(Core::new(config, identity, custody, stores, facts, observer));
+        let core = Arc::new(Core::new(config, identity, custody, stores, board, observer));
         let booth = Booth::open(Arc::clone(&core)).map_err(CustodyFault::from);
         let booth = booth.map_err(|fault| failed(fault, &core.config, &core.custody))?;
         let booth = Arc::new(booth);
@@ -114,12 +109,13 @@ fn recover<'a>(
     custody: &Custody,
     rebuilt: Option<String>,
     begun: impl Iterator<Item = &'a dyn RecordStore>,
-    facts: &mut Facts,
+    board: &Board,
 ) -> Result<usize, CustodyFault> {
-    if custody.journal().is_paused()? {
-        facts.intake = IntakeState::Paused;
-    }
-    facts.views = custody.journal().views()?;
+    let (is_paused, views) = (custody.journal().is_paused()?, custody.journal().views()?);
+    board.note(|facts| {
+        facts.intake = if is_paused { IntakeState::Paused } else { IntakeState::Open };
+        facts.views = views;
+    });
     let adopted = custody.recover()?;
     if let Some(why) = rebuilt {
         let quarantined = custody.adopt_quarantined()?;
@@ -128,17 +124,12 @@ fn recover<'a>(
         }
         custody.journal().filled()?;
         error!(event = "journal-rebuilt", why, adopted, quarantined);
-        let alarm = Alarm {
-            figures: ComplaintFigures::why(&Cause::verbatim(why)),
-            since: Timestamp::now(),
-        };
-        facts.alarms.insert("journal-rebuilt", alarm);
+        board.raise("journal-rebuilt", ComplaintFigures::why(&Cause::verbatim(why)));
     }
     // After the scans, which a lost journal must learn of first.
     let unreadable = custody.carry_out()?;
     if !unreadable.is_empty() {
-        let figures = ComplaintFigures::counted(unreadable.len());
-        facts.alarms.insert("decisions-unreadable", Alarm { figures, since: Timestamp::now() });
+        board.raise("decisions-unreadable", ComplaintFigures::counted(unreadable.len()));
     }
     Ok(adopted)
 }

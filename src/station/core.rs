@@ -9,7 +9,7 @@ use std::time::Duration;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::facts::IntakeState;
 use gaiter_flow::phantom::is_phantom;
-use gaiter_flow::{Facts, Identity, ScanId, Space};
+use gaiter_flow::{Identity, ScanId, Space};
 use tokio::sync::Notify;
 use tracing::{info, warn};
 
@@ -52,23 +52,23 @@ pub struct Core {
 }
 
 impl Core {
-    /// The core of a station that starts now, with what the last run left and what is known so far.
+    /// The core of a station that starts now, with what the last run left and the board of what is known so far.
     pub fn new(
         config: Config,
         identity: Identity,
         custody: Custody,
         stores: Stores,
-        facts: Facts,
+        board: Board,
         observer: Observer,
     ) -> Core {
         let space = Mutex::new(Space::new(config.station.disk_floor_bytes));
-        let paused = AtomicBool::new(facts.intake == IntakeState::Paused);
+        let paused = AtomicBool::new(board.note(|facts| facts.intake == IntakeState::Paused));
         Core {
             config,
             identity,
             custody,
             stores,
-            board: Board::new(facts),
+            board,
             observer,
             work: Notify::new(),
             ruin: Notify::new(),

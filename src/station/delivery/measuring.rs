@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use gaiter_flow::acquired::acquired;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::complaint::ComplaintFigures;
-use gaiter_flow::confinement::{Confine, Confinement};
-use gaiter_flow::facts::Alarm;
+use gaiter_flow::confinement::Confine;
 use gaiter_flow::views::ViewsSeen;
 use gaiter_record::{Acquired, Patient, Provenance, RecordFile};
-use jiff::{Timestamp, Zoned};
+use jiff::Zoned;
 use tracing::{info, warn};
 
+use crate::station::board::Board;
 use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
@@ -25,7 +25,7 @@ use crate::station::runtime::{chain, utc_offset_min};
 pub const TRIES_MAX: u32 = 3;
 
 /// Alarm: scans cannot be measured on this machine.
-pub const IMPAIRED: &str = "measuring-impaired";
+const IMPAIRED: &str = "measuring-impaired";
 
 /// The code of a measurement that could not be started.
 const NOT_STARTED: &str = "measuring-not-started";
@@ -138,13 +138,13 @@ fn unread(core: &Core, error: &io::Error) -> MeasureOutcome {
 
 /// The scan waits, and an alarm states why.
 fn waits(core: &Core, code: &'static str, error: String) -> MeasureOutcome {
-    note_impaired(core, &error);
+    note_impaired(&core.board, &error);
     MeasureOutcome::Waits { code, error }
 }
 
 /// Notes that scans cannot be measured on this machine, and why.
-pub fn note_impaired(core: &Core, error: &str) {
-    core.board.raise(IMPAIRED, ComplaintFigures::why(&Cause::verbatim(error)));
+pub fn note_impaired(board: &Board, error: &str) {
+    board.raise(IMPAIRED, ComplaintFigures::why(&Cause::verbatim(error)));
 }
 
 /// Notes that scans can be measured on this machine.
@@ -152,12 +152,12 @@ pub fn note_possible(core: &Core) {
     core.board.clear(IMPAIRED);
 }
 
-/// Tries the guards around measuring processes on this machine. Returns the alarm if none can be set,
-/// because then no process can be prepared.
+/// Tries the guards around measuring processes on this machine, and notes them on the board; or an alarm if none can
+/// be set, because then no process can be prepared.
 ///
 /// # Errors
 /// If there are fewer guards than the configuration requires.
-pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineFault> {
+pub fn confined(confine: Confine, board: &Board) -> Result<(), ConfineFault> {
     match measure::tried() {
         Ok(found) => {
             measure::enough(found, confine)?;
@@ -165,15 +165,15 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
                 None => info!(event = "confined", by = found.words()),
                 Some(missing) => warn!(event = "confinement-missing", missing, by = found.words()),
             }
-            Ok(Ok(found))
+            board.note(|facts| facts.confinement = Some(found));
         }
-        Err(fault) if confine == Confine::Required => Err(fault),
+        Err(fault) if confine == Confine::Required => return Err(fault),
         Err(fault) => {
             warn!(event = "confinement-failed", error = chain(&fault));
-            let figures = ComplaintFigures::why(&Cause::verbatim(chain(&fault)));
-            Ok(Err(Alarm { figures, since: Timestamp::now() }))
+            note_impaired(board, &chain(&fault));
         }
     }
+    Ok(())
 }
 
 /// When a scan was taken, by the clock of this machine.

@@ -41,7 +41,7 @@ pub fn inspected(core: &Core, export: &Export, format: Format) -> Result<Inspect
     let found = asked(core, export, format);
     match &found {
         Ok(_) => measuring::note_possible(core),
-        Err(fault) => measuring::note_impaired(core, &chain(fault)),
+        Err(fault) => measuring::note_impaired(&core.board, &chain(fault)),
     }
     found
 }

@@ -13,6 +13,7 @@ use tracing::{info, warn};
 
 use super::stable_read::Export;
 use crate::config::PhantomConfig;
+use crate::station::board::Board;
 use crate::station::core::Core;
 use crate::station::custody::phantom_series::PhantomSeries;
 use crate::station::journal::JournalError;
@@ -49,12 +50,7 @@ pub fn take(
         let check = measured(core, phantom, export, format)?;
         log(&check);
         series.keep(check)?;
-        let facts = facts(phantom, series);
-        core.board.note(|board| match facts.alarm() {
-            Some(alarm) => _ = board.alarms.insert(PHANTOM_ALARM, alarm),
-            None => _ = board.alarms.remove(PHANTOM_ALARM),
-        });
-        core.board.note(|board| board.phantom = Some(facts));
+        note(&core.board, phantom, series);
     }
     let journal = core.custody.journal();
     for companion in &settled.group.companions {
@@ -64,9 +60,16 @@ pub fn take(
     Ok(())
 }
 
-/// What the series shows now.
-pub fn facts(phantom: &PhantomConfig, series: &PhantomSeries) -> PhantomFacts {
-    PhantomFacts { every: phantom.every, checks: series.newest(SHOWN_MOST) }
+/// Notes on the board what the series shows now.
+pub fn note(board: &Board, phantom: &PhantomConfig, series: &PhantomSeries) {
+    let known = PhantomFacts { every: phantom.every, checks: series.newest(SHOWN_MOST) };
+    board.note(|facts| {
+        match known.alarm() {
+            Some(alarm) => _ = facts.alarms.insert(PHANTOM_ALARM, alarm),
+            None => _ = facts.alarms.remove(PHANTOM_ALARM),
+        }
+        facts.phantom = Some(known);
+    });
 }
 
 fn measured(

@@ -16,6 +16,7 @@ use super::worker::note_fault;
 use super::*;
 use crate::config;
 use crate::station::assembly::open_custody;
+use crate::station::board::Board;
 use crate::station::core::Core;
 use crate::station::event::Observer;
 use crate::station::stores::Stores;
@@ -40,7 +41,7 @@ fn booth(dir: &Path) -> Booth {
     let identity = Identity::new(None, None, &patient.pattern, patient.check_digit).unwrap();
     let mut facts = Facts::new(Timestamp::now(), 1);
     facts.worklist = Some(WorklistFacts::new(Timestamp::now()));
-    let core = Core::new(config, identity, custody, stores, facts, Observer::default());
+    let core = Core::new(config, identity, custody, stores, Board::new(facts), Observer::default());
     Booth::open(Arc::new(core)).unwrap()
 }
 
