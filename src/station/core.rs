@@ -2,7 +2,6 @@
 //! on workers, booth or page.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -47,7 +46,6 @@ pub struct Core {
     pub suspicion: Suspicion,
     pub clock: Clock,
     space: Mutex<Space>,
-    paused: AtomicBool,
     to_retry_now: Mutex<Vec<ScanId>>,
 }
 
@@ -62,7 +60,6 @@ impl Core {
         observer: Observer,
     ) -> Core {
         let space = Mutex::new(Space::new(config.station.disk_floor_bytes));
-        let paused = AtomicBool::new(board.note(|facts| facts.intake == IntakeState::Paused));
         Core {
             config,
             identity,
@@ -76,7 +73,6 @@ impl Core {
             suspicion: Suspicion::default(),
             clock: Clock::start(),
             space,
-            paused,
             to_retry_now: Mutex::default(),
         }
     }
@@ -98,14 +94,15 @@ impl Core {
         let free = file_system::free_bytes(&self.config.station.state_dir).unwrap_or(u64::MAX);
         let mut space = self.space.lock().unwrap_or_else(PoisonError::into_inner);
         let has_room = space.admits(free, size_bytes);
-        let state = if self.is_paused() {
-            IntakeState::Paused
-        } else if has_room {
-            IntakeState::Open
-        } else {
-            IntakeState::DiskLow { free, floor: space.floor_bytes() }
-        };
-        let before = self.board.note(|facts| std::mem::replace(&mut facts.intake, state));
+        let (before, state) = self.board.note(|facts| {
+            let before = facts.intake;
+            facts.intake = match before {
+                IntakeState::Paused => IntakeState::Paused,
+                _ if has_room => IntakeState::Open,
+                _ => IntakeState::DiskLow { free, floor: space.floor_bytes() },
+            };
+            (before, facts.intake)
+        });
         match (before, state) {
             (IntakeState::DiskLow { .. }, IntakeState::DiskLow { .. }) => {}
             (_, IntakeState::DiskLow { free, floor }) => {
@@ -119,12 +116,14 @@ impl Core {
 
     /// Whether an operator has paused the station.
     pub fn is_paused(&self) -> bool {
-        self.paused.load(Ordering::Relaxed)
+        self.board.note(|facts| facts.intake == IntakeState::Paused)
     }
 
-    /// Notes that an operator has paused or resumed the station.
+    /// Notes that an operator has paused or resumed the station, and what is taken in from now on. Blocks.
     pub fn set_paused(&self, paused: bool) {
-        self.paused.store(paused, Ordering::Relaxed);
+        let state = if paused { IntakeState::Paused } else { IntakeState::Open };
+        self.board.note(|facts| facts.intake = state);
+        self.intake_gate(0);
     }
 
     /// Requests that the deliveries of a scan are tried now.

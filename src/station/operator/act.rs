@@ -242,11 +242,10 @@ fn from_a_store(
 /// No scan is taken in or delivered until an operator resumes; or the pause ends.
 pub(super) fn pause(core: &Core, paused: bool) -> Result<String, ActFault> {
     let changed = core.custody.journal().pause(paused)?;
-    core.set_paused(paused);
     if changed {
+        core.set_paused(paused);
         let event = if paused { "station-paused" } else { "station-resumed" };
         info!(event, at = %Timestamp::now());
-        core.intake_gate(0);
     }
     let key = match (paused, changed) {
         (true, true) => "page.done.pause",
