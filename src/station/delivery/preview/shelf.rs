@@ -26,15 +26,8 @@ const FILE_MODE: u32 = 0o600;
 #[derive(Debug)]
 pub struct Previews {
     folder: PathBuf,
-    inner: Mutex<Inner>,
+    known: Mutex<BTreeMap<ScanId, Preview>>,
     news: Notify,
-}
-
-#[derive(Debug, Default)]
-struct Inner {
-    known: BTreeMap<ScanId, Preview>,
-    /// Grows with every change.
-    edition: u64,
 }
 
 /// What is known about a held scan's legs.
@@ -49,17 +42,12 @@ pub enum Preview {
 impl Previews {
     /// The previews of a state folder. None is known yet, whatever the folder contains.
     pub fn new(state_dir: &Path) -> Previews {
-        Previews { folder: state_dir.join(NAME), inner: Mutex::default(), news: Notify::new() }
+        Previews { folder: state_dir.join(NAME), known: Mutex::default(), news: Notify::new() }
     }
 
     /// What is known about a scan.
     pub fn get(&self, scan: &ScanId) -> Option<Preview> {
-        self.inner().known.get(scan).cloned()
-    }
-
-    /// Grows whenever what is known changes.
-    pub fn edition(&self) -> u64 {
-        self.inner().edition
+        self.known().get(scan).cloned()
     }
 
     /// Whether there is nothing to make: the preview exists, or it never will.
@@ -77,12 +65,8 @@ impl Previews {
     /// # Errors
     /// Any I/O error; the next call tries again to remove what is left.
     pub fn keep_only(&self, scans: &[ScanId]) -> io::Result<()> {
-        let mut inner = self.inner();
-        let before = inner.known.len();
-        inner.known.retain(|scan, _| scans.contains(scan));
-        if inner.known.len() != before {
-            inner.edition += 1;
-        }
+        let mut known = self.known();
+        known.retain(|scan, _| scans.contains(scan));
         let entries = match fs::read_dir(&self.folder) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             entries => entries?,
@@ -90,7 +74,7 @@ impl Previews {
         for entry in entries {
             let entry = entry?;
             let name = entry.file_name();
-            let is_kept = inner.known.keys().any(|scan| name.to_str() == Some(scan.as_str()));
+            let is_kept = known.keys().any(|scan| name.to_str() == Some(scan.as_str()));
             if !is_kept {
                 remove(&entry.path())?;
             }
@@ -124,14 +108,12 @@ impl Previews {
 
     /// Notes what is known about a scan's legs.
     pub(super) fn note(&self, scan: &ScanId, preview: Preview) {
-        let mut inner = self.inner();
-        inner.known.insert(scan.clone(), preview);
-        inner.edition += 1;
+        self.known().insert(scan.clone(), preview);
         self.news.notify_one();
     }
 
-    fn inner(&self) -> MutexGuard<'_, Inner> {
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    fn known(&self) -> MutexGuard<'_, BTreeMap<ScanId, Preview>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -213,10 +195,9 @@ mod tests {
         assert_eq!(names(&dir.path().join(NAME)), [""; 0]);
         previews.keep(&scan(1), &files()).unwrap();
         previews.keep(&scan(2), &files()).unwrap();
-        let before = previews.edition();
         previews.keep_only(&[scan(2)]).unwrap();
         assert_eq!(names(&dir.path().join(NAME)), [scan(2).as_str()]);
-        assert!(previews.get(&scan(1)).is_none() && previews.edition() > before);
+        assert_eq!(previews.get(&scan(1)), None);
     }
 
     #[test]

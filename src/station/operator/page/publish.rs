@@ -19,12 +19,10 @@ const PACE: Duration = Duration::from_millis(400);
 /// A snapshot is taken again after this time even without a change: some faults grow with time alone.
 const ANEW: Duration = Duration::from_secs(5);
 
-/// What a snapshot depends on; cheap to read.
+/// What a snapshot depends on, apart from summaries and previews, which tell of their changes; cheap to read.
 #[derive(PartialEq)]
 struct Ground {
     journal: Option<i64>,
-    summaries: u64,
-    previews: u64,
     facts: Facts,
     booth: BoothState,
 }
@@ -35,8 +33,6 @@ impl Ground {
         let core = &desk.core;
         Ground {
             journal: core.custody.journal().edition(),
-            summaries: desk.summaries.edition(),
-            previews: desk.previews.edition(),
             facts: core.board.facts(),
             booth: desk.booth.state(),
         }
@@ -102,8 +98,8 @@ pub async fn worker(desk: &Arc<Desk>, mut stop: Stop) {
             () = stop.requested() => return,
             () = sleep(PACE) => {}
             _ = signal.changed() => {}
-            () = desk.refresh.notified() => {}
-            () = desk.previews.changed() => {}
+            () = desk.refresh.notified() => ground = None,
+            () = desk.previews.changed() => ground = None,
         }
     }
 }

@@ -34,8 +34,6 @@ struct Inner {
     known: BTreeMap<String, CachedSummary>,
     /// A thread is reading, or hangs on the store.
     is_reading: bool,
-    /// Grows with every change.
-    edition: u64,
 }
 
 #[derive(Debug)]
@@ -59,11 +57,6 @@ impl Summaries {
     pub fn read_again(&self) {
         let mut inner = self.inner();
         inner.known.values_mut().for_each(|known| known.is_old = true);
-    }
-
-    /// Grows whenever what is known changes.
-    pub fn edition(&self) -> u64 {
-        self.inner().edition
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
@@ -95,12 +88,8 @@ impl Summaries {
 
     /// Notes the details of a scan's record in this folder, read at the time `now` of the station's clock.
     pub fn note(&self, scan: String, folder: PathBuf, details: ScanDetails, now: Duration) {
-        let mut inner = self.inner();
-        let before = inner.known.get(&scan).map(|known| &known.details);
-        if before != Some(&details) {
-            inner.edition += 1;
-        }
-        inner.known.insert(scan, CachedSummary { folder, details, at: now, is_old: false });
+        let summary = CachedSummary { folder, details, at: now, is_old: false };
+        self.inner().known.insert(scan, summary);
     }
 }
 
