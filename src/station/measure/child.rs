@@ -1,5 +1,6 @@
 //! The measuring process.
 
+use std::fmt::Display;
 use std::io::{self, BufReader, Read, Write};
 use std::panic;
 
@@ -7,7 +8,7 @@ use gaiter_confined::confine;
 use gaiter_flow::ScanId;
 use gaiter_leg::comparison::opinion::SecondOpinion;
 use gaiter_leg::comparison::second_opinion::compare;
-use gaiter_leg::{self as leg, Extraction, Finding, WholeBody, phantom};
+use gaiter_leg::{self as leg, Extraction, Finding, Refusal, WholeBody, phantom};
 use gaiter_record::completeness::{Completeness, Kind};
 use gaiter_record::phantom::CheckRecord;
 use gaiter_record::same_numbers::crop_differs;
@@ -41,7 +42,7 @@ pub fn serve(hash: Option<&str>, input: impl Read, output: impl Write) -> io::Re
     // Panics come back as an answer; their messages go nowhere else.
     panic::set_hook(Box::new(|_| {}));
     let answer = match caught(|| pool.install(|| answer(&job, hash, &scan, &ord))) {
-        Ok(answer) => answer,
+        Ok(Ok(answer) | Err(answer)) => answer,
         Err(panic) => refused("panic", panic),
     };
     let mut output = io::BufWriter::new(output);
@@ -56,17 +57,16 @@ fn take(input: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> JobAnswer {
+/// What the job asks for, or why the scan cannot be measured.
+fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> Result<JobAnswer, JobAnswer> {
     if hash.is_some_and(|hash| sums::scan_id(scan).as_str() != hash) {
         let message = "its bytes in the spool differ from those that came in".to_owned();
-        return refused("spool-damaged", message);
+        return Err(refused("spool-damaged", message));
     }
-    let format = match Format::of_file_name(&format!("scan.{}", job.ending)) {
-        Ok(format) => format,
-        Err(fault) => return refused(fault.code(), fault.to_string()),
-    };
+    let format = Format::of_file_name(&format!("scan.{}", job.ending))
+        .map_err(|fault| refused(fault.code(), fault.to_string()))?;
     match &job.purpose {
-        Purpose::Inspection => inspected(scan, format),
+        Purpose::Inspection => Ok(inspected(scan, format)),
         Purpose::Record(job) => recorded(job, scan, format, ord),
         Purpose::Check(job) => checked(job, scan, format),
         Purpose::Crop(job) => cropped(job, scan, format),
@@ -89,74 +89,57 @@ fn fingerprint(scan: &Scan) -> String {
 }
 
 /// The record of a patient's scan.
-fn recorded(job: &RecordJob, scan: &[u8], format: Format, ord: &[u8]) -> JobAnswer {
+fn recorded(
+    job: &RecordJob,
+    scan: &[u8],
+    format: Format,
+    ord: &[u8],
+) -> Result<JobAnswer, JobAnswer> {
     let RecordJob { method, output, report, provenance, ord_files } = job;
     let ord = (!ord.is_empty()).then_some(ord);
-    let mut extraction = match leg::extract(scan, format, method) {
-        Ok(extraction) => extraction,
-        Err(refusal) => return refused(refusal.code(), refusal.to_string()),
-    };
+    let mut extraction = leg::extract(scan, format, method).map_err(not_measured)?;
     let opinions = opinions(&extraction, ord, *ord_files);
     extraction.findings.extend(opinions);
     let scan = ScanFile { bytes: scan, format, ord };
     // The station has the scan's own bytes already, in the spool.
-    match record::files_beside_scan(&extraction, provenance, method, output, report, scan) {
-        Ok((record, files)) => {
-            let completeness = Completeness::from_record(&record, &report.garment);
-            let to_do = match completeness.kind() {
-                Kind::Complete | Kind::NotMeasurable => Vec::new(),
-                Kind::ByHand | Kind::ScanAgain => completeness.sentences(report.language),
-            };
-            JobAnswer::Files { files, to_do, views_apart_mm: extraction.views_apart_mm() }
-        }
-        Err(error) => refused("record-not-written", error.to_string()),
-    }
+    let made = record::files_beside_scan(&extraction, provenance, method, output, report, scan);
+    let (record, files) = made.map_err(not_written)?;
+    let completeness = Completeness::from_record(&record, &report.garment);
+    let to_do = match completeness.kind() {
+        Kind::Complete | Kind::NotMeasurable => Vec::new(),
+        Kind::ByHand | Kind::ScanAgain => completeness.sentences(report.language),
+    };
+    Ok(JobAnswer::Files { files, to_do, views_apart_mm: extraction.views_apart_mm() })
 }
 
 /// The check with the phantom that is in the scan.
-fn checked(job: &CheckJob, scan: &[u8], format: Format) -> JobAnswer {
+fn checked(job: &CheckJob, scan: &[u8], format: Format) -> Result<JobAnswer, JobAnswer> {
     let CheckJob { method, phantom, tolerance_mm, at, sha256 } = job;
     let found = phantom::check(scan, format, phantom, method);
     let check = CheckRecord::new(*at, sha256.clone(), &found, *tolerance_mm);
-    match serde_json::to_vec(&check) {
-        Ok(bytes) => {
-            let files = vec![RecordFile { name: "check.json".to_owned(), bytes }];
-            JobAnswer::Files { files, to_do: Vec::new(), views_apart_mm: None }
-        }
-        Err(error) => refused("record-not-written", error.to_string()),
-    }
+    Ok(of_files([("check.json", serde_json::to_vec(&check).map_err(not_written)?)]))
 }
 
 /// What leaves the house of a scan, and what its whole body told. The archive gets both as bytes, so the crop is measured
 /// from these bytes, and every number must be that of the whole body.
-fn cropped(job: &CropJob, scan: &[u8], format: Format) -> JobAnswer {
+fn cropped(job: &CropJob, scan: &[u8], format: Format) -> Result<JobAnswer, JobAnswer> {
     let CropJob { method, choice } = job;
-    let extraction = match leg::extract(scan, format, method) {
-        Ok(extraction) => extraction,
-        Err(refusal) => return refused(refusal.code(), refusal.to_string()),
-    };
+    let extraction = leg::extract(scan, format, method).map_err(not_measured)?;
     let ply = leaving(&extraction, *choice).to_ply();
     let told = WholeBody::from_extraction(&extraction);
-    let written = serde_json::to_vec(&told);
-    let read =
-        |bytes: Vec<u8>| serde_json::from_slice::<WholeBody>(&bytes).map(|told| (told, bytes));
-    let (read, bytes) = match written.and_then(read) {
-        Ok(written) => written,
-        Err(error) => return refused("record-not-written", error.to_string()),
-    };
-    let again = match leg::extract_crop(&ply, &read, method) {
-        Ok(again) => again,
-        Err(refusal) => return refused(refusal.code(), refusal.to_string()),
-    };
-    match crop_differs(&extraction, &again, method) {
-        Ok(None) => {
-            let file = |name: &str, bytes| RecordFile { name: name.to_owned(), bytes };
-            let files = vec![file(CROP, ply), file(WHOLE_BODY, bytes)];
-            JobAnswer::Files { files, to_do: Vec::new(), views_apart_mm: None }
-        }
-        Ok(Some(differs)) => refused("crop-differs", differs),
-        Err(error) => refused("record-not-written", error.to_string()),
+    let bytes = serde_json::to_vec(&told).map_err(not_written)?;
+    let read: WholeBody = serde_json::from_slice(&bytes).map_err(not_written)?;
+    let again = leg::extract_crop(&ply, &read, method).map_err(not_measured)?;
+    match crop_differs(&extraction, &again, method).map_err(not_written)? {
+        None => Ok(of_files([(CROP, ply), (WHOLE_BODY, bytes)])),
+        Some(differs) => Err(refused("crop-differs", differs)),
     }
+}
+
+/// The answer that is only files.
+fn of_files<const N: usize>(files: [(&str, Vec<u8>); N]) -> JobAnswer {
+    let file = |(name, bytes): (&str, Vec<u8>)| RecordFile { name: name.to_owned(), bytes };
+    JobAnswer::Files { files: files.map(file).into(), to_do: Vec::new(), views_apart_mm: None }
 }
 
 /// What of the body leaves the house, in the body frame.
@@ -178,6 +161,14 @@ fn opinions(extraction: &leg::Extraction, ord: Option<&[u8]>, files: usize) -> V
         None if files > 0 => vec![SecondOpinion::Ambiguous { files }.into()],
         None => Vec::new(),
     }
+}
+
+fn not_measured(refusal: Refusal) -> JobAnswer {
+    refused(refusal.code(), refusal.to_string())
+}
+
+fn not_written(error: impl Display) -> JobAnswer {
+    refused("record-not-written", error.to_string())
 }
 
 fn refused(code: &str, message: String) -> JobAnswer {
