@@ -37,32 +37,22 @@ pub fn answer(desk: &Desk, request: &Request) -> ControlAnswer {
     let answered = match request {
         Request::Status => Ok(ControlAnswer::Status(Box::new(status(desk)))),
         Request::Scans { filter, limit } => {
-            let scans = desk.core.custody.journal().list(*filter, (*limit).min(LIST_MOST));
+            let scans = core.custody.journal().list(*filter, (*limit).min(LIST_MOST));
             scans.map(ControlAnswer::Scans).map_err(ControlFault::from)
         }
         Request::Show { scan } => whole(desk, scan).map(Box::new).map(ControlAnswer::Scan),
         Request::ExplainScan { scan } => {
-            let whole = whole(desk, scan);
-            whole.map(|whole| {
-                let (stores, language) =
-                    (desk.core.board.facts().stores, desk.core.config.language);
-                ControlAnswer::Sentence(account::explain(
-                    &whole,
-                    &stores,
-                    Timestamp::now(),
-                    language,
-                ))
-            })
+            let (stores, now) = (core.board.facts().stores, Timestamp::now());
+            let explained = |whole: account::Whole| {
+                account::explain(&whole, &stores, now, core.config.language)
+            };
+            whole(desk, scan).map(explained).map(ControlAnswer::Sentence)
         }
         Request::ExplainFile { path } => {
             let path = Path::new(OsStr::from_bytes(path));
-            let known = known(desk, path);
-            known.map(|known| {
-                let facts = desk.core.board.facts();
-                let (language, zone) = (desk.core.config.language, TimeZone::system());
-                let asked = Asked { language, zone: &zone };
-                ControlAnswer::Sentence(of_file(&facts, path, known, asked))
-            })
+            let asked = Asked { language: core.config.language, zone: &TimeZone::system() };
+            let explained = |known| of_file(&core.board.facts(), path, known, asked);
+            known(desk, path).map(explained).map(ControlAnswer::Sentence)
         }
         Request::Retry { scan } => on_scan(desk, scan, |row| act::retry(core, row)),
         Request::Release { scan } => on_scan(desk, scan, |row| act::release(core, booth, row)),
@@ -111,41 +101,23 @@ pub fn answer(desk: &Desk, request: &Request) -> ControlAnswer {
 
 /// The one scan whose id begins with these digits.
 fn named(desk: &Desk, digits: &str) -> Result<ScanId, ControlFault> {
-    let language = desk.core.config.language;
-    let with_digits = |key| move |language: Language| language.filled(key, &[("digits", &digits)]);
     let hexadecimal = digits.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
     if !hexadecimal || digits.len() < DIGITS_LEAST {
-        let message = |language: Language| {
+        return Err(desk.fault(ControlFaultKind::Request, "scan-id-malformed", |language| {
             language.filled("act.fault.few_digits", &[("count", &DIGITS_LEAST)])
-        };
-        return Err(ControlFault::in_language(
-            ControlFaultKind::Request,
-            "scan-id-malformed",
-            language,
-            message,
-        ));
+        }));
     }
     let mut found = desk.core.custody.journal().beginning_with(digits, 2)?;
     match (found.pop(), found.pop()) {
         (Some(scan), None) => Ok(scan),
         (Some(_), Some(_)) => {
-            let message = with_digits("act.fault.ambiguous");
-            Err(ControlFault::in_language(
-                ControlFaultKind::Request,
-                "scan-id-ambiguous",
-                language,
-                message,
-            ))
+            Err(desk.fault(ControlFaultKind::Request, "scan-id-ambiguous", |language| {
+                language.filled("act.fault.ambiguous", &[("digits", &digits)])
+            }))
         }
-        (None, _) => {
-            let message = with_digits("act.fault.no_such");
-            Err(ControlFault::in_language(
-                ControlFaultKind::Unknown,
-                "scan-unknown",
-                language,
-                message,
-            ))
-        }
+        (None, _) => Err(desk.fault(ControlFaultKind::Unknown, "scan-unknown", |language| {
+            language.filled("act.fault.no_such", &[("digits", &digits)])
+        })),
     }
 }
 
@@ -153,13 +125,9 @@ fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, ControlFault> {
     let scan = named(desk, digits)?;
     let journal = desk.core.custody.journal();
     let mut whole = journal.whole(&scan)?.ok_or_else(|| {
-        let forgotten = |language: Language| language.text("act.fault.forgotten").to_owned();
-        ControlFault::in_language(
-            ControlFaultKind::Unknown,
-            "scan-unknown",
-            desk.core.config.language,
-            forgotten,
-        )
+        desk.fault(ControlFaultKind::Unknown, "scan-unknown", |language| {
+            language.text("act.fault.forgotten").to_owned()
+        })
     })?;
     whole.history = journal.history(&scan)?;
     if let Some(Preview::Made(folder)) = desk.previews.get(&scan) {
@@ -215,15 +183,12 @@ fn page(desk: &Desk) -> Result<ControlAnswer, ControlFault> {
     let link = desk.link().ok_or_else(|| {
         let facts = desk.core.board.facts();
         let why = facts.endpoints.values().next();
-        let message = |language: Language| match why {
+        desk.fault(ControlFaultKind::Failed, "page-not-served", |language| match why {
             Some(why) => {
-                let why = why.in_words(language);
-                language.filled("act.fault.page_address", &[("why", &why)])
+                language.filled("act.fault.page_address", &[("why", &why.in_words(language))])
             }
             None => language.text("act.fault.no_page").to_owned(),
-        };
-        let language = desk.core.config.language;
-        ControlFault::in_language(ControlFaultKind::Failed, "page-not-served", language, message)
+        })
     })?;
     Ok(ControlAnswer::Sentence(link))
 }
@@ -273,15 +238,9 @@ fn acted(desk: &Desk, acted: Result<String, ActFault>) -> Result<ControlAnswer, 
 /// Applies an order that a client hands in.
 fn ordered(desk: &Desk, bytes: &[u8]) -> Result<ControlAnswer, ControlFault> {
     let refused = |fault: OrderFault| {
-        let message = |language: Language| {
+        desk.fault(ControlFaultKind::Request, fault.code(), |language| {
             language.filled("act.fault.no_order", &[("why", &fault.in_words(language))])
-        };
-        ControlFault::in_language(
-            ControlFaultKind::Request,
-            fault.code(),
-            desk.core.config.language,
-            message,
-        )
+        })
     };
     let order = orders::brought(&desk.booth, bytes).map_err(refused)?;
     let Desk { core, booth, .. } = desk;
@@ -336,6 +295,20 @@ fn status(desk: &Desk) -> Status {
             .map(|(code, alarm)| ((*code).to_owned(), AlarmStatus::from_alarm(code, alarm)))
             .collect(),
         refused_reload: facts.refused_reload,
+    }
+}
+
+impl Desk {
+    /// A fault with a message that is made for English and for the station's language.
+    pub(super) fn fault(
+        &self,
+        kind: ControlFaultKind,
+        code: &str,
+        message: impl Fn(Language) -> String,
+    ) -> ControlFault {
+        let language = self.core.config.language;
+        let local = (language != Language::En).then(|| message(language));
+        ControlFault { local, ..ControlFault::new(kind, code, message(Language::En)) }
     }
 }
 

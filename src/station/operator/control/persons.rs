@@ -1,7 +1,6 @@
 //! What the station answers about one person, and how it takes the wish to erase them.
 
 use gaiter_flow::patient::person::Person;
-use gaiter_language::Language;
 use gaiter_record::SourceKind;
 
 use super::protocol::{ControlAnswer, ControlFault, ControlFaultKind};
@@ -49,8 +48,7 @@ pub(super) fn erase(
 
 /// A request that is refused, with the text of a key.
 fn refused(desk: &Desk, code: &str, key: &'static str) -> ControlFault {
-    let message = |language: Language| language.text(key).to_owned();
-    ControlFault::in_language(ControlFaultKind::Request, code, desk.core.config.language, message)
+    desk.fault(ControlFaultKind::Request, code, |language| language.text(key).to_owned())
 }
 
 impl From<CustodyFault> for ControlFault {

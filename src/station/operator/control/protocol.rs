@@ -4,7 +4,6 @@
 use gaiter_flow::account::{Filter, Listed, Whole};
 use gaiter_flow::patient::erasure::Erasure;
 use gaiter_flow::patient::person::{KnownVisits, Person};
-use gaiter_language::Language;
 use serde::{Deserialize, Serialize};
 
 use super::status::Status;
@@ -215,16 +214,5 @@ impl ControlFault {
     pub fn new(kind: ControlFaultKind, code: &str, message: impl Into<String>) -> ControlFault {
         let message = message.into();
         ControlFault { code: code.to_owned(), message, local: None, on_page: None, kind }
-    }
-
-    /// The same with a message that is made for each language.
-    pub fn in_language(
-        kind: ControlFaultKind,
-        code: &str,
-        language: Language,
-        message: impl Fn(Language) -> String,
-    ) -> ControlFault {
-        let local = (language != Language::En).then(|| message(language));
-        ControlFault { local, ..ControlFault::new(kind, code, message(Language::En)) }
     }
 }
