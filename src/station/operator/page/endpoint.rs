@@ -3,8 +3,10 @@
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use axum::http::HeaderMap;
+use axum::http::{HeaderMap, StatusCode};
+use gaiter_flow::ScanId;
 use tokio::sync::Semaphore;
+use tokio::task::spawn_blocking;
 
 use super::desk::{Desk, Texts};
 use crate::station::operator::http::listeners::Way;
@@ -64,5 +66,28 @@ impl HttpEndpoint {
     pub(super) fn shows_ids(&self, headers: &HeaderMap, query: Option<&str>) -> bool {
         let is_kiosk = query == Some(KIOSK);
         self.desk.core.config.page.ids.to(!is_kiosk && self.is_operator(headers))
+    }
+
+    /// Reads something of the scan with this id, on a thread that may block, for a reader who may see whose scan it
+    /// is; else the status of the answer.
+    pub(super) async fn of_scan<T: Send + 'static>(
+        &self,
+        scan: &str,
+        headers: &HeaderMap,
+        read: impl FnOnce(&Desk, &ScanId) -> T + Send + 'static,
+    ) -> Result<T, StatusCode> {
+        let scan = ScanId::parse(scan).ok_or(StatusCode::NOT_FOUND)?;
+        if !self.shows_ids(headers, None) {
+            return Err(StatusCode::FORBIDDEN);
+        }
+        let desk = Arc::clone(&self.desk);
+        // A store that does not answer holds a few readers and no more.
+        let reader = Arc::clone(&desk.readers).try_acquire_owned();
+        let reader = reader.map_err(|_| StatusCode::SERVICE_UNAVAILABLE)?;
+        let read = spawn_blocking(move || {
+            let _reader = reader;
+            read(&desk, &scan)
+        });
+        read.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)
     }
 }

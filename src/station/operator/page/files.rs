@@ -54,39 +54,32 @@ pub async fn file(
     method: Method,
     headers: HeaderMap,
 ) -> Response {
-    let none =
-        (StatusCode::NOT_FOUND, "no such file: /scan/ID/FILE needs the whole id of a scan\n");
-    let Some(scan) = ScanId::parse(&scan) else { return none.into_response() };
-    if !endpoint.shows_ids(&headers, None) {
-        let sentence = "records are a patient's: open the page with the link from gaiter page\n";
-        return (StatusCode::FORBIDDEN, sentence).into_response();
-    }
-    let readers = Arc::clone(&endpoint.desk.readers);
-    let Ok(reader) = Arc::clone(&readers).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "the record store is busy\n").into_response();
-    };
-    let (of, named) = (scan.clone(), name.clone());
-    let opened = spawn_blocking(move || {
-        let _reader = reader;
-        let row = snapshot::row(&endpoint.desk, &of, row.key()).ok_or(NotServed::Absent)?;
-        let folder = snapshot::folder(&endpoint.desk, &row).ok_or(NotServed::Absent)?;
-        open(&revision::latest(&folder), &named)
+    let opened = endpoint.of_scan(&scan, &headers, move |desk, scan| {
+        let row = snapshot::row(desk, scan, row.key()).ok_or(NotServed::Absent)?;
+        let folder = snapshot::folder(desk, &row).ok_or(NotServed::Absent)?;
+        let opened = open(&revision::latest(&folder), &name);
+        opened.map(|(file, size)| (file, headers_of(&name, scan, size)))
     });
-    match opened.await {
-        Ok(Ok((file, size))) => {
+    let (status, sentence) = match opened.await {
+        Ok(Ok((file, headers))) => {
             let body = match method {
                 Method::HEAD => Body::empty(),
-                _ => Body::new(pieces(file, readers)),
+                _ => Body::new(pieces(file, Arc::clone(&endpoint.desk.readers))),
             };
-            (headers_of(&name, &scan, size), body).into_response()
+            return (headers, body).into_response();
         }
-        Ok(Err(NotServed::Changed)) => {
-            let sentence = "this file was changed since the record was made; compare it with \
-                            SHA256SUMS in the record's folder\n";
-            (StatusCode::CONFLICT, sentence).into_response()
+        Ok(Err(NotServed::Changed)) => (
+            StatusCode::CONFLICT,
+            "this file was changed since the record was made; compare it with SHA256SUMS in the \
+             record's folder\n",
+        ),
+        Err(status @ StatusCode::FORBIDDEN) => {
+            (status, "records are a patient's: open the page with the link from gaiter page\n")
         }
-        _ => none.into_response(),
-    }
+        Err(status @ StatusCode::SERVICE_UNAVAILABLE) => (status, "the record store is busy\n"),
+        _ => (StatusCode::NOT_FOUND, "no such file: /scan/ID/FILE needs the whole id of a scan\n"),
+    };
+    (status, sentence).into_response()
 }
 
 /// Opens a file of a record, and reads its size. Blocks.

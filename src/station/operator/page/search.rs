@@ -11,10 +11,11 @@ use gaiter_flow::page::ScanShown;
 use serde::Serialize;
 use tokio::task::spawn_blocking;
 
+use super::ask::json;
 use super::desk::Desk;
 use super::endpoint::HttpEndpoint;
 use super::files::Row;
-use super::{assets, snapshot};
+use super::snapshot;
 
 /// How many scans one answer lists.
 const LIMIT: u32 = 50;
@@ -42,7 +43,7 @@ pub async fn scans(
         let (scans, has_more) = snapshot::found(&endpoint.desk, &search);
         Found { scans, next: has_more.then_some(search.offset.saturating_add(LIMIT)) }
     });
-    answer(found.await.ok())
+    answer(found.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR))
 }
 
 /// `/scan/ID`: the rows of one scan with the details of their records.
@@ -51,7 +52,7 @@ pub async fn one(
     UrlPath(scan): UrlPath<String>,
     headers: HeaderMap,
 ) -> Response {
-    of_scan(endpoint, &scan, &headers, snapshot::one).await
+    answer(endpoint.of_scan(&scan, &headers, snapshot::one).await)
 }
 
 /// `/scan/ID/measures?of=KEY`: every measure of the record, for a person who sets some of them.
@@ -62,34 +63,12 @@ pub async fn measures(
     headers: HeaderMap,
 ) -> Response {
     let sheet = move |desk: &Desk, scan: &ScanId| snapshot::sheet(desk, scan, row.key());
-    of_scan(endpoint, &scan, &headers, sheet).await
+    answer(endpoint.of_scan(&scan, &headers, sheet).await)
 }
 
-/// The details of a scan's records, for readers who may see whose scan it is.
-async fn of_scan<T: Serialize + Send + 'static>(
-    endpoint: Arc<HttpEndpoint>,
-    scan: &str,
-    headers: &HeaderMap,
-    details: impl FnOnce(&Desk, &ScanId) -> T + Send + 'static,
-) -> Response {
-    let Some(scan) = ScanId::parse(scan) else { return StatusCode::NOT_FOUND.into_response() };
-    if !endpoint.shows_ids(headers, None) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
-    // A store that does not answer holds a few readers and no more.
-    let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
-        return StatusCode::SERVICE_UNAVAILABLE.into_response();
-    };
-    let details = spawn_blocking(move || {
-        let _reader = reader;
-        details(&endpoint.desk, &scan)
-    });
-    answer(details.await.ok())
-}
-
-fn answer(of: Option<impl Serialize>) -> Response {
-    match of.and_then(|of| serde_json::to_string(&of).ok()) {
-        Some(text) => ([assets::JSON], text).into_response(),
-        None => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+fn answer(of: Result<impl Serialize, StatusCode>) -> Response {
+    match of {
+        Ok(of) => json(&of),
+        Err(status) => status.into_response(),
     }
 }

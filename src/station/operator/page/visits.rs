@@ -6,7 +6,6 @@ use std::sync::Arc;
 use axum::extract::{Path as UrlPath, Query, State};
 use axum::http::{HeaderMap, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
-use gaiter_flow::ScanId;
 use gaiter_flow::page;
 use gaiter_flow::page::files::served;
 use gaiter_record::Record;
@@ -14,7 +13,6 @@ use gaiter_record::report;
 use gaiter_visits::report::ReportOf;
 use gaiter_visits::{Affected, Choice, Course, last_of_days};
 use jiff::Zoned;
-use tokio::task::spawn_blocking;
 use tracing::warn;
 
 use super::desk::Desk;
@@ -47,30 +45,23 @@ pub async fn visits(
     let is_paper = uri.path().ends_with(".pdf");
     let language = endpoint.desk.core.config.language;
     let plain = |status, key| plain_page(status, key, language);
-    let Some(scan) = ScanId::parse(&scan) else {
-        return plain(StatusCode::NOT_FOUND, "page.plain.no_visits");
-    };
-    if !endpoint.shows_ids(&headers, None) {
-        return plain(StatusCode::FORBIDDEN, "page.plain.no_link");
-    }
-    let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
-        return plain(StatusCode::SERVICE_UNAVAILABLE, "page.plain.busy");
-    };
-    let made = spawn_blocking(move || {
-        let _reader = reader;
-        let row = snapshot::row(&endpoint.desk, &scan, row.key()).ok_or(UNKNOWN)?;
+    let made = endpoint.of_scan(&scan, &headers, move |desk, scan| {
+        let row = snapshot::row(desk, scan, row.key()).ok_or(UNKNOWN)?;
         let patient = page::record_patient(&row, FolderStore::FIRST).ok_or(UNKNOWN)?;
-        made(&endpoint.desk, patient, is_paper)
+        made(desk, patient, is_paper)
     });
-    match made.await.unwrap_or(Err(FAILED)) {
-        Ok(bytes) => {
+    match made.await {
+        Ok(Ok(bytes)) => {
             let served = served(if is_paper { "report.pdf" } else { "report.html" });
             let kind = (header::CONTENT_TYPE, served.kind);
             let policy = (header::CONTENT_SECURITY_POLICY, served.policy);
             ([kind, policy], bytes).into_response()
         }
-        Err(NoVisits(status, Some(key))) => plain(status, key),
-        Err(NoVisits(status, None)) => status.into_response(),
+        Ok(Err(NoVisits(status, Some(key)))) => plain(status, key),
+        Err(status @ StatusCode::NOT_FOUND) => plain(status, "page.plain.no_visits"),
+        Err(status @ StatusCode::FORBIDDEN) => plain(status, "page.plain.no_link"),
+        Err(status @ StatusCode::SERVICE_UNAVAILABLE) => plain(status, "page.plain.busy"),
+        Ok(Err(NoVisits(status, None))) | Err(status) => status.into_response(),
     }
 }
 
