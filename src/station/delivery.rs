@@ -18,11 +18,10 @@ use std::sync::Arc;
 use std::thread::available_parallelism;
 use std::time::Duration;
 
+use gaiter_flow::Outbox;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::facts::{StoreAttempt, StoreRefusal};
 use gaiter_flow::outbox::{Ended, Key};
-use gaiter_flow::{Outbox, ScanId};
-use gaiter_record::Patient;
 use jiff::Timestamp;
 use tokio::task::{JoinError, JoinSet, spawn_blocking};
 use tokio::time::sleep;
@@ -43,10 +42,6 @@ const JOBS_MAX: usize = 5;
 /// waiting: a server that hangs would otherwise take all jobs.
 const SLOW: Duration = Duration::from_secs(5);
 
-/// This many measured scans are kept, the latest, until every store has their records: a store that is slow or
-/// away does not cause a second measurement. A record has a few megabytes.
-const KEPT_READY: usize = 4;
-
 /// The result of a job.
 enum Done {
     Asked { store: String, in_reach: bool },
@@ -54,16 +49,11 @@ enum Done {
     Ended { due: Due, ended: Ended },
 }
 
-/// A scan, and the patient for whom it is measured, with who named the patient.
-type ScanOf = (ScanId, Option<Patient>);
-
 #[derive(Default)]
 struct Scheduler {
     outbox: Outbox,
     dues: BTreeMap<Key, Due>,
     jobs: JoinSet<Done>,
-    /// Measured scans with a delivery that is still to be made, oldest first.
-    ready: Vec<(ScanOf, Arc<Ready>)>,
     /// The steps that are running at each store, and when they began.
     at_store: BTreeMap<(String, Option<Key>), Duration>,
 }
@@ -126,10 +116,6 @@ impl Scheduler {
                 return Ok(());
             }
         };
-        let deliver = pending.iter().filter(|due| due.task == Task::Deliver);
-        self.ready.retain(|((scan, patient), _)| {
-            deliver.clone().any(|due| due.scan == *scan && due.patient == *patient)
-        });
         let keys: Vec<Key> = pending.iter().map(key).collect();
         self.dues = keys.iter().cloned().zip(pending).collect();
         booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
@@ -170,10 +156,6 @@ impl Scheduler {
             }
         }
         let Some(first) = deliver.first().cloned() else { return };
-        let scan = scan_of(&first);
-        // Taken out until it is found to be of use.
-        let at = self.ready.iter().position(|(of, _)| *of == scan);
-        let measured = at.map(|at| self.ready.remove(at).1);
         let is_server = |due: &Due| {
             booth.core().stores.named(&due.store).is_some_and(|store| store.is_server())
         };
@@ -182,13 +164,8 @@ impl Scheduler {
         self.jobs.spawn_blocking(move || {
             // If the spool was removed, the scan of this record is gone.
             let is_there = booth.core().custody.spool().holds(&first.scan);
-            let ready = match measured.filter(|_| is_there) {
-                Some(ready) => Ok(ready),
-                None => {
-                    work::prepare(&booth, &first, threads, only_servers && is_there).map(Arc::new)
-                }
-            };
-            Done::Prepared { dues: deliver, ready }
+            let ready = work::prepare(&booth, &first, threads, only_servers && is_there);
+            Done::Prepared { dues: deliver, ready: ready.map(Arc::new) }
         });
     }
 
@@ -214,11 +191,6 @@ impl Scheduler {
                 self.outbox.asked(&store, in_reach, booth.core().now(), random_unit());
             }
             Done::Prepared { dues, ready: Ok(ready) } => {
-                if let Some(first) = dues.first() {
-                    self.ready.push((scan_of(first), Arc::clone(&ready)));
-                    let over = self.ready.len().saturating_sub(KEPT_READY);
-                    self.ready.drain(..over);
-                }
                 for due in dues {
                     let ready = Arc::clone(&ready);
                     self.at_store(booth, due, move |booth, due| work::put(booth, due, &ready));
@@ -282,8 +254,4 @@ impl Scheduler {
 fn key(due: &Due) -> Key {
     let patient = due.patient.as_ref().map(|patient| patient.id.clone());
     Key { scan: due.scan.clone(), patient, store: due.store.clone() }
-}
-
-fn scan_of(due: &Due) -> ScanOf {
-    (due.scan.clone(), due.patient.clone())
 }
