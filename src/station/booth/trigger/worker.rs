@@ -6,7 +6,7 @@ use std::time::Duration;
 use gaiter_flow::booth::PortEvent;
 use gaiter_flow::facts::TriggerFacts;
 use gaiter_flow::trigger::PortState;
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 use tokio::sync::oneshot;
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::timeout;
@@ -36,6 +36,7 @@ pub async fn worker(
     mut stop: Stop,
 ) -> Result<(), JoinError> {
     let (core, name) = (Arc::clone(booth.core()), port.name);
+    core.board.note(|facts| facts.triggers.insert(name, TriggerFacts::new(Timestamp::now())));
     let (open, closed) = oneshot::channel::<()>();
     let (theirs, asked) = (Arc::clone(&booth), stop.clone());
     let work = move |counter: &StepCounter| {
@@ -68,7 +69,6 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, counter: &StepCounter) {
     let signal = booth.signal();
     let clock = || core.now();
     let mut attendant = Attendant::new(opener, decoder, manner, clock());
-    let mut noted = Noted::new(name);
     let mut events = Vec::new();
     let (mut was_open, mut listens_since) = (None, clock());
     while !stop.is_requested() {
@@ -88,12 +88,12 @@ fn attend(booth: &Booth, port: Attended, stop: &Stop, counter: &StepCounter) {
         }
         // A journal that is slow to take the input keeps this port waiting: that counts as a sleep.
         listens_since = clock();
-        for event in events.drain(..) {
-            noted.count(&event);
-            booth.receive(&event);
+        for event in &events {
+            booth.receive(event);
         }
         log(name, &mut attendant, clock());
-        noted.note(core, &mut attendant);
+        note(core, name, &mut attendant, &events);
+        events.clear();
         if !pause.is_zero() {
             std::thread::sleep(pause.min(NAP));
         }
@@ -118,44 +118,27 @@ fn log(port: &'static str, attendant: &mut Attendant, now: Duration) {
     }
 }
 
-/// What was last noted about a port on the board.
-struct Noted {
-    name: &'static str,
-    facts: TriggerFacts,
-    /// `unsound_since` on the station's clock; the board's time is computed from it.
-    unsound_since: Option<Duration>,
-}
-
-impl Noted {
-    fn new(name: &'static str) -> Noted {
-        Noted { name, facts: TriggerFacts::new(Timestamp::now()), unsound_since: None }
-    }
-
-    fn count(&mut self, event: &PortEvent) {
-        match event {
-            PortEvent::Press(_) => self.facts.presses += 1,
-            PortEvent::Named { .. } => self.facts.ids += 1,
-            PortEvent::Ordered { .. } | PortEvent::Unread | PortEvent::UnreadOrder { .. } => {}
-        }
-    }
-
-    /// Notes the port's state.
-    fn note(&mut self, core: &Core, attendant: &mut Attendant) {
-        let known = &mut self.facts;
-        known.garbage = attendant.garbage();
-        let lifecycle = attendant.lifecycle();
+/// Notes on the board how a port is, and what it has received since the last note.
+fn note(core: &Core, port: &'static str, attendant: &mut Attendant, events: &[PortEvent]) {
+    let (garbage, now) = (attendant.garbage(), Timestamp::now());
+    let lifecycle = attendant.lifecycle();
+    core.board.note(|facts| {
+        let known = facts.triggers.entry(port).or_insert_with(|| TriggerFacts::new(now));
         if known.state != lifecycle.state() {
-            (known.state, known.since) = (lifecycle.state(), Timestamp::now());
+            (known.state, known.since) = (lifecycle.state(), now);
         }
         known.why = lifecycle.why().cloned();
-        if self.unsound_since != lifecycle.unsound_since() {
-            self.unsound_since = lifecycle.unsound_since();
-            known.unsound_since = self.unsound_since.map(|since| {
-                let age = SignedDuration::try_from(core.now().saturating_sub(since));
-                let now = Timestamp::now();
-                age.ok().and_then(|age| now.checked_sub(age).ok()).unwrap_or(now)
-            });
+        match lifecycle.unsound_since() {
+            Some(_) => _ = known.unsound_since.get_or_insert(now),
+            None => known.unsound_since = None,
         }
-        core.board.note(|facts| facts.triggers.insert(self.name, known.clone()));
-    }
+        known.garbage = garbage;
+        for event in events {
+            match event {
+                PortEvent::Press(_) => known.presses += 1,
+                PortEvent::Named { .. } => known.ids += 1,
+                PortEvent::Ordered { .. } | PortEvent::Unread | PortEvent::UnreadOrder { .. } => {}
+            }
+        }
+    });
 }
