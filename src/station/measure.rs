@@ -6,7 +6,7 @@
 //!
 //! The station runs its own binary again with the hidden verb `measure`. The job and the bytes go to
 //! its standard input, and the answer comes from its standard output: how an export ends and what identifies
-//! it, the record's files, or the crop for an archive. Its arguments hold at most the scan's hash. Before the process reads the first byte of the scan, it gives up what it does not
+//! it, the record's files, a check with the phantom, or the crop for an archive. Its arguments hold at most the scan's hash. Before the process reads the first byte of the scan, it gives up what it does not
 //! need: files, network, new programs, and memory and time beyond its limits.
 
 pub mod child;

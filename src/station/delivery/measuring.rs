@@ -82,7 +82,7 @@ pub fn measured(
                     MeasureOutcome::Files { files, to_do }
                 }
                 JobAnswer::Refused { code, message } => MeasureOutcome::Refused { code, message },
-                JobAnswer::Inspected(_) => {
+                JobAnswer::Inspected(_) | JobAnswer::Checked(_) => {
                     let message = "the measuring process gave no record".to_owned();
                     MeasureOutcome::Refused { code: "record-not-written".to_owned(), message }
                 }

@@ -54,9 +54,7 @@ fn asked(core: &Core, export: &Export, format: Format) -> Result<Inspection, Ins
         let trouble = match measure::measure_bytes(None, &job, &export.bytes)? {
             Ended::Answered(JobAnswer::Inspected(found)) => return Ok(found),
             // The reader panicked.
-            Ended::Answered(JobAnswer::Files { .. } | JobAnswer::Refused { .. }) => {
-                return Ok(NOTHING_SHOWN);
-            }
+            Ended::Answered(_) => return Ok(NOTHING_SHOWN),
             Ended::Trouble(trouble) => trouble,
         };
         tries += 1;

@@ -95,14 +95,11 @@ fn measured(
         CheckRecord::not_measured(now, export.scan.to_string(), why, phantom.tolerance_mm)
     };
     Ok(match measured {
-        Ended::Answered(JobAnswer::Files { files, .. }) => {
-            let check = files.first().and_then(|file| serde_json::from_slice(&file.bytes).ok());
-            check.unwrap_or_else(|| not_measured("the measuring process gave no check".to_owned()))
-        }
-        Ended::Answered(JobAnswer::Inspected(_)) => {
+        Ended::Answered(JobAnswer::Checked(check)) => *check,
+        Ended::Answered(JobAnswer::Refused { message, .. }) => not_measured(message),
+        Ended::Answered(JobAnswer::Inspected(_) | JobAnswer::Files { .. }) => {
             not_measured("the measuring process gave no check".to_owned())
         }
-        Ended::Answered(JobAnswer::Refused { message, .. }) => not_measured(message),
         Ended::Trouble(trouble) => not_measured(trouble.to_string()),
     })
 }

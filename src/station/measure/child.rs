@@ -68,7 +68,7 @@ fn answer(job: &Job, hash: Option<&str>, scan: &[u8], ord: &[u8]) -> Result<JobA
     match &job.purpose {
         Purpose::Inspection => Ok(inspected(scan, format)),
         Purpose::Record(job) => recorded(job, scan, format, ord),
-        Purpose::Check(job) => checked(job, scan, format),
+        Purpose::Check(job) => Ok(checked(job, scan, format)),
         Purpose::Crop(job) => cropped(job, scan, format),
     }
 }
@@ -113,11 +113,11 @@ fn recorded(
 }
 
 /// The check with the phantom that is in the scan.
-fn checked(job: &CheckJob, scan: &[u8], format: Format) -> Result<JobAnswer, JobAnswer> {
+fn checked(job: &CheckJob, scan: &[u8], format: Format) -> JobAnswer {
     let CheckJob { method, phantom, tolerance_mm, at, sha256 } = job;
     let found = phantom::check(scan, format, phantom, method);
     let check = CheckRecord::new(*at, sha256.clone(), &found, *tolerance_mm);
-    Ok(of_files([("check.json", serde_json::to_vec(&check).map_err(not_written)?)]))
+    JobAnswer::Checked(Box::new(check))
 }
 
 /// What leaves the house of a scan, and what its whole body told. The archive gets both as bytes, so the crop is measured
@@ -131,15 +131,13 @@ fn cropped(job: &CropJob, scan: &[u8], format: Format) -> Result<JobAnswer, JobA
     let read: WholeBody = serde_json::from_slice(&bytes).map_err(not_written)?;
     let again = leg::extract_crop(&ply, &read, method).map_err(not_measured)?;
     match crop_differs(&extraction, &again, method).map_err(not_written)? {
-        None => Ok(of_files([(CROP, ply), (WHOLE_BODY, bytes)])),
+        None => {
+            let file = |name: &str, bytes| RecordFile { name: name.to_owned(), bytes };
+            let files = vec![file(CROP, ply), file(WHOLE_BODY, bytes)];
+            Ok(JobAnswer::Files { files, to_do: Vec::new(), views_apart_mm: None })
+        }
         Some(differs) => Err(refused("crop-differs", differs)),
     }
-}
-
-/// The answer that is only files.
-fn of_files<const N: usize>(files: [(&str, Vec<u8>); N]) -> JobAnswer {
-    let file = |(name, bytes): (&str, Vec<u8>)| RecordFile { name: name.to_owned(), bytes };
-    JobAnswer::Files { files: files.map(file).into(), to_do: Vec::new(), views_apart_mm: None }
 }
 
 /// What of the body leaves the house, in the body frame.

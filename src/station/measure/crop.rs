@@ -37,7 +37,7 @@ impl CropScan for ConfinedCrop {
         match ended.map_err(|fault| StoreFault::NoCrop(chain(&fault)))? {
             Ended::Answered(JobAnswer::Files { files, .. }) => cropped(files),
             Ended::Answered(JobAnswer::Refused { message, .. }) => Err(never(message)),
-            Ended::Answered(JobAnswer::Inspected(_)) => Err(no_answer()),
+            Ended::Answered(JobAnswer::Inspected(_) | JobAnswer::Checked(_)) => Err(no_answer()),
             Ended::Trouble(trouble) if trouble.blame() == Blame::Scan => {
                 Err(never(trouble.to_string()))
             }

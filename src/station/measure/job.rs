@@ -7,6 +7,7 @@ use gaiter_confined::{Limits, read_line, write_line};
 use gaiter_flow::confinement::Confine;
 use gaiter_leg::Method;
 use gaiter_leg::phantom::Phantom;
+use gaiter_record::phantom::CheckRecord;
 use gaiter_record::{Provenance, RecordFile, ReportChoice};
 use gaiter_scan::End;
 use jiff::Timestamp;
@@ -97,6 +98,8 @@ pub struct CropJob {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum JobAnswer {
     Inspected(Inspection),
+    /// The phantom was looked for in it.
+    Checked(Box<CheckRecord>),
     /// It was measured.
     Files {
         /// The record's files except the scan's own bytes, `SHA256SUMS` last. They follow the answer's line.
