@@ -21,7 +21,7 @@ use gaiter_flow::settle::Sights;
 use gaiter_flow::words::stepped;
 use gaiter_flow::{Appeared, OrdersWhen, ScanId};
 use jiff::{SignedDuration, Timestamp};
-use tokio::sync::{Notify, watch};
+use tokio::sync::watch;
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 
@@ -53,12 +53,10 @@ pub struct Booth {
     /// What the looks have found, per export folder. Locked only for moments.
     sights: Mutex<Vec<Sights>>,
     signal: watch::Sender<Signal>,
-    /// Notified at each press: what is in the export folders now was there before it.
-    looks: Vec<Arc<Notify>>,
-    orders_look: Notify,
+    /// Sent at each press: what is in the folders of exports and orders now was there before it, and the light
+    /// answers it at once.
+    looks: watch::Sender<()>,
     worklist: worklist::BoothWorklist,
-    /// Notified at each press: the light answers it at once.
-    pressed: Notify,
 }
 
 #[derive(Debug)]
@@ -189,15 +187,13 @@ impl Booth {
         let folders = config.scanner.export_dirs.len();
         let (journal, boot) = (core.custody.journal(), core.clock.boot());
         let inner = Inner::recall(journal, rules, buttons, boot, core.now())?;
-        let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
-        let signal = watch::Sender::new(Signal::Ready);
+        let (signal, looks) = (watch::Sender::new(Signal::Ready), watch::Sender::new(()));
         let (inner, sights) = (Mutex::new(inner), Mutex::new(vec![Sights::default(); folders]));
-        let (orders_look, pressed) = (Notify::new(), Notify::new());
         #[cfg(feature = "dicom")]
         let worklist = worklist::BoothWorklist::recall(&core)?;
         #[cfg(not(feature = "dicom"))]
         let worklist = worklist::BoothWorklist::default();
-        Ok(Booth { core, inner, sights, signal, looks, orders_look, worklist, pressed })
+        Ok(Booth { core, inner, sights, signal, looks, worklist })
     }
 
     /// The core that the workers share.
@@ -254,9 +250,9 @@ impl Booth {
         self.signal.subscribe()
     }
 
-    /// The signal that makes the intake of this export folder look at once.
-    pub fn look(&self, place: usize) -> Arc<Notify> {
-        self.looks.get(place).cloned().unwrap_or_default()
+    /// Changes when somebody should look at once.
+    pub fn looks(&self) -> watch::Receiver<()> {
+        self.looks.subscribe()
     }
 
     /// Locks the captures while an export is taken in. Blocks.
@@ -457,7 +453,7 @@ impl LockedCaptures<'_> {
 /// If a step panicked.
 pub async fn worker(booth: Arc<Booth>, beat: Heartbeat, mut stop: Stop) -> Result<(), JoinError> {
     let core = Arc::clone(booth.core());
-    let mut light = Light::switched_on();
+    let (mut light, mut looks) = (Light::switched_on(), booth.looks());
     let (mut not_ready, mut next_ready) = (false, core.now());
     let mut slept = false;
     while !stop.is_requested() {
@@ -487,7 +483,7 @@ pub async fn worker(booth: Arc<Booth>, beat: Heartbeat, mut stop: Stop) -> Resul
         booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
         tokio::select! {
             () = stop.requested() => break,
-            () = booth.pressed.notified() => {}
+            _ = looks.changed() => {}
             () = sleep(LIGHT) => {}
         }
         // The step counts too: the process may have been stopped in it, and a disk that holds it up for so long holds

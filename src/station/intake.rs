@@ -109,7 +109,7 @@ pub async fn worker(
     };
     let guard = MountGuard::default();
     let hint = Arc::new(Notify::new());
-    let pressed = booth.look(place);
+    let mut looks = booth.looks();
     let mut watch = Watch::new(folder.clone(), scanner.watch.subfolders, Arc::clone(&hint));
     let notes = Notes::new(Arc::clone(&booth), place, &folder);
     let mut looked = Some(looked);
@@ -131,7 +131,7 @@ pub async fn worker(
         tokio::select! {
             () = stop.requested() => break,
             () = hint.notified() => {}
-            () = pressed.notified() => {}
+            _ = looks.changed() => {}
             () = pause => {}
         }
         if core.now().saturating_sub(rested) > planned + ASLEEP {

@@ -98,11 +98,6 @@ impl Booth {
         Ok(())
     }
 
-    fn look_at_folders(&self) {
-        self.looks.iter().for_each(|look| look.notify_one());
-        self.orders_look.notify_one();
-    }
-
     fn pressed(&self) -> Result<(), JournalError> {
         let now = self.core.now();
         let mut inner = self.inner();
@@ -123,8 +118,7 @@ impl Booth {
         inner.next_number += 1;
         (inner.missed, inner.last) = (false, None);
         drop(inner);
-        self.pressed.notify_one();
-        self.look_at_folders();
+        self.looks.send_replace(());
         let (number, has_patient) = (capture.number, patient.is_some());
         info!(event = "pressed", capture = number, has_patient);
         self.core.observer.notify(StationEvent::Pressed);
@@ -193,7 +187,7 @@ impl Booth {
             inner.late_orders.drain(..spare);
         }
         if !matches!(next, NamedNext::Waits { .. }) {
-            self.look_at_folders();
+            self.looks.send_replace(());
         }
         if matches!(inner.last, Some((Last::NameUnread, _))) {
             inner.last = None;

@@ -106,6 +106,7 @@ pub async fn worker(
         is_in: AtomicBool::new(true),
         is_any_unread: AtomicBool::new(false),
     });
+    let mut looks = booth.looks();
     let mut forgotten = core.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
         let alive = || beat.beat();
@@ -148,7 +149,7 @@ pub async fn worker(
         // A press asks for a look at once: an order that was not there then came after it.
         tokio::select! {
             () = stop.requested() => {}
-            () = booth.orders_look.notified() => {}
+            _ = looks.changed() => {}
             () = rest => {}
         }
     }
