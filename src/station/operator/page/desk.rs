@@ -43,14 +43,12 @@ pub struct Desk {
     pub previews: Arc<Previews>,
     /// The last snapshot, for all readers; `None` without readers.
     pub(super) texts: watch::Sender<Option<Texts>>,
-    /// Notified when a reader subscribes.
-    pub(super) reader: Notify,
-    /// Notified when something has changed that an operator waits for.
+    /// Notified when a reader subscribes, and when something has changed that an operator waits for.
     pub(super) refresh: Notify,
     pub(in crate::station::operator) summaries: Summaries,
     pub(super) readers: Arc<Semaphore>,
-    token: OnceLock<Token>,
-    local: OnceLock<SocketAddr>,
+    /// Where the page is served, and the token needed to decide there.
+    local: OnceLock<(SocketAddr, Token)>,
 }
 
 impl Desk {
@@ -61,24 +59,21 @@ impl Desk {
             booth,
             previews,
             texts: watch::Sender::new(None),
-            reader: Notify::new(),
             refresh: Notify::new(),
             summaries: Summaries::default(),
             readers: Arc::new(Semaphore::new(MOST_READERS)),
-            token: OnceLock::new(),
             local: OnceLock::new(),
         }
     }
 
     /// The link that opens the page with its token; `None` if no page is served.
     pub fn link(&self) -> Option<String> {
-        let (token, local) = (self.token.get()?, self.local.get()?);
-        Some(format!("http://{local}/#token={}", token.word()))
+        self.local.get().map(|(local, token)| format!("http://{local}/#token={}", token.word()))
     }
 
     /// The token needed to decide on the page; `None` if no page is served.
     pub(super) fn token(&self) -> Option<&Token> {
-        self.token.get()
+        self.local.get().map(|(_, token)| token)
     }
 
     /// Notes that the page is served at this address of the machine. Its token is read from the state
@@ -87,9 +82,8 @@ impl Desk {
     pub(super) fn is_served_at(&self, address: SocketAddr, renews_token: bool) {
         let state_dir = &self.core.config.station.state_dir;
         match if renews_token { Token::renew(state_dir) } else { Token::take(state_dir) } {
-            Ok(token) => _ = self.token.set(token),
+            Ok(token) => _ = self.local.set((address, token)),
             Err(error) => warn!(event = "page-token-failed", error = chain(&error)),
         }
-        _ = self.local.set(address);
     }
 }

@@ -77,7 +77,7 @@ pub async fn worker(desk: &Arc<Desk>, mut stop: Stop) {
             ground = None;
             tokio::select! {
                 () = stop.requested() => return,
-                () = desk.reader.notified() => continue,
+                () = desk.refresh.notified() => continue,
             }
         }
         let looked = Arc::clone(desk);

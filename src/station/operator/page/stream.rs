@@ -49,7 +49,7 @@ async fn send_all(
     sender: &mpsc::Sender<io::Result<Bytes>>,
 ) {
     let mut snapshots = endpoint.desk.texts.subscribe();
-    endpoint.desk.reader.notify_one();
+    endpoint.desk.refresh.notify_one();
     let mut stop = endpoint.stop.clone();
     let mut last = None;
     if sender.send(Ok(format!("retry: {RETRY_MS}\n\n").into())).await.is_err() {
