@@ -31,6 +31,7 @@ use self::work::Ready;
 use super::booth::Booth;
 use super::journal::{Due, KEPT, Task};
 use super::runtime::{Heartbeat, Stop, random_unit};
+use crate::store::FolderStore;
 
 /// How often the journal is read without a hint.
 const RECHECK: Duration = Duration::from_secs(5);
@@ -156,15 +157,12 @@ impl Scheduler {
             }
         }
         let Some(first) = deliver.first().cloned() else { return };
-        let is_server = |due: &Due| {
-            booth.core().stores.named(&due.store).is_some_and(|store| store.is_server())
-        };
-        let only_servers = deliver.iter().all(is_server);
+        let may_be_stored = deliver.iter().all(|due| due.store != FolderStore::FIRST);
         let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
             // If the spool was removed, the scan of this record is gone.
             let is_there = booth.core().custody.spool().holds(&first.scan);
-            let ready = work::prepare(&booth, &first, threads, only_servers && is_there);
+            let ready = work::prepare(&booth, &first, threads, may_be_stored && is_there);
             Done::Prepared { dues: deliver, ready: ready.map(Arc::new) }
         });
     }

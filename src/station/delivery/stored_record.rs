@@ -1,5 +1,5 @@
-//! The record of a scan that the first store has. What servers are given is made of it, where it is there and whole:
-//! after a restart, or a change of the method or the language, a new measurement may have other figures.
+//! The record of a scan that the first store has. What other stores are given is made of it, where it is there and
+//! whole: after a restart, or a change of the method or the language, a new measurement may have other figures.
 
 use std::io;
 use std::path::Path;

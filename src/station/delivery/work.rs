@@ -57,15 +57,15 @@ pub(super) enum DeliveryFault {
     Custody(CustodyFault),
 }
 
-/// Measures the scan of a delivery on `threads` threads; for servers alone, takes its record from the first store if
-/// that has it. If there is nothing to put into a store, returns how the work ended.
+/// Measures the scan of a delivery on `threads` threads; or takes its record from the first store, if that may have it
+/// and has it. If there is nothing to put into a store, returns how the work ended.
 pub fn prepare(
     booth: &Booth,
     due: &Due,
     threads: usize,
-    only_servers: bool,
+    may_be_stored: bool,
 ) -> Result<Ready, Ended> {
-    let stored = if only_servers { stored(booth, due).transpose() } else { None };
+    let stored = if may_be_stored { stored(booth, due).transpose() } else { None };
     let ready = stored.unwrap_or_else(|| measured(booth, due, threads));
     ready.map_err(|fault| note_fault(booth, due, fault))
 }
