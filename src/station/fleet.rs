@@ -1,10 +1,11 @@
 //! Tells the archive each minute how the station is. It has a connection of its own, and waits for nothing else as nothing
 //! waits for it: what cannot be told now is told the next minute.
 
+use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
-use gaiter_https::{Bucket, BucketFault};
+use gaiter_https::Bucket;
 use gaiter_record::archive::{self, Document, StationId};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -72,26 +73,18 @@ fn told(overview: &Overview, station: StationId) -> archive::Heartbeat {
     }
 }
 
-/// Why the archive was not told.
-#[derive(Debug, thiserror::Error)]
-enum NotTold {
-    /// A figure cannot be written.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-    /// The store of objects does not take it.
-    #[error(transparent)]
-    Bucket(#[from] BucketFault),
-}
+/// Nothing, or why the archive was not told.
+type Sent = Result<(), Box<dyn Error + Send + Sync>>;
 
-fn send(bucket: &Bucket, heartbeat: &archive::Heartbeat) -> Result<(), NotTold> {
+fn send(bucket: &Bucket, heartbeat: &archive::Heartbeat) -> Sent {
     Ok(bucket.put(&heartbeat.key().to_string(), heartbeat.json()?)?)
 }
 
 /// Logs where an outage begins and where it ends.
-fn note(sent: &Result<(), NotTold>, is_told: &mut bool) {
+fn note(sent: &Sent, is_told: &mut bool) {
     match sent {
         Ok(()) if !*is_told => info!(event = "heartbeat-sent-again"),
-        Err(fault) if *is_told => warn!(event = "heartbeat-not-sent", error = chain(fault)),
+        Err(fault) if *is_told => warn!(event = "heartbeat-not-sent", error = chain(&**fault)),
         Ok(()) | Err(_) => {}
     }
     *is_told = sent.is_ok();
