@@ -7,6 +7,7 @@ use std::time::Duration;
 use gaiter_flow::backoff;
 use gaiter_flow::confinement::Confine;
 use jiff::Zoned;
+use sd_notify::NotifyState;
 use tokio::sync::mpsc::{self, UnboundedSender};
 use tokio::task::spawn_blocking;
 use tokio::time::{interval, sleep, timeout};
@@ -166,7 +167,7 @@ async fn unless_stopped<T>(
         tokio::select! {
             () = &mut *stop => return None,
             done = &mut wait => return Some(done),
-            _ = watchdog.tick() => service::notify_alive(),
+            _ = watchdog.tick() => service::notify(&[NotifyState::Watchdog]),
         }
     }
 }
@@ -194,7 +195,7 @@ async fn generation(
             warn!(event = "first-look-outstanding");
         }
         info!(event = "station-ready");
-        service::notify_ready();
+        service::notify(&[NotifyState::Ready]);
         station.core.observer.notify(StationEvent::Ready);
     };
     let turn = {
@@ -219,7 +220,7 @@ async fn generation(
                 // The watchdog is fed only while no worker hangs.
                 _ = watchdog.tick() => match workers.hung(HUNG) {
                     Some(worker) => error!(event = "worker-hangs", %worker),
-                    None => service::notify_alive(),
+                    None => service::notify(&[NotifyState::Watchdog]),
                 },
             }
         }
@@ -249,7 +250,7 @@ async fn wind_up(
         turn => turn,
     };
     if matches!(turn, Ok(GenerationEnd::Stop) | Err(_)) {
-        service::notify_stopping();
+        service::notify(&[NotifyState::Stopping]);
     }
     info!(event = "station-stopping");
     stopper.request();
@@ -303,7 +304,7 @@ fn reloaded(core: &Core, reload: Reload) -> Option<Box<Config>> {
     // The text may quote what is in the file, so it is not logged; operators can ask for it.
     warn!(event = "configuration-refused");
     core.board.note(|facts| facts.refused_reload = Some(refused));
-    service::notify_ready();
+    service::notify(&[NotifyState::Ready]);
     None
 }
 

@@ -6,27 +6,12 @@ use tracing::warn;
 use super::overview::Overview;
 use super::runtime::chain;
 
-/// Reports that scans are taken in from now on.
-pub fn notify_ready() {
-    notify(&[NotifyState::Ready]);
-}
-
-/// Reports that the configuration is read again; `notify_ready` follows when that is over.
+/// Reports that the configuration is read again; [`NotifyState::Ready`] follows when that is over.
 pub fn notify_reloading() {
     match NotifyState::monotonic_usec_now() {
         Ok(now) => notify(&[NotifyState::Reloading, now]),
         Err(error) => warn!(event = "notify-failed", error = chain(&error)),
     }
-}
-
-/// Reports that the station is stopping.
-pub fn notify_stopping() {
-    notify(&[NotifyState::Stopping]);
-}
-
-/// Reports that no worker hangs.
-pub fn notify_alive() {
-    notify(&[NotifyState::Watchdog]);
 }
 
 /// Reports the state of the station in one line.
@@ -46,7 +31,8 @@ pub fn status_line(overview: &Overview) -> String {
     format!("not ready: {codes}; {waiting} records to be delivered; see gaiter status")
 }
 
-fn notify(states: &[NotifyState<'_>]) {
+/// Reports this, all at once.
+pub fn notify(states: &[NotifyState<'_>]) {
     if let Err(error) = sd_notify::notify(states) {
         warn!(event = "notify-failed", %error);
     }
