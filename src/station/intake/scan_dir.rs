@@ -66,7 +66,7 @@ pub struct Passed {
 pub fn look(folder: &Path, config: &WatchConfig, counter: &StepCounter) -> io::Result<Found> {
     let before = folder_id(folder)?;
     let mount = file_system::mount(folder, config)?;
-    let mut walk = Walk::new(config, counter);
+    let mut walk = Walk { config, counter, listed: Listed::default() };
     walk.list(folder, 0)?;
     let is_same = folder_id(folder)? == before && file_system::detect(folder)? == mount.file_system;
     if !is_same {
@@ -79,6 +79,12 @@ pub fn look(folder: &Path, config: &WatchConfig, counter: &StepCounter) -> io::R
 struct Walk<'a> {
     config: &'a WatchConfig,
     counter: &'a StepCounter,
+    listed: Listed,
+}
+
+/// What a walk has found so far.
+#[derive(Default)]
+struct Listed {
     scans: BTreeMap<PathBuf, Stamp>,
     companions: BTreeMap<PathBuf, Stamp>,
     /// By the time of their last change and by name.
@@ -92,22 +98,7 @@ struct Walk<'a> {
     below: BTreeMap<PathBuf, Stamp>,
 }
 
-impl<'a> Walk<'a> {
-    fn new(config: &'a WatchConfig, counter: &'a StepCounter) -> Walk<'a> {
-        Walk {
-            config,
-            counter,
-            scans: BTreeMap::new(),
-            companions: BTreeMap::new(),
-            unrelated: BTreeMap::new(),
-            done: BTreeMap::new(),
-            ignored: BTreeMap::new(),
-            unread: 0,
-            passed_over: BTreeMap::new(),
-            below: BTreeMap::new(),
-        }
-    }
-
+impl Walk<'_> {
     fn list(&mut self, folder: &Path, depth: usize) -> io::Result<()> {
         let mut names = BTreeSet::new();
         let mut scans = Vec::new();
@@ -126,12 +117,12 @@ impl<'a> Walk<'a> {
                 self.folder(path, depth)?;
             } else if Format::of_file_name(&text).is_ok() {
                 if let Some(stamp) = self.regular(&path) {
-                    self.scans.insert(path.clone(), stamp);
+                    self.listed.scans.insert(path.clone(), stamp);
                     scans.push(path);
                 }
             } else if companions::is_companion(&name) {
                 if let Some(stamp) = self.regular(&path) {
-                    self.companions.insert(path, stamp);
+                    self.listed.companions.insert(path, stamp);
                 }
             } else {
                 self.note_unrelated(path.clone());
@@ -164,9 +155,9 @@ impl<'a> Walk<'a> {
         let metadata = path.symlink_metadata().ok().filter(Metadata::is_file);
         let Some(stamp) = metadata.map(|metadata| stamp(&metadata)) else { return };
         let changed_ns = stamp.ctime_ns.max(stamp.mtime_ns);
-        self.unrelated.insert((changed_ns, path), stamp);
-        if self.unrelated.len() > UNRELATED_MAX {
-            self.unrelated.pop_first();
+        self.listed.unrelated.insert((changed_ns, path), stamp);
+        if self.listed.unrelated.len() > UNRELATED_MAX {
+            self.listed.unrelated.pop_first();
         }
     }
 
@@ -190,7 +181,7 @@ impl<'a> Walk<'a> {
 
     fn sub_folder(&mut self, path: &Path, depth: usize) -> io::Result<()> {
         let before = stamp(&path.symlink_metadata()?);
-        self.below.insert(path.to_owned(), before);
+        self.listed.below.insert(path.to_owned(), before);
         self.list(path, depth)?;
         let after = stamp(&path.symlink_metadata()?);
         if (after.dev, after.ino) != (before.dev, before.ino) {
@@ -207,34 +198,33 @@ impl<'a> Walk<'a> {
                 continue;
             }
             if let Some(metadata) = done.symlink_metadata().ok().filter(Metadata::is_file) {
-                if let Some(Passed { why, .. }) = self.ignored.remove(&done)
-                    && let Some(count) = self.passed_over.get_mut(&why)
+                if let Some(Passed { why, .. }) = self.listed.ignored.remove(&done)
+                    && let Some(count) = self.listed.passed_over.get_mut(&why)
                 {
                     *count -= 1;
-                    self.unread -= usize::from(why.is_unread());
+                    self.listed.unread -= usize::from(why.is_unread());
                 }
-                self.done.insert(done, stamp(&metadata));
+                self.listed.done.insert(done, stamp(&metadata));
             }
         }
     }
 
     fn ignore(&mut self, path: PathBuf, why: PassedOver) {
-        *self.passed_over.entry(why).or_default() += 1;
+        *self.listed.passed_over.entry(why).or_default() += 1;
         let (known, changed_ns) = match why.is_unread() {
-            true => (self.unread, changed(&path)),
-            false => (self.ignored.len() - self.unread, 0),
+            true => (self.listed.unread, changed(&path)),
+            false => (self.listed.ignored.len() - self.listed.unread, 0),
         };
         if known < IGNORED_MAX {
-            self.unread += usize::from(why.is_unread());
-            self.ignored.insert(path, Passed { why, changed_ns });
+            self.listed.unread += usize::from(why.is_unread());
+            self.listed.ignored.insert(path, Passed { why, changed_ns });
         }
     }
 
     fn found(self, export: (u64, u64), mount: Mount) -> Found {
-        let Walk {
-            config, scans, companions, unrelated, done, ignored, passed_over, below, ..
-        } = self;
-        let done = |scan: &Path| match &config.done_file {
+        let Listed { scans, companions, unrelated, done, ignored, passed_over, below, .. } =
+            self.listed;
+        let done = |scan: &Path| match &self.config.done_file {
             None => Done::NotAsked,
             Some(rule) => done.get(&rule.of(scan)).copied().map_or(Done::Missing, Done::There),
         };
